@@ -1,0 +1,14 @@
+"""driftform: evolve the shape of a passive underwater agent so that the current alone carries it.
+
+The data flow is ``genome -> morphology -> body -> coefficients -> trajectory -> fitness``;
+:mod:`driftform.pipeline` reads top to bottom like that line. Importing this package imports nothing heavy.
+"""
+
+import pluggy
+
+__version__ = "0.1.0"
+
+hookimpl = pluggy.HookimplMarker("driftform")
+"""Marks a function of a plugin module as the implementation of a hook of :mod:`driftform.hookspecs`."""
+
+__all__ = ["__version__", "hookimpl"]

@@ -1,0 +1,33 @@
+"""What may go wrong that is not our bug: the user's input, and work that failed."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class DriftformError(Exception):
+    """Base of the errors that a user sees as one line without a traceback."""
+
+    exit_code = 1
+
+
+class InputError(DriftformError):
+    """The user's input is wrong: the message names where, what, and the next step. Exit code 2."""
+
+    exit_code = 2
+
+
+class WorkFailedError(DriftformError):
+    """The input was right, the work failed. Exit code 1."""
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """Return ``"; did you mean 'x'?"`` for a near miss, else the list of what is known.
+
+    The result is appended to a message, so it starts with a separator and is never empty unless
+    nothing is known.
+    """
+    names = sorted(set(known))
+    close = get_close_matches(word, names, n=1, cutoff=0.6) or [n for n in names if n.lower() == word.lower()]
+    if close:
+        return f"; did you mean '{close[0]}'?"
+    return f"; known: {', '.join(names)}" if names else ""

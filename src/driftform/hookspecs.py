@@ -1,0 +1,61 @@
+"""The hooks, one for each seam: the table of contents of what a plugin may bring.
+
+Each returns a class, or a list of classes, of its interface in :mod:`driftform.interfaces`. The hook body is
+where the implementation is imported, so that a missing dependency makes one row "unavailable" and no crash.
+"""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import pluggy
+
+if TYPE_CHECKING:
+    from driftform.interfaces import (
+        Exporter,
+        Fitness,
+        Grammar,
+        Hydrodynamics,
+        PhenotypeBuilder,
+        Simulator,
+        Strategy,
+    )
+
+T = TypeVar("T")
+OneOrMore = type[T] | Sequence[type[T]]
+
+hookspec = pluggy.HookspecMarker("driftform")
+
+
+@hookspec
+def driftform_grammar() -> "OneOrMore[Grammar[Any]]":  # type: ignore[empty-body]
+    """Genome -> morphology, and how genomes are made, mutated and crossed."""
+
+
+@hookspec
+def driftform_builder() -> "OneOrMore[PhenotypeBuilder[Any]]":  # type: ignore[empty-body]
+    """Morphology -> body."""
+
+
+@hookspec
+def driftform_hydrodynamics() -> "OneOrMore[Hydrodynamics[Any]]":  # type: ignore[empty-body]
+    """Body -> coefficients."""
+
+
+@hookspec
+def driftform_simulator() -> "OneOrMore[Simulator[Any]]":  # type: ignore[empty-body]
+    """Agent in a scenario -> trajectory."""
+
+
+@hookspec
+def driftform_fitness() -> "OneOrMore[Fitness[Any]]":  # type: ignore[empty-body]
+    """Trajectory -> one fitness for each target."""
+
+
+@hookspec
+def driftform_strategy() -> "OneOrMore[Strategy[Any]]":  # type: ignore[empty-body]
+    """Which genomes to evaluate next: ask and tell."""
+
+
+@hookspec
+def driftform_exporter() -> "OneOrMore[Exporter[Any]]":  # type: ignore[empty-body]
+    """Agent -> a file for a printer, a slicer or another program."""

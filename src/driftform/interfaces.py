@@ -1,0 +1,198 @@
+"""The seams: what a plugin implements. Each docstring is the tutorial of its seam.
+
+Every class has a ``name``, under which a study file selects it (``[simulator] use = "exudyn"``), and an
+``Options`` model, which checks the rest of that table. Instances are made with their options alone and hold no
+other state, so that they can be rebuilt in any worker process; a strategy is the one that remembers.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar, Generic, TypeVar
+
+import numpy as np
+
+from driftform.options import Table
+from driftform.scenario import Fluid, Scenario
+from driftform.types import (
+    Agent,
+    Body,
+    Candidate,
+    Coefficients,
+    Evaluation,
+    FloatArray,
+    Genome,
+    Morphology,
+    Trajectory,
+    WrittenFile,
+)
+
+OptionsT_co = TypeVar("OptionsT_co", bound=Table, covariant=True)
+
+
+class Plugin(ABC, Generic[OptionsT_co]):
+    """What all seams share: a name, a model of options, and the options of this instance."""
+
+    name: ClassVar[str]
+    Options: ClassVar[type[Table]] = Table
+
+    def __init__(self, options: OptionsT_co) -> None:
+        self.options = options
+
+
+class Grammar(Plugin[OptionsT_co]):
+    """Genome -> morphology, and the operators of variation.
+
+    A genome is a flat tuple of symbols. A grammar is free to give it structure, and is the only one to know it.
+    Every genome that :meth:`random`, :meth:`flip` and :meth:`crossover` make must be one that :meth:`express`
+    takes, and ``parse(to_text(g)) == g``.
+    """
+
+    @abstractmethod
+    def random(self, rng: np.random.Generator) -> Genome:
+        """Return a genome drawn uniformly from all there are."""
+
+    @abstractmethod
+    def flip(self, genome: Genome, index: int, rng: np.random.Generator) -> Genome:
+        """Return the genome with the symbol at ``index`` changed to another that may stand there."""
+
+    @abstractmethod
+    def crossover(self, a: Genome, b: Genome, rng: np.random.Generator) -> tuple[Genome, Genome]:
+        """Return two offspring of two parents."""
+
+    @abstractmethod
+    def express(self, genome: Genome) -> Morphology:
+        """Return the phenotype's modules.
+
+        Raises
+        ------
+        ValueError
+            where the genome is not one of this grammar; the message names the symbol and its position.
+        """
+
+    @abstractmethod
+    def to_text(self, genome: Genome) -> str:
+        """Return the genome in one line that a person can read."""
+
+    @abstractmethod
+    def parse(self, text: str) -> Genome:
+        """Read what :meth:`to_text` wrote.
+
+        Raises
+        ------
+        InputError
+            where the text is not a genome; the message names the symbol and its position.
+        """
+
+    def mutate(self, genome: Genome, rng: np.random.Generator, rate: float) -> Genome:
+        """Return the genome with each symbol flipped with probability ``rate``."""
+        for index in np.flatnonzero(rng.random(len(genome.symbols)) < rate):
+            genome = self.flip(genome, int(index), rng)
+        return genome
+
+
+class PhenotypeBuilder(Plugin[OptionsT_co]):
+    """Morphology -> body: gives the modules a wall, ends, and the core its place."""
+
+    @abstractmethod
+    def build(self, morphology: Morphology) -> Body:
+        """Return the meridian section of the morphology.
+
+        Any morphology gives a valid body: contours start and end on the axis, do not cross themselves, and the
+        cavity lies inside the outer contour.
+        """
+
+
+class Hydrodynamics(Plugin[OptionsT_co]):
+    """Body -> hydrodynamic coefficients."""
+
+    @abstractmethod
+    def coefficients(self, body: Body, fluid: Fluid) -> Coefficients:
+        """Return added mass and damping; the added mass is symmetric and positive semi-definite."""
+
+
+class Simulator(Plugin[OptionsT_co]):
+    """Agent in a scenario -> trajectory.
+
+    Implement :meth:`simulate`; override :meth:`simulate_batch` where many flights at once are faster. A flight
+    that goes wrong is no exception: its trajectory holds what is finite of it, and says so by its ``end``.
+    """
+
+    @abstractmethod
+    def simulate(self, agent: Agent, scenario: Scenario) -> Trajectory:
+        """Return the flight of one agent from its release to the outlet, or to the horizon."""
+
+    def simulate_batch(self, agents: Sequence[Agent], scenario: Scenario) -> list[Trajectory]:
+        """Return the flights of many agents; each is the same as if it flew alone."""
+        return [self.simulate(agent, scenario) for agent in agents]
+
+
+class Fitness(Plugin[OptionsT_co]):
+    """Trajectory -> one fitness for each target of the scenario; more is better, 0 is the least."""
+
+    @abstractmethod
+    def score(self, trajectory: Trajectory, scenario: Scenario) -> FloatArray:
+        """Return the fitness for each target, in the scenario's order, (targets,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class SearchSpace:
+    """What a strategy searches: genomes of ``grammar``, scored for ``targets``, with randomness from ``rng``."""
+
+    grammar: Grammar[Any]
+    targets: tuple[str, ...]
+    rng: np.random.Generator
+
+
+class Strategy(Plugin[OptionsT_co]):
+    """Which genomes to evaluate next.
+
+    :meth:`ask` and :meth:`tell` alternate. A run that is resumed replays them from the stored evaluations, so a
+    strategy draws all its randomness from ``space.rng``, and neither time nor the number of workers may matter.
+    """
+
+    evaluations_per_target: ClassVar[int] = 50
+
+    def __init__(self, options: OptionsT_co, space: SearchSpace) -> None:
+        super().__init__(options)
+        self.space = space
+
+    @abstractmethod
+    def ask(self, limit: int) -> list[Candidate]:
+        """Return the next candidates, at least one and at most ``limit`` (the flights left in the budget)."""
+
+    @abstractmethod
+    def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
+        """Take the outcomes of the candidates last asked for, in their order.
+
+        ``first`` is the index in the run of the first of them: what ``Candidate.parents`` refers to.
+        """
+
+
+class Exporter(Plugin[OptionsT_co]):
+    """Agent -> a file. ``name`` is what ``--format`` says; ``suffix`` ends the file's name."""
+
+    suffix: ClassVar[str]
+
+    @abstractmethod
+    def write(self, agent: Agent, path: Path) -> WrittenFile:
+        """Write one file and tell what it holds.
+
+        Raises
+        ------
+        WorkFailedError
+            where the agent cannot be exported this way; the message gives the reason.
+        """
+
+
+SEAMS: dict[str, type[Plugin[Any]]] = {
+    "grammar": Grammar,
+    "builder": PhenotypeBuilder,
+    "hydrodynamics": Hydrodynamics,
+    "simulator": Simulator,
+    "fitness": Fitness,
+    "strategy": Strategy,
+    "exporter": Exporter,
+}
+"""The seams by the name that hooks (``driftform_<seam>``) and tables of a study file use."""

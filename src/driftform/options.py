@@ -1,0 +1,46 @@
+"""The options of a plugin: a pydantic model whose every field tells its unit and what it does."""
+
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class Table(BaseModel):
+    """A table of a study file: unknown keys are errors, values are checked and frozen."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+def option(default: Any, help: str, unit: str = "", **constraints: Any) -> Any:
+    """One field of a :class:`Table`.
+
+    Parameters
+    ----------
+    default
+        the value where a study file says nothing.
+    help
+        one sentence for ``driftform plugins show``.
+    unit
+        the unit of the value as it stands in the file, ``""`` where it has none.
+    constraints
+        pydantic constraints such as ``gt=0``.
+    """
+    return Field(default, description=help, json_schema_extra={"unit": unit}, **constraints)
+
+
+def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
+    """Rows ``{option, type, default, unit, help}``, one for each field of a model."""
+    rows = []
+    for name, field in model.model_fields.items():
+        extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
+        annotation = field.annotation
+        rows.append(
+            {
+                "option": name,
+                "type": annotation.__name__ if isinstance(annotation, type) else str(annotation).replace("typing.", ""),
+                "default": field.get_default(call_default_factory=True),
+                "unit": extra.get("unit", ""),
+                "help": field.description or "",
+            }
+        )
+    return rows

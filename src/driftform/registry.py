@@ -1,0 +1,142 @@
+"""Finds plugins through the entry-point group ``driftform``, and looks their classes up by seam and name.
+
+What is broken stays a row that says why; only asking for it is an error.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import metadata
+from typing import Any
+
+import pluggy
+
+from driftform import hookspecs
+from driftform.errors import InputError, did_you_mean
+from driftform.interfaces import SEAMS, Plugin
+
+GROUP = "driftform"
+
+
+@dataclass(frozen=True)
+class Contribution:
+    """One class that a distribution brings to a seam, or the reason why it cannot.
+
+    ``name`` is that of the class, or of the entry point where the class could not be had; ``seam`` is then empty
+    if not even the hooks could be read.
+    """
+
+    seam: str
+    name: str
+    distribution: str
+    version: str
+    state: str
+    cls: type[Plugin[Any]] | None = None
+
+    @property
+    def available(self) -> bool:
+        """True where the class can be used."""
+        return self.cls is not None
+
+
+class Registry:
+    """The plugins that are installed."""
+
+    def __init__(self) -> None:
+        self._manager = pluggy.PluginManager(GROUP)
+        self._manager.add_hookspecs(hookspecs)
+        self._origin: dict[str, tuple[str, str]] = {}
+        self._broken: list[Contribution] = []
+        self._seams: dict[str, list[Contribution]] = {}
+        for point in sorted(metadata.entry_points(group=GROUP), key=lambda p: p.name):
+            distribution = point.dist.name if point.dist else "?"
+            version = point.dist.version if point.dist else "?"
+            key = f"{distribution}:{point.name}"
+            if key in self._origin:
+                continue
+            self._origin[key] = (distribution, version)
+            try:
+                self._manager.register(point.load(), name=key)
+            except Exception as error:
+                self._broken.append(
+                    Contribution("", point.name, distribution, version, f"unavailable: {_reason(error)}")
+                )
+
+    def seam(self, seam: str) -> list[Contribution]:
+        """What is installed for one seam; imports the implementations."""
+        if seam not in self._seams:
+            hook = getattr(self._manager.hook, f"driftform_{seam}")
+            rows: list[Contribution] = []
+            for implementation in hook.get_hookimpls():
+                distribution, version = self._origin[implementation.plugin_name]
+                short = implementation.plugin_name.partition(":")[2]
+                try:
+                    classes = _classes(implementation.function(), SEAMS[seam])
+                except Exception as error:
+                    rows.append(Contribution(seam, short, distribution, version, f"unavailable: {_reason(error)}"))
+                    continue
+                rows.extend(Contribution(seam, c.name, distribution, version, "ok", c) for c in classes)
+            self._seams[seam] = sorted(rows, key=lambda row: (row.name, row.distribution))
+        return self._seams[seam]
+
+    def contributions(self) -> list[Contribution]:
+        """Everything that is installed, also what is broken, by seam and name."""
+        return [row for seam in SEAMS for row in self.seam(seam)] + self._broken
+
+    def find(self, seam: str, name: str) -> type[Plugin[Any]]:
+        """Return the class of that name.
+
+        Raises
+        ------
+        InputError
+            where no plugin has the name, two claim it, or the one that has it cannot be imported.
+        """
+        rows = [row for row in self.seam(seam) if row.name == name]
+        usable = [row for row in rows if row.cls is not None]
+        if len(usable) > 1:
+            claimants = " and ".join(f"{row.distribution} {row.version}" for row in usable)
+            raise InputError(f"{seam} '{name}' is claimed by {claimants}; uninstall one of them")
+        if usable and usable[0].cls is not None:
+            return usable[0].cls
+        broken = rows or [row for row in self._broken if row.name == name]
+        if broken:
+            raise InputError(f"{seam} '{name}' ({broken[0].distribution}) is {broken[0].state}")
+        known = [row.name for row in self.seam(seam) if row.available]
+        raise InputError(f"no {seam} is named '{name}'{did_you_mean(name, known)}")
+
+    def create(self, seam: str, name: str, options: Mapping[str, Any], **more: Any) -> Any:
+        """Make an instance from the name and its table of options.
+
+        Raises
+        ------
+        InputError
+            as :meth:`find`.
+        pydantic.ValidationError
+            where the options do not fit the class's model.
+        """
+        cls = self.find(seam, name)
+        return cls(cls.Options.model_validate(dict(options)), **more)
+
+
+@cache
+def registry() -> Registry:
+    """The plugins of this process, looked for once."""
+    return Registry()
+
+
+def _classes(returned: Any, interface: type[Plugin[Any]]) -> list[type[Plugin[Any]]]:
+    classes = [returned] if isinstance(returned, type) else list(returned or [])
+    for cls in classes:
+        if not (isinstance(cls, type) and issubclass(cls, interface)):
+            raise TypeError(f"{cls!r} is no {interface.__name__}")
+        if not isinstance(getattr(cls, "name", None), str):
+            raise TypeError(f"{cls.__name__} has no name")
+        if missing := sorted(getattr(cls, "__abstractmethods__", ())):
+            raise TypeError(f"{cls.__name__} leaves out {', '.join(missing)}")
+    return classes
+
+
+def _reason(error: Exception) -> str:
+    if isinstance(error, ImportError):
+        return str(error).splitlines()[0]
+    return f"{type(error).__name__}: {error}".splitlines()[0]
