@@ -26,6 +26,14 @@ class Segment(Table):
         return self
 
 
+def _inside(segment: Segment, point: Vector) -> bool:
+    start, end = np.array(segment.start), np.array(segment.end)
+    axis = (end - start) / np.linalg.norm(end - start)
+    along = float(axis @ (point - start))
+    across = float(np.linalg.norm(point - start - along * axis))
+    return -1e-9 <= along <= np.linalg.norm(end - start) + 1e-9 and across <= segment.radius
+
+
 class Pipe(Table):
     """A chain of segments from the inlet to the outlet; without any, the agent is in open water."""
 
@@ -85,7 +93,7 @@ class Contact(Table):
     ``frequency``; with ``damping_ratio`` 1 it does not bounce.
     """
 
-    frequency: float = option(200.0, "angular frequency of the body on the spring of one rim", "rad/s", gt=0)
+    frequency: float = option(100.0, "angular frequency of the body on the spring of one rim", "rad/s", gt=0)
     damping_ratio: float = option(1.0, "damping of that spring, relative to critical", "", ge=0)
 
 
@@ -116,6 +124,15 @@ class Scenario(Table):
     targets: Annotated[dict[str, Vector], AfterValidator(_named)] = Field(
         default={}, description="points to reach, by name", json_schema_extra={"unit": "m"}
     )
+
+    @model_validator(mode="after")
+    def _is_reachable(self) -> "Scenario":
+        if self.targets and not self.pipe.segments:
+            raise ValueError("targets need a pipe: fitness is relative to the farthest point of its volume")
+        for name, point in (("release.position", self.release.position), *self.targets.items()):
+            if self.pipe.segments and not any(_inside(segment, point) for segment in self.pipe.segments):
+                raise ValueError(f"{name} {list(point)} lies outside the pipe")
+        return self
 
     @property
     def target_names(self) -> tuple[str, ...]:

@@ -1,0 +1,152 @@
+"""Solids as trees of plain values, in the manner of OpenSCAD.
+
+A tree says what a solid is; :mod:`driftform_frusta.solid` makes a mesh of it, and
+:mod:`driftform_frusta.scad` prints it as OpenSCAD source. All lengths are millimetres, because a tree
+describes what a printable file holds; angles are degrees, in fields that end in ``_deg``. A tree knows
+nothing of facets: radii are those of true circles, and it is the interpreters that approximate them.
+
+Every value checks itself where it is made and raises ``ValueError`` for numbers that describe no solid.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import TypeAlias
+
+Point: TypeAlias = tuple[float, float]
+"""A point (r, z) of a meridian half-plane, mm."""
+
+Vector: TypeAlias = tuple[float, float, float]
+"""x, y, z."""
+
+
+def _check(sound: bool, what: str) -> None:
+    if not sound:
+        raise ValueError(what)
+
+
+@dataclass(frozen=True)
+class Frustum:
+    """A cone's frustum along z, from z = 0 to ``height``; a radius of zero makes it a cone."""
+
+    height: float
+    bottom_radius: float
+    top_radius: float
+
+    def __post_init__(self) -> None:
+        """Refuse what is no solid."""
+        _check(0 < self.height < math.inf, f"a frustum's height must be positive, not {self.height}")
+        for radius in (self.bottom_radius, self.top_radius):
+            _check(0 <= radius < math.inf, f"a frustum's radius must be zero or more, not {radius}")
+        _check(self.bottom_radius + self.top_radius > 0, "a frustum needs one radius that is not zero")
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """A sphere about the origin."""
+
+    radius: float
+
+    def __post_init__(self) -> None:
+        """Refuse what is no solid."""
+        _check(0 < self.radius < math.inf, f"a sphere's radius must be positive, not {self.radius}")
+
+
+@dataclass(frozen=True)
+class Box:
+    """A box with one corner at the origin and the opposite one at ``size``."""
+
+    size: Vector
+
+    def __post_init__(self) -> None:
+        """Refuse what is no solid."""
+        _check(all(0 < s < math.inf for s in self.size), f"a box's sides must be positive, not {self.size}")
+
+
+@dataclass(frozen=True)
+class Revolve:
+    """A meridian section revolved about z.
+
+    ``outline`` and each of ``holes`` is a closed polygon of (r, z) points, in either sense of rotation, the
+    last joined to the first; the holes are subtracted from the outline before it is revolved. What lies at
+    r < 0 is cut off.
+    """
+
+    outline: tuple[Point, ...]
+    holes: tuple[tuple[Point, ...], ...] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse what is no solid."""
+        for polygon in (self.outline, *self.holes):
+            _check(len(polygon) >= 3, f"a polygon needs three points or more, not {len(polygon)}")
+            _check(
+                all(math.isfinite(c) for point in polygon for c in point), "a polygon's points must be finite"
+            )
+        _check(any(r > 0 for r, _ in self.outline), "an outline needs a point at r > 0")
+
+
+@dataclass(frozen=True)
+class Union:
+    """All points of any of the children."""
+
+    children: "tuple[Node, ...]"
+
+    def __post_init__(self) -> None:
+        """Refuse what is no solid."""
+        _check(len(self.children) > 0, "a union needs a child")
+
+
+@dataclass(frozen=True)
+class Difference:
+    """The points of ``base`` that belong to none of the ``tools``."""
+
+    base: "Node"
+    tools: "tuple[Node, ...]"
+
+
+@dataclass(frozen=True)
+class Intersection:
+    """The points that all children have in common."""
+
+    children: "tuple[Node, ...]"
+
+    def __post_init__(self) -> None:
+        """Refuse what is no solid."""
+        _check(len(self.children) > 0, "an intersection needs a child")
+
+
+@dataclass(frozen=True)
+class Translate:
+    """The child moved by ``offset``."""
+
+    offset: Vector
+    child: "Node"
+
+    def __post_init__(self) -> None:
+        """Refuse what is no solid."""
+        _check(all(map(math.isfinite, self.offset)), f"an offset must be finite, not {self.offset}")
+
+
+@dataclass(frozen=True)
+class Rotate:
+    """The child turned about the fixed x, y and z axes, in this order, as OpenSCAD's ``rotate`` does."""
+
+    angles_deg: Vector
+    child: "Node"
+
+    def __post_init__(self) -> None:
+        """Refuse what is no solid."""
+        _check(all(map(math.isfinite, self.angles_deg)), f"angles must be finite, not {self.angles_deg}")
+
+
+@dataclass(frozen=True)
+class Named:
+    """The child, with a comment in printed source; the label has no effect on the solid."""
+
+    label: str
+    child: "Node"
+
+
+Node: TypeAlias = (
+    Frustum | Sphere | Box | Revolve | Union | Difference | Intersection | Translate | Rotate | Named
+)
+"""Any solid."""

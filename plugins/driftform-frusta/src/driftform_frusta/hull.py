@@ -1,0 +1,91 @@
+"""Body -> CSG tree of its hull, in the printed frame.
+
+Printed frame: millimetres, the body's axis along z, the fore end up, the lowest point at z = 0. The core lies
+loose in the cavity and is no part of the hull.
+
+Both functions read the same vertices of the section, so they describe the same solid.
+"""
+
+import numpy as np
+
+from driftform.errors import WorkFailedError
+from driftform.types import Body, FloatArray
+from driftform_frusta.csg import Difference, Frustum, Named, Node, Point, Revolve, Translate, Union
+
+_MM_PER_M = 1000.0
+
+# Coordinates are rounded to multiples of 2^-30 mm (about 1e-9 mm): sums and differences of such numbers are
+# exact in double precision, so that two frustums which share a vertex of the section meet without a gap.
+_GRID = 2.0**30
+
+
+def hull(body: Body) -> Node:
+    """Return the hull as its meridian section revolved: outer contour less cavity.
+
+    This is the fast route: booleans are done in the plane.
+
+    Raises
+    ------
+    WorkFailedError
+        where a contour does not run from the axis to the axis.
+    """
+    outer, cavity = _contours(body)
+    holes = (_points(cavity),) if len(cavity) else ()
+    return Named("hull: the meridian section, revolved; fore end up", Revolve(_points(outer), holes))
+
+
+def hull_of_frustums(body: Body) -> Node:
+    """Return the hull as frustums: the union of those of the outer contour less the union of the cavity's.
+
+    Edges of the section that stand normal to the axis have no height and need no frustum.
+
+    Raises
+    ------
+    WorkFailedError
+        where a contour does not run from the axis to the axis, or folds back along it.
+    """
+    outer, cavity = _contours(body)
+    outside = Named("outside", _chain(outer, "outer contour"))
+    if not len(cavity):
+        return Named("hull; fore end up", outside)
+    return Named("hull; fore end up", Difference(outside, (Named("cavity", _chain(cavity, "cavity")),)))
+
+
+def _contours(body: Body) -> tuple[FloatArray, FloatArray]:
+    """Outer contour and cavity as (n, 2) of z and r in the printed frame; the cavity may be empty."""
+    contours = []
+    for what, contour in (("outer contour", body.outer), ("cavity", body.cavity)):
+        if what == "cavity" and not len(contour):
+            contours.append(contour)
+            continue
+        if not np.isfinite(contour).all():
+            raise WorkFailedError(f"the hull has no solid: its {what} has coordinates that are not finite")
+        if len(contour) < 3:
+            raise WorkFailedError(
+                f"the hull has no solid: its {what} has {len(contour)} points, fewer than 3"
+            )
+        printed = np.array(contour)
+        printed[:, 0] -= body.outer[:, 0].min()
+        printed = np.round(printed * _MM_PER_M * _GRID) / _GRID
+        if printed[0, 1] or printed[-1, 1]:
+            raise WorkFailedError(f"the hull has no solid: its {what} does not begin and end on the axis")
+        if not (printed[:, 1] > 0).any():
+            raise WorkFailedError(f"the hull has no solid: its {what} never leaves the axis")
+        contours.append(printed)
+    return contours[0], contours[1]
+
+
+def _points(contour: FloatArray) -> tuple[Point, ...]:
+    return tuple((float(r), float(z)) for z, r in contour)
+
+
+def _chain(contour: FloatArray, what: str) -> Node:
+    frustums: list[Node] = []
+    for (z0, r0), (z1, r1) in zip(contour[:-1].tolist(), contour[1:].tolist(), strict=True):
+        if z1 < z0:
+            raise WorkFailedError(f"the {what} folds back along the axis: it is no chain of frustums")
+        if z1 > z0 and r0 + r1 > 0:
+            frustums.append(Translate((0.0, 0.0, z0), Frustum(z1 - z0, r0, r1)))
+    if not frustums:
+        raise WorkFailedError(f"the {what} has no length: it is no chain of frustums")
+    return Union(tuple(frustums))

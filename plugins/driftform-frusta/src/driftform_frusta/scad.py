@@ -1,0 +1,148 @@
+"""CSG tree -> readable OpenSCAD source.
+
+The source renders to the same volume as :func:`driftform_frusta.solid.to_manifold` gives: it scales radii by
+the same factors, which stand in it as formulas of ``$fn``, so that a reader may change that number.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import assert_never
+
+from driftform_frusta.csg import (
+    Box,
+    Difference,
+    Frustum,
+    Intersection,
+    Named,
+    Node,
+    Point,
+    Revolve,
+    Rotate,
+    Sphere,
+    Translate,
+    Union,
+)
+
+_INDENT = "    "
+_POINTS_PER_LINE = 3
+
+_AREA_FACTOR = """\
+// A polygon has a smaller area than its circle: radii are scaled so that the two are equal.
+area_factor = 1 / sqrt($fn / (2 * PI) * sin(360 / $fn));
+"""
+
+_BALL = """\
+// A sphere of exactly the volume that its radius promises.
+module ball(radius) {
+    chords = ceil($fn / 2);
+    size = radius * pow(cos(90 / chords), -2 / 3);
+    rotate_extrude()
+        scale([area_factor, 1])
+            polygon([for (i = [0 : chords]) size * [sin(180 * i / chords), -cos(180 * i / chords)]]);
+}
+"""
+
+
+def to_scad(node: Node, segments: int = 64) -> str:
+    """Return the source of a tree, mm, for OpenSCAD 2021.01 or later.
+
+    ``segments`` is the number of corners of every circle, ``$fn``. Numbers are rounded to 1e-6 mm.
+    """
+    if segments < 3:
+        raise ValueError(f"a circle needs three segments or more, not {segments}")
+    kinds = {type(n) for n in _walk(node)}
+    parts = [f"// Written by driftform. Lengths in millimetres.\n$fn = {segments};\n"]
+    if kinds & {Frustum, Sphere, Revolve}:
+        parts.append(_AREA_FACTOR)
+    if Sphere in kinds:
+        parts.append(_BALL)
+    parts.append("\n".join(_lines(node)) + "\n")
+    return "\n".join(parts)
+
+
+def _walk(node: Node) -> Iterator[Node]:
+    yield node
+    match node:
+        case Union() | Intersection():
+            children: tuple[Node, ...] = node.children
+        case Difference():
+            children = (node.base, *node.tools)
+        case Translate() | Rotate() | Named():
+            children = (node.child,)
+        case Frustum() | Sphere() | Box() | Revolve():
+            children = ()
+        case _:
+            assert_never(node)
+    for child in children:
+        yield from _walk(child)
+
+
+def _lines(node: Node) -> list[str]:
+    match node:
+        case Frustum():
+            radii = f"r1 = {_radius(node.bottom_radius)}, r2 = {_radius(node.top_radius)}"
+            lines = [f"cylinder(h = {_number(node.height)}, {radii});"]
+        case Sphere():
+            lines = [f"ball({_number(node.radius)});"]
+        case Box():
+            lines = [f"cube({_vector(node.size)});"]
+        case Revolve():
+            lines = _revolve(node)
+        case Union():
+            lines = _block("union()", [_lines(c) for c in node.children])
+        case Difference():
+            lines = _block("difference()", [_lines(c) for c in (node.base, *node.tools)])
+        case Intersection():
+            lines = _block("intersection()", [_lines(c) for c in node.children])
+        case Translate():
+            lines = _above(f"translate({_vector(node.offset)})", _lines(node.child))
+        case Rotate():
+            lines = _above(f"rotate({_vector(node.angles_deg)})", _lines(node.child))
+        case Named():
+            # A line break in a label would end the comment that it stands in.
+            lines = [f"// {' '.join(node.label.split())}".rstrip(), *_lines(node.child)]
+        case _:
+            assert_never(node)
+    return lines
+
+
+def _revolve(node: Revolve) -> list[str]:
+    section = _polygon(node.outline)
+    if node.holes:
+        section = _block("difference()", [section, *(_polygon(hole) for hole in node.holes)])
+    if min(r for r, _ in node.outline) < 0:
+        # OpenSCAD refuses to revolve a section that lies on both sides of the axis.
+        r_max = max(r for r, _ in node.outline)
+        z_min, z_max = min(z for _, z in node.outline), max(z for _, z in node.outline)
+        half_plane = _above(
+            f"translate([0, {_number(z_min - 1)}])",
+            [f"square([{_number(r_max + 1)}, {_number(z_max - z_min + 2)}]);"],
+        )
+        section = _block("intersection()", [section, half_plane])
+    return _above("rotate_extrude()", _above("scale([area_factor, 1])", section))
+
+
+def _polygon(points: Sequence[Point]) -> list[str]:
+    texts = [f"[{_number(r)}, {_number(z)}]" for r, z in points]
+    rows = [texts[i : i + _POINTS_PER_LINE] for i in range(0, len(texts), _POINTS_PER_LINE)]
+    return ["polygon([", *(_INDENT + ", ".join(row) + "," for row in rows), "]);"]
+
+
+def _block(head: str, children: Sequence[Sequence[str]]) -> list[str]:
+    return [f"{head} {{", *(_INDENT + line for child in children for line in child), "}"]
+
+
+def _above(head: str, child: Sequence[str]) -> list[str]:
+    return [head, *(_INDENT + line for line in child)]
+
+
+def _radius(radius: float) -> str:
+    return f"area_factor * {_number(radius)}" if radius else "0"
+
+
+def _vector(values: Sequence[float]) -> str:
+    return f"[{', '.join(_number(v) for v in values)}]"
+
+
+def _number(value: float) -> str:
+    text = f"{value:.6f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text

@@ -1,0 +1,127 @@
+"""Bodies made directly of contours, and the programs that read what we write."""
+
+import os
+import shutil
+import subprocess
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from driftform.types import Agent, Body, Coefficients, Core, MassProperties
+
+WALL = 1.25e-3
+DENSITY = 1050.0
+
+
+def body_of(outer: Sequence[Sequence[float]], cavity: Sequence[Sequence[float]] = ()) -> Body:
+    """A body of contours in m."""
+    outline = np.array(outer, dtype=float)
+    return Body(
+        outer=outline,
+        cavity=np.array(cavity, dtype=float).reshape(-1, 2),
+        joints=np.unique(outline[:, 0]),
+        core=Core(radius=0.01, mass=0.05),
+        wall=WALL,
+        hull_density=DENSITY,
+    )
+
+
+def chain_of(lengths: Sequence[float], radii: Sequence[float], wall: float = WALL) -> Body:
+    """A capped chain of frustums with a radial wall; there is one radius more than there are lengths."""
+    x = np.concatenate(([0.0], np.cumsum(lengths))) - sum(lengths) / 2
+    r = np.array(radii)
+    inside = np.concatenate(([x[0] + wall], x[(x > x[0] + wall) & (x < x[-1] - wall)], [x[-1] - wall]))
+    bore = np.interp(inside, x, r - wall)
+
+    def capped(x: np.ndarray, r: np.ndarray) -> list[list[float]]:
+        return [[x[0], 0.0], *np.column_stack((x, r)).tolist(), [x[-1], 0.0]]
+
+    return body_of(capped(x, r), capped(inside, bore))
+
+
+@pytest.fixture(scope="session")
+def make_body() -> Callable[..., Body]:
+    return body_of
+
+
+@pytest.fixture(scope="session")
+def make_chain() -> Callable[..., Body]:
+    return chain_of
+
+
+def _wavy() -> Body:
+    rng = np.random.default_rng(7)
+    radii = np.clip(0.02 + np.cumsum(rng.uniform(-3e-3, 3e-3, 41)), 5e-3, 0.06)
+    return chain_of(rng.uniform(2.5e-3, 10e-3, 40), radii)
+
+
+_BODIES: dict[str, Callable[[], Body]] = {
+    "capped cylinder": lambda: chain_of([0.1], [0.02, 0.02]),
+    "solid cone": lambda: body_of([(-0.02, 0), (-0.02, 0.03), (0.05, 0)]),
+    "hollow cone": lambda: body_of(
+        [(-0.02, 0), (-0.02, 0.03), (0.05, 0)], [(-0.018, 0), (-0.018, 0.02), (0.03, 0)]
+    ),
+    "double cone": lambda: body_of([(-0.05, 0), (0, 0.03), (0.05, 0)], [(-0.04, 0), (0, 0.024), (0.04, 0)]),
+    "stepped cylinder": lambda: body_of(
+        [(-0.05, 0), (-0.05, 0.01), (0, 0.01), (0, 0.03), (0.05, 0.03), (0.05, 0)],
+        [(-0.048, 0), (-0.048, 0.008), (0.002, 0.008), (0.002, 0.028), (0.048, 0.028), (0.048, 0)],
+    ),
+    "40 modules": _wavy,
+}
+
+
+@pytest.fixture(scope="session", params=_BODIES)
+def body(request: pytest.FixtureRequest) -> Body:
+    """One body of each kind."""
+    return _BODIES[request.param]()
+
+
+@pytest.fixture(scope="session")
+def wavy_body() -> Body:
+    """A hull of 40 modules."""
+    return _wavy()
+
+
+@pytest.fixture(scope="session")
+def agent_of() -> Callable[[Body], Agent]:
+    """Exporters read the body alone: the rest is filled with anything."""
+    mass = MassProperties(mass=1.0, cog=np.zeros(3), inertia=np.eye(3), volume=1e-3, cob=np.zeros(3))
+    return lambda body: Agent(body=body, mass=mass, coefficients=Coefficients(np.eye(6)))
+
+
+@pytest.fixture(scope="session")
+def requires_program() -> Callable[[str], str]:
+    """Path of a program; without it the test is skipped, but fails where CI=true."""
+
+    def find(name: str) -> str:
+        path = shutil.which(name)
+        if path is None and os.environ.get("CI") == "true":
+            pytest.fail(f"{name} is not installed, and CI must not skip what needs it")
+        if path is None:
+            pytest.skip(f"{name} is not installed")
+        return path
+
+    return find
+
+
+@pytest.fixture
+def render(requires_program: Callable[[str], str], tmp_path: Path) -> Callable[[str], trimesh.Trimesh]:
+    """OpenSCAD source -> the mesh that OpenSCAD renders."""
+    openscad = requires_program("openscad")
+
+    def run(source: str) -> trimesh.Trimesh:
+        scad, stl = tmp_path / "source.scad", tmp_path / "rendered.stl"
+        scad.write_text(source)
+        done = subprocess.run(
+            [openscad, "-o", str(stl), str(scad)], capture_output=True, text=True, timeout=60, check=False
+        )
+        # Some errors, such as a part that is dropped, leave the exit code at 0.
+        assert done.returncode == 0, done.stderr
+        assert "ERROR" not in done.stderr, done.stderr
+        assert "WARNING" not in done.stderr, done.stderr
+        return trimesh.load_mesh(stl)
+
+    return run

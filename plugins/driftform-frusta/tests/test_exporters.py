@@ -1,0 +1,351 @@
+"""Files of hulls, read back by other programs."""
+
+import math
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from pydantic import ValidationError
+
+from driftform.errors import WorkFailedError
+from driftform.geometry import hull_mass, hull_volume
+from driftform_frusta import exporters
+from driftform_frusta.csg import Box
+from driftform_frusta.exporters import ScadExporter, StlExporter
+from driftform_frusta.solid import to_manifold
+from driftform_frusta.stl import is_closed, signed_volume, surface_area, weld, write_binary_stl
+
+BOTH = pytest.mark.parametrize("exporter", [StlExporter, ScadExporter])
+
+
+def exporter_of(kind, **options):
+    return kind(kind.Options(**options))
+
+
+@pytest.fixture
+def write_stl(agent_of, tmp_path):
+    def write(body, **options):
+        return exporter_of(StlExporter, **options).write(agent_of(body), tmp_path / "hull.stl")
+
+    return write
+
+
+def box_mesh():
+    mesh = to_manifold(Box((1, 2, 3))).to_mesh64()
+    return weld(mesh.vert_properties, mesh.tri_verts)
+
+
+def shell_volumes(mesh):
+    """Signed volume of each connected surface, without the repairs of trimesh's split."""
+    labels = trimesh.graph.connected_component_labels(mesh.face_adjacency, node_count=len(mesh.faces))
+    return [signed_volume(mesh.vertices, mesh.faces[labels == i]) for i in range(labels.max() + 1)]
+
+
+def test_a_mesh_read_back_in_single_precision_is_watertight_and_has_the_volume(body, write_stl):
+    written = write_stl(body)
+    mesh = trimesh.load_mesh(written.path)
+    assert mesh.is_watertight
+    assert mesh.is_winding_consistent
+    assert mesh.volume == pytest.approx(hull_volume(body) * 1e9, rel=1e-5)
+    assert np.allclose(mesh.extents, written.facts["size_mm"], rtol=1e-6)
+    assert mesh.bounds[0, 2] == 0
+
+
+def test_a_sealed_hull_has_two_surfaces_of_opposite_sign(wavy_body, write_stl):
+    written = write_stl(wavy_body)
+    volumes = sorted(shell_volumes(trimesh.load_mesh(written.path)))
+    assert written.facts["shells"] == len(volumes) == 2
+    assert volumes[0] < 0 < volumes[1]
+
+
+def test_a_solid_body_has_one_surface(make_body, write_stl):
+    cone = make_body([(-0.02, 0), (-0.02, 0.03), (0.05, 0)])
+    assert write_stl(cone).facts["shells"] == 1
+
+
+def test_facts_tell_what_the_file_holds(wavy_body, write_stl, tmp_path):
+    written = write_stl(wavy_body)
+    facts = written.facts
+    assert written.format == "stl"
+    assert written.path == str(tmp_path / "hull.stl")
+    assert facts["volume_mm3"] == pytest.approx(hull_volume(wavy_body) * 1e9, rel=1e-5)
+    assert facts["mass_kg"] == pytest.approx(hull_mass(wavy_body), rel=1e-5)
+    assert facts["size_mm"][2] == pytest.approx(wavy_body.length * 1000, rel=1e-6)
+    assert facts["size_mm"][0] == pytest.approx(wavy_body.max_diameter * 1000, rel=2e-3)
+    assert facts["watertight"] is True
+    assert facts["triangles"] == (Path(written.path).stat().st_size - 84) // 50
+
+
+def test_the_number_of_segments_is_an_option_and_leaves_the_volume_alone(wavy_body, write_stl):
+    coarse, fine = write_stl(wavy_body, segments=12).facts, write_stl(wavy_body, segments=128).facts
+    assert fine["triangles"] > 10 * coarse["triangles"]
+    assert fine["volume_mm3"] == pytest.approx(coarse["volume_mm3"], rel=1e-5)
+
+
+@BOTH
+@pytest.mark.parametrize("segments", [11, 1025, 64.5])
+def test_a_number_of_segments_out_of_range_is_refused(exporter, segments):
+    with pytest.raises(ValidationError, match="segments"):
+        exporter.Options(segments=segments)
+
+
+@BOTH
+@pytest.mark.parametrize(
+    ("outer", "cavity", "why"),
+    [
+        pytest.param(
+            [(-0.05, 0), (-0.05, 0.02), (0.05, 0.02), (0.05, 0)],
+            [(-0.05, 0), (-0.05, 0.018), (0.05, 0.018), (0.05, 0)],
+            "touches the outer contour at its aft end",
+            id="a tube open at both ends",
+        ),
+        pytest.param(
+            [(-0.05, 0), (-0.05, 0.02), (0.05, 0.02), (0.05, 0)],
+            [(-0.04, 0), (-0.04, 0.018), (0.05, 0.018), (0.05, 0)],
+            "touches the outer contour at its fore end",
+            id="a tube open at its fore end",
+        ),
+        pytest.param(
+            [(-0.05, 0), (0, 0.02), (0.05, 0)],
+            [(-0.03, 0), (0, 0.02), (0.03, 0)],
+            "touches the outer contour at x = 0.000000 m",
+            id="a slit round the middle",
+        ),
+        pytest.param(
+            [(-0.05, 0), (-0.05, 0.02), (0.05, 0.02), (0.05, 0)],
+            [(-0.04, 0), (-0.04, 0.01), (0.0, 0.03), (0.04, 0.01), (0.04, 0)],
+            "mm3, its section",
+            id="a cavity that leaves the outer contour",
+        ),
+        pytest.param(
+            [(-0.05, 0), (-0.05, 0.02), (0.05, -0.02), (0.05, 0)],
+            (),
+            "mm3, its section",
+            id="a contour that crosses the axis",
+        ),
+        pytest.param(
+            [(-0.05, 0), (0.02, 0.03), (-0.02, 0.03), (0.05, 0)],
+            (),
+            "mm3, its section",
+            id="a contour that crosses itself",
+        ),
+        pytest.param(
+            [(0.05, 0), (0.0, 0.03), (-0.05, 0)], (), "mm3, its section", id="a contour from fore to aft"
+        ),
+        pytest.param(
+            [(-0.05, 0), (-0.02, 0.03), (0, 0), (0.02, 0.03), (0.05, 0)],
+            (),
+            "outer contour touches the axis at x = 0.000000 m",
+            id="two parts that touch in a point",
+        ),
+        pytest.param(
+            [(-0.05, 0), (0, math.nan), (0.05, 0)], (), "not finite", id="a coordinate that is no number"
+        ),
+    ],
+)
+def test_a_body_without_a_closed_solid_is_refused_and_nothing_written(
+    exporter, outer, cavity, why, make_body, agent_of, tmp_path
+):
+    agent = agent_of(make_body(outer, cavity))
+    with pytest.raises(WorkFailedError, match=why):
+        exporter_of(exporter).write(agent, tmp_path / "hull")
+    assert list(tmp_path.iterdir()) == []
+
+
+@BOTH
+def test_a_solid_that_is_not_what_was_simulated_is_refused(
+    exporter, wavy_body, agent_of, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(exporters, "hull_volume", lambda body: hull_volume(body) * (1 + 1e-5))
+    with pytest.raises(WorkFailedError, match="mm3, its section"):
+        exporter_of(exporter).write(agent_of(wavy_body), tmp_path / "hull")
+    assert list(tmp_path.iterdir()) == []
+
+
+@BOTH
+def test_a_solid_in_two_pieces_is_refused_though_its_volume_is_right(
+    exporter, wavy_body, agent_of, tmp_path, monkeypatch
+):
+    def cut(tree, segments):
+        upper, lower = to_manifold(tree, segments).split_by_plane((0, 0, 1), 100)
+        return upper.translate((0, 0, 1)) + lower
+
+    monkeypatch.setattr(exporters, "to_manifold", cut)
+    with pytest.raises(WorkFailedError, match="falls into 2 pieces"):
+        exporter_of(exporter).write(agent_of(wavy_body), tmp_path / "hull")
+
+
+def test_a_cavity_turned_inside_out_is_refused_though_its_mesh_is_closed(wavy_body, write_stl, monkeypatch):
+    def turn(vertices, triangles):
+        vertices, triangles = weld(vertices, triangles)
+        mesh = trimesh.Trimesh(vertices, triangles, process=False)
+        labels = trimesh.graph.connected_component_labels(mesh.face_adjacency, node_count=len(triangles))
+        inner = labels == labels[np.argmin(np.linalg.norm(vertices[triangles[:, 0], :2], axis=1))]
+        turned = np.where(inner[:, None], triangles[:, ::-1], triangles)
+        assert is_closed(turned)
+        return vertices, turned
+
+    monkeypatch.setattr(exporters, "weld", turn)
+    with pytest.raises(WorkFailedError, match="single precision"):
+        write_stl(wavy_body)
+
+
+def test_a_mesh_that_single_precision_opens_is_refused(wavy_body, write_stl, monkeypatch):
+    def lose_one(vertices, triangles):
+        vertices, triangles = weld(vertices, triangles)
+        return vertices, triangles[1:]
+
+    monkeypatch.setattr(exporters, "weld", lose_one)
+    with pytest.raises(WorkFailedError, match="does not stay closed"):
+        write_stl(wavy_body)
+
+
+def test_rings_that_fall_together_in_single_precision_leave_the_mesh_closed(make_body, write_stl):
+    """Steps of 1e-5 mm at 250 mm of height are less than single precision tells apart."""
+    step = 1e-8
+    xs = [0.25, 0.25 + step, 0.25 + 2 * step, 0.25 + 3 * step]
+    outer = [(0, 0), (0, 0.02), *((x, 0.02 + 1e-4 * (i % 2)) for i, x in enumerate(xs)), (xs[-1], 0)]
+    written = write_stl(make_body(outer))
+    mesh = trimesh.load_mesh(written.path)
+    assert mesh.is_watertight
+    assert len(mesh.faces) == written.facts["triangles"]
+
+
+@BOTH
+def test_a_write_that_fails_leaves_the_former_file_and_nothing_else(
+    exporter, wavy_body, agent_of, tmp_path, monkeypatch
+):
+    path = tmp_path / "hull"
+    path.write_text("the former file")
+
+    def fail(self, target):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "replace", fail)
+    with pytest.raises(WorkFailedError, match="No space left on device"):
+        exporter_of(exporter).write(agent_of(wavy_body), path)
+    assert [p.read_text() for p in tmp_path.iterdir()] == ["the former file"]
+
+
+@BOTH
+def test_a_folder_that_does_not_exist_is_named_in_the_error(exporter, wavy_body, agent_of, tmp_path):
+    path = tmp_path / "nowhere" / "hull"
+    with pytest.raises(WorkFailedError, match="nowhere"):
+        exporter_of(exporter).write(agent_of(wavy_body), path)
+
+
+@BOTH
+def test_an_existing_file_is_replaced_whole_and_identically(exporter, wavy_body, agent_of, tmp_path):
+    path = tmp_path / "hull"
+    exporter_of(exporter).write(agent_of(wavy_body), path)
+    first = path.read_bytes()
+    path.write_bytes(first * 2)
+    exporter_of(exporter).write(agent_of(wavy_body), path)
+    assert path.read_bytes() == first
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_an_stl_file_is_laid_out_as_the_format_says(tmp_path):
+    vertices, triangles = box_mesh()
+    path = tmp_path / "box.stl"
+    write_binary_stl(path, vertices, triangles)
+    data = path.read_bytes()
+    assert len(data) == 84 + 50 * 12
+    assert not data.startswith(b"solid")
+    assert b"driftform" in data[:80]
+    assert b"mm" in data[:80]
+    assert int.from_bytes(data[80:84], "little") == 12
+    facets = np.frombuffer(data[84:], dtype=[("v", "<f4", (4, 3)), ("attribute", "<u2")])
+    normal, corners = facets["v"][:, 0], facets["v"][:, 1:]
+    assert (corners == vertices[triangles]).all()
+    # A box's normals are unit vectors along the axes that point away from its middle.
+    assert (np.sort(np.abs(normal), axis=1) == [0, 0, 1]).all()
+    assert (np.einsum("ij,ij->i", normal, corners.mean(axis=1) - [0.5, 1, 1.5]) > 0).all()
+
+
+def test_coordinates_that_are_not_finite_are_never_written(tmp_path):
+    vertices, triangles = box_mesh()
+    vertices[0, 0] = np.nan
+    with pytest.raises(ValueError, match="not finite"):
+        write_binary_stl(tmp_path / "box.stl", vertices, triangles)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_volume_and_surface_of_a_box_are_those_of_the_formulas():
+    vertices, triangles = box_mesh()
+    assert signed_volume(vertices, triangles) == pytest.approx(6, rel=1e-12)
+    assert signed_volume(vertices, triangles[:, ::-1]) == pytest.approx(-6, rel=1e-12)
+    assert signed_volume(vertices + 1000.0, triangles) == pytest.approx(6, rel=1e-9)
+    assert surface_area(vertices, triangles) == pytest.approx(22, rel=1e-12)
+
+
+def test_a_mesh_is_closed_only_with_every_edge_once_in_each_direction():
+    _, triangles = box_mesh()
+    flipped = triangles.copy()
+    flipped[0] = flipped[0, ::-1]
+    assert is_closed(triangles)
+    assert is_closed(triangles[:, ::-1])
+    assert not is_closed(triangles[1:])
+    assert not is_closed(flipped)
+    assert not is_closed(np.concatenate((triangles, triangles)))
+    assert not is_closed(triangles[:0])
+
+
+def test_welding_joins_equal_coordinates_and_drops_what_collapses():
+    vertices = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (-0.0, 0, 0), (1, 1e-12, 0), (1, 1, 0)]
+    welded, triangles = weld(vertices, [(0, 1, 2), (3, 4, 5), (0, 3, 1)])
+    assert welded.dtype == np.float32
+    assert len(welded) == 5
+    assert len(triangles) == 2
+    assert not np.signbit(welded).any()
+
+
+def test_prusa_slicer_finds_the_mesh_manifold_and_turns_nothing(body, write_stl, requires_program):
+    slicer = requires_program("prusa-slicer")
+    written = write_stl(body)
+    done = subprocess.run(
+        [slicer, "--info", written.path], capture_output=True, text=True, timeout=60, check=True
+    )
+    lines = dict(line.split(" = ") for line in done.stdout.splitlines() if " = " in line)
+    assert lines["manifold"].strip() == "yes"
+    assert int(lines["number_of_facets"]) == written.facts["triangles"]
+    assert int(lines["number_of_parts"]) == written.facts["shells"]
+    assert float(lines["volume"]) == pytest.approx(written.facts["volume_mm3"], rel=1e-5)
+    # What the slicer had to mend it lists: facets_reversed, edges_fixed and the like.
+    assert not {key for key in lines if key.endswith(("_reversed", "_fixed", "_removed", "_added"))}
+
+
+def test_admesh_reads_the_mesh_closed_and_has_nothing_to_mend(body, write_stl, requires_program):
+    admesh = requires_program("admesh")
+    done = subprocess.run(
+        [admesh, write_stl(body).path], capture_output=True, text=True, timeout=60, check=True
+    )
+    assert "All facets connected" in done.stdout
+    counts = dict(line.split(":", 1) for line in done.stdout.splitlines() if ":" in line)
+    counts = {key.strip(): value.split() for key, value in counts.items()}
+    assert counts["Total disconnected facets"] == ["0", "0"]
+    for mended in ("Degenerate facets", "Edges fixed", "Facets removed", "Facets added", "Facets reversed"):
+        assert counts[mended][0] == "0", mended
+    assert counts["Backwards edges"] == ["0"]
+    assert counts["Normals fixed"] == ["0"]
+
+
+def test_openscad_renders_the_exported_source_to_what_the_facts_say(wavy_body, agent_of, render, tmp_path):
+    written = exporter_of(ScadExporter).write(agent_of(wavy_body), tmp_path / "hull.scad")
+    mesh = render(Path(written.path).read_text())
+    assert written.format == "scad"
+    assert "// hull" in Path(written.path).read_text()
+    assert mesh.volume == pytest.approx(written.facts["volume_mm3"], rel=1e-4)
+    assert np.allclose(mesh.extents, written.facts["size_mm"], atol=2e-3)
+    assert len(shell_volumes(mesh)) == written.facts["shells"] == 2
+
+
+def test_a_missing_program_fails_in_ci_and_skips_elsewhere(requires_program, monkeypatch):
+    monkeypatch.setenv("CI", "true")
+    with pytest.raises(pytest.fail.Exception, match="no-such-program"):
+        requires_program("no-such-program")
+    monkeypatch.delenv("CI")
+    with pytest.raises(pytest.skip.Exception, match="no-such-program"):
+        requires_program("no-such-program")

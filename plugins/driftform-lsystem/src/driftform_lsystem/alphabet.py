@@ -1,0 +1,28 @@
+"""The symbols of the grammar (Table 1 of the paper) and where in a quintuple each class stands."""
+
+CORE = "C"
+"""The letter of the core module: the axiom, and the first symbol of every developed word."""
+
+ADDS = ("addF", "addB")
+TILTS = ("tiltp", "tiltn")
+DEGREES = ("0", "1", "2")
+LETTERS = ("S", "M", "L")
+MOVES = ("moveF", "moveB", "moveN")
+
+QUINTUPLE = (ADDS, TILTS, DEGREES, LETTERS, MOVES)
+"""The classes of a quintuple's five symbols, in order."""
+
+NOUNS = ("an add", "a tilt", "a degree", "a letter", "a move")
+"""What a message calls a symbol of each class."""
+
+PLACE = {symbol: place for place, symbols in enumerate(QUINTUPLE) for symbol in symbols}
+"""The place of each symbol in a quintuple, counted from 0; the core's letter has none."""
+
+LETTER_PLACE = 3
+
+RULES = (CORE, *LETTERS)
+"""The rules of a genotype by the letter they rewrite, in the order they are stored."""
+
+QUINTUPLES_PER_RULE = 3
+RULE_LENGTH = QUINTUPLES_PER_RULE * len(QUINTUPLE)
+GENOTYPE_LENGTH = len(RULES) * RULE_LENGTH

@@ -1,0 +1,64 @@
+"""What is wrong with a sequence of symbols, in one line.
+
+Positions count from 1 as :mod:`driftform_lsystem.text` prints them: within the named rule of a genotype, and
+after the core's letter in a developed word.
+"""
+
+from collections.abc import Sequence
+
+from driftform.errors import did_you_mean
+from driftform_lsystem.alphabet import (
+    CORE,
+    GENOTYPE_LENGTH,
+    NOUNS,
+    PLACE,
+    QUINTUPLE,
+    QUINTUPLES_PER_RULE,
+    RULE_LENGTH,
+    RULES,
+)
+
+
+def quintuples_fault(symbols: Sequence[str]) -> str | None:
+    """Return the first fault in what should be whole quintuples, ``None`` where there is none."""
+    for index, symbol in enumerate(symbols):
+        wanted = index % len(QUINTUPLE)
+        if PLACE.get(symbol) == wanted:
+            continue
+        if symbol not in PLACE and symbol != CORE:
+            hint = did_you_mean(symbol, (*PLACE, CORE))
+            return f"symbol {index + 1} {symbol!r} is not in the alphabet{hint}"
+        return f"symbol {index + 1} is {symbol!r}, expected {NOUNS[wanted]} ({', '.join(QUINTUPLE[wanted])})"
+    if len(symbols) % len(QUINTUPLE):
+        five = "a multiple of five (add, tilt, degree, letter, move)"
+        return f"the number of symbols is {len(symbols)}, not {five}"
+    return None
+
+
+def rule_fault(rule: str, symbols: Sequence[str]) -> str | None:
+    """Return the first fault in one rule of a genotype, ``None`` where there is none."""
+    fault = quintuples_fault(symbols)
+    if fault is None and len(symbols) != RULE_LENGTH:
+        fault = f"quintuples: {len(symbols) // len(QUINTUPLE)}, expected {QUINTUPLES_PER_RULE}"
+    return None if fault is None else f"rule {rule}: {fault}"
+
+
+def fault(symbols: Sequence[str]) -> str | None:
+    """Return the first fault in the symbols of a genome, ``None`` where there is none."""
+    if is_word(symbols):
+        return quintuples_fault(symbols[1:])
+    if len(symbols) != GENOTYPE_LENGTH:
+        return (
+            f"the number of symbols is {len(symbols)}, but a genotype has {GENOTYPE_LENGTH}, "
+            f"and a developed word starts with {CORE!r}"
+        )
+    for rule, start in zip(RULES, range(0, GENOTYPE_LENGTH, RULE_LENGTH), strict=True):
+        found = rule_fault(rule, symbols[start : start + RULE_LENGTH])
+        if found is not None:
+            return found
+    return None
+
+
+def is_word(symbols: Sequence[str]) -> bool:
+    """Tell a developed word, which starts with the core's letter, from a genotype, which never does."""
+    return bool(symbols) and symbols[0] == CORE

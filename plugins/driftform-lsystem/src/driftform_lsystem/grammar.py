@@ -1,0 +1,129 @@
+"""The seam: the paper's L-system as a grammar of driftform."""
+
+from collections.abc import Iterable
+from typing import ClassVar
+
+import numpy as np
+
+from driftform.interfaces import Grammar
+from driftform.options import Table
+from driftform.types import Genome, Morphology
+from driftform_lsystem import checking
+from driftform_lsystem import text as lines
+from driftform_lsystem.alphabet import GENOTYPE_LENGTH, PLACE, QUINTUPLE, RULE_LENGTH, RULES
+from driftform_lsystem.interpret import interpret
+from driftform_lsystem.options import LSystemOptions
+from driftform_lsystem.rewriting import rewrite
+
+
+class LSystemGrammar(Grammar[LSystemOptions]):
+    """The paper's L-system (sections 2.2 and 2.3, Table 1).
+
+    A genotype is 60 symbols: the rules of C, S, M and L, each three quintuples of add, tilt, degree, letter
+    and move; there are 108^12. A genome that starts with ``"C"`` is an already developed word, C and any
+    number of quintuples, and is built as it stands.
+    """
+
+    name = "lsystem"
+    Options: ClassVar[type[Table]] = LSystemOptions
+
+    def random(self, rng: np.random.Generator) -> Genome:
+        """Return a genotype drawn uniformly from all 108^12."""
+        classes = QUINTUPLE * (GENOTYPE_LENGTH // len(QUINTUPLE))
+        drawn = rng.integers(0, [len(symbols) for symbols in classes])
+        return self._genome(symbols[i] for symbols, i in zip(classes, drawn.tolist(), strict=True))
+
+    def flip(self, genome: Genome, index: int, rng: np.random.Generator) -> Genome:
+        """Return the genome with the symbol at ``index`` changed to another of its class.
+
+        The core's letter at the start of a developed word has no alternative: there the genome comes back
+        unchanged.
+
+        Raises
+        ------
+        ValueError
+            where the genome is not one of this grammar.
+        IndexError
+            where it has no symbol at ``index``.
+        """
+        self._check(genome)
+        symbols = list(genome.symbols)
+        place = PLACE.get(symbols[index])
+        if place is None:
+            return genome
+        others = [symbol for symbol in QUINTUPLE[place] if symbol != symbols[index]]
+        symbols[index] = others[rng.integers(len(others))]
+        return self._genome(symbols)
+
+    def crossover(self, a: Genome, b: Genome, rng: np.random.Generator) -> tuple[Genome, Genome]:
+        """Return two offspring with the parents' tails swapped at one point, the same in both.
+
+        Genotypes are cut between two rules, developed words between two quintuples; words too short to be cut
+        come back unchanged.
+
+        Raises
+        ------
+        ValueError
+            where a genome is not one of this grammar, or one is a genotype and the other a developed word.
+        """
+        self._check(a)
+        self._check(b)
+        word = checking.is_word(a.symbols)
+        if word != checking.is_word(b.symbols):
+            raise ValueError("a genotype and a developed word cannot be crossed")
+        if word:
+            pieces = min(len(a.symbols), len(b.symbols)) // len(QUINTUPLE)
+            if pieces < 2:
+                return a, b
+            cut = 1 + len(QUINTUPLE) * int(rng.integers(1, pieces))
+        else:
+            cut = RULE_LENGTH * int(rng.integers(1, len(RULES)))
+        return (
+            self._genome(a.symbols[:cut] + b.symbols[cut:]),
+            self._genome(b.symbols[:cut] + a.symbols[cut:]),
+        )
+
+    def express(self, genome: Genome) -> Morphology:
+        """Return the modules that the genome grows into: lengths in m, tilts in rad.
+
+        Raises
+        ------
+        ValueError
+            where the genome is not one of this grammar; the message names the symbol and its position as
+            :meth:`to_text` prints it.
+        """
+        self._check(genome)
+        if checking.is_word(genome.symbols):
+            return interpret(genome.symbols, self.options)
+        return interpret(rewrite(genome.symbols, self.options.iterations), self.options)
+
+    def to_text(self, genome: Genome) -> str:
+        """Return a word as the paper prints it, a genotype as ``C: ... | S: ... | M: ... | L: ...``.
+
+        Raises
+        ------
+        ValueError
+            where the genome is not one of this grammar.
+        """
+        self._check(genome)
+        return lines.write(genome.symbols)
+
+    def parse(self, text: str) -> Genome:
+        """Read a genotype or a developed word.
+
+        Raises
+        ------
+        InputError
+            where the text is neither; the message names the symbol and its position, counted from 1.
+        """
+        return self._genome(lines.read(text))
+
+    def _genome(self, symbols: Iterable[str]) -> Genome:
+        return Genome(self.name, tuple(symbols))
+
+    def _check(self, genome: Genome) -> None:
+        if genome.grammar != self.name:
+            raise ValueError(f"the genome is one of grammar {genome.grammar!r}, not of {self.name!r}")
+        fault = checking.fault(genome.symbols)
+        if fault is not None:
+            raise ValueError(fault)

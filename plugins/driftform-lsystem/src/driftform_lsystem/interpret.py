@@ -1,0 +1,80 @@
+"""Word -> morphology: a word read as building instructions along the axis."""
+
+import math
+from collections.abc import Iterable, Sequence
+
+from driftform.types import Module, Morphology
+from driftform_lsystem.alphabet import CORE, LETTER_PLACE, PLACE, QUINTUPLE
+from driftform_lsystem.options import MAX_TILT_DEG, LSystemOptions
+
+
+def interpret(word: Iterable[str], options: LSystemOptions) -> Morphology:
+    """Return the modules that a word builds: lengths in m, tilts in rad."""
+    steps = instructions(word, last=options.repetition == "last")
+    aft, fore = chain(steps, skip=options.occupied == "skip")
+    return Morphology(fore=_modules(fore, options), aft=_modules(aft, options))
+
+
+def instructions(word: Iterable[str], *, last: bool = False) -> list[list[str]]:
+    """Return one quintuple for each module letter of a word.
+
+    Rewriting leaves runs of adds, tilts and degrees before a letter, and of moves after it. The first of each
+    run counts, or the ``last``; the rest has no effect.
+    """
+    steps: list[list[str]] = []
+    step = [""] * len(QUINTUPLE)
+    for symbol in word:
+        if symbol == CORE:
+            continue
+        place = PLACE[symbol]
+        if place < LETTER_PLACE and step[LETTER_PLACE]:
+            steps.append(step)
+            step = [""] * len(QUINTUPLE)
+        if last or not step[place]:
+            step[place] = symbol
+    if step[LETTER_PLACE]:
+        steps.append(step)
+    return steps
+
+
+def chain(steps: Sequence[Sequence[str]], *, skip: bool = False) -> tuple[list[str], list[str]]:
+    """Place the modules; return those aft and those fore of the core, each from the core outward.
+
+    A module is told by its tilt, degree and letter in one string, such as ``"tiltn1M"``. Where another
+    module, or the core, is already next to the reference, the new one goes between, or is left out with
+    ``skip``; its move counts either way.
+    """
+    places = [CORE]
+    reference = 0
+    for add, tilt, degree, letter, move in steps:
+        at = reference + (add == "addF")
+        # Only beyond the two ends of the chain is nothing there yet.
+        if not skip or at in (0, len(places)):
+            places.insert(at, tilt + degree + letter)
+            if at == reference:
+                reference += 1
+        if move == "moveF":
+            reference = min(reference + 1, len(places) - 1)
+        elif move == "moveB":
+            reference = max(reference - 1, 0)
+    core = places.index(CORE)
+    return places[:core][::-1], places[core + 1 :]
+
+
+def _modules(side: Sequence[str], options: LSystemOptions) -> tuple[Module, ...]:
+    degrees = {"0": options.tilt_0_deg, "1": options.tilt_1_deg, "2": options.tilt_2_deg}
+    # Subtracting from zero, for the negative of 0.0 is -0.0, which would be printed so.
+    tilts = {"tiltp" + d: math.radians(deg) for d, deg in degrees.items()}
+    tilts |= {"tiltn" + d: 0.0 - math.radians(deg) for d, deg in degrees.items()}
+    lengths = {"S": options.small, "M": options.medium, "L": options.large}
+    if options.tilt_reference == "axis":
+        made = {kind: Module(lengths[kind[-1]], tilts[kind[:-1]]) for kind in set(side)}
+        return tuple([made[kind] for kind in side])
+    limit = math.radians(MAX_TILT_DEG)
+    modules = []
+    wall = 0.0
+    for kind in side:
+        # Each step is clipped, and not the sum: the next module leans on the wall that is really there.
+        wall = min(max(wall + tilts[kind[:-1]], -limit), limit)
+        modules.append(Module(lengths[kind[-1]], wall))
+    return tuple(modules)

@@ -1,0 +1,43 @@
+"""The paper's hydrodynamics: strip theory across the axis, the equivalent ellipsoid along it, no damping."""
+
+from typing import Literal
+
+import numpy as np
+
+from driftform.geometry import solid_of_revolution
+from driftform.interfaces import Hydrodynamics
+from driftform.options import Table, option
+from driftform.scenario import Fluid
+from driftform.types import Body, Coefficients
+from driftform_striptheory.ellipsoid import axial_coefficient
+
+
+class StripTheoryOptions(Table):
+    """Options of the strip-theory model."""
+
+    m11: Literal["ellipsoid", "volume"] = option(
+        "ellipsoid", "k11 times the mass of water in the equivalent ellipsoid (eq. 7) or in the true volume"
+    )
+
+
+class StripTheory(Hydrodynamics[StripTheoryOptions]):
+    """Equations 1 to 10, with damping zero, about the centre of buoyancy.
+
+    The strips are the circular sections of the outer contour, m22 = m33 = rho pi r^2, so that M22, M26 and M66
+    are rho times the integrals of 1, x and x^2 over the displaced volume. About the centre of buoyancy M26
+    therefore vanishes, and M22 = rho V.
+    """
+
+    name = "striptheory"
+    Options = StripTheoryOptions
+
+    def coefficients(self, body: Body, fluid: Fluid) -> Coefficients:
+        """Return the added mass about the centre of buoyancy, as in the paper."""
+        displaced = solid_of_revolution(body.outer)
+        k11 = axial_coefficient(body.max_diameter / body.length)
+        a, b = body.length / 2, body.max_diameter / 2
+        volume = displaced.volume if self.options.m11 == "volume" else 4 / 3 * np.pi * a * b**2
+        lateral = fluid.density * displaced.volume
+        turning = fluid.density * (displaced.second - displaced.volume * displaced.centroid**2)
+        added_mass = np.diag([fluid.density * volume * k11, lateral, lateral, 0.0, turning, turning])
+        return Coefficients(added_mass, origin=np.array([displaced.centroid, 0.0, 0.0]))

@@ -1,0 +1,79 @@
+"""``agent.json``: a genome, and all that decides how it is built and flies. Data only."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from driftform.errors import InputError
+from driftform.files import write_text
+from driftform.types import Genome
+
+FORMAT = "driftform-agent"
+VERSION = 1
+
+
+@dataclass(frozen=True, eq=False)
+class StoredAgent:
+    """A genome in its environment, under a name for people.
+
+    ``environment`` is the part of a study's document that decides how the agent is built and flies;
+    ``result`` holds what is known of its flight, such as ``{"target": "TP1", "fitness": 99.2}``.
+    """
+
+    name: str
+    genome: Genome
+    environment: Mapping[str, Any]
+    result: Mapping[str, Any]
+
+
+def write_agent(path: Path, agent: StoredAgent) -> None:
+    """Write an agent file."""
+    document = {
+        "format": FORMAT,
+        "version": VERSION,
+        "name": agent.name,
+        "genome": {"grammar": agent.genome.grammar, "symbols": list(agent.genome.symbols)},
+        "result": dict(agent.result),
+        "environment": dict(agent.environment),
+    }
+    write_text(path, json.dumps(document, indent=1) + "\n")
+
+
+def read_agent(path: Path) -> StoredAgent:
+    """Read an agent file.
+
+    Raises
+    ------
+    InputError
+        where it is not one; the message names the file and what is missing.
+    """
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except (UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise InputError(f"{path}: is not an agent file: {error}") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    if not isinstance(document, dict) or document.get("format") != FORMAT:
+        raise InputError(f"{path}: is not an agent file: it lacks \"format\": \"{FORMAT}\"")
+    if document.get("version") != VERSION:
+        raise InputError(f"{path}: is of version {document.get('version')!r}, this driftform reads version {VERSION}")
+    genome, environment = document.get("genome"), document.get("environment")
+    symbols = genome.get("symbols") if isinstance(genome, dict) else None
+    if (
+        not isinstance(genome, dict)
+        or not isinstance(genome.get("grammar"), str)
+        or not isinstance(symbols, list)
+        or not all(isinstance(symbol, str) for symbol in symbols)
+    ):
+        raise InputError(f'{path}: "genome" must hold "grammar", a name, and "symbols", a list of strings')
+    if not isinstance(environment, dict):
+        raise InputError(f'{path}: "environment" is missing: the tables that say how the agent is built and flies')
+    name, result = document.get("name"), document.get("result")
+    return StoredAgent(
+        name if isinstance(name, str) else path.stem,
+        Genome(genome["grammar"], tuple(symbols)),
+        environment,
+        result if isinstance(result, dict) else {},
+    )

@@ -1,0 +1,97 @@
+"""AGENT on the command line: an agent.json, RUN:TARGET, or the text of a genome."""
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from driftform.agent_file import StoredAgent, read_agent
+from driftform.errors import DriftformError, InputError, did_you_mean
+from driftform.pipeline import Pipeline
+from driftform.run_directory import check_run
+from driftform.store import Store
+from driftform.study import Document, Study, load_study
+from driftform.types import Agent
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """An agent of the command line, built: its ``name`` serves for files, ``stored`` for an agent.json."""
+
+    name: str
+    stored: StoredAgent
+    study: Study
+    pipeline: Pipeline
+    agent: Agent
+
+
+def open_agent(
+    text: str,
+    scenario: str | None = None,
+    settings: Sequence[str] = (),
+    use: Mapping[str, str | None] | None = None,
+) -> Opened:
+    """Find the agent that ``text`` names and build it.
+
+    Raises
+    ------
+    InputError
+        where there is none; the message says what was looked for.
+    """
+    stored = _stored(text, scenario)
+    source: str | Document = Document(text if len(text) < 60 else stored.name, stored.environment)
+    if scenario is not None:
+        # The agent stays what it is; only its surroundings change.
+        other = load_study(scenario).document
+        made = {seam: stored.environment[seam] for seam in ("grammar", "builder") if seam in stored.environment}
+        source = Document(scenario, {**other, **made})
+    study = load_study(source, settings, use=use, run={"seed": 0})
+    pipeline = study.pipeline()
+    if stored.genome.grammar != pipeline.grammar.name:
+        raise InputError(f"{text}: is a genome of '{stored.genome.grammar}', its study uses '{pipeline.grammar.name}'")
+    try:
+        agent = pipeline.agent(stored.genome)
+    except ValueError as error:
+        raise InputError(f"{text}: {error}") from None
+    return Opened(stored.name, stored, study, pipeline, agent)
+
+
+def _stored(text: str, scenario: str | None) -> StoredAgent:
+    path = Path(text)
+    if _is_file(path):
+        return read_agent(path)
+    left, colon, right = text.rpartition(":")
+    if colon and " " not in text:
+        return _of_run(Path(left), right)
+    if path.suffix == ".json" or "/" in text or "\\" in text:
+        raise InputError(f"AGENT '{text}': no such file")
+    study = load_study(scenario)
+    grammar = study.plugin("grammar")
+    try:
+        genome = grammar.parse(text)
+    except DriftformError as error:
+        raise InputError(f"AGENT '{text}' is no file, no RUN:TARGET, and no word: {error}") from None
+    name = "word-" + hashlib.sha256(" ".join(genome.symbols).encode()).hexdigest()[:8]
+    return StoredAgent(name, genome, study.environment(), {})
+
+
+def _of_run(directory: Path, target: str) -> StoredAgent:
+    with Store.open(check_run(directory)) as store:
+        study = load_study(Document(str(directory), store.study()))
+        names = study.scenario.target_names
+        if target not in names:
+            raise InputError(f"{directory} has no target '{target}'{did_you_mean(target, names)}")
+        best = store.best(target)
+        if best is None:
+            raise InputError(f"{directory} has no sound evaluation yet; wait, or 'driftform resume {directory}'")
+        index, fitness = best
+        genome = store.record(index, names).evaluation.genome
+    result = {"target": target, "fitness": fitness, "error_percent": 100 - fitness, "evaluation": index}
+    return StoredAgent(target, genome, study.environment(), result)
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:  # A word may be longer than a file name can be.
+        return False

@@ -1,0 +1,151 @@
+"""``driftform evolve``."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from driftform.cli.options import Hydrodynamics, Json, OutDirectory, Settings, Simulator, Workers
+
+if TYPE_CHECKING:
+    from driftform.store import Store
+    from driftform.study import Study
+
+
+def evolve(
+    study: Annotated[
+        str, typer.Argument(metavar="[STUDY]", help="A study file, or the name of a built-in scenario.")
+    ] = "pipe-inspection",
+    target: Annotated[
+        list[str] | None, typer.Option("--target", metavar="NAME", help="Keep only this target; repeatable.")
+    ] = None,
+    strategy: Annotated[str | None, typer.Option("--strategy", metavar="NAME", help="Search strategy to use.")] = None,
+    evaluations: Annotated[
+        int | None,
+        typer.Option("--evaluations", min=1, help="Flights in all; by default 50 for each target."),
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option("--seed", min=0, help="Seed of all randomness; drawn and recorded by default.")
+    ] = None,
+    workers: Workers = None,
+    simulator: Simulator = None,
+    hydrodynamics: Hydrodynamics = None,
+    out: OutDirectory = None,
+    settings: Settings = None,
+    json: Json = False,
+) -> None:
+    """Evolve agents for every target of a scenario.
+
+    Writes a run directory: the study, every evaluation, and the best agent of each target with its mesh. Same
+    seed, same result, whatever the number of workers. Interrupted or killed, it goes on with 'driftform resume'.
+    """
+    from driftform.run_directory import DATABASE, check_new, locked, write_inputs
+    from driftform.store import Store
+    from driftform.study import builtin_scenarios, load_study
+
+    checked = load_study(
+        study,
+        settings or (),
+        targets=target or (),
+        use={"strategy": strategy, "simulator": simulator, "hydrodynamics": hydrodynamics},
+        run={"seed": seed, "evaluations": evaluations},
+    )
+    _check_targets(checked, study)
+    directory = out or _next_directory(study)
+    check_new(directory)
+    directory.mkdir(parents=True, exist_ok=True)
+    with locked(directory):
+        path = Path(study)
+        given = path.read_text(encoding="utf-8") if path.is_file() else builtin_scenarios()[study]
+        write_inputs(directory, checked, given)
+        with Store.create(directory / DATABASE, dict(checked.document)) as store:
+            carry_out(directory, checked, store, workers, json)
+
+
+def carry_out(directory: Path, study: "Study", store: "Store", workers: int | None, json: bool) -> None:
+    """Run the loop to the end of the budget, write what it found, and report."""
+    import os
+    import time
+
+    from driftform.cli.progress import Progress
+    from driftform.evolution import evolve as run_loop
+    from driftform.evolution import write_best
+    from driftform.execution import LocalProcesses
+
+    started = time.perf_counter()
+    executor = LocalProcesses(study.document, workers or os.cpu_count() or 1)
+    try:
+        with Progress(study) as progress:
+            progress.stored(store.count())
+            run_loop(study, store, executor, progress.record, progress.generation)
+    except KeyboardInterrupt:
+        typer.echo(
+            f"stopped after {store.count()} of {study.evaluations} evaluations; "
+            f"go on with: driftform resume {directory}",
+            err=True,
+        )
+        raise typer.Exit(130) from None
+    finally:
+        executor.close()
+    results, overview = write_best(directory, study, store)
+    seconds = time.perf_counter() - started
+
+    from driftform.cli.output import print_json, print_table
+
+    if json:
+        print_json(
+            {
+                "run": str(directory),
+                "seed": study.seed,
+                "evaluations": store.count(),
+                "failed": store.failed(),
+                "seconds": seconds,
+                "targets": {
+                    best.target: {
+                        "fitness": best.fitness,
+                        "error_percent": best.error_percent,
+                        "distance": best.distance,
+                        "agent": str(best.agent),
+                        "files": [str(path) for path in best.files],
+                    }
+                    for best in results
+                },
+                "overview": str(overview),
+            }
+        )
+        return
+    print_table(
+        ("target", "x m", "y m", "z m", "fitness %", "error % of d_max", "closest mm", "agent"),
+        (
+            (
+                best.target,
+                *(f"{c:g}" for c in study.scenario.targets[best.target]),
+                f"{best.fitness:.3f}",
+                f"{best.error_percent:.3f}",
+                f"{1000 * best.distance:.1f}",
+                str(best.agent),
+            )
+            for best in results
+        ),
+        right=(1, 2, 3, 4, 5, 6),
+    )
+    names = ", ".join(path.name for path in results[0].files) if results else ""
+    print(f"{store.count()} evaluations ({store.failed()} failed) in {seconds:.1f} s, seed {study.seed}")
+    print(f"best agents: {directory}/best/<target>/ ({names})")
+    print(f"picture:     {overview}")
+    print(f"run:         {directory}/ (resolved.toml, environment.json, run.db)")
+
+
+def _check_targets(study: "Study", source: str) -> None:
+    from driftform.errors import InputError
+
+    if not study.scenario.targets:
+        raise InputError(f"{source}: has no [targets]; add at least one, such as leak = [4.0, 0.0, -0.9]")
+
+
+def _next_directory(study: str) -> Path:
+    """The first free ``runs/<study>-<n>``."""
+    number = 1
+    while (path := Path("runs") / f"{Path(study).stem}-{number}").exists():
+        number += 1
+    return path

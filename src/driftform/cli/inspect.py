@@ -1,0 +1,134 @@
+"""``driftform inspect``."""
+
+from typing import TYPE_CHECKING, Any
+
+from driftform.cli.options import Agent, Hydrodynamics, Json, ScenarioOption, Settings
+
+if TYPE_CHECKING:
+    from driftform.cli.agents import Opened
+
+LEAD = 11_340.0
+"""Density of lead, kg/m3 (CRC Handbook of Chemistry and Physics, at 20 degrees C)."""
+
+BED = 0.25
+"""Travel of a common desktop printer, m."""
+
+
+def inspect(
+    agent: Agent,
+    scenario: ScenarioOption = None,
+    hydrodynamics: Hydrodynamics = None,
+    settings: Settings = None,
+    json: Json = False,
+) -> None:
+    """Tell what a body is: its modules, mass, buoyancy, inertia, added mass, and what to beware of."""
+    from driftform.cli.agents import open_agent
+    from driftform.cli.output import print_json
+
+    facts = body_facts(open_agent(agent, scenario, settings or (), {"hydrodynamics": hydrodynamics}))
+    if json:
+        print_json(facts)
+    else:
+        _print(facts)
+
+
+def body_facts(opened: "Opened") -> dict[str, Any]:
+    """What there is to tell, SI units throughout."""
+    import numpy as np
+
+    from driftform.geometry import hull_mass
+
+    body, mass, coefficients = opened.agent.body, opened.agent.mass, opened.agent.coefficients
+    fluid = opened.study.scenario.fluid
+    morphology = opened.agent.morphology
+    sides = [] if morphology is None else [("aft", m) for m in morphology.aft[::-1]]
+    sides += [] if morphology is None else [("fore", m) for m in morphology.fore]
+    return {
+        "agent": opened.name,
+        "genome": opened.pipeline.grammar.to_text(opened.stored.genome),
+        "modules": [{"side": side, "length": m.length, "tilt_deg": float(np.rad2deg(m.tilt))} for side, m in sides],
+        "length": body.length,
+        "max_diameter": body.max_diameter,
+        "mass": mass.mass,
+        "hull_mass": hull_mass(body),
+        "core_mass": body.core.mass,
+        "volume": mass.volume,
+        "net_buoyancy": (fluid.density * mass.volume - mass.mass) * fluid.gravity,
+        "cog": mass.cog,
+        "cob": mass.cob,
+        "inertia": mass.inertia,
+        "added_mass": coefficients.added_mass,
+        "added_mass_origin": coefficients.origin,
+        "hydrodynamics": opened.pipeline.hydrodynamics.name,
+        "warnings": _warnings(opened),
+    }
+
+
+def _warnings(opened: "Opened") -> list[str]:
+    import numpy as np
+
+    from driftform.dynamics.inertia import added_mass_at, rigid_body_mass
+
+    body, mass, scenario = opened.agent.body, opened.agent.mass, opened.study.scenario
+    fluid = scenario.fluid
+    warnings = []
+    core_density = body.core.mass / (4 / 3 * np.pi * body.core.radius**3)
+    if core_density > LEAD:
+        warnings.append(f"the core is denser than lead: {core_density:.0f} kg/m3")
+    net = fluid.density * mass.volume - mass.mass
+    if scenario.pipe.segments and net != 0 and fluid.gravity > 0:
+        radius = scenario.pipe.segments[0].radius
+        inertia = rigid_body_mass(mass) + added_mass_at(opened.agent.coefficients, np.zeros(3))
+        time = float(np.sqrt(2 * radius * inertia[2, 2] / (abs(net) * fluid.gravity)))
+        if time < 1.0:
+            verb = "rises" if net > 0 else "sinks"
+            warnings.append(f"level, it {verb} from the axis to the wall in {time:.2g} s: it is far from neutral")
+    if body.length > BED or body.max_diameter > BED:
+        warnings.append(
+            f"{1000 * body.length:.0f} mm long and {1000 * body.max_diameter:.0f} mm wide: "
+            f"larger than the bed of a common printer ({1000 * BED:.0f} mm)"
+        )
+    return warnings
+
+
+def _print(facts: dict[str, Any]) -> None:
+    import numpy as np
+
+    from driftform.cli.output import print_table
+
+    net = facts["net_buoyancy"]
+    weight = "floats" if net > 0 else "sinks" if net < 0 else "hovers"
+    modules = facts["modules"]
+    aft = sum(m["side"] == "aft" for m in modules)
+    rows = [
+        ("modules", f"{len(modules)} ({aft} aft, {len(modules) - aft} fore of the core)"),
+        ("length", f"{1000 * facts['length']:.2f} mm"),
+        ("largest diameter", f"{1000 * facts['max_diameter']:.2f} mm"),
+        ("mass", f"{1000 * facts['mass']:.3f} g"),
+        ("  of it hull", f"{1000 * facts['hull_mass']:.3f} g"),
+        ("  of it core", f"{1000 * facts['core_mass']:.3f} g"),
+        ("displaced volume", f"{1e6 * facts['volume']:.3f} cm3"),
+        ("net buoyancy", f"{net:+.4f} N (it {weight})"),
+        ("centre of gravity", f"x {1000 * facts['cog'][0]:+.3f} mm from the core's centre"),
+        ("centre of buoyancy", f"x {1000 * facts['cob'][0]:+.3f} mm"),
+        ("inertia about the COG", f"axial {facts['inertia'][0, 0]:.4g}, transverse {facts['inertia'][1, 1]:.4g} kg m2"),
+    ]
+    print_table(("agent", facts["agent"]), rows)
+    if modules:
+        print("\nmodules from aft to fore")
+        print_table(
+            ("side", "length mm", "tilt deg"),
+            ((m["side"], f"{1000 * m['length']:.2f}", f"{m['tilt_deg']:+.1f}") for m in modules),
+            right=(1, 2),
+        )
+    origin = ", ".join(f"{1000 * c:.3f}" for c in facts["added_mass_origin"])
+    print(f"\nadded mass by {facts['hydrodynamics']} about ({origin}) mm; kg, kg m, kg m2")
+    names = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+    matrix = np.asarray(facts["added_mass"])
+    print_table(
+        ("", *names),
+        ((name, *(f"{v:.4g}" for v in row)) for name, row in zip(names, matrix, strict=True)),
+        right=range(1, 7),
+    )
+    for warning in facts["warnings"]:
+        print(f"beware: {warning}")

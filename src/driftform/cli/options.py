@@ -1,0 +1,32 @@
+"""Options that several commands share."""
+
+from pathlib import Path
+from typing import Annotated, TypeAlias
+
+import typer
+
+AGENT_HELP = (
+    "An agent.json, RUN:TARGET (the best of a run for a target), or a word such as "
+    '"addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB".'
+)
+
+Agent: TypeAlias = Annotated[str, typer.Argument(metavar="AGENT", help=AGENT_HELP, show_default=False)]
+Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON document, and nothing else, on stdout.")]
+Settings: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Set any key of the study, such as flow.speed=0.8; repeatable."),
+]
+ScenarioOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option("--scenario", metavar="NAME|FILE", help="Scenario to fly in, in place of the agent's own."),
+]
+Simulator: TypeAlias = Annotated[str | None, typer.Option("--simulator", metavar="NAME", help="Simulator to use.")]
+Hydrodynamics: TypeAlias = Annotated[
+    str | None, typer.Option("--hydrodynamics", metavar="NAME", help="Hydrodynamic model to use.")
+]
+Workers: TypeAlias = Annotated[
+    int | None, typer.Option("--workers", min=1, help="Worker processes; by default one for each processor.")
+]
+OutDirectory: TypeAlias = Annotated[
+    Path | None, typer.Option("--out", metavar="DIR", help="Directory for the files.", show_default=False)
+]

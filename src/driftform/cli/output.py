@@ -1,0 +1,59 @@
+"""What a command prints: one JSON document, or text for people."""
+
+import json
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+
+def print_json(document: Mapping[str, Any]) -> None:
+    """Print one JSON document on stdout; arrays become lists, numbers that are not finite ``null``."""
+    print(json.dumps(_plain(document), indent=1, allow_nan=False))
+
+
+def print_table(header: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[int] = ()) -> None:
+    """Print a table on stdout; the columns ``right`` are flush right.
+
+    On a terminal it is drawn by rich and fits the width; elsewhere the columns are padded, and nothing is cut.
+    """
+    rows = [list(row) for row in rows]
+    if sys.stdout.isatty():
+        from rich import box
+        from rich.console import Console
+        from rich.table import Table
+
+        table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+        for number, title in enumerate(header):
+            table.add_column(title, justify="right" if number in right else "left", overflow="fold")
+        for row in rows:
+            table.add_row(*(_escaped(cell) for cell in row))
+        Console(highlight=False).print(table)
+        return
+    widths = [max(len(row[i]) for row in [list(header), *rows]) for i in range(len(header))]
+    for row in [list(header), *rows]:
+        cells = [c.rjust(w) if i in right else c.ljust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True))]
+        print("  ".join(cells).rstrip())
+
+
+def _escaped(cell: str) -> str:
+    from rich.markup import escape
+
+    return escape(cell)
+
+
+def _plain(value: Any) -> Any:
+    match value:
+        case Mapping():
+            return {str(key): _plain(item) for key, item in value.items()}
+        case np.ndarray():
+            return _plain(value.tolist())
+        case np.generic():
+            return _plain(value.item())
+        case float():
+            return value if np.isfinite(value) else None
+        case list() | tuple():
+            return [_plain(item) for item in value]
+        case _:
+            return value if value is None or isinstance(value, bool | int | str) else str(value)

@@ -1,0 +1,69 @@
+"""``driftform plugins``."""
+
+from typing import Annotated, Any
+
+import typer
+
+from driftform.cli.options import Json
+
+app = typer.Typer(help="What is installed, and its options.", invoke_without_command=True)
+
+
+@app.callback()
+def _default(ctx: typer.Context, json: Json = False) -> None:
+    if ctx.invoked_subcommand is None:
+        list_(json)
+
+
+@app.command("list")
+def list_(json: Json = False) -> None:
+    """List the plugins by seam, also those that cannot be used, with the reason."""
+    from driftform.cli.output import print_json, print_table
+    from driftform.registry import registry
+
+    columns = ("seam", "name", "distribution", "version", "state")
+    rows = [{c: getattr(row, c) for c in columns} for row in registry().contributions()]
+    if json:
+        print_json({"plugins": rows})
+    else:
+        print_table(columns, ([row[c] for c in columns] for row in rows))
+
+
+@app.command("show")
+def show(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a plugin.", show_default=False)],
+    json: Json = False,
+) -> None:
+    """Show what a plugin does, and its options with type, default and unit."""
+    import inspect
+
+    from driftform.cli.output import print_json, print_table
+    from driftform.errors import InputError, did_you_mean
+    from driftform.options import describe
+    from driftform.registry import registry
+
+    installed = registry().contributions()
+    rows = [row for row in installed if row.name == name]
+    if not rows:
+        raise InputError(f"no plugin is named '{name}'{did_you_mean(name, [row.name for row in installed])}")
+    found: list[dict[str, Any]] = []
+    for row in rows:
+        entry: dict[str, Any] = {k: getattr(row, k) for k in ("seam", "name", "distribution", "version", "state")}
+        if row.cls is not None:
+            entry["summary"] = inspect.getdoc(row.cls) or ""
+            entry["options"] = describe(row.cls.Options)
+        found.append(entry)
+    if json:
+        print_json({"plugins": found})
+        return
+    for entry in found:
+        print(f"{entry['seam'] or 'plugin'} {entry['name']}, from {entry['distribution']} {entry['version']}")
+        if "options" not in entry:
+            print(entry["state"])
+            continue
+        print(f"\n{entry['summary']}\n")
+        if entry["options"]:
+            columns = ("option", "type", "default", "unit", "help")
+            print_table(columns, ([str(option[c]) for c in columns] for option in entry["options"]))
+        else:
+            print("It has no options.")

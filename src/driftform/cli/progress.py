@@ -1,0 +1,91 @@
+"""What a long run shows while it works: a live table on a terminal, a line for each generation elsewhere."""
+
+import sys
+import time
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+from driftform.store import Record
+from driftform.study import Study
+
+if TYPE_CHECKING:
+    from rich.console import Group
+
+REFRESH = 4.0
+"""Frames a second."""
+
+
+class Progress:
+    """Counts evaluations and shows where the run stands, on stderr: stdout is for results."""
+
+    def __init__(self, study: Study) -> None:
+        self._targets = study.scenario.target_names
+        self._budget = study.evaluations
+        self._best: list[tuple[float, int]] = [(0.0, -1)] * len(self._targets)
+        self._done = self._failed = self._stored = 0
+        self._started = time.perf_counter()
+        self._live = sys.stdout.isatty() and sys.stderr.isatty()
+        self._display = None
+        if self._live:
+            from rich.console import Console
+            from rich.live import Live
+
+            self._display = Live(
+                console=Console(stderr=True), refresh_per_second=REFRESH, get_renderable=self._table, transient=True
+            )
+
+    def __enter__(self) -> "Progress":
+        if self._display is not None:
+            self._display.__enter__()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._display is not None:
+            self._display.__exit__(kind, error, trace)
+
+    def stored(self, count: int) -> None:
+        """Tell how many evaluations were there before: they say nothing about the speed."""
+        self._stored = count
+
+    def record(self, record: Record) -> None:
+        """Count one evaluation."""
+        self._done += 1
+        self._failed += record.evaluation.failure is not None
+        for i, value in enumerate(record.evaluation.fitness):
+            if value > self._best[i][0]:
+                self._best[i] = (float(value), record.index)
+
+    def generation(self, evaluations: int) -> None:
+        """Say where the run stands, off a terminal."""
+        if not self._live:
+            best = "  ".join(f"{t} {f:.2f}" for t, (f, _) in zip(self._targets, self._best, strict=True))
+            print(f"{evaluations}/{self._budget} evaluations, {self._rate()}: {best}", file=sys.stderr, flush=True)
+
+    def _rate(self) -> str:
+        elapsed = time.perf_counter() - self._started
+        new = self._done - self._stored
+        if new <= 0:
+            return "starting (the first run compiles the equations of motion)"
+        rate = new / elapsed
+        left = (self._budget - self._done) / rate
+        failures = f", {self._failed} failed" if self._failed else ""
+        return f"{rate:.0f}/s, {left:.0f} s left{failures}"
+
+    def _table(self) -> "Group":
+        from rich import box
+        from rich.console import Group
+        from rich.progress_bar import ProgressBar
+        from rich.table import Table
+        from rich.text import Text
+
+        table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+        table.add_column("target")
+        for title in ("best fitness %", "error %", "evaluation"):
+            table.add_column(title, justify="right")
+        for target, (fitness, index) in zip(self._targets, self._best, strict=True):
+            row = (f"{fitness:.3f}", f"{100 - fitness:.3f}", str(index)) if index >= 0 else ("", "", "")
+            table.add_row(target, *row)
+        bar = ProgressBar(total=self._budget, completed=self._done, width=40)
+        return Group(table, bar, Text(f"{self._done} of {self._budget} evaluations, {self._rate()}"))

@@ -1,0 +1,44 @@
+"""``driftform sample``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from driftform.cli.options import Json, Settings
+
+
+def sample(
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Directory for the agents.", show_default=False)],
+    count: Annotated[int, typer.Option("--count", min=1, help="How many agents.")] = 10,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the randomness.")] = 0,
+    scenario: Annotated[
+        str | None, typer.Option("--scenario", metavar="NAME|FILE", help="Study that says how agents are made.")
+    ] = None,
+    settings: Settings = None,
+    json: Json = False,
+) -> None:
+    """Draw random agents, each an agent.json."""
+    import numpy as np
+
+    from driftform.agent_file import StoredAgent, write_agent
+    from driftform.cli.output import print_json
+    from driftform.errors import InputError
+    from driftform.study import load_study
+
+    study = load_study(scenario, settings or ())
+    if out.is_file() or (out.is_dir() and any(out.iterdir())):
+        raise InputError(f"{out} is not an empty directory; choose another --out")
+    grammar = study.plugin("grammar")
+    rng = np.random.default_rng(seed)
+    environment = study.environment()
+    width = max(4, len(str(count)))
+    paths = []
+    for number in range(1, count + 1):
+        name = f"agent-{number:0{width}d}"
+        write_agent(out / f"{name}.json", StoredAgent(name, grammar.random(rng), environment, {"seed": seed}))
+        paths.append(str(out / f"{name}.json"))
+    if json:
+        print_json({"agents": paths, "seed": seed})
+    else:
+        print(f"{count} random agents, seed {seed}: {paths[0]} ... {paths[-1]}" if count > 1 else paths[0])

@@ -1,0 +1,38 @@
+"""6x6 matrices of a rigid body, and how they change with the point they refer to."""
+
+import numpy as np
+
+from driftform.types import Coefficients, FloatArray, MassProperties
+
+
+def cross_matrix(vector: FloatArray) -> FloatArray:
+    """Return S with ``S @ b == cross(vector, b)``, (3, 3)."""
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def rigid_body_mass(mass: MassProperties) -> FloatArray:
+    """Return M_RB about the body frame's origin, (6, 6) (Fossen 2011, eq. 3.44)."""
+    S = cross_matrix(mass.cog)
+    matrix = np.zeros((6, 6))
+    matrix[:3, :3] = mass.mass * np.eye(3)
+    matrix[:3, 3:] = -mass.mass * S
+    matrix[3:, :3] = mass.mass * S
+    matrix[3:, 3:] = mass.inertia - mass.mass * S @ S
+    return matrix
+
+
+def shifted(matrix: FloatArray, offset: FloatArray) -> FloatArray:
+    """Return a 6x6 matrix about a point that lies at ``offset`` (m) from the one it referred to.
+
+    A' = H^T A H, where H gives the old point's velocity from the new point's: v_old = v_new + w x (old - new).
+    Holds for added mass, rigid-body mass and linear damping.
+    """
+    H = np.eye(6)
+    H[:3, 3:] = cross_matrix(offset)
+    return np.asarray(H.T @ matrix @ H, dtype=np.float64)
+
+
+def added_mass_at(coefficients: Coefficients, point: FloatArray) -> FloatArray:
+    """Return the added mass about ``point`` of the body frame, (6, 6)."""
+    return shifted(coefficients.added_mass, point - coefficients.origin)

@@ -1,0 +1,136 @@
+"""The ask/tell loop over a stored run, and what a run leaves behind."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from driftform.agent_file import StoredAgent, write_agent
+from driftform.dynamics.path import closest_approach
+from driftform.errors import InputError, WorkFailedError
+from driftform.execution import Job, Outcome
+from driftform.figures.overview import Flight, overview_svg
+from driftform.figures.section import section_svg
+from driftform.files import write_text
+from driftform.registry import registry
+from driftform.run_directory import write_trajectory
+from driftform.store import Record, Store
+from driftform.study import Study
+from driftform.types import Evaluation
+
+
+class Executor(Protocol):
+    """Where evaluations run."""
+
+    def evaluate(self, jobs: Sequence[Job]) -> Iterable[Outcome]:
+        """Yield an outcome for each job, in any order."""
+
+
+@dataclass(frozen=True)
+class Best:
+    """The best of a run for one target.
+
+    ``index`` of its evaluation, its ``fitness``, the ``distance`` (m) of its closest approach, and its files.
+    """
+
+    target: str
+    index: int
+    fitness: float
+    distance: float
+    agent: Path
+    files: tuple[Path, ...] = ()
+
+    @property
+    def error_percent(self) -> float:
+        """Distance of closest approach, in percent of the farthest distance in the pipe (eq. 25)."""
+        return 100 - self.fitness
+
+
+def evolve(
+    study: Study,
+    store: Store,
+    executor: Executor,
+    on_record: Callable[[Record], None] = lambda _: None,
+    on_generation: Callable[[int], None] = lambda _: None,
+) -> None:
+    """Ask, evaluate, tell, until the budget is spent.
+
+    A strategy is a function of the seed and of what it was told, so an interrupted run is resumed by running it
+    again: what is stored already is not flown a second time.
+
+    Parameters
+    ----------
+    on_record
+        called with each evaluation, stored or new.
+    on_generation
+        called with the number of evaluations so far, whenever the strategy has been told.
+
+    Raises
+    ------
+    InputError
+        where the stored evaluations are not those that this study asks for.
+    """
+    strategy, targets = study.strategy(), study.scenario.target_names
+    first = 0
+    while first < study.evaluations:
+        candidates = strategy.ask(study.evaluations - first)
+        outcomes: dict[int, Evaluation] = {}
+        for record in store.records(targets, first, len(candidates)):
+            if record.candidate != candidates[record.index - first]:
+                raise InputError(
+                    f"evaluation {record.index} of this run is not the one that its study asks for now: a plugin "
+                    "has changed since; resume with the versions in environment.json, or start a new run"
+                )
+            outcomes[record.index] = record.evaluation
+            on_record(record)
+        missing = [(first + i, c.genome) for i, c in enumerate(candidates) if first + i not in outcomes]
+        for index, evaluation in executor.evaluate(missing):
+            record = Record(index, candidates[index - first], evaluation)
+            store.add(record, targets)
+            outcomes[index] = evaluation
+            on_record(record)
+        strategy.tell(first, [outcomes[first + i] for i in range(len(candidates))])
+        first += len(candidates)
+        on_generation(first)
+
+
+def write_best(directory: Path, study: Study, store: Store) -> tuple[list[Best], Path]:
+    """Write ``best/<target>/`` for every target, and the overview; return what there is.
+
+    Raises
+    ------
+    WorkFailedError
+        where not one evaluation succeeded; the message gives the reason of the first.
+    """
+    targets, pipeline = study.scenario.target_names, study.pipeline()
+    results: list[Best] = []
+    flights: list[Flight] = []
+    for target in targets:
+        found = store.best(target)
+        if found is None:
+            first = store.record(0, targets).evaluation
+            raise WorkFailedError(f"all {store.count()} evaluations failed, the first: {first.failure}")
+        index, fitness = found
+        evaluation = store.record(index, targets).evaluation
+        assert evaluation.trajectory is not None
+        agent = pipeline.agent(evaluation.genome)
+        point = np.array([study.scenario.targets[target]])
+        distance, _ = closest_approach(evaluation.trajectory, point)
+        folder = directory / "best" / target
+        result = {"target": target, "fitness": fitness, "error_percent": 100 - fitness, "evaluation": index}
+        stored = StoredAgent(target, evaluation.genome, study.environment(), result)
+        write_agent(folder / "agent.json", stored)
+        write_trajectory(folder / "trajectory.csv", evaluation.trajectory)
+        write_text(folder / "section.svg", section_svg(agent, target))
+        files = [folder / "agent.json", folder / "trajectory.csv", folder / "section.svg"]
+        for name in study.run.formats:
+            exporter = registry().create("exporter", name, {})
+            files.append(folder / f"agent{exporter.suffix}")
+            exporter.write(agent, files[-1])
+        results.append(Best(target, index, fitness, float(distance[0]), files[0], tuple(files)))
+        flights.append(Flight(target, agent, evaluation.trajectory, 100 - fitness))
+    overview = directory / "figures" / "overview.svg"
+    write_text(overview, overview_svg(flights, study.scenario, str(study.document.get("title", ""))))
+    return results, overview

@@ -1,0 +1,77 @@
+"""A body of revolution drawn along its axis, fore end to the right: the shapes that pictures share."""
+
+from dataclasses import dataclass
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from driftform.figures import svg
+from driftform.figures.projection import simplify
+from driftform.figures.style import tint
+from driftform.types import Body, FloatArray
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where the body frame's origin lies on the page (px), and how many px a metre takes."""
+
+    x: float
+    y: float
+    px_per_m: float
+
+    def to_page(self, points: FloatArray) -> FloatArray:
+        """Return page points of (x, z) of the body frame in m, (n, 2)."""
+        return np.array([self.x, self.y]) + self.px_per_m * np.asarray(points) * (1.0, -1.0)
+
+    @classmethod
+    def centred(cls, body: Body, x: float, y: float, px_per_m: float) -> "Placement":
+        """Return the placement that puts the middle of the body's length at a point of the page."""
+        middle = (body.outer[0, 0] + body.outer[-1, 0]) / 2
+        return cls(x - px_per_m * float(middle), y, px_per_m)
+
+
+def closed_outline(contour: FloatArray) -> FloatArray:
+    """Return the meridian on both sides of the axis, as one closed polygon."""
+    return np.vstack([contour, contour[::-1] * (1.0, -1.0)])
+
+
+def radius_at(contour: FloatArray, x: float) -> float:
+    """Return the greatest radius (m) of the contour at ``x``: a step in the wall has more than one there."""
+    low, high = contour[:-1], contour[1:]
+    spans = (np.minimum(low[:, 0], high[:, 0]) <= x + 1e-9) & (np.maximum(low[:, 0], high[:, 0]) >= x - 1e-9)
+    low, high = low[spans], high[spans]
+    run = high[:, 0] - low[:, 0]
+    steep = np.abs(run) < 1e-9
+    s = np.clip(np.divide(x - low[:, 0], run, out=np.zeros_like(run), where=~steep), 0, 1)
+    radii = np.where(steep, np.maximum(low[:, 1], high[:, 1]), low[:, 1] + s * (high[:, 1] - low[:, 1]))
+    return float(radii.max(initial=0.0))
+
+
+def draw_shading(
+    parent: ET.Element, body: Body, place: Placement, colour: str, below: float, bands: int = 12
+) -> None:
+    """Fill the outside with bands that are lightest a third above the axis, as a turned part in daylight.
+
+    ``below`` is how far down they reach, as a multiple of the radius: 0 stops at the axis, 1 fills the body.
+    """
+    x, r = simplify(body.outer, 0.1 / place.px_per_m).T
+    for lit in np.linspace(0, 1, bands):
+        # Highlights end before the shaded side does, so each band is narrower below than above.
+        top = 1 - 0.62 * lit
+        bottom = below if lit == 0 else min(below, 0.78 - 0.78 * lit)
+        edge = np.vstack([np.column_stack([x, top * r]), np.column_stack([x, -bottom * r])[::-1]])
+        fill = tint(colour, 0.14 + 0.3 * float(1 - lit) ** 1.5)
+        svg.add(parent, "path", d=svg.polyline(place.to_page(edge), closed=True), fill=fill)
+
+
+def draw_rims(
+    parent: ET.Element, body: Body, place: Placement, colour: str, width: float, below: float
+) -> None:
+    """Draw the joints between modules as faint lines across the outside."""
+    inner = [x for x in body.joints if body.outer[0, 0] + 1e-6 < x < body.outer[-1, 0] - 1e-6]
+    data = ""
+    for x in inner:
+        r = radius_at(body.outer, float(x))
+        data += svg.polyline(place.to_page(np.array([[x, r], [x, -below * r]])))
+    if data:
+        svg.add(parent, "path", class_="joints", d=data, fill="none", stroke=colour, stroke_width=width)

@@ -1,0 +1,220 @@
+"""One flight through the pipe: the path, the attitude, and how near it comes to a target."""
+
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from driftform.figures import svg
+from driftform.figures.layout import Box, place_labels, shorten, text_width, write
+from driftform.figures.plot import (
+    Window,
+    draw_axes,
+    draw_cross,
+    draw_current,
+    draw_silhouette,
+    draw_walls,
+    draw_water,
+    pipe_ink,
+    pipe_points,
+)
+from driftform.figures.projection import (
+    PLAN,
+    SIDE,
+    Approach,
+    closest,
+    pose,
+    positions,
+    resample,
+    times,
+)
+from driftform.figures.style import BLUE, INK, MUTED, ORANGE, VERMILLION, tint
+from driftform.scenario import Scenario
+from driftform.types import Body, FloatArray, Trajectory
+
+_WIDTH, _LEFT, _RIGHT = 900.0, 62.0, 24.0
+_TALLEST = 440.0
+_READABLE = 40.0
+"""A silhouette shorter than this, in px, is magnified until attitude can be read off it."""
+_MAGNIFICATIONS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 50, 75, 100)
+_SIDEWAYS = 0.01
+"""A flight that leaves the plane it started in by more than this, in m, is shown from above as well."""
+
+
+def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body: Body | None = None) -> str:
+    """Return a flight as SVG: the pipe in side view (x to the right, z upward), to scale, axes in metres.
+
+    Parameters
+    ----------
+    trajectory
+        the path is drawn as fitness measures it, smooth between samples.
+    scenario
+        pipe, current and targets; in open water the window fits the path and the targets.
+    title
+        a line above the picture.
+    body
+        its silhouette is shown in its attitude at some moments, magnified where it would be too small.
+
+    A flight that moves sideways, too, gets a plan view (x to the right, y upward) below the side view.
+    """
+    line = positions(trajectory, times(trajectory))
+    targets = scenario.target_array()
+    approaches = closest(trajectory, targets) if len(targets) else []
+    nearest = int(np.argmin([a.distance for a in approaches])) if approaches else None
+
+    sideways = float(np.ptp(line[:, 1])) > _SIDEWAYS
+    views = (SIDE, PLAN) if sideways else (SIDE,)
+    windows: list[Window] = []
+    top, magnification = 80.0, 1
+    for view in views:
+        points = [line, targets, pipe_points(scenario.pipe, view)]
+        if body is not None and not scenario.pipe.segments:
+            # Else a body that hardly moves would fill the window.
+            room = 1.5 * max(body.length, body.max_diameter)
+            points.append(line[0] + room * np.vstack([np.eye(3), -np.eye(3)]))
+        shown = np.vstack(points)
+        tight = Window.around(view, shown, _LEFT, top, _WIDTH - _LEFT - _RIGHT, _TALLEST, 26)
+        if view == SIDE:
+            magnification = _magnification(body, tight.px_per_m)
+        # A silhouette may stick out by as much as it reaches from the core; the window grows by that.
+        reach = 0.0 if body is None else float(np.hypot(*body.outer.T).max()) * magnification * tight.px_per_m
+        width = _WIDTH - _LEFT - _RIGHT
+        windows.append(Window.around(view, shown, _LEFT, top, width, _TALLEST, max(26.0, reach + 3)))
+        top = windows[-1].box.bottom + 74
+
+    captions = _captions(trajectory, scenario, body, magnification, approaches, nearest)
+    height = windows[-1].box.bottom + 52 + 17 * len(captions) + 6
+    root = svg.document(_WIDTH, height, title or "Flight of an agent", " ".join(captions))
+    width = _WIDTH - _LEFT - _RIGHT
+    write(root, 22, 34, shorten(title or "Flight", 17, width, bold=True), 17, bold=True)
+    headings = {SIDE: "Side view", PLAN: "Plan view, from above"}
+    for window in windows:
+        write(root, _LEFT, window.box.top - 10, headings[window.view], 12, MUTED)
+        _draw_view(root, window, trajectory, scenario, body, magnification, approaches, nearest)
+    for row, caption in enumerate(captions):
+        y = windows[-1].box.bottom + 56 + 17 * row
+        write(root, _LEFT, y, shorten(caption, 12, width), 12, MUTED, class_="caption")
+    return svg.render(root)
+
+
+def _magnification(body: Body | None, px_per_m: float) -> int:
+    if body is None:
+        return 1
+    natural = max(body.length, body.max_diameter) * px_per_m
+    return next((m for m in _MAGNIFICATIONS if m * natural >= _READABLE), _MAGNIFICATIONS[-1])
+
+
+def _captions(
+    trajectory: Trajectory,
+    scenario: Scenario,
+    body: Body | None,
+    magnification: int,
+    approaches: list[Approach],
+    nearest: int | None,
+) -> list[str]:
+    captions = [f"Ends after {trajectory.t[-1]:.2f} s: {_ENDS[trajectory.end.value]}."]
+    if nearest is not None:
+        approach, name = approaches[nearest], scenario.target_names[nearest]
+        captions.insert(
+            0, f"Closest to {name}: {_distance(approach.distance)} away after {approach.t:.2f} s."
+        )
+    if body is not None:
+        scale = "to scale" if magnification == 1 else f"magnified {magnification} times about the core"
+        captions.append(f"Silhouettes: the body in its attitude at equal distances along the path, {scale}.")
+    # Two short sentences share a line.
+    return [" ".join(captions[:2]), *captions[2:]] if nearest is not None else captions
+
+
+_ENDS = {
+    "outlet": "it left through the outlet",
+    "inlet": "it left through the inlet",
+    "horizon": "time was up",
+    "non-finite": "the simulation broke down",
+    "step limit": "the simulation ran out of steps",
+}
+
+
+def _distance(metres: float) -> str:
+    return f"{1000 * metres:.1f} mm" if metres < 0.0995 else f"{metres:.2f} m"
+
+
+def _draw_view(
+    root: ET.Element,
+    window: Window,
+    trajectory: Trajectory,
+    scenario: Scenario,
+    body: Body | None,
+    magnification: int,
+    approaches: list[Approach],
+    nearest: int | None,
+) -> None:
+    line = positions(trajectory, times(trajectory))
+    seen = window.to_page(line)
+    draw_water(root, window, scenario.pipe)
+    draw_axes(root, window)
+    draw_walls(root, window, scenario.pipe)
+    draw_current(root, window, scenario.current())
+    svg.add(
+        root,
+        "path",
+        class_="path",
+        d=window.line(line),
+        fill="none",
+        stroke=BLUE,
+        stroke_width=2,
+        stroke_linejoin="round",
+        stroke_linecap="round",
+    )
+    ink = [resample(seen, 3), pipe_ink(window, scenario.pipe)]
+    if body is not None:
+        size = max(body.length, body.max_diameter) * magnification * window.px_per_m
+        for t in _moments(trajectory, seen, size):
+            pale = (tint(BLUE, 0.22), INK, ORANGE)
+            corners = draw_silhouette(root, window, body, pose(trajectory, t), magnification, pale)
+            ink.append(resample(corners, 4))
+    x, y = seen[0]
+    svg.add(root, "circle", class_="start", cx=x, cy=y, r=4.5, fill="#ffffff", stroke=BLUE, stroke_width=2)
+
+    names = ["start", *(shorten(name, 12, 140, bold=True) for name in scenario.target_names)]
+    anchors = np.vstack([seen[:1], window.to_page(scenario.target_array())])
+    for i, (x, y) in enumerate(anchors[1:]):
+        draw_cross(root, x, y, 6, VERMILLION if i == nearest else INK)
+    if nearest is not None:
+        foot = window.to_page(approaches[nearest].position[None])[0]
+        target = anchors[1 + nearest]
+        svg.add(
+            root,
+            "path",
+            d=svg.polyline([foot, target]),
+            stroke=VERMILLION,
+            stroke_width=1.2,
+            stroke_dasharray="3 2",
+        )
+        svg.add(
+            root,
+            "circle",
+            class_="closest",
+            cx=foot[0],
+            cy=foot[1],
+            r=3.5,
+            fill="#ffffff",
+            stroke=VERMILLION,
+            stroke_width=1.8,
+        )
+        ink.append(resample(np.array([foot, target]), 3))
+    widths = [text_width(name, 12, bold=True) for name in names]
+    frame = window.box
+    page = Box(frame.left + 2, frame.top + 2, frame.right - 2, frame.bottom - 2)
+    boxes = place_labels(anchors, widths, 14, np.vstack(ink), page)
+    for i, (name, box) in enumerate(zip(names, boxes, strict=True)):
+        colour = VERMILLION if nearest is not None and i == 1 + nearest else INK
+        x, y = (box.left + box.right) / 2, box.bottom - 3
+        write(root, x, y, name, 12, MUTED if i == 0 else colour, "middle", bold=i > 0, halo=True)
+
+
+def _moments(trajectory: Trajectory, seen: FloatArray, size: float) -> list[float]:
+    """Return times at equal distances along the path, so far apart that bodies of ``size`` px are clear."""
+    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(seen, axis=0), axis=1))])
+    count = int(np.clip(s[-1] / (1.9 * size), 1, 7))
+    # Off both ends, where the start and the outlet are.
+    wanted = s[-1] * (np.arange(count) + 0.5) / count
+    return [float(t) for t in np.interp(wanted, s, times(trajectory))]

@@ -1,0 +1,160 @@
+"""Where text goes: how wide it is, how to shorten it, and how labels keep out of each other's way.
+
+All lengths are in px of the page, y downward.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from driftform.figures import svg
+from driftform.figures.style import INK
+from driftform.types import FloatArray
+
+_NARROW = frozenset(" iljItfr.,:;'|!()[]-")
+_BROAD = frozenset("mwMW%@")
+
+
+def text_width(text: str, size: float, bold: bool = False) -> float:
+    """Return how wide ``text`` is at most, in px at font size ``size``.
+
+    Which font the reader has is unknown; the widths are those of DejaVu Sans, the broadest of the usual ones.
+    """
+    em = 0.0
+    for letter in text:
+        if letter in _NARROW:
+            em += 0.41
+        elif letter in _BROAD or ord(letter) >= 0x1100:
+            em += 1.0
+        else:
+            em += 0.7 if letter.isupper() else 0.64
+    return em * size * (1.1 if bold else 1.0)
+
+
+def shorten(text: str, size: float, width: float, bold: bool = False) -> str:
+    """Return ``text``, cut and ended with an ellipsis where it is wider than ``width``."""
+    text = " ".join(text.split())
+    if text_width(text, size, bold) <= width:
+        return text
+    while text and text_width(text + "…", size, bold) > width:
+        text = text[:-1]
+    return text.rstrip() + "…"
+
+
+def write(
+    parent: ET.Element,
+    x: float,
+    y: float,
+    content: str,
+    size: float = 12,
+    fill: str = INK,
+    anchor: str = "start",
+    bold: bool = False,
+    halo: bool = False,
+    class_: str = "",
+) -> None:
+    """Write ``content`` with its baseline at ``y``; a ``halo`` keeps it legible on top of lines."""
+    attributes: dict[str, str | float] = {"class_": class_} if class_ else {}
+    if halo:
+        attributes |= {
+            "stroke": "#ffffff",
+            "stroke_width": 3,
+            "stroke_linejoin": "round",
+            "paint_order": "stroke",
+        }
+    if bold:
+        attributes["font_weight"] = "600"
+    if anchor != "start":
+        attributes["text_anchor"] = anchor
+    svg.add(parent, "text", content, x=x, y=y, font_size=size, fill=fill, **attributes)
+
+
+@dataclass(frozen=True)
+class Box:
+    """A rectangle on the page."""
+
+    left: float
+    top: float
+    right: float
+    bottom: float
+
+    @classmethod
+    def around(cls, x: float, y: float, width: float, height: float) -> "Box":
+        """Return the box of that size centred on a point."""
+        return cls(x - width / 2, y - height / 2, x + width / 2, y + height / 2)
+
+    def overlap(self, other: "Box") -> float:
+        """Return the area that two boxes share, px2."""
+        w = min(self.right, other.right) - max(self.left, other.left)
+        h = min(self.bottom, other.bottom) - max(self.top, other.top)
+        return max(w, 0.0) * max(h, 0.0)
+
+    def holds(self, points: FloatArray) -> int:
+        """Return how many of ``points``, (n, 2), lie inside."""
+        inside = (points > (self.left, self.top)) & (points < (self.right, self.bottom))
+        return int(np.count_nonzero(inside.all(axis=1)))
+
+
+def place_labels(
+    anchors: FloatArray, widths: Sequence[float], height: float, ink: FloatArray, page: Box, keep: float = 9
+) -> list[Box]:
+    """Return a box for each label: near its anchor, off other labels and anchors, if it can be off ``ink``.
+
+    Parameters
+    ----------
+    anchors
+        the points to be labelled, (n, 2).
+    widths, height
+        size of each label.
+    ink
+        points of what is drawn already, (m, 2), about 3 px apart.
+    page
+        where labels may go.
+    keep
+        half the side of the square around each anchor that labels must leave free.
+    """
+    marks = [Box.around(x, y, 2 * keep, 2 * keep) for x, y in anchors]
+    placed: list[Box | None] = [None] * len(marks)
+    # Greedy, then over again: the second round lets early labels make room for late ones.
+    for _, index in product(range(3), range(len(marks))):
+        others = [box for i, box in enumerate(placed) if box is not None and i != index] + marks
+        x, y = anchors[index]
+        best = np.inf
+        for gap, (dx, dy) in product((1, 7, 14, 24), _DIRECTIONS):
+            box = Box.around(
+                x + dx * (keep + gap + widths[index] / 2),
+                y + dy * (keep + gap + height / 2),
+                widths[index],
+                height,
+            )
+            area = widths[index] * height
+            cost = sum(box.overlap(other) for other in others) + 10 * (area - box.overlap(page))
+            cost = 100 * cost + 12 * box.holds(ink) + gap
+            if cost < best - 1e-9:
+                best, placed[index] = cost, box
+    return [box for box in placed if box is not None]
+
+
+# Beside and above first, since that is where the eye looks for a name.
+_DIRECTIONS = ((1, 0), (0, -1), (0, 1), (-1, 0), (0.8, -0.9), (0.8, 0.9), (-0.8, -0.9), (-0.8, 0.9))
+
+
+def nice_below(value: float) -> float:
+    """Return the greatest 1, 2 or 5 times a power of ten that is not above ``value`` (positive)."""
+    power = 10.0 ** np.floor(np.log10(value) + 1e-9)
+    return float(max(step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)))
+
+
+def ticks(low: float, high: float, step: float) -> FloatArray:
+    """Return the multiples of ``step`` from ``low`` to ``high``."""
+    first, last = np.ceil(low / step - 1e-6), np.floor(high / step + 1e-6)
+    return np.asarray(np.arange(first, last + 1) * step, dtype=np.float64)
+
+
+def signed(value: float, digits: int) -> str:
+    """Return a number with a true minus sign, and none before zero."""
+    text = f"{value:.{digits}f}"
+    return (text.lstrip("-") if float(text) == 0 else text).replace("-", "\u2212")

@@ -1,0 +1,214 @@
+"""A window onto the world from one side: to scale, with axes in metres, and the pipe in it."""
+
+from dataclasses import dataclass
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from driftform.figures import svg
+from driftform.figures.layout import Box, nice_below, signed, ticks, write
+from driftform.figures.projection import Pose, View, resample, silhouette, simplify
+from driftform.figures.style import GRID, INK, MUTED, WALL, WATER
+from driftform.scenario import Pipe
+from driftform.types import Body, FloatArray
+
+_NAMES = "xyz"
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """What part of a view is seen, and where on the page.
+
+    Attributes
+    ----------
+    view
+        the world coordinates that run to the right and upward.
+    box
+        the window on the page, px.
+    low
+        the world point (m, (2,)) at its lower left corner.
+    px_per_m
+        one scale for both directions.
+    """
+
+    view: View
+    box: Box
+    low: FloatArray
+    px_per_m: float
+
+    @classmethod
+    def around(
+        cls,
+        view: View,
+        points: FloatArray,
+        left: float,
+        top: float,
+        width: float,
+        tallest: float,
+        margin: float,
+    ) -> "Window":
+        """Return the window, ``width`` px wide and as tall as it needs, that shows all of ``points``.
+
+        ``points``, (n, 3) in m, keep ``margin`` px from the frame; none of it grows taller than ``tallest``.
+        """
+        seen = points[:, list(view)]
+        low, high = seen.min(axis=0), seen.max(axis=0)
+        # A point has no extent to fill a window with.
+        extent = np.maximum(high - low, 1e-3)
+        scale = float(min((width - 2 * margin) / extent[0], (tallest - 2 * margin) / extent[1]))
+        height = max(extent[1] * scale + 2 * margin, 120.0)
+        middle = (low + high) / 2
+        box = Box(left, top, left + width, top + float(height))
+        return cls(view, box, middle - np.array([width, height]) / (2 * scale), scale)
+
+    @property
+    def high(self) -> FloatArray:
+        """The world point (m, (2,)) at the upper right corner."""
+        size = (self.box.right - self.box.left, self.box.bottom - self.box.top)
+        return self.low + np.array(size) / self.px_per_m
+
+    def to_page(self, points: FloatArray) -> FloatArray:
+        """Return page points of world points (n, 3), or of points already projected (n, 2), in m."""
+        seen = points[:, list(self.view)] if points.shape[1] == 3 else points
+        corner = np.array([self.box.left, self.box.bottom])
+        return corner + self.px_per_m * (seen - self.low) * (1.0, -1.0)
+
+    def line(self, points: FloatArray, tolerance: float = 0.15) -> str:
+        """Return path data through world points (n, 3), true to ``tolerance`` px."""
+        return svg.polyline(simplify(self.to_page(points), tolerance))
+
+
+def draw_axes(root: ET.Element, window: Window) -> None:
+    """Draw ticks and their values, with faint lines across: metres below, and on the left."""
+    box, low, high = window.box, window.low, window.high
+    # Labels of 11 px want about 40 px to themselves.
+    steps = [nice_below(2.49 * wanted / window.px_per_m) for wanted in (40, 26)]
+    for axis, step in enumerate(steps):
+        digits = max(0, -int(np.floor(np.log10(step) + 1e-9)))
+        for value in ticks(float(low[axis]), float(high[axis]), step):
+            offset = (value - low[axis]) * window.px_per_m
+            label = signed(value, digits)
+            if axis == 0:
+                x = box.left + offset
+                svg.add(
+                    root, "line", class_="tick-right", x1=x, y1=box.top, x2=x, y2=box.bottom + 4, stroke=GRID
+                )
+                write(root, x, box.bottom + 17, label, 11, MUTED, "middle", class_="tick-right-label")
+            else:
+                y = box.bottom - offset
+                svg.add(
+                    root, "line", class_="tick-up", x1=box.left - 4, y1=y, x2=box.right, y2=y, stroke=GRID
+                )
+                write(root, box.left - 8, y + 4, label, 11, MUTED, "end", class_="tick-up-label")
+    right, up = (_NAMES[i] for i in window.view)
+    write(root, box.right, box.bottom + 32, f"{right} (m)", 11, MUTED, "end")
+    write(root, box.left - 8, box.top - 10, f"{up} (m)", 11, MUTED, "end")
+
+
+def draw_water(root: ET.Element, window: Window, pipe: Pipe) -> None:
+    """Fill the inside of the pipe."""
+    for corners in _segments(window, pipe):
+        svg.add(root, "path", class_="water", d=svg.polyline(corners, closed=True), fill=WATER)
+
+
+def draw_walls(root: ET.Element, window: Window, pipe: Pipe) -> None:
+    """Draw the pipe's walls, and its open ends as dashes."""
+    for a, b, c, d in _segments(window, pipe):
+        for ends in ((a, b), (d, c)):
+            svg.add(
+                root,
+                "path",
+                class_="wall",
+                d=svg.polyline(np.array(ends)),
+                stroke=WALL,
+                stroke_width=2.5,
+                stroke_linecap="square",
+            )
+        for ends in ((a, d), (b, c)):
+            svg.add(
+                root,
+                "path",
+                d=svg.polyline(np.array(ends)),
+                stroke=WALL,
+                stroke_width=0.8,
+                stroke_dasharray="3 4",
+            )
+
+
+def pipe_points(pipe: Pipe, view: View) -> FloatArray:
+    """Return the world points, (n, 3) in m, between which the pipe lies in this view."""
+    return np.vstack([np.zeros((0, 3)), *(_corners(row, view) for row in pipe.array())])
+
+
+def _corners(row: FloatArray, view: View) -> FloatArray:
+    """Return the corners of a segment's long section, in the view's plane: start, end, end, start; (4, 3)."""
+    start, end, radius = row[:3], row[3:6], row[6]
+    across = np.zeros(3)
+    along = end - start
+    # This direction lies in the view and is square to the axis: the wall is exactly one radius away along it.
+    across[view[0]], across[view[1]] = -along[view[1]], along[view[0]]
+    if not across.any():
+        across[view[0]] = 1.0
+    across *= radius / np.linalg.norm(across)
+    return np.array([start + across, end + across, end - across, start - across])
+
+
+def pipe_ink(window: Window, pipe: Pipe) -> FloatArray:
+    """Return points along the walls and ends, 3 px apart, that labels had better not cover; px, (n, 2)."""
+    corners = _segments(window, pipe)
+    return np.vstack([np.zeros((0, 2)), *(resample(np.vstack([c, c[:1]]), 3) for c in corners)])
+
+
+def _segments(window: Window, pipe: Pipe) -> list[FloatArray]:
+    return [window.to_page(_corners(row, window.view)) for row in pipe.array()]
+
+
+def draw_current(root: ET.Element, window: Window, current: FloatArray) -> None:
+    """Write the speed of the water above the window's right end, with an arrow along it."""
+    seen = current[list(window.view)] * (1.0, -1.0)
+    speed = float(np.linalg.norm(seen))
+    if speed < 1e-9:
+        return
+    along = seen / speed
+    aside = np.array([-along[1], along[0]])
+    middle = np.array([window.box.right - 13, window.box.top - 14])
+    tip = middle + 13 * along
+    svg.add(root, "path", d=svg.polyline([middle - 13 * along, tip]), stroke=MUTED, stroke_width=1.2)
+    head = np.array([tip, tip - 7 * along + 3 * aside, tip - 7 * along - 3 * aside])
+    svg.add(root, "path", d=svg.polyline(head, closed=True), fill=MUTED)
+    text = f"current {float(np.linalg.norm(current)):g} m/s"
+    write(root, middle[0] - 20, middle[1] + 4, text, 11, MUTED, "end")
+
+
+def draw_cross(root: ET.Element, x: float, y: float, arm: float, colour: str = INK, width: float = 2) -> None:
+    """Draw a target: an upright cross, with a halo that lifts it off lines."""
+    data = svg.polyline([(x - arm, y), (x + arm, y)]) + svg.polyline([(x, y - arm), (x, y + arm)])
+    svg.add(root, "path", d=data, stroke="#ffffff", stroke_width=width + 2.5, stroke_linecap="round")
+    svg.add(root, "path", class_="target", d=data, stroke=colour, stroke_width=width, stroke_linecap="round")
+
+
+def draw_silhouette(
+    root: ET.Element,
+    window: Window,
+    body: Body,
+    pose: Pose,
+    magnification: float,
+    colours: tuple[str, str, str],
+) -> FloatArray:
+    """Draw a body's outline in its attitude, magnified about its core; ``colours`` are fill, edge and core.
+
+    Returns the corners of what was drawn, (n, 2) in px.
+    """
+    fill, edge, dot = colours
+    size = window.px_per_m * magnification
+    centre = window.to_page(pose.position[None])[0]
+    polygons = [
+        centre + size * polygon * (1.0, -1.0)
+        for polygon in silhouette(body, pose.quaternion, window.view, 0.2 / size)
+    ]
+    data = "".join(svg.polyline(polygon, closed=True) for polygon in polygons)
+    # Stroked first and filled on top: only the outline of the union is left of the strokes.
+    svg.add(root, "path", d=data, fill="none", stroke=edge, stroke_width=1.6, stroke_linejoin="round")
+    svg.add(root, "path", class_="silhouette", d=data, fill=fill, stroke=fill, stroke_width=0.2)
+    svg.add(root, "circle", cx=centre[0], cy=centre[1], r=2.5, fill=dot)
+    return np.vstack([centre[None], *polygons])

@@ -1,0 +1,141 @@
+"""Flights and bodies as they are seen from one side: plain geometry, in metres."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TypeAlias
+
+import numpy as np
+
+from driftform.dynamics.path import closest_approach, hermite_coefficients, world_velocity
+from driftform.dynamics.rotations import matrix_from_quaternion
+from driftform.types import Body, FloatArray, Trajectory
+
+View: TypeAlias = tuple[int, int]
+"""Which world coordinates run to the right and upward on the page."""
+
+SIDE: View = (0, 2)
+PLAN: View = (0, 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Approach:
+    """Where a flight is closest to a point: ``distance`` (m), ``t`` (s), ``position`` (world, m, (3,))."""
+
+    distance: float
+    t: float
+    position: FloatArray
+
+
+def positions(trajectory: Trajectory, t: FloatArray) -> FloatArray:
+    """Return the core's centre at times ``t`` (n,), world, m, (n, 3), on the path that fitness measures."""
+    if len(trajectory.t) == 1:
+        return np.repeat(trajectory.position, len(t), axis=0)
+    curve = hermite_coefficients(trajectory.t, trajectory.position, world_velocity(trajectory))
+    i = np.clip(np.searchsorted(trajectory.t, t, side="right") - 1, 0, len(curve) - 1)
+    u = (t - trajectory.t[i]) / (trajectory.t[i + 1] - trajectory.t[i])
+    return np.asarray(np.einsum("np,npd->nd", u[:, None] ** np.arange(4), curve[i]), dtype=np.float64)
+
+
+def times(trajectory: Trajectory, start: float = 0.0, stop: float = np.inf) -> FloatArray:
+    """Return the times from ``start`` to ``stop`` (s) between which the path looks straight, (n,)."""
+    t = trajectory.t
+    start, stop = min(max(start, t[0]), t[-1]), max(min(stop, t[-1]), t[0])
+    # Three stations between samples: enough for the cubic between them to look like one.
+    fine = np.interp(np.arange(0, len(t) - 0.75, 0.25), np.arange(len(t)), t)
+    return np.concatenate([[start], fine[(fine > start) & (fine < stop)], [stop]])
+
+
+def closest(trajectory: Trajectory, points: FloatArray) -> list[Approach]:
+    """Return the closest approach to each of ``points``, world frame, m, (n, 3)."""
+    distances, times = closest_approach(trajectory, points)
+    places = positions(trajectory, times)
+    return [Approach(float(d), float(t), p) for d, t, p in zip(distances, times, places, strict=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """Where and how a body lies: ``position`` (world, m, (3,)), ``quaternion`` (body to world, (4,))."""
+
+    position: FloatArray
+    quaternion: FloatArray
+
+
+def pose(trajectory: Trajectory, t: float) -> Pose:
+    """Return the pose at time ``t`` (s); the attitude is the nearest sample's: it is shown, not measured."""
+    nearest = int(np.argmin(np.abs(trajectory.t - t)))
+    return Pose(positions(trajectory, np.array([t]))[0], trajectory.quaternion[nearest])
+
+
+def silhouette(body: Body, quaternion: FloatArray, view: View, tolerance: float) -> list[FloatArray]:
+    """Return convex polygons whose union is what ``body`` covers in ``view``, in m from the core's centre.
+
+    The contour is taken to within ``tolerance`` (m). A frustum is convex, so it covers the convex hull of
+    what its two rims cover. All polygons turn the same way: in one path with the nonzero rule, they merge.
+    """
+    axis = matrix_from_quaternion(quaternion)[:, 0]
+    across = np.zeros(3)
+    across[view[0]], across[view[1]] = -axis[view[1]], axis[view[0]]
+    size = float(np.linalg.norm(across))
+    if size < 1e-9:
+        across[view[0]], size = 1.0, 1.0
+    across /= size
+    # Angles 0 and pi are the silhouette's own edges, so the width is exact however few points there are.
+    angles = np.linspace(0, 2 * np.pi, 20, endpoint=False)
+    circle = np.cos(angles)[:, None] * across + np.sin(angles)[:, None] * np.cross(axis, across)
+    outer = simplify(body.outer, tolerance)
+    rims = (outer[:, :1, None] * axis + outer[:, 1:, None] * circle)[:, :, list(view)]
+    hulls = (convex_hull(np.vstack(pair)) for pair in pairwise(rims))
+    return [hull for hull in hulls if len(hull) > 2]
+
+
+def convex_hull(points: FloatArray) -> FloatArray:
+    """Return the corners of the convex hull of ``points``, (n, 2), anticlockwise (Andrew, 1979)."""
+    ordered = sorted({(float(x), float(y)) for x, y in points.round(9)})
+    if len(ordered) < 3:
+        return np.array(ordered, dtype=np.float64).reshape(-1, 2)
+    chains: list[list[tuple[float, float]]] = []
+    for run in (ordered, ordered[::-1]):
+        chain: list[tuple[float, float]] = []
+        for p in run:
+            while len(chain) > 1 and _turn(chain[-2], chain[-1], p) <= 1e-12:
+                chain.pop()
+            chain.append(p)
+        chains.append(chain[:-1])
+    return np.array(chains[0] + chains[1], dtype=np.float64)
+
+
+def _turn(o: tuple[float, float], a: tuple[float, float], b: tuple[float, float]) -> float:
+    return (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
+
+
+def simplify(points: FloatArray, tolerance: float) -> FloatArray:
+    """Return the corners of a polyline, (n, 2), that it must keep to stay within ``tolerance`` of itself.
+
+    Ramer, Douglas and Peucker: a flight has thousands of samples, and its picture needs some dozens.
+    """
+    keep = np.zeros(len(points), dtype=bool)
+    keep[:1] = keep[-1:] = True
+    stack = [(0, len(points) - 1)]
+    while stack:
+        first, last = stack.pop()
+        if last - first < 2:
+            continue
+        a, chord = points[first], points[last] - points[first]
+        inner = points[first + 1 : last] - a
+        s = np.clip(inner @ chord / max(float(chord @ chord), 1e-30), 0, 1)
+        distance = np.linalg.norm(inner - s[:, None] * chord, axis=1)
+        middle = int(np.argmax(distance))
+        if distance[middle] > tolerance:
+            split = first + 1 + middle
+            keep[split] = True
+            stack += [(first, split), (split, last)]
+    return points[keep]
+
+
+def resample(points: FloatArray, spacing: float) -> FloatArray:
+    """Return points along a polyline, (n, 2), about ``spacing`` apart, both ends included."""
+    if len(points) < 2:
+        return points
+    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    at = np.linspace(0, s[-1], max(2, int(s[-1] / spacing) + 1))
+    return np.column_stack([np.interp(at, s, points[:, 0]), np.interp(at, s, points[:, 1])])

@@ -1,0 +1,35 @@
+"""The one look of all pictures: colours, and nothing else.
+
+The hues are those of Okabe and Ito, which people with any colour vision can tell apart. Text is in ``INK``,
+``MUTED`` or ``VERMILLION``: the light hues are too pale to read on white.
+"""
+
+INK = "#1f2a36"
+MUTED = "#586673"
+GRID = "#e6ebef"
+WATER = "#f1f7fb"
+WALL = "#4a5967"
+
+BLUE = "#0072b2"
+ORANGE = "#e69f00"
+VERMILLION = "#d55e00"
+
+SERIES = (
+    "#0072b2",
+    "#d55e00",
+    "#009e73",
+    "#cc79a7",
+    "#e69f00",
+    "#56b4e9",
+    "#1f2a36",
+    "#882255",
+    "#999933",
+    "#7f8b96",
+)
+"""Seven of Okabe and Ito (yellow is lost on white), then wine, olive and grey for the eighth to the tenth."""
+
+
+def tint(colour: str, strength: float) -> str:
+    """Return ``colour`` mixed into white: 1 is the colour itself, 0 is white."""
+    channels = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return "#" + "".join(f"{round(255 - strength * (255 - c)):02x}" for c in channels)

@@ -1,0 +1,87 @@
+"""SVG as text: the same elements give the same bytes.
+
+Pictures end up side by side in one HTML page, so nothing here needs an ``id`` or a style sheet: both would
+leak from one picture into the next. There are no transforms either; every number is in px of the ``viewBox``.
+"""
+
+import re
+from typing import Literal
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import numpy.typing as npt
+
+FONTS = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
+
+PX_PER_MM = 96 / 25.4
+"""CSS fixes the pixel at 1/96 inch, which lets a picture be printed to a true scale."""
+
+_NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def number(value: float) -> str:
+    """Return ``value`` to a hundredth, without trailing zeros or a negative zero."""
+    text = f"{value:.2f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text
+
+
+def document(
+    width: float, height: float, title: str, description: str, unit: Literal["px", "mm"] = "px"
+) -> ET.Element:
+    """Return an empty white picture of ``width`` by ``height`` px.
+
+    With ``unit`` mm, the natural size is stated in millimetres, so that a printer keeps to scale.
+    """
+    size = {"px": 1.0, "mm": 1 / PX_PER_MM}[unit]
+    suffix = unit if unit == "mm" else ""
+    root = ET.Element(
+        "svg",
+        {
+            "xmlns": "http://www.w3.org/2000/svg",
+            "width": number(width * size) + suffix,
+            "height": number(height * size) + suffix,
+            "viewBox": f"0 0 {number(width)} {number(height)}",
+            "role": "img",
+            "font-family": FONTS,
+        },
+    )
+    add(root, "title", title)
+    add(root, "desc", description)
+    add(root, "rect", x=0, y=0, width=width, height=height, fill="#ffffff")
+    return root
+
+
+def add(parent: ET.Element, tag: str, content: str = "", **attributes: str | float) -> ET.Element:
+    """Append an element; ``stroke_width`` becomes ``stroke-width``, ``class_`` becomes ``class``."""
+    element = ET.SubElement(parent, tag)
+    for key, value in attributes.items():
+        name = key.rstrip("_").replace("_", "-")
+        element.set(name, _legal(value) if isinstance(value, str) else number(value))
+    if content:
+        element.text = _legal(content)
+    return element
+
+
+def polyline(points: npt.ArrayLike, closed: bool = False) -> str:
+    """Return path data through ``points``, (n, 2) in px; those that round to one place are drawn once."""
+    pairs: list[str] = []
+    for x, y in np.asarray(points, dtype=np.float64).reshape(-1, 2):
+        pair = f"{number(x)} {number(y)}"
+        if not pairs or pair != pairs[-1]:
+            pairs.append(pair)
+    if not pairs:
+        return ""
+    # A lone point needs a second one, or round caps have nothing to sit on.
+    pairs += pairs if len(pairs) == 1 else []
+    return "M" + "L".join(pairs) + ("Z" if closed else "")
+
+
+def render(root: ET.Element) -> str:
+    """Return the picture as text, to be written as UTF-8 or to be placed in an HTML page as it is."""
+    ET.indent(root, " ")
+    return ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _legal(text: str) -> str:
+    """XML has no way to write most control characters, not even escaped."""
+    return _NOT_XML.sub("�", text)

@@ -1,0 +1,27 @@
+"""Equation 25: how close the flight comes to each target, relative to the farthest one could be."""
+
+import numpy as np
+
+from driftform.dynamics.path import closest_approach
+from driftform.interfaces import Fitness
+from driftform.options import Table
+from driftform.scenario import Scenario
+from driftform.types import FloatArray, Trajectory
+
+
+class ClosestApproach(Fitness[Table]):
+    """``100 (1 - d_min / d_max)``, in percent.
+
+    d_min is the smallest distance of the core's centre from the target along the whole flight, between samples
+    too; d_max the distance from the target to the farthest point of the pipe's volume. ``100 - fitness`` is the
+    error in percent of d_max.
+    """
+
+    name = "closest-approach"
+
+    def score(self, trajectory: Trajectory, scenario: Scenario) -> FloatArray:
+        """Return the fitness for each target, 0 to 100, (targets,)."""
+        targets = scenario.target_array()
+        d_min, _ = closest_approach(trajectory, targets)
+        d_max = np.array([scenario.pipe.farthest_distance(target) for target in targets])
+        return np.asarray(np.maximum(0.0, 100 * (1 - d_min / d_max)), dtype=np.float64)

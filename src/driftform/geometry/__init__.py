@@ -1,0 +1,6 @@
+"""Exact geometry of bodies of revolution: contours in, volumes, centroids and inertia out."""
+
+from driftform.geometry.mass import hull_mass, hull_volume, mass_properties
+from driftform.geometry.solids import Moments, solid_of_revolution
+
+__all__ = ["Moments", "hull_mass", "hull_volume", "mass_properties", "solid_of_revolution"]

@@ -1,0 +1,39 @@
+"""Body -> mass, centre of gravity, inertia, displaced volume, centre of buoyancy (eq. 11 to 24, corrected)."""
+
+import numpy as np
+
+from driftform.geometry.solids import solid_of_revolution
+from driftform.types import Body, MassProperties
+
+
+def hull_volume(body: Body) -> float:
+    """Volume of the hull's material, m3: outer contour less cavity."""
+    return (solid_of_revolution(body.outer) - solid_of_revolution(body.cavity)).volume
+
+
+def hull_mass(body: Body) -> float:
+    """Mass of the hull's material, kg (eq. 24)."""
+    return hull_volume(body) * body.hull_density
+
+
+def mass_properties(body: Body) -> MassProperties:
+    """Return what the body weighs, with its core, and what it displaces.
+
+    The hull is outer minus cavity at the hull's density (eq. 17, 18, 24). The core is a homogeneous sphere at the
+    origin and enters eq. 20 with its mass and the inertia with 2/5 m R^2. Buoyancy acts on the outer contour
+    (eq. 19, 21): a hull is watertight, so it displaces what it encloses.
+    """
+    displaced = solid_of_revolution(body.outer)
+    hull = displaced - solid_of_revolution(body.cavity)
+    core_inertia = 0.4 * body.core.mass * body.core.radius**2
+    mass = hull.volume * body.hull_density + body.core.mass
+    cog = hull.first * body.hull_density / mass
+    axial = hull.polar * body.hull_density + core_inertia
+    transverse = hull.transverse * body.hull_density + core_inertia - mass * cog**2
+    return MassProperties(
+        mass=mass,
+        cog=np.array([cog, 0.0, 0.0]),
+        inertia=np.diag([axial, transverse, transverse]),
+        volume=displaced.volume,
+        cob=np.array([displaced.centroid, 0.0, 0.0]),
+    )

@@ -1,0 +1,92 @@
+"""Genome -> morphology -> body -> coefficients -> trajectory -> fitness: the whole program on one page."""
+
+import time
+import traceback
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from driftform.geometry import mass_properties
+from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
+from driftform.scenario import Scenario
+from driftform.types import Agent, Evaluation, Genome, Morphology, Trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class Pipeline:
+    """One plugin for each step, and the scenario that the agents fly in."""
+
+    scenario: Scenario
+    grammar: Grammar[Any]
+    builder: PhenotypeBuilder[Any]
+    hydrodynamics: Hydrodynamics[Any]
+    simulator: Simulator[Any]
+    fitness: Fitness[Any]
+
+    def express(self, genome: Genome) -> Morphology:
+        """Genotype -> phenotype: the modules in their order."""
+        return self.grammar.express(genome)
+
+    def realise(self, morphology: Morphology, genome: Genome | None = None) -> Agent:
+        """Modules -> an agent that can fly and be printed."""
+        body = self.builder.build(morphology)
+        coefficients = self.hydrodynamics.coefficients(body, self.scenario.fluid)
+        return Agent(body, mass_properties(body), coefficients, morphology, genome)
+
+    def agent(self, genome: Genome) -> Agent:
+        """Genome -> agent."""
+        return self.realise(self.express(genome), genome)
+
+    def fly(self, agents: Sequence[Agent]) -> list[Trajectory]:
+        """Agents -> their flights through the scenario."""
+        return self.simulator.simulate_batch(agents, self.scenario)
+
+    def evaluate(self, genomes: Sequence[Genome]) -> list[Evaluation]:
+        """Genomes -> evaluations, in their order; one flight scores every target.
+
+        Whatever goes wrong with a genome is its recorded outcome, and no other genome's.
+        """
+        started = time.perf_counter()
+        outcomes: dict[int, Evaluation] = {}
+        agents: dict[int, Agent] = {}
+        for index, genome in enumerate(genomes):
+            try:
+                agents[index] = self.agent(genome)
+            except Exception as error:
+                outcomes[index] = self.failed(genome, _told(error))
+        for index, trajectory in zip(agents, self._flights(list(agents.values())), strict=True):
+            outcomes[index] = self._scored(genomes[index], trajectory)
+        share = (time.perf_counter() - started) / max(1, len(genomes))
+        return [replace(outcomes[index], seconds=share) for index in range(len(genomes))]
+
+    def failed(self, genome: Genome, failure: str) -> Evaluation:
+        """The outcome of a genome that could not be evaluated: no fitness at all, and the reason."""
+        return Evaluation(genome, np.zeros(len(self.scenario.targets)), failure=failure)
+
+    def _flights(self, agents: Sequence[Agent]) -> list[Trajectory | str]:
+        if not agents:
+            return []
+        try:
+            return list(self.fly(agents))
+        except Exception as error:
+            if len(agents) == 1:
+                return [_told(error)]
+            return [flight for agent in agents for flight in self._flights([agent])]
+
+    def _scored(self, genome: Genome, flight: Trajectory | str) -> Evaluation:
+        if isinstance(flight, str):
+            return self.failed(genome, flight)
+        if flight.end.failed:
+            reason = f"the flight ended after {flight.t[-1]:.3g} s: {flight.end}"
+            return Evaluation(genome, np.zeros(len(self.scenario.targets)), flight, reason)
+        try:
+            return Evaluation(genome, self.fitness.score(flight, self.scenario), flight)
+        except Exception as error:
+            return self.failed(genome, _told(error))
+
+
+def _told(error: Exception) -> str:
+    frame = traceback.extract_tb(error.__traceback__)[-1]
+    return f"{type(error).__name__}: {error} (in {frame.name}, line {frame.lineno})"

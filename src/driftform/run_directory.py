@@ -1,0 +1,126 @@
+"""A run on disk: who may write to it, and the files that it ends with.
+
+``study.toml`` (as given), ``resolved.toml`` (every default filled in), ``environment.json`` (versions, plugins,
+seed), ``run.db``, ``best/<target>/`` and ``figures/``.
+"""
+
+import csv
+import json
+import platform
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+
+import tomli_w
+from filelock import FileLock, Timeout
+
+from driftform import __version__
+from driftform.errors import InputError
+from driftform.files import write_text, write_whole
+from driftform.registry import registry
+from driftform.study import Study
+from driftform.types import Trajectory
+
+DATABASE = "run.db"
+_LOCK = ".lock"
+
+
+@contextmanager
+def locked(directory: Path) -> Iterator[None]:
+    """Hold the run for one writer; the lock goes with the process, however it ends.
+
+    Raises
+    ------
+    InputError
+        where another process holds it.
+    """
+    lock = FileLock(directory / _LOCK)
+    try:
+        lock.acquire(timeout=0)
+    except Timeout:
+        raise InputError(
+            f"{directory}: another driftform process is working on this run; wait for it, or choose another --out"
+        ) from None
+    try:
+        yield
+    finally:
+        lock.release()
+
+
+def check_new(directory: Path) -> None:
+    """Refuse a directory that holds a run, or anything else that a run could spoil.
+
+    Raises
+    ------
+    InputError
+        with the next step.
+    """
+    if (directory / DATABASE).exists():
+        raise InputError(
+            f"{directory} already holds a run: go on with it by 'driftform resume {directory}', "
+            "or choose another --out"
+        )
+    if directory.exists() and not directory.is_dir():
+        raise InputError(f"{directory} is a file; choose another --out")
+    if directory.is_dir() and any(entry.name != _LOCK for entry in directory.iterdir()):
+        raise InputError(f"{directory} is not empty; choose another --out")
+
+
+def check_run(directory: Path) -> Path:
+    """Return the database of a run directory.
+
+    Raises
+    ------
+    InputError
+        where the directory is none.
+    """
+    if not directory.is_dir():
+        raise InputError(f"{directory}: no such run directory")
+    if not (directory / DATABASE).is_file():
+        raise InputError(f"{directory} holds no {DATABASE}: it is not a run directory")
+    return directory / DATABASE
+
+
+def write_inputs(directory: Path, study: Study, source: str) -> None:
+    """Write what the run was started with."""
+    write_text(directory / "study.toml", source)
+    write_text(directory / "resolved.toml", tomli_w.dumps(dict(study.document)))
+    plugins = [
+        {"seam": row.seam, "name": row.name, "distribution": row.distribution, "version": row.version}
+        for row in registry().contributions()
+        if row.available
+    ]
+    environment = {
+        "driftform": __version__,
+        "python": sys.version.split()[0],
+        "platform": platform.platform(),
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+        "seed": study.seed,
+        "plugins": plugins,
+        "packages": {name: _version(name) for name in ("numpy", "numba", "pydantic", "pluggy")},
+    }
+    write_text(directory / "environment.json", json.dumps(environment, indent=1) + "\n")
+
+
+def write_trajectory(path: Path, trajectory: Trajectory) -> None:
+    """Write a flight as CSV: SI units, quaternion body to world, velocity in the body frame."""
+    header = "t,x,y,z,qw,qx,qy,qz,surge,sway,heave,roll_rate,pitch_rate,yaw_rate".split(",")
+
+    def write(part: Path) -> None:
+        with part.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(header)
+            rows = zip(trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, strict=True)
+            writer.writerows([f"{v:.7g}" for v in (t, *p, *q, *u)] for t, p, q, u in rows)
+
+    write_whole(path, write)
+
+
+def _version(name: str) -> str:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return "?"

@@ -1,0 +1,247 @@
+"""A run on disk: every evaluation in one SQLite file, written as it comes, read back to resume.
+
+The file holds data only: numbers, text, and trajectories as compressed float32 arrays. Opening one never runs code.
+"""
+
+import json
+import sqlite3
+import zlib
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from driftform.errors import InputError
+from driftform.types import Candidate, End, Evaluation, FloatArray, Genome, Trajectory
+
+APPLICATION_ID = 0x64726674
+SCHEMA_VERSION = 1
+SAMPLE_GAP = 0.01
+"""Samples of a stored trajectory are at least this far apart, s."""
+
+_SCHEMA = """
+CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE evaluation (
+    id INTEGER PRIMARY KEY,      -- index in the run, from 0
+    generation INTEGER NOT NULL,
+    population TEXT NOT NULL,    -- the target that its population works for
+    parents TEXT NOT NULL,       -- JSON array of evaluation ids
+    grammar TEXT NOT NULL,
+    symbols TEXT NOT NULL,       -- JSON array of strings
+    failure TEXT,
+    ended TEXT,
+    duration REAL,               -- of the flight, s
+    seconds REAL NOT NULL,       -- that the evaluation took
+    trajectory BLOB              -- zlib of float32 (14, k): t, position, quaternion, velocity
+);
+CREATE TABLE score (
+    evaluation INTEGER NOT NULL REFERENCES evaluation (id),
+    target TEXT NOT NULL,
+    fitness REAL NOT NULL,
+    PRIMARY KEY (target, evaluation)
+) WITHOUT ROWID;
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """One stored evaluation: its index in the run, what was asked, and the outcome."""
+
+    index: int
+    candidate: Candidate
+    evaluation: Evaluation
+
+
+class Store:
+    """The open database of one run; one writer, any number of readers."""
+
+    def __init__(self, connection: sqlite3.Connection, path: Path) -> None:
+        self._connection = connection
+        self._path = path
+
+    @classmethod
+    def create(cls, path: Path, study: Mapping[str, Any]) -> "Store":
+        """Make a new run file for a study's document.
+
+        Raises
+        ------
+        InputError
+            where the file exists already.
+        """
+        if path.exists():
+            raise InputError(f"{path} exists already: resume that run, or choose another --out")
+        connection = sqlite3.connect(path, isolation_level=None)
+        connection.execute("PRAGMA journal_mode = WAL")
+        connection.execute("PRAGMA synchronous = FULL")
+        connection.execute("BEGIN")
+        connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+        connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
+        for statement in _SCHEMA.split(";\n"):
+            connection.execute(statement)
+        connection.execute("INSERT INTO meta VALUES ('study', ?)", (json.dumps(study),))
+        connection.execute("COMMIT")
+        return cls(connection, path)
+
+    @classmethod
+    def open(cls, path: Path) -> "Store":
+        """Open the file of an earlier run, to read it or to go on with it.
+
+        Raises
+        ------
+        InputError
+            where there is none, or it is damaged or not a run of driftform.
+        """
+        if not path.is_file():
+            raise InputError(f"{path}: no such file; a run directory holds one")
+        connection = sqlite3.connect(path, isolation_level=None)
+        try:
+            application = connection.execute("PRAGMA application_id").fetchone()[0]
+            version = connection.execute("PRAGMA user_version").fetchone()[0]
+            sound = application != APPLICATION_ID or connection.execute("PRAGMA quick_check").fetchone()[0] == "ok"
+        except sqlite3.DatabaseError as error:
+            connection.close()
+            raise InputError(f"{path}: is damaged ({error}); restore a copy, or start a new run") from None
+        problem = ""
+        if application != APPLICATION_ID:
+            problem = "is a database, but not of a driftform run"
+        elif version != SCHEMA_VERSION:
+            problem = f"is of format {version}, this driftform reads format {SCHEMA_VERSION}"
+        elif not sound:
+            problem = "is damaged; restore a copy, or start a new run"
+        if problem:
+            connection.close()
+            raise InputError(f"{path}: {problem}")
+        connection.execute("PRAGMA synchronous = FULL")
+        return cls(connection, path)
+
+    def __enter__(self) -> "Store":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file, and leave it whole without its write-ahead log where nobody else reads it."""
+        try:
+            self._connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            self._connection.execute("PRAGMA journal_mode = DELETE")
+        except sqlite3.OperationalError:
+            pass  # A reader holds the log, or the medium is read-only: the log stays, and nothing is lost.
+        self._connection.close()
+
+    def study(self) -> dict[str, Any]:
+        """The document of the study that made the run."""
+        row = self._connection.execute("SELECT value FROM meta WHERE key = 'study'").fetchone()
+        try:
+            document = json.loads(row[0])
+        except (TypeError, ValueError):
+            document = None
+        if not isinstance(document, dict):
+            raise InputError(f"{self._path}: holds no study; it was not written to its end")
+        return document
+
+    def add(self, record: Record, targets: Sequence[str]) -> None:
+        """Write one evaluation; when this returns it survives a crash."""
+        candidate, evaluation = record.candidate, record.evaluation
+        flight = evaluation.trajectory
+        row = (
+            record.index,
+            candidate.generation,
+            candidate.target,
+            json.dumps(candidate.parents),
+            candidate.genome.grammar,
+            json.dumps(candidate.genome.symbols),
+            evaluation.failure,
+            str(flight.end) if flight else None,
+            float(flight.t[-1]) if flight else None,
+            evaluation.seconds,
+            encoded(flight) if flight else None,
+        )
+        self._connection.execute("BEGIN")
+        self._connection.execute(f"INSERT INTO evaluation VALUES ({','.join('?' * len(row))})", row)
+        self._connection.executemany(
+            "INSERT INTO score VALUES (?, ?, ?)",
+            [(record.index, t, float(f)) for t, f in zip(targets, evaluation.fitness, strict=True)],
+        )
+        self._connection.execute("COMMIT")
+
+    def count(self) -> int:
+        """How many evaluations there are."""
+        return int(self._connection.execute("SELECT COUNT(*) FROM evaluation").fetchone()[0])
+
+    def failed(self) -> int:
+        """How many of them failed."""
+        query = "SELECT COUNT(*) FROM evaluation WHERE failure IS NOT NULL"
+        return int(self._connection.execute(query).fetchone()[0])
+
+    def seconds(self) -> float:
+        """Processor time of all evaluations, s."""
+        return float(self._connection.execute("SELECT TOTAL(seconds) FROM evaluation").fetchone()[0])
+
+    def records(self, targets: Sequence[str], first: int = 0, count: int = -1) -> Iterator[Record]:
+        """Yield ``count`` evaluations from index ``first`` on, in their order; ``-1`` for all."""
+        query = "SELECT * FROM evaluation WHERE id >= ? AND (? < 0 OR id < ? + ?) ORDER BY id"
+        with closing(self._connection.execute(query, (first, count, first, count))) as rows:
+            for row in rows:
+                yield self._record(row, targets)
+
+    def record(self, index: int, targets: Sequence[str]) -> Record:
+        """Return one evaluation."""
+        return next(self.records(targets, index, 1))
+
+    def best(self, target: str) -> tuple[int, float] | None:
+        """Index and fitness of the best evaluation for a target, the earliest of equals; ``None`` before any."""
+        query = """
+            SELECT evaluation, fitness FROM score JOIN evaluation ON id = evaluation
+            WHERE target = ? AND failure IS NULL ORDER BY fitness DESC, evaluation LIMIT 1
+        """
+        row = self._connection.execute(query, (target,)).fetchone()
+        return (int(row[0]), float(row[1])) if row else None
+
+    def _record(self, row: tuple[Any, ...], targets: Sequence[str]) -> Record:
+        index, generation, population, parents, grammar, symbols, failure, ended, _, seconds, blob = row
+        scores = dict(
+            self._connection.execute("SELECT target, fitness FROM score WHERE evaluation = ?", (index,)).fetchall()
+        )
+        genome = Genome(grammar, tuple(json.loads(symbols)))
+        evaluation = Evaluation(
+            genome,
+            np.array([scores[target] for target in targets]),
+            decoded(blob, End(ended)) if blob is not None else None,
+            failure,
+            seconds,
+        )
+        return Record(index, Candidate(genome, tuple(json.loads(parents)), generation, population), evaluation)
+
+
+def compact(evaluation: Evaluation) -> Evaluation:
+    """The evaluation as it reads back from the store: what a strategy is told, live or resumed."""
+    flight = evaluation.trajectory
+    if flight is None:
+        return evaluation
+    return replace(evaluation, trajectory=decoded(encoded(flight), flight.end))
+
+
+def encoded(trajectory: Trajectory) -> bytes:
+    """Thin a trajectory to :data:`SAMPLE_GAP` and compress it as float32."""
+    t = trajectory.t
+    slots = np.floor(t / SAMPLE_GAP)
+    keep = np.concatenate([[True], np.diff(slots) > 0])
+    keep[-1] = True
+    # Two samples nearer than float32 tells apart would make the time stand still.
+    kept = np.flatnonzero(keep)
+    if len(kept) > 2 and t[-1] - t[kept[-2]] < SAMPLE_GAP / 2:
+        keep[kept[-2]] = False
+    columns: FloatArray = np.column_stack(
+        [t, trajectory.position, trajectory.quaternion, trajectory.velocity]
+    )[keep]
+    return zlib.compress(np.ascontiguousarray(columns.T, dtype="<f4").tobytes(), 6)
+
+
+def decoded(blob: bytes, end: End) -> Trajectory:
+    """Read what :func:`encoded` wrote."""
+    columns = np.frombuffer(zlib.decompress(blob), dtype="<f4").reshape(14, -1).astype(np.float64)
+    return Trajectory(columns[0], columns[1:4].T, columns[4:8].T, columns[8:14].T, end)

@@ -1,0 +1,1 @@
+"""Which genomes to evaluate next: the strategies that ship with driftform."""

@@ -1,0 +1,52 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from driftform.figures.projection import PLAN, SIDE, closest, positions, silhouette, simplify, times
+
+unit = (
+    st.lists(st.floats(-1, 1), min_size=4, max_size=4).map(np.array).filter(lambda q: np.linalg.norm(q) > 0.1)
+)
+
+
+@given(data=st.data(), quaternion=unit, view=st.sampled_from([SIDE, PLAN]))
+def test_a_silhouette_reaches_as_far_as_the_body_does(agents, data, quaternion, view):
+    body = data.draw(agents).body
+    w, x, y, z = quaternion = quaternion / np.linalg.norm(quaternion)
+    axis = np.array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)])
+    drawn = np.vstack(silhouette(body, quaternion, view, 0.0))
+    for angle in np.linspace(0, 2 * np.pi, 7):
+        direction = np.zeros(3)
+        direction[list(view)] = np.cos(angle), np.sin(angle)
+        along = float(axis @ direction)
+        # A disc of radius r square to the axis reaches r times the sine of the angle between axis and direction.
+        reach = body.outer @ (along, np.sqrt(max(0.0, 1 - along**2)))
+        assert (drawn @ direction[list(view)]).max() == pytest.approx(reach.max(), rel=0.02, abs=1e-6)
+
+
+@given(st.lists(st.tuples(st.floats(0, 100), st.floats(0, 100)), min_size=2, max_size=30))
+def test_a_simplified_line_stays_within_its_tolerance(line):
+    line = np.array(line)
+    kept = simplify(line, 2.0)
+    assert (kept[[0, -1]] == line[[0, -1]]).all()
+    starts, chords = kept[:-1], np.diff(kept, axis=0)
+    squared = np.maximum((chords**2).sum(axis=1), 1e-30)
+    for point in line:
+        s = np.clip(((point - starts) * chords).sum(axis=1) / squared, 0, 1)
+        assert np.linalg.norm(starts + s[:, None] * chords - point, axis=1).min() <= 2.0 + 1e-9
+
+
+def test_the_path_goes_through_the_samples_and_ends_where_it_is_told(fly):
+    trajectory = fly(rise=0.1, samples=10)
+    assert positions(trajectory, trajectory.t) == pytest.approx(trajectory.position)
+    cut = positions(trajectory, times(trajectory, stop=4.3))
+    assert cut[-1] == pytest.approx([4.3, 0, 0.43])
+    assert (np.diff(cut[:, 0]) > 0).all()
+
+
+def test_the_closest_approach_to_a_straight_flight_is_the_foot_of_the_perpendicular(fly):
+    (approach,) = closest(fly(samples=4), np.array([[4.2, 0.3, 0.4]]))
+    assert approach.distance == pytest.approx(0.5)
+    assert approach.position == pytest.approx([4.2, 0, 0], abs=1e-9)
+    assert approach.t == pytest.approx(4.2)

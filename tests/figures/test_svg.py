@@ -1,0 +1,69 @@
+import numpy as np
+import pytest
+
+from driftform.figures import svg
+from driftform.figures.layout import Box, nice_below, place_labels, shorten, signed, text_width, ticks
+
+
+def test_text_is_escaped_and_comes_back_as_it_was(read):
+    root = svg.document(100, 50, "a < b & c", 'd "e" > f')
+    svg.add(root, "text", "x < y & z", x=1, y=2, font_size=12)
+    picture = read(svg.render(root))
+    assert picture.texts == ["x < y & z"]
+    assert [e.text for e in picture.root[:2]] == ["a < b & c", 'd "e" > f']
+
+
+def test_characters_that_xml_cannot_hold_are_replaced(read):
+    root = svg.document(100, 50, "bell \x07 null \x00 half a pair \ud800", "")
+    assert read(svg.render(root)).root[0].text == "bell \ufffd null \ufffd half a pair \ufffd"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(1.0, "1"), (-0.001, "0"), (2.506, "2.51"), (-3.10, "-3.1"), (100.0, "100")]
+)
+def test_numbers_are_short(value, text):
+    assert svg.number(value) == text
+
+
+def test_points_that_coincide_on_the_page_are_drawn_once():
+    assert svg.polyline([(0, 0), (0.001, 0), (1, 1)]) == "M0 0L1 1"
+    assert svg.polyline(np.zeros((0, 2))) == ""
+
+
+def test_a_size_in_millimetres_prints_to_scale():
+    root = svg.document(96, 192, "", "", unit="mm")
+    assert (root.get("width"), root.get("height"), root.get("viewBox")) == ("25.4mm", "50.8mm", "0 0 96 192")
+
+
+def test_shortened_text_fits_and_says_that_it_was_cut():
+    short = shorten("addB-tiltn-1-M-moveB" * 20, 12, 200)
+    assert short.endswith("…")
+    assert text_width(short, 12) <= 200
+    assert shorten("short", 12, 200) == "short"
+
+
+def test_labels_of_neighbours_keep_off_each_other_and_stay_on_the_page():
+    rng = np.random.default_rng(1)
+    anchors = np.vstack(
+        [[[50, 50], [58, 50], [50, 58], [398, 5], [2, 198]], rng.uniform((0, 0), (400, 200), (6, 2))]
+    )
+    page = Box(0, 0, 400, 200)
+    boxes = place_labels(anchors, [40] * len(anchors), 14, np.zeros((0, 2)), page)
+    for i, box in enumerate(boxes):
+        assert box.overlap(page) == pytest.approx(40 * 14)
+        assert all(box.overlap(other) == 0 for other in boxes[:i])
+
+
+@pytest.mark.parametrize(
+    ("value", "nice"), [(0.99, 0.5), (1.0, 1.0), (4.9, 2.0), (130.0, 100.0), (0.05, 0.05)]
+)
+def test_nice_steps_are_1_2_5(value, nice):
+    assert nice_below(value) == pytest.approx(nice)
+
+
+def test_ticks_include_both_ends():
+    assert ticks(-0.4, 0.4, 0.2) == pytest.approx([-0.4, -0.2, 0, 0.2, 0.4])
+
+
+def test_zero_has_no_sign():
+    assert (signed(-0.01, 1), signed(-2.34, 1)) == ("0.0", "\u22122.3")
