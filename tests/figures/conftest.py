@@ -36,14 +36,14 @@ def points_of(element: ET.Element) -> FloatArray:
         case "line":
             return np.array([[get("x1"), get("y1")], [get("x2"), get("y2")]])
         case "rect":
-            low = np.array([get("x"), get("y")])
-            return np.array([low, low + (get("width"), get("height"))])
+            x, y = get("x"), get("y")
+            return np.array([[x, y], [x + get("width"), y + get("height")]])
         case "circle":
             centre = np.array([get("cx"), get("cy")])
             return np.array([centre - get("r"), centre + get("r")])
         case "text":
             size = get("font-size")
-            width = text_width(element.text or "", size, bold="font-weight" in element.keys())
+            width = text_width(element.text or "", size, bold=element.get("font-weight") is not None)
             left = (
                 get("x") - width * {"start": 0, "middle": 0.5, "end": 1}[element.get("text-anchor", "start")]
             )
@@ -142,7 +142,7 @@ def agents() -> st.SearchStrategy[Agent]:
         agent_of,
         st.floats(0.0115, 0.2),
         st.floats(0.0115, 0.2),
-        st.lists(st.floats(0.0025, 0.145), min_size=2, max_size=41),
+        st.lists(st.floats(0.0115, 0.145), min_size=2, max_size=41),
     )
 
 

@@ -3,7 +3,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform.figures.flight import flight_svg
@@ -11,6 +11,7 @@ from driftform.scenario import Pipe, Scenario, Segment
 from driftform.types import End
 
 
+@settings(deadline=None, max_examples=40)
 @given(
     data=st.data(),
     rise=st.floats(-0.11, 0.11),
@@ -41,6 +42,7 @@ def test_pipe_and_path_are_where_the_axes_say(read, points, fly, pipe):
     assert path[[0, -1]] == pytest.approx(np.array([[0, 0], [9, -0.9]]), abs=1e-3)
 
 
+@settings(deadline=None, max_examples=40)
 @given(rise=st.floats(-0.11, 0.11))
 def test_the_nearest_approach_is_marked_on_the_path_where_it_is_nearest(read, points, fly, pipe, rise):
     flight = fly(rise=rise)

@@ -65,7 +65,7 @@ def test_each_body_has_its_name_and_error_under_it(read, points, pipe, flights):
         assert error[0, 1] - body[:, 1].max() < 200
 
 
-@settings(max_examples=25)
+@settings(deadline=None, max_examples=25)
 @given(data=st.data())
 def test_any_bodies_and_any_number_of_them_keep_to_the_page(read, fly, pipe, agents, data):
     bodies = data.draw(st.lists(agents, max_size=12))

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform.figures.projection import PLAN, SIDE, closest, positions, silhouette, simplify, times
@@ -10,6 +10,7 @@ unit = (
 )
 
 
+@settings(deadline=None, max_examples=40)
 @given(data=st.data(), quaternion=unit, view=st.sampled_from([SIDE, PLAN]))
 def test_a_silhouette_reaches_as_far_as_the_body_does(agents, data, quaternion, view):
     body = data.draw(agents).body
@@ -20,11 +21,12 @@ def test_a_silhouette_reaches_as_far_as_the_body_does(agents, data, quaternion, 
         direction = np.zeros(3)
         direction[list(view)] = np.cos(angle), np.sin(angle)
         along = float(axis @ direction)
-        # A disc of radius r square to the axis reaches r times the sine of the angle between axis and direction.
+        # A disc square to the axis reaches its radius times the sine of the angle between axis and direction.
         reach = body.outer @ (along, np.sqrt(max(0.0, 1 - along**2)))
         assert (drawn @ direction[list(view)]).max() == pytest.approx(reach.max(), rel=0.02, abs=1e-6)
 
 
+@settings(deadline=None, max_examples=40)
 @given(st.lists(st.tuples(st.floats(0, 100), st.floats(0, 100)), min_size=2, max_size=30))
 def test_a_simplified_line_stays_within_its_tolerance(line):
     line = np.array(line)

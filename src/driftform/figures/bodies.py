@@ -68,7 +68,9 @@ def draw_rims(
     parent: ET.Element, body: Body, place: Placement, colour: str, width: float, below: float
 ) -> None:
     """Draw the joints between modules as faint lines across the outside."""
-    inner = [x for x in body.joints if body.outer[0, 0] + 1e-6 < x < body.outer[-1, 0] - 1e-6]
+    # A single joint is where modules would start: a bare core has no rim there.
+    joints = body.joints if len(body.joints) > 1 else body.joints[:0]
+    inner = [x for x in joints if body.outer[0, 0] + 1e-6 < x < body.outer[-1, 0] - 1e-6]
     data = ""
     for x in inner:
         r = radius_at(body.outer, float(x))
