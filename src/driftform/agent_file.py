@@ -56,9 +56,11 @@ def read_agent(path: Path) -> StoredAgent:
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     if not isinstance(document, dict) or document.get("format") != FORMAT:
-        raise InputError(f"{path}: is not an agent file: it lacks \"format\": \"{FORMAT}\"")
+        raise InputError(f'{path}: is not an agent file: it lacks "format": "{FORMAT}"')
     if document.get("version") != VERSION:
-        raise InputError(f"{path}: is of version {document.get('version')!r}, this driftform reads version {VERSION}")
+        raise InputError(
+            f"{path}: is of version {document.get('version')!r}, this driftform reads version {VERSION}"
+        )
     genome, environment = document.get("genome"), document.get("environment")
     symbols = genome.get("symbols") if isinstance(genome, dict) else None
     if (
@@ -69,7 +71,9 @@ def read_agent(path: Path) -> StoredAgent:
     ):
         raise InputError(f'{path}: "genome" must hold "grammar", a name, and "symbols", a list of strings')
     if not isinstance(environment, dict):
-        raise InputError(f'{path}: "environment" is missing: the tables that say how the agent is built and flies')
+        raise InputError(
+            f'{path}: "environment" is missing: the tables that say how the agent is built and flies'
+        )
     name, result = document.get("name"), document.get("result")
     return StoredAgent(
         name if isinstance(name, str) else path.stem,

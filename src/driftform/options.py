@@ -37,7 +37,9 @@ def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
         rows.append(
             {
                 "option": name,
-                "type": annotation.__name__ if isinstance(annotation, type) else str(annotation).replace("typing.", ""),
+                "type": annotation.__name__
+                if isinstance(annotation, type)
+                else str(annotation).replace("typing.", ""),
                 "default": field.get_default(call_default_factory=True),
                 "unit": extra.get("unit", ""),
                 "help": field.description or "",

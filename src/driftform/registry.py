@@ -73,7 +73,9 @@ class Registry:
                 try:
                     classes = _classes(implementation.function(), SEAMS[seam])
                 except Exception as error:
-                    rows.append(Contribution(seam, short, distribution, version, f"unavailable: {_reason(error)}"))
+                    rows.append(
+                        Contribution(seam, short, distribution, version, f"unavailable: {_reason(error)}")
+                    )
                     continue
                 rows.extend(Contribution(seam, c.name, distribution, version, "ok", c) for c in classes)
             self._seams[seam] = sorted(rows, key=lambda row: (row.name, row.distribution))

@@ -107,13 +107,15 @@ def write_inputs(directory: Path, study: Study, source: str) -> None:
 
 def write_trajectory(path: Path, trajectory: Trajectory) -> None:
     """Write a flight as CSV: SI units, quaternion body to world, velocity in the body frame."""
-    header = "t,x,y,z,qw,qx,qy,qz,surge,sway,heave,roll_rate,pitch_rate,yaw_rate".split(",")
+    header = ["t", "x", "y", "z", "qw", "qx", "qy", "qz", "surge", "sway", "heave", "roll_rate", "pitch_rate", "yaw_rate"]
 
     def write(part: Path) -> None:
         with part.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(header)
-            rows = zip(trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, strict=True)
+            rows = zip(
+                trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, strict=True
+            )
             writer.writerows([f"{v:.7g}" for v in (t, *p, *q, *u)] for t, p, q, u in rows)
 
     write_whole(path, write)

@@ -31,7 +31,8 @@ def _inside(segment: Segment, point: Vector) -> bool:
     axis = (end - start) / np.linalg.norm(end - start)
     along = float(axis @ (point - start))
     across = float(np.linalg.norm(point - start - along * axis))
-    return -1e-9 <= along <= np.linalg.norm(end - start) + 1e-9 and across <= segment.radius
+    length = float(np.linalg.norm(end - start))
+    return -1e-9 <= along <= length + 1e-9 and across <= segment.radius
 
 
 class Pipe(Table):
@@ -80,7 +81,9 @@ class Release(Table):
     """How the agent enters the water."""
 
     position: Vector = option((0.0, 0.0, 0.0), "where the core's centre is released, in the world frame", "m")
-    pitch_deg: float = option(0.0, "pitch of the body's axis against x, positive nose down", "deg", ge=-90, le=90)
+    pitch_deg: float = option(
+        0.0, "pitch of the body's axis against x, positive nose down", "deg", ge=-90, le=90
+    )
     velocity: Literal["current", "rest"] | Vector = option(
         "current", "'current' (moving with the water), 'rest', or a velocity in the world frame", "m/s"
     )
@@ -106,7 +109,9 @@ class Flight(Table):
 def _named(targets: dict[str, Vector]) -> dict[str, Vector]:
     for name in targets:
         if not name.replace("-", "").replace("_", "").isalnum():
-            raise ValueError(f"target name '{name}' may hold letters, digits, '-' and '_' only: it names a folder")
+            raise ValueError(
+                f"target name '{name}' may hold letters, digits, '-' and '_' only: it names a folder"
+            )
     return targets
 
 

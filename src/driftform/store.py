@@ -100,7 +100,10 @@ class Store:
         try:
             application = connection.execute("PRAGMA application_id").fetchone()[0]
             version = connection.execute("PRAGMA user_version").fetchone()[0]
-            sound = application != APPLICATION_ID or connection.execute("PRAGMA quick_check").fetchone()[0] == "ok"
+            sound = (
+                application != APPLICATION_ID
+                or connection.execute("PRAGMA quick_check").fetchone()[0] == "ok"
+            )
         except sqlite3.DatabaseError as error:
             connection.close()
             raise InputError(f"{path}: is damaged ({error}); restore a copy, or start a new run") from None
@@ -204,7 +207,9 @@ class Store:
     def _record(self, row: tuple[Any, ...], targets: Sequence[str]) -> Record:
         index, generation, population, parents, grammar, symbols, failure, ended, _, seconds, blob = row
         scores = dict(
-            self._connection.execute("SELECT target, fitness FROM score WHERE evaluation = ?", (index,)).fetchall()
+            self._connection.execute(
+                "SELECT target, fitness FROM score WHERE evaluation = ?", (index,)
+            ).fetchall()
         )
         genome = Genome(grammar, tuple(json.loads(symbols)))
         evaluation = Evaluation(
@@ -214,7 +219,9 @@ class Store:
             failure,
             seconds,
         )
-        return Record(index, Candidate(genome, tuple(json.loads(parents)), generation, population), evaluation)
+        return Record(
+            index, Candidate(genome, tuple(json.loads(parents)), generation, population), evaluation
+        )
 
 
 def compact(evaluation: Evaluation) -> Evaluation:

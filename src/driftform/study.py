@@ -84,7 +84,9 @@ class Study:
 
     def strategy(self) -> Strategy[Any]:
         """A fresh strategy, at the beginning of its random numbers."""
-        space = SearchSpace(self.plugin("grammar"), self.scenario.target_names, np.random.default_rng(self.seed))
+        space = SearchSpace(
+            self.plugin("grammar"), self.scenario.target_names, np.random.default_rng(self.seed)
+        )
         strategy: Strategy[Any] = registry().create(
             "strategy", *_selection(self.document, "strategy"), space=space
         )
@@ -249,7 +251,9 @@ def _checked(
 ) -> Study:
     known = {"title", "description", "base", "run", *Scenario.model_fields, *SELECTED}
     errors = [
-        f"{_where(layers, (key,))}: unknown key '{key}'{did_you_mean(key, known)}" for key in document if key not in known
+        f"{_where(layers, (key,))}: unknown key '{key}'{did_you_mean(key, known)}"
+        for key in document
+        if key not in known
     ]
     for key in known - {"title", "description", "base"}:
         if key in document and not isinstance(document[key], Mapping):
@@ -312,7 +316,9 @@ def _selection(document: Mapping[str, Any], seam: str) -> tuple[str, dict[str, A
 def _with_targets(scenario: Scenario, wanted: Sequence[str]) -> Scenario:
     for name in wanted:
         if name not in scenario.targets:
-            raise InputError(f"--target {name}: the scenario has no such target{did_you_mean(name, scenario.targets)}")
+            raise InputError(
+                f"--target {name}: the scenario has no such target{did_you_mean(name, scenario.targets)}"
+            )
     if not wanted:
         return scenario
     kept = {name: point for name, point in scenario.targets.items() if name in wanted}

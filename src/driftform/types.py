@@ -32,7 +32,9 @@ def frozen(values: npt.ArrayLike, shape: tuple[int | None, ...], what: str) -> F
         where the shape is another; the message spells out both.
     """
     array = np.array(values, dtype=np.float64)
-    if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
+    if array.ndim != len(shape) or any(
+        n is not None and n != m for n, m in zip(shape, array.shape, strict=True)
+    ):
         wanted = ", ".join("n" if n is None else str(n) for n in shape)
         raise ValueError(f"{what} has shape {array.shape}, expected ({wanted})")
     array.setflags(write=False)

@@ -64,6 +64,7 @@ def test_the_nearest_approach_is_marked_on_the_path_where_it_is_nearest(read, po
 def test_silhouettes_are_as_large_as_the_caption_says(read, points, fly, pipe, make_agent):
     body = make_agent(0.1, 0.1, [0.01, 0.02, 0.01]).body
     picture = read(flight_svg(fly(), pipe, body=body))
+    assert not any(text.endswith("…") for text in picture.texts)
     (factor,) = (m[1] for text in picture.texts if (m := re.search(r"magnified (\d+) times", text)))
     assert int(factor) > 1
     for element in picture.all("silhouette"):

@@ -23,7 +23,9 @@ def test_a_silhouette_reaches_as_far_as_the_body_does(agents, data, quaternion, 
         along = float(axis @ direction)
         # A disc square to the axis reaches its radius times the sine of the angle between axis and direction.
         reach = body.outer @ (along, np.sqrt(max(0.0, 1 - along**2)))
-        assert (drawn @ direction[list(view)]).max() == pytest.approx(reach.max(), rel=0.02, abs=1e-6)
+        # Rims are drawn with 20 corners, which lie on the circle: between them 1 - cos(pi / 20) is cut off.
+        short = reach.max() - (drawn @ direction[list(view)]).max()
+        assert -1e-6 <= short <= 0.0125 * body.outer[:, 1].max() + 1e-6
 
 
 @settings(deadline=None, max_examples=40)

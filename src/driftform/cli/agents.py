@@ -43,12 +43,16 @@ def open_agent(
     if scenario is not None:
         # The agent stays what it is; only its surroundings change.
         other = load_study(scenario).document
-        made = {seam: stored.environment[seam] for seam in ("grammar", "builder") if seam in stored.environment}
+        made = {
+            seam: stored.environment[seam] for seam in ("grammar", "builder") if seam in stored.environment
+        }
         source = Document(scenario, {**other, **made})
     study = load_study(source, settings, use=use, run={"seed": 0})
     pipeline = study.pipeline()
     if stored.genome.grammar != pipeline.grammar.name:
-        raise InputError(f"{text}: is a genome of '{stored.genome.grammar}', its study uses '{pipeline.grammar.name}'")
+        raise InputError(
+            f"{text}: is a genome of '{stored.genome.grammar}', its study uses '{pipeline.grammar.name}'"
+        )
     try:
         agent = pipeline.agent(stored.genome)
     except ValueError as error:
@@ -83,7 +87,9 @@ def _of_run(directory: Path, target: str) -> StoredAgent:
             raise InputError(f"{directory} has no target '{target}'{did_you_mean(target, names)}")
         best = store.best(target)
         if best is None:
-            raise InputError(f"{directory} has no sound evaluation yet; wait, or 'driftform resume {directory}'")
+            raise InputError(
+                f"{directory} has no sound evaluation yet; wait, or 'driftform resume {directory}'"
+            )
         index, fitness = best
         genome = store.record(index, names).evaluation.genome
     result = {"target": target, "fitness": fitness, "error_percent": 100 - fitness, "evaluation": index}

@@ -19,13 +19,16 @@ def evolve(
     target: Annotated[
         list[str] | None, typer.Option("--target", metavar="NAME", help="Keep only this target; repeatable.")
     ] = None,
-    strategy: Annotated[str | None, typer.Option("--strategy", metavar="NAME", help="Search strategy to use.")] = None,
+    strategy: Annotated[
+        str | None, typer.Option("--strategy", metavar="NAME", help="Search strategy to use.")
+    ] = None,
     evaluations: Annotated[
         int | None,
         typer.Option("--evaluations", min=1, help="Flights in all; by default 50 for each target."),
     ] = None,
     seed: Annotated[
-        int | None, typer.Option("--seed", min=0, help="Seed of all randomness; drawn and recorded by default.")
+        int | None,
+        typer.Option("--seed", min=0, help="Seed of all randomness; drawn and recorded by default."),
     ] = None,
     workers: Workers = None,
     simulator: Simulator = None,

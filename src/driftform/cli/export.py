@@ -13,7 +13,9 @@ def export(
     format: Annotated[
         str, typer.Option("--format", metavar="NAME[,NAME...]", help="Formats, see 'driftform plugins'.")
     ] = "stl",
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Directory for the files.")] = Path("parts"),
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Directory for the files.")] = Path(
+        "parts"
+    ),
     settings: Settings = None,
     json: Json = False,
 ) -> None:
@@ -31,7 +33,9 @@ def export(
     exporters = [registry().create("exporter", name, {}) for name in names]
     opened = open_agent(agent, settings=settings or ())
     out.mkdir(parents=True, exist_ok=True)
-    written = [exporter.write(opened.agent, out / f"{opened.name}{exporter.suffix}") for exporter in exporters]
+    written = [
+        exporter.write(opened.agent, out / f"{opened.name}{exporter.suffix}") for exporter in exporters
+    ]
     if json:
         print_json({"files": [{"format": w.format, "path": w.path, **w.facts} for w in written]})
         return

@@ -46,7 +46,9 @@ def body_facts(opened: "Opened") -> dict[str, Any]:
     return {
         "agent": opened.name,
         "genome": opened.pipeline.grammar.to_text(opened.stored.genome),
-        "modules": [{"side": side, "length": m.length, "tilt_deg": float(np.rad2deg(m.tilt))} for side, m in sides],
+        "modules": [
+            {"side": side, "length": m.length, "tilt_deg": float(np.rad2deg(m.tilt))} for side, m in sides
+        ],
         "length": body.length,
         "max_diameter": body.max_diameter,
         "mass": mass.mass,
@@ -82,7 +84,9 @@ def _warnings(opened: "Opened") -> list[str]:
         time = float(np.sqrt(2 * radius * inertia[2, 2] / (abs(net) * fluid.gravity)))
         if time < 1.0:
             verb = "rises" if net > 0 else "sinks"
-            warnings.append(f"level, it {verb} from the axis to the wall in {time:.2g} s: it is far from neutral")
+            warnings.append(
+                f"level, it {verb} from the axis to the wall in {time:.2g} s: it is far from neutral"
+            )
     if body.length > BED or body.max_diameter > BED:
         warnings.append(
             f"{1000 * body.length:.0f} mm long and {1000 * body.max_diameter:.0f} mm wide: "
@@ -111,7 +115,10 @@ def _print(facts: dict[str, Any]) -> None:
         ("net buoyancy", f"{net:+.4f} N (it {weight})"),
         ("centre of gravity", f"x {1000 * facts['cog'][0]:+.3f} mm from the core's centre"),
         ("centre of buoyancy", f"x {1000 * facts['cob'][0]:+.3f} mm"),
-        ("inertia about the COG", f"axial {facts['inertia'][0, 0]:.4g}, transverse {facts['inertia'][1, 1]:.4g} kg m2"),
+        (
+            "inertia about the COG",
+            f"axial {facts['inertia'][0, 0]:.4g}, transverse {facts['inertia'][1, 1]:.4g} kg m2",
+        ),
     ]
     print_table(("agent", facts["agent"]), rows)
     if modules:

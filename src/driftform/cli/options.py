@@ -11,16 +11,22 @@ AGENT_HELP = (
 )
 
 Agent: TypeAlias = Annotated[str, typer.Argument(metavar="AGENT", help=AGENT_HELP, show_default=False)]
-Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON document, and nothing else, on stdout.")]
+Json: TypeAlias = Annotated[
+    bool, typer.Option("--json", help="Print one JSON document, and nothing else, on stdout.")
+]
 Settings: TypeAlias = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Set any key of the study, such as flow.speed=0.8; repeatable."),
+    typer.Option(
+        "--set", metavar="KEY=VALUE", help="Set any key of the study, such as flow.speed=0.8; repeatable."
+    ),
 ]
 ScenarioOption: TypeAlias = Annotated[
     str | None,
     typer.Option("--scenario", metavar="NAME|FILE", help="Scenario to fly in, in place of the agent's own."),
 ]
-Simulator: TypeAlias = Annotated[str | None, typer.Option("--simulator", metavar="NAME", help="Simulator to use.")]
+Simulator: TypeAlias = Annotated[
+    str | None, typer.Option("--simulator", metavar="NAME", help="Simulator to use.")
+]
 Hydrodynamics: TypeAlias = Annotated[
     str | None, typer.Option("--hydrodynamics", metavar="NAME", help="Hydrodynamic model to use.")
 ]

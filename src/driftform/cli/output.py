@@ -33,7 +33,9 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]], right: Seq
         return
     widths = [max(len(row[i]) for row in [list(header), *rows]) for i in range(len(header))]
     for row in [list(header), *rows]:
-        cells = [c.rjust(w) if i in right else c.ljust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True))]
+        cells = [
+            c.rjust(w) if i in right else c.ljust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True))
+        ]
         print("  ".join(cells).rstrip())
 
 

@@ -48,7 +48,9 @@ def show(
         raise InputError(f"no plugin is named '{name}'{did_you_mean(name, [row.name for row in installed])}")
     found: list[dict[str, Any]] = []
     for row in rows:
-        entry: dict[str, Any] = {k: getattr(row, k) for k in ("seam", "name", "distribution", "version", "state")}
+        entry: dict[str, Any] = {
+            k: getattr(row, k) for k in ("seam", "name", "distribution", "version", "state")
+        }
         if row.cls is not None:
             entry["summary"] = inspect.getdoc(row.cls) or ""
             entry["options"] = describe(row.cls.Options)

@@ -31,7 +31,10 @@ class Progress:
             from rich.live import Live
 
             self._display = Live(
-                console=Console(stderr=True), refresh_per_second=REFRESH, get_renderable=self._table, transient=True
+                console=Console(stderr=True),
+                refresh_per_second=REFRESH,
+                get_renderable=self._table,
+                transient=True,
             )
 
     def __enter__(self) -> "Progress":
@@ -61,7 +64,11 @@ class Progress:
         """Say where the run stands, off a terminal."""
         if not self._live:
             best = "  ".join(f"{t} {f:.2f}" for t, (f, _) in zip(self._targets, self._best, strict=True))
-            print(f"{evaluations}/{self._budget} evaluations, {self._rate()}: {best}", file=sys.stderr, flush=True)
+            print(
+                f"{evaluations}/{self._budget} evaluations, {self._rate()}: {best}",
+                file=sys.stderr,
+                flush=True,
+            )
 
     def _rate(self) -> str:
         elapsed = time.perf_counter() - self._started

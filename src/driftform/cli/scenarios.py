@@ -30,12 +30,18 @@ def list_(json: Json = False) -> None:
     if json:
         print_json({"scenarios": rows})
     else:
-        print_table(("name", "targets", "title"), ((r["name"], str(r["targets"]), r["title"]) for r in rows), right=(1,))
+        print_table(
+            ("name", "targets", "title"),
+            ((r["name"], str(r["targets"]), r["title"]) for r in rows),
+            right=(1,),
+        )
 
 
 @app.command("show")
 def show(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a built-in scenario.", show_default=False)],
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="Name of a built-in scenario.", show_default=False)
+    ],
     json: Json = False,
 ) -> None:
     """Print a built-in scenario: copy it, or start a study of your own with base = "NAME"."""

@@ -31,7 +31,9 @@ def simulate(
     from driftform.files import write_text
     from driftform.run_directory import write_trajectory
 
-    opened = open_agent(agent, scenario, settings or (), {"simulator": simulator, "hydrodynamics": hydrodynamics})
+    opened = open_agent(
+        agent, scenario, settings or (), {"simulator": simulator, "hydrodynamics": hydrodynamics}
+    )
     environment = opened.study.scenario
     [flight] = opened.pipeline.fly([opened.agent])
     if flight.end.failed:
@@ -69,7 +71,9 @@ def simulate(
         ),
         right=(1, 2, 3, 4),
     )
-    print(f"{opened.name} flown by {opened.pipeline.simulator.name}, {opened.pipeline.hydrodynamics.name} coefficients")
+    print(
+        f"{opened.name} flown by {opened.pipeline.simulator.name}, {opened.pipeline.hydrodynamics.name} coefficients"
+    )
     print(f"ended at the {flight.end} after {flight.t[-1]:.3f} s at x {x:.3f}, y {y:.3f}, z {z:.3f} m")
     print(f"trajectory: {csv}")
     print(f"picture:    {svg}")

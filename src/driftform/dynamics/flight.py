@@ -7,7 +7,6 @@ from driftform.dynamics.path import hermite_coefficients
 from driftform.dynamics.rotations import matrix_from_quaternion, quaternion_from_rotation_vector
 from driftform.types import End, FloatArray, Trajectory
 
-
 SAMPLE = 13
 """Numbers in a raw sample: time, then pose and speed as :func:`driftform.dynamics.equations.accelerations` has them."""
 

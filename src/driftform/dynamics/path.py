@@ -12,7 +12,7 @@ _STATIONS = 4
 def world_velocity(trajectory: Trajectory) -> FloatArray:
     """Velocity over ground in the world frame, m/s, (k, 3)."""
     R = matrix_from_quaternion(trajectory.quaternion)
-    return np.einsum("kij,kj->ki", R, trajectory.velocity[:, :3])
+    return np.asarray(np.einsum("kij,kj->ki", R, trajectory.velocity[:, :3]), dtype=np.float64)
 
 
 def hermite_coefficients(t: FloatArray, position: FloatArray, velocity: FloatArray) -> FloatArray:

@@ -33,7 +33,7 @@ from driftform.types import Body, FloatArray, Trajectory
 
 _WIDTH, _LEFT, _RIGHT = 900.0, 62.0, 24.0
 _TALLEST = 440.0
-_READABLE = 40.0
+_READABLE = 28.0
 """A silhouette shorter than this, in px, is magnified until attitude can be read off it."""
 _MAGNIFICATIONS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 50, 75, 100)
 _SIDEWAYS = 0.01
@@ -119,7 +119,9 @@ def _captions(
         )
     if body is not None:
         scale = "to scale" if magnification == 1 else f"magnified {magnification} times about the core"
-        captions.append(f"Silhouettes: the body in its attitude at equal distances along the path, {scale}.")
+        # Said, since a body that slides along the wall looks as if it were stuck in it.
+        scale += ", so some cross the wall" if magnification > 1 and scenario.pipe.segments else ""
+        captions.append(f"Silhouettes: attitude at equal distances along the path, {scale}.")
     # Two short sentences share a line.
     return [" ".join(captions[:2]), *captions[2:]] if nearest is not None else captions
 

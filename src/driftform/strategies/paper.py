@@ -80,7 +80,7 @@ class PaperStrategy(Strategy[PaperOptions]):
             i, j = rng.choice(len(parents), size=2, p=chance)
             a, b = parents[i], parents[j]
             genomes = (a.genome, b.genome)
-            lineage = [(a.index,), (b.index,)]
+            lineage: list[tuple[int, ...]] = [(a.index,), (b.index,)]
             if rng.random() < self.options.crossover:
                 genomes = grammar.crossover(*genomes, rng)
                 lineage = [(a.index, b.index)] * 2

@@ -34,8 +34,12 @@ class ExudynOptions(Table):
     integrator: Literal["DOPRI5", "RK67", "RK44"] = option(
         "DOPRI5", "explicit integrator; DOPRI5 controls its error, RK67 and RK44 take steps of max_step"
     )
-    tolerance: float = option(1e-6, "relative and absolute tolerance of a step (DOPRI5)", "m, rad and their rates", gt=0)
-    max_step: float = option(0.02, "longest time step, which is also the longest gap between samples", "s", gt=0)
+    tolerance: float = option(
+        1e-6, "relative and absolute tolerance of a step (DOPRI5)", "m, rad and their rates", gt=0
+    )
+    max_step: float = option(
+        0.02, "longest time step, which is also the longest gap between samples", "s", gt=0
+    )
     step_limit: int = option(200_000, "steps after which a flight counts as failed", "", gt=0)
 
 
@@ -93,14 +97,16 @@ def _system(model: FlightModel, scenario: Scenario) -> tuple[Any, FloatArray, Fl
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     attitude = rotation_vector_from_quaternion(scenario.release_quaternion())
+    free_body: Any = NodeRigidBodyRotVecLG  # exudyn's items are partly typed, and not by what they take
+    unit_mass: Any = ObjectGenericODE2
     node = mbs.AddNode(
-        NodeRigidBodyRotVecLG(
+        free_body(
             referenceCoordinates=[0.0] * 6,
             initialCoordinates=[*scenario.release.position, *attitude],
             initialVelocities=[*scenario.release_velocity(), 0.0, 0.0, 0.0],
         )
     )
-    views: list[FloatArray] = []
+    views: list[Any] = []
     out = np.zeros(6)
     table, rims, pipe = model.table, model.rims, model.pipe
 
@@ -108,7 +114,7 @@ def _system(model: FlightModel, scenario: Scenario) -> tuple[Any, FloatArray, Fl
         accelerations(views[0], views[1], table, rims, pipe, out)
         return out
 
-    mbs.AddObject(ObjectGenericODE2(nodeNumbers=[node], massMatrix=np.eye(6), forceUserFunction=force))
+    mbs.AddObject(unit_mass(nodeNumbers=[node], massMatrix=np.eye(6), forceUserFunction=force))
     mbs.Assemble()
     # The views are of the memory that the last Assemble laid out.
     views.append(mbs.systemData.GetODE2Coordinates(copy=False))

@@ -9,7 +9,7 @@ import numpy as np
 from driftform.types import FloatArray, Module
 
 DOME_STEP = np.deg2rad(2.5)
-"""The dome is a polyline of this step; its volume is 3e-4 below that of the sphere."""
+"""The dome is an inscribed polyline of this step s; its volume is s^2 / 4 = 5e-4 below that of the sphere."""
 
 MM = 1e3
 """Clipping works in millimetres, with a resolution of 1e-8 mm."""
@@ -57,10 +57,13 @@ def hull_section(fore: Chain, aft: Chain, dome: float, wall: float) -> tuple[Flo
     """Return outer contour and cavity of a closed hull, (n, 2) and (m, 2), m.
 
     The cavity is the mitred inward offset of the outline by ``wall``: the wall is nowhere thinner than that,
-    and flat ends become caps of the same thickness.
+    and flat ends become caps of the same thickness. Where a mitre would reach down into the room of the core,
+    the room stays.
     """
     outline = (_polygon(_chain_contour(fore, aft)) + _polygon(_arc(dome))).simplify(SIMPLIFY)
-    hollow = outline.offset(-wall * MM, manifold3d.JoinType.Miter, MITRE_LIMIT).simplify(SIMPLIFY)
+    hollow = outline.offset(-wall * MM, manifold3d.JoinType.Miter, MITRE_LIMIT)
+    room = _polygon(_arc(dome - wall / np.cos(DOME_STEP / 2)))
+    hollow = (hollow + room).simplify(SIMPLIFY)
     return _contour(outline), _contour(hollow)
 
 

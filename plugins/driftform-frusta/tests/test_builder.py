@@ -1,0 +1,181 @@
+"""Bodies from modules: the section, its wall, and the mesh of the same body."""
+
+import numpy as np
+import pytest
+from driftform_frusta.builder import FrustaBuilder, FrustaOptions
+from driftform_frusta.hull import hull
+from driftform_frusta.solid import to_manifold
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from driftform.geometry import hull_mass, hull_volume, mass_properties, solid_of_revolution
+from driftform.types import Module, Morphology
+
+WALL, DOME = 0.00125, 0.01145
+modules = st.builds(
+    Module, st.sampled_from([0.0025, 0.005, 0.01]), st.sampled_from([-20, -10, 0, 10, 20]).map(np.deg2rad)
+)
+sides = st.lists(modules, max_size=20).map(tuple)
+morphologies = st.builds(Morphology, sides, sides)
+
+
+def build(morphology, **options):
+    return FrustaBuilder(FrustaOptions(**options)).build(morphology)
+
+
+def cylinder(fore, aft=0):
+    return Morphology(fore=(Module(0.01, 0.0),) * fore, aft=(Module(0.01, 0.0),) * aft)
+
+
+def distance_to_polyline(points, line):
+    """Distance of each point from a polyline: by projection on every edge."""
+    a, b = line[:-1], line[1:]
+    edge = b - a
+    square = np.maximum((edge**2).sum(axis=1), 1e-300)
+    along = np.clip(((points[:, None] - a) * edge).sum(axis=2) / square, 0, 1)
+    foot = a + along[..., None] * edge
+    return np.linalg.norm(points[:, None] - foot, axis=2).min(axis=1)
+
+
+def test_a_bare_core_is_a_dome_all_around():
+    body = build(Morphology())
+    assert body.length == pytest.approx(2 * DOME, rel=1e-9)
+    assert body.max_diameter == pytest.approx(2 * DOME, rel=1e-9)
+    # Revolved, an inscribed polygon of step s lacks s^2 / 4 of the sphere's volume: 4.8e-4 at 2.5 degrees.
+    sphere = 4 / 3 * np.pi * DOME**3
+    lack = 1 - solid_of_revolution(body.outer).volume / sphere
+    assert lack == pytest.approx(np.deg2rad(2.5) ** 2 / 4, rel=1e-3)
+
+
+def test_untilted_modules_make_a_capped_tube():
+    body = build(cylinder(5, 5))
+    outer = np.pi * DOME**2 * 0.1
+    cavity = np.pi * (DOME - WALL) ** 2 * (0.1 - 2 * WALL)
+    assert solid_of_revolution(body.outer).volume == pytest.approx(outer, rel=1e-7)
+    assert hull_volume(body) == pytest.approx(outer - cavity, rel=1e-6)
+
+
+def test_a_one_sided_agent_is_closed_by_the_dome():
+    body = build(cylinder(5))
+    half_dome = 2 / 3 * np.pi * DOME**3
+    assert solid_of_revolution(body.outer).volume == pytest.approx(np.pi * DOME**2 * 0.05 + half_dome, rel=2e-4)
+    assert body.outer[0] == pytest.approx([-DOME, 0], abs=1e-9)
+
+
+def test_radii_follow_the_tilt_along_the_slant():
+    body = build(Morphology(fore=(Module(0.01, np.deg2rad(20)), Module(0.01, np.deg2rad(20)))))
+    x, r = body.outer[-2]
+    assert x == pytest.approx(0.02 * np.cos(np.deg2rad(20)), abs=1e-8)
+    assert r == pytest.approx(DOME + 0.02 * np.sin(np.deg2rad(20)), abs=1e-8)
+
+
+def test_the_paper_s_figure_2_word_narrows_twice_and_widens_once():
+    aft = (Module(0.005, np.deg2rad(-10)), Module(0.0025, np.deg2rad(-20)), Module(0.01, np.deg2rad(10)))
+    body = build(Morphology(aft=aft))
+    x = -np.cumsum([0.005 * np.cos(np.deg2rad(10)), 0.0025 * np.cos(np.deg2rad(20)), 0.01 * np.cos(np.deg2rad(10))])
+    r = DOME + np.cumsum([-0.005 * np.sin(np.deg2rad(10)), -0.0025 * np.sin(np.deg2rad(20)), 0.01 * np.sin(np.deg2rad(10))])
+    assert body.joints == pytest.approx([*x[::-1], 0], abs=1e-12)
+    assert body.outer[1] == pytest.approx([x[-1], r[-1]], abs=1e-8)
+
+
+def test_the_radius_stops_at_its_least_and_the_module_keeps_its_axial_length():
+    tilt = np.deg2rad(-20)
+    body = build(Morphology(fore=(Module(0.01, tilt),) * 6))
+    assert body.outer[-1, 0] == pytest.approx(6 * 0.01 * np.cos(tilt), abs=1e-8)
+    assert body.outer[-2, 1] == pytest.approx(0.0025 + WALL / 2, abs=1e-8)
+
+
+@settings(max_examples=60, deadline=None)
+@given(morphologies)
+def test_the_wall_is_nowhere_thinner_than_asked(morphology):
+    body = build(morphology)
+    assert distance_to_polyline(body.cavity, body.outer).min() >= WALL - 1e-7
+
+
+@settings(max_examples=60, deadline=None)
+@given(morphologies)
+def test_away_from_the_mitres_the_wall_is_just_as_thick_as_asked(morphology):
+    body = build(morphology)
+    edges = np.diff(body.cavity, axis=0)
+    along = np.concatenate([[0], np.cumsum(np.linalg.norm(edges, axis=1))])
+    stations = np.linspace(0, along[-1], 500)
+    points = np.column_stack([np.interp(stations, along, body.cavity[:, i]) for i in range(2)])
+    thickness = distance_to_polyline(points, body.outer)
+    # A mitre at a turn of 40 degrees is 1 / cos(20 deg) = 1.064 walls deep, and short.
+    assert np.median(thickness) == pytest.approx(WALL, rel=1e-3)
+    assert np.quantile(thickness, 0.9) <= 1.07 * WALL
+
+
+@settings(max_examples=60, deadline=None)
+@given(morphologies)
+def test_the_core_fits_into_one_cavity_with_its_clearance(morphology):
+    body = build(morphology)
+    clearance = distance_to_polyline(np.zeros((1, 2)), body.cavity[1:-1])[0] - body.core.radius
+    # The dome is a polyline: its chords lie R (1 - cos 1.25 deg) = 2.7e-6 m inside the arc.
+    assert clearance >= 0.0002 - 3e-6
+    assert (np.diff(body.cavity[:, 0]) >= -1e-9).all()
+    assert body.cavity[0, 1] == body.cavity[-1, 1] == 0.0
+
+
+@settings(max_examples=40, deadline=None)
+@given(morphologies)
+def test_the_mirror_image_of_a_morphology_is_the_mirror_image_of_its_body(morphology):
+    body, mirror = build(morphology), build(Morphology(morphology.aft, morphology.fore))
+    here, there = mass_properties(body), mass_properties(mirror)
+    assert there.mass == pytest.approx(here.mass, rel=1e-6)
+    assert there.cog[0] == pytest.approx(-here.cog[0], abs=1e-7)
+    assert there.cob[0] == pytest.approx(-here.cob[0], abs=1e-7)
+
+
+@settings(max_examples=25, deadline=None)
+@given(morphologies)
+def test_the_mesh_has_the_volume_centroid_and_inertia_of_the_closed_forms(morphology):
+    body = build(morphology)
+    vertices, triangles = mesh(body)
+    closed = solid_of_revolution(body.outer) - solid_of_revolution(body.cavity)
+    volume, centroid, polar, transverse = mesh_moments(vertices, triangles)
+    lowest = body.outer[0, 0]
+    assert volume == pytest.approx(closed.volume, rel=1e-6)
+    assert centroid[2] + lowest == pytest.approx(closed.centroid, abs=1e-6 * body.length)
+    assert centroid[:2] == pytest.approx([0, 0], abs=1e-6 * body.length)
+    assert polar == pytest.approx(closed.polar, rel=1e-5)
+    about_centroid = closed.transverse - closed.volume * closed.centroid**2
+    assert transverse == pytest.approx(about_centroid, rel=1e-5)
+
+
+def mesh(body):
+    """The mesh in m."""
+    solid = to_manifold(hull(body), 64).to_mesh64()
+    return np.asarray(solid.vert_properties)[:, :3] / 1000, np.asarray(solid.tri_verts)
+
+
+def mesh_moments(vertices, triangles):
+    """Volume, centroid, polar and transverse inertia about the centroid, by tetrahedra to the origin.
+
+    For a tetrahedron of the origin and a, b, c: V = a . (b x c) / 6, and the integral of x x^T is
+    V / 20 ((a + b + c)(a + b + c)^T + a a^T + b b^T + c c^T).
+    """
+    a, b, c = (vertices[triangles[:, i]] for i in range(3))
+    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
+    s = a + b + c
+    volume = volumes.sum()
+    centroid = (volumes[:, None] * s / 4).sum(axis=0) / volume
+    second = sum(np.einsum("i,ij,ik->jk", volumes / 20, v, v) for v in (s, a, b, c))
+    second -= volume * np.outer(centroid, centroid)
+    return volume, centroid, second[0, 0] + second[1, 1], second[1, 1] + second[2, 2]
+
+
+def test_the_paper_s_wall_has_the_mass_of_eq_18s_frusta_and_weightless_ends():
+    body = build(Morphology(fore=(Module(0.01, np.deg2rad(10)),) * 3), wall_model="paper")
+    radial = WALL / np.cos(np.deg2rad(10))
+    h = 0.03 * np.cos(np.deg2rad(10))
+    mid = DOME - radial / 2 + np.array([0, 0.03 * np.sin(np.deg2rad(10))])
+    tube = 2 * np.pi * radial * h * mid.mean()
+    half_dome = 2 / 3 * np.pi * (DOME**3 - (DOME - WALL) ** 3)
+    assert hull_mass(body) == pytest.approx(1050 * (tube + half_dome), rel=2e-3)
+
+
+def test_a_wall_too_thick_for_the_least_radius_is_refused():
+    with pytest.raises(ValidationError, match=r"min_radius 0.0025 m must exceed 1.5 times the wall"):
+        FrustaOptions(wall=0.002)

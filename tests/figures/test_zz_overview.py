@@ -1,0 +1,95 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from driftform.figures.overview import Flight, overview_svg
+from driftform.scenario import Scenario
+
+RISE = {"TP5": 0.001, "TP6": 0.07, "TP7": -0.07, "TP8": 0.098, "TP9": -0.024, "TP10": 0.013}
+
+
+@pytest.fixture(scope="module")
+def flights(fly, make_agent):
+    return [
+        Flight(
+            name, make_agent(0.02 + 0.02 * i, 0.05, [0.012, 0.03 + 0.01 * i, 0.02]), fly(rise=rise), 0.1 * i
+        )
+        for i, (name, rise) in enumerate(RISE.items())
+    ]
+
+
+def test_each_flight_is_firm_up_to_its_closest_approach_and_faint_all_along(read, points, pipe, flights):
+    picture = read(overview_svg(flights, pipe, "Six"))
+    firm, faint = picture.all("firm"), picture.all("faint")
+    assert len(firm) == len(faint) == len(flights)
+    for flight, line, whole in zip(flights, firm, faint, strict=True):
+        course = np.array([1, 0, RISE[flight.name]])
+        foot = course * (course @ pipe.targets[flight.name]) / (course @ course)
+        assert picture.to_world(points(line))[-1] == pytest.approx(foot[[0, 2]], abs=2e-3)
+        assert picture.to_world(points(whole))[-1, 0] == pytest.approx(9, abs=2e-3)
+
+
+def test_targets_are_crosses_where_the_axes_say_in_the_colour_of_their_flight(read, points, pipe, flights):
+    picture = read(overview_svg(flights, pipe, "Six"))
+    crosses = picture.all("target")
+    places = picture.to_world(np.array([points(e).mean(axis=0) for e in crosses]))
+    assert places == pytest.approx(pipe.target_array()[:, [0, 2]], abs=1e-3)
+    assert [e.get("stroke") for e in crosses] == [e.get("stroke") for e in picture.all("firm")]
+    assert len({e.get("stroke") for e in crosses}) == len(flights)
+
+
+def test_labels_do_not_overlap_and_nothing_leaves_the_page(read, pipe, flights):
+    picture = read(overview_svg(flights, pipe, "Six"))
+    assert picture.overlapping_texts() == []
+    assert picture.outside() == []
+
+
+def test_the_bodies_of_the_gallery_share_the_scale_of_the_bar(read, points, pipe, flights):
+    picture = read(overview_svg(flights, pipe, "Six"))
+    bar = np.ptp(points(picture.one("scale-bar"))[:, 0])
+    px_per_m = bar / (0.001 * float(picture.one("scale-bar-label").text.removesuffix(" mm")))
+    for flight, outline in zip(flights, picture.all("outline"), strict=True):
+        drawn = np.ptp(points(outline), axis=0)
+        body = flight.agent.body
+        assert drawn == pytest.approx(px_per_m * np.array([body.length, body.max_diameter]), abs=0.05)
+
+
+def test_each_body_has_its_name_and_error_under_it(read, points, pipe, flights):
+    picture = read(overview_svg(flights, pipe, "Six"))
+    boxes = {e.text: points(e) for e in picture.root.iter() if e.tag.endswith("text")}
+    for flight, outline in zip(flights, picture.all("outline"), strict=True):
+        body = points(outline)
+        error = boxes[f"{flight.error_percent:.2f} %"]
+        assert error[0, 1] > body[:, 1].max()
+        assert error[0, 1] - body[:, 1].max() < 200
+
+
+@settings(deadline=None, max_examples=300)
+@given(data=st.data())
+def test_any_bodies_and_any_number_of_them_keep_to_the_page(read, fly, pipe, agents, data):
+    bodies = data.draw(st.lists(agents, max_size=12))
+    flights = [Flight(f"F{i}", agent, fly(samples=5), 99.99) for i, agent in enumerate(bodies)]
+    picture = read(overview_svg(flights, pipe, "Some"))
+    assert picture.outside() == []
+    assert picture.overlapping_texts() == []
+
+
+def test_a_flight_whose_name_is_no_target_is_cut_at_the_nearest(read, points, pipe, fly, make_agent):
+    flight = Flight("mine", make_agent(0.05, 0.05, [0.02, 0.02]), fly(), 1.0)
+    picture = read(overview_svg([flight], pipe, "One"))
+    assert picture.to_world(points(picture.one("firm")))[-1] == pytest.approx([4.5, 0], abs=2e-3)
+
+
+def test_open_water_has_no_targets_to_cut_at(read, points, fly, make_agent):
+    flight = Flight("mine", make_agent(0.05, 0.05, [0.02, 0.02]), fly(), 1.0)
+    picture = read(overview_svg([flight], Scenario(), "One"))
+    assert picture.outside() == []
+    assert points(picture.one("firm"))[-1] == pytest.approx(points(picture.one("faint"))[-1])
+
+
+def test_titles_and_names_are_escaped_and_the_bytes_repeat(read, pipe, fly, make_agent):
+    flights = [Flight("<a> & b", make_agent(0.05, 0.05, [0.02, 0.02]), fly(), 1.0)]
+    texts = [overview_svg(flights, pipe, "one < two & three") for _ in range(2)]
+    assert texts[0] == texts[1]
+    assert {"<a> & b", "one < two & three"} <= set(read(texts[0]).texts)
