@@ -107,7 +107,22 @@ def write_inputs(directory: Path, study: Study, source: str) -> None:
 
 def write_trajectory(path: Path, trajectory: Trajectory) -> None:
     """Write a flight as CSV: SI units, quaternion body to world, velocity in the body frame."""
-    header = ["t", "x", "y", "z", "qw", "qx", "qy", "qz", "surge", "sway", "heave", "roll_rate", "pitch_rate", "yaw_rate"]
+    header = [
+        "t",
+        "x",
+        "y",
+        "z",
+        "qw",
+        "qx",
+        "qy",
+        "qz",
+        "surge",
+        "sway",
+        "heave",
+        "roll_rate",
+        "pitch_rate",
+        "yaw_rate",
+    ]
 
     def write(part: Path) -> None:
         with part.open("w", encoding="utf-8", newline="") as file:

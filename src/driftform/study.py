@@ -5,6 +5,7 @@ A study file holds the scenario's tables (``[pipe]``, ``[flow]``, ``[targets]`` 
 another file, or from a built-in scenario, and says only what differs. Built-in scenarios are study files.
 """
 
+import re
 import secrets
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -22,6 +23,7 @@ from driftform.options import Table, option
 from driftform.pipeline import Pipeline
 from driftform.registry import registry
 from driftform.scenario import Scenario
+from driftform.toml_lines import Path as KeyPath
 from driftform.toml_lines import key_lines, line_of
 
 DEFAULT = "pipe-inspection"
@@ -30,7 +32,10 @@ SELECTED = tuple(seam for seam in SEAMS if seam != "exporter")
 """The seams that a study selects one plugin for."""
 
 REPLACED = ("targets",)
-"""Tables that a study file states anew instead of adding to those of its base."""
+"""Tables that a study file states anew instead of adding to those of its base; ``--set`` adds to them."""
+
+_LONGEST_NAME = 100
+"""Characters of a target's name: with its file's suffix it must fit where file names may have 255 bytes."""
 
 
 class Run(Table):
@@ -111,19 +116,32 @@ class _Layer:
 
     label: str
     data: Mapping[str, Any]
-    lines: Mapping[tuple[str, ...], int] = field(default_factory=dict)
+    lines: Mapping[KeyPath, int] = field(default_factory=dict)
+    is_option: bool = False
 
-    def holds(self, path: Sequence[str]) -> bool:
-        node: Any = self.data
-        for name in path:
-            if not isinstance(node, Mapping) or name not in node:
-                return False
-            node = node[name]
-        return True
+    def holds(self, path: KeyPath) -> bool:
+        return _value(self.data, path) is not _NOTHING
 
-    def where(self, path: tuple[str, ...]) -> str:
-        line = line_of(path, dict(self.lines))
+    def where(self, path: KeyPath) -> str:
+        line = line_of(path, self.lines)
         return f"{self.label}:{line}" if line else self.label
+
+
+_NOTHING = object()
+
+
+def _value(node: Any, path: KeyPath) -> Any:
+    """What stands at a path, ``_NOTHING`` where nothing does."""
+    for name in path:
+        listed = isinstance(node, list | tuple) and isinstance(name, int) and name < len(node)
+        if not listed and not (isinstance(node, Mapping) and name in node):
+            return _NOTHING
+        node = node[name]
+    return node
+
+
+def _dotted(path: KeyPath) -> str:
+    return "".join(f"[{name}]" if isinstance(name, int) else f".{name}" for name in path).removeprefix(".")
 
 
 def builtin_scenarios() -> dict[str, str]:
@@ -168,37 +186,42 @@ def load_study(
     if isinstance(source, Document):
         layers = [_Layer(source.label, source.data)]
     else:
-        layers = _file_layers(source or DEFAULT, ())
+        layers = _file_layers(DEFAULT if source is None else source, ())
     for seam, name in (use or {}).items():
         if name is not None:
-            layers.append(_Layer(f"--{seam}", {seam: {"use": name}}))
+            layers.append(_Layer(f"--{seam}", {seam: {"use": name}}, is_option=True))
     layers.extend(_setting(text) for text in settings)
     for key, value in (run or {}).items():
         if value is not None:
-            layers.append(_Layer(f"--{key}", {"run": {key: value}}))
+            layers.append(_Layer(f"--{key}", {"run": {key: value}}, is_option=True))
     document: dict[str, Any] = {}
     for layer in layers:
-        document = _merged(document, layer.data)
+        document = _merged(document, layer.data, () if layer.is_option else REPLACED)
     # A document may come from an agent file: what is there to fly needs no strategy.
     required = [seam for seam in SELECTED if seam != "strategy" or not isinstance(source, Document)]
     return _checked(document, layers, targets, required)
 
 
-def _file_layers(source: str, above: tuple[str, ...]) -> list[_Layer]:
+def _file_layers(source: str, above: tuple[str, ...], named_by: str = "") -> list[_Layer]:
     builtins = builtin_scenarios()
     path = Path(source)
-    if source in builtins and not path.is_file():
+    if source in builtins and not _is_file(path):
         label, text = f"{source} (built in)", builtins[source]
-    elif path.is_file():
+    elif _is_file(path):
         label, text = str(path), _read(path)
+    elif source and _is_directory(path):
+        raise InputError(f"{named_by}study '{source}' is a directory, expected a TOML file")
     else:
-        hint = did_you_mean(source, builtins) if path.suffix != ".toml" else ""
-        raise InputError(f"study '{source}' is neither a file nor a built-in scenario{hint}")
-    if label in above:
-        raise InputError(f"{label}: 'base' leads back to the same file")
+        hint = did_you_mean(source, builtins)
+        raise InputError(f"{named_by}study '{source}' is neither a file nor a built-in scenario{hint}")
+    key = str(path.resolve()) if _is_file(path) else label
+    if key in above:
+        raise InputError(f"{named_by}'base' leads back to {label}")
     try:
         data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except RecursionError:
+        raise InputError(f"{label}: is not valid TOML: nested too deeply") from None
+    except ValueError as error:
         raise InputError(f"{label}: is not valid TOML: {error}") from None
     layer = _Layer(label, data, key_lines(text))
     base = data.get("base")
@@ -207,7 +230,22 @@ def _file_layers(source: str, above: tuple[str, ...]) -> list[_Layer]:
     if not isinstance(base, str):
         raise InputError(f"{layer.where(('base',))}: base = {base!r} is not the name of a scenario or file")
     beside = path.parent / base
-    return [*_file_layers(str(beside) if beside.is_file() else base, (*above, label)), layer]
+    named_by = f"{layer.where(('base',))}: "
+    return [*_file_layers(str(beside) if _is_file(beside) else base, (*above, key), named_by), layer]
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # What was given may be no file name at all: too long, or with a NUL.
+        return False
+
+
+def _is_directory(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
 
 
 def _read(path: Path) -> str:
@@ -226,21 +264,23 @@ def _setting(text: str) -> _Layer:
         raise InputError(f"--set {text}: expected key=value, such as flow.speed=0.8")
     try:
         parsed: Any = tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):
         parsed = value.strip()
     for name in reversed(names):
         parsed = {name: parsed}
-    return _Layer(f"--set {text}", parsed)
+    return _Layer(f"--set {text}", parsed, is_option=True)
 
 
-def _merged(below: Mapping[str, Any], above: Mapping[str, Any], path: tuple[str, ...] = ()) -> dict[str, Any]:
+def _merged(
+    below: Mapping[str, Any], above: Mapping[str, Any], replaced: Sequence[str] = ()
+) -> dict[str, Any]:
     result = dict(below)
     for key, value in above.items():
         old = result.get(key)
         both = isinstance(old, Mapping) and isinstance(value, Mapping)
         other_plugin = both and "use" in value and value["use"] != old.get("use")  # type: ignore[union-attr]
-        if both and not other_plugin and not (not path and key in REPLACED):
-            result[key] = _merged(old, value, (*path, key))  # type: ignore[arg-type]
+        if both and not other_plugin and key not in replaced:
+            result[key] = _merged(old, value)  # type: ignore[arg-type]
         else:
             result[key] = value
     return result
@@ -258,6 +298,9 @@ def _checked(
     for key in known - {"title", "description", "base"}:
         if key in document and not isinstance(document[key], Mapping):
             errors.append(f"{_where(layers, (key,))}: {key} = {document[key]!r} is not a table")
+    for key in ("title", "description"):
+        if not isinstance(document.get(key, ""), str):
+            errors.append(f"{_where(layers, (key,))}: {key} = {document[key]!r}: should be text in quotes")
     if errors:
         raise InputError("\n".join(errors))
 
@@ -266,14 +309,22 @@ def _checked(
     try:
         scenario = Scenario.model_validate({k: v for k, v in document.items() if k in Scenario.model_fields})
     except ValidationError as error:
-        errors += _lines(error, (), Scenario, layers)
+        errors += _lines(error, (), Scenario, document, layers)
     try:
         run = Run.model_validate(document.get("run", {}))
     except ValidationError as error:
-        errors += _lines(error, ("run",), Run, layers)
+        errors += _lines(error, ("run",), Run, document, layers)
     resolved: dict[str, Any] = {}
+    unselected = [seam for seam in required if "use" not in document.get(seam, {})]
+    if unselected:
+        tables = ", ".join(f"[{seam}]" for seam in unselected)
+        where = _where(layers, (unselected[0],) if len(unselected) == 1 else ())
+        errors.append(
+            f'{where}: no plugin is chosen by {tables}; give it a line such as use = "..." '
+            f"(see 'driftform plugins'), or start the study with base = \"{DEFAULT}\""
+        )
     for seam in SELECTED:
-        if seam not in required and seam not in document:
+        if seam in unselected or seam not in document:
             continue
         try:
             resolved[seam] = _resolved_selection(document, seam, layers)
@@ -281,21 +332,20 @@ def _checked(
             errors.append(str(error))
     if errors or scenario is None or run is None:
         raise InputError("\n".join(errors))
+    _check_folders(scenario, layers)
     scenario = _with_targets(scenario, wanted)
     run = _with_budget(run, scenario, resolved)
-    for name in run.formats:
-        registry().find("exporter", name)
+    for index, name in enumerate(run.formats):
+        try:
+            registry().find("exporter", name)
+        except InputError as error:
+            raise InputError(f"{_where(layers, ('run', 'formats', index))}: {error}") from None
     head = {key: document[key] for key in ("title", "description") if key in document}
     resolved = {**head, **_plain(scenario), **resolved, "run": _plain(run)}
     return Study(resolved, scenario, run)
 
 
 def _resolved_selection(document: Mapping[str, Any], seam: str, layers: Sequence[_Layer]) -> dict[str, Any]:
-    if seam not in document or "use" not in document[seam]:
-        raise InputError(
-            f"{layers[-1].label if seam not in document else _where(layers, (seam,))}: [{seam}] does not say which "
-            f'plugin to use: add use = "...", or start from a built-in scenario with base = "{DEFAULT}"'
-        )
     name, options = _selection(document, seam)
     try:
         cls = registry().find(seam, name)
@@ -304,13 +354,30 @@ def _resolved_selection(document: Mapping[str, Any], seam: str, layers: Sequence
     try:
         checked = cls.Options.model_validate(options)
     except ValidationError as error:
-        raise InputError("\n".join(_lines(error, (seam,), cls.Options, layers))) from None
+        raise InputError("\n".join(_lines(error, (seam,), cls.Options, document, layers))) from None
     return {"use": name, **_plain(checked)}
 
 
 def _selection(document: Mapping[str, Any], seam: str) -> tuple[str, dict[str, Any]]:
     options = dict(document[seam])
     return str(options.pop("use")), options
+
+
+def _check_folders(scenario: Scenario, layers: Sequence[_Layer]) -> None:
+    """Refuse names of targets that are too long for a folder, or one folder on some file systems."""
+    seen: dict[str, str] = {}
+    for name in scenario.targets:
+        where = _where(layers, ("targets", name))
+        if len(name.encode()) > _LONGEST_NAME:
+            raise InputError(
+                f"{where}: target name '{name[:20]}...' is longer than {_LONGEST_NAME} bytes: it names a folder"
+            )
+        if name.casefold() in seen:
+            raise InputError(
+                f"{where}: target names '{seen[name.casefold()]}' and '{name}' differ in case only: "
+                "some file systems cannot tell their folders apart"
+            )
+        seen[name.casefold()] = name
 
 
 def _with_targets(scenario: Scenario, wanted: Sequence[str]) -> Scenario:
@@ -340,44 +407,97 @@ def _plain(model: Table) -> dict[str, Any]:
     return dumped
 
 
-def _where(layers: Sequence[_Layer], path: tuple[str, ...]) -> str:
+def _where(layers: Sequence[_Layer], path: KeyPath) -> str:
+    """Name the source that had the last word on a key; without a key, the file or document itself."""
     for layer in reversed(layers):
-        if layer.holds(path):
+        if path and layer.holds(path):
             return layer.where(path)
-    return layers[-1].where(path)
+    return next(layer for layer in reversed(layers) if not layer.is_option).where(path)
 
 
 def _lines(
-    error: ValidationError, prefix: tuple[str, ...], model: type[Table], layers: Sequence[_Layer]
+    error: ValidationError,
+    prefix: KeyPath,
+    model: type[Table],
+    document: Mapping[str, Any],
+    layers: Sequence[_Layer],
 ) -> list[str]:
     lines: list[str] = []
-    for item in error.errors(include_url=False):
-        names = prefix + tuple(part for part in item["loc"] if isinstance(part, str))
-        # A key that may be of several types is reported once for each; the path ends in the type's name.
+    wrong: dict[KeyPath, dict[str, str]] = {}
+    items = error.errors(include_url=False)
+    misspelt = {item["loc"][:-1] for item in items if item["type"] == "extra_forbidden"}
+    for item in items:
+        if item["type"] == "missing" and item["loc"][:-1] in misspelt:
+            continue  # Most likely it is there under the other name: one line is enough.
+        names = (*prefix, *item["loc"])
+        # A key that may be of several types is reported once for each; the path then ends in the type's name.
         path = names
-        while path and not any(layer.holds(path) for layer in layers):
+        while path and _value(document, path) is _NOTHING:
             path = path[:-1]
-        if item["type"] == "missing":
-            path = names[:-1]
-        where, key = _where(layers, path), ".".join(path)
         if item["type"] == "extra_forbidden":
             siblings = _fields(model, path[len(prefix) : -1])
-            table = f" in [{'.'.join(path[:-1])}]" if path[:-1] else ""
-            line = f"{where}: unknown key '{path[-1]}'{table}{did_you_mean(path[-1], siblings)}"
-        elif item["type"] == "missing":
-            line = f"{where}: {'.'.join(names)} is missing"
+            table = _table(path[:-1])
+            lines.append(
+                f"{_where(layers, path)}: unknown key '{path[-1]}'{table}{did_you_mean(str(path[-1]), siblings)}"
+            )
+        elif item["type"] == "missing" and isinstance(names[-1], str):
+            lines.append(f"{_where(layers, path)}: '{names[-1]}' is missing{_table(names[:-1])}")
         elif item["type"] == "value_error":
-            line = f"{where}: {item['ctx']['error']}"
+            message = str(item["ctx"]["error"])
+            lines.append(f"{_where(layers, _blamed(message, path, document))}: {message}")
         else:
-            message = item["msg"].replace("Input should be", "should be")
-            line = f"{where}: {key} = {item['input']!r}: {message}"
-        if not any(key and f": {key} = " in old and f": {key} = " in line for old in lines):
-            lines.append(line)
+            wrong.setdefault(path, {})[item["type"]] = _should(item)
+    for path, messages in wrong.items():
+        key, value = _dotted(path), _value(document, path)
+        lines.append(f"{_where(layers, path)}: {key} = {value!r}: {', or '.join(messages.values())}")
     return lines
 
 
-def _fields(model: type[Table], path: Sequence[str]) -> list[str]:
+_SHOULD = {
+    "float_type": "should be a number",
+    "float_parsing": "should be a number",
+    "int_type": "should be a whole number",
+    "int_parsing": "should be a whole number",
+    "int_from_float": "should be a whole number",
+    "tuple_type": "should be a list",
+    "dict_type": "should be a table",
+    "model_type": "should be a table",
+    "string_type": "should be text in quotes",
+}
+"""What a value should have been, for people who do not know Python's types, by pydantic's kind of error."""
+
+
+def _should(item: Mapping[str, Any]) -> str:
+    kind = item["type"]
+    if kind == "missing":
+        return f"should have {item['loc'][-1] + 1} values"
+    if kind == "too_long":
+        return f"should have at most {item['ctx']['max_length']} values"
+    return _SHOULD.get(kind) or str(item["msg"]).replace("Input should be", "should be")
+
+
+def _table(path: KeyPath) -> str:
+    """`` in [table]``, as it stands in the file; empty at the top."""
+    name = ".".join(str(part) for part in path if isinstance(part, str))
+    if not name:
+        return ""
+    return f" in [[{name}]]" if isinstance(path[-1], int) else f" in [{name}]"
+
+
+def _blamed(message: str, path: KeyPath, document: Mapping[str, Any]) -> KeyPath:
+    """The key that a check of several keys speaks of: its message begins with it, or has it in quotes."""
+    first = message.split(maxsplit=1)[0] if message else ""
+    quoted = re.findall(r"'(.*?)'", message)
+    for candidate in (tuple(first.split(".")), ("targets", first), *((*path, name) for name in quoted)):
+        if _value(document, candidate) is not _NOTHING:
+            return candidate
+    return path
+
+
+def _fields(model: type[Table], path: KeyPath) -> list[str]:
     for name in path:
+        if isinstance(name, int):
+            continue
         annotation = model.model_fields[name].annotation if name in model.model_fields else None
         candidates = [annotation, *getattr(annotation, "__args__", ())]
         inner = [c for c in candidates if isinstance(c, type) and issubclass(c, Table)]

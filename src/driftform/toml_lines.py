@@ -1,50 +1,84 @@
 """Where the keys of a TOML file stand: tomllib does not tell, and an error without a line is no help."""
 
 import re
+import tomllib
+from collections.abc import Mapping
+from typing import TypeAlias
 
-_TABLE = re.compile(r"^\s*\[\[?\s*([^\[\]]+?)\s*\]\]?\s*(?:#.*)?$")
-_KEY = re.compile(
-    r"""^\s*((?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*')(?:\s*\.\s*(?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*'))*)\s*="""
+Path: TypeAlias = tuple[str | int, ...]
+"""A key as its names from the top; a number is the place in a list, counted from 0."""
+
+# What a value may hold that could be mistaken for structure is one token: strings, which may span lines, and
+# comments. A multi-line string may end in up to two quotes of its own.
+_TOKEN = re.compile(
+    r'''"""(?:\\.|[^\\])*?""""{0,2}|\'\'\'.*?\'\'\'\'{0,2}|"(?:\\.|[^"\\\n])*"|'[^'\n]*'|\#[^\n]*'''
+    r"""|[\[\]{}=\n]|[^"'\#\[\]{}=\n]+|.""",
+    re.DOTALL,
 )
-_PART = re.compile(r"""[A-Za-z0-9_-]+|"[^"]*"|'[^']*'""")
 
 
-def key_lines(text: str) -> dict[tuple[str, ...], int]:
-    """Map each key, as a path of names, to its line, counted from 1.
+def key_lines(text: str) -> dict[Path, int]:
+    """Map each key of a valid TOML document to its line, counted from 1.
 
-    Tables are keys too. In an array of tables the first line of a name wins. Keys inside inline tables are not
-    seen: look up the nearest key above (:func:`line_of`).
+    Tables are keys too; those of an array of tables are numbered. Keys inside inline tables are not seen: look
+    up the nearest key above (:func:`line_of`).
     """
-    lines: dict[tuple[str, ...], int] = {}
-    table: tuple[str, ...] = ()
-    fence = ""
-    for number, line in enumerate(text.splitlines(), start=1):
-        if fence:
-            if fence in line:
-                fence = ""
-            continue
-        if match := _TABLE.match(line):
-            table = _names(match[1])
-            path = table
-        elif match := _KEY.match(line):
-            path = table + _names(match[1])
-        else:
-            continue
-        for depth in range(1, len(path) + 1):
-            lines.setdefault(path[:depth], number)
-        for quotes in ('"""', "'''"):
-            if line.count(quotes) == 1:
-                fence = quotes
+    lines: dict[Path, int] = {}
+    counts: dict[Path, int] = {}
+    table: Path = ()
+    # A statement is a header, or a key, '=' and a value that goes on while a bracket is open.
+    head, in_value, depth = "", False, 0
+    line = begin = 1
+
+    def note(path: Path) -> None:
+        for end in range(1, len(path) + 1):
+            lines.setdefault(path[:end], begin)
+
+    for token in _TOKEN.findall(text + "\n"):
+        if token == "\n" and depth == 0:
+            header = head.strip()
+            if not in_value and header.startswith("[["):
+                array = _within(_names(header[2:-2]), counts, inside_last=False)
+                counts[array] = counts.get(array, 0) + 1
+                table = (*array, counts[array] - 1)
+                note(table)
+            elif not in_value and header.startswith("["):
+                table = _within(_names(header[1:-1]), counts)
+                note(table)
+            head, in_value, begin = "", False, line + 1
+        elif in_value:
+            depth += (token in "[{") - (token in "]}")
+        elif token == "=":
+            note(table + _names(head))
+            in_value = True
+        elif not token.startswith("#"):
+            head += token
+        line += token.count("\n")
     return lines
 
 
-def line_of(path: tuple[str, ...], lines: dict[tuple[str, ...], int]) -> int | None:
+def line_of(path: Path, lines: Mapping[Path, int]) -> int | None:
     """Return the line of a key, or that of the nearest key that holds it."""
-    for depth in range(len(path), 0, -1):
-        if path[:depth] in lines:
-            return lines[path[:depth]]
+    for end in range(len(path), 0, -1):
+        if path[:end] in lines:
+            return lines[path[:end]]
     return None
 
 
-def _names(dotted: str) -> tuple[str, ...]:
-    return tuple(part.strip("\"'") for part in _PART.findall(dotted))
+def _names(dotted: str) -> Path:
+    names: list[str] = []
+    node = tomllib.loads(f"{dotted.strip()} = 0")
+    while isinstance(node, dict):
+        [(name, node)] = node.items()
+        names.append(name)
+    return tuple(names)
+
+
+def _within(names: Path, counts: Mapping[Path, int], inside_last: bool = True) -> Path:
+    """The path of a header's names: below an array of tables they mean its newest table."""
+    path: Path = ()
+    for number, name in enumerate(names, start=1):
+        path = (*path, name)
+        if path in counts and (inside_last or number < len(names)):
+            path = (*path, counts[path] - 1)
+    return path

@@ -1,11 +1,11 @@
 """Contact of a body of revolution with the inside of a pipe: a frictionless, inelastic penalty on its rims."""
 
 import numpy as np
-from numba import njit
 
+from driftform.dynamics.compiled import compiled
 from driftform.types import FloatArray
 
-ONSET = 2e-4
+ONSET = 1e-3
 """Depth, m, over which the damper sets in, so that the force is continuous."""
 
 BLUNT = 1e-3
@@ -16,7 +16,7 @@ passes through its centre.
 """
 
 
-@njit(cache=True)
+@compiled
 def wall_gap(point: FloatArray, pipe: FloatArray, normal: FloatArray) -> float:
     """Return how far ``point`` is inside the pipe (m, negative outside) and fill the unit vector to the wall.
 
@@ -46,7 +46,7 @@ def wall_gap(point: FloatArray, pipe: FloatArray, normal: FloatArray) -> float:
     return best
 
 
-@njit(cache=True)
+@compiled
 def rim_point(
     position: FloatArray, R: FloatArray, x: float, r: float, normal: FloatArray, point: FloatArray
 ) -> None:
@@ -61,7 +61,7 @@ def rim_point(
         point[i] = position[i] + R[i, 0] * x + scale * (normal[i] - along * R[i, 0])
 
 
-@njit(cache=True)
+@compiled
 def add_wall_forces(
     position: FloatArray,
     R: FloatArray,

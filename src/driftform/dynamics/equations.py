@@ -10,8 +10,8 @@ and nu_r' = M^-1 (P', H') is exact: the added mass is solved together with the d
 """
 
 import numpy as np
-from numba import njit
 
+from driftform.dynamics.compiled import compiled
 from driftform.dynamics.contact import add_wall_forces
 from driftform.dynamics.model import (
     COG_COB,
@@ -27,7 +27,7 @@ from driftform.dynamics.rotations import matrix_from_rotation_vector
 from driftform.types import FloatArray
 
 
-@njit(cache=True)
+@compiled
 def add_damping(nu: FloatArray, table: FloatArray, tau: FloatArray) -> None:
     """Add -D_1 nu - D_2 |nu| nu to ``tau`` (6,), both taken at the point that the damping refers to."""
     o = table[DAMPING_ORIGIN]
@@ -46,7 +46,7 @@ def add_damping(nu: FloatArray, table: FloatArray, tau: FloatArray) -> None:
     tau[5] += o[0] * f[1] - o[1] * f[0]
 
 
-@njit(cache=True)
+@compiled
 def body_forces(
     position: FloatArray,
     R: FloatArray,
@@ -77,7 +77,7 @@ def body_forces(
     add_wall_forces(position, R, velocity, omega, rims, pipe, tau)
 
 
-@njit(cache=True)
+@compiled
 def accelerations(
     pose: FloatArray,
     speed: FloatArray,

@@ -1,8 +1,8 @@
 """Raw samples of an integrator -> a trajectory that ends where it should, and says why."""
 
 import numpy as np
-from numba import njit
 
+from driftform.dynamics.compiled import compiled
 from driftform.dynamics.path import hermite_coefficients
 from driftform.dynamics.rotations import matrix_from_quaternion, quaternion_from_rotation_vector
 from driftform.types import End, FloatArray, Trajectory
@@ -11,7 +11,7 @@ SAMPLE = 13
 """Numbers in a raw sample: time, then pose and speed as :func:`driftform.dynamics.equations.accelerations` has them."""
 
 
-@njit(cache=True)
+@compiled
 def record(sample: FloatArray, t: float, pose: FloatArray, speed: FloatArray, pipe: FloatArray) -> bool:
     """Fill one raw sample (13,), and return whether the flight goes on: it is finite and inside the pipe."""
     sample[0] = t
@@ -23,7 +23,7 @@ def record(sample: FloatArray, t: float, pose: FloatArray, speed: FloatArray, pi
     return total == 0.0 and not has_left(sample[1:4], pipe)
 
 
-@njit(cache=True)
+@compiled
 def has_left(position: FloatArray, pipe: FloatArray) -> bool:
     """True where the body's origin is past the outlet, or more than a radius upstream of the inlet."""
     if pipe.shape[0] == 0:

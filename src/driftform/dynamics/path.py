@@ -1,8 +1,8 @@
 """The path between the samples of a trajectory: cubic Hermite curves through positions and velocities."""
 
 import numpy as np
-from numba import njit
 
+from driftform.dynamics.compiled import compiled
 from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.types import FloatArray, Trajectory
 
@@ -40,7 +40,7 @@ def closest_approach(trajectory: Trajectory, points: FloatArray) -> tuple[FloatA
     return distances, times
 
 
-@njit(cache=True)
+@compiled
 def _closest(
     t: FloatArray, curve: FloatArray, points: FloatArray, distances: FloatArray, times: FloatArray
 ) -> None:
@@ -64,7 +64,7 @@ def _closest(
                     times[index] = t[s] + u * (t[s + 1] - t[s])
 
 
-@njit(cache=True)
+@compiled
 def _square(curve: FloatArray, point: FloatArray, u: float) -> float:
     total = 0.0
     for i in range(3):
@@ -72,7 +72,7 @@ def _square(curve: FloatArray, point: FloatArray, u: float) -> float:
     return total
 
 
-@njit(cache=True)
+@compiled
 def _foot(curve: FloatArray, point: FloatArray, u: float) -> tuple[float, float]:
     best, best_u = _square(curve, point, u), u
     for _ in range(20):

@@ -1,12 +1,12 @@
 """Rotation vectors, quaternions and matrices, all from the body frame to the world frame."""
 
 import numpy as np
-from numba import njit
 
+from driftform.dynamics.compiled import compiled
 from driftform.types import FloatArray
 
 
-@njit(cache=True)
+@compiled
 def matrix_from_rotation_vector(vector: FloatArray, out: FloatArray) -> None:
     """Fill ``out`` (3, 3) with the rotation by ``|vector|`` rad about ``vector`` (Rodrigues' formula)."""
     x, y, z = vector[0], vector[1], vector[2]

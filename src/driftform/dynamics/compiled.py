@@ -1,0 +1,35 @@
+"""How the kernels are compiled: by numba, once for each machine, and anew whenever any of their sources changes."""
+
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import ParamSpec, TypeVar
+
+from numba import njit
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def _digest() -> str:
+    sources = sorted(Path(__file__).parent.glob("*.py"))
+    return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
+
+
+_DIGEST = _digest()
+
+
+def compiled(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a function in numba's nopython mode, with its machine code cached on disk.
+
+    numba's cache of a function knows the function's own file alone. A kernel that calls one of another file, or
+    uses its constants, would go on with their old code after an upgrade, silently. So the stamp of every cache
+    file here covers all files of this package; where numba has no such stamp any more, nothing is cached.
+    """
+    dispatcher = njit(cache=True)(function)
+    cache_file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
+    if not hasattr(cache_file, "_source_stamp"):
+        dispatcher = njit(function)
+    else:
+        cache_file._source_stamp = (cache_file._source_stamp, _DIGEST)
+    return dispatcher  # type: ignore[no-any-return]

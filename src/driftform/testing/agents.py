@@ -1,0 +1,248 @@
+"""Agents made directly of values, whose motion is known in closed form or by conservation laws.
+
+All are in units of SI, in water of 1024 kg/m3. Kirchhoff's equations for a spheroid that moves in a plane are
+those of a pendulum, whose solution is in Jacobi's elliptic functions (Lamb, Hydrodynamics, 6th ed., section 127).
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from driftform.dynamics.inertia import added_mass_at, rigid_body_mass
+from driftform.dynamics.rotations import matrix_from_quaternion
+from driftform.scenario import Scenario
+from driftform.testing.bodies import spheroid_body
+from driftform.types import Agent, Coefficients, FloatArray, MassProperties, Trajectory
+
+DENSITY = 1024.0
+"""Of the water, kg/m3."""
+
+GRAVITY = 9.81
+"""m/s2."""
+
+
+def sphere(radius: float, mass: float, added: float = 0.5, drag: float = 0.0) -> Agent:
+    """A homogeneous sphere.
+
+    Parameters
+    ----------
+    radius, mass
+        m, kg.
+    added
+        added mass over displaced mass; 1/2 in potential flow.
+    drag
+        drag coefficient on the frontal area, as quadratic damping of surge, sway and heave.
+    """
+    volume = 4 / 3 * math.pi * radius**3
+    quadratic = 0.5 * DENSITY * drag * math.pi * radius**2
+    return Agent(
+        spheroid_body(radius, radius, edges=24),
+        MassProperties(mass, np.zeros(3), 0.4 * mass * radius**2 * np.eye(3), volume, np.zeros(3)),
+        Coefficients(
+            np.diag([added * DENSITY * volume] * 3 + [0.0] * 3),
+            quadratic_damping=np.diag([quadratic] * 3 + [0.0] * 3),
+        ),
+    )
+
+
+@dataclass(frozen=True)
+class Spheroid:
+    """A neutral, homogeneous prolate spheroid of half axis ``a`` and radius ``b``, m, in potential flow.
+
+    Added mass after Lamb, sections 114 and 115: k1 along the axis and k2 across it, both of the displaced mass,
+    and k' of the moment of inertia that the displaced water would have.
+
+    >>> [round(k, 5) for k in Spheroid(0.06, 0.01).factors]
+    [0.04518, 0.91712, 0.76231]
+    """
+
+    a: float
+    b: float
+
+    @property
+    def volume(self) -> float:
+        """Displaced volume, m3."""
+        return 4 / 3 * math.pi * self.a * self.b**2
+
+    @property
+    def mass(self) -> float:
+        """Mass, which is that of the displaced water, kg."""
+        return DENSITY * self.volume
+
+    @property
+    def inertia(self) -> float:
+        """Moment of inertia about a transverse axis, kg m2."""
+        return self.mass * (self.a**2 + self.b**2) / 5
+
+    @property
+    def factors(self) -> tuple[float, float, float]:
+        """k1, k2, k'."""
+        e = math.sqrt(1 - (self.b / self.a) ** 2)
+        alpha = 2 * (1 - e * e) / e**3 * (math.atanh(e) - e)
+        beta = (2 - alpha) / 2
+        d, s = self.a**2 - self.b**2, self.a**2 + self.b**2
+        turning = d * d * (beta - alpha) / (s * (2 * d - s * (beta - alpha)))
+        return alpha / (2 - alpha), beta / (2 - beta), turning
+
+    @property
+    def total(self) -> tuple[float, float, float]:
+        """Mass with added mass along and across the axis (kg), and the same of the inertia (kg m2)."""
+        k1, k2, turning = self.factors
+        return (1 + k1) * self.mass, (1 + k2) * self.mass, (1 + turning) * self.inertia
+
+    def agent(self) -> Agent:
+        """The agent, with its origin at the centre."""
+        k1, k2, turning = self.factors
+        m, added = self.mass, turning * self.inertia
+        return Agent(
+            spheroid_body(self.a, self.b, edges=24),
+            MassProperties(
+                m,
+                np.zeros(3),
+                np.diag([0.4 * m * self.b**2, self.inertia, self.inertia]),
+                self.volume,
+                np.zeros(3),
+            ),
+            Coefficients(np.diag([k1 * m, k2 * m, k2 * m, 0.0, added, added])),
+        )
+
+    def growth(self, speed: float) -> float:
+        """Rate (1/s) at which a small angle between axis and motion at ``speed`` (m/s) grows: Munk's instability."""
+        along, across, turning = self.total
+        return speed * math.sqrt(along * (across - along) / (across * turning))
+
+    def munk_moment(self, speed: float, angle: float) -> float:
+        """Destabilising moment (N m) of motion at ``speed`` (m/s) and ``angle`` (rad) to the axis."""
+        k1, k2, _ = self.factors
+        return 0.5 * (k2 - k1) * self.mass * speed**2 * math.sin(2 * angle)
+
+
+class Libration:
+    """Planar motion of a spheroid in still water that starts with surge ``u`` and sway ``v`` (m/s) and no yaw rate.
+
+    The impulse (M11 u, M22 v) = P (cos psi, sin psi) keeps its length and its direction in the world, so that
+    psi' = -r. With chi = psi - pi/2 and sigma^2 = P^2 (M22 - M11) / (I M11 M22) the motion is the pendulum
+    chi'^2 = sigma^2 (k^2 - sin^2 chi), k the sine of the amplitude, solved by sin chi = -k cd(sigma t | k^2).
+    """
+
+    def __init__(self, spheroid: Spheroid, u: float, v: float) -> None:
+        self._along, self._across, turning = spheroid.total
+        self._impulse = math.hypot(self._along * u, self._across * v)
+        self._start = math.atan2(self._across * v, self._along * u)
+        self._k = math.cos(self._start)
+        self._rest = math.sin(self._start)
+        self._sigma = self._impulse * math.sqrt(
+            (self._across - self._along) / (turning * self._along * self._across)
+        )
+        self.energy = 0.5 * (self._along * u**2 + self._across * v**2)
+
+    @property
+    def period(self) -> float:
+        """Time (s) until the motion repeats: four quarter periods of the pendulum."""
+        # K(k) by the arithmetic-geometric mean.
+        a, b = 1.0, self._rest
+        while abs(a - b) > 1e-15:
+            a, b = (a + b) / 2, math.sqrt(a * b)
+        return 4 * math.pi / (2 * a) / self._sigma
+
+    @property
+    def max_yaw_rate(self) -> float:
+        """rad/s."""
+        return self._sigma * self._k
+
+    def at(self, t: float) -> tuple[float, float, float, float]:
+        """Surge, sway (m/s), yaw rate (rad/s) and heading (rad, 0 at the start) at time ``t`` (s)."""
+        sn, cn, dn = _jacobi(self._sigma * t, self._k)
+        sine, cosine = -self._k * cn / dn, self._rest / dn
+        return (
+            -self._impulse * sine / self._along,
+            self._impulse * cosine / self._across,
+            -self._sigma * self._k * self._rest * sn / dn,
+            self._start - (math.atan2(sine, cosine) + math.pi / 2),
+        )
+
+
+def _jacobi(argument: float, k: float) -> tuple[float, float, float]:
+    """sn, cn and dn of modulus k, by descending means (Abramowitz and Stegun, 16.4)."""
+    a, b, c = [1.0], math.sqrt(1 - k * k), [k]
+    while abs(c[-1]) > 1e-15:
+        a, b, c = [*a, (a[-1] + b) / 2], math.sqrt(a[-1] * b), [*c, (a[-1] - b) / 2]
+    phase = 2 ** (len(a) - 1) * a[-1] * argument
+    for n in range(len(a) - 1, 0, -1):
+        phase = (math.asin(c[n] / a[n] * math.sin(phase)) + phase) / 2
+    sn, cn = math.sin(phase), math.cos(phase)
+    return sn, cn, math.sqrt(1 - (k * sn) ** 2)
+
+
+def tumbler(*, damped: bool = False) -> Agent:
+    """A spheroid that is not neutral, with its COG, COB and added mass about three different points off the axis.
+
+    Nothing of its motion is planar, and every entry of its 6x6 matrices about the origin matters.
+    """
+    agent = Spheroid(0.06, 0.02).agent()
+    return replace(
+        agent,
+        mass=MassProperties(
+            mass=0.9 * agent.mass.mass,
+            cog=np.array([0.006, 0.003, -0.002]),
+            inertia=1.1 * agent.mass.inertia + 1e-6 * np.array([[0, 1, 2], [1, 3, -1], [2, -1, 4]]),
+            volume=agent.mass.volume,
+            cob=np.array([-0.002, 0.001, 0.0]),
+        ),
+        coefficients=Coefficients(
+            agent.coefficients.added_mass,
+            origin=np.array([0.004, 0.0, 0.001]),
+            linear_damping=damped * np.diag([0.02, 0.05, 0.05, 1e-6, 2e-5, 2e-5]),
+            quadratic_damping=damped * np.diag([0.1, 0.5, 0.5, 0.0, 1e-5, 1e-5]),
+        ),
+    )
+
+
+def about(agent: Agent, offset: FloatArray) -> Agent:
+    """The same agent in body axes that start at ``offset`` (m) of the old ones.
+
+    Its body's contours stay as they are, so that it may fly in open water only.
+    """
+    return replace(
+        agent,
+        mass=replace(agent.mass, cog=agent.mass.cog - offset, cob=agent.mass.cob - offset),
+        coefficients=replace(agent.coefficients, origin=agent.coefficients.origin - offset),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Invariants:
+    """What forces can change along a flight in a uniform current, seen from the water.
+
+    Attributes
+    ----------
+    energy
+        kinetic energy of body and water, and potential energy of weight and buoyancy, J, (k,).
+    impulse
+        in the world frame, N s, (k, 3).
+    angular_impulse
+        about a point that moves with the water, N m s, (k, 3).
+    """
+
+    energy: FloatArray
+    impulse: FloatArray
+    angular_impulse: FloatArray
+
+
+def invariants(agent: Agent, scenario: Scenario, flight: Trajectory) -> Invariants:
+    """Return energy and impulses of every sample of a flight."""
+    matrix = rigid_body_mass(agent.mass) + added_mass_at(agent.coefficients, np.zeros(3))
+    R = matrix_from_quaternion(flight.quaternion)
+    current = scenario.current()
+    nu = flight.velocity.copy()
+    nu[:, :3] -= np.einsum("kji,j->ki", R, current)
+    momentum = nu @ matrix
+    place = flight.position - flight.t[:, None] * current
+    impulse = np.einsum("kij,kj->ki", R, momentum[:, :3])
+    turning = np.einsum("kij,kj->ki", R, momentum[:, 3:]) + np.cross(place, impulse)
+    fluid, mass = scenario.fluid, agent.mass
+    weight, buoyancy = mass.mass * fluid.gravity, fluid.density * mass.volume * fluid.gravity
+    up = R[:, 2]
+    potential = weight * (place[:, 2] + up @ mass.cog) - buoyancy * (place[:, 2] + up @ mass.cob)
+    return Invariants(0.5 * (nu * momentum).sum(axis=1) + potential, impulse, turning)

@@ -1,0 +1,115 @@
+"""Bodies made directly of contours, and plain geometry of meridian polylines, independent of any builder."""
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from driftform.types import Body, Core, FloatArray
+
+
+def body_of(outer: npt.ArrayLike, cavity: npt.ArrayLike = ()) -> Body:
+    """Return a body of contours in m, of ABS, around a core that weighs nothing."""
+    contour: FloatArray = np.asarray(outer, dtype=np.float64)
+    return Body(
+        outer=contour,
+        cavity=np.asarray(cavity, dtype=np.float64).reshape(-1, 2),
+        joints=np.array([contour[:, 0].min(), contour[:, 0].max()]),
+        core=Core(radius=1e-3, mass=0.0),
+        wall=1.25e-3,
+        hull_density=1050.0,
+    )
+
+
+def spheroid_body(a: float, b: float, edges: int = 64) -> Body:
+    """A solid spheroid about the origin, with the half axis ``a`` along x and the radius ``b``, m."""
+    angles = np.linspace(np.pi, 0, edges + 1)
+    contour = np.column_stack([a * np.cos(angles), b * np.sin(angles)])
+    contour[[0, -1], 1] = 0.0
+    return body_of(contour)
+
+
+def cylinder_body(length: float, radius: float) -> Body:
+    """A solid cylinder about the origin, m."""
+    h = length / 2
+    return body_of([(-h, 0), (-h, radius), (h, radius), (h, 0)])
+
+
+def dome_body(radius: float, edges: int = 32) -> Body:
+    """A solid half sphere, round aft and flat in front, m."""
+    angles = np.linspace(np.pi, np.pi / 2, edges + 1)
+    contour = radius * np.column_stack([np.cos(angles), np.sin(angles)])
+    contour[0, 1] = contour[-1, 0] = 0.0
+    return body_of([*contour, (0.0, 0.0)])
+
+
+def hollow_body() -> Body:
+    """A capped tube, 60 mm long and 30 mm thick, wide enough for a core of 10 mm radius at the origin."""
+    hull = [(-0.03, 0), (-0.03, 0.015), (0.02, 0.015), (0.03, 0.012), (0.03, 0)]
+    cavity = [(-0.028, 0), (-0.028, 0.013), (0.02, 0.013), (0.028, 0.0105), (0.028, 0)]
+    return replace(body_of(hull, cavity), core=Core(radius=0.01, mass=0.05))
+
+
+def mirrored_contour(contour: FloatArray) -> FloatArray:
+    """The contour with fore and aft exchanged, again from the aft to the fore axis point, (n, 2)."""
+    return np.asarray(contour[::-1] * (-1.0, 1.0), dtype=np.float64)
+
+
+def mirrored_body(body: Body) -> Body:
+    """The body with fore and aft exchanged."""
+    return replace(
+        body,
+        outer=mirrored_contour(body.outer),
+        cavity=mirrored_contour(body.cavity),
+        joints=-body.joints[::-1],
+    )
+
+
+def scaled_body(body: Body, factor: float) -> Body:
+    """A geometrically similar body."""
+    return replace(
+        body,
+        outer=factor * body.outer,
+        cavity=factor * body.cavity,
+        joints=factor * body.joints,
+        core=Core(factor * body.core.radius, body.core.mass),
+        wall=factor * body.wall,
+    )
+
+
+def distance_from(points: FloatArray, contour: FloatArray) -> FloatArray:
+    """Distance (m) of each point (n, 2) from a polyline, (n,)."""
+    start, edge = contour[:-1], np.diff(contour, axis=0)
+    keep = (edge**2).sum(axis=1) > 0
+    start, edge = start[keep], edge[keep]
+    offset = points[:, None] - start
+    along = np.clip((offset * edge).sum(axis=2) / (edge**2).sum(axis=1), 0, 1)
+    return np.asarray(np.linalg.norm(offset - along[:, :, None] * edge, axis=2).min(axis=1), dtype=np.float64)
+
+
+def lies_inside(points: FloatArray, contour: FloatArray, slack: float) -> npt.NDArray[np.bool_]:
+    """Tell which points (n, 2) lie between a contour and the axis, or within ``slack`` (m) of the contour, (n,).
+
+    A ray from the point away from the axis crosses the contour an odd number of times if the point is inside.
+    """
+    x0, r0 = contour[:-1, 0], contour[:-1, 1]
+    x1, r1 = contour[1:, 0], contour[1:, 1]
+    x, r = points[:, :1], points[:, 1:]
+    spans = (x0 <= x) != (x1 <= x)
+    share = (x - x0) / np.where(x1 == x0, 1.0, x1 - x0)
+    crossings = (spans & (r0 + share * (r1 - r0) > r)).sum(axis=1)
+    return np.asarray((crossings % 2 == 1) | (distance_from(points, contour) <= slack))
+
+
+def crosses_itself(contour: FloatArray) -> bool:
+    """True where two edges of a polyline that are no neighbours properly cross each other."""
+    p, q = contour[:-1, None], contour[1:, None]
+    a, b = contour[None, :-1], contour[None, 1:]
+
+    def side(u: FloatArray, v: FloatArray, w: FloatArray) -> FloatArray:
+        first, second = v - u, w - u
+        return np.asarray(first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0])
+
+    apart = side(p, q, a) * side(p, q, b) < 0
+    across = side(a, b, p) * side(a, b, q) < 0
+    return bool((apart & across).any())

@@ -1,0 +1,165 @@
+"""What every builder must do."""
+
+import pickle
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+from driftform.geometry import mass_properties, solid_of_revolution
+from driftform.interfaces import PhenotypeBuilder
+from driftform.testing.bodies import crosses_itself, distance_from, lies_inside, mirrored_contour
+from driftform.types import Body, FloatArray, Module, Morphology
+
+
+def random_morphology(seed: int, count: int = 39) -> Morphology:
+    """Modules of the paper's lengths and tilts, on either side of the core."""
+    rng = np.random.default_rng(seed)
+    lengths = rng.choice([0.0025, 0.005, 0.01], size=count)
+    tilts = np.deg2rad(rng.choice([-20, -10, 0, 10, 20], size=count))
+    modules = [Module(float(length), float(tilt)) for length, tilt in zip(lengths, tilts, strict=True)]
+    cut = int(rng.integers(count + 1))
+    return Morphology(fore=tuple(modules[:cut]), aft=tuple(modules[cut:]))
+
+
+def _run(count: int, tilt_deg: float, length: float = 0.01) -> tuple[Module, ...]:
+    return (Module(length, float(np.deg2rad(tilt_deg))),) * count
+
+
+MORPHOLOGIES: dict[str, Callable[[], Morphology]] = {
+    "no module": Morphology,
+    "one module": lambda: Morphology(fore=_run(1, 10)),
+    "one short module aft": lambda: Morphology(aft=_run(1, 0, 0.0025)),
+    "all fore": lambda: Morphology(fore=_run(12, 5)),
+    "all aft": lambda: Morphology(aft=_run(12, -5)),
+    "all narrowing": lambda: Morphology(fore=_run(20, -20), aft=_run(19, -20)),
+    "all widening": lambda: Morphology(fore=_run(20, 20), aft=_run(19, 20)),
+    "zigzag": lambda: Morphology(
+        fore=(*_run(1, 20), *_run(1, -20)) * 5, aft=(*_run(1, -20), *_run(1, 20)) * 5
+    ),
+    **{f"39 random modules ({seed})": (lambda seed=seed: random_morphology(seed)) for seed in range(6)},
+}
+
+every_morphology = pytest.mark.parametrize("kind", MORPHOLOGIES)
+
+
+class BuilderContract:
+    """Inherit, and say how the builder is made::
+
+        class TestMyBuilder(BuilderContract):
+            def plugin(self) -> MyBuilder:
+                return MyBuilder(MyOptions())
+
+    Attributes
+    ----------
+    slack
+        how far apart (m) two points may be that ought to be the same: the resolution of the builder's geometry.
+    """
+
+    slack: ClassVar[float] = 2e-7
+
+    def plugin(self) -> PhenotypeBuilder[Any]:
+        """Return the builder to be tested."""
+        raise NotImplementedError
+
+    def built(self, kind: str) -> Body:
+        """Return the body of one of the morphologies."""
+        return self.plugin().build(MORPHOLOGIES[kind]())
+
+    @every_morphology
+    def test_contours_run_from_the_axis_to_the_axis(self, kind: str) -> None:
+        """Outer contour and cavity start at the aft axis point, end at the fore one, and never go below the axis."""
+        body = self.built(kind)
+        for contour in (body.outer, body.cavity):
+            if not len(contour):
+                continue
+            assert np.isfinite(contour).all()
+            assert contour[0, 1] == 0.0 and contour[-1, 1] == 0.0
+            assert contour[0, 0] < contour[-1, 0]
+            assert (contour[:, 1] >= 0).all()
+        assert body.length > 0 and body.max_diameter > 0
+
+    @every_morphology
+    def test_contours_do_not_cross_themselves(self, kind: str) -> None:
+        """A contour bounds one region of the half-plane."""
+        body = self.built(kind)
+        assert not crosses_itself(body.outer)
+        assert not crosses_itself(body.cavity)
+
+    @every_morphology
+    def test_the_cavity_lies_inside_the_outer_contour(self, kind: str) -> None:
+        """No vertex of the cavity lies outside the outer contour, nor the reverse, and there is some hull left."""
+        body = self.built(kind)
+        if not len(body.cavity):
+            return
+        assert lies_inside(body.cavity, body.outer, self.slack).all()
+        off_axis = body.outer[body.outer[:, 1] > 0]
+        deep = distance_from(off_axis, body.cavity) > self.slack
+        assert not lies_inside(off_axis[deep], body.cavity, 0.0).any()
+        outside, hole = solid_of_revolution(body.outer).volume, solid_of_revolution(body.cavity).volume
+        assert 0 < hole < outside
+
+    @every_morphology
+    def test_the_core_fits_in_the_cavity(self, kind: str) -> None:
+        """The sphere at the origin touches no wall; in a solid body it lies within the hull."""
+        body = self.built(kind)
+        room = body.cavity if len(body.cavity) else body.outer
+        origin = np.zeros((1, 2))
+        assert room[0, 0] < 0 < room[-1, 0]
+        assert distance_from(origin, room)[0] >= body.core.radius
+
+    @every_morphology
+    def test_mass_properties_are_those_of_a_body(self, kind: str) -> None:
+        """Mass, volume and moments of inertia are positive and possible; COG and COB lie within the body."""
+        body = self.built(kind)
+        properties = mass_properties(body)
+        assert np.isfinite(properties.inertia).all()
+        assert properties.mass > 0 and properties.volume > 0
+        roll, pitch, yaw = np.linalg.eigvalsh(properties.inertia)
+        assert roll > 0 and roll + pitch >= yaw * (1 - 1e-12)
+        for point in (properties.cog, properties.cob):
+            assert body.outer[:, 0].min() < point[0] < body.outer[:, 0].max()
+            assert point[1] == point[2] == 0.0
+
+    @every_morphology
+    def test_joints_run_from_aft_to_fore_within_the_body(self, kind: str) -> None:
+        """Joints are ordered, and none lies beyond the ends."""
+        body = self.built(kind)
+        assert all(a <= b for a, b in pairwise(body.joints))
+        assert body.outer[:, 0].min() - self.slack <= body.joints[0]
+        assert body.joints[-1] <= body.outer[:, 0].max() + self.slack
+
+    @every_morphology
+    def test_a_mirrored_morphology_gives_a_mirrored_body(self, kind: str) -> None:
+        """Fore and aft are treated alike: exchanging the modules exchanges the ends of the body."""
+        morphology = MORPHOLOGIES[kind]()
+        there = self.plugin().build(morphology)
+        back = self.plugin().build(Morphology(fore=morphology.aft, aft=morphology.fore))
+        for a, b in ((there.outer, back.outer), (there.cavity, back.cavity)):
+            assert len(a) == len(b) == 0 or self._apart(mirrored_contour(a), b) <= self.slack
+        np.testing.assert_allclose(-there.joints[::-1], back.joints, atol=self.slack)
+
+    @every_morphology
+    def test_building_twice_gives_the_same_body(self, kind: str) -> None:
+        """A body is decided by its morphology and the options, to the last bit."""
+        first, second = self.built(kind), self.built(kind)
+        np.testing.assert_array_equal(first.outer, second.outer)
+        np.testing.assert_array_equal(first.cavity, second.cavity)
+
+    def test_modules_make_the_body_longer(self) -> None:
+        """The morphology is really built: modules on either side push that end outward."""
+        bare, fore, aft = self.built("no module"), self.built("all fore"), self.built("all aft")
+        assert fore.outer[-1, 0] > bare.outer[-1, 0]
+        assert aft.outer[0, 0] < bare.outer[0, 0]
+
+    def test_it_can_be_sent_to_a_worker_process(self) -> None:
+        """A pickled copy builds the same, and bodies can be pickled."""
+        copy = pickle.loads(pickle.dumps(self.plugin()))
+        body = pickle.loads(pickle.dumps(copy.build(random_morphology(0))))
+        np.testing.assert_array_equal(body.outer, self.plugin().build(random_morphology(0)).outer)
+
+    def _apart(self, a: FloatArray, b: FloatArray) -> float:
+        """Largest distance of a vertex of either contour from the other one, m."""
+        return float(max(distance_from(a, b).max(), distance_from(b, a).max()))

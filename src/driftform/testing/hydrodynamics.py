@@ -1,0 +1,152 @@
+"""What every model of hydrodynamic coefficients must do."""
+
+import pickle
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+from driftform.dynamics.inertia import added_mass_at
+from driftform.interfaces import Hydrodynamics
+from driftform.scenario import Fluid
+from driftform.testing.bodies import (
+    body_of,
+    cylinder_body,
+    dome_body,
+    hollow_body,
+    mirrored_body,
+    scaled_body,
+    spheroid_body,
+)
+from driftform.types import Body, FloatArray
+
+BODIES: dict[str, Callable[[], Body]] = {
+    "sphere": lambda: spheroid_body(0.01, 0.01),
+    "nearly a sphere": lambda: spheroid_body(0.0101, 0.01),
+    "long spheroid": lambda: spheroid_body(0.1, 0.01),
+    "long cylinder": lambda: cylinder_body(0.3, 0.01),
+    "disc": lambda: cylinder_body(0.02, 0.05),
+    "flat spheroid": lambda: spheroid_body(0.01, 0.04),
+    "bare dome": lambda: dome_body(0.0115),
+    "cone off the origin": lambda: body_of([(0.02, 0), (0.02, 0.03), (0.12, 0)]),
+    "hollow hull": hollow_body,
+}
+
+every_body = pytest.mark.parametrize("kind", BODIES)
+
+# A mirror image across the y-z plane: surge turns round, and of the rotations, which are axial vectors, those
+# about y and z.
+MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])
+
+
+class HydrodynamicsContract:
+    """Inherit, and say how the model is made::
+
+        class TestMyModel(HydrodynamicsContract):
+            def plugin(self) -> MyModel:
+                return MyModel(MyOptions())
+
+    Attributes
+    ----------
+    tolerance
+        relative error at which two coefficients count as equal: that of the method's own arithmetic, not of its
+        physics.
+    """
+
+    tolerance: ClassVar[float] = 1e-6
+
+    def plugin(self) -> Hydrodynamics[Any]:
+        """Return the model to be tested."""
+        raise NotImplementedError
+
+    def about_origin(self, body: Body, fluid: Fluid | None = None) -> FloatArray:
+        """Added mass about the body frame's origin, (6, 6)."""
+        return added_mass_at(self.plugin().coefficients(body, fluid or Fluid()), np.zeros(3))
+
+    def assert_close(self, actual: FloatArray, expected: FloatArray, length: float) -> None:
+        """Compare two 6x6 matrices in units in which their blocks are of one size."""
+        scale = np.array([1.0, 1.0, 1.0, length, length, length])
+        unit = float(np.abs(expected / np.outer(scale, scale)).max())
+        np.testing.assert_allclose(
+            actual / np.outer(scale, scale),
+            expected / np.outer(scale, scale),
+            rtol=0,
+            atol=self.tolerance * unit,
+        )
+
+    @every_body
+    def test_added_mass_is_finite_symmetric_and_positive_semi_definite(self, kind: str) -> None:
+        """Water that is set in motion has positive kinetic energy, whatever the motion."""
+        body = BODIES[kind]()
+        matrix = self.plugin().coefficients(body, Fluid()).added_mass
+        assert np.isfinite(matrix).all()
+        scale = np.array([1.0, 1.0, 1.0, *[1 / body.length] * 3])
+        scaled = matrix * np.outer(scale, scale)
+        size = np.abs(scaled).max()
+        assert size > 0
+        np.testing.assert_allclose(scaled, scaled.T, rtol=0, atol=1e-12 * size)
+        assert np.linalg.eigvalsh(scaled).min() >= -1e-12 * size
+
+    @every_body
+    def test_translation_in_any_direction_moves_water(self, kind: str) -> None:
+        """Surge, sway and heave have a positive added mass, also for a disc or a bare core."""
+        matrix = self.about_origin(BODIES[kind]())
+        assert (np.diag(matrix)[:3] > 0).all()
+
+    @every_body
+    def test_added_mass_is_proportional_to_the_density_of_the_fluid(self, kind: str) -> None:
+        """Twice as dense a fluid has twice the added mass; gravity has no say."""
+        body = BODIES[kind]()
+        once = self.about_origin(body, Fluid(density=1000.0, gravity=9.81))
+        twice = self.about_origin(body, Fluid(density=2000.0, gravity=1.62))
+        self.assert_close(twice, 2 * once, body.length)
+
+    @every_body
+    def test_an_axisymmetric_body_has_axisymmetric_coefficients(self, kind: str) -> None:
+        """Sway equals heave, pitch equals yaw, M35 = -M26, and no other pair of motions is coupled."""
+        body = BODIES[kind]()
+        coefficients = self.plugin().coefficients(body, Fluid())
+        assert coefficients.origin[1] == coefficients.origin[2] == 0.0
+        m = self.about_origin(body)
+        expected = np.diag([m[0, 0], m[1, 1], m[1, 1], m[3, 3], m[5, 5], m[5, 5]])
+        expected[1, 5] = expected[5, 1] = m[1, 5]
+        expected[2, 4] = expected[4, 2] = -m[1, 5]
+        self.assert_close(m, expected, body.length)
+
+    @every_body
+    def test_a_mirrored_body_has_a_mirrored_matrix(self, kind: str) -> None:
+        """About the mirrored origin M26 and M35 change sign, and nothing else changes."""
+        body = BODIES[kind]()
+        expected = MIRROR @ self.about_origin(body) @ MIRROR
+        self.assert_close(self.about_origin(mirrored_body(body)), expected, body.length)
+
+    @every_body
+    def test_a_similar_body_has_similar_coefficients(self, kind: str) -> None:
+        """Potential flow knows no length of its own: masses grow with the third power of the size, and so on."""
+        body = BODIES[kind]()
+        scale = np.diag([1.0, 1.0, 1.0, 3.0, 3.0, 3.0])
+        expected = 27 * scale @ self.about_origin(body) @ scale
+        self.assert_close(self.about_origin(scaled_body(body, 3.0)), expected, 3 * body.length)
+
+    @every_body
+    def test_damping_takes_energy_and_never_gives_any(self, kind: str) -> None:
+        """For any velocity the power of the damping forces is negative or zero."""
+        coefficients = self.plugin().coefficients(BODIES[kind](), Fluid())
+        for nu in np.random.default_rng(0).normal(size=(200, 6)):
+            drag = coefficients.linear_damping @ nu + coefficients.quadratic_damping @ (np.abs(nu) * nu)
+            assert np.isfinite(drag).all()
+            assert nu @ drag >= 0.0
+
+    def test_the_hollow_inside_has_no_say(self) -> None:
+        """Water meets the outer contour only: a sealed cavity changes nothing."""
+        hollow = hollow_body()
+        np.testing.assert_array_equal(self.about_origin(hollow), self.about_origin(body_of(hollow.outer)))
+
+    def test_the_same_body_gives_the_same_coefficients(self) -> None:
+        """A pickled copy of the model returns the same matrices, to the last bit."""
+        copy = pickle.loads(pickle.dumps(self.plugin()))
+        body = BODIES["cone off the origin"]()
+        first, second = self.plugin().coefficients(body, Fluid()), copy.coefficients(body, Fluid())
+        for name in ("added_mass", "origin", "linear_damping", "quadratic_damping"):
+            np.testing.assert_array_equal(getattr(first, name), getattr(second, name))

@@ -1,0 +1,83 @@
+"""Reading the pages under ``docs/``: their fenced blocks and their generated parts."""
+
+import os
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+
+_FENCE = re.compile(r"^```(\w+)?([^\n`]*)\n(.*?)^```\s*$", re.MULTILINE | re.DOTALL)
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block: its page, its language, the words after it, its text, and its line on the page."""
+
+    page: str
+    language: str
+    words: tuple[str, ...]
+    text: str
+    line: int
+
+    @property
+    def file(self) -> str:
+        """The file that the block shows, ``""`` where it shows none."""
+        return next((word.removeprefix("file=") for word in self.words if word.startswith("file=")), "")
+
+    def __str__(self) -> str:
+        return f"{self.page}:{self.line}"
+
+
+def read_blocks(page: Path) -> list[Block]:
+    """The fenced blocks of a page."""
+    text = page.read_text(encoding="utf-8")
+    return [
+        Block(page.name, m[1] or "", tuple(m[2].split()), m[3], text.count("\n", 0, m.start()) + 1)
+        for m in _FENCE.finditer(text)
+    ]
+
+
+def without_blocks(text: str) -> str:
+    """The prose of a page: fenced blocks become empty lines."""
+    return _FENCE.sub(lambda m: "\n" * m[0].count("\n"), text)
+
+
+@pytest.fixture(scope="session")
+def docs() -> Path:
+    return DOCS
+
+
+@pytest.fixture(scope="session")
+def pages() -> dict[str, str]:
+    """Text of every page by its name."""
+    return {path.name: path.read_text(encoding="utf-8") for path in sorted(DOCS.glob("*.md"))}
+
+
+@pytest.fixture(scope="session")
+def prose(pages: dict[str, str]) -> dict[str, str]:
+    return {name: without_blocks(text) for name, text in pages.items()}
+
+
+@pytest.fixture(scope="session")
+def blocks() -> list[Block]:
+    """All fenced blocks of all pages."""
+    return [block for path in sorted(DOCS.glob("*.md")) for block in read_blocks(path)]
+
+
+@pytest.fixture
+def up_to_date() -> Callable[[Path, str], None]:
+    """Compare a page with what it should be; with UPDATE_DOCS=1 make it so."""
+
+    def check(path: Path, expected: str) -> None:
+        found = path.read_text(encoding="utf-8") if path.exists() else ""
+        if found != expected and os.environ.get("UPDATE_DOCS") == "1":
+            path.write_text(expected, encoding="utf-8")
+            return
+        assert found == expected, f"{path.name} is out of date: run UPDATE_DOCS=1 pytest tests/docs"
+
+    return check

@@ -1,0 +1,222 @@
+"""The examples of the pages: the plugin installs and works, study files load, errors read as printed."""
+
+import json
+import os
+import shlex
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from driftform.cli.app import app
+from driftform.study import load_study
+
+PARTS = Path(__file__).with_name("cli_parts.md")
+WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
+
+
+def write_files(folder: Path, page: str, blocks: list[Any]) -> dict[str, str]:
+    """Write the files that a page shows; return their texts by path."""
+    files = {block.file: block.text for block in blocks if block.page == page and block.file}
+    for name, text in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return files
+
+
+# docs/study-files.md
+
+
+@pytest.fixture
+def study_folder(tmp_path: Path, blocks: list[Any], monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
+    monkeypatch.chdir(tmp_path)
+    return write_files(tmp_path, "study-files.md", blocks)
+
+
+def test_the_full_example_loads(study_folder: dict[str, str]) -> None:
+    study = load_study("short-pipe.toml")
+    assert study.scenario.target_names == ("leak", "valve")
+    assert study.evaluations == 200
+    assert study.scenario.flow.speed == 0.8
+    assert study.document["grammar"]["occupied"] == "skip"
+    assert study.document["builder"]["core_mass"] == 0.02
+    assert study.document["simulator"]["use"] == "exudyn"
+
+
+def test_the_merging_rules_are_as_told(study_folder: dict[str, str]) -> None:
+    base = load_study(run={"seed": 0})
+    below = load_study("short-pipe.toml")
+    # Key by key, but lists as a whole, and targets anew.
+    assert below.scenario.fluid == base.scenario.fluid
+    assert len(below.scenario.pipe.segments) == 1
+    assert below.scenario.pipe.segments[0].radius == 0.5
+    assert not set(below.scenario.targets) & set(base.scenario.targets)
+    # Another plugin starts from its own defaults.
+    other = load_study("short-pipe.toml", use={"strategy": "random"})
+    assert "population" not in other.document["strategy"]
+    # --set comes after the choice of plugins, and numbers of the run last.
+    assert load_study(None, ["run.seed=1"], run={"seed": 2}).seed == 2
+    assert load_study(None, ["strategy.batch=7"], use={"strategy": "random"}).document["strategy"]["batch"] == 7
+    # A word that is no TOML value is a string.
+    assert load_study(None, ["grammar.occupied=skip"]).document["grammar"]["occupied"] == "skip"
+    # The target table is stated anew by --set too.
+    assert load_study(None, ["targets.leak=[4,0,-0.9]"]).scenario.target_names == ("leak",)
+
+
+def test_a_study_of_its_own_needs_every_table(study_folder: dict[str, str]) -> None:
+    assert load_study("open-water.toml", targets=(), run={"seed": 0}).scenario.pipe.segments == ()
+
+
+def test_errors_read_as_printed(blocks: list[Any], study_folder: dict[str, str]) -> None:
+    shown = [b for b in blocks if b.page == "study-files.md" and "errors" in b.words]
+    count = 0
+    for block in shown:
+        for example in block.text.split("$ ")[1:]:
+            command, *expected = example.strip().splitlines()
+            result = CliRunner().invoke(app, shlex.split(command)[1:])
+            assert result.exit_code == 2, command
+            assert result.stderr.strip().splitlines() == expected, command
+            count += 1
+    assert count >= 6
+
+
+# docs/write-a-plugin.md
+
+
+@pytest.fixture(scope="module")
+def plugin_folder(tmp_path_factory: pytest.TempPathFactory, blocks: list[Any]) -> Path:
+    """The example plugin as an installer would leave it: its package, and its metadata beside it."""
+    folder = tmp_path_factory.mktemp("plugin")
+    write_files(folder, "write-a-plugin.md", blocks)
+    project = tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    info = folder / "src" / f"{project['name'].replace('-', '_')}-{project['version']}.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(
+        f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n", encoding="utf-8"
+    )
+    points = project["entry-points"]["driftform"]
+    lines = ["[driftform]", *(f"{name} = {module}" for name, module in points.items())]
+    (info / "entry_points.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return folder
+
+
+def run_python(folder: Path, *arguments: str) -> str:
+    environment = {**os.environ, "PYTHONPATH": str(folder / "src"), "PYTHONDONTWRITEBYTECODE": "1"}
+    done = subprocess.run(
+        [sys.executable, *arguments], cwd=folder, env=environment, capture_output=True, text=True, timeout=120
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def run_driftform(folder: Path, *arguments: str) -> Any:
+    return json.loads(
+        run_python(folder, "-c", "from driftform.cli import main; main()", *arguments, "--json")
+    )
+
+
+def test_the_plugin_is_found(plugin_folder: Path) -> None:
+    rows = run_driftform(plugin_folder, "plugins", "list")["plugins"]
+    assert {
+        "seam": "fitness",
+        "name": "dwell",
+        "distribution": "driftform-dwell",
+        "version": "0.1.0",
+        "state": "ok",
+    } in rows
+
+
+def test_the_plugin_scores_a_flight(plugin_folder: Path) -> None:
+    found = run_driftform(plugin_folder, "simulate", WORD, "--scenario", "linger.toml", "--out", "flight")
+    assert set(found["fitness"]) == {f"TP{n}" for n in range(1, 11)}
+    assert 0 < found["fitness"]["TP1"] < 100
+    assert found["fitness"]["TP8"] == 0
+
+
+def test_the_plugin_passes_its_contract(plugin_folder: Path) -> None:
+    pytest.importorskip("driftform.testing")
+    out = run_python(plugin_folder, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-c", "pyproject.toml", "tests")
+    assert "passed" in out
+
+
+# docs/cli.md
+
+
+@pytest.fixture(scope="module")
+def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """The JSON document of every command."""
+    folder = tmp_path_factory.mktemp("cli")
+    run, here = str(folder / "run"), str(folder)
+    lines = {
+        "evolve": ["evolve", "--target", "TP1", "--evaluations", "2", "--seed", "1", "--workers", "1", "--out", run],
+        "resume": ["resume", run, "--workers", "1"],
+        "sample": ["sample", "--count", "1", "--out", f"{here}/agents"],
+        "simulate": ["simulate", f"{run}:TP1", "--out", f"{here}/flight"],
+        "inspect": ["inspect", f"{run}:TP1"],
+        "export": ["export", f"{run}:TP1", "--format", "stl,scad", "--out", f"{here}/parts"],
+        "plugins list": ["plugins", "list"],
+        "plugins show": ["plugins", "show", "paper"],
+        "scenarios list": ["scenarios", "list"],
+        "scenarios show": ["scenarios", "show", "pipe-inspection"],
+    }
+    found: dict[str, Any] = {}
+    for name, words in lines.items():
+        result = CliRunner().invoke(app, [*words, "--json"])
+        assert result.exit_code == 0, f"{name}: {result.stderr}"
+        found[name] = json.loads(result.stdout)
+    return found
+
+
+def documented() -> dict[str, list[str]]:
+    """The paths of JSON fields that cli_parts.md tells of, by command."""
+    found: dict[str, list[str]] = {}
+    name, table = "", False
+    for line in PARTS.read_text(encoding="utf-8").splitlines():
+        if line.startswith("<!-- part: "):
+            name = line.removeprefix("<!-- part: ").removesuffix(" -->")
+        table = line.startswith("|") and (table or line.startswith("| JSON field"))
+        if table and line.startswith("| `"):
+            found.setdefault(name, []).append(line.split("`")[1])
+    return found
+
+
+def follow(document: Any, path: str) -> Any:
+    for step in path.replace("[]", ".[]").split("."):
+        if step == "[]":
+            document = document[0]
+        elif step == "*":
+            document = next(iter(document.values()))
+        else:
+            document = document[step]
+    return document
+
+
+def test_json_fields_are_as_told(outputs: dict[str, Any]) -> None:
+    told = documented()
+    for name, document in outputs.items():
+        top = {path.partition(".")[0].removesuffix("[]") for path in told[name]}
+        assert set(document) == top, name
+        for path in told[name]:
+            follow(document, path)
+
+
+def test_no_field_of_a_list_is_left_out(outputs: dict[str, Any]) -> None:
+    told = documented()
+    for name, key in (("plugins list", "plugins"), ("plugins show", "plugins"), ("scenarios list", "scenarios")):
+        fields = {path.split(".")[1].removesuffix("[]") for path in told[name]}
+        assert set(outputs[name][key][0]) == fields, name
+    modules = {p.removeprefix("modules[].") for p in told["inspect"] if p.startswith("modules[].")}
+    assert set(outputs["inspect"]["modules"][0]) == modules
+
+
+def test_a_run_directory_holds_what_dataflow_tells(pages: dict[str, str], outputs: dict[str, Any]) -> None:
+    run = Path(outputs["evolve"]["run"])
+    section = pages["dataflow.md"].partition("## The run directory")[2].partition("\n## ")[0]
+    names = {path.name for path in run.iterdir() if not path.name.startswith(".") and "-" not in path.suffix}
+    files = {path.name for path in (run / "best" / "TP1").iterdir()}
+    assert [name for name in sorted(names | files) if f"`{name}" not in section and f"{name}`" not in section] == []

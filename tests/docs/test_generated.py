@@ -1,0 +1,328 @@
+"""Pages, and parts of pages, that are made from the program. ``UPDATE_DOCS=1 pytest tests/docs`` rewrites them."""
+
+import ast
+import inspect
+import re
+import tomllib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Any, Literal, Union, get_args, get_origin
+
+import pytest
+import typer
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from driftform.cli.app import app
+from driftform.interfaces import SEAMS
+from driftform.registry import Contribution, registry
+from driftform.scenario import Scenario
+from driftform.study import Run
+
+Check = Callable[[Path, str], None]
+
+ROOT = Path(__file__).parents[2]
+PARTS = Path(__file__).with_name("cli_parts.md")
+
+
+# Values of a model, in words.
+
+
+def type_text(annotation: Any) -> str:
+    """A type as a person writes it: ``float``, ``"first"`` or ``"last"``, ``[float, float, float]``."""
+    origin, arguments = get_origin(annotation), get_args(annotation)
+    if origin is Literal:
+        return " or ".join(f'`"{value}"`' for value in arguments)
+    if origin in (Union, UnionType):
+        return " or ".join(type_text(a) for a in arguments if a is not NoneType)
+    if origin is tuple:
+        if len(arguments) == 2 and arguments[1] is Ellipsis:
+            return f"list of {type_text(arguments[0])}"
+        return "[" + ", ".join(type_text(a) for a in arguments) + "]"
+    if origin is dict:
+        return "table"
+    names = {str: "string", int: "integer", float: "number", bool: "boolean"}
+    return names.get(annotation, getattr(annotation, "__name__", str(annotation)))
+
+
+def bounds_text(field: FieldInfo) -> str:
+    """The constraints on a number, such as ``> 0``."""
+    signs = (("gt", ">"), ("ge", "≥"), ("lt", "<"), ("le", "≤"))
+    found = [
+        f"{sign} {getattr(item, name):g}"
+        for item in field.metadata
+        for name, sign in signs
+        if getattr(item, name, None) is not None
+    ]
+    return ", ".join(found)
+
+
+def default_text(field: FieldInfo) -> str:
+    """The default as a study file would say it."""
+    if field.is_required():
+        return "required"
+    value = field.get_default(call_default_factory=True)
+    return "none" if value is None else f"`{toml_text(value)}`"
+
+
+def toml_text(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, tuple | list):
+        return "[" + ", ".join(toml_text(item) for item in value) + "]"
+    return repr(value)
+
+
+def keys_table(model: type[BaseModel]) -> list[str]:
+    """One row for each field of a model."""
+    lines = ["| key | type | default | unit | meaning |", "|---|---|---|---|---|"]
+    for name, field in model.model_fields.items():
+        extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
+        kind = ", ".join(part for part in (type_text(field.annotation), bounds_text(field)) if part)
+        cells = (f"`{name}`", kind, default_text(field), str(extra.get("unit", "")), field.description or "")
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return lines
+
+
+def markdown(docstring: str) -> str:
+    """A docstring as Markdown: roles and double backticks become single ones."""
+    text = re.sub(r":\w+:`~?([^`]+)`", r"`\1`", inspect.cleandoc(docstring))
+    return text.replace("``", "`")
+
+
+# docs/cli.md
+
+
+def commands(command: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    yield path, command
+    for name, child in getattr(command, "commands", {}).items():
+        yield from commands(child, (*path, name))
+
+
+def value_text(parameter: Any) -> str:
+    """What stands for the value of an option or argument, ``""`` for a flag."""
+    if getattr(parameter, "is_flag", False):
+        return ""
+    if parameter.metavar:
+        return str(parameter.metavar).strip("[]") if parameter.metavar.count("[") == 1 else parameter.metavar
+    annotation = getattr(getattr(parameter, "type_descriptor", None), "annotation", None)
+    kind = getattr(getattr(parameter, "type", None), "name", "")
+    return "N" if annotation is int or kind.startswith("integer") else "VALUE"
+
+
+def parameter_default(parameter: Any) -> str:
+    if getattr(parameter, "is_flag", False) or parameter.default is None or parameter.default is Ellipsis:
+        return "required" if parameter.required else ""
+    return f"`{parameter.default}`"
+
+
+def is_argument(parameter: Any) -> bool:
+    return not parameter.opts[0].startswith("-")
+
+
+def command_section(path: tuple[str, ...], command: Any) -> list[str]:
+    arguments = [p for p in command.params if is_argument(p)]
+    options = [p for p in command.params if not is_argument(p)]
+    usage = ["driftform", *path]
+    usage += [value_text(p) if p.required else f"[{value_text(p)}]" for p in arguments]
+    usage += [f"{p.opts[0]} {value_text(p)}" for p in options if p.required]
+    usage += ["[OPTIONS]"] if any(not p.required for p in options) else []
+    usage += ["[COMMAND]"] if getattr(command, "commands", {}) else []
+    lines = [f"{'#' * (1 + max(1, len(path)))} driftform {' '.join(path)}".rstrip(), ""]
+    lines += [markdown(command.help or ""), "", "```text", " ".join(usage), "```", ""]
+    if command.params:
+        lines += ["| argument or option | default | what it does |", "|---|---|---|"]
+        for p in (*arguments, *options):
+            name = value_text(p) if is_argument(p) else f"{', '.join(p.opts)} {value_text(p)}".strip()
+            cells = (f"`{name}`", parameter_default(p), p.help or "")
+            lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+        lines.append("")
+    return lines
+
+
+def parts() -> dict[str, str]:
+    """The hand-written parts of cli.md: the beginning, ``intro``, and one for each command by its name."""
+    pieces = re.split(r"^<!-- part: (.+?) -->\n", PARTS.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    return {name: text.strip() for name, text in zip(pieces[1::2], pieces[2::2], strict=True)}
+
+
+def cli_page() -> str:
+    written = parts()
+    lines = [written["intro"], ""]
+    for path, command in commands(typer.main.get_command(app)):
+        if not path:
+            continue
+        lines += command_section(path, command)
+        if text := written.get(" ".join(path)):
+            lines += [text, ""]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def test_cli_page(docs: Path, up_to_date: Check) -> None:
+    up_to_date(docs / "cli.md", cli_page())
+
+
+def test_every_command_has_a_written_part_and_every_part_a_command() -> None:
+    root = typer.main.get_command(app)
+    leaves = {" ".join(path) for path, command in commands(root) if path and not hasattr(command, "commands")}
+    every = {" ".join(path) for path, _ in commands(root) if path}
+    written = set(parts()) - {"intro"}
+    assert leaves <= written, f"describe the JSON of {sorted(leaves - written)} in tests/docs/{PARTS.name}"
+    assert written <= every, f"tests/docs/{PARTS.name} describes commands that are not: {sorted(written - every)}"
+
+
+def test_every_command_and_option_has_help() -> None:
+    bare = []
+    for path, command in commands(typer.main.get_command(app)):
+        if not command.help:
+            bare.append(" ".join(path))
+        bare += [f"{' '.join(path)} {p.opts[0]}" for p in command.params if not p.help]
+    assert bare == []
+
+
+# docs/plugins.md
+
+
+def shipped() -> dict[str, list[Contribution]]:
+    """What this repository's distributions bring, by seam."""
+    files = [ROOT / "pyproject.toml", *sorted(ROOT.glob("plugins/*/pyproject.toml"))]
+    names = {tomllib.loads(path.read_text(encoding="utf-8"))["project"]["name"] for path in files}
+    rows = [row for row in registry().contributions() if row.distribution in names]
+    missing = [f"{row.distribution}: {row.state}" for row in rows if row.cls is None]
+    if missing:
+        pytest.skip(f"not installed here: {'; '.join(missing)}")
+    return {seam: [row for row in rows if row.seam == seam] for seam in SEAMS}
+
+
+def plugins_page() -> str:
+    lines = [
+        "# Plugins that come with driftform",
+        "",
+        "This page is generated from the program: `driftform plugins show NAME` tells the same of any plugin that",
+        "is installed, also of one that is not listed here. A study file selects a plugin by its name and sets its",
+        "options in the table of its seam ([study-files.md](study-files.md)); how to write one is told in",
+        "[write-a-plugin.md](write-a-plugin.md).",
+        "",
+        "| seam | name | distribution |",
+        "|---|---|---|",
+    ]
+    rows = shipped()
+    for seam, contributions in rows.items():
+        lines += [f"| {seam} | [`{row.name}`](#{seam}-{row.name}) | {row.distribution} |" for row in contributions]
+    for seam, contributions in rows.items():
+        for row in contributions:
+            assert row.cls is not None
+            lines += ["", f"## {seam} {row.name}", "", markdown(row.cls.__doc__ or ""), ""]
+            if row.cls.Options.model_fields:
+                lines += keys_table(row.cls.Options)
+            else:
+                lines.append("It has no options.")
+            if seam == "exporter":
+                lines += ["", f"Its files end in `{getattr(row.cls, 'suffix', '')}`."]
+    return "\n".join(lines) + "\n"
+
+
+def test_plugins_page(docs: Path, up_to_date: Check) -> None:
+    up_to_date(docs / "plugins.md", plugins_page())
+
+
+def test_every_option_of_a_shipped_plugin_has_help_and_a_unit_where_it_is_a_quantity() -> None:
+    for contributions in shipped().values():
+        for row in contributions:
+            assert row.cls is not None
+            for name, field in row.cls.Options.model_fields.items():
+                assert field.description, f"{row.name}.{name} has no help"
+                assert isinstance(field.json_schema_extra, dict), f"{row.name}.{name} is not made by option()"
+                if name.endswith("_deg"):
+                    assert field.json_schema_extra["unit"] == "deg", f"{row.name}.{name}"
+
+
+# Parts of hand-written pages, between <!-- generated: NAME --> and <!-- end -->.
+
+
+def with_generated(text: str, name: str, lines: list[str]) -> str:
+    start, end = f"<!-- generated: {name} -->\n", "<!-- end -->"
+    head, found, rest = text.partition(start)
+    assert found, f"the page has no line {start!r}"
+    _, found, tail = rest.partition(end)
+    assert found, f"generated part {name} has no end"
+    return head + start + "\n" + "\n".join(lines) + "\n\n" + end + tail
+
+
+def inner_table(annotation: Any) -> type[BaseModel] | None:
+    """The model that a field holds, singly or as a list."""
+    for candidate in (annotation, *get_args(annotation)):
+        if isinstance(candidate, type) and issubclass(candidate, BaseModel):
+            return candidate
+    return None
+
+
+def scenario_keys() -> list[str]:
+    lines: list[str] = []
+    for name, field in Scenario.model_fields.items():
+        model = inner_table(field.annotation)
+        if model is None:
+            extra = field.json_schema_extra
+            unit = extra.get("unit", "") if isinstance(extra, dict) else ""
+            lines += [f"### `[{name}]`", "", f"{field.description or ''}: each key is a name, each value a point "]
+            lines[-1] += f"`[x, y, z]` of the world frame in {unit}. Default: none."
+            lines.append("")
+            continue
+        lines += [f"### `[{name}]`", "", markdown(model.__doc__ or ""), "", *keys_table(model), ""]
+        for key, item in model.model_fields.items():
+            inner = inner_table(item.annotation)
+            if inner is not None:
+                lines += [f"### `[[{name}.{key}]]`", "", markdown(inner.__doc__ or ""), "", *keys_table(inner), ""]
+    return lines[:-1]
+
+
+def test_scenario_and_run_keys_of_study_files_page(docs: Path, up_to_date: Check) -> None:
+    path = docs / "study-files.md"
+    text = with_generated(path.read_text(encoding="utf-8"), "scenario keys", scenario_keys())
+    up_to_date(path, with_generated(text, "run keys", keys_table(Run)))
+
+
+def _imports(node: ast.AST, known: set[str]) -> Iterator[str]:
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.If) and "TYPE_CHECKING" in ast.unparse(child.test):
+            continue
+        if isinstance(child, ast.ImportFrom) and child.module and child.module.split(".")[0] == "driftform":
+            whole = child.module.split(".")
+            yield from whole[1:2] if len(whole) > 1 else [a.name for a in child.names if a.name in known]
+        else:
+            yield from _imports(child, known)
+
+
+def module_rows() -> list[str]:
+    """One row for each module of the core, those that need least first."""
+    package = ROOT / "src" / "driftform"
+    sources: dict[str, list[Path]] = {}
+    for path in sorted(package.rglob("*.py")):
+        name = path.relative_to(package).parts[0].removesuffix(".py")
+        if name not in ("__init__", "__main__"):
+            sources.setdefault(name, []).append(path)
+    needs: dict[str, set[str]] = {}
+    for name, paths in sources.items():
+        trees = [ast.parse(path.read_text(encoding="utf-8")) for path in paths]
+        needs[name] = {n for tree in trees for n in _imports(tree, set(sources))} - {name}
+
+    def depth(name: str, above: tuple[str, ...] = ()) -> int:
+        below = [depth(n, (*above, name)) + 1 for n in needs[name] if n not in (*above, name)]
+        return max(below, default=0)
+
+    lines = ["| module | what it is | needs |", "|---|---|---|"]
+    for name in sorted(sources, key=lambda n: (depth(n), n)):
+        first = next((p for p in sources[name] if p.name == "__init__.py"), sources[name][0])
+        doc = markdown(ast.get_docstring(ast.parse(first.read_text(encoding="utf-8"))) or "").split("\n")[0]
+        shown = f"{name}/" if first.name == "__init__.py" else f"{name}.py"
+        cells = (f"`{shown}`", doc.replace("|", "\\|"), ", ".join(f"`{n}`" for n in sorted(needs[name])))
+        lines.append("| " + " | ".join(cells) + " |")
+    return lines
+
+
+def test_module_table_of_dataflow_page(docs: Path, up_to_date: Check) -> None:
+    path = docs / "dataflow.md"
+    up_to_date(path, with_generated(path.read_text(encoding="utf-8"), "modules", module_rows()))

@@ -1,0 +1,147 @@
+"""What the pages say exists: links, commands, hooks, options, and Python that runs."""
+
+import re
+import shlex
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+
+from driftform import hookspecs
+from driftform.cli.app import app
+
+COMMAND = re.compile(r"^(?:\$ )?(?:uv run )?(driftform(?: .*)?)$")
+
+
+def hooks() -> list[str]:
+    return [name for name in vars(hookspecs) if name.startswith("driftform_")]
+
+
+def command_lines(pages: dict[str, str], blocks: list[Any]) -> list[tuple[str, str]]:
+    """Every command line of the pages: lines of console and text blocks, and inline code."""
+    found: list[tuple[str, str]] = []
+    for block in blocks:
+        if block.language in ("console", "sh", "bash", "shell"):
+            text = block.text.replace("\\\n", " ")
+            found += [(str(block), m[1]) for line in text.splitlines() if (m := COMMAND.match(line.strip()))]
+    for name, text in pages.items():
+        spans = re.findall(r"(?<!`)`([^`]+)`(?!`)", text)
+        found += [(name, m[1]) for span in spans if (m := COMMAND.match(" ".join(span.split())))]
+    return found
+
+
+def parse(words: list[str]) -> None:
+    """Parse a command line down to the command, without running it."""
+    command: Any = typer.main.get_command(app)
+    context, name = None, "driftform"
+    while True:
+        context = command.make_context(name, list(words), parent=context)
+        words = [*getattr(context, "_protected_args", ()), *context.args]
+        if not hasattr(command, "commands") or not words:
+            return
+        name, command, words = command.resolve_command(context, words)
+
+
+def test_commands_exist(prose: dict[str, str], blocks: list[Any]) -> None:
+    lines = command_lines(prose, blocks)
+    assert len(lines) >= 15
+    wrong = []
+    for where, line in lines:
+        words = shlex.split(line, comments=True)[1:]
+        words = [word for word in words if word != "COMMAND"]
+        if not words or words[-1] in ("--help", "--version"):
+            words = words[:-1]
+        try:
+            # "driftform evolve" is named in prose without the arguments that it needs.
+            if words:
+                parse(words)
+        except Exception as error:
+            message = getattr(error, "format_message", lambda error=error: str(error))()
+            if "Missing" not in message:
+                wrong.append(f"{where}: {line}: {message}")
+    assert wrong == []
+
+
+def test_what_the_command_check_refuses() -> None:
+    for line in ("evolve --nonsense", "evolv", "plugins shw lsystem", "sample --count many --out d"):
+        with pytest.raises(Exception, match="No such|nonsense|valid|many"):
+            parse(line.split())
+
+
+def test_relative_links_resolve(docs: Path, prose: dict[str, str]) -> None:
+    anchors = {name: {anchor(line) for line in headings(text)} for name, text in prose.items()}
+    wrong = []
+    for name, text in prose.items():
+        for target in re.findall(r"\]\(([^)\s]+)\)", text):
+            if re.match(r"[a-z]+:", target):
+                continue
+            path, _, fragment = target.partition("#")
+            if path and not (docs / path).exists():
+                wrong.append(f"{name}: {target}: no such file")
+            elif fragment and fragment not in anchors.get(path or name, {fragment}):
+                wrong.append(f"{name}: {target}: no such heading")
+    assert wrong == []
+
+
+def headings(text: str) -> list[str]:
+    return re.findall(r"^#+ (.+)$", text, re.MULTILINE)
+
+
+def anchor(heading: str) -> str:
+    """The anchor that GitHub gives a heading."""
+    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+
+
+def test_every_page_is_in_the_index(pages: dict[str, str]) -> None:
+    for name in pages:
+        assert name == "index.md" or f"({name})" in pages["index.md"], f"index.md does not link {name}"
+
+
+@pytest.mark.parametrize("page", ["dataflow.md", "write-a-plugin.md"])
+def test_every_hook_is_documented(page: str, pages: dict[str, str]) -> None:
+    assert [hook for hook in hooks() if f"`{hook}`" not in pages[page]] == []
+
+
+def test_no_page_names_a_hook_that_is_not(pages: dict[str, str]) -> None:
+    for name, text in pages.items():
+        seams = re.findall(r"`driftform_([a-z]+)`", text)
+        packages = {"lsystem", "frusta", "striptheory", "exudyn", "dwell"}
+        assert {f"driftform_{s}" for s in seams if s not in packages} <= set(hooks()), name
+
+
+def test_no_page_holds_a_path_of_a_machine(pages: dict[str, str]) -> None:
+    for name, text in pages.items():
+        assert not re.search(r"(?<![\w.])/(work|home|root|tmp|Users)/", text), name
+
+
+def test_runnable_python_runs(blocks: list[Any]) -> None:
+    runnable = [block for block in blocks if block.language == "python" and "runnable" in block.words]
+    assert len(runnable) >= 4
+    for block in runnable:
+        code = compile("\n" * block.line + block.text, block.page, "exec")
+        exec(code, {"__name__": "__docs__"})
+
+
+def test_python_is_runnable_or_a_file(blocks: list[Any]) -> None:
+    loose = [str(b) for b in blocks if b.language == "python" and not b.file and "runnable" not in b.words]
+    assert loose == []
+
+
+def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
+    """``grammar.occupied`` and the like, in inline code, with their value if one is given."""
+    from driftform.study import load_study
+
+    study = load_study(run={"seed": 0})
+    tables = {**study.document, "run": {**study.document["run"], "seed": 0}}
+    wrong = []
+    for name, text in prose.items():
+        for span in re.findall(r"(?<!`)`([^`\n]+)`(?!`)", text):
+            found = re.fullmatch(r"([a-z]+)\.([a-z_0-9]+)(?: ?= ?(.+))?", span)
+            if not found or found[1] not in tables or found[1] == "targets" or found[2] in ("py", "db", "toml"):
+                continue
+            if found[2] not in tables[found[1]] and found[2] != "use":
+                wrong.append(f"{name}: {span}: no such key")
+            elif found[3] is not None:
+                load_study(settings=[f"{found[1]}.{found[2]}={found[3]}"], run={"seed": 0})
+    assert wrong == []
