@@ -56,11 +56,20 @@ class Registry:
                 continue
             self._origin[key] = (distribution, version)
             try:
-                self._manager.register(point.load(), name=key)
+                module = point.load()
+                self._check_hooks(module)
+                self._manager.register(module, name=key)
             except Exception as error:
                 self._broken.append(
                     Contribution("", point.name, distribution, version, f"unavailable: {_reason(error)}")
                 )
+
+    def _check_hooks(self, module: object) -> None:
+        hooks = [f"driftform_{seam}" for seam in SEAMS]
+        for name in dir(module):
+            # pluggy lets an implementation of a hook that does not exist go unnoticed.
+            if self._manager.parse_hookimpl_opts(module, name) is not None and name not in hooks:
+                raise AttributeError(f"there is no hook {name}{did_you_mean(name, hooks)}")
 
     def seam(self, seam: str) -> list[Contribution]:
         """What is installed for one seam; imports the implementations."""

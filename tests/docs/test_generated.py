@@ -38,9 +38,9 @@ def type_text(annotation: Any) -> str:
         return " or ".join(type_text(a) for a in arguments if a is not NoneType)
     if origin is tuple:
         if len(arguments) == 2 and arguments[1] is Ellipsis:
-            return f"list of {type_text(arguments[0])}"
+            return f"list of {type_text(arguments[0])}s"
         return "[" + ", ".join(type_text(a) for a in arguments) + "]"
-    if origin is dict:
+    if origin is dict or (isinstance(annotation, type) and issubclass(annotation, BaseModel)):
         return "table"
     names = {str: "string", int: "integer", float: "number", bool: "boolean"}
     return names.get(annotation, getattr(annotation, "__name__", str(annotation)))
@@ -171,7 +171,9 @@ def test_every_command_has_a_written_part_and_every_part_a_command() -> None:
     every = {" ".join(path) for path, _ in commands(root) if path}
     written = set(parts()) - {"intro"}
     assert leaves <= written, f"describe the JSON of {sorted(leaves - written)} in tests/docs/{PARTS.name}"
-    assert written <= every, f"tests/docs/{PARTS.name} describes commands that are not: {sorted(written - every)}"
+    assert written <= every, (
+        f"tests/docs/{PARTS.name} describes commands that are not: {sorted(written - every)}"
+    )
 
 
 def test_every_command_and_option_has_help() -> None:
@@ -204,14 +206,17 @@ def plugins_page() -> str:
         "This page is generated from the program: `driftform plugins show NAME` tells the same of any plugin that",
         "is installed, also of one that is not listed here. A study file selects a plugin by its name and sets its",
         "options in the table of its seam ([study-files.md](study-files.md)); how to write one is told in",
-        "[write-a-plugin.md](write-a-plugin.md).",
+        "[write-a-plugin.md](write-a-plugin.md). Exporters are made with their default options: neither a study file",
+        "nor a command sets them yet.",
         "",
         "| seam | name | distribution |",
         "|---|---|---|",
     ]
     rows = shipped()
     for seam, contributions in rows.items():
-        lines += [f"| {seam} | [`{row.name}`](#{seam}-{row.name}) | {row.distribution} |" for row in contributions]
+        lines += [
+            f"| {seam} | [`{row.name}`](#{seam}-{row.name}) | {row.distribution} |" for row in contributions
+        ]
     for seam, contributions in rows.items():
         for row in contributions:
             assert row.cls is not None
@@ -267,7 +272,11 @@ def scenario_keys() -> list[str]:
         if model is None:
             extra = field.json_schema_extra
             unit = extra.get("unit", "") if isinstance(extra, dict) else ""
-            lines += [f"### `[{name}]`", "", f"{field.description or ''}: each key is a name, each value a point "]
+            lines += [
+                f"### `[{name}]`",
+                "",
+                f"{field.description or ''}: each key is a name, each value a point ",
+            ]
             lines[-1] += f"`[x, y, z]` of the world frame in {unit}. Default: none."
             lines.append("")
             continue
@@ -275,7 +284,14 @@ def scenario_keys() -> list[str]:
         for key, item in model.model_fields.items():
             inner = inner_table(item.annotation)
             if inner is not None:
-                lines += [f"### `[[{name}.{key}]]`", "", markdown(inner.__doc__ or ""), "", *keys_table(inner), ""]
+                lines += [
+                    f"### `[[{name}.{key}]]`",
+                    "",
+                    markdown(inner.__doc__ or ""),
+                    "",
+                    *keys_table(inner),
+                    "",
+                ]
     return lines[:-1]
 
 

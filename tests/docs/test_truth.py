@@ -65,7 +65,7 @@ def test_commands_exist(prose: dict[str, str], blocks: list[Any]) -> None:
 
 def test_what_the_command_check_refuses() -> None:
     for line in ("evolve --nonsense", "evolv", "plugins shw lsystem", "sample --count many --out d"):
-        with pytest.raises(Exception, match="No such|nonsense|valid|many"):
+        with pytest.raises(Exception, match=r"No such|nonsense|valid|many"):
             parse(line.split())
 
 
@@ -103,6 +103,12 @@ def test_every_hook_is_documented(page: str, pages: dict[str, str]) -> None:
     assert [hook for hook in hooks() if f"`{hook}`" not in pages[page]] == []
 
 
+def test_every_contract_is_documented(pages: dict[str, str]) -> None:
+    from driftform import testing
+
+    assert [name for name in testing.__all__ if f"`{name}`" not in pages["write-a-plugin.md"]] == []
+
+
 def test_no_page_names_a_hook_that_is_not(pages: dict[str, str]) -> None:
     for name, text in pages.items():
         seams = re.findall(r"`driftform_([a-z]+)`", text)
@@ -138,10 +144,44 @@ def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
     for name, text in prose.items():
         for span in re.findall(r"(?<!`)`([^`\n]+)`(?!`)", text):
             found = re.fullmatch(r"([a-z]+)\.([a-z_0-9]+)(?: ?= ?(.+))?", span)
-            if not found or found[1] not in tables or found[1] == "targets" or found[2] in ("py", "db", "toml"):
+            if (
+                not found
+                or found[1] not in tables
+                or found[1] == "targets"
+                or found[2] in ("py", "db", "toml")
+            ):
                 continue
             if found[2] not in tables[found[1]] and found[2] != "use":
                 wrong.append(f"{name}: {span}: no such key")
             elif found[3] is not None:
                 load_study(settings=[f"{found[1]}.{found[2]}={found[3]}"], run={"seed": 0})
     assert wrong == []
+
+
+def test_constants_of_the_contact_are_as_told(pages: dict[str, str]) -> None:
+    from driftform.dynamics import contact, model
+
+    section = pages["dataflow.md"].partition("## Contact with the wall")[2]
+    assert f"less than {1000 * model.RIM_TOLERANCE:g} mm from the line" in section
+    assert f"min(1, d / {1000 * contact.ONSET:g} mm)" in section
+    assert f"below about {contact.BLUNT:g}" in section
+
+
+def test_constants_of_runs_are_as_told(pages: dict[str, str]) -> None:
+    from driftform import execution, store
+
+    assert f"samples at least {store.SAMPLE_GAP:g} s apart" in " ".join(pages["dataflow.md"].split())
+    assert f"Tasks of at most {execution.BATCH} genomes" in pages["dataflow.md"]
+    assert execution.ATTEMPTS == 2 and "whose process dies twice" in pages["dataflow.md"]
+
+
+def test_farthest_distances_are_as_told(pages: dict[str, str]) -> None:
+    import numpy as np
+
+    from driftform.study import load_study
+
+    scenario = load_study(run={"seed": 0}).scenario
+    for name, point in scenario.targets.items():
+        d_max = scenario.pipe.farthest_distance(np.array(point))
+        x, y, z = point
+        assert f"| {name} | {x:.1f}, {y:.1f}, {z:.1f} | {d_max:.3f} |" in pages["conventions.md"]

@@ -15,12 +15,12 @@ SAMPLE = 13
 def record(sample: FloatArray, t: float, pose: FloatArray, speed: FloatArray, pipe: FloatArray) -> bool:
     """Fill one raw sample (13,), and return whether the flight goes on: it is finite and inside the pipe."""
     sample[0] = t
-    sample[1:7] = pose
-    sample[7:] = speed
     total = 0.0
-    for i in range(SAMPLE):
-        total += sample[i] * 0.0
-    return total == 0.0 and not has_left(sample[1:4], pipe)
+    for i in range(6):
+        sample[1 + i] = pose[i]
+        sample[7 + i] = speed[i]
+        total += pose[i] + speed[i]
+    return np.isfinite(total) and not has_left(sample[1:4], pipe)
 
 
 @compiled
