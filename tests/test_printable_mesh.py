@@ -14,7 +14,9 @@ from typer.testing import CliRunner
 from driftform.cli import app
 
 FIGURE_2 = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
-BOTH_SIDES = "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB-addB-tiltn-2-L-moveB-addB-tiltp-2-L-moveN"
+BOTH_SIDES = (
+    "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB-addB-tiltn-2-L-moveB-addB-tiltp-2-L-moveN"
+)
 ABS = 1050.0
 
 
@@ -65,7 +67,13 @@ def test_the_reloaded_mesh_is_watertight_and_weighs_what_inspect_says(exported):
 def test_admesh_finds_nothing_to_mend(exported):
     files, mass = exported
     report = output_of(program("admesh"), files["stl"]["path"])
-    for fault in ("Total disconnected facets", "Degenerate facets", "Facets reversed", "Normals fixed", "Edges fixed"):
+    for fault in (
+        "Total disconnected facets",
+        "Degenerate facets",
+        "Facets reversed",
+        "Normals fixed",
+        "Edges fixed",
+    ):
         assert re.search(rf"{fault}\s*:\s*0\b", report), report
     volume = float(re.search(r"Volume\s*:\s*([\d.]+)", report)[1])
     assert volume * 1e-9 * ABS == pytest.approx(mass, rel=1e-4)

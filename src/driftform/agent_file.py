@@ -51,15 +51,18 @@ def read_agent(path: Path) -> StoredAgent:
     """
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
-    except (UnicodeDecodeError, json.JSONDecodeError) as error:
-        raise InputError(f"{path}: is not an agent file: {error}") from None
+    except RecursionError:
+        raise InputError(f"{path}: is not an agent file: nested too deeply") from None
+    except ValueError as error:
+        raise InputError(f"{path}: is not an agent file, which is JSON in UTF-8: {error}") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     if not isinstance(document, dict) or document.get("format") != FORMAT:
         raise InputError(f'{path}: is not an agent file: it lacks "format": "{FORMAT}"')
     if document.get("version") != VERSION:
         raise InputError(
-            f"{path}: is of version {document.get('version')!r}, this driftform reads version {VERSION}"
+            f"{path}: is an agent file of version {document.get('version')!r}, this driftform reads version "
+            f"{VERSION}; use the driftform that wrote it"
         )
     genome, environment = document.get("genome"), document.get("environment")
     symbols = genome.get("symbols") if isinstance(genome, dict) else None
@@ -69,10 +72,12 @@ def read_agent(path: Path) -> StoredAgent:
         or not isinstance(symbols, list)
         or not all(isinstance(symbol, str) for symbol in symbols)
     ):
-        raise InputError(f'{path}: "genome" must hold "grammar", a name, and "symbols", a list of strings')
+        raise InputError(
+            f'{path}: its "genome" must hold "grammar", a name, and "symbols", a list of strings'
+        )
     if not isinstance(environment, dict):
         raise InputError(
-            f'{path}: "environment" is missing: the tables that say how the agent is built and flies'
+            f'{path}: its "environment" is missing: the tables that say how the agent is built and flies'
         )
     name, result = document.get("name"), document.get("result")
     return StoredAgent(

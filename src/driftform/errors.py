@@ -5,9 +5,12 @@ from difflib import get_close_matches
 
 
 class DriftformError(Exception):
-    """Base of the errors that a user sees as one line without a traceback."""
+    """Base of the errors that a user sees without a traceback: each argument is one thing wrong, told in one line."""
 
     exit_code = 1
+
+    def __str__(self) -> str:
+        return "\n".join(str(line) for line in self.args)
 
 
 class InputError(DriftformError):

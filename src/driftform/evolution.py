@@ -1,7 +1,7 @@
 """The ask/tell loop over a stored run, and what a run leaves behind."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from driftform.agent_file import StoredAgent, write_agent
 from driftform.dynamics.path import closest_approach
-from driftform.errors import InputError, WorkFailedError
+from driftform.errors import DriftformError, InputError, WorkFailedError
 from driftform.execution import Job, Outcome
 from driftform.figures.overview import Flight, overview_svg
 from driftform.figures.section import section_svg
@@ -32,7 +32,8 @@ class Executor(Protocol):
 class Best:
     """The best of a run for one target.
 
-    ``index`` of its evaluation, its ``fitness``, the ``distance`` (m) of its closest approach, and its files.
+    ``index`` of its evaluation, its ``fitness``, the ``distance`` (m) of its closest approach, its files, and
+    what could not be written of them.
     """
 
     target: str
@@ -41,6 +42,7 @@ class Best:
     distance: float
     agent: Path
     files: tuple[Path, ...] = ()
+    problems: tuple[str, ...] = ()
 
     @property
     def error_percent(self) -> float:
@@ -87,13 +89,22 @@ def evolve(
             on_record(record)
         missing = [(first + i, c.genome) for i, c in enumerate(candidates) if first + i not in outcomes]
         for index, evaluation in executor.evaluate(missing):
-            record = Record(index, candidates[index - first], evaluation)
+            record = Record(index, candidates[index - first], scored(evaluation, targets))
             store.add(record, targets)
-            outcomes[index] = evaluation
+            outcomes[index] = record.evaluation
             on_record(record)
         strategy.tell(first, [outcomes[first + i] for i in range(len(candidates))])
         first += len(candidates)
         on_generation(first)
+
+
+def scored(evaluation: Evaluation, targets: Sequence[str]) -> Evaluation:
+    """The evaluation, as a failure where its fitness is none that selection can work with."""
+    fitness = evaluation.fitness
+    if len(fitness) == len(targets) and bool(np.all(np.isfinite(fitness) & (fitness >= 0))):
+        return evaluation
+    reason = f"its fitness is {fitness.tolist()}, expected {len(targets)} finite numbers from 0 up"
+    return replace(evaluation, fitness=np.zeros(len(targets)), failure=evaluation.failure or reason)
 
 
 def write_best(directory: Path, study: Study, store: Store) -> tuple[list[Best], Path]:
@@ -103,6 +114,8 @@ def write_best(directory: Path, study: Study, store: Store) -> tuple[list[Best],
     ------
     WorkFailedError
         where not one evaluation succeeded; the message gives the reason of the first.
+    InputError
+        where a stored evaluation is damaged.
     """
     targets, pipeline = study.scenario.target_names, study.pipeline()
     results: list[Best] = []
@@ -114,7 +127,8 @@ def write_best(directory: Path, study: Study, store: Store) -> tuple[list[Best],
             raise WorkFailedError(f"all {store.count()} evaluations failed, the first: {first.failure}")
         index, fitness = found
         evaluation = store.record(index, targets).evaluation
-        assert evaluation.trajectory is not None
+        if evaluation.trajectory is None:
+            raise InputError(f"{directory}: is damaged: the flight of evaluation {index} is missing")
         agent = pipeline.agent(evaluation.genome)
         point = np.array([study.scenario.targets[target]])
         distance, _ = closest_approach(evaluation.trajectory, point)
@@ -125,11 +139,20 @@ def write_best(directory: Path, study: Study, store: Store) -> tuple[list[Best],
         write_trajectory(folder / "trajectory.csv", evaluation.trajectory)
         write_text(folder / "section.svg", section_svg(agent, target))
         files = [folder / "agent.json", folder / "trajectory.csv", folder / "section.svg"]
+        problems: list[str] = []
         for name in study.run.formats:
             exporter = registry().create("exporter", name, {})
-            files.append(folder / f"agent{exporter.suffix}")
-            exporter.write(agent, files[-1])
-        results.append(Best(target, index, fitness, float(distance[0]), files[0], tuple(files)))
+            path = folder / f"agent{exporter.suffix}"
+            try:
+                exporter.write(agent, path)
+            except DriftformError as error:
+                # An agent that one format cannot hold is no reason to keep back the others.
+                problems.append(f"{path}: not written: {error}")
+            else:
+                files.append(path)
+        results.append(
+            Best(target, index, fitness, float(distance[0]), files[0], tuple(files), tuple(problems))
+        )
         flights.append(Flight(target, agent, evaluation.trajectory, 100 - fitness))
     overview = directory / "figures" / "overview.svg"
     write_text(overview, overview_svg(flights, study.scenario, str(study.document.get("title", ""))))

@@ -1,7 +1,40 @@
-"""Files appear whole or not at all."""
+"""Files appear whole or not at all, and under names that lead nowhere else."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
+
+from driftform.errors import InputError
+
+_LONGEST_STEM = 60
+
+
+def make_directory(path: Path) -> Path:
+    """Make the directory that ``--out`` names, and those above it, where they do not exist; return it.
+
+    Raises
+    ------
+    InputError
+        where that cannot be.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        reason = "it is a file" if path.is_file() else error.strerror
+        raise InputError(f"{path}: cannot be made a directory: {reason}; choose another --out") from None
+    if not os.access(path, os.W_OK | os.X_OK):
+        raise InputError(f"{path}: cannot be written to; choose another --out")
+    return path
+
+
+def safe_stem(name: str) -> str:
+    """A name that came with a file, fit for the name of a file: it cannot lead out of a directory.
+
+    >>> safe_stem("../../evil"), safe_stem("TP1")
+    ('evil', 'TP1')
+    """
+    kept = "".join(c if c.isalnum() or c in "-_ ." else "_" for c in name)[:_LONGEST_STEM]
+    return kept.strip("._ ") or "agent"
 
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> None:

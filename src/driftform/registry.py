@@ -148,6 +148,7 @@ def _classes(returned: Any, interface: type[Plugin[Any]]) -> list[type[Plugin[An
 
 
 def _reason(error: Exception) -> str:
-    if isinstance(error, ImportError):
-        return str(error).splitlines()[0]
-    return f"{type(error).__name__}: {error}".splitlines()[0]
+    text = str(error).strip()
+    if not text:
+        return type(error).__name__
+    return (text if isinstance(error, ImportError) else f"{type(error).__name__}: {text}").splitlines()[0]

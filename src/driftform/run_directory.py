@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
+from shlex import quote
 
 import tomli_w
 from filelock import FileLock, Timeout
@@ -26,6 +27,11 @@ from driftform.types import Trajectory
 
 DATABASE = "run.db"
 _LOCK = ".lock"
+
+
+def resume_command(directory: Path) -> str:
+    """What to type to go on with a run."""
+    return f"driftform resume {quote(str(directory))}"
 
 
 @contextmanager
@@ -42,8 +48,10 @@ def locked(directory: Path) -> Iterator[None]:
         lock.acquire(timeout=0)
     except Timeout:
         raise InputError(
-            f"{directory}: another driftform process is working on this run; wait for it, or choose another --out"
+            f"{directory}: another driftform process is working on this run; wait for it to end"
         ) from None
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be written to: {error.strerror}") from None
     try:
         yield
     finally:
@@ -60,8 +68,8 @@ def check_new(directory: Path) -> None:
     """
     if (directory / DATABASE).exists():
         raise InputError(
-            f"{directory} already holds a run: go on with it by 'driftform resume {directory}', "
-            "or choose another --out"
+            f"{directory} already holds a run: choose another --out, or go on with it by: "
+            f"{resume_command(directory)}"
         )
     if directory.exists() and not directory.is_dir():
         raise InputError(f"{directory} is a file; choose another --out")
@@ -78,7 +86,8 @@ def check_run(directory: Path) -> Path:
         where the directory is none.
     """
     if not directory.is_dir():
-        raise InputError(f"{directory}: no such run directory")
+        where = "is a file, expected a run directory" if directory.exists() else "no such run directory"
+        raise InputError(f"{directory}: {where}")
     if not (directory / DATABASE).is_file():
         raise InputError(f"{directory} holds no {DATABASE}: it is not a run directory")
     return directory / DATABASE

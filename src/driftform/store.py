@@ -4,17 +4,18 @@ The file holds data only: numbers, text, and trajectories as compressed float32 
 """
 
 import json
+import re
 import sqlite3
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from driftform.errors import InputError
+from driftform.errors import InputError, WorkFailedError
 from driftform.types import Candidate, End, Evaluation, FloatArray, Genome, Trajectory
 
 APPLICATION_ID = 0x64726674
@@ -23,7 +24,10 @@ SAMPLE_GAP = 0.01
 """Samples of a stored trajectory are at least this far apart, s."""
 
 _SCHEMA = """
-CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE meta (
+    key TEXT PRIMARY KEY,
+    value TEXT NOT NULL
+) WITHOUT ROWID;
 CREATE TABLE evaluation (
     id INTEGER PRIMARY KEY,      -- index in the run, from 0
     generation INTEGER NOT NULL,
@@ -44,6 +48,18 @@ CREATE TABLE score (
     PRIMARY KEY (target, evaluation)
 ) WITHOUT ROWID;
 """
+
+
+_COLUMNS = {
+    table: tuple(re.findall(r"^    ([a-z]+) ", body, re.MULTILINE))
+    for table, body in re.findall(r"CREATE TABLE (\w+) \(\n(.*?)\n\)", _SCHEMA, re.DOTALL)
+}
+"""The columns of every table, as the schema has them."""
+
+_HEADER = 100
+"""Bytes that every SQLite file begins with."""
+
+_NEXT_STEP = "restore a copy of it, or start a new run"
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,19 +86,24 @@ class Store:
         ------
         InputError
             where the file exists already.
+        WorkFailedError
+            where it cannot be written.
         """
         if path.exists():
             raise InputError(f"{path} exists already: resume that run, or choose another --out")
-        connection = sqlite3.connect(path, isolation_level=None)
-        connection.execute("PRAGMA journal_mode = WAL")
-        connection.execute("PRAGMA synchronous = FULL")
-        connection.execute("BEGIN")
-        connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
-        connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
-        for statement in _SCHEMA.split(";\n"):
-            connection.execute(statement)
-        connection.execute("INSERT INTO meta VALUES ('study', ?)", (json.dumps(study),))
-        connection.execute("COMMIT")
+        connection = _connect(path)
+        try:
+            connection.execute("PRAGMA journal_mode = WAL")
+            connection.execute("PRAGMA synchronous = FULL")
+            with _transaction(connection):
+                connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+                connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
+                for statement in _SCHEMA.split(";\n"):
+                    connection.execute(statement)
+                connection.execute("INSERT INTO meta VALUES ('study', ?)", (json.dumps(study),))
+        except sqlite3.Error as error:
+            connection.close()
+            raise WorkFailedError(f"{path}: cannot be written: {error}") from None
         return cls(connection, path)
 
     @classmethod
@@ -96,7 +117,11 @@ class Store:
         """
         if not path.is_file():
             raise InputError(f"{path}: no such file; a run directory holds one")
-        connection = sqlite3.connect(path, isolation_level=None)
+        if path.stat().st_size < _HEADER:
+            raise InputError(
+                f"{path}: is empty or cut short: the run never began, or its data is lost; {_NEXT_STEP}"
+            )
+        connection = _connect(path)
         try:
             application = connection.execute("PRAGMA application_id").fetchone()[0]
             version = connection.execute("PRAGMA user_version").fetchone()[0]
@@ -104,16 +129,26 @@ class Store:
                 application != APPLICATION_ID
                 or connection.execute("PRAGMA quick_check").fetchone()[0] == "ok"
             )
+            columns = {
+                table: tuple(row[1] for row in connection.execute(f"PRAGMA table_info({table})"))
+                for table in _COLUMNS
+            }
         except sqlite3.DatabaseError as error:
             connection.close()
-            raise InputError(f"{path}: is damaged ({error}); restore a copy, or start a new run") from None
+            raise InputError(f"{path}: is damaged ({error}); {_NEXT_STEP}") from None
         problem = ""
         if application != APPLICATION_ID:
             problem = "is a database, but not of a driftform run"
         elif version != SCHEMA_VERSION:
-            problem = f"is of format {version}, this driftform reads format {SCHEMA_VERSION}"
+            problem = (
+                f"is of format {version}, this driftform reads format {SCHEMA_VERSION}; use the driftform that "
+                "environment.json names"
+            )
         elif not sound:
-            problem = "is damaged; restore a copy, or start a new run"
+            problem = f"is damaged; {_NEXT_STEP}"
+        elif columns != _COLUMNS:
+            broken = ", ".join(table for table in _COLUMNS if columns[table] != _COLUMNS[table])
+            problem = f"is damaged (not as driftform makes them: {broken}); {_NEXT_STEP}"
         if problem:
             connection.close()
             raise InputError(f"{path}: {problem}")
@@ -137,14 +172,12 @@ class Store:
 
     def study(self) -> dict[str, Any]:
         """The document of the study that made the run."""
-        row = self._connection.execute("SELECT value FROM meta WHERE key = 'study'").fetchone()
-        try:
+        with self._reading():
+            row = self._connection.execute("SELECT value FROM meta WHERE key = 'study'").fetchone()
             document = json.loads(row[0])
-        except (TypeError, ValueError):
-            document = None
-        if not isinstance(document, dict):
-            raise InputError(f"{self._path}: holds no study; it was not written to its end")
-        return document
+            if not isinstance(document, dict):
+                raise ValueError("the study is no table")
+            return document
 
     def add(self, record: Record, targets: Sequence[str]) -> None:
         """Write one evaluation; when this returns it survives a crash."""
@@ -163,31 +196,32 @@ class Store:
             evaluation.seconds,
             encoded(flight) if flight else None,
         )
-        self._connection.execute("BEGIN")
-        self._connection.execute(f"INSERT INTO evaluation VALUES ({','.join('?' * len(row))})", row)
-        self._connection.executemany(
-            "INSERT INTO score VALUES (?, ?, ?)",
-            [(record.index, t, float(f)) for t, f in zip(targets, evaluation.fitness, strict=True)],
-        )
-        self._connection.execute("COMMIT")
+        scores = [(record.index, t, float(f)) for t, f in zip(targets, evaluation.fitness, strict=True)]
+        try:
+            with _transaction(self._connection):
+                self._connection.execute(f"INSERT INTO evaluation VALUES ({','.join('?' * len(row))})", row)
+                self._connection.executemany("INSERT INTO score VALUES (?, ?, ?)", scores)
+        except sqlite3.Error as error:
+            raise WorkFailedError(
+                f"{self._path}: evaluation {record.index} cannot be written: {error}; what was written before is safe"
+            ) from None
 
     def count(self) -> int:
         """How many evaluations there are."""
-        return int(self._connection.execute("SELECT COUNT(*) FROM evaluation").fetchone()[0])
+        return int(self._scalar("SELECT COUNT(*) FROM evaluation"))
 
     def failed(self) -> int:
         """How many of them failed."""
-        query = "SELECT COUNT(*) FROM evaluation WHERE failure IS NOT NULL"
-        return int(self._connection.execute(query).fetchone()[0])
+        return int(self._scalar("SELECT COUNT(*) FROM evaluation WHERE failure IS NOT NULL"))
 
     def seconds(self) -> float:
         """Processor time of all evaluations, s."""
-        return float(self._connection.execute("SELECT TOTAL(seconds) FROM evaluation").fetchone()[0])
+        return float(self._scalar("SELECT TOTAL(seconds) FROM evaluation"))
 
     def records(self, targets: Sequence[str], first: int = 0, count: int = -1) -> Iterator[Record]:
         """Yield ``count`` evaluations from index ``first`` on, in their order; ``-1`` for all."""
         query = "SELECT * FROM evaluation WHERE id >= ? AND (? < 0 OR id < ? + ?) ORDER BY id"
-        with closing(self._connection.execute(query, (first, count, first, count))) as rows:
+        with self._reading(), closing(self._connection.execute(query, (first, count, first, count))) as rows:
             for row in rows:
                 yield self._record(row, targets)
 
@@ -201,8 +235,22 @@ class Store:
             SELECT evaluation, fitness FROM score JOIN evaluation ON id = evaluation
             WHERE target = ? AND failure IS NULL ORDER BY fitness DESC, evaluation LIMIT 1
         """
-        row = self._connection.execute(query, (target,)).fetchone()
-        return (int(row[0]), float(row[1])) if row else None
+        with self._reading():
+            row = self._connection.execute(query, (target,)).fetchone()
+            return (int(row[0]), float(row[1])) if row else None
+
+    def _scalar(self, query: str) -> Any:
+        with self._reading():
+            return self._connection.execute(query).fetchone()[0]
+
+    @contextmanager
+    def _reading(self) -> Iterator[None]:
+        """What cannot be read as it was written is damage, whatever it is that stumbles over it."""
+        try:
+            yield
+        except (sqlite3.Error, zlib.error, ValueError, TypeError, KeyError, RecursionError) as error:
+            told = f"{type(error).__name__}: {error}"
+            raise InputError(f"{self._path}: is damaged ({told}); {_NEXT_STEP}") from None
 
     def _record(self, row: tuple[Any, ...], targets: Sequence[str]) -> Record:
         index, generation, population, parents, grammar, symbols, failure, ended, _, seconds, blob = row
@@ -222,6 +270,21 @@ class Store:
         return Record(
             index, Candidate(genome, tuple(json.loads(parents)), generation, population), evaluation
         )
+
+
+def _connect(path: Path) -> sqlite3.Connection:
+    try:
+        return sqlite3.connect(path, isolation_level=None)
+    except sqlite3.Error as error:
+        raise WorkFailedError(f"{path}: cannot be opened: {error}") from None
+
+
+@contextmanager
+def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
+    """All or nothing, also where it is interrupted."""
+    connection.execute("BEGIN")
+    with connection:
+        yield
 
 
 def compact(evaluation: Evaluation) -> Evaluation:

@@ -32,7 +32,7 @@ SELECTED = tuple(seam for seam in SEAMS if seam != "exporter")
 """The seams that a study selects one plugin for."""
 
 REPLACED = ("targets",)
-"""Tables that a study file states anew instead of adding to those of its base; ``--set`` adds to them."""
+"""Tables that a study file states anew instead of adding to those of its base; ``--set targets.name=...`` adds."""
 
 _LONGEST_NAME = 100
 """Characters of a target's name: with its file's suffix it must fit where file names may have 255 bytes."""
@@ -118,6 +118,7 @@ class _Layer:
     data: Mapping[str, Any]
     lines: Mapping[KeyPath, int] = field(default_factory=dict)
     is_option: bool = False
+    replaces: Sequence[str] = REPLACED
 
     def holds(self, path: KeyPath) -> bool:
         return _value(self.data, path) is not _NOTHING
@@ -196,7 +197,7 @@ def load_study(
             layers.append(_Layer(f"--{key}", {"run": {key: value}}, is_option=True))
     document: dict[str, Any] = {}
     for layer in layers:
-        document = _merged(document, layer.data, () if layer.is_option else REPLACED)
+        document = _merged(document, layer.data, layer.replaces)
     # A document may come from an agent file: what is there to fly needs no strategy.
     required = [seam for seam in SELECTED if seam != "strategy" or not isinstance(source, Document)]
     return _checked(document, layers, targets, required)
@@ -268,7 +269,8 @@ def _setting(text: str) -> _Layer:
         parsed = value.strip()
     for name in reversed(names):
         parsed = {name: parsed}
-    return _Layer(f"--set {text}", parsed, is_option=True)
+    replaces = REPLACED if len(names) == 1 else ()
+    return _Layer(f"--set {text}", parsed, is_option=True, replaces=replaces)
 
 
 def _merged(
@@ -302,7 +304,7 @@ def _checked(
         if not isinstance(document.get(key, ""), str):
             errors.append(f"{_where(layers, (key,))}: {key} = {document[key]!r}: should be text in quotes")
     if errors:
-        raise InputError("\n".join(errors))
+        raise InputError(*errors)
 
     scenario: Scenario | None = None
     run: Run | None = None
@@ -329,9 +331,9 @@ def _checked(
         try:
             resolved[seam] = _resolved_selection(document, seam, layers)
         except InputError as error:
-            errors.append(str(error))
+            errors.extend(error.args)
     if errors or scenario is None or run is None:
-        raise InputError("\n".join(errors))
+        raise InputError(*errors)
     _check_folders(scenario, layers)
     scenario = _with_targets(scenario, wanted)
     run = _with_budget(run, scenario, resolved)
@@ -354,7 +356,7 @@ def _resolved_selection(document: Mapping[str, Any], seam: str, layers: Sequence
     try:
         checked = cls.Options.model_validate(options)
     except ValidationError as error:
-        raise InputError("\n".join(_lines(error, (seam,), cls.Options, document, layers))) from None
+        raise InputError(*_lines(error, (seam,), cls.Options, document, layers)) from None
     return {"use": name, **_plain(checked)}
 
 

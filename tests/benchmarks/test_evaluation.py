@@ -57,7 +57,14 @@ def reference_flight(agent, scenario):
     outlet.terminal = True
     start = np.concatenate([scenario.release.position, np.zeros(3), scenario.release_velocity(), np.zeros(3)])
     return solve_ivp(
-        rate, (0, scenario.flight.horizon), start, "DOP853", rtol=1e-6, atol=1e-6, events=outlet, max_step=0.02
+        rate,
+        (0, scenario.flight.horizon),
+        start,
+        "DOP853",
+        rtol=1e-6,
+        atol=1e-6,
+        events=outlet,
+        max_step=0.02,
     )
 
 
@@ -85,7 +92,9 @@ def test_stages_of_an_evaluation():
         "express": milliseconds(pipeline.express, genomes),
         "build": milliseconds(pipeline.builder.build, morphologies),
         "mass properties": milliseconds(mass_properties, bodies),
-        "coefficients": milliseconds(lambda body: pipeline.hydrodynamics.coefficients(body, scenario.fluid), bodies),
+        "coefficients": milliseconds(
+            lambda body: pipeline.hydrodynamics.coefficients(body, scenario.fluid), bodies
+        ),
         "simulate (Exudyn)": milliseconds(lambda agent: pipeline.fly([agent]), agents),
         "score ten targets": milliseconds(lambda flight: pipeline.fitness.score(flight, scenario), flights),
     }
@@ -115,7 +124,9 @@ def test_evaluations_per_second_with_two_workers():
     for workers in (1, 2):
         executor = LocalProcesses(study.document, workers)
         try:
-            list(executor.evaluate([(-1, grammar.random(rng)) for _ in range(4 * workers)]))  # warm: import, compile
+            list(
+                executor.evaluate([(-1, grammar.random(rng)) for _ in range(4 * workers)])
+            )  # warm: import, compile
             start = time.perf_counter()
             outcomes: list[tuple[int, Evaluation]] = list(executor.evaluate(jobs))
             rates[workers] = len(jobs) / (time.perf_counter() - start)

@@ -41,7 +41,9 @@ def test_a_curved_path_agrees_with_a_brute_force_search_on_the_true_curve(point)
 
     fine = np.linspace(0, 5, 5001)
     guess = fine[np.argmin(np.linalg.norm(helix(fine)[0] - point, axis=1))]
-    best = minimize_scalar(true_distance, bounds=(max(0, guess - 0.01), min(5, guess + 0.01)), method="bounded")
+    best = minimize_scalar(
+        true_distance, bounds=(max(0, guess - 0.01), min(5, guess + 0.01)), method="bounded"
+    )
     # Hermite error of a stretch h: h^4 / 384 max |x''''| = 0.05^4 / 384 * 0.3 * 2^4 = 8e-8 m.
     assert distance == pytest.approx(min(best.fun, true_distance(0), true_distance(5)), abs=2e-7)
 

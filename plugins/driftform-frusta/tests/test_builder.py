@@ -2,15 +2,15 @@
 
 import numpy as np
 import pytest
-from driftform_frusta.builder import FrustaBuilder, FrustaOptions
-from driftform_frusta.hull import hull
-from driftform_frusta.solid import to_manifold
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from driftform.geometry import hull_mass, hull_volume, mass_properties, solid_of_revolution
 from driftform.types import Module, Morphology
+from driftform_frusta.builder import FrustaBuilder, FrustaOptions
+from driftform_frusta.hull import hull
+from driftform_frusta.solid import to_manifold
 
 WALL, DOME = 0.00125, 0.01145
 modules = st.builds(
@@ -59,7 +59,9 @@ def test_untilted_modules_make_a_capped_tube():
 def test_a_one_sided_agent_is_closed_by_the_dome():
     body = build(cylinder(5))
     half_dome = 2 / 3 * np.pi * DOME**3
-    assert solid_of_revolution(body.outer).volume == pytest.approx(np.pi * DOME**2 * 0.05 + half_dome, rel=2e-4)
+    assert solid_of_revolution(body.outer).volume == pytest.approx(
+        np.pi * DOME**2 * 0.05 + half_dome, rel=2e-4
+    )
     assert body.outer[0] == pytest.approx([-DOME, 0], abs=1e-9)
 
 
@@ -73,8 +75,12 @@ def test_radii_follow_the_tilt_along_the_slant():
 def test_the_paper_s_figure_2_word_narrows_twice_and_widens_once():
     aft = (Module(0.005, np.deg2rad(-10)), Module(0.0025, np.deg2rad(-20)), Module(0.01, np.deg2rad(10)))
     body = build(Morphology(aft=aft))
-    x = -np.cumsum([0.005 * np.cos(np.deg2rad(10)), 0.0025 * np.cos(np.deg2rad(20)), 0.01 * np.cos(np.deg2rad(10))])
-    r = DOME + np.cumsum([-0.005 * np.sin(np.deg2rad(10)), -0.0025 * np.sin(np.deg2rad(20)), 0.01 * np.sin(np.deg2rad(10))])
+    x = -np.cumsum(
+        [0.005 * np.cos(np.deg2rad(10)), 0.0025 * np.cos(np.deg2rad(20)), 0.01 * np.cos(np.deg2rad(10))]
+    )
+    r = DOME + np.cumsum(
+        [-0.005 * np.sin(np.deg2rad(10)), -0.0025 * np.sin(np.deg2rad(20)), 0.01 * np.sin(np.deg2rad(10))]
+    )
     assert body.joints == pytest.approx([*x[::-1], 0], abs=1e-12)
     assert body.outer[1] == pytest.approx([x[-1], r[-1]], abs=1e-8)
 

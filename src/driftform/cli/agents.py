@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from driftform.agent_file import StoredAgent, read_agent
-from driftform.errors import DriftformError, InputError, did_you_mean
+from driftform.errors import DriftformError, InputError, WorkFailedError, did_you_mean
+from driftform.files import safe_stem
 from driftform.pipeline import Pipeline
-from driftform.run_directory import check_run
+from driftform.run_directory import DATABASE, check_run, resume_command
 from driftform.store import Store
 from driftform.study import Document, Study, load_study
 from driftform.types import Agent
@@ -16,7 +17,7 @@ from driftform.types import Agent
 
 @dataclass(frozen=True, eq=False)
 class Opened:
-    """An agent of the command line, built: its ``name`` serves for files, ``stored`` for an agent.json."""
+    """An agent of the command line, built: its ``name`` is safe for files, ``stored`` serves for an agent.json."""
 
     name: str
     stored: StoredAgent
@@ -39,7 +40,8 @@ def open_agent(
         where there is none; the message says what was looked for.
     """
     stored = _stored(text, scenario)
-    source: str | Document = Document(text if len(text) < 60 else stored.name, stored.environment)
+    label = _short(text)
+    source: str | Document = Document(label, stored.environment)
     if scenario is not None:
         # The agent stays what it is; only its surroundings change.
         other = load_study(scenario).document
@@ -51,13 +53,16 @@ def open_agent(
     pipeline = study.pipeline()
     if stored.genome.grammar != pipeline.grammar.name:
         raise InputError(
-            f"{text}: is a genome of '{stored.genome.grammar}', its study uses '{pipeline.grammar.name}'"
+            f"{label}: is a genome of grammar '{stored.genome.grammar}', its study uses '{pipeline.grammar.name}'"
         )
     try:
         agent = pipeline.agent(stored.genome)
     except ValueError as error:
-        raise InputError(f"{text}: {error}") from None
-    return Opened(stored.name, stored, study, pipeline, agent)
+        raise InputError(f"{label}: {error}") from None
+    except (ArithmeticError, RuntimeError) as error:
+        # Sound options taken together can still ask for what cannot be computed, such as a core of 1e300 m.
+        raise WorkFailedError(f"{label}: cannot be built: {type(error).__name__}: {error}") from None
+    return Opened(safe_stem(stored.name), stored, study, pipeline, agent)
 
 
 def _stored(text: str, scenario: str | None) -> StoredAgent:
@@ -65,30 +70,39 @@ def _stored(text: str, scenario: str | None) -> StoredAgent:
     if _is_file(path):
         return read_agent(path)
     left, colon, right = text.rpartition(":")
-    if colon and " " not in text:
+    # The rules of a genotype have colons too, and so have some directories.
+    if colon and (_is_directory(Path(left)) or not any(c in text for c in " |")):
         return _of_run(Path(left), right)
+    if text and _is_directory(path):
+        if (path / DATABASE).is_file():
+            raise InputError(f"AGENT '{text}' is a run: name one of its targets too, such as {text}:TP1")
+        raise InputError(f"AGENT '{text}' is a directory, and holds no run")
     if path.suffix == ".json" or "/" in text or "\\" in text:
-        raise InputError(f"AGENT '{text}': no such file")
+        raise InputError(f"AGENT '{_short(text)}': no such file")
     study = load_study(scenario)
     grammar = study.plugin("grammar")
     try:
         genome = grammar.parse(text)
     except DriftformError as error:
-        raise InputError(f"AGENT '{text}' is no file, no RUN:TARGET, and no word: {error}") from None
+        raise InputError(
+            f"AGENT '{_short(text)}' is no file, no RUN:TARGET, and no word: {_short(str(error), 300)}"
+        ) from None
     name = "word-" + hashlib.sha256(" ".join(genome.symbols).encode()).hexdigest()[:8]
     return StoredAgent(name, genome, study.environment(), {})
 
 
 def _of_run(directory: Path, target: str) -> StoredAgent:
-    with Store.open(check_run(directory)) as store:
-        study = load_study(Document(str(directory), store.study()))
+    database = check_run(directory)
+    with Store.open(database) as store:
+        study = load_study(Document(str(database), store.study()))
         names = study.scenario.target_names
         if target not in names:
             raise InputError(f"{directory} has no target '{target}'{did_you_mean(target, names)}")
         best = store.best(target)
         if best is None:
             raise InputError(
-                f"{directory} has no sound evaluation yet; wait, or 'driftform resume {directory}'"
+                f"{directory} has no evaluation yet that did not fail; wait, or go on with it by: "
+                f"{resume_command(directory)}"
             )
         index, fitness = best
         genome = store.record(index, names).evaluation.genome
@@ -99,5 +113,16 @@ def _of_run(directory: Path, target: str) -> StoredAgent:
 def _is_file(path: Path) -> bool:
     try:
         return path.is_file()
-    except OSError:  # A word may be longer than a file name can be.
+    except (OSError, ValueError):  # A word may be longer than a file name can be, or hold what no name can.
         return False
+
+
+def _is_directory(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
+def _short(text: str, length: int = 60) -> str:
+    return text if len(text) <= length else f"{text[: length - 4]} ..."

@@ -1,6 +1,9 @@
 """The commands, put together; errors of the user become one line and an exit code."""
 
+import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Annotated, Any
 
 import typer
@@ -10,6 +13,9 @@ from driftform import __version__
 from driftform.cli import evolve, export, inspect, plugins, resume, sample, scenarios, simulate
 from driftform.errors import DriftformError
 
+_UsageError: Any = typer.BadParameter.__mro__[1]
+"""The base of what click says of options and arguments: newer typers bring a click of their own, without a name."""
+
 
 class Commands(TyperGroup):
     """Turns what went wrong with the user's input or work into a line on stderr and an exit code.
@@ -17,21 +23,49 @@ class Commands(TyperGroup):
     0 done, 1 the work failed, 2 the input is wrong, 130 interrupted.
     """
 
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read what stands before the name of a command."""
+        with _one_line_for_each_error():
+            return super().parse_args(ctx, args)
+
     def invoke(self, ctx: Any) -> Any:
         """Run a command."""
-        try:
-            return super().invoke(ctx)
-        except DriftformError as error:
-            for line in str(error).splitlines():
-                print(f"error: {line}", file=sys.stderr)
-            raise typer.Exit(error.exit_code) from None
-        except KeyboardInterrupt:
-            print("interrupted", file=sys.stderr)
-            raise typer.Exit(130) from None
-        except BrokenPipeError:
-            # Whoever read our output has seen enough; closing stderr keeps the interpreter from complaining.
-            sys.stderr.close()
-            raise typer.Exit(1) from None
+        with _one_line_for_each_error():
+            result = super().invoke(ctx)
+            # A pipe that was closed early shows here, and not when the interpreter ends.
+            sys.stdout.flush()
+            return result
+
+
+@contextmanager
+def _one_line_for_each_error() -> Iterator[None]:
+    try:
+        yield
+    except DriftformError as error:
+        _tell(*error.args)
+        raise typer.Exit(error.exit_code) from None
+    except _UsageError as error:
+        if type(error).__name__ == "NoArgsIsHelpError":
+            raise
+        message = error.format_message().replace("Input should be", "should be").rstrip(".")
+        _tell(f"{message}; see '{error.ctx.command_path} --help'" if error.ctx else message)
+        raise typer.Exit(error.exit_code) from None
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        raise typer.Exit(130) from None
+    except BrokenPipeError:
+        # Whoever read our output has seen enough; what is left in the buffer must not fail once more at the end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise typer.Exit(1) from None
+    except OSError as error:
+        _tell(str(error))
+        raise typer.Exit(1) from None
+
+
+def _tell(*lines: object) -> None:
+    for line in map(str, lines):
+        # Names come from files of others: none may move the cursor or recolour the terminal.
+        print("error: " + "".join(c if c.isprintable() else repr(c)[1:-1] for c in line), file=sys.stderr)
 
 
 app = typer.Typer(
@@ -43,15 +77,20 @@ app = typer.Typer(
 )
 
 
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"driftform {__version__}")
+        raise typer.Exit
+
+
 @app.callback()
 def _options(
     version: Annotated[
-        bool, typer.Option("--version", help="Print the version and end.", is_eager=True)
+        bool,
+        typer.Option("--version", help="Print the version and end.", is_eager=True, callback=_print_version),
     ] = False,
 ) -> None:
-    if version:
-        print(f"driftform {__version__}")
-        raise typer.Exit
+    pass
 
 
 app.command("evolve")(evolve.evolve)

@@ -8,6 +8,7 @@ import typer
 from driftform.cli.options import Hydrodynamics, Json, OutDirectory, Settings, Simulator, Workers
 
 if TYPE_CHECKING:
+    from driftform.evolution import Best
     from driftform.store import Store
     from driftform.study import Study
 
@@ -42,6 +43,7 @@ def evolve(
     Writes a run directory: the study, every evaluation, and the best agent of each target with its mesh. Same
     seed, same result, whatever the number of workers. Interrupted or killed, it goes on with 'driftform resume'.
     """
+    from driftform.files import make_directory
     from driftform.run_directory import DATABASE, check_new, locked, write_inputs
     from driftform.store import Store
     from driftform.study import builtin_scenarios, load_study
@@ -54,10 +56,12 @@ def evolve(
         run={"seed": seed, "evaluations": evaluations},
     )
     _check_targets(checked, study)
-    directory = out or _next_directory(study)
-    check_new(directory)
-    directory.mkdir(parents=True, exist_ok=True)
+    if out is not None:
+        check_new(out)
+    directory = make_directory(out) if out is not None else _next_directory(study)
     with locked(directory):
+        # Another process may have been quicker.
+        check_new(directory)
         path = Path(study)
         given = path.read_text(encoding="utf-8") if path.is_file() else builtin_scenarios()[study]
         write_inputs(directory, checked, given)
@@ -74,26 +78,27 @@ def carry_out(directory: Path, study: "Study", store: "Store", workers: int | No
     from driftform.evolution import evolve as run_loop
     from driftform.evolution import write_best
     from driftform.execution import LocalProcesses
+    from driftform.run_directory import resume_command
 
     started = time.perf_counter()
     executor = LocalProcesses(study.document, workers or os.cpu_count() or 1)
     try:
-        with Progress(study) as progress:
-            progress.stored(store.count())
+        with Progress(study, store.count()) as progress:
             run_loop(study, store, executor, progress.record, progress.generation)
+        results, overview = write_best(directory, study, store)
     except KeyboardInterrupt:
         typer.echo(
             f"stopped after {store.count()} of {study.evaluations} evaluations; "
-            f"go on with: driftform resume {directory}",
+            f"go on with: {resume_command(directory)}",
             err=True,
         )
         raise typer.Exit(130) from None
     finally:
         executor.close()
-    results, overview = write_best(directory, study, store)
     seconds = time.perf_counter() - started
 
-    from driftform.cli.output import print_json, print_table
+    from driftform.cli.output import print_json
+    from driftform.errors import WorkFailedError
 
     if json:
         print_json(
@@ -116,7 +121,18 @@ def carry_out(directory: Path, study: "Study", store: "Store", workers: int | No
                 "overview": str(overview),
             }
         )
-        return
+    else:
+        _print_results(directory, study, store, results, overview, seconds)
+    problems = [problem for best in results for problem in best.problems]
+    if problems:
+        raise WorkFailedError(*problems)
+
+
+def _print_results(
+    directory: Path, study: "Study", store: "Store", results: "list[Best]", overview: Path, seconds: float
+) -> None:
+    from driftform.cli.output import print_table
+
     print_table(
         ("target", "x m", "y m", "z m", "fitness %", "error % of d_max", "closest mm", "agent"),
         (
@@ -147,8 +163,15 @@ def _check_targets(study: "Study", source: str) -> None:
 
 
 def _next_directory(study: str) -> Path:
-    """The first free ``runs/<study>-<n>``."""
+    """Make the first free ``runs/<study>-<n>``."""
+    from driftform.files import make_directory
+
+    make_directory(Path("runs"))
     number = 1
-    while (path := Path("runs") / f"{Path(study).stem}-{number}").exists():
-        number += 1
-    return path
+    while True:
+        path = Path("runs") / f"{Path(study).stem}-{number}"
+        try:
+            path.mkdir()
+            return path
+        except FileExistsError:
+            number += 1

@@ -23,16 +23,20 @@ def export(
     from driftform.cli.agents import open_agent
     from driftform.cli.output import print_json
     from driftform.errors import InputError
+    from driftform.files import make_directory
     from driftform.registry import registry
 
     names = [name.strip() for name in format.split(",") if name.strip()]
     if not names:
         raise InputError("--format is empty; name at least one, such as stl")
-    if out.is_file():
-        raise InputError(f"--out {out}: is a file, expected a directory")
-    exporters = [registry().create("exporter", name, {}) for name in names]
+    exporters = []
+    for name in names:
+        try:
+            exporters.append(registry().create("exporter", name, {}))
+        except InputError as error:
+            raise InputError(f"--format {name}: {error}") from None
     opened = open_agent(agent, settings=settings or ())
-    out.mkdir(parents=True, exist_ok=True)
+    make_directory(out)
     written = [
         exporter.write(opened.agent, out / f"{opened.name}{exporter.suffix}") for exporter in exporters
     ]

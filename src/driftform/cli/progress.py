@@ -18,11 +18,13 @@ REFRESH = 4.0
 class Progress:
     """Counts evaluations and shows where the run stands, on stderr: stdout is for results."""
 
-    def __init__(self, study: Study) -> None:
+    def __init__(self, study: Study, stored: int = 0) -> None:
+        """Start counting; ``stored`` evaluations were there before, and say nothing about the speed."""
         self._targets = study.scenario.target_names
         self._budget = study.evaluations
         self._best: list[tuple[float, int]] = [(0.0, -1)] * len(self._targets)
-        self._done = self._failed = self._stored = 0
+        self._done = self._failed = 0
+        self._stored = stored
         self._started = time.perf_counter()
         self._live = sys.stdout.isatty() and sys.stderr.isatty()
         self._display = None
@@ -48,10 +50,6 @@ class Progress:
         if self._display is not None:
             self._display.__exit__(kind, error, trace)
 
-    def stored(self, count: int) -> None:
-        """Tell how many evaluations were there before: they say nothing about the speed."""
-        self._stored = count
-
     def record(self, record: Record) -> None:
         """Count one evaluation."""
         self._done += 1
@@ -71,14 +69,17 @@ class Progress:
             )
 
     def _rate(self) -> str:
+        failures = f", {self._failed} failed" if self._failed else ""
         elapsed = time.perf_counter() - self._started
         new = self._done - self._stored
         if new <= 0:
-            return "starting (the first run compiles the equations of motion)"
+            before = f"{self._done} of them stored before"
+            return (
+                before if self._done else "starting (the first run compiles the equations of motion)"
+            ) + failures
         rate = new / elapsed
         left = (self._budget - self._done) / rate
-        failures = f", {self._failed} failed" if self._failed else ""
-        return f"{rate:.0f}/s, {left:.0f} s left{failures}"
+        return f"{rate:.3g}/s, {left:.0f} s left{failures}"
 
     def _table(self) -> "Group":
         from rich import box
@@ -94,5 +95,8 @@ class Progress:
         for target, (fitness, index) in zip(self._targets, self._best, strict=True):
             row = (f"{fitness:.3f}", f"{100 - fitness:.3f}", str(index)) if index >= 0 else ("", "", "")
             table.add_row(target, *row)
-        bar = ProgressBar(total=self._budget, completed=self._done, width=40)
-        return Group(table, bar, Text(f"{self._done} of {self._budget} evaluations, {self._rate()}"))
+        # A bar ends no line: side by side with its text in a grid.
+        line = Table.grid(padding=(0, 2))
+        bar = ProgressBar(total=self._budget, completed=self._done, width=30)
+        line.add_row(bar, Text(f"{self._done} of {self._budget} evaluations, {self._rate()}"))
+        return Group(table, line)

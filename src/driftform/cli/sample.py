@@ -27,12 +27,14 @@ def sample(
     from driftform.agent_file import StoredAgent, write_agent
     from driftform.cli.output import print_json
     from driftform.errors import InputError
+    from driftform.files import make_directory
     from driftform.study import load_study
 
     study = load_study(scenario, settings or ())
-    if out.is_file() or (out.is_dir() and any(out.iterdir())):
+    if out.is_dir() and any(out.iterdir()):
         raise InputError(f"{out} is not an empty directory; choose another --out")
     grammar = study.plugin("grammar")
+    make_directory(out)
     rng = np.random.default_rng(seed)
     environment = study.environment()
     width = max(4, len(str(count)))

@@ -28,20 +28,23 @@ def simulate(
     from driftform.dynamics.path import closest_approach
     from driftform.errors import WorkFailedError
     from driftform.figures.flight import flight_svg
-    from driftform.files import write_text
+    from driftform.files import make_directory, write_text
     from driftform.run_directory import write_trajectory
 
     opened = open_agent(
         agent, scenario, settings or (), {"simulator": simulator, "hydrodynamics": hydrodynamics}
     )
     environment = opened.study.scenario
-    [flight] = opened.pipeline.fly([opened.agent])
+    folder = make_directory(out or Path("flights") / opened.name)
+    try:
+        [flight] = opened.pipeline.fly([opened.agent])
+    except (ArithmeticError, RuntimeError) as error:
+        raise WorkFailedError(f"{opened.name}: cannot be flown: {type(error).__name__}: {error}") from None
     if flight.end.failed:
         raise WorkFailedError(f"{opened.name}: the flight ended after {flight.t[-1]:.3g} s: {flight.end}")
     fitness = opened.pipeline.fitness.score(flight, environment)
     distance, when = closest_approach(flight, environment.target_array())
 
-    folder = out or Path("flights") / opened.name
     csv, svg = folder / "trajectory.csv", folder / "flight.svg"
     write_trajectory(csv, flight)
     write_text(svg, flight_svg(flight, environment, opened.name, opened.agent.body))

@@ -69,8 +69,11 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
 def mass_inverse(total: FloatArray, length: float) -> FloatArray:
     """Invert a 6x6 mass matrix in units of kg and ``length``, so that its blocks are of one size.
 
-    A direction without any inertia (roll of a massless body) gets no acceleration instead of an infinite one.
+    A direction without any inertia (roll of a massless body) gets no acceleration instead of an infinite one. A
+    matrix that is not finite has an inverse of NaN, with which a flight fails at its first step.
     """
+    if not np.isfinite(total).all():
+        return np.full((6, 6), np.nan)
     scale = np.diag([1.0, 1.0, 1.0, 1 / length, 1 / length, 1 / length])
     inverse = scale @ np.linalg.pinv(scale @ total @ scale, rcond=1e-13, hermitian=True) @ scale
     # The inverse of a planar-symmetric body couples no plane with another; rounding must not either, or it

@@ -217,14 +217,17 @@ class Invariants:
 
     Attributes
     ----------
+    kinetic
+        kinetic energy of body and water, J, (k,).
     energy
-        kinetic energy of body and water, and potential energy of weight and buoyancy, J, (k,).
+        that and the potential energy of weight and buoyancy, J, (k,).
     impulse
         in the world frame, N s, (k, 3).
     angular_impulse
         about a point that moves with the water, N m s, (k, 3).
     """
 
+    kinetic: FloatArray
     energy: FloatArray
     impulse: FloatArray
     angular_impulse: FloatArray
@@ -245,4 +248,5 @@ def invariants(agent: Agent, scenario: Scenario, flight: Trajectory) -> Invarian
     weight, buoyancy = mass.mass * fluid.gravity, fluid.density * mass.volume * fluid.gravity
     up = R[:, 2]
     potential = weight * (place[:, 2] + up @ mass.cog) - buoyancy * (place[:, 2] + up @ mass.cob)
-    return Invariants(0.5 * (nu * momentum).sum(axis=1) + potential, impulse, turning)
+    kinetic = 0.5 * (nu * momentum).sum(axis=1)
+    return Invariants(kinetic, kinetic + potential, impulse, turning)

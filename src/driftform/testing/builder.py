@@ -2,6 +2,7 @@
 
 import pickle
 from collections.abc import Callable
+from functools import partial
 from itertools import pairwise
 from typing import Any, ClassVar
 
@@ -39,7 +40,7 @@ MORPHOLOGIES: dict[str, Callable[[], Morphology]] = {
     "zigzag": lambda: Morphology(
         fore=(*_run(1, 20), *_run(1, -20)) * 5, aft=(*_run(1, -20), *_run(1, 20)) * 5
     ),
-    **{f"39 random modules ({seed})": (lambda seed=seed: random_morphology(seed)) for seed in range(6)},
+    **{f"39 random modules ({seed})": partial(random_morphology, seed) for seed in range(6)},
 }
 
 every_morphology = pytest.mark.parametrize("kind", MORPHOLOGIES)

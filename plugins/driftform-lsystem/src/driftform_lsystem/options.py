@@ -12,19 +12,19 @@ class LSystemOptions(Table):
     """The table ``[grammar]`` of a study that uses ``lsystem``."""
 
     # The number of modules triples with each iteration; six already make 1092.
-    iterations: int = option(3, "How often the rules are applied to the axiom.", ge=1, le=6)
-    small: float = option(0.0025, "Length along the slant of a module S.", "m", gt=0)
-    medium: float = option(0.005, "Length along the slant of a module M.", "m", gt=0)
-    large: float = option(0.01, "Length along the slant of a module L.", "m", gt=0)
-    tilt_0_deg: float = option(0.0, "Tilt that degree 0 stands for.", "deg", ge=0, le=MAX_TILT_DEG)
-    tilt_1_deg: float = option(10.0, "Tilt that degree 1 stands for.", "deg", ge=0, le=MAX_TILT_DEG)
-    tilt_2_deg: float = option(20.0, "Tilt that degree 2 stands for.", "deg", ge=0, le=MAX_TILT_DEG)
+    iterations: int = option(3, "how often the rules are applied to the axiom", ge=1, le=6)
+    small: float = option(0.0025, "length along the slant of a module S", "m", gt=0)
+    medium: float = option(0.005, "length along the slant of a module M", "m", gt=0)
+    large: float = option(0.01, "length along the slant of a module L", "m", gt=0)
+    tilt_0_deg: float = option(0.0, "tilt that degree 0 stands for", "deg", ge=0, le=MAX_TILT_DEG)
+    tilt_1_deg: float = option(10.0, "tilt that degree 1 stands for", "deg", ge=0, le=MAX_TILT_DEG)
+    tilt_2_deg: float = option(20.0, "tilt that degree 2 stands for", "deg", ge=0, le=MAX_TILT_DEG)
     repetition: Literal["first", "last"] = option(
-        "first", "Which of a run of adds, tilts, degrees or moves between two modules counts."
+        "first", "which of a run of adds, tilts, degrees or moves between two modules counts"
     )
     occupied: Literal["insert", "skip"] = option(
-        "insert", "Adding where a module already is: insert the new one between, or skip it."
+        "insert", "adding where a module already is: insert the new one between, or skip it"
     )
     tilt_reference: Literal["axis", "neighbour"] = option(
-        "axis", "What a tilt is measured against: the axis, or the wall of the next module towards the core."
+        "axis", "what a tilt is measured against: the axis, or the wall of the next module towards the core"
     )

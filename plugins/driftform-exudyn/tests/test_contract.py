@@ -1,0 +1,19 @@
+from driftform.testing import SimulatorContract
+from driftform_exudyn.simulator import ExudynOptions, ExudynSimulator
+
+
+class TestExudyn(SimulatorContract):
+    # Attained: energy and impulse of free motions to 2.5e-6, the libration to 1.2e-3 of its speeds.
+
+    def plugin(self) -> ExudynSimulator:
+        return ExudynSimulator(ExudynOptions())
+
+
+class TestExudynWithATightTolerance(SimulatorContract):
+    # Attained: 2.4e-9, and 2.4e-7.
+    drift = 1e-8
+    accuracy = 1e-6
+    agreement = 1e-6
+
+    def plugin(self) -> ExudynSimulator:
+        return ExudynSimulator(ExudynOptions(tolerance=1e-9))

@@ -1,0 +1,171 @@
+"""The contract of simulators is of use only if it refuses simulators that are wrong: each of these has one fault."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from driftform.interfaces import Simulator
+from driftform.scenario import Scenario
+from driftform.testing import SimulatorContract
+from driftform.types import Agent, Coefficients, End, Trajectory
+from driftform_exudyn.simulator import ExudynOptions, ExudynSimulator
+
+Flight = Callable[[Agent, Scenario], Trajectory]
+
+
+def sound(agent: Agent, scenario: Scenario) -> Trajectory:
+    return ExudynSimulator(ExudynOptions()).simulate(agent, scenario)
+
+
+def without_added_mass(agent, scenario):
+    return sound(replace(agent, coefficients=Coefficients(np.zeros((6, 6)))), scenario)
+
+
+def with_coefficients_about_the_origin(agent, scenario):
+    return sound(replace(agent, coefficients=replace(agent.coefficients, origin=np.zeros(3))), scenario)
+
+
+def without_damping(agent, scenario):
+    return sound(
+        replace(agent, coefficients=replace(agent.coefficients, quadratic_damping=np.zeros((6, 6)))), scenario
+    )
+
+
+def without_buoyancy_at_its_centre(agent, scenario):
+    return sound(replace(agent, mass=replace(agent.mass, cob=np.zeros(3))), scenario)
+
+
+def with_quaternions_the_other_way(agent, scenario):
+    flight = sound(agent, scenario)
+    return replace(flight, quaternion=flight.quaternion * [1, -1, -1, -1])
+
+
+def with_velocity_in_the_world_frame(agent, scenario):
+    from driftform.dynamics.path import world_velocity
+
+    flight = sound(agent, scenario)
+    return replace(flight, velocity=np.hstack([world_velocity(flight), flight.velocity[:, 3:]]))
+
+
+def with_velocity_through_the_water(agent, scenario):
+    from driftform.dynamics.rotations import matrix_from_quaternion
+
+    flight = sound(agent, scenario)
+    current = np.einsum("kji,j->ki", matrix_from_quaternion(flight.quaternion), scenario.current())
+    return replace(flight, velocity=flight.velocity - np.hstack([current, np.zeros_like(current)]))
+
+
+def without_walls(agent, scenario):
+    if not scenario.pipe.segments:
+        return sound(agent, scenario)
+    (segment,) = scenario.pipe.segments
+    wide = scenario.pipe.model_copy(update={"segments": (segment.model_copy(update={"radius": 50.0}),)})
+    return sound(agent, scenario.model_copy(update={"pipe": wide}))
+
+
+def with_an_elastic_wall(agent, scenario):
+    contact = scenario.contact.model_copy(update={"damping_ratio": 0.0})
+    return sound(agent, scenario.model_copy(update={"contact": contact}))
+
+
+def with_a_soft_wall(agent, scenario):
+    contact = scenario.contact.model_copy(update={"frequency": scenario.contact.frequency / 5})
+    return sound(agent, scenario.model_copy(update={"contact": contact}))
+
+
+def overshooting_the_outlet(agent, scenario):
+    flight = sound(agent, scenario)
+    if flight.end is not End.OUTLET:
+        return flight
+    return replace(flight, position=np.vstack([flight.position[:-1], flight.position[-1] + [0.01, 0, 0]]))
+
+
+def released_at_rest(agent, scenario):
+    release = scenario.release.model_copy(update={"velocity": "rest"})
+    return sound(agent, scenario.model_copy(update={"release": release}))
+
+
+def with_a_coarse_integrator(agent, scenario):
+    return ExudynSimulator(ExudynOptions(integrator="RK44", max_step=0.02)).simulate(agent, scenario)
+
+
+FAULTS: dict[Flight, tuple[str, ...]] = {
+    without_added_mass: (
+        "test_the_core_alone_falls_with_its_added_mass",
+        "test_the_spheroid_librates_as_in_closed_form",
+        "test_motion_at_an_angle_feels_munks_moment",
+    ),
+    with_coefficients_about_the_origin: (
+        "test_coefficients_may_refer_to_any_point",
+        "test_free_motion_conserves_energy_impulse_and_angular_impulse",
+    ),
+    without_damping: ("test_drag_leads_to_the_terminal_velocity",),
+    without_buoyancy_at_its_centre: (
+        "test_the_choice_of_origin_does_not_matter",
+        "test_weight_and_buoyancy_do_the_work_of_their_heights",
+    ),
+    with_quaternions_the_other_way: (
+        "test_a_flight_starts_as_released",
+        "test_the_spheroid_librates_as_in_closed_form",
+        "test_free_motion_conserves_energy_impulse_and_angular_impulse",
+    ),
+    with_velocity_in_the_world_frame: (
+        "test_velocity_is_the_rate_of_position_over_ground",
+        "test_the_spheroid_librates_as_in_closed_form",
+    ),
+    with_velocity_through_the_water: (
+        "test_velocity_is_the_rate_of_position_over_ground",
+        "test_a_body_released_with_the_current_drifts_with_it",
+    ),
+    without_walls: (
+        "test_a_long_body_that_hits_the_wall_obliquely_stays_inside_and_loses_energy",
+        "test_a_light_body_comes_to_rest_against_the_wall",
+    ),
+    with_an_elastic_wall: (
+        "test_a_long_body_that_hits_the_wall_obliquely_stays_inside_and_loses_energy",
+        "test_a_light_body_comes_to_rest_against_the_wall",
+    ),
+    with_a_soft_wall: ("test_a_light_body_comes_to_rest_against_the_wall",),
+    overshooting_the_outlet: (
+        "test_a_flight_ends_exactly_at_the_outlet",
+        "test_a_tumbling_flight_ends_exactly_at_the_outlet_too",
+    ),
+    released_at_rest: (
+        "test_a_body_released_with_the_current_drifts_with_it",
+        "test_a_current_is_a_change_of_frame",
+    ),
+    with_a_coarse_integrator: (
+        "test_the_spheroid_librates_as_in_closed_form",
+        "test_the_libration_conserves_energy_and_impulse",
+    ),
+}
+
+
+class Faulty(Simulator):
+    name = "faulty"
+
+    def __init__(self, flight: Flight) -> None:
+        self.flight = flight
+
+    def simulate(self, agent: Agent, scenario: Scenario) -> Trajectory:
+        return self.flight(agent, scenario)
+
+
+class Contract(SimulatorContract):
+    def __init__(self, flight: Flight) -> None:
+        self.flight = flight
+
+    def plugin(self) -> Faulty:
+        return Faulty(self.flight)
+
+
+CASES = [(fault, test) for fault, tests in FAULTS.items() for test in tests]
+
+
+@pytest.mark.parametrize(("fault", "test"), CASES, ids=[f"{f.__name__}-{t}" for f, t in CASES])
+def test_a_faulty_simulator_is_refused(fault, test):
+    getattr(Contract(sound), test)()
+    with pytest.raises(AssertionError):
+        getattr(Contract(fault), test)()

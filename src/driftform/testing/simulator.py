@@ -1,0 +1,549 @@
+"""What every simulator must do: benchmark motions with a known answer, the ends of a flight, contact, failures."""
+
+import math
+import pickle
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+from driftform.dynamics.inertia import added_mass_at, rigid_body_mass, shifted
+from driftform.dynamics.path import hermite_coefficients, world_velocity
+from driftform.dynamics.rotations import matrix_from_quaternion
+from driftform.interfaces import Simulator
+from driftform.scenario import Contact, Flight, Flow, Fluid, Pipe, Release, Scenario, Segment, Vector
+from driftform.testing.agents import (
+    DENSITY,
+    GRAVITY,
+    Libration,
+    Spheroid,
+    about,
+    invariants,
+    sphere,
+    tumbler,
+)
+from driftform.testing.bodies import spheroid_body
+from driftform.types import Agent, Coefficients, End, FloatArray, Trajectory
+
+SPHEROID = Spheroid(0.06, 0.01)
+"""Neutral, 120 mm long and 20 mm thick."""
+
+CORE_RADIUS = 0.01
+NEUTRAL_MASS = DENSITY * 4 / 3 * math.pi * CORE_RADIUS**3
+"""Of a sphere of the core's radius, kg."""
+
+
+def water(
+    horizon: float,
+    velocity: str | Vector = "current",
+    *,
+    speed: float = 0.0,
+    pitch_deg: float = 0.0,
+    position: Vector = (0.0, 0.0, 0.0),
+    gravity: float = GRAVITY,
+    pipe: tuple[float, float] | None = None,
+    frequency: float = 100.0,
+) -> Scenario:
+    """Water at rest, or with a current of ``speed`` m/s along x; open, or in a ``pipe`` of (length, radius), m."""
+    segments = (Segment(start=(0.0, 0.0, 0.0), end=(pipe[0], 0.0, 0.0), radius=pipe[1]),) if pipe else ()
+    return Scenario(
+        pipe=Pipe(segments=segments),
+        flow=Flow(speed=speed),
+        fluid=Fluid(density=DENSITY, gravity=gravity),
+        release=Release.model_validate(
+            {"position": position, "pitch_deg": pitch_deg, "velocity": velocity},
+        ),
+        contact=Contact(frequency=frequency),
+        flight=Flight(horizon=horizon),
+    )
+
+
+def _not_finite() -> dict[str, Callable[[], Agent]]:
+    def broken_added_mass() -> Agent:
+        return replace(sphere(CORE_RADIUS, 0.05), coefficients=Coefficients(np.full((6, 6), np.nan)))
+
+    def broken_mass(**values: Any) -> Agent:
+        agent = sphere(CORE_RADIUS, 0.05)
+        return replace(agent, mass=replace(agent.mass, **values))
+
+    def runaway() -> Agent:
+        agent = sphere(CORE_RADIUS, 0.05)
+        feeding = replace(agent.coefficients, linear_damping=-1e3 * np.eye(6))
+        return replace(agent, coefficients=feeding)
+
+    return {
+        "an added mass that is no number": broken_added_mass,
+        "a centre of gravity that is no number": lambda: broken_mass(cog=np.full(3, np.nan)),
+        "an infinite volume": lambda: broken_mass(volume=math.inf),
+        "damping that feeds the motion": runaway,
+    }
+
+
+NOT_FINITE = _not_finite()
+
+
+class SimulatorContract:
+    """Inherit, and say how the simulator is made::
+
+        class TestMySimulator(SimulatorContract):
+            def plugin(self) -> MySimulator:
+                return MySimulator(MyOptions())
+
+    Attributes
+    ----------
+    drift
+        how far energy and impulse of a free motion may drift in 3 s, relative to what they are of.
+    accuracy
+        relative error of motions that are known in closed form.
+    agreement
+        m: how far apart two flights may be, anywhere, that are one and the same motion described in two ways.
+    """
+
+    drift: ClassVar[float] = 1e-5
+    accuracy: ClassVar[float] = 2e-3
+    agreement: ClassVar[float] = 1e-3
+
+    def plugin(self) -> Simulator[Any]:
+        """Return the simulator to be tested."""
+        raise NotImplementedError
+
+    def fly(self, agent: Agent, scenario: Scenario) -> Trajectory:
+        """Return a flight that has to come to its horizon."""
+        flight = self.plugin().simulate(agent, scenario)
+        assert flight.end == End.HORIZON
+        assert flight.t[-1] == pytest.approx(scenario.flight.horizon, rel=1e-9)
+        return flight
+
+    # What a trajectory holds.
+
+    def test_a_flight_starts_as_released(self) -> None:
+        """The first sample is the release: time 0, and its position, attitude and velocity."""
+        scenario = water(0.5, (0.4, 0.3, -0.2), speed=1.0, pitch_deg=30.0, position=(0.1, 0.2, 0.3))
+        flight = self.fly(tumbler(), scenario)
+        assert flight.t[0] == 0.0
+        np.testing.assert_allclose(flight.position[0], (0.1, 0.2, 0.3), atol=1e-12)
+        half = math.radians(15)
+        turned = flight.quaternion[0] * np.sign(flight.quaternion[0, 0])
+        np.testing.assert_allclose(turned, (math.cos(half), 0, math.sin(half), 0), atol=1e-12)
+        np.testing.assert_allclose(world_velocity(flight)[0], (0.4, 0.3, -0.2), atol=1e-12)
+        np.testing.assert_allclose(flight.velocity[0, 3:], 0, atol=1e-12)
+
+    def test_samples_are_finite_and_in_order(self) -> None:
+        """Times increase strictly, quaternions are of unit length, everything is finite."""
+        flight = self.fly(tumbler(), water(1.0, (0.4, 0.3, -0.2)))
+        assert (np.diff(flight.t) > 0).all()
+        np.testing.assert_allclose(np.linalg.norm(flight.quaternion, axis=1), 1, atol=1e-12)
+        for values in (flight.t, flight.position, flight.quaternion, flight.velocity):
+            assert np.isfinite(values).all()
+
+    def test_velocity_is_the_rate_of_position_over_ground(self) -> None:
+        """The path that position and velocity describe together is smooth: the one is the rate of the other."""
+        flight = self.fly(tumbler(), water(1.0, (0.4, 0.3, -0.2), speed=1.0))
+        world = world_velocity(flight)
+        # Simpson's rule needs the velocity half-way, which the Hermite curve lacks: the trapezoid is off by
+        # h^3 a' / 12, a' being a few times 100 m/s3 here.
+        h = np.diff(flight.t)[:, None]
+        moved = 0.5 * h * (world[:-1] + world[1:])
+        np.testing.assert_allclose(
+            np.diff(flight.position, axis=0) / h, moved / h, atol=1000 * h.max() ** 2 / 12
+        )
+
+    # Motions in a straight line.
+
+    def test_the_core_alone_falls_with_its_added_mass(self) -> None:
+        """a = (m - rho V) g / (m + rho V / 2): 0.05 kg in a sphere of 10 mm radius fall with 8.59957 m/s2."""
+        acceleration = (0.05 - NEUTRAL_MASS) * GRAVITY / (0.05 + NEUTRAL_MASS / 2)
+        assert acceleration == pytest.approx(8.59957, abs=5e-6)
+        flight = self.fly(sphere(CORE_RADIUS, 0.05), water(0.5))
+        np.testing.assert_allclose(flight.position[:, 2], -0.5 * acceleration * flight.t**2, atol=1e-6)
+        np.testing.assert_allclose(flight.velocity[:, 2], -acceleration * flight.t, atol=1e-6)
+        assert np.abs(flight.position[:, :2]).max() < 1e-9
+
+    def test_without_added_mass_it_falls_faster(self) -> None:
+        """Coefficients of zero are taken as they are: 8.968 m/s2, the net weight over the mass."""
+        flight = self.fly(sphere(CORE_RADIUS, 0.05, added=0.0), water(0.5))
+        assert flight.velocity[-1, 2] / flight.t[-1] == pytest.approx(-8.96844, rel=1e-5)
+
+    def test_a_massless_sphere_rises_with_twice_gravity(self) -> None:
+        """Only the added mass resists: rho V g / (rho V / 2), exactly. No inertia at all is no error."""
+        flight = self.fly(sphere(CORE_RADIUS, 0.0), water(0.5))
+        np.testing.assert_allclose(flight.position[:, 2], GRAVITY * flight.t**2, atol=1e-6)
+        np.testing.assert_allclose(flight.velocity[:, 3:], 0, atol=1e-9)
+
+    def test_drag_leads_to_the_terminal_velocity(self) -> None:
+        """v = v_t tanh(t / tau) with quadratic damping: for Cd 0.47, 2.4355 m/s and 0.28321 s; 42.133 mm in 0.1 s."""
+        drag = 0.5 * DENSITY * 0.47 * math.pi * CORE_RADIUS**2
+        weight = (0.05 - NEUTRAL_MASS) * GRAVITY
+        terminal = math.sqrt(weight / drag)
+        tau = (0.05 + NEUTRAL_MASS / 2) * terminal / weight
+        assert (terminal, tau) == pytest.approx((2.4355, 0.28321), abs=5e-5)
+        assert terminal * tau * math.log(math.cosh(0.1 / tau)) == pytest.approx(0.042133, abs=5e-7)
+        agent = sphere(CORE_RADIUS, 0.05, drag=0.47)
+        for horizon in (0.1, 1.0):
+            flight = self.fly(agent, water(horizon))
+            fallen = terminal * tau * np.log(np.cosh(flight.t / tau))
+            np.testing.assert_allclose(-flight.position[:, 2], fallen, atol=self.accuracy * 1e-2)
+            speed = terminal * np.tanh(flight.t / tau)
+            np.testing.assert_allclose(-flight.velocity[:, 2], speed, atol=self.accuracy * 1e-1)
+
+    def test_linear_damping_decays_exponentially(self) -> None:
+        """m v' = -D v: with a rate of 2 1/s a neutral sphere comes to rest in a path of v / 2, relative to the water."""
+        agent = sphere(CORE_RADIUS, NEUTRAL_MASS)
+        rate = 2 * 1.5 * NEUTRAL_MASS
+        damping = np.diag([rate] * 3 + [0.0] * 3)
+        agent = replace(agent, coefficients=replace(agent.coefficients, linear_damping=damping))
+        flight = self.fly(agent, water(2.0, "rest", speed=1.0))
+        expected = flight.t - (1 - np.exp(-2 * flight.t)) / 2
+        np.testing.assert_allclose(flight.position[:, 0], expected, atol=self.accuracy * 1e-2)
+
+    def test_a_body_released_with_the_current_drifts_with_it(self) -> None:
+        """release.velocity = "current": a neutral body without relative motion is carried and never turns."""
+        flight = self.fly(SPHEROID.agent(), water(3.0, "current", speed=0.7))
+        np.testing.assert_allclose(flight.position[:, 0], 0.7 * flight.t, atol=1e-9)
+        np.testing.assert_allclose(flight.velocity[:, 0], 0.7, atol=1e-9)
+        np.testing.assert_allclose(flight.velocity[:, 1:], 0, atol=1e-9)
+
+    # Kirchhoff's equations.
+
+    def test_the_spheroid_librates_as_in_closed_form(self) -> None:
+        """From u = 1, v = 0.01, r = 0 surge, sway, yaw rate and heading follow Jacobi's elliptic functions."""
+        motion = Libration(SPHEROID, 1.0, 0.01)
+        flight = self.fly(SPHEROID.agent(), water(1.0, (1.0, 0.01, 0.0)))
+        expected = np.array([motion.at(t) for t in flight.t])
+        np.testing.assert_allclose(expected[-1, :3], (0.994499, 0.057973, 1.999774), atol=5e-7)
+        size = np.abs(expected[:, :3]).max(axis=0)
+        np.testing.assert_allclose(
+            flight.velocity[:, [0, 1, 5]] / size, expected[:, :3] / size, atol=self.accuracy
+        )
+        heading = np.unwrap(2 * np.arctan2(flight.quaternion[:, 3], flight.quaternion[:, 0]))
+        np.testing.assert_allclose(heading, expected[:, 3], atol=self.accuracy * math.pi)
+        assert np.abs(flight.velocity[:, [2, 3, 4]]).max() < 1e-6, "the motion has left its plane"
+
+    def test_the_libration_has_its_period_and_its_greatest_rate(self) -> None:
+        """1.128094 s, four quarter periods of a pendulum, and 19.09224 rad/s."""
+        motion = Libration(SPHEROID, 1.0, 0.01)
+        assert (motion.period, motion.max_yaw_rate) == pytest.approx((1.128094, 19.09224), abs=5e-6)
+        flight = self.fly(SPHEROID.agent(), water(1.3, (1.0, 0.01, 0.0)))
+        rate = flight.velocity[:, 5]
+        # The rate vanishes at the release, after half a period and after a whole one.
+        turns = [i for i in range(2, len(rate) - 2) if rate[i - 1] * rate[i] < 0]
+        assert len(turns) == 2
+        near = slice(turns[1] - 2, turns[1] + 2)
+        period = np.polynomial.Polynomial.fit(rate[near], flight.t[near], 3)(0.0)
+        assert period == pytest.approx(motion.period, rel=self.accuracy)
+        assert motion.max_yaw_rate * (1 - 0.05) < np.abs(rate).max()
+        assert np.abs(rate).max() < motion.max_yaw_rate * (1 + self.accuracy)
+
+    def test_the_libration_conserves_energy_and_impulse(self) -> None:
+        """0.0134518 J of body and water, and an impulse that keeps its direction in the world."""
+        scenario = water(1.2, (1.0, 0.01, 0.0))
+        kept = invariants(SPHEROID.agent(), scenario, self.fly(SPHEROID.agent(), scenario))
+        assert kept.energy[0] == pytest.approx(0.0134518, abs=5e-8)
+        assert drift_of(kept.energy) <= self.drift * kept.energy[0]
+        scale = float(np.linalg.norm(kept.impulse[0]))
+        assert drift_of(kept.impulse) <= self.drift * scale
+
+    def test_motion_at_an_angle_feels_munks_moment(self) -> None:
+        """At 1 m/s and 10 degrees 0.0038375 N m turn the nose further away: rate of pitch = moment / (I + A55)."""
+        angle = math.radians(10)
+        moment = SPHEROID.munk_moment(1.0, angle)
+        assert moment == pytest.approx(0.0038375, abs=5e-9)
+        flight = self.fly(SPHEROID.agent(), water(1e-4, (1.0, 0.0, 0.0), pitch_deg=10.0))
+        rate = flight.velocity[-1, 4] / flight.t[-1]
+        assert rate == pytest.approx(moment / SPHEROID.total[2], rel=1e-4)
+
+    def test_a_small_angle_grows_exponentially(self) -> None:
+        """Rate 19.0922 1/s at 1 m/s, as long as the angle is small."""
+        growth = SPHEROID.growth(1.0)
+        assert growth == pytest.approx(19.0922, abs=5e-5)
+        flight = self.fly(SPHEROID.agent(), water(0.35, (1.0, 1e-5, 0.0)))
+        # From rest the sway grows as cosh(growth t); the angle is 7e-3 at the end, and linear theory off by its square.
+        window = flight.t >= 0.15
+        assert window.sum() >= 4
+        argument = np.arccosh(flight.velocity[window, 1] / 1e-5)
+        slope = np.polyfit(flight.t[window], argument, 1)[0]
+        assert slope == pytest.approx(growth, rel=max(self.accuracy, 1e-4))
+
+    # Invariances.
+
+    def test_uniform_flow_exerts_no_steady_force(self) -> None:
+        """D'Alembert: across the stream the spheroid keeps its velocity; at an angle the moment alone sets in."""
+        across = self.fly(SPHEROID.agent(), water(3.0, (1.0, 0.0, 0.0), pitch_deg=90.0))
+        np.testing.assert_allclose(world_velocity(across) - [1.0, 0.0, 0.0], 0, atol=1e-9)
+        at_rest = self.fly(SPHEROID.agent(), water(3.0, "rest", speed=1.0, pitch_deg=90.0))
+        np.testing.assert_allclose(at_rest.position, 0, atol=1e-9)
+        tiny = 1e-5
+        flight = self.fly(SPHEROID.agent(), water(tiny, "rest", speed=1.0, pitch_deg=10.0))
+        assert np.abs(flight.velocity[-1, :3]).max() / tiny < 1e-2
+        assert abs(flight.velocity[-1, 4]) / tiny > 100
+
+    def test_a_current_is_a_change_of_frame(self) -> None:
+        """Galilei: in a uniform steady current U the motion is that in still water with v - U, carried along."""
+        agent = tumbler(damped=True)
+        there = self.fly(agent, water(2.0, (1.3, 0.2, -0.1), speed=1.0, pitch_deg=20.0))
+        here = self.fly(agent, water(2.0, (0.3, 0.2, -0.1), speed=0.0, pitch_deg=20.0))
+        times = np.linspace(0, 2.0, 201)
+        carried = positions_at(here, times) + np.outer(times, [1.0, 0.0, 0.0])
+        assert apart(positions_at(there, times), carried) < self.agreement
+        R, Q = (matrix_from_quaternion(flight.quaternion[-1]) for flight in (there, here))
+        np.testing.assert_allclose(R, Q, atol=10 * self.agreement)
+
+    def test_the_choice_of_origin_does_not_matter(self) -> None:
+        """The same agent in body axes from another origin flies the same: A' = H^T A H for all its matrices."""
+        agent, offset = tumbler(damped=True), np.array([0.02, -0.01, 0.005])
+        moved = about(agent, offset)
+        for point in (np.zeros(3), np.array([0.1, 0.0, 0.05])):
+            np.testing.assert_allclose(
+                added_mass_at(moved.coefficients, point - offset),
+                added_mass_at(agent.coefficients, point),
+                atol=1e-12,
+            )
+        self._assert_flies_the_same(agent, moved, offset)
+
+    def test_coefficients_may_refer_to_any_point(self) -> None:
+        """Coefficients.origin is honoured: the added mass about another point is the same added mass."""
+        agent = tumbler()
+        c = agent.coefficients
+        elsewhere = np.array([-0.03, 0.0, 0.02])
+        matrix = shifted(c.added_mass, elsewhere - c.origin)
+        H = np.eye(6)
+        H[:3, 3:] = np.cross(np.eye(3), elsewhere - c.origin)
+        np.testing.assert_allclose(matrix, H.T @ c.added_mass @ H, atol=1e-15)
+        other = replace(agent, coefficients=Coefficients(matrix, origin=elsewhere))
+        self._assert_flies_the_same(agent, other, np.zeros(3))
+
+    def test_free_motion_conserves_energy_impulse_and_angular_impulse(self) -> None:
+        """Without gravity a tumbling body exchanges them with the water, and the sum stays what it was."""
+        agent = tumbler()
+        scenario = water(3.0, (1.0, 0.2, -0.1), pitch_deg=20.0, speed=0.5, gravity=0.0)
+        flight = self.fly(agent, scenario)
+        assert (np.abs(flight.velocity[:, 3:]).max(axis=0) > 1).all(), "it has to tumble about all three axes"
+        kept = invariants(agent, scenario, flight)
+        assert drift_of(kept.energy) <= self.drift * kept.energy[0]
+        scale = float(np.linalg.norm(kept.impulse[0]))
+        assert drift_of(kept.impulse) <= self.drift * scale
+        assert drift_of(kept.angular_impulse) <= self.drift * scale * agent.body.length
+
+    def test_weight_and_buoyancy_do_the_work_of_their_heights(self) -> None:
+        """With gravity energy is conserved too, and so are the impulses that a vertical force cannot change."""
+        agent = tumbler()
+        scenario = water(3.0, (0.5, 0.1, 0.0), pitch_deg=20.0)
+        kept = invariants(agent, scenario, self.fly(agent, scenario))
+        assert drift_of(kept.energy) <= self.drift * kept.kinetic.max()
+        scale = float(np.linalg.norm(kept.impulse, axis=1).max())
+        assert drift_of(kept.impulse[:, :2]) <= self.drift * scale
+        assert drift_of(kept.angular_impulse[:, 2]) <= self.drift * scale * agent.body.length
+        net = (DENSITY * agent.mass.volume - agent.mass.mass) * GRAVITY
+        assert kept.impulse[-1, 2] - kept.impulse[0, 2] == pytest.approx(3.0 * net, rel=1e-4)
+
+    # Ends of a flight.
+
+    def test_a_flight_ends_exactly_at_the_outlet(self) -> None:
+        """The last sample lies on the outlet's plane, interpolated and not overshot."""
+        flight = self.plugin().simulate(
+            sphere(CORE_RADIUS, NEUTRAL_MASS), water(20.0, "current", speed=0.83, pipe=(3.0, 1.0))
+        )
+        assert flight.end == End.OUTLET
+        assert flight.position[-1, 0] == pytest.approx(3.0, abs=1e-9)
+        assert flight.t[-1] == pytest.approx(3.0 / 0.83, abs=1e-9)
+        assert (flight.position[:-1, 0] < 3.0).all()
+
+    def test_a_tumbling_flight_ends_exactly_at_the_outlet_too(self) -> None:
+        """Also where it does not move in a straight line."""
+        flight = self.plugin().simulate(tumbler(), water(20.0, "current", speed=1.0, pipe=(2.0, 1.0)))
+        assert flight.end == End.OUTLET
+        assert flight.position[-1, 0] == pytest.approx(2.0, abs=1e-9)
+
+    def test_a_pipe_may_run_in_any_direction(self) -> None:
+        """The current follows the pipe, and the outlet is the plane across its end."""
+        end = (2.0, 3.0, -1.0)
+        scenario = water(20.0, "current", speed=1.0)
+        pipe = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=end, radius=0.5),))
+        flight = self.plugin().simulate(
+            sphere(CORE_RADIUS, NEUTRAL_MASS), scenario.model_copy(update={"pipe": pipe})
+        )
+        assert flight.end == End.OUTLET
+        np.testing.assert_allclose(flight.position[-1], end, atol=1e-9)
+
+    def test_a_flight_that_does_not_arrive_ends_at_the_horizon(self) -> None:
+        """It ends at that time, exactly, wherever it is."""
+        flight = self.plugin().simulate(
+            sphere(CORE_RADIUS, NEUTRAL_MASS), water(1.234, "current", speed=1.0, pipe=(9.0, 1.0))
+        )
+        assert flight.end == End.HORIZON
+        assert flight.t[-1] == pytest.approx(1.234, abs=1e-9)
+        assert flight.position[-1, 0] == pytest.approx(1.234, abs=1e-9)
+
+    def test_a_flight_that_goes_back_through_the_inlet_ends_there(self) -> None:
+        """An agent that leaves upstream is gone, though no error."""
+        flight = self.plugin().simulate(
+            sphere(CORE_RADIUS, NEUTRAL_MASS), water(20.0, (-1.0, 0.0, 0.0), pipe=(9.0, 0.5))
+        )
+        assert flight.end == End.INLET
+        assert not flight.end.failed
+        assert flight.position[-1, 0] < 0
+
+    @pytest.mark.parametrize("what", NOT_FINITE)
+    def test_an_impossible_agent_is_a_failed_flight_and_no_exception(self, what: str) -> None:
+        """The flight says that it failed, and holds what is finite of it: at least the release."""
+        flight = self.plugin().simulate(NOT_FINITE[what](), water(1.0, "current", speed=1.0, pipe=(9.0, 1.0)))
+        assert flight.end.failed
+        assert len(flight.t) >= 1 and flight.t[0] == 0.0
+        for values in (flight.t, flight.position, flight.quaternion, flight.velocity):
+            assert np.isfinite(values).all()
+
+    # Contact with the wall.
+
+    @pytest.mark.parametrize("frequency", [50.0, 100.0, 300.0])
+    def test_a_sphere_that_hits_the_wall_stays_inside_and_loses_energy(self, frequency: float) -> None:
+        """It enters no deeper than v / frequency, slides on, and comes back with less than half of its speed.
+
+        An undamped spring would be pressed in by v / frequency. At critical damping, with a wall that never
+        pulls, exp(-2) = 0.135 of the speed is left; a damper that sets in gently leaves more of it.
+        """
+        agent, hit, radius = sphere(CORE_RADIUS, NEUTRAL_MASS), 0.5, 0.2
+        flight = self.fly(
+            agent, water(0.8, (1.0, 0.0, hit), speed=1.0, pipe=(9.0, radius), frequency=frequency)
+        )
+        depth = depths(agent, flight, radius)
+        assert depth.max() > 0, "it was meant to reach the wall"
+        assert depth.max() <= hit / frequency * 1.02
+        speed = world_velocity(flight)[-1]
+        assert speed[0] == pytest.approx(1.0, abs=1e-6), "the wall is frictionless"
+        assert -hit / 2 < speed[2] <= 0
+
+    def test_a_long_body_that_hits_the_wall_obliquely_stays_inside_and_loses_energy(self) -> None:
+        """No rim enters deeper than the kinetic energy can press its spring, sqrt(2 E / m) / frequency.
+
+        m is the mass that the body opposes to a push at that rim, so that m frequency^2 is the spring.
+        """
+        agent, radius = SPHEROID.agent(), 0.2
+        scenario = water(2.0, (1.0, 0.0, 0.4), speed=1.0, pitch_deg=-20.0, pipe=(9.0, radius))
+        flight = self.fly(agent, scenario)
+        energy = invariants(agent, scenario, flight).energy
+        inverse = np.linalg.pinv(rigid_body_mass(agent.mass) + added_mass_at(agent.coefficients, np.zeros(3)))
+        push = np.zeros((len(agent.body.outer), 6))
+        push[:, 2], push[:, 4] = 1.0, -agent.body.outer[:, 0]
+        lightest = 1 / np.einsum("ki,ij,kj->k", push, inverse, push).max()
+        depth = depths(agent, flight, radius)
+        assert 0 < depth.max() <= math.sqrt(2 * energy[0] / lightest) / scenario.contact.frequency
+        assert energy[-1] < 0.9 * energy[0]
+        # The wall never gives energy back beyond what its springs hold: past the first blow it stays below.
+        assert energy.max() <= energy[0] * (1 + 100 * self.drift)
+
+    def test_a_light_body_comes_to_rest_against_the_wall(self) -> None:
+        """It rests where the spring carries the net buoyancy, a / frequency^2 deep, and drifts on with the water."""
+        agent, radius, frequency = SPHEROID.agent(), 0.1, 100.0
+        # So few edges that its widest rim alone touches.
+        body = spheroid_body(SPHEROID.a, SPHEROID.b, edges=4)
+        agent = replace(agent, body=body, mass=replace(agent.mass, mass=0.5 * SPHEROID.mass))
+        flight = self.fly(agent, water(3.0, "current", speed=1.0, pipe=(9.0, radius), frequency=frequency))
+        acceleration = 0.5 * GRAVITY / (0.5 + SPHEROID.factors[1])
+        static, way = acceleration / frequency**2, radius - SPHEROID.b
+        assert flight.position[-1, 2] - way == pytest.approx(static, rel=0.02)
+        np.testing.assert_allclose(world_velocity(flight)[-1], [1.0, 0.0, 0.0], atol=1e-3)
+        # It arrives with sqrt(2 a s), and that energy and its own push press it in no deeper than this.
+        hit = math.sqrt(2 * acceleration * way)
+        assert depths(agent, flight, radius).max() <= static + math.hypot(static, hit / frequency)
+
+    # Many flights.
+
+    def test_a_batch_is_exactly_its_single_flights(self) -> None:
+        """Every flight of a batch equals that of the agent alone to the last bit, whoever flies beside it."""
+        agents = [
+            tumbler(),
+            sphere(CORE_RADIUS, 0.05),
+            NOT_FINITE["an added mass that is no number"](),
+            SPHEROID.agent(),
+        ]
+        scenario = water(1.5, (1.0, 0.2, 0.3), speed=1.0, pipe=(2.0, 0.3))
+        simulator = self.plugin()
+        flights = simulator.simulate_batch(agents, scenario)
+        assert len(flights) == len(agents)
+        for agent, flight in zip(agents, flights, strict=True):
+            assert_identical(flight, simulator.simulate(agent, scenario))
+        for flight, reverse in zip(
+            flights, simulator.simulate_batch(agents[::-1], scenario)[::-1], strict=True
+        ):
+            assert_identical(flight, reverse)
+        assert simulator.simulate_batch([], scenario) == []
+
+    def test_the_same_flight_twice_is_the_same_to_the_last_bit(self) -> None:
+        """Nothing is left over from earlier flights, and a pickled copy in a worker process flies the same."""
+        scenario = water(1.5, (1.0, 0.2, 0.3), speed=1.0, pitch_deg=10.0, pipe=(9.0, 0.3))
+        simulator = self.plugin()
+        first = simulator.simulate(tumbler(damped=True), scenario)
+        simulator.simulate(sphere(CORE_RADIUS, 0.05), water(0.5))
+        assert_identical(first, simulator.simulate(tumbler(damped=True), scenario))
+        copy = pickle.loads(pickle.dumps(simulator))
+        assert_identical(first, copy.simulate(*pickle.loads(pickle.dumps((tumbler(damped=True), scenario)))))
+
+    def _assert_flies_the_same(self, agent: Agent, other: Agent, offset: FloatArray) -> None:
+        """Fly two descriptions of one agent, whose origins lie ``offset`` (m) apart in its body axes."""
+        scenario = water(2.0, (0.3, 0.2, -0.1), pitch_deg=20.0)
+        R = matrix_from_quaternion(scenario.release_quaternion())
+        start = R @ offset
+        elsewhere = water(
+            2.0,
+            (0.3, 0.2, -0.1),
+            pitch_deg=20.0,
+            position=(float(start[0]), float(start[1]), float(start[2])),
+        )
+        flight, again = self.fly(agent, scenario), self.fly(other, elsewhere)
+        turned = np.einsum("kij,j->ki", matrix_from_quaternion(again.quaternion), offset)
+        velocity = world_velocity(again) - np.einsum(
+            "kij,kj->ki", matrix_from_quaternion(again.quaternion), np.cross(again.velocity[:, 3:], offset)
+        )
+        times = np.linspace(0, 2.0, 201)
+        back = _interpolated(again.t, again.position - turned, velocity, times)
+        assert apart(positions_at(flight, times), back) < self.agreement
+
+
+def _interpolated(t: FloatArray, position: FloatArray, velocity: FloatArray, times: FloatArray) -> FloatArray:
+    curve = hermite_coefficients(t, position, velocity)
+    index = np.clip(np.searchsorted(t, times, side="right") - 1, 0, len(t) - 2)
+    u = (times - t[index]) / (t[index + 1] - t[index])
+    return np.asarray(np.einsum("kpi,kp->ki", curve[index], u[:, None] ** np.arange(4)), dtype=np.float64)
+
+
+def positions_at(flight: Trajectory, times: FloatArray) -> FloatArray:
+    """Positions (m) at any times within a flight, along its Hermite curve, (n, 3)."""
+    return _interpolated(flight.t, flight.position, world_velocity(flight), times)
+
+
+def drift_of(values: FloatArray) -> float:
+    """Largest change of any component since the first sample."""
+    return float(np.abs(values - values[0]).max())
+
+
+def apart(a: FloatArray, b: FloatArray) -> float:
+    """Largest distance (m) between corresponding points."""
+    return float(np.linalg.norm(a - b, axis=1).max())
+
+
+def depths(agent: Agent, flight: Trajectory, radius: float) -> FloatArray:
+    """How far (m) the agent reaches beyond the wall of a pipe about x of this radius, at each sample, (k,).
+
+    Every rim of the body is walked round in steps of 5 degrees.
+    """
+    R = matrix_from_quaternion(flight.quaternion)
+    angles = np.deg2rad(np.arange(0, 360, 5))
+    x, r = agent.body.outer.T
+    ring = np.stack(
+        [
+            np.repeat(x, len(angles)),
+            np.outer(r, np.cos(angles)).ravel(),
+            np.outer(r, np.sin(angles)).ravel(),
+        ]
+    )
+    across = flight.position[:, 1:, None] + R[:, 1:] @ ring
+    return np.asarray(np.linalg.norm(across, axis=1).max(axis=1) - radius, dtype=np.float64)
+
+
+def assert_identical(a: Trajectory, b: Trajectory) -> None:
+    """Check that two flights are equal to the last bit."""
+    assert a.end == b.end
+    for name in ("t", "position", "quaternion", "velocity"):
+        np.testing.assert_array_equal(getattr(a, name), getattr(b, name))

@@ -1,0 +1,298 @@
+"""Bad input gets one line that names where, what and the next step; exit code 2, and nothing half-written."""
+
+import json
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Refused = Callable[..., str]
+
+BASE = 'base = "pipe-inspection"\n'
+SEGMENT = BASE + "[[pipe.segments]]\nstart = [0, 0, 0]\nend = [9, 0, 0]\n"
+OUT = ("--evaluations", 1, "--workers", 1, "--out", "run")
+
+
+@pytest.mark.parametrize(
+    ("args", "parts"),
+    [
+        (("--target", "TP11"), ["--target TP11", "did you mean 'TP1'?"]),
+        (("--simulator", "exudn"), ["--simulator", "'exudn'", "did you mean 'exudyn'?"]),
+        (("--strategy", "papr"), ["--strategy", "'papr'", "did you mean 'paper'?"]),
+        (("--hydrodynamics", "strip"), ["--hydrodynamics", "'strip'", "did you mean 'striptheory'?"]),
+        (("--set", "nonsense"), ["--set nonsense", "expected key=value, such as flow.speed=0.8"]),
+        (("--set", "=1"), ["--set =1", "expected key=value"]),
+        (("--set", "flow..speed=1"), ["expected key=value"]),
+        (("--set", "fluid.density=-1"), ["--set", "fluid.density = -1", "greater than 0"]),
+        (("--set", "fluid.density=nan"), ["fluid.density = nan", "finite"]),
+        (("--set", "fluid.density=inf"), ["fluid.density = inf", "finite"]),
+        (("--set", "builder.hull_density=-5"), ["builder.hull_density = -5", "greater than 0"]),
+        (("--set", "builder.hull_densty=5"), ["'hull_densty' in [builder]", "did you mean 'hull_density'?"]),
+        (("--set", "simulator.tolerance=abc"), ["simulator.tolerance = 'abc'", "should be a number"]),
+        (("--set", "simulator.step_limit=1.5"), ["simulator.step_limit = 1.5", "should be a whole number"]),
+        (("--set", "simulator=exudyn"), ["simulator = 'exudyn' is not a table"]),
+        (("--set", "simulator.use=exudn"), ["--set simulator.use=exudn", "did you mean 'exudyn'?"]),
+        (("--set", "fluids.density=1"), ["unknown key 'fluids'", "did you mean 'fluid'?"]),
+        (("--set", "targets.TP1=[1, 0, 9]"), ["--set targets.TP1", "TP1", "lies outside the pipe"]),
+        (("--set", "targets={}"), ["has no [targets]", "leak = [4.0, 0.0, -0.9]"]),
+        (("--set", 'run.formats=["stll"]'), ["no exporter is named 'stll'", "did you mean 'stl'?"]),
+        (("--evaluations", 0), ["'--evaluations'", "greater than or equal to 1", "driftform evolve --help"]),
+        (("--evaluations", "many"), ["'--evaluations'", "driftform evolve --help"]),
+        (("--workers", 0), ["'--workers'", "greater than or equal to 1"]),
+        (("--seed", -1), ["'--seed'", "greater than or equal to 0"]),
+        (("--sead", 1), ["--sead"]),
+    ],
+)
+def test_of_evolve(refused: Refused, args: tuple[object, ...], parts: list[str]) -> None:
+    line = refused("evolve", *OUT, *args)
+    for part in parts:
+        assert part in line
+
+
+def test_a_misspelt_command_and_a_misspelt_option_before_it(refused: Refused) -> None:
+    assert "evolve" in refused("evolv")
+    assert "--versio" in refused("--versio")
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "parts"),
+    [
+        (BASE + "[flows]\nspeed = 1\n", 2, ["unknown key 'flows'", "did you mean 'flow'?"]),
+        (BASE + "[flow]\nspee = 1\n", 3, ["'spee' in [flow]", "did you mean 'speed'?"]),
+        (BASE + "flow.spee = 1\n", 2, ["'spee' in [flow]", "did you mean 'speed'?"]),
+        (BASE + "flow = { spee = 1 }\n", 2, ["'spee' in [flow]"]),
+        (BASE + "[simulator]\ntolerence = 1\n", 3, ["'tolerence' in [simulator]", "'tolerance'?"]),
+        (SEGMENT + "radiuss = 1\n", 5, ["'radiuss' in [[pipe.segments]]", "did you mean 'radius'?"]),
+        (SEGMENT, 2, ["'radius' is missing in [[pipe.segments]]"]),
+        (SEGMENT + "radius = -1\n", 5, ["pipe.segments[0].radius = -1", "greater than 0"]),
+        (SEGMENT.replace("9", "0") + "radius = 1\n", 2, ["start and end", "same point"]),
+        (BASE + "[run]\nsead = 1\n", 3, ["'sead' in [run]", "did you mean 'seed'?"]),
+        (BASE + "[run]\nseed = -1\n", 3, ["run.seed = -1"]),
+        (BASE + '[run]\nformats = ["stl", "smf"]\n', 3, ["no exporter is named 'smf'"]),
+        (BASE + '[run]\nformats = "stl"\n', 3, ["run.formats = 'stl'", "should be a list"]),
+        (BASE + "# heavy water\n[fluid]\ndensity = -1\n", 4, ["fluid.density = -1", "greater than 0"]),
+        (BASE + '[fluid]\ndensity = "heavy"\n', 3, ["fluid.density = 'heavy'", "should be a number"]),
+        (BASE + "[fluid]\ndensity = nan\n", 3, ["fluid.density = nan", "finite"]),
+        (BASE + "[flow]\nspeed = inf\n", 3, ["flow.speed = inf", "finite"]),
+        (BASE + "[targets]\nA = [nan, 0, 0]\n", 3, ["targets.A[0] = nan", "finite"]),
+        (BASE + "[targets]\nA = [1, 0]\n", 3, ["targets.A = [1, 0]", "should have 3 values"]),
+        (BASE + "[targets]\nA = 5\n", 3, ["targets.A = 5", "should be a list"]),
+        (BASE + "[targets]\nB = [1, 0, 0]\nA = [1, 0, 5]\n", 4, ["A [1.0, 0.0, 5.0]", "outside the pipe"]),
+        (BASE + "[targets]\nA = [10, 0, 0]\n", 3, ["outside the pipe"]),
+        (BASE + '[targets]\n"../x" = [1, 0, 0]\n', 3, ["'../x'", "names a folder"]),
+        (BASE + '[targets]\n"/etc/x" = [1, 0, 0]\n', 3, ["'/etc/x'", "names a folder"]),
+        (BASE + '[targets]\n"" = [1, 0, 0]\n', 3, ["''", "names a folder"]),
+        (BASE + '[targets]\n"a b" = [1, 0, 0]\n', 3, ["'a b'", "names a folder"]),
+        (BASE + f"[targets]\n{'x' * 300} = [1, 0, 0]\n", 3, ["longer than 100 bytes"]),
+        (BASE + "[targets]\nA1 = [1, 0, 0]\na1 = [2, 0, 0]\n", 4, ["'A1' and 'a1' differ in case only"]),
+        (BASE + "[targets]\n", None, ["has no [targets]", "leak = [4.0, 0.0, -0.9]"]),
+        (BASE + "[release]\nposition = [0, 0, 3]\n", 3, ["release.position", "outside the pipe"]),
+        (BASE + '[release]\nvelocity = "fast"\n', 3, ["release.velocity = 'fast'", "'current' or 'rest'"]),
+        (BASE + "[release]\nvelocity = [1, 0]\n", 3, ["release.velocity = [1, 0]", "should have 3 values"]),
+        (BASE + "[pipe]\nsegments = 3\n", 3, ["pipe.segments = 3", "should be a list"]),
+        (BASE + "pipe = 3\n", 2, ["pipe = 3 is not a table"]),
+        (BASE + "title = 2020-01-01\n", 2, ["title", "should be text in quotes"]),
+        (BASE + '[simulator]\nuse = "exdyn"\n', 3, ["no simulator is named 'exdyn'", "'exudyn'?"]),
+        (BASE + "[simulator]\nuse = 3\n", 3, ["no simulator is named '3'", "known: exudyn"]),
+        ("title = 'bare'\n", None, ["no plugin is chosen by [grammar]", 'base = "pipe-inspection"']),
+        (
+            'title = "x"\nbase = "pipe-inspect"\n',
+            2,
+            ["study 'pipe-inspect'", "did you mean 'pipe-inspection'?"],
+        ),
+        ('base = "gone.toml"\n', 1, ["study 'gone.toml'", "neither a file nor a built-in"]),
+        ("base = 3\n", 1, ["base = 3 is not the name"]),
+        ('base = "study.toml"\n', 1, ["'base' leads back to study.toml"]),
+        ('base = "./study.toml"\n', 1, ["'base' leads back to"]),
+        ("a = = 3\n", None, ["is not valid TOML", "line 1, column 5"]),
+        ("a = " + "[" * 5000, None, ["is not valid TOML", "too deeply"]),
+        ("a = " + "9" * 5000, None, ["is not valid TOML"]),
+    ],
+)
+def test_of_a_study_file(
+    refused: Refused, tmp_path: Path, text: str, line: int | None, parts: list[str]
+) -> None:
+    (tmp_path / "study.toml").write_text(text)
+    message = refused("evolve", "study.toml", *OUT)
+    assert message.startswith(f"error: study.toml:{line}: " if line else "error: study.toml: ")
+    for part in parts:
+        assert part in message
+
+
+def test_every_fault_of_a_study_is_told_at_once(call: Callable[..., Any]) -> None:
+    Path("study.toml").write_text(
+        BASE + "[fluid]\ndensity = -1\n[builder]\nwal = 1\n[simulator]\nuse = 'x'\n"
+    )
+    lines = call("evolve", "study.toml", *OUT).stderr.splitlines()
+    assert [line.split(": ")[1] for line in lines] == ["study.toml:3", "study.toml:5", "study.toml:7"]
+
+
+def test_the_line_is_that_of_the_file_which_holds_the_key(refused: Refused, tmp_path: Path) -> None:
+    (tmp_path / "lake.toml").write_text(BASE + "[fluid]\ndensty = 1000\n")
+    (tmp_path / "study.toml").write_text('base = "lake.toml"\n')
+    assert refused("evolve", "study.toml", *OUT).startswith("error: lake.toml:3: ")
+
+
+def test_a_base_that_leads_back_over_another_file(refused: Refused, tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text('base = "b.toml"\n')
+    (tmp_path / "b.toml").write_text('base = "a.toml"\n')
+    assert refused("evolve", "a.toml", *OUT) == "error: b.toml:1: 'base' leads back to a.toml"
+
+
+def test_a_study_that_is_no_text_file(refused: Refused, tmp_path: Path) -> None:
+    (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe\x00")
+    (tmp_path / "folder.toml").mkdir()
+    assert "bytes.toml: is not a text file in UTF-8" in refused("evolve", "bytes.toml", *OUT)
+    assert "'folder.toml' is a directory" in refused("evolve", "folder.toml", *OUT)
+    assert "'gone.toml' is neither a file nor" in refused("evolve", "gone.toml", *OUT)
+    assert "did you mean 'pipe-inspection'?" in refused("evolve", "pipe-inspektion", *OUT)
+    assert "study ''" in refused("evolve", "", *OUT)
+
+
+@pytest.mark.parametrize("command", ["evolve", "sample", "export", "simulate"])
+def test_an_out_that_cannot_be_a_directory(refused: Refused, tmp_path: Path, command: str) -> None:
+    (tmp_path / "file").write_text("mine")
+    args = {
+        "evolve": ("evolve", "--evaluations", 1),
+        "sample": ("sample", "--count", 1),
+        "export": ("export", "C", "--format", "scad"),
+        "simulate": ("simulate", "C"),
+    }[command]
+    for out in ("file", "file/below"):
+        line = refused(*args, "--out", out)
+        assert "file" in line
+        assert "choose another --out" in line
+    if sys.platform == "linux" and Path("/proc/version").exists():
+        # Not even the superuser makes directories there.
+        assert "/proc/agents: cannot be made" in refused(*args, "--out", "/proc/agents")
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+@pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="the superuser may write anywhere")
+def test_an_out_that_may_not_be_written(refused: Refused, tmp_path: Path) -> None:
+    (tmp_path / "fixed").mkdir(mode=0o500)
+    assert "choose another --out" in refused("evolve", "--evaluations", 1, "--out", "fixed/run")
+
+
+def test_an_out_that_is_in_use(refused: Refused, run_copy: Path, tmp_path: Path) -> None:
+    line = refused("evolve", "--evaluations", 1, "--out", "run")
+    assert "already holds a run" in line
+    assert line.endswith("driftform resume run")
+    run_copy.rename(tmp_path / "my run")
+    assert refused("evolve", "--out", "my run").endswith("driftform resume 'my run'")
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "letter.txt").write_text("dear")
+    assert "mine is not empty; choose another --out" in refused("evolve", "--out", "mine")
+    assert "mine is not an empty directory" in refused("sample", "--count", 1, "--out", "mine")
+
+
+@pytest.mark.parametrize(
+    ("agent", "parts"),
+    [
+        ("addB-tiltn-1-M-movB", ["symbol 5 'movB'", "did you mean 'moveB'?"]),
+        ("addB-tiltn-1-M-moveB-addB-tiltn-1-X-moveB", ["symbol 9 'X'", "known: "]),
+        ("addB-tiltn", ["number of symbols is 2", "multiple of five"]),
+        ("tiltn-addB-1-M-moveB", ["symbol 1 is 'tiltn'", "expected an add"]),
+        ("C: addB | S: addB", ["rule"]),
+        ("", ["empty", "addB-tiltn-1-M-moveB"]),
+        ("gone.json", ["gone.json", "no such file"]),
+        ("no/where", ["no/where", "no such file"]),
+        ("gone:TP1", ["gone: no such run directory"]),
+        ("x" * 5000, ["xxx ...", "no word"]),
+        ("a\0b", ["no word"]),
+    ],
+)
+def test_of_an_agent(refused: Refused, agent: str, parts: list[str]) -> None:
+    line = refused("inspect", agent)
+    for part in parts:
+        assert part in line
+    assert len(line) < 500
+
+
+def test_a_run_without_its_target_and_other_places(refused: Refused, run_copy: Path, tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    assert "name one of its targets too, such as run:TP1" in refused("inspect", "run")
+    assert "run has no target 'TP2'; did you mean" in refused("inspect", "run:TP2")
+    assert "run has no target ''; known: TP1, TP7" in refused("inspect", "run:")
+    assert "empty holds no run.db" in refused("inspect", "empty:TP1")
+    assert "directory, and holds no run" in refused("inspect", "empty")
+    assert "empty holds no run.db" in refused("resume", "empty")
+    assert "gone: no such run directory" in refused("resume", "gone")
+    assert "expected a run directory" in refused("resume", "run/run.db")
+
+
+def change(key: str, value: object) -> Callable[[dict[str, Any]], None]:
+    *tables, last = key.split(".")
+
+    def changed(document: dict[str, Any]) -> None:
+        for table in tables:
+            document = document[table]
+        document[last] = value
+
+    return changed
+
+
+@pytest.mark.parametrize(
+    ("harm", "parts"),
+    [
+        (change("format", "other"), ['lacks "format": "driftform-agent"']),
+        (change("version", 2), ["version 2", "reads version 1"]),
+        (change("version", "1"), ["version '1'"]),
+        (change("genome", 3), ['"genome" must hold "grammar"']),
+        (change("genome.symbols", "C"), ['"genome" must hold']),
+        (change("genome.symbols", ["C", 1]), ['"genome" must hold']),
+        (change("genome.symbols", []), ["number of symbols is 0"]),
+        (change("genome.symbols", ["C", "addX"]), ["symbol 1 'addX'", "did you mean 'addF'?"]),
+        (change("genome.grammar", "other"), ["grammar 'other'", "uses 'lsystem'"]),
+        (change("environment", None), ['"environment" is missing']),
+        (change("environment", {}), ["no plugin is chosen by [grammar]"]),
+        (change("environment.builder.wal", 1), ["unknown key 'wal' in [builder]", "did you mean 'wall'?"]),
+        (change("environment.builder.wall", -1), ["builder.wall = -1", "greater than 0"]),
+        (change("environment.builder.use", "frust"), ["no builder is named 'frust'", "'frusta'?"]),
+        (change("environment.fluid.densty", 1), ["unknown key 'densty' in [fluid]"]),
+        (change("environment.fluid.density", float("nan")), ["fluid.density = nan", "finite"]),
+        (change("environment.fluid", 3), ["fluid = 3 is not a table"]),
+        (change("environment.targets", {"../x": [1, 0, 0]}), ["'../x'", "names a folder"]),
+        (change("environment.pilot", {}), ["unknown key 'pilot'"]),
+    ],
+)
+def test_of_an_agent_file(
+    refused: Refused,
+    agent_document: dict[str, Any],
+    tmp_path: Path,
+    harm: Callable[[dict[str, Any]], None],
+    parts: list[str],
+) -> None:
+    harm(agent_document)
+    (tmp_path / "agent.json").write_text(json.dumps(agent_document))
+    for command in ("inspect", "simulate", "export"):
+        line = refused(command, "agent.json")
+        assert line.startswith("error: agent.json: ")
+        for part in parts:
+            assert part in line
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", "3", "{}", "[" * 100_000, '{"a": ' + "9" * 5000 + "}", "\x00"]
+)
+def test_an_agent_file_that_is_none(refused: Refused, tmp_path: Path, text: str) -> None:
+    (tmp_path / "agent.json").write_text(text)
+    assert refused("inspect", "agent.json").startswith("error: agent.json: is not an agent file")
+
+
+def test_an_agent_file_that_is_no_text(refused: Refused, tmp_path: Path) -> None:
+    (tmp_path / "agent.json").write_bytes(b"\x80\x04\x95")
+    assert "agent.json: is not an agent file, which is JSON in UTF-8" in refused("inspect", "agent.json")
+
+
+def test_of_export_plugins_and_scenarios(refused: Refused) -> None:
+    assert "--format stll: no exporter is named 'stll'; did you mean 'stl'?" in refused(
+        "export", "C", "--format", "stll"
+    )
+    assert "--format is empty" in refused("export", "C", "--format", ",")
+    assert "did you mean 'exudyn'?" in refused("plugins", "show", "exudn")
+    assert "did you mean 'pipe-inspection'?" in refused("scenarios", "show", "pipe-inspektion")
+    assert "--count" in refused("sample", "--count", 0, "--out", "out")

@@ -1,0 +1,157 @@
+"""A run.db that is not as driftform left it is refused in one line, to go on with and to read from."""
+
+import os
+import shutil
+import sqlite3
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Refused = Callable[..., str]
+
+
+def overwritten(data: bytes) -> Callable[[Path], None]:
+    return lambda path: path.write_bytes(data) and None
+
+
+def truncated(size: int) -> Callable[[Path], None]:
+    return lambda path: os.truncate(path, size)
+
+
+def garbled(share: float) -> Callable[[Path], None]:
+    """Garbage over one page."""
+
+    def harm(path: Path) -> None:
+        data = bytearray(path.read_bytes())
+        start = int(share * len(data)) // 4096 * 4096
+        data[start : start + 4096] = b"\xa5" * 4096
+        path.write_bytes(data)
+
+    return harm
+
+
+def sql(*statements: str) -> Callable[[Path], None]:
+    def harm(path: Path) -> None:
+        connection = sqlite3.connect(path)
+        for statement in statements:
+            connection.execute(statement)
+        connection.commit()
+        connection.close()
+
+    return harm
+
+
+def foreign(path: Path) -> None:
+    path.unlink()
+    sql("CREATE TABLE bookmarks (url)")(path)
+
+
+DAMAGE = "is damaged"
+
+
+@pytest.mark.parametrize(
+    ("harm", "told"),
+    [
+        (overwritten(b""), "is empty or cut short: the run never began"),
+        (truncated(50), "is empty or cut short"),
+        (overwritten(b"\x80\x04\x95" * 5000), DAMAGE),
+        (overwritten(b"no database, but a letter to my mother\n" * 200), DAMAGE),
+        (truncated(100_000), DAMAGE),
+        (truncated(4096), DAMAGE),
+        (garbled(0.1), DAMAGE),
+        (garbled(0.5), DAMAGE),
+        (garbled(0.9), DAMAGE),
+        (foreign, "is a database, but not of a driftform run"),
+        (sql("PRAGMA user_version = 7"), "is of format 7, this driftform reads format 1"),
+        (sql("DROP TABLE meta"), "meta"),
+        (sql("DROP TABLE score"), "score"),
+        (sql("DROP TABLE evaluation"), "evaluation"),
+        (sql("ALTER TABLE evaluation DROP COLUMN seconds"), "evaluation"),
+        (sql("ALTER TABLE evaluation RENAME COLUMN symbols TO letters"), "evaluation"),
+        (sql("DELETE FROM meta"), DAMAGE),
+        (sql("UPDATE meta SET value = '{'"), DAMAGE),
+        (sql("UPDATE meta SET value = '[]'"), DAMAGE),
+        (sql("UPDATE meta SET value = '{}'"), "no plugin is chosen"),
+        (sql("UPDATE evaluation SET symbols = '{'"), DAMAGE),
+        (sql("UPDATE evaluation SET symbols = '3'"), DAMAGE),
+        (sql("UPDATE evaluation SET parents = 'x'"), DAMAGE),
+        (sql("UPDATE evaluation SET trajectory = x'0011'"), DAMAGE),
+        (sql("UPDATE evaluation SET ended = 'x'"), DAMAGE),
+        (sql("UPDATE score SET fitness = 'abc'"), DAMAGE),
+    ],
+)
+def test_to_resume_and_to_read(
+    refused: Refused, run_copy: Path, harm: Callable[[Path], None], told: str
+) -> None:
+    harm(run_copy / "run.db")
+    for args in (("resume", "run", "--workers", 1), ("inspect", "run:TP1")):
+        line = refused(*args)
+        assert line.startswith("error: run/run.db: ")
+        assert told in line
+
+
+@pytest.mark.parametrize(
+    "harm",
+    [
+        sql("DELETE FROM score WHERE evaluation = 3"),
+        sql("UPDATE evaluation SET trajectory = NULL"),
+        sql("""UPDATE evaluation SET symbols = '["C"]' WHERE id = 3"""),
+        sql("UPDATE evaluation SET symbols = '[1, 2]'"),
+    ],
+)
+def test_to_resume(
+    run_copy: Path, call: Callable[..., Any], rows: Callable[..., Any], harm: Callable[[Path], None]
+) -> None:
+    harm(run_copy / "run.db")
+    before = rows(run_copy)
+    result = call("resume", "run", "--workers", 1)
+    assert result.exit_code == 2
+    assert result.stderr.splitlines()[-1].startswith("error: ")
+    assert rows(run_copy) == before
+
+
+@pytest.mark.parametrize(
+    "harm", [sql("DELETE FROM evaluation WHERE id = 3"), sql("UPDATE evaluation SET id = id + 100")]
+)
+def test_rows_that_do_not_fit_those_to_be_written(
+    run_copy: Path, call: Callable[..., Any], harm: Callable[[Path], None]
+) -> None:
+    harm(run_copy / "run.db")
+    result = call("resume", "run", "--workers", 1)
+    assert isinstance(result.exception, SystemExit)
+    assert result.exit_code == 1
+    assert result.stderr.splitlines()[-1].startswith("error: run/run.db: evaluation ")
+
+
+def test_a_directory_in_place_of_the_database(refused: Refused, run_copy: Path) -> None:
+    (run_copy / "run.db").unlink()
+    (run_copy / "run.db").mkdir()
+    assert refused("resume", "run").startswith("error: run holds no run.db")
+
+
+def test_a_failed_look_leaves_the_file_as_it_was(refused: Refused, run_copy: Path) -> None:
+    path = run_copy / "run.db"
+    garbled(0.5)(path)
+    before = path.read_bytes()
+    refused("resume", "run")
+    assert path.read_bytes() == before
+    assert [p.name for p in run_copy.glob("run.db*")] == ["run.db"]
+
+
+def test_a_copy_whose_log_was_left_by_a_crash_is_whole(
+    run_copy: Path, call: Callable[..., Any], tmp_path: Path, rows: Callable[..., Any]
+) -> None:
+    # What a process that was killed leaves: rows that only the write-ahead log has.
+    connection = sqlite3.connect(run_copy / "run.db", isolation_level=None)
+    connection.execute("PRAGMA journal_mode = WAL")
+    connection.execute("PRAGMA wal_autocheckpoint = 0")
+    connection.execute("DELETE FROM score WHERE evaluation > 9")
+    connection.execute("DELETE FROM evaluation WHERE id > 9")
+    crashed = Path(shutil.copytree(run_copy, tmp_path / "crashed"))
+    connection.close()
+    assert (crashed / "run.db-wal").stat().st_size > 0
+    assert call("resume", "crashed", "--workers", 1).exit_code == 0
+    assert [row[0] for row in rows(crashed)[:20]] == list(range(20))
+    assert [path.name for path in crashed.glob("run.db*")] == ["run.db"]

@@ -1,0 +1,240 @@
+"""Runs that are killed, interrupted, watched and fought over: nothing stored is lost, and the result is the same."""
+
+import json
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Start = Callable[..., subprocess.Popen[str]]
+Program = Callable[..., subprocess.CompletedProcess[str]]
+Rows = Callable[[Path], list[tuple[Any, ...]]]
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
+
+EVALUATIONS = 60
+STUDY = (
+    "--target",
+    "TP1",
+    "--target",
+    "TP8",
+    "--evaluations",
+    EVALUATIONS,
+    "--seed",
+    5,
+    "--simulator",
+    "fake",
+)
+SLOW = ("--set", "simulator.pause=0.05")
+
+
+def stored(directory: Path) -> int:
+    """Rows in the database of a run that may be going on, or may not have begun."""
+    path = directory / "run.db"
+    try:
+        connection = sqlite3.connect(f"file:{path}?mode=ro", uri=True)
+        try:
+            return int(connection.execute("SELECT COUNT(*) FROM evaluation").fetchone()[0])
+        finally:
+            connection.close()
+    except sqlite3.OperationalError:
+        return 0
+
+
+def wait_until(condition: Callable[[], bool], seconds: float = 60.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not happen in time"
+        time.sleep(0.02)
+
+
+def children(process: int) -> list[int]:
+    """Processes that a process started, and theirs, as the kernel tells."""
+    found: list[int] = []
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            try:
+                status = (entry / "stat").read_text()
+            except OSError:
+                continue
+            state, parent = status.rpartition(")")[2].split()[:2]
+            if int(parent) == process and state != "Z":
+                found += [int(entry.name), *children(int(entry.name))]
+    return found
+
+
+def alive(process: int) -> bool:
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def workers(process: int) -> list[int]:
+    """Those of its processes that evaluate: not the one that watches over shared resources."""
+    return [
+        child for child in children(process) if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes()
+    ]
+
+
+needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
+
+
+@pytest.fixture(scope="module")
+def undisturbed(run: Program, rows: Rows, tmp_path_factory: pytest.TempPathFactory) -> list[tuple[Any, ...]]:
+    cwd = tmp_path_factory.mktemp("undisturbed")
+    result = run("evolve", *STUDY, *SLOW, "--workers", 2, "--out", "run", cwd=cwd)
+    assert result.returncode == 0, result.stderr
+    return rows(cwd / "run")
+
+
+@pytest.fixture
+def going(start: Start, tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
+    """A run of two workers that has some evaluations, and is not at its end."""
+    with start("evolve", *STUDY, *SLOW, "--workers", 2, "--out", "run", cwd=tmp_path) as process:
+        try:
+            wait_until(lambda: stored(tmp_path / "run") >= 15)
+            yield process
+        finally:
+            process.kill()
+
+
+@needs_proc
+def test_killed_it_leaves_no_workers_and_is_resumed_to_the_same_result(
+    going: subprocess.Popen[str],
+    run: Program,
+    rows: Rows,
+    undisturbed: list[tuple[Any, ...]],
+    tmp_path: Path,
+) -> None:
+    started = workers(going.pid)
+    assert started
+    going.kill()
+    going.wait()
+    wait_until(lambda: not any(alive(worker) for worker in started), seconds=10)
+    assert 15 <= stored(tmp_path / "run") < EVALUATIONS
+
+    resumed = run("resume", "run", "--workers", 1, "--json", cwd=tmp_path)
+    assert resumed.returncode == 0, resumed.stderr
+    assert json.loads(resumed.stdout)["evaluations"] == EVALUATIONS
+    assert rows(tmp_path / "run") == undisturbed
+
+
+@needs_proc
+def test_interrupted_it_names_the_command_that_goes_on_and_leaves_the_database_whole(
+    going: subprocess.Popen[str], run: Program, rows: Rows, undisturbed: list[tuple[Any, ...]], tmp_path: Path
+) -> None:
+    started = children(going.pid)
+    going.send_signal(signal.SIGINT)
+    out, err = going.communicate(timeout=20)
+    assert going.returncode == 130
+    assert out == ""
+    assert "Traceback" not in err
+    last = err.splitlines()[-1]
+    assert last.startswith("stopped after ")
+    assert last.endswith("go on with: driftform resume run")
+    wait_until(lambda: not any(alive(child) for child in started), seconds=10)
+    # Whole, and in one file: what is copied is all there is.
+    assert sorted(path.name for path in (tmp_path / "run").glob("run.db*")) == ["run.db"]
+    connection = sqlite3.connect(tmp_path / "run" / "run.db")
+    assert connection.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+    connection.close()
+
+    assert run(*last.partition("driftform ")[2].split(), cwd=tmp_path).returncode == 0
+    assert rows(tmp_path / "run") == undisturbed
+
+
+@needs_proc
+@pytest.mark.parametrize("delay", [0.2, 2.0], ids=["workers import", "workers fly"])
+def test_interrupted_it_does_not_wait_for_long_flights(start: Start, tmp_path: Path, delay: float) -> None:
+    args = ("evolve", *STUDY, "--set", "simulator.pause=60", "--workers", 2, "--out", "run")
+    with start(*args, cwd=tmp_path) as process:
+        wait_until(lambda: (tmp_path / "run" / "run.db").exists() and len(workers(process.pid)) == 2)
+        time.sleep(delay)
+        began = time.monotonic()
+        for child in [process.pid, *workers(process.pid)]:
+            os.kill(child, signal.SIGINT)
+        _, err = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert time.monotonic() - began < 10
+    assert "Traceback" not in err
+    assert err.splitlines()[-1].startswith(f"stopped after 0 of {EVALUATIONS} evaluations")
+
+
+def test_a_second_process_on_a_run_is_refused(
+    going: subprocess.Popen[str], run: Program, tmp_path: Path
+) -> None:
+    for args in (("resume", "run"), ("evolve", *STUDY, "--out", "run")):
+        second = run(*args, cwd=tmp_path)
+        assert second.returncode == 2
+        assert second.stdout == ""
+        [line] = second.stderr.splitlines()
+        assert line.startswith("error: run")
+    assert going.poll() is None
+
+
+def test_the_best_so_far_is_read_while_the_run_goes_on(
+    going: subprocess.Popen[str], run: Program, rows: Rows, undisturbed: list[tuple[Any, ...]], tmp_path: Path
+) -> None:
+    read = run("inspect", "run:TP1", "--json", cwd=tmp_path)
+    assert read.returncode == 0, read.stderr
+    _, err = going.communicate(timeout=60)
+    assert going.returncode == 0, err
+    assert rows(tmp_path / "run") == undisturbed
+
+
+@needs_proc
+def test_a_worker_that_is_killed_costs_nothing(
+    going: subprocess.Popen[str], rows: Rows, undisturbed: list[tuple[Any, ...]], tmp_path: Path
+) -> None:
+    os.kill(workers(going.pid)[0], signal.SIGKILL)
+    _, err = going.communicate(timeout=60)
+    assert going.returncode == 0, err
+    assert "Traceback" not in err
+    assert rows(tmp_path / "run") == undisturbed
+
+
+def test_genomes_that_kill_their_process_are_counted_and_the_rest_is_a_result(
+    call: Callable[..., Any], fakes: None
+) -> None:
+    args = ("--evaluations", 20, "--target", "TP1", "--seed", 5, "--workers", 2, "--out", "run", "--json")
+    result = call("evolve", *args, "--simulator", "fake", "--set", "simulator.die=0.1")
+    assert result.exit_code == 0, result.stderr
+    document = json.loads(result.stdout)
+    assert document["evaluations"] == 20
+    assert 0 < document["failed"] < 10
+    assert document["targets"]["TP1"]["fitness"] > 0
+    assert f"{document['failed']} failed" in result.stderr
+
+
+def test_resuming_a_finished_run_changes_nothing(
+    run_copy: Path, call: Callable[..., Any], rows: Rows
+) -> None:
+    before = rows(run_copy)
+    files = {path: path.read_bytes() for path in run_copy.rglob("*") if path.is_file()}
+    result = call("resume", run_copy, "--workers", 1, "--json")
+    assert result.exit_code == 0, result.stderr
+    assert json.loads(result.stdout)["evaluations"] == 20
+    assert rows(run_copy) == before
+    after = {path: path.read_bytes() for path in run_copy.rglob("*") if path.is_file()}
+    assert after.keys() == files.keys()
+    assert [path.name for path in files if files[path] != after[path] and path.name != "run.db"] == []
+
+
+def test_all_evaluations_failing_ends_with_the_reason_of_the_first(
+    call: Callable[..., Any], fakes: None
+) -> None:
+    args = ("--simulator", "fake", "--set", "simulator.fail=1", "--workers", 1, "--out", "run", "--seed", 1)
+    result = call("evolve", *args, "--evaluations", 4, "--target", "TP1", "--json")
+    assert result.exit_code == 1
+    assert result.stdout == ""
+    last = result.stderr.splitlines()[-1]
+    assert last.startswith("error: all 4 evaluations failed, the first: RuntimeError: genome 0.")
+    assert "is not to my taste" in last

@@ -1,0 +1,234 @@
+"""A plugin of somebody else's, installed by a real installer, is found and used just like ours."""
+
+import csv
+import json
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+
+import pytest
+
+PROGRAM = Path(sysconfig.get_path("scripts")) / ("driftform.exe" if os.name == "nt" else "driftform")
+
+FILES = {
+    # uv builds this backend itself, so that nothing is downloaded.
+    "pyproject.toml": """\
+[build-system]
+requires = ["uv_build"]
+build-backend = "uv_build"
+
+[project]
+name = "elsewhere-progress"
+version = "4.5.6"
+requires-python = ">=3.11"
+dependencies = ["driftform"]
+
+[project.entry-points.driftform]
+progress = "elsewhere_progress"
+""",
+    "src/elsewhere_progress/__init__.py": '''\
+"""Progress along the pipe as a fitness, and a search that tries one word over and over."""
+
+from driftform import hookimpl
+
+
+@hookimpl
+def driftform_fitness():
+    from elsewhere_progress.plugins import Progress
+
+    return Progress
+
+
+@hookimpl
+def driftform_strategy():
+    from elsewhere_progress.plugins import Stubborn
+
+    return [Stubborn]
+''',
+    "src/elsewhere_progress/plugins.py": '''\
+import numpy as np
+
+from driftform.interfaces import Fitness, Strategy
+from driftform.options import Table, option
+from driftform.types import Candidate
+
+
+class ProgressOptions(Table):
+    scale: float = option(1.0, "fitness for each metre", "1/m", gt=0)
+
+
+class Progress(Fitness[ProgressOptions]):
+    """Metres travelled along x at the end of the flight, times ``scale``."""
+
+    name = "progress"
+    Options = ProgressOptions
+
+    def score(self, trajectory, scenario):
+        return np.full(len(scenario.targets), max(0.0, self.options.scale * trajectory.position[-1, 0]))
+
+
+class StubbornOptions(Table):
+    genome: str = option(..., "the genome to try, as text")
+
+
+class Stubborn(Strategy[StubbornOptions]):
+    """Asks for one genome, every time."""
+
+    name = "stubborn"
+    Options = StubbornOptions
+
+    def ask(self, limit):
+        return [Candidate(self.space.grammar.parse(self.options.genome))] * min(2, limit)
+
+    def tell(self, first, evaluations):
+        pass
+''',
+    "tests/test_contract.py": """\
+from driftform.testing import FitnessContract
+from elsewhere_progress.plugins import Progress, ProgressOptions
+
+
+class TestProgress(FitnessContract):
+    def plugin(self):
+        return Progress(ProgressOptions(scale=2.0))
+
+
+class TestWrong(FitnessContract):
+    perfect = 100.0
+
+    def plugin(self):
+        return Progress(ProgressOptions(scale=2.0))
+""",
+}
+
+WORD = "addF-tiltp-1-M-moveN-addB-tiltn-0-L-moveN"
+
+
+@pytest.fixture(scope="module")
+def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The plugin's own source tree, somewhere else than driftform's."""
+    folder = tmp_path_factory.mktemp("elsewhere")
+    for name, text in FILES.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def site(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A directory that the plugin is installed into."""
+    # ``uv run`` tells where it is; otherwise it is looked for on the path.
+    uv = os.environ.get("UV") or shutil.which("uv")
+    if uv is None and os.environ.get("CI"):
+        pytest.fail("uv is not installed, and CI must not skip what needs it")
+    if uv is None:
+        pytest.skip("uv is not installed")
+    target = tmp_path_factory.mktemp("site")
+    command = [
+        uv,
+        "pip",
+        "install",
+        "--offline",
+        "--no-deps",
+        "--python",
+        sys.executable,
+        "--target",
+        target,
+        source,
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr
+    return target
+
+
+def run(command: list[str | Path], site: Path, cwd: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        command,
+        cwd=cwd,
+        env=os.environ | {"PYTHONPATH": str(site)},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+
+
+def driftform(site: Path, cwd: Path, *args: str) -> dict:
+    done = run([PROGRAM, *args, "--json"], site, cwd)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_it_is_listed_with_its_distribution_and_version(site, tmp_path):
+    rows = driftform(site, tmp_path, "plugins", "list")["plugins"]
+    theirs = [row for row in rows if row["distribution"] == "elsewhere-progress"]
+    assert theirs == [
+        {
+            "seam": seam,
+            "name": name,
+            "distribution": "elsewhere-progress",
+            "version": "4.5.6",
+            "state": "ok",
+        }
+        for seam, name in (("fitness", "progress"), ("strategy", "stubborn"))
+    ]
+    assert {"seam", "name", "distribution", "version", "state"} == set(rows[0])
+    assert any(row["name"] == "closest-approach" and row["state"] == "ok" for row in rows)
+
+
+def test_without_it_nothing_is_left_of_it(tmp_path):
+    rows = driftform(tmp_path, tmp_path, "plugins", "list")["plugins"]
+    assert not [row for row in rows if row["distribution"] == "elsewhere-progress"]
+
+
+def test_its_options_are_shown(site, tmp_path):
+    (shown,) = driftform(site, tmp_path, "plugins", "show", "progress")["plugins"]
+    assert shown["options"] == [
+        {"option": "scale", "type": "float", "default": 1.0, "unit": "1/m", "help": "fitness for each metre"}
+    ]
+
+
+def test_a_study_evolves_with_its_fitness_and_its_strategy(site, tmp_path):
+    done = driftform(
+        site,
+        tmp_path,
+        "evolve",
+        *("--evaluations", "4", "--target", "TP1", "--workers", "1", "--seed", "1", "--out", "run"),
+        *("--strategy", "stubborn", "--set", f"strategy.genome={WORD}"),
+        *("--set", "fitness.use=progress", "--set", "fitness.scale=2.5"),
+    )
+    assert (done["evaluations"], done["failed"]) == (4, 0)
+    best = tmp_path / "run" / "best" / "TP1"
+    with (best / "trajectory.csv").open(newline="") as file:
+        samples = list(csv.DictReader(file))
+    (column,) = [name for name in samples[0] if name == "x" or name.startswith(("x_", "x ", "x["))]
+    travelled = float(samples[-1][column])
+    assert travelled > 0.1
+    assert done["targets"]["TP1"]["fitness"] == pytest.approx(2.5 * travelled, rel=1e-4)
+    agent = json.loads((best / "agent.json").read_text())
+    assert agent["genome"]["symbols"] == ["C", *WORD.split("-")]
+    assert "elsewhere-progress" in (tmp_path / "run" / "environment.json").read_text()
+
+
+def test_its_options_are_checked_like_ours(site, tmp_path):
+    command = [PROGRAM, "evolve", "--set", "fitness.use=progress", "--set", "fitness.scael=2"]
+    done = run(command, site, tmp_path)
+    assert done.returncode == 2
+    assert "fitness.scael" in done.stderr or "'scael'" in done.stderr
+    assert "did you mean 'scale'?" in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_its_authors_can_inherit_the_contract(site, source):
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests"]
+    done = run(command, site, source)
+    failed = [line for line in done.stdout.splitlines() if line.startswith("FAILED")]
+    # A fitness that is not about closeness does not keep a promise of perfection, and the contract shows values.
+    assert failed, done.stdout + done.stderr
+    assert all("TestWrong" in line for line in failed)
+    assert any("test_a_flight_through_a_target_is_perfect_for_it" in line for line in failed)
+    assert "100.0" in done.stdout and "2.0" in done.stdout

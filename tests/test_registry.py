@@ -1,0 +1,246 @@
+"""What is installed, and what is wrong with it; plugins are real ``.dist-info`` directories on the path."""
+
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from pydantic import ValidationError
+
+from driftform.errors import InputError
+from driftform.fitness import ClosestApproach
+from driftform.interfaces import SEAMS
+from driftform.registry import Contribution, Registry, registry
+
+Install = Callable[..., Registry]
+
+SOUND = """
+from driftform import hookimpl
+
+@hookimpl
+def driftform_fitness():
+    from driftform.interfaces import Fitness
+    from driftform.options import Table, option
+
+    class Options(Table):
+        weight: float = option(1.0, "how much it weighs", "kg", gt=0)
+
+    class Mine(Fitness):
+        name = "{name}"
+
+        def score(self, trajectory, scenario):
+            return scenario.target_array()[:, 0] * self.options.weight
+
+    Mine.Options = Options
+    return Mine
+"""
+
+MISSING = """
+from driftform import hookimpl
+
+@hookimpl
+def driftform_simulator():
+    import a_library_that_is_not_there
+"""
+
+INCOMPLETE = """
+from driftform import hookimpl
+
+@hookimpl
+def driftform_strategy():
+    from driftform.interfaces import Strategy
+
+    class Half(Strategy):
+        name = "half"
+
+        def ask(self, limit):
+            return []
+
+    return Half
+"""
+
+
+@pytest.fixture
+def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Install]:
+    """Install modules as distributions ``<module>-plugin 1.0``, and return a registry that has looked for them."""
+    monkeypatch.syspath_prepend(str(tmp_path))
+    modules: list[str] = []
+
+    def installed(**sources: str) -> Registry:
+        for module, source in sources.items():
+            (tmp_path / f"{module}.py").write_text(source)
+            info = tmp_path / f"{module}_plugin-1.0.dist-info"
+            info.mkdir()
+            (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}-plugin\nVersion: 1.0\n")
+            (info / "entry_points.txt").write_text(f"[driftform]\n{module} = {module}\n")
+            modules.append(module)
+        return Registry()
+
+    yield installed
+    for module in modules:
+        sys.modules.pop(module, None)
+
+
+def row(found: Registry, name: str) -> Contribution:
+    (only,) = [row for row in found.contributions() if row.name == name]
+    return only
+
+
+def test_our_own_plugins_are_found_with_their_distribution_and_version():
+    found = {(row.seam, row.name): (row.distribution, row.state) for row in registry().contributions()}
+    ours = {
+        ("grammar", "lsystem"): "driftform-lsystem",
+        ("builder", "frusta"): "driftform-frusta",
+        ("hydrodynamics", "striptheory"): "driftform-striptheory",
+        ("simulator", "exudyn"): "driftform-exudyn",
+        ("fitness", "closest-approach"): "driftform",
+        ("strategy", "paper"): "driftform",
+        ("strategy", "random"): "driftform",
+        ("exporter", "stl"): "driftform-frusta",
+        ("exporter", "scad"): "driftform-frusta",
+    }
+    for key, distribution in ours.items():
+        assert found[key] == (distribution, "ok")
+    assert registry().find("fitness", "closest-approach") is ClosestApproach
+
+
+def test_a_plugin_beside_ours_is_found_and_made_with_its_options(install):
+    found = install(ext_sound=SOUND.format(name="mine"))
+    assert row(found, "mine").distribution == "ext_sound-plugin"
+    assert row(found, "mine").version == "1.0"
+    assert row(found, "mine").available
+    assert found.create("fitness", "mine", {"weight": 2.5}).options.weight == 2.5
+    assert found.find("fitness", "closest-approach") is ClosestApproach
+
+
+@pytest.mark.parametrize("options", [{"wieght": 1.0}, {"weight": 0.0}, {"weight": "heavy"}])
+def test_options_that_do_not_fit_are_refused(install, options):
+    with pytest.raises(ValidationError):
+        install(ext_sound=SOUND.format(name="mine")).create("fitness", "mine", options)
+
+
+@pytest.mark.parametrize(
+    ("seam", "typed", "meant"),
+    [("simulator", "exudin", "exudyn"), ("strategy", "Paper", "paper"), ("exporter", "stll", "stl")],
+)
+def test_a_name_that_is_mistyped_is_an_input_error_with_a_guess(seam, typed, meant):
+    with pytest.raises(InputError, match=f"^no {seam} is named '{typed}'; did you mean '{meant}'\\?$"):
+        registry().find(seam, typed)
+
+
+def test_a_name_like_no_other_is_an_input_error_with_all_there_are():
+    with pytest.raises(InputError, match=r"no strategy is named 'simplex'; known: .*paper.*random"):
+        registry().find("strategy", "simplex")
+
+
+def test_a_name_of_another_seam_is_not_found():
+    with pytest.raises(InputError, match="no fitness is named 'exudyn'"):
+        registry().find("fitness", "exudyn")
+
+
+def test_two_plugins_that_claim_one_name_are_both_named(install):
+    found = install(ext_one=SOUND.format(name="mine"), ext_two=SOUND.format(name="mine"))
+    with pytest.raises(InputError) as caught:
+        found.find("fitness", "mine")
+    message = str(caught.value)
+    assert "fitness 'mine' is claimed by" in message
+    assert "ext_one-plugin 1.0" in message
+    assert "ext_two-plugin 1.0" in message
+    assert [r.distribution for r in found.seam("fitness") if r.name == "mine"] == [
+        "ext_one-plugin",
+        "ext_two-plugin",
+    ]
+
+
+def test_a_plugin_may_not_take_one_of_our_names(install):
+    found = install(ext_rival=SOUND.format(name="closest-approach"))
+    with pytest.raises(InputError, match=r"claimed by .*driftform .*ext_rival-plugin"):
+        found.find("fitness", "closest-approach")
+
+
+def test_a_missing_dependency_is_a_row_that_says_so(install):
+    found = install(ext_missing=MISSING)
+    broken = row(found, "ext_missing")
+    assert broken.seam == "simulator"
+    assert broken.distribution == "ext_missing-plugin"
+    assert broken.state == "unavailable: No module named 'a_library_that_is_not_there'"
+    assert not broken.available
+    assert row(found, "exudyn").available, "the others go on"
+
+
+def test_asking_for_a_plugin_with_a_missing_dependency_says_why(install):
+    found = install(ext_missing=MISSING)
+    with pytest.raises(InputError) as caught:
+        found.find("simulator", "ext_missing")
+    message = str(caught.value)
+    assert "ext_missing-plugin" in message
+    assert "No module named 'a_library_that_is_not_there'" in message
+
+
+def test_a_module_that_cannot_be_imported_is_a_row_that_says_so(install):
+    found = install(ext_rotten="import a_library_that_is_not_there", ext_syntax="def broken(:")
+    assert row(found, "ext_rotten").state == ("unavailable: No module named 'a_library_that_is_not_there'")
+    assert row(found, "ext_syntax").state.startswith("unavailable: SyntaxError")
+    with pytest.raises(InputError, match="unavailable: No module named"):
+        found.find("fitness", "ext_rotten")
+
+
+def test_a_class_that_leaves_out_a_method_is_a_row_that_names_it(install):
+    found = install(ext_half=INCOMPLETE)
+    broken = row(found, "ext_half")
+    assert broken.state.startswith("unavailable: ")
+    assert "Half leaves out tell" in broken.state
+    with pytest.raises(InputError, match="Half leaves out tell"):
+        found.find("strategy", "ext_half")
+
+
+@pytest.mark.parametrize(
+    ("returned", "reason"),
+    [
+        ("int", "is no Fitness"),
+        ("'not a class'", "is no Fitness"),
+        ("type('Nameless', (Fitness,), {'score': lambda self, t, s: None})", "Nameless has no name"),
+    ],
+)
+def test_a_hook_that_returns_something_else_is_a_row_that_says_so(install, returned, reason):
+    source = f"""
+from driftform import hookimpl
+
+@hookimpl
+def driftform_fitness():
+    from driftform.interfaces import Fitness
+    return {returned}
+"""
+    assert reason in row(install(ext_odd=source), "ext_odd").state
+
+
+@pytest.mark.parametrize(
+    "error", ["ImportError", "ImportError()", "RuntimeError", "ValueError('')", "OSError('a\\nb')"]
+)
+def test_whatever_goes_wrong_in_a_plugin_is_a_row_of_one_line(install, error):
+    broken = row(
+        install(ext_wild=MISSING.replace("import a_library_that_is_not_there", f"raise {error}")), "ext_wild"
+    )
+    assert broken.state.startswith("unavailable: ")
+    assert len(broken.state.removeprefix("unavailable: ").strip()) > 1
+    assert len(broken.state.splitlines()) == 1
+
+
+def test_a_hook_may_return_several_classes_or_none(install):
+    several = SOUND.format(name="one").replace(
+        "    return Mine", "    return [Mine, type('Other', (Mine,), {'name': 'two'})]"
+    )
+    found = install(
+        ext_several=several, ext_none=SOUND.format(name="x").replace("return Mine", "return None")
+    )
+    names = {r.name for r in found.seam("fitness")}
+    assert {"one", "two"} <= names
+    assert "x" not in names
+
+
+def test_every_seam_has_its_hook():
+    from driftform import hookspecs
+
+    assert {name for name in dir(hookspecs) if name.startswith("driftform_")} == {
+        f"driftform_{seam}" for seam in SEAMS
+    }
