@@ -93,7 +93,7 @@ class Contact(Table):
     """Contact with the pipe's wall: a frictionless, inelastic penalty.
 
     The spring of a rim is so stiff that the body's mass, with its added mass, would swing on it at
-    ``frequency``; with ``damping_ratio`` 1 it does not bounce.
+    ``frequency``; with ``damping_ratio`` 1 it hardly bounces.
     """
 
     frequency: float = option(100.0, "angular frequency of the body on the spring of one rim", "rad/s", gt=0)

@@ -159,10 +159,9 @@ def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
 
 
 def test_constants_of_the_contact_are_as_told(pages: dict[str, str]) -> None:
-    from driftform.dynamics import contact, model
+    from driftform.dynamics import contact
 
     section = pages["dataflow.md"].partition("## Contact with the wall")[2]
-    assert f"less than {1000 * model.RIM_TOLERANCE:g} mm from the line" in section
     assert f"min(1, d / {1000 * contact.ONSET:g} mm)" in section
     assert f"below about {contact.BLUNT:g}" in section
 

@@ -100,6 +100,46 @@ def test_a_spinning_body_meets_the_wall_with_the_speed_of_its_rim():
     assert tau[2] == pytest.approx(-(1000 * 0.01 + 20 * 0.2), rel=1e-5)
 
 
+TWO_RIMS = ((0.1, 0.02, 1000.0, 20.0), (-0.05, 0.03, 700.0, 10.0))
+
+
+def potential(position, R, rims=TWO_RIMS):
+    """sqrt(sum of s^4) / 2 with s^2 = k d^2, the depths found by going around each rim."""
+    phi = np.linspace(0, 2 * np.pi, 200_001)
+    total = 0.0
+    for x, r, k, _ in rims:
+        rim = np.column_stack([np.full_like(phi, x), r * np.cos(phi), r * np.sin(phi)]) @ R.T + position
+        depth = max(0.0, np.hypot(rim[:, 1], rim[:, 2]).max() - 1)
+        total += (k * depth**2) ** 2
+    return np.sqrt(total) / 2
+
+
+@pytest.mark.parametrize("height", [0.972, 0.985, 1.0])
+def test_the_push_of_several_rims_is_the_gradient_of_one_potential(height):
+    R = Rotation.from_rotvec([0, 0.1, 0]).as_matrix()
+    h = 1e-5
+    up, down = (potential(np.array([2.0, 0, height + d]), R) for d in (h, -h))
+    push = R @ force_on([2.0, 0, height], R=R, rims=TWO_RIMS)[:3]
+    assert push[2] == pytest.approx(-(up - down) / (2 * h), rel=1e-3)
+
+
+def test_dividing_a_rim_into_many_neighbours_hardly_stiffens_the_contact():
+    one = force_on([2.0, 0, 0.99], rims=((0.0, 0.02, 1000.0, 0.0),))
+    for count in (2, 9):
+        many = force_on([2.0, 0, 0.99], rims=((0.0, 0.02, 1000.0, 0.0),) * count)
+        assert many[2] == pytest.approx(np.sqrt(count) * one[2], rel=1e-9)
+
+
+@given(st.floats(-0.3, 0.3))
+def test_a_mirrored_body_is_pushed_in_the_mirrored_way(pitch):
+    here, there = (Rotation.from_rotvec([0, s * pitch, 0]).as_matrix() for s in (1, -1))
+    mirrored = tuple((-x, r, k, c) for x, r, k, c in TWO_RIMS)
+    tau = here @ force_on([2.0, 0, 0.985], R=here, rims=TWO_RIMS).reshape(2, 3).T
+    mirror = there @ force_on([2.0, 0, 0.985], R=there, rims=mirrored).reshape(2, 3).T
+    assert mirror[2, 0] == pytest.approx(tau[2, 0], rel=1e-9, abs=1e-12)
+    assert mirror[1, 1] == pytest.approx(-tau[1, 1], rel=1e-9, abs=1e-12)
+
+
 def test_contact_is_frictionless():
     assert force_on([2.0, 0, 0.99], velocity=[3.0, 0, 0])[0] == pytest.approx(0, abs=1e-12)
 

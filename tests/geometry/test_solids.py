@@ -1,5 +1,7 @@
 """Solids of revolution against closed forms, limiting shapes, and numerical quadrature of eq. 11 to 17."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -90,7 +92,7 @@ def test_any_chain_agrees_with_quadrature_of_the_papers_integrals(steps):
     solid = solid_of_revolution([(x[0], 0), *zip(x, r, strict=True), (x[-1], 0)])
 
     def integral(f):
-        return sum(quad(f, a, b, epsabs=0, epsrel=1e-10)[0] for a, b in zip(x[:-1], x[1:], strict=True))
+        return sum(quad(f, a, b, epsabs=0, epsrel=1e-10)[0] for a, b in pairwise(x))
 
     def radius(s):
         return np.interp(s, x, r)

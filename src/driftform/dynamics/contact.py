@@ -74,8 +74,10 @@ def add_wall_forces(
     """Add force (N) and torque (N m) of the wall about the body's origin, in the body frame, to ``tau`` (6,).
 
     ``position`` (m) and ``velocity`` (m/s) of the body's origin are in the world frame, ``omega`` (rad/s) in the
-    body frame. Each rim presses with k d + c d' onset(d), never pulls; d is the depth of its farthest point
-    beyond the wall.
+    body frame. A rim whose farthest point is the depth d beyond the wall presses with its share of k d + c d'
+    onset(d), and never pulls. The share of a rim is s^2 / sqrt(sum of s^4 over all rims), with s^2 = k d^2: the
+    springs then have the potential sqrt(sum of s^4) / 2, and a finely divided dome, of which many rims touch at
+    once, is not many times stiffer than a single rim.
     """
     if pipe.shape[0] == 0:
         return
@@ -86,35 +88,45 @@ def add_wall_forces(
     if wall_gap(position, pipe, normal) > np.sqrt(reach):
         return
     centre = np.empty(3)
-    point = np.empty(3)
-    arm = np.empty(3)
-    push = np.empty(3)
+    points = np.empty((rims.shape[0], 3))
+    normals = np.empty((rims.shape[0], 3))
+    depths = np.empty(rims.shape[0])
+    total = 0.0
     for k in range(rims.shape[0]):
+        depths[k] = 0.0
         for i in range(3):
             centre[i] = position[i] + R[i, 0] * rims[k, 0]
-        gap = wall_gap(centre, pipe, normal)
+        gap = wall_gap(centre, pipe, normals[k])
         if gap > rims[k, 1]:
             continue
         # The farthest point defines the normal and the normal the point; the bore is wide, so two rounds settle.
         for _ in range(2):
-            rim_point(position, R, rims[k, 0], rims[k, 1], normal, point)
-            gap = wall_gap(point, pipe, normal)
-        depth = -gap
-        if depth <= 0.0:
+            rim_point(position, R, rims[k, 0], rims[k, 1], normals[k], points[k])
+            gap = wall_gap(points[k], pipe, normals[k])
+        depths[k] = max(0.0, -gap)
+        total += (rims[k, 2] * depths[k] ** 2) ** 2
+    if total == 0.0:
+        return
+    arm = np.empty(3)
+    push = np.empty(3)
+    for k in range(rims.shape[0]):
+        depth = depths[k]
+        if depth == 0.0:
             continue
         for i in range(3):
             arm[i] = 0.0
             push[i] = 0.0
             for j in range(3):
-                arm[i] += R[j, i] * (point[j] - position[j])
-                push[i] -= R[j, i] * normal[j]
+                arm[i] += R[j, i] * (points[k, j] - position[j])
+                push[i] -= R[j, i] * normals[k, j]
         sx = omega[1] * arm[2] - omega[2] * arm[1]
         sy = omega[2] * arm[0] - omega[0] * arm[2]
         sz = omega[0] * arm[1] - omega[1] * arm[0]
         speed = -(push[0] * sx + push[1] * sy + push[2] * sz)
         for i in range(3):
-            speed += velocity[i] * normal[i]
-        force = rims[k, 2] * depth + rims[k, 3] * speed * min(1.0, depth / ONSET)
+            speed += velocity[i] * normals[k, i]
+        share = rims[k, 2] * depth**2 / np.sqrt(total)
+        force = share * (rims[k, 2] * depth + rims[k, 3] * speed * min(1.0, depth / ONSET))
         if force <= 0.0:
             continue
         for i in range(3):

@@ -19,13 +19,6 @@ FORCES = 26
 DAMPING_ORIGIN = 27
 ROWS = 28
 
-RIM_TOLERANCE = 1e-4
-"""Rims of the convex hull that stand out less than this (m) from the line between their neighbours are left out.
-
-It is a fraction of the depth to which a resting body sinks into the wall. With all rims of a finely divided dome in
-contact at once their springs would add up, and the contact would be many times stiffer than asked for.
-"""
-
 
 @dataclass(frozen=True, eq=False)
 class FlightModel:
@@ -95,22 +88,7 @@ def touching_rims(body: Body) -> FloatArray:
                 break
             hull.pop()
         hull.append((float(x), float(r)))
-    return np.array([point for point in _thinned(hull) if point[1] > 0.0]).reshape(-1, 2)
-
-
-def _thinned(hull: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Leave out, one by one, the vertex that stands out least, while that is less than the tolerance."""
-    points = np.array(hull)
-    while len(points) > 2:
-        before, here, after = points[:-2], points[1:-1], points[2:]
-        chord = after - before
-        across = chord[:, 0] * (here - before)[:, 1] - chord[:, 1] * (here - before)[:, 0]
-        height = across / np.hypot(chord[:, 0], chord[:, 1])
-        least = int(np.argmin(height))
-        if height[least] >= RIM_TOLERANCE:
-            break
-        points = np.delete(points, least + 1, axis=0)
-    return [(float(x), float(r)) for x, r in points]
+    return np.array([point for point in hull if point[1] > 0.0]).reshape(-1, 2)
 
 
 def _springs(rims: FloatArray, inverse: FloatArray, scenario: Scenario) -> FloatArray:
