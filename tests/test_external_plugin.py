@@ -97,7 +97,7 @@ class TestProgress(FitnessContract):
 
 
 class TestWrong(FitnessContract):
-    perfect = 100.0
+    rewards_closeness = True
 
     def plugin(self):
         return Progress(ProgressOptions(scale=2.0))
@@ -231,4 +231,4 @@ def test_its_authors_can_inherit_the_contract(site, source):
     assert failed, done.stdout + done.stderr
     assert all("TestWrong" in line for line in failed)
     assert any("test_a_flight_through_a_target_is_perfect_for_it" in line for line in failed)
-    assert "100.0" in done.stdout and "2.0" in done.stdout
+    assert "100" in done.stdout and "2.0" in done.stdout

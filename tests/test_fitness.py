@@ -14,7 +14,7 @@ PIPE = Pipe(segments=(Segment(start=(0, 0, 0), end=(9, 0, 0), radius=1.0),))
 
 
 class TestClosestApproach(FitnessContract):
-    perfect = 100.0
+    rewards_closeness = True
 
     def plugin(self) -> ClosestApproach:
         return ClosestApproach(Table())

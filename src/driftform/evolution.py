@@ -14,7 +14,6 @@ from driftform.execution import Job, Outcome
 from driftform.figures.overview import Flight, overview_svg
 from driftform.figures.section import section_svg
 from driftform.files import write_text
-from driftform.registry import registry
 from driftform.run_directory import write_trajectory
 from driftform.store import Record, Store
 from driftform.study import Study
@@ -101,9 +100,9 @@ def evolve(
 def scored(evaluation: Evaluation, targets: Sequence[str]) -> Evaluation:
     """The evaluation, as a failure where its fitness is none that selection can work with."""
     fitness = evaluation.fitness
-    if len(fitness) == len(targets) and bool(np.all(np.isfinite(fitness) & (fitness >= 0))):
+    if len(fitness) == len(targets) and bool(np.all((fitness >= 0) & (fitness <= 100))):
         return evaluation
-    reason = f"its fitness is {fitness.tolist()}, expected {len(targets)} finite numbers from 0 up"
+    reason = f"its fitness is {fitness.tolist()}, expected {len(targets)} numbers from 0 to 100"
     return replace(evaluation, fitness=np.zeros(len(targets)), failure=evaluation.failure or reason)
 
 
@@ -141,7 +140,7 @@ def write_best(directory: Path, study: Study, store: Store) -> tuple[list[Best],
         files = [folder / "agent.json", folder / "trajectory.csv", folder / "section.svg"]
         problems: list[str] = []
         for name in study.run.formats:
-            exporter = registry().create("exporter", name, {})
+            exporter = study.exporter(name)
             path = folder / f"agent{exporter.suffix}"
             try:
                 exporter.write(agent, path)

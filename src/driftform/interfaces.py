@@ -129,7 +129,7 @@ class Simulator(Plugin[OptionsT_co]):
 
 
 class Fitness(Plugin[OptionsT_co]):
-    """Trajectory -> one fitness for each target of the scenario; more is better, 0 is the least."""
+    """Trajectory -> one fitness for each target of the scenario, in percent: 100 is best, 0 is worst."""
 
     @abstractmethod
     def score(self, trajectory: Trajectory, scenario: Scenario) -> FloatArray:

@@ -25,6 +25,9 @@ def option(default: Any, help: str, unit: str = "", **constraints: Any) -> Any:
     constraints
         pydantic constraints such as ``gt=0``.
     """
+    if isinstance(default, int | float):
+        # A number is a number: neither true nor "1000" is one.
+        constraints.setdefault("strict", True)
     return Field(default, description=help, json_schema_extra={"unit": unit}, **constraints)
 
 

@@ -69,7 +69,10 @@ class Pipeline:
         if not agents:
             return []
         try:
-            return list(self.fly(agents))
+            flights = list(self.fly(agents))
+            if len(flights) != len(agents):
+                raise ValueError(f"the simulator returned {len(flights)} flights for {len(agents)} agents")
+            return list(flights)
         except Exception as error:
             if len(agents) == 1:
                 return [_told(error)]

@@ -8,7 +8,9 @@ from pydantic import AfterValidator, ConfigDict, Field, model_validator
 from driftform.options import Table, option
 from driftform.types import FloatArray
 
-Vector: TypeAlias = tuple[float, float, float]
+Number: TypeAlias = Annotated[float, Field(strict=True)]
+
+Vector: TypeAlias = tuple[Number, Number, Number]
 """A vector of the world frame."""
 
 
@@ -17,7 +19,7 @@ class Segment(Table):
 
     start: Vector = option(..., "centre of the upstream end", "m")
     end: Vector = option(..., "centre of the downstream end", "m")
-    radius: float = option(..., "inner radius", "m", gt=0)
+    radius: float = option(..., "inner radius", "m", gt=0, strict=True)
 
     @model_validator(mode="after")
     def _has_length(self) -> "Segment":
@@ -67,7 +69,7 @@ class Flow(Table):
     """The water's velocity. ``uniform``: the same everywhere, along the pipe (along x in open water)."""
 
     kind: Literal["uniform"] = option("uniform", "name of the flow profile")
-    speed: float = option(1.0, "speed of the current", "m/s")
+    speed: float = option(1.0, "speed of the current", "m/s", ge=-100, le=100)
 
 
 class Fluid(Table):
@@ -127,16 +129,21 @@ class Scenario(Table):
     contact: Contact = Field(default=Contact(), description="contact with the wall")
     flight: Flight = Field(default=Flight(), description="when a flight is over")
     targets: Annotated[dict[str, Vector], AfterValidator(_named)] = Field(
-        default={}, description="points to reach, by name", json_schema_extra={"unit": "m"}
+        default={},
+        description="points to reach, each a name and a position in the world frame",
+        json_schema_extra={"unit": "m"},
     )
 
     @model_validator(mode="after")
     def _is_reachable(self) -> "Scenario":
         if self.targets and not self.pipe.segments:
             raise ValueError("targets need a pipe: fitness is relative to the farthest point of its volume")
-        for name, point in (("release.position", self.release.position), *self.targets.items()):
+        for name, point in (
+            ("release.position", self.release.position),
+            *((f"targets.{name}", point) for name, point in self.targets.items()),
+        ):
             if self.pipe.segments and not any(_inside(segment, point) for segment in self.pipe.segments):
-                raise ValueError(f"{name} {list(point)} lies outside the pipe")
+                raise ValueError(f"{name} = {list(point)} lies outside the pipe")
         return self
 
     @property

@@ -1,7 +1,8 @@
 """What to evolve: a TOML document -> scenario, plugins with their options, seed and budget; all checked.
 
 A study file holds the scenario's tables (``[pipe]``, ``[flow]``, ``[targets]`` ...), a table for each seam
-(``[simulator] use = "exudyn"``, the rest being that plugin's options) and ``[run]``. With ``base`` it starts from
+(``[simulator] use = "exudyn"``, the rest being that plugin's options), one for each exporter whose options differ
+from their defaults (``[exporter.stl]``), and ``[run]``. With ``base`` it starts from
 another file, or from a built-in scenario, and says only what differs. Built-in scenarios are study files.
 """
 
@@ -18,7 +19,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from driftform.errors import InputError, did_you_mean
-from driftform.interfaces import SEAMS, SearchSpace, Strategy
+from driftform.interfaces import SEAMS, Exporter, SearchSpace, Strategy
 from driftform.options import Table, option
 from driftform.pipeline import Pipeline
 from driftform.registry import registry
@@ -41,9 +42,11 @@ _LONGEST_NAME = 100
 class Run(Table):
     """How much to do, from where, and what to make of the best."""
 
-    seed: int | None = option(None, "seed of all randomness; drawn and recorded where none is given", ge=0)
+    seed: int | None = option(
+        None, "seed of all randomness; drawn and recorded where none is given", ge=0, strict=True
+    )
     evaluations: int | None = option(
-        None, "flights in the whole run; by default the strategy's, for each target", "", gt=0
+        None, "flights in the whole run; by default 50 for each target", "", gt=0, strict=True
     )
     formats: tuple[str, ...] = option(("stl",), "files to export for the best agent of each target")
 
@@ -96,6 +99,13 @@ class Study:
             "strategy", *_selection(self.document, "strategy"), space=space
         )
         return strategy
+
+    def exporter(self, name: str) -> Exporter[Any]:
+        """Make an exporter with the options of its table ``[exporter.<name>]``, if there is one."""
+        exporter: Exporter[Any] = registry().create(
+            "exporter", name, self.document.get("exporter", {}).get(name, {})
+        )
+        return exporter
 
     def environment(self) -> dict[str, Any]:
         """The part of the document that decides how an agent is built and flies: all but strategy and run."""
@@ -291,7 +301,7 @@ def _merged(
 def _checked(
     document: Mapping[str, Any], layers: Sequence[_Layer], wanted: Sequence[str], required: Sequence[str]
 ) -> Study:
-    known = {"title", "description", "base", "run", *Scenario.model_fields, *SELECTED}
+    known = {"title", "description", "base", "run", "exporter", *Scenario.model_fields, *SELECTED}
     errors = [
         f"{_where(layers, (key,))}: unknown key '{key}'{did_you_mean(key, known)}"
         for key in document
@@ -332,6 +342,12 @@ def _checked(
             resolved[seam] = _resolved_selection(document, seam, layers)
         except InputError as error:
             errors.extend(error.args)
+    exporters: dict[str, Any] = {}
+    for name, options in document.get("exporter", {}).items():
+        try:
+            exporters[name] = _resolved_options(document, ("exporter", name), name, options, layers)
+        except InputError as error:
+            errors.extend(error.args)
     if errors or scenario is None or run is None:
         raise InputError(*errors)
     _check_folders(scenario, layers)
@@ -343,21 +359,31 @@ def _checked(
         except InputError as error:
             raise InputError(f"{_where(layers, ('run', 'formats', index))}: {error}") from None
     head = {key: document[key] for key in ("title", "description") if key in document}
-    resolved = {**head, **_plain(scenario), **resolved, "run": _plain(run)}
+    resolved = {**head, **_plain(scenario), **resolved, "exporter": exporters, "run": _plain(run)}
     return Study(resolved, scenario, run)
 
 
 def _resolved_selection(document: Mapping[str, Any], seam: str, layers: Sequence[_Layer]) -> dict[str, Any]:
     name, options = _selection(document, seam)
+    return {"use": name, **_resolved_options(document, (seam,), name, options, layers)}
+
+
+def _resolved_options(
+    document: Mapping[str, Any], path: tuple[str, ...], name: str, options: Any, layers: Sequence[_Layer]
+) -> dict[str, Any]:
+    """Check the options of the plugin ``name`` that stand in the table ``path``, whose first part is the seam."""
     try:
-        cls = registry().find(seam, name)
+        cls = registry().find(path[0], name)
     except InputError as error:
-        raise InputError(f"{_where(layers, (seam, 'use'))}: {error}") from None
+        key = (*path, "use") if path[0] in SELECTED else path
+        raise InputError(f"{_where(layers, key)}: {error}") from None
+    if not isinstance(options, Mapping):
+        raise InputError(f"{_where(layers, path)}: {'.'.join(path)} = {options!r} is not a table")
     try:
         checked = cls.Options.model_validate(options)
     except ValidationError as error:
-        raise InputError(*_lines(error, (seam,), cls.Options, document, layers)) from None
-    return {"use": name, **_plain(checked)}
+        raise InputError(*_lines(error, path, cls.Options, document, layers)) from None
+    return _plain(checked)
 
 
 def _selection(document: Mapping[str, Any], seam: str) -> tuple[str, dict[str, Any]]:
@@ -451,7 +477,7 @@ def _lines(
             wrong.setdefault(path, {})[item["type"]] = _should(item)
     for path, messages in wrong.items():
         key, value = _dotted(path), _value(document, path)
-        lines.append(f"{_where(layers, path)}: {key} = {value!r}: {', or '.join(messages.values())}")
+        lines.append(f"{_where(layers, path)}: {key} = {_shown(value)}: {', or '.join(messages.values())}")
     return lines
 
 
@@ -494,6 +520,11 @@ def _blamed(message: str, path: KeyPath, document: Mapping[str, Any]) -> KeyPath
         if _value(document, candidate) is not _NOTHING:
             return candidate
     return path
+
+
+def _shown(value: Any) -> str:
+    """A value as a TOML file has it, as far as Python's notation differs."""
+    return str(value).lower() if isinstance(value, bool) else repr(value)
 
 
 def _fields(model: type[Table], path: KeyPath) -> list[str]:

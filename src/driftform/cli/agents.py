@@ -107,7 +107,7 @@ def _of_run(directory: Path, target: str) -> StoredAgent:
         index, fitness = best
         genome = store.record(index, names).evaluation.genome
     result = {"target": target, "fitness": fitness, "error_percent": 100 - fitness, "evaluation": index}
-    return StoredAgent(target, genome, study.environment(), result)
+    return StoredAgent(f"{directory.resolve().name}-{target}", genome, study.environment(), result)
 
 
 def _is_file(path: Path) -> bool:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 def evolve(
     study: Annotated[
-        str, typer.Argument(metavar="[STUDY]", help="A study file, or the name of a built-in scenario.")
+        str, typer.Argument(metavar="STUDY", help="A study file, or the name of a built-in scenario.")
     ] = "pipe-inspection",
     target: Annotated[
         list[str] | None, typer.Option("--target", metavar="NAME", help="Keep only this target; repeatable.")

@@ -29,14 +29,14 @@ def export(
     names = [name.strip() for name in format.split(",") if name.strip()]
     if not names:
         raise InputError("--format is empty; name at least one, such as stl")
-    exporters = []
     for name in names:
         try:
-            exporters.append(registry().create("exporter", name, {}))
+            registry().find("exporter", name)
         except InputError as error:
             raise InputError(f"--format {name}: {error}") from None
     opened = open_agent(agent, settings=settings or ())
     make_directory(out)
+    exporters = [opened.study.exporter(name) for name in names]
     written = [
         exporter.write(opened.agent, out / f"{opened.name}{exporter.suffix}") for exporter in exporters
     ]

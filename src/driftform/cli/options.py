@@ -34,5 +34,8 @@ Workers: TypeAlias = Annotated[
     int | None, typer.Option("--workers", min=1, help="Worker processes; by default one for each processor.")
 ]
 OutDirectory: TypeAlias = Annotated[
-    Path | None, typer.Option("--out", metavar="DIR", help="Directory for the files.", show_default=False)
+    Path | None,
+    typer.Option(
+        "--out", metavar="DIR", help="Directory for the files; by default runs/STUDY-N, or flights/AGENT."
+    ),
 ]

@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 from numba import njit
 
@@ -27,9 +27,9 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     file here covers all files of this package; where numba has no such stamp any more, nothing is cached.
     """
     dispatcher = njit(cache=True, error_model="numpy")(function)
-    cache_file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
+    cache_file: Any = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if not hasattr(cache_file, "_source_stamp"):
         dispatcher = njit(error_model="numpy")(function)
     else:
         cache_file._source_stamp = (cache_file._source_stamp, _DIGEST)
-    return dispatcher  # type: ignore[no-any-return]
+    return dispatcher

@@ -33,19 +33,18 @@ class FitnessContract:
     """Inherit, and say how the fitness is made::
 
         class TestMyFitness(FitnessContract):
-            perfect = 100.0
+            rewards_closeness = True
 
             def plugin(self) -> MyFitness:
                 return MyFitness(MyOptions())
 
     Attributes
     ----------
-    perfect
-        the value of a flight right through a target, and the greatest there is; ``None`` where the fitness is
-        about something else than closeness.
+    rewards_closeness
+        true where a flight right through a target, and no other, has a fitness of 100.
     """
 
-    perfect: ClassVar[float | None] = None
+    rewards_closeness: ClassVar[bool] = False
 
     def plugin(self) -> Fitness[Any]:
         """Return the fitness to be tested."""
@@ -74,23 +73,20 @@ class FitnessContract:
             assert score.shape == (len(names),)
             assert score.dtype == np.float64
 
-    def test_fitness_is_finite_and_not_negative(self) -> None:
-        """More is better and 0 the least, as a roulette wheel needs it; also for flights that went wrong."""
+    def test_fitness_is_a_percentage(self) -> None:
+        """100 is best and 0 is worst, as a roulette wheel and an error in percent need it; also where flights fail."""
         for flight in self.flights():
             score = self.plugin().score(flight, self.scenario())
-            assert np.isfinite(score).all()
-            assert (score >= 0).all()
-            if self.perfect is not None:
-                assert (score <= self.perfect).all()
+            assert ((score >= 0) & (score <= 100)).all()
 
     def test_a_flight_through_a_target_is_perfect_for_it(self) -> None:
         """And for that target alone: the order of values is that of the scenario's targets."""
-        if self.perfect is None:
+        if not self.rewards_closeness:
             pytest.skip("this fitness is not about closeness")
         for number, flight in enumerate(self.flights()[: len(TARGETS)]):
             score = self.plugin().score(flight, self.scenario())
-            assert score[number] == pytest.approx(self.perfect, rel=1e-9)
-            assert (np.delete(score, number) < self.perfect).all()
+            assert score[number] == pytest.approx(100, rel=1e-9)
+            assert (np.delete(score, number) < 100).all()
 
     def test_values_follow_the_order_of_the_targets(self) -> None:
         """The same targets in another order have the same values in that order."""

@@ -14,12 +14,14 @@ from driftform_frusta.section import Chain, chain, hull_section, open_section
 class FrustaOptions(Table):
     """What an agent is made of; the defaults are the paper's."""
 
-    core_radius: float = option(0.01, "radius of the core", "m", gt=0)
-    core_mass: float = option(0.05, "mass of the core", "kg", ge=0)
-    wall: float = option(0.00125, "wall thickness of the hull", "m", gt=0)
+    core_radius: float = option(0.01, "radius of the core", "m", ge=1e-4, le=1)
+    core_mass: float = option(0.05, "mass of the core", "kg", ge=0, le=1e4)
+    wall: float = option(0.00125, "wall thickness of the hull", "m", ge=1e-5, le=1)
     hull_density: float = option(1050.0, "density of the hull's material (ABS)", "kg/m3", gt=0)
-    clearance: float = option(0.0002, "gap between core and hull", "m", ge=0)
-    min_radius: float = option(0.0025, "least radius of the chain, to the middle of its wall", "m", gt=0)
+    clearance: float = option(0.0002, "gap between core and hull", "m", ge=0, le=1)
+    min_radius: float = option(
+        0.0025, "least radius of the chain, to the middle of its wall", "m", gt=0, le=1
+    )
     wall_model: Literal["mitred", "paper"] = option(
         "mitred",
         "'mitred': the wall is measured normal to itself and the ends are closed by caps; 'paper': radial "

@@ -13,9 +13,9 @@ class LSystemOptions(Table):
 
     # The number of modules triples with each iteration; six already make 1092.
     iterations: int = option(3, "how often the rules are applied to the axiom", ge=1, le=6)
-    small: float = option(0.0025, "length along the slant of a module S", "m", gt=0)
-    medium: float = option(0.005, "length along the slant of a module M", "m", gt=0)
-    large: float = option(0.01, "length along the slant of a module L", "m", gt=0)
+    small: float = option(0.0025, "length along the slant of a module S", "m", ge=1e-4, le=1)
+    medium: float = option(0.005, "length along the slant of a module M", "m", ge=1e-4, le=1)
+    large: float = option(0.01, "length along the slant of a module L", "m", ge=1e-4, le=1)
     tilt_0_deg: float = option(0.0, "tilt that degree 0 stands for", "deg", ge=0, le=MAX_TILT_DEG)
     tilt_1_deg: float = option(10.0, "tilt that degree 1 stands for", "deg", ge=0, le=MAX_TILT_DEG)
     tilt_2_deg: float = option(20.0, "tilt that degree 2 stands for", "deg", ge=0, le=MAX_TILT_DEG)
