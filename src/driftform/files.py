@@ -1,12 +1,29 @@
 """Files appear whole or not at all, and under names that lead nowhere else."""
 
 import os
+import secrets
 from collections.abc import Callable
 from pathlib import Path
 
 from driftform.errors import InputError
 
 _LONGEST_STEM = 60
+
+
+def is_file(path: Path) -> bool:
+    """Tell whether there is such a file; what cannot be a file's name, too long or with a NUL, is none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def is_directory(path: Path) -> bool:
+    """Tell whether there is such a directory; what cannot be its name is none."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
 
 
 def make_directory(path: Path) -> Path:
@@ -38,9 +55,18 @@ def safe_stem(name: str) -> str:
 
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> None:
-    """Let ``write`` make a file beside ``path``, then put it in place in one step."""
+    """Let ``write`` make a file beside ``path``, then put it in place in one step.
+
+    Whatever happens, the file is never there in part. Folders above it are made.
+
+    Raises
+    ------
+    OSError
+        where the file cannot be written; then there is none, or the former one still.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f".{path.name}.part")
+    # In the same folder, because a file can be renamed in one step only within a file system.
+    part = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     try:
         write(part)
         part.replace(path)

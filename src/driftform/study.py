@@ -19,6 +19,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from driftform.errors import InputError, did_you_mean
+from driftform.files import is_directory, is_file
 from driftform.interfaces import SEAMS, Exporter, SearchSpace, Strategy
 from driftform.options import Table, option
 from driftform.pipeline import Pipeline
@@ -216,16 +217,16 @@ def load_study(
 def _file_layers(source: str, above: tuple[str, ...], named_by: str = "") -> list[_Layer]:
     builtins = builtin_scenarios()
     path = Path(source)
-    if source in builtins and not _is_file(path):
+    if source in builtins and not is_file(path):
         label, text = f"{source} (built in)", builtins[source]
-    elif _is_file(path):
+    elif is_file(path):
         label, text = str(path), _read(path)
-    elif source and _is_directory(path):
+    elif source and is_directory(path):
         raise InputError(f"{named_by}study '{source}' is a directory, expected a TOML file")
     else:
         hint = did_you_mean(source, builtins)
         raise InputError(f"{named_by}study '{source}' is neither a file nor a built-in scenario{hint}")
-    key = str(path.resolve()) if _is_file(path) else label
+    key = str(path.resolve()) if is_file(path) else label
     if key in above:
         raise InputError(f"{named_by}'base' leads back to {label}")
     try:
@@ -242,21 +243,7 @@ def _file_layers(source: str, above: tuple[str, ...], named_by: str = "") -> lis
         raise InputError(f"{layer.where(('base',))}: base = {base!r} is not the name of a scenario or file")
     beside = path.parent / base
     named_by = f"{layer.where(('base',))}: "
-    return [*_file_layers(str(beside) if _is_file(beside) else base, (*above, key), named_by), layer]
-
-
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except (OSError, ValueError):  # What was given may be no file name at all: too long, or with a NUL.
-        return False
-
-
-def _is_directory(path: Path) -> bool:
-    try:
-        return path.is_dir()
-    except (OSError, ValueError):
-        return False
+    return [*_file_layers(str(beside) if is_file(beside) else base, (*above, key), named_by), layer]
 
 
 def _read(path: Path) -> str:

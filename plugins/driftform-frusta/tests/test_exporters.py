@@ -230,7 +230,8 @@ def test_a_write_that_fails_leaves_the_former_file_and_nothing_else(
 
 
 @BOTH
-def test_a_folder_that_does_not_exist_is_named_in_the_error(exporter, wavy_body, agent_of, tmp_path):
+def test_a_folder_that_cannot_be_is_an_error_that_names_it(exporter, wavy_body, agent_of, tmp_path):
+    (tmp_path / "nowhere").write_text("a file", encoding="utf-8")
     path = tmp_path / "nowhere" / "hull"
     with pytest.raises(WorkFailedError, match="nowhere"):
         exporter_of(exporter).write(agent_of(wavy_body), path)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from driftform.agent_file import StoredAgent, read_agent
 from driftform.errors import DriftformError, InputError, WorkFailedError, did_you_mean
-from driftform.files import safe_stem
+from driftform.files import is_directory, is_file, safe_stem
 from driftform.pipeline import Pipeline
 from driftform.run_directory import DATABASE, check_run, resume_command
 from driftform.store import Store
@@ -67,13 +67,13 @@ def open_agent(
 
 def _stored(text: str, scenario: str | None) -> StoredAgent:
     path = Path(text)
-    if _is_file(path):
+    if is_file(path):
         return read_agent(path)
     left, colon, right = text.rpartition(":")
     # The rules of a genotype have colons too, and so have some directories.
-    if colon and (_is_directory(Path(left)) or not any(c in text for c in " |")):
+    if colon and (is_directory(Path(left)) or not any(c in text for c in " |")):
         return _of_run(Path(left), right)
-    if text and _is_directory(path):
+    if text and is_directory(path):
         if (path / DATABASE).is_file():
             raise InputError(f"AGENT '{text}' is a run: name one of its targets too, such as {text}:TP1")
         raise InputError(f"AGENT '{text}' is a directory, and holds no run")
@@ -108,20 +108,6 @@ def _of_run(directory: Path, target: str) -> StoredAgent:
         genome = store.record(index, names).evaluation.genome
     result = {"target": target, "fitness": fitness, "error_percent": 100 - fitness, "evaluation": index}
     return StoredAgent(f"{directory.resolve().name}-{target}", genome, study.environment(), result)
-
-
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except (OSError, ValueError):  # A word may be longer than a file name can be, or hold what no name can.
-        return False
-
-
-def _is_directory(path: Path) -> bool:
-    try:
-        return path.is_dir()
-    except (OSError, ValueError):
-        return False
 
 
 def _short(text: str, length: int = 60) -> str:

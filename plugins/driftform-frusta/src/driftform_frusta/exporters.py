@@ -12,6 +12,7 @@ import numpy as np
 from manifold3d import Manifold
 
 from driftform.errors import WorkFailedError
+from driftform.files import write_text
 from driftform.geometry import hull_volume
 from driftform.interfaces import Exporter
 from driftform.options import Table, option
@@ -20,7 +21,7 @@ from driftform_frusta.csg import Node
 from driftform_frusta.hull import hull
 from driftform_frusta.scad import to_scad
 from driftform_frusta.solid import to_manifold
-from driftform_frusta.stl import is_closed, signed_volume, surface_area, weld, write_binary_stl, write_whole
+from driftform_frusta.stl import is_closed, signed_volume, surface_area, weld, write_binary_stl
 
 _MM3_PER_M3 = 1e9
 
@@ -103,7 +104,7 @@ class ScadExporter(Exporter[MeshOptions]):
         """
         tree, solid, shells = printable_hull(agent.body, self.options.segments)
         try:
-            write_whole(path, to_scad(tree, self.options.segments).encode())
+            write_text(path, to_scad(tree, self.options.segments))
         except OSError as error:
             raise WorkFailedError(f"cannot write {path}: {error.strerror or error}") from error
         return WrittenFile(self.name, str(path), _facts(agent.body, solid, shells))

@@ -4,12 +4,12 @@ An STL file holds loose triangles in single precision; a reader joins them again
 is the mesh after rounding and welding that must be closed, and that is the one to check and to write.
 """
 
-import secrets
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
+from driftform.files import write_whole
 from driftform.types import FloatArray
 
 # A reader that finds "solid" at the beginning takes the file for the text form of STL.
@@ -96,25 +96,8 @@ def write_binary_stl(path: Path, vertices: npt.ArrayLike, triangles: npt.ArrayLi
     facets = np.zeros(len(corners), dtype=_FACET)
     facets["normal"] = np.divide(normals, size, out=np.zeros_like(normals), where=size > 0)
     facets["corners"] = corners
-    write_whole(path, _HEADER + np.uint32(len(facets)).astype("<u4").tobytes() + facets.tobytes())
-
-
-def write_whole(path: Path, data: bytes) -> None:
-    """Write a file so that, whatever happens, it is never there in part.
-
-    Raises
-    ------
-    OSError
-        where the file cannot be written; then there is none, or the former one still.
-    """
-    # In the same folder, because a file can be renamed in one step only within a file system.
-    part = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
-    try:
-        with part.open("xb") as file:
-            file.write(data)
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
+    data = _HEADER + np.uint32(len(facets)).astype("<u4").tobytes() + facets.tobytes()
+    write_whole(path, lambda part: part.write_bytes(data))
 
 
 def _corners(vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> FloatArray:
