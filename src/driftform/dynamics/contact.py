@@ -8,6 +8,12 @@ from driftform.types import FloatArray
 ONSET = 1e-3
 """Depth, m, over which the damper sets in, so that the force is continuous."""
 
+NEAR = 0.1
+"""Gap, relative to its radius, above which a rim cannot turn out to touch in the second round.
+
+The first round errs by less than (r / R)^2 / 2 of the rim's radius r, R being that of the bore.
+"""
+
 BLUNT = 1e-3
 """Sine of the angle between axis and wall normal below which a rim touches with less than its radius.
 
@@ -100,10 +106,12 @@ def add_wall_forces(
         if gap > rims[k, 1]:
             continue
         # The farthest point defines the normal and the normal the point; the bore is wide, so two rounds settle.
-        for _ in range(2):
-            rim_point(position, R, rims[k, 0], rims[k, 1], normals[k], points[k])
-            gap = wall_gap(points[k], pipe, normals[k])
-        depths[k] = max(0.0, -gap)
+        rim_point(position, R, rims[k, 0], rims[k, 1], normals[k], points[k])
+        gap = wall_gap(points[k], pipe, normals[k])
+        if gap > NEAR * rims[k, 1]:
+            continue
+        rim_point(position, R, rims[k, 0], rims[k, 1], normals[k], points[k])
+        depths[k] = max(0.0, -wall_gap(points[k], pipe, normals[k]))
         total += (rims[k, 2] * depths[k] ** 2) ** 2
     if total == 0.0:
         return
