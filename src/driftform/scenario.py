@@ -98,7 +98,7 @@ class Contact(Table):
     ``frequency``; with ``damping_ratio`` 1 it hardly bounces.
     """
 
-    frequency: float = option(100.0, "angular frequency of the body on the spring of one rim", "rad/s", gt=0)
+    frequency: float = option(70.0, "angular frequency of the body on the spring of one rim", "rad/s", gt=0)
     damping_ratio: float = option(1.0, "damping of that spring, relative to critical", "", ge=0)
 
 

@@ -73,7 +73,8 @@ def body_forces(
     tau[3] = ay * R[2, 2] - az * R[2, 1]
     tau[4] = az * R[2, 0] - ax * R[2, 2]
     tau[5] = ax * R[2, 1] - ay * R[2, 0]
-    add_damping(nu, table, tau)
+    if table[DAMPING_ORIGIN, 3] != 0.0:
+        add_damping(nu, table, tau)
     add_wall_forces(position, R, velocity, omega, rims, pipe, tau)
 
 
@@ -97,19 +98,19 @@ def accelerations(
     table, rims, pipe
         of a :class:`driftform.dynamics.model.FlightModel`.
     """
-    R = np.empty((3, 3))
+    # One allocation instead of five: they would take a fifth of the time.
+    work = np.empty(33)
+    R, nu, momentum, rate, nu_dot = work[:9].reshape(3, 3), work[9:15], work[15:21], work[21:27], work[27:]
     matrix_from_rotation_vector(pose[3:], R)
-    nu = np.empty(6)
     for i in range(3):
         nu[i] = 0.0
         for j in range(3):
             nu[i] += R[j, i] * (speed[j] - table[CURRENT, j])
         nu[3 + i] = speed[3 + i]
-    momentum = np.zeros(6)
     for i in range(6):
+        momentum[i] = 0.0
         for j in range(6):
             momentum[i] += table[MASS + i, j] * nu[j]
-    rate = np.empty(6)
     body_forces(pose[:3], R, speed[:3], speed[3:], nu, table, rims, pipe, rate)
     vx, vy, vz, wx, wy, wz = nu[0], nu[1], nu[2], nu[3], nu[4], nu[5]
     px, py, pz, hx, hy, hz = momentum[0], momentum[1], momentum[2], momentum[3], momentum[4], momentum[5]
@@ -119,8 +120,8 @@ def accelerations(
     rate[3] += hy * wz - hz * wy + py * vz - pz * vy
     rate[4] += hz * wx - hx * wz + pz * vx - px * vz
     rate[5] += hx * wy - hy * wx + px * vy - py * vx
-    nu_dot = np.zeros(6)
     for i in range(6):
+        nu_dot[i] = 0.0
         for j in range(6):
             nu_dot[i] += table[INVERSE + i, j] * rate[j]
     nu_dot[0] += wy * vz - wz * vy

@@ -29,7 +29,7 @@ class FlightModel:
     table
         (28, 6): total mass M_RB + M_A about the body's origin, its inverse, linear damping, quadratic damping;
         then one row each of (COG, COB), (current in the world frame, 0, 0, 0), (weight N, buoyancy N, 0 ...),
-        and (point that the damping refers to, 0, 0, 0).
+        and (point that the damping refers to, 1 where there is any damping, 0, 0).
     rims
         circles of the body that can touch a wall: x, r (m), spring (N/m), damper (N s/m), (k, 4).
     pipe
@@ -56,6 +56,7 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     table[FORCES, 0] = mass.mass * fluid.gravity
     table[FORCES, 1] = fluid.density * mass.volume * fluid.gravity
     table[DAMPING_ORIGIN, :3] = coefficients.origin
+    table[DAMPING_ORIGIN, 3] = np.any(table[LINEAR:COG_COB])
     return FlightModel(table, _springs(touching_rims(agent.body), inverse, scenario), scenario.pipe.array())
 
 

@@ -67,26 +67,9 @@ class ExudynSimulator(Simulator[ExudynOptions]):
     def simulate(self, agent: Agent, scenario: Scenario) -> Trajectory:
         """Return the flight; it ends at the outlet, the horizon, or where it is no longer finite."""
         model = flight_model(agent, scenario)
-        mbs, pose, speed, tries = _system(model, scenario)
-        limit = self.options.step_limit
-        samples = np.empty((1024, SAMPLE))
-        record(samples[0], 0.0, pose, speed, model.pipe)
-        count = 1
-
-        def after_step(_: Any, t: float) -> bool:
-            nonlocal samples, count
-            if count == len(samples):
-                samples = np.concatenate([samples, np.empty_like(samples)])
-            tries[0] = 0
-            goes_on = record(samples[count], t, pose, speed, model.pipe)
-            count += 1
-            return goes_on and count <= limit
-
-        mbs.SetPostStepUserFunction(after_step)
-        # Exudyn raises where the error control cannot go on, and returns True after NaN: the samples tell.
-        with contextlib.suppress(exudyn.SolverError):
-            mbs.SolveDynamic(self._settings(scenario.flight.horizon))
-        return finished_flight(samples[:count], model.pipe, scenario.flight.horizon, limit)
+        horizon, limit = scenario.flight.horizon, self.options.step_limit
+        samples = _integrated(model, scenario, self._settings(horizon), limit)
+        return finished_flight(samples, model.pipe, horizon, limit)
 
     def _settings(self, horizon: float) -> Any:
         settings = exudyn.SimulationSettings()
@@ -103,8 +86,8 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         return settings
 
 
-def _system(model: FlightModel, scenario: Scenario) -> tuple[Any, FloatArray, FloatArray, list[int]]:
-    """Return the system, live views of its pose and speed, (6,) each, and the count of a step's evaluations."""
+def _integrated(model: FlightModel, scenario: Scenario, settings: Any, limit: int) -> FloatArray:
+    """Return the raw samples of a flight, (k, 13): the release and the end of every step."""
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     attitude = rotation_vector_from_quaternion(scenario.release_quaternion())
@@ -117,21 +100,36 @@ def _system(model: FlightModel, scenario: Scenario) -> tuple[Any, FloatArray, Fl
             initialVelocities=[*scenario.release_velocity(), 0.0, 0.0, 0.0],
         )
     )
-    views: list[Any] = []
-    out = np.zeros(6)
-    tries = [0]
     table, rims, pipe = model.table, model.rims, model.pipe
+    out = np.zeros(6)
+    samples = np.empty((1024, SAMPLE))
+    count = tries = 0
 
     def force(*_: Any) -> FloatArray:
-        accelerations(views[0], views[1], table, rims, pipe, out)
-        tries[0] += 1
-        if tries[0] > PATIENCE:
+        nonlocal tries
+        tries += 1
+        accelerations(pose, speed, table, rims, pipe, out)
+        if tries > PATIENCE:
             out.fill(np.nan)
         return out
 
+    def after_step(_: Any, t: float) -> bool:
+        nonlocal samples, count, tries
+        tries = 0
+        if count == len(samples):
+            samples = np.concatenate([samples, np.empty_like(samples)])
+        goes_on = record(samples[count], t, pose, speed, pipe)
+        count += 1
+        return goes_on and count <= limit
+
     mbs.AddObject(unit_mass(nodeNumbers=[node], massMatrix=np.eye(6), forceUserFunction=force))
     mbs.Assemble()
-    # The views are of the memory that the last Assemble laid out.
-    views.append(mbs.systemData.GetODE2Coordinates(copy=False))
-    views.append(mbs.systemData.GetODE2Coordinates_t(copy=False))
-    return mbs, views[0], views[1], tries
+    # Live views of the memory that the last Assemble laid out.
+    pose: Any = mbs.systemData.GetODE2Coordinates(copy=False)
+    speed: Any = mbs.systemData.GetODE2Coordinates_t(copy=False)
+    after_step(mbs, 0.0)
+    mbs.SetPostStepUserFunction(after_step)
+    # Exudyn raises where the error control cannot go on, and returns True after NaN: the samples tell.
+    with contextlib.suppress(exudyn.SolverError):
+        mbs.SolveDynamic(settings)
+    return samples[:count]
