@@ -112,7 +112,7 @@ def test_stages_of_an_evaluation():
         "",
     ]
     update("stages", lines)
-    assert total < 1000
+    assert ratio > 1
 
 
 def test_evaluations_per_second_with_two_workers():
