@@ -58,7 +58,6 @@ class LocalProcesses:
     def __init__(self, document: Mapping[str, Any], workers: int) -> None:
         self._document = dict(document)
         self._workers = workers
-        self._pipeline = load_study(Document("the study", document)).pipeline()
         self._pool: _Pool | None = None
 
     def evaluate(self, jobs: Sequence[Job]) -> Iterator[Outcome]:
@@ -108,7 +107,8 @@ class LocalProcesses:
                 except BrokenProcessPool:
                     self.close()
             else:
-                outcomes = [(index, self._pipeline.failed(genome, f"its process died {ATTEMPTS} times"))]
+                reason = f"its process died {ATTEMPTS} times"
+                outcomes = [(index, Evaluation.failed(genome, len(self._document["targets"]), reason))]
             yield from outcomes
         self.close()
 

@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
 from driftform.geometry import mass_properties
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
 from driftform.scenario import Scenario
@@ -49,45 +47,43 @@ class Pipeline:
         Whatever goes wrong with a genome is its recorded outcome, and no other genome's.
         """
         started = time.perf_counter()
+        targets = len(self.scenario.targets)
         outcomes: dict[int, Evaluation] = {}
         agents: dict[int, Agent] = {}
         for index, genome in enumerate(genomes):
             try:
                 agents[index] = self.agent(genome)
             except Exception as error:
-                outcomes[index] = self.failed(genome, _told(error))
+                outcomes[index] = Evaluation.failed(genome, targets, _told(error))
         for index, trajectory in zip(agents, self._flights(list(agents.values())), strict=True):
             outcomes[index] = self._scored(genomes[index], trajectory)
         share = (time.perf_counter() - started) / max(1, len(genomes))
         return [replace(outcomes[index], seconds=share) for index in range(len(genomes))]
 
-    def failed(self, genome: Genome, failure: str) -> Evaluation:
-        """The outcome of a genome that could not be evaluated: no fitness at all, and the reason."""
-        return Evaluation(genome, np.zeros(len(self.scenario.targets)), failure=failure)
-
     def _flights(self, agents: Sequence[Agent]) -> list[Trajectory | str]:
         if not agents:
             return []
         try:
-            flights = list(self.fly(agents))
+            flights: list[Trajectory | str] = list(self.fly(agents))
             if len(flights) != len(agents):
                 raise ValueError(f"the simulator returned {len(flights)} flights for {len(agents)} agents")
-            return list(flights)
+            return flights
         except Exception as error:
             if len(agents) == 1:
                 return [_told(error)]
             return [flight for agent in agents for flight in self._flights([agent])]
 
     def _scored(self, genome: Genome, flight: Trajectory | str) -> Evaluation:
+        targets = len(self.scenario.targets)
         if isinstance(flight, str):
-            return self.failed(genome, flight)
+            return Evaluation.failed(genome, targets, flight)
         if flight.end.failed:
             reason = f"the flight ended after {flight.t[-1]:.3g} s: {flight.end}"
-            return Evaluation(genome, np.zeros(len(self.scenario.targets)), flight, reason)
+            return Evaluation.failed(genome, targets, reason, flight)
         try:
             return Evaluation(genome, self.fitness.score(flight, self.scenario), flight)
         except Exception as error:
-            return self.failed(genome, _told(error))
+            return Evaluation.failed(genome, targets, _told(error))
 
 
 def _told(error: Exception) -> str:

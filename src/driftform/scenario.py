@@ -3,7 +3,7 @@
 from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
-from pydantic import AfterValidator, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from driftform.options import Table, option
 from driftform.types import FloatArray
@@ -119,8 +119,6 @@ def _named(targets: dict[str, Vector]) -> dict[str, Vector]:
 
 class Scenario(Table):
     """Everything about the environment; the same tables as in a study file."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     pipe: Pipe = Field(default=Pipe(), description="the pipe")
     flow: Flow = Field(default=Flow(), description="the current")

@@ -214,10 +214,6 @@ class Store:
         """How many of them failed."""
         return int(self._scalar("SELECT COUNT(*) FROM evaluation WHERE failure IS NOT NULL"))
 
-    def seconds(self) -> float:
-        """Processor time of all evaluations, s."""
-        return float(self._scalar("SELECT TOTAL(seconds) FROM evaluation"))
-
     def records(self, targets: Sequence[str], first: int = 0, count: int = -1) -> Iterator[Record]:
         """Yield ``count`` evaluations from index ``first`` on, in their order; ``-1`` for all."""
         query = "SELECT * FROM evaluation WHERE id >= ? AND (? < 0 OR id < ? + ?) ORDER BY id"

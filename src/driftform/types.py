@@ -294,6 +294,13 @@ class Evaluation:
     def __post_init__(self) -> None:
         object.__setattr__(self, "fitness", frozen(self.fitness, (None,), "Evaluation.fitness"))
 
+    @classmethod
+    def failed(
+        cls, genome: Genome, targets: int, failure: str, trajectory: Trajectory | None = None
+    ) -> "Evaluation":
+        """The outcome of a genome that could not be evaluated: no fitness for any of the targets, and the reason."""
+        return cls(genome, np.zeros(targets), trajectory, failure)
+
 
 @dataclass(frozen=True)
 class WrittenFile:
