@@ -244,3 +244,10 @@ def test_every_seam_has_its_hook():
     assert {name for name in dir(hookspecs) if name.startswith("driftform_")} == {
         f"driftform_{seam}" for seam in SEAMS
     }
+
+
+def test_a_hook_that_does_not_exist_is_a_row_that_says_so_and_not_silence(install):
+    source = "from driftform import hookimpl\n\n@hookimpl\ndef driftform_fitnes():\n    return []\n"
+    broken = row(install(ext_misspelt=source), "ext_misspelt")
+    assert not broken.available
+    assert "there is no hook driftform_fitnes; did you mean 'driftform_fitness'?" in broken.state
