@@ -11,7 +11,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from driftform.errors import InputError
-from driftform.study import Document, builtin_scenarios, load_study
+from driftform.layers import builtin_scenarios
+from driftform.study import Document, load_study
 
 BASE = 'base = "pipe-inspection"\n'
 Write = Callable[..., str]

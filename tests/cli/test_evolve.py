@@ -11,7 +11,8 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from driftform.study import builtin_scenarios, load_study
+from driftform.layers import builtin_scenarios
+from driftform.study import load_study
 
 Finished = tuple[Path, subprocess.CompletedProcess[str]]
 Program = Callable[..., subprocess.CompletedProcess[str]]

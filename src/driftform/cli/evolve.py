@@ -44,9 +44,10 @@ def evolve(
     seed, same result, whatever the number of workers. Interrupted or killed, it goes on with 'driftform resume'.
     """
     from driftform.files import make_directory
+    from driftform.layers import builtin_scenarios
     from driftform.run_directory import DATABASE, check_new, locked, write_inputs
     from driftform.store import Store
-    from driftform.study import builtin_scenarios, load_study
+    from driftform.study import load_study
 
     checked = load_study(
         study,

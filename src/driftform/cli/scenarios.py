@@ -21,7 +21,7 @@ def list_(json: Json = False) -> None:
     import tomllib
 
     from driftform.cli.output import print_json, print_table
-    from driftform.study import builtin_scenarios
+    from driftform.layers import builtin_scenarios
 
     rows = [
         {"name": name, "title": document.get("title", ""), "targets": len(document.get("targets", {}))}
@@ -49,7 +49,7 @@ def show(
 
     from driftform.cli.output import print_json
     from driftform.errors import InputError, did_you_mean
-    from driftform.study import builtin_scenarios
+    from driftform.layers import builtin_scenarios
 
     texts = builtin_scenarios()
     if name not in texts:
