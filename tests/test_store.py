@@ -227,3 +227,15 @@ def test_a_hundred_metres_a_day_long_keep_apart_in_single_precision(store: Store
     flight = Trajectory(t, rest[:, :3], rest[:, 3:7], rest[:, 7:], End.HORIZON)
     kept = decoded(encoded(flight), flight.end)
     assert (np.diff(kept.t) > 0).all()
+
+
+@pytest.mark.parametrize("step", [SAMPLE_GAP, SAMPLE_GAP / 2, 0.02])
+def test_what_is_compacted_once_does_not_change_when_it_is_stored(step):
+    t = np.arange(900) * step
+    position = np.column_stack([t, np.sin(t), np.cos(t)])
+    still = np.tile([1.0, 0, 0, 0], (len(t), 1))
+    flight = Trajectory(t, position, still, np.zeros((len(t), 6)), End.HORIZON)
+    told = compact(Evaluation(Genome("g", ()), np.zeros(1), flight)).trajectory
+    stored = decoded(encoded(told), told.end)
+    for name in COLUMNS:
+        assert getattr(stored, name).tobytes() == getattr(told, name).tobytes()
