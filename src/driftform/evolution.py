@@ -7,14 +7,14 @@ from typing import Protocol
 
 import numpy as np
 
-from driftform.agent_file import StoredAgent, write_agent
+from driftform.agent_file import write_agent
 from driftform.dynamics.path import closest_approach
 from driftform.errors import DriftformError, InputError, WorkFailedError
 from driftform.execution import Job, Outcome
 from driftform.figures.overview import Flight, overview_svg
 from driftform.figures.section import section_svg
 from driftform.files import write_text
-from driftform.run_directory import write_trajectory
+from driftform.run_directory import best_agent, write_trajectory
 from driftform.store import Record, Store
 from driftform.study import Study
 from driftform.types import Evaluation
@@ -120,22 +120,20 @@ def write_best(directory: Path, study: Study, store: Store) -> tuple[list[Best],
     results: list[Best] = []
     flights: list[Flight] = []
     for target in targets:
-        found = store.best(target)
-        if found is None:
+        stored = best_agent(study, store, target)
+        if stored is None:
             first = store.record(0, targets).evaluation
             raise WorkFailedError(f"all {store.count()} evaluations failed, the first: {first.failure}")
-        index, fitness = found
-        evaluation = store.record(index, targets).evaluation
-        if evaluation.trajectory is None:
+        index, fitness = stored.result["evaluation"], stored.result["fitness"]
+        flight = store.record(index, targets).evaluation.trajectory
+        if flight is None:
             raise InputError(f"{directory}: is damaged: the flight of evaluation {index} is missing")
-        agent = pipeline.agent(evaluation.genome)
+        agent = pipeline.agent(stored.genome)
         point = np.array([study.scenario.targets[target]])
-        distance, _ = closest_approach(evaluation.trajectory, point)
+        distance, _ = closest_approach(flight, point)
         folder = directory / "best" / target
-        result = {"target": target, "fitness": fitness, "error_percent": 100 - fitness, "evaluation": index}
-        stored = StoredAgent(target, evaluation.genome, study.environment(), result)
         write_agent(folder / "agent.json", stored)
-        write_trajectory(folder / "trajectory.csv", evaluation.trajectory)
+        write_trajectory(folder / "trajectory.csv", flight)
         write_text(folder / "section.svg", section_svg(agent, target))
         files = [folder / "agent.json", folder / "trajectory.csv", folder / "section.svg"]
         problems: list[str] = []
@@ -152,7 +150,7 @@ def write_best(directory: Path, study: Study, store: Store) -> tuple[list[Best],
         results.append(
             Best(target, index, fitness, float(distance[0]), files[0], tuple(files), tuple(problems))
         )
-        flights.append(Flight(target, agent, evaluation.trajectory, 100 - fitness))
+        flights.append(Flight(target, agent, flight, results[-1].error_percent))
     overview = directory / "figures" / "overview.svg"
     write_text(overview, overview_svg(flights, study.scenario, str(study.document.get("title", ""))))
     return results, overview

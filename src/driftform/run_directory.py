@@ -19,9 +19,11 @@ import tomli_w
 from filelock import FileLock, Timeout
 
 from driftform import __version__
+from driftform.agent_file import StoredAgent
 from driftform.errors import InputError
 from driftform.files import write_text, write_whole
 from driftform.registry import registry
+from driftform.store import Store
 from driftform.study import Study
 from driftform.types import Trajectory
 
@@ -91,6 +93,17 @@ def check_run(directory: Path) -> Path:
     if not (directory / DATABASE).is_file():
         raise InputError(f"{directory} holds no {DATABASE}: it is not a run directory")
     return directory / DATABASE
+
+
+def best_agent(study: Study, store: Store, target: str) -> StoredAgent | None:
+    """The best agent of a run for a target, named after it; ``None`` where no evaluation is sound yet."""
+    best = store.best(target)
+    if best is None:
+        return None
+    index, fitness = best
+    genome = store.record(index, study.scenario.target_names).evaluation.genome
+    result = {"target": target, "fitness": fitness, "error_percent": 100 - fitness, "evaluation": index}
+    return StoredAgent(target, genome, study.environment(), result)
 
 
 def write_inputs(directory: Path, study: Study, source: str) -> None:

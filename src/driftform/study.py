@@ -2,8 +2,8 @@
 
 A study file holds the scenario's tables (``[pipe]``, ``[flow]``, ``[targets]`` ...), a table for each seam
 (``[simulator] use = "exudyn"``, the rest being that plugin's options), one for each exporter whose options differ
-from their defaults (``[exporter.stl]``), and ``[run]``. With ``base`` it starts from another file, or from a built-in scenario, and
-says only what differs. Built-in scenarios are study files.
+from their defaults (``[exporter.stl]``), and ``[run]``. With ``base`` it starts from another file, or from a
+built-in scenario, and says only what differs. Built-in scenarios are study files.
 """
 
 import secrets

@@ -2,14 +2,14 @@
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from driftform.agent_file import StoredAgent, read_agent
 from driftform.errors import DriftformError, InputError, WorkFailedError, did_you_mean
 from driftform.files import is_directory, is_file, safe_stem
 from driftform.pipeline import Pipeline
-from driftform.run_directory import DATABASE, check_run, resume_command
+from driftform.run_directory import DATABASE, best_agent, check_run, resume_command
 from driftform.store import Store
 from driftform.study import Document, Study, load_study
 from driftform.types import Agent
@@ -60,7 +60,7 @@ def open_agent(
     except ValueError as error:
         raise InputError(f"{label}: {error}") from None
     except (ArithmeticError, RuntimeError) as error:
-        # Sound options taken together can still ask for what cannot be computed, such as a core of 1e300 m.
+        # Options that are sound one by one can still ask together for what cannot be computed.
         raise WorkFailedError(f"{label}: cannot be built: {type(error).__name__}: {error}") from None
     return Opened(safe_stem(stored.name), stored, study, pipeline, agent)
 
@@ -98,16 +98,13 @@ def _of_run(directory: Path, target: str) -> StoredAgent:
         names = study.scenario.target_names
         if target not in names:
             raise InputError(f"{directory} has no target '{target}'{did_you_mean(target, names)}")
-        best = store.best(target)
+        best = best_agent(study, store, target)
         if best is None:
             raise InputError(
                 f"{directory} has no evaluation yet that did not fail; wait, or go on with it by: "
                 f"{resume_command(directory)}"
             )
-        index, fitness = best
-        genome = store.record(index, names).evaluation.genome
-    result = {"target": target, "fitness": fitness, "error_percent": 100 - fitness, "evaluation": index}
-    return StoredAgent(f"{directory.resolve().name}-{target}", genome, study.environment(), result)
+    return replace(best, name=f"{directory.resolve().name}-{target}")
 
 
 def _short(text: str, length: int = 60) -> str:

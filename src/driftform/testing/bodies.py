@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from driftform.geometry import distance_from
 from driftform.types import Body, Core, FloatArray
 
 
@@ -75,16 +76,6 @@ def scaled_body(body: Body, factor: float) -> Body:
         core=Core(factor * body.core.radius, body.core.mass),
         wall=factor * body.wall,
     )
-
-
-def distance_from(points: FloatArray, contour: FloatArray) -> FloatArray:
-    """Distance (m) of each point (n, 2) from a polyline, (n,)."""
-    start, edge = contour[:-1], np.diff(contour, axis=0)
-    keep = (edge**2).sum(axis=1) > 0
-    start, edge = start[keep], edge[keep]
-    offset = points[:, None] - start
-    along = np.clip((offset * edge).sum(axis=2) / (edge**2).sum(axis=1), 0, 1)
-    return np.asarray(np.linalg.norm(offset - along[:, :, None] * edge, axis=2).min(axis=1), dtype=np.float64)
 
 
 def lies_inside(points: FloatArray, contour: FloatArray, slack: float) -> npt.NDArray[np.bool_]:

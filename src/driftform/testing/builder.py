@@ -9,9 +9,9 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from driftform.geometry import mass_properties, solid_of_revolution
+from driftform.geometry import distance_from, mass_properties, solid_of_revolution
 from driftform.interfaces import PhenotypeBuilder
-from driftform.testing.bodies import crosses_itself, distance_from, lies_inside, mirrored_contour
+from driftform.testing.bodies import crosses_itself, lies_inside, mirrored_contour
 from driftform.types import Body, FloatArray, Module, Morphology
 
 

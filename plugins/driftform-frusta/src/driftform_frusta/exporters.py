@@ -13,10 +13,10 @@ from manifold3d import Manifold
 
 from driftform.errors import WorkFailedError
 from driftform.files import write_text
-from driftform.geometry import hull_volume
+from driftform.geometry import distance_from, hull_volume
 from driftform.interfaces import Exporter
 from driftform.options import Table, option
-from driftform.types import Agent, Body, FloatArray, WrittenFile
+from driftform.types import Agent, Body, WrittenFile
 from driftform_frusta.csg import Node
 from driftform_frusta.hull import hull
 from driftform_frusta.scad import to_scad
@@ -152,8 +152,8 @@ def _facts(body: Body, solid: Manifold, shells: int) -> dict[str, Any]:
 def _refuse_without_wall(body: Body) -> None:
     if not len(body.cavity):
         return
-    to_outer = _distance(body.cavity, body.outer)
-    to_cavity = _distance(body.outer, body.cavity)
+    to_outer = distance_from(body.cavity, body.outer)
+    to_cavity = distance_from(body.outer, body.cavity)
     if min(to_outer.min(), to_cavity.min()) >= _NO_WALL:
         return
     points, distances = (
@@ -176,13 +176,3 @@ def _refuse_pinched(body: Body) -> None:
         raise WorkFailedError(
             f"the hull is no one printable part: its outer contour touches the axis at x = {x:.6f} m"
         )
-
-
-def _distance(points: FloatArray, line: FloatArray) -> FloatArray:
-    """Distance of each point from a polyline, (n,)."""
-    start, edge = line[:-1], np.diff(line, axis=0)
-    square = np.maximum((edge**2).sum(axis=1), np.finfo(float).tiny)
-    offset = points[:, None] - start
-    along = np.clip((offset * edge).sum(axis=2) / square, 0, 1)
-    distances: FloatArray = np.linalg.norm(offset - along[:, :, None] * edge, axis=2).min(axis=1)
-    return distances

@@ -60,7 +60,7 @@ def hull_section(fore: Chain, aft: Chain, dome: float, wall: float) -> tuple[Flo
     and flat ends become caps of the same thickness. Where a mitre would reach down into the room of the core,
     the room stays.
     """
-    outline = (_polygon(_chain_contour(fore, aft)) + _polygon(_arc(dome))).simplify(SIMPLIFY)
+    outline = _outline(fore, aft, dome)
     hollow = outline.offset(-wall * MM, manifold3d.JoinType.Miter, MITRE_LIMIT)
     room = _polygon(_arc(dome - wall / np.cos(DOME_STEP / 2)))
     hollow = (hollow + room).simplify(SIMPLIFY)
@@ -73,7 +73,6 @@ def open_section(fore: Chain, aft: Chain, dome: float, wall: float) -> tuple[Flo
     Each frustum's wall has the constant radial thickness wall/cos(tilt) that eq. 18 assumes, and the ends have
     none: the cavity reaches through them.
     """
-    outline = (_polygon(_chain_contour(fore, aft)) + _polygon(_arc(dome))).simplify(SIMPLIFY)
     hollow = _polygon(_arc(dome - wall))
     for side, sign in ((fore, 1.0), (aft, -1.0)):
         radial = wall / np.cos(side.tilt)
@@ -82,12 +81,14 @@ def open_section(fore: Chain, aft: Chain, dome: float, wall: float) -> tuple[Flo
             inner[:, 1] = np.maximum(inner[:, 1], 0.0)
             contour = inner * (sign, 1.0)
             hollow += _polygon(contour if sign > 0 else contour[::-1])
-    return _contour(outline), _contour(hollow)
+    return _contour(_outline(fore, aft, dome)), _contour(hollow)
 
 
-def _chain_contour(fore: Chain, aft: Chain) -> FloatArray:
+def _outline(fore: Chain, aft: Chain, dome: float) -> manifold3d.CrossSection:
+    """The chains and the dome united, mm."""
     after = np.column_stack([-aft.x[:0:-1], aft.r[:0:-1]])
-    return np.vstack([after, np.column_stack([fore.x, fore.r])])
+    chains = np.vstack([after, np.column_stack([fore.x, fore.r])])
+    return (_polygon(chains) + _polygon(_arc(dome))).simplify(SIMPLIFY)
 
 
 def _arc(radius: float) -> FloatArray:
