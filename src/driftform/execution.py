@@ -39,7 +39,8 @@ class InProcess:
     def evaluate(self, jobs: Sequence[Job]) -> Iterator[Outcome]:
         """Yield the outcomes as they come."""
         for batch in _batches(jobs, BATCH):
-            evaluations = self._pipeline.evaluate([genome for _, genome in batch])
+            indices, genomes = zip(*batch, strict=True)
+            evaluations = self._pipeline.evaluate(genomes, indices)
             yield from ((index, compact(e)) for (index, _), e in zip(batch, evaluations, strict=True))
 
     def close(self) -> None:
@@ -176,5 +177,6 @@ def _end_with_coordinator(ended: "Connection[Any, Any]") -> None:
 
 def _work(batch: Sequence[Job]) -> list[Outcome]:
     assert _pipeline is not None
-    evaluations = _pipeline.evaluate([genome for _, genome in batch])
+    indices, genomes = zip(*batch, strict=True)
+    evaluations = _pipeline.evaluate(genomes, indices)
     return [(index, compact(e)) for (index, _), e in zip(batch, evaluations, strict=True)]

@@ -6,13 +6,14 @@ other state, so that they can be rebuilt in any worker process; a strategy is th
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 
+from driftform.errors import InputError
 from driftform.options import Table
 from driftform.scenario import Fluid, Scenario
 from driftform.types import (
@@ -116,16 +117,18 @@ class Simulator(Plugin[OptionsT_co]):
     """Agent in a scenario -> trajectory.
 
     Implement :meth:`simulate`; override :meth:`simulate_batch` where many flights at once are faster. A flight
-    that goes wrong is no exception: its trajectory holds what is finite of it, and says so by its ``end``.
+    that goes wrong is no exception: its trajectory holds what is finite of it, and says so by its ``end``. One that
+    a simulator cannot compute to the accuracy it promises ends as "not converged", and is never passed off as a
+    result.
     """
 
     @abstractmethod
     def simulate(self, agent: Agent, scenario: Scenario) -> Trajectory:
         """Return the flight of one agent from its release to the outlet, or to the horizon."""
 
-    def simulate_batch(self, agents: Sequence[Agent], scenario: Scenario) -> list[Trajectory]:
-        """Return the flights of many agents; each is the same as if it flew alone."""
-        return [self.simulate(agent, scenario) for agent in agents]
+    def simulate_batch(self, agents: Sequence[Agent], scenarios: Sequence[Scenario]) -> list[Trajectory]:
+        """Return the flights of many agents, each in its own scenario; each is the same as if it flew alone."""
+        return [self.simulate(agent, scenario) for agent, scenario in zip(agents, scenarios, strict=True)]
 
 
 class Fitness(Plugin[OptionsT_co]):
@@ -186,6 +189,49 @@ class Exporter(Plugin[OptionsT_co]):
         """
 
 
+class Renderer(Plugin[OptionsT_co]):
+    """Agent and its flight -> a film. ``suffixes`` are the ends that a film's file name may have, in small letters.
+
+    The suffix decides the format. A film appears whole or not at all, and the same flight gives the same frames.
+    """
+
+    suffixes: ClassVar[tuple[str, ...]]
+
+    def check(self, path: Path) -> None:
+        """Refuse a film that cannot be made, before anything is flown for it.
+
+        Extend it where films need what may not be installed.
+
+        Raises
+        ------
+        InputError
+            where the suffix is none of ``suffixes``.
+        WorkFailedError
+            where something is missing; the message says how to get it.
+        """
+        if path.suffix.lower() not in self.suffixes:
+            raise InputError(f"{path}: a film by '{self.name}' ends in {' or '.join(self.suffixes)}")
+
+    @abstractmethod
+    def film(
+        self,
+        agent: Agent,
+        flight: Trajectory,
+        scenario: Scenario,
+        path: Path,
+        progress: Callable[[int, int], None],
+    ) -> WrittenFile:
+        """Make the film of a flight from its first sample to its last, and tell what it holds.
+
+        ``progress`` is called with the number of frames that are done, and that of all.
+
+        Raises
+        ------
+        InputError, WorkFailedError
+            as :meth:`check`; and where the film cannot be made or written.
+        """
+
+
 SEAMS: dict[str, type[Plugin[Any]]] = {
     "grammar": Grammar,
     "builder": PhenotypeBuilder,
@@ -194,5 +240,6 @@ SEAMS: dict[str, type[Plugin[Any]]] = {
     "fitness": Fitness,
     "strategy": Strategy,
     "exporter": Exporter,
+    "renderer": Renderer,
 }
 """The seams by the name that hooks (``driftform_<seam>``) and tables of a study file use."""

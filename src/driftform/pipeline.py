@@ -14,7 +14,7 @@ from driftform.types import Agent, Evaluation, Genome, Morphology, Trajectory
 
 @dataclass(frozen=True, eq=False)
 class Pipeline:
-    """One plugin for each step, and the scenario that the agents fly in."""
+    """One plugin for each step, the scenario that the agents fly in, and the seed of what is random about it."""
 
     scenario: Scenario
     grammar: Grammar[Any]
@@ -22,6 +22,7 @@ class Pipeline:
     hydrodynamics: Hydrodynamics[Any]
     simulator: Simulator[Any]
     fitness: Fitness[Any]
+    seed: int = 0
 
     def express(self, genome: Genome) -> Morphology:
         """Genotype -> phenotype: the modules in their order."""
@@ -37,17 +38,21 @@ class Pipeline:
         """Genome -> agent."""
         return self.realise(self.express(genome), genome)
 
-    def fly(self, agents: Sequence[Agent]) -> list[Trajectory]:
-        """Agents -> their flights through the scenario."""
-        return self.simulator.simulate_batch(agents, self.scenario)
+    def fly(self, agents: Sequence[Agent], scenarios: Sequence[Scenario] | None = None) -> list[Trajectory]:
+        """Agents -> their flights, each through a scenario of its own where ``scenarios`` are given."""
+        return self.simulator.simulate_batch(agents, scenarios or [self.scenario] * len(agents))
 
-    def evaluate(self, genomes: Sequence[Genome]) -> list[Evaluation]:
+    def evaluate(self, genomes: Sequence[Genome], indices: Sequence[int] | None = None) -> list[Evaluation]:
         """Genomes -> evaluations, in their order; one flight scores every target.
 
-        Whatever goes wrong with a genome is its recorded outcome, and no other genome's.
+        Whatever goes wrong with a genome is its recorded outcome, and no other genome's. ``indices`` are those of
+        the evaluations in a run, which decide the gusts that each meets; without them all meet the scenario's own.
         """
         started = time.perf_counter()
         targets = len(self.scenario.targets)
+        scenarios = [self.scenario] * len(genomes)
+        if indices is not None:
+            scenarios = [self.scenario.of_evaluation(self.seed, index) for index in indices]
         outcomes: dict[int, Evaluation] = {}
         agents: dict[int, Agent] = {}
         for index, genome in enumerate(genomes):
@@ -55,23 +60,28 @@ class Pipeline:
                 agents[index] = self.agent(genome)
             except Exception as error:
                 outcomes[index] = Evaluation.failed(genome, targets, _told(error))
-        for index, trajectory in zip(agents, self._flights(list(agents.values())), strict=True):
+        flights = self._flights(list(agents.values()), [scenarios[index] for index in agents])
+        for index, trajectory in zip(agents, flights, strict=True):
             outcomes[index] = self._scored(genomes[index], trajectory)
         share = (time.perf_counter() - started) / max(1, len(genomes))
         return [replace(outcomes[index], seconds=share) for index in range(len(genomes))]
 
-    def _flights(self, agents: Sequence[Agent]) -> list[Trajectory | str]:
+    def _flights(self, agents: Sequence[Agent], scenarios: Sequence[Scenario]) -> list[Trajectory | str]:
         if not agents:
             return []
         try:
-            flights: list[Trajectory | str] = list(self.fly(agents))
+            flights: list[Trajectory | str] = list(self.fly(agents, scenarios))
             if len(flights) != len(agents):
                 raise ValueError(f"the simulator returned {len(flights)} flights for {len(agents)} agents")
             return flights
         except Exception as error:
             if len(agents) == 1:
                 return [_told(error)]
-            return [flight for agent in agents for flight in self._flights([agent])]
+            return [
+                flight
+                for agent, scenario in zip(agents, scenarios, strict=True)
+                for flight in self._flights([agent], [scenario])
+            ]
 
     def _scored(self, genome: Genome, flight: Trajectory | str) -> Evaluation:
         targets = len(self.scenario.targets)

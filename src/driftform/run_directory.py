@@ -103,7 +103,7 @@ def best_agent(study: Study, store: Store, target: str) -> StoredAgent | None:
     index, fitness = best
     genome = store.record(index, study.scenario.target_names).evaluation.genome
     result = {"target": target, "fitness": fitness, "error_percent": 100 - fitness, "evaluation": index}
-    return StoredAgent(target, genome, study.environment(), result)
+    return StoredAgent(target, genome, study.environment(index), result)
 
 
 def write_inputs(directory: Path, study: Study, source: str) -> None:

@@ -1,9 +1,10 @@
 """The environment, as data: pipe, flow, fluid, release, targets. Validated here, read by compiled kernels as arrays."""
 
-from typing import Annotated, Literal, TypeAlias
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from driftform.options import Table, option
 from driftform.types import FloatArray
@@ -65,11 +66,81 @@ class Pipe(Table):
         return best
 
 
-class Flow(Table):
-    """The water's velocity. ``uniform``: the same everywhere, along the pipe (along x in open water)."""
+class UniformFlow(Table):
+    """The same velocity everywhere, along the pipe (along x in open water)."""
 
     kind: Literal["uniform"] = option("uniform", "name of the flow profile")
     speed: float = option(1.0, "speed of the current", "m/s", ge=-100, le=100)
+
+
+class PipeFlow(Table):
+    """A profile over the bore, whose ``speed`` is the mean over the cross-section."""
+
+    speed: float = option(1.0, "bulk speed: volume flow over cross-section", "m/s", gt=0, le=100)
+
+
+class PowerLawFlow(PipeFlow):
+    """Fully developed flow by the power law: u ~ (y / R)^(1/n), y being the distance from the wall."""
+
+    kind: Literal["power_law"] = option("power_law", "name of the flow profile")
+    exponent: float = option(7.0, "n: about 7 at a Reynolds number of 1e5, 9 at 1e6", ge=1, le=20)
+
+
+class LogLawFlow(PipeFlow):
+    """Fully developed flow by the logarithmic law, with the friction of the pipe's wall."""
+
+    kind: Literal["log_law"] = option("log_law", "name of the flow profile")
+    roughness: float = option(0.0, "equivalent sand roughness of the wall", "m", ge=0)
+
+
+class DevelopingFlow(PipeFlow):
+    """Flow that enters uniformly: a core of one speed, and a turbulent boundary layer that grows downstream."""
+
+    kind: Literal["developing"] = option("developing", "name of the flow profile")
+
+
+class TurbulentFlow(PipeFlow):
+    """The logarithmic law, and gusts on it: an Ornstein-Uhlenbeck process along the agent's path.
+
+    Every evaluation of a run meets gusts of its own, drawn from the run's seed and its index.
+    """
+
+    kind: Literal["turbulent"] = option("turbulent", "name of the flow profile")
+    roughness: float = option(0.0, "equivalent sand roughness of the wall", "m", ge=0)
+    intensity: float = option(
+        0.8, "standard deviation of a gust's components over the friction velocity", ge=0, le=10
+    )
+    memory: float = option(3.0, "Lagrangian integral time of the gusts", "s", gt=0)
+    smoothing: float = option(
+        0.1, "time within which a gust hardly changes: that of the smallest eddies", "s", gt=0
+    )
+    seed: int = option(0, "seed of the gusts of a single flight; a run draws one for each evaluation", ge=0)
+
+
+FLOWS: dict[str, type[Table]] = {
+    "uniform": UniformFlow,
+    "power_law": PowerLawFlow,
+    "log_law": LogLawFlow,
+    "developing": DevelopingFlow,
+    "turbulent": TurbulentFlow,
+}
+"""The flow profiles by name."""
+
+
+def _kind(value: Any) -> Any:
+    """Which profile a table is: its ``kind``, and ``uniform`` where it has none."""
+    return value.get("kind", "uniform") if isinstance(value, Mapping) else getattr(value, "kind", None)
+
+
+Flow: TypeAlias = Annotated[
+    Annotated[UniformFlow, Tag("uniform")]
+    | Annotated[PowerLawFlow, Tag("power_law")]
+    | Annotated[LogLawFlow, Tag("log_law")]
+    | Annotated[DevelopingFlow, Tag("developing")]
+    | Annotated[TurbulentFlow, Tag("turbulent")],
+    Discriminator(_kind),
+]
+"""The water's velocity."""
 
 
 class Fluid(Table):
@@ -77,6 +148,14 @@ class Fluid(Table):
 
     density: float = option(1024.0, "density of the water", "kg/m3", gt=0)
     gravity: float = option(9.81, "acceleration of gravity, along -z", "m/s2", ge=0)
+    viscosity: float = option(1.05e-6, "kinematic viscosity; seawater of 20 degrees C", "m2/s", gt=0)
+    water_level: float | None = option(
+        None, "height of the free surface in the world frame; none where the pipe is full", "m", strict=True
+    )
+    flow_force: Literal["full", "paper"] = option(
+        "full",
+        "force of water that accelerates: with its pressure gradient (Froude-Krylov), or as in the paper without",
+    )
 
 
 class Release(Table):
@@ -92,7 +171,7 @@ class Release(Table):
 
 
 class Contact(Table):
-    """Contact with the pipe's wall: a frictionless, inelastic penalty.
+    """Contact with the pipe's wall: an inelastic penalty, with Coulomb friction where that is not zero.
 
     The spring of a rim is so stiff that the body's mass, with its added mass, would swing on it at
     ``frequency``; with ``damping_ratio`` 1 it hardly bounces.
@@ -100,6 +179,7 @@ class Contact(Table):
 
     frequency: float = option(70.0, "angular frequency of the body on the spring of one rim", "rad/s", gt=0)
     damping_ratio: float = option(1.0, "damping of that spring, relative to critical", "", ge=0)
+    friction: float = option(0.0, "coefficient of Coulomb friction", "", ge=0, le=10)
 
 
 class Flight(Table):
@@ -121,7 +201,7 @@ class Scenario(Table):
     """Everything about the environment; the same tables as in a study file."""
 
     pipe: Pipe = Field(default=Pipe(), description="the pipe")
-    flow: Flow = Field(default=Flow(), description="the current")
+    flow: Flow = Field(default=UniformFlow(), description="the current")
     fluid: Fluid = Field(default=Fluid(), description="the water")
     release: Release = Field(default=Release(), description="how the agent enters")
     contact: Contact = Field(default=Contact(), description="contact with the wall")
@@ -136,6 +216,10 @@ class Scenario(Table):
     def _is_reachable(self) -> "Scenario":
         if self.targets and not self.pipe.segments:
             raise ValueError("targets need a pipe: fitness is relative to the farthest point of its volume")
+        if isinstance(self.flow, PipeFlow) and not self.pipe.segments:
+            raise ValueError(
+                f"flow.kind = '{self.flow.kind}' needs a pipe; in open water it can be 'uniform' only"
+            )
         for name, point in (
             ("release.position", self.release.position),
             *((f"targets.{name}", point) for name, point in self.targets.items()),
@@ -154,22 +238,19 @@ class Scenario(Table):
         return np.array(list(self.targets.values()), dtype=np.float64).reshape(-1, 3)
 
     def current(self) -> FloatArray:
-        """Velocity of the water in the world frame, m/s, (3,)."""
+        """Mean velocity of the water where it enters, in the world frame, m/s, (3,): along x in open water."""
         if not self.pipe.segments:
             return np.array([self.flow.speed, 0.0, 0.0])
         first = self.pipe.segments[0]
         axis = np.subtract(first.end, first.start)
         return np.asarray(self.flow.speed * axis / np.linalg.norm(axis), dtype=np.float64)
 
-    def release_velocity(self) -> FloatArray:
-        """Velocity of the released agent in the world frame, m/s, (3,)."""
-        match self.release.velocity:
-            case "current":
-                return self.current()
-            case "rest":
-                return np.zeros(3)
-            case vector:
-                return np.array(vector, dtype=np.float64)
+    def of_evaluation(self, seed: int, index: int) -> "Scenario":
+        """The scenario as evaluation ``index`` of a run with this seed meets it: with gusts of its own."""
+        if not isinstance(self.flow, TurbulentFlow):
+            return self
+        [gusts] = np.random.SeedSequence((seed, index)).generate_state(1)
+        return self.model_copy(update={"flow": self.flow.model_copy(update={"seed": int(gusts)})})
 
     def release_quaternion(self) -> FloatArray:
         """Attitude of the released agent, (4,): a turn about y by the pitch angle."""

@@ -1,8 +1,8 @@
 """What to evolve: a TOML document -> scenario, plugins with their options, seed and budget; all checked.
 
 A study file holds the scenario's tables (``[pipe]``, ``[flow]``, ``[targets]`` ...), a table for each seam
-(``[simulator] use = "exudyn"``, the rest being that plugin's options), one for each exporter whose options differ
-from their defaults (``[exporter.stl]``), and ``[run]``. With ``base`` it starts from another file, or from a
+(``[simulator] use = "exudyn"``, the rest being that plugin's options), one for each exporter or renderer whose options
+differ from their defaults (``[exporter.stl]``), and ``[run]``. With ``base`` it starts from another file, or from a
 built-in scenario, and says only what differs. Built-in scenarios are study files.
 """
 
@@ -16,7 +16,7 @@ from pydantic import ValidationError
 
 from driftform.complaints import complaints
 from driftform.errors import InputError, did_you_mean
-from driftform.interfaces import SEAMS, Exporter, SearchSpace, Strategy
+from driftform.interfaces import SEAMS, Exporter, Renderer, SearchSpace, Strategy
 from driftform.layers import Layer, file_layers, merged, setting, source_of
 from driftform.options import Table, option
 from driftform.pipeline import Pipeline
@@ -25,7 +25,10 @@ from driftform.scenario import Scenario
 
 DEFAULT = "pipe-inspection"
 
-SELECTED = tuple(seam for seam in SEAMS if seam != "exporter")
+NAMED = ("exporter", "renderer")
+"""The seams whose plugins are asked for by name: a study holds no more than their options."""
+
+SELECTED = tuple(seam for seam in SEAMS if seam not in NAMED)
 """The seams that a study selects one plugin for."""
 
 _LONGEST_NAME = 100
@@ -81,7 +84,7 @@ class Study:
     def pipeline(self) -> Pipeline:
         """The steps from genome to fitness."""
         steps = {seam: self.plugin(seam) for seam in SELECTED if seam != "strategy"}
-        return Pipeline(scenario=self.scenario, **steps)
+        return Pipeline(scenario=self.scenario, seed=self.seed, **steps)
 
     def strategy(self) -> Strategy[Any]:
         """A fresh strategy, at the beginning of its random numbers."""
@@ -95,14 +98,26 @@ class Study:
 
     def exporter(self, name: str) -> Exporter[Any]:
         """Make an exporter with the options of its table ``[exporter.<name>]``, if there is one."""
-        exporter: Exporter[Any] = registry().create(
-            "exporter", name, self.document.get("exporter", {}).get(name, {})
-        )
+        exporter: Exporter[Any] = self._named("exporter", name)
         return exporter
 
-    def environment(self) -> dict[str, Any]:
-        """The part of the document that decides how an agent is built and flies: all but strategy and run."""
-        return {key: value for key, value in self.document.items() if key not in ("strategy", "run")}
+    def renderer(self, name: str) -> Renderer[Any]:
+        """Make a renderer with the options of its table ``[renderer.<name>]``, if there is one."""
+        renderer: Renderer[Any] = self._named("renderer", name)
+        return renderer
+
+    def _named(self, seam: str, name: str) -> Any:
+        return registry().create(seam, name, self.document.get(seam, {}).get(name, {}))
+
+    def environment(self, evaluation: int | None = None) -> dict[str, Any]:
+        """The part of the document that decides how an agent is built and flies: all but strategy and run.
+
+        With the index of an ``evaluation``, as that one met it.
+        """
+        kept = {key: value for key, value in self.document.items() if key not in ("strategy", "run")}
+        if evaluation is not None:
+            kept["flow"] = _plain(self.scenario.of_evaluation(self.seed, evaluation).flow)
+        return kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +179,7 @@ def load_study(
 def _checked(
     document: Mapping[str, Any], layers: Sequence[Layer], wanted: Sequence[str], required: Sequence[str]
 ) -> Study:
-    known = {"title", "description", "base", "run", "exporter", *Scenario.model_fields, *SELECTED}
+    known = {"title", "description", "base", "run", *Scenario.model_fields, *SEAMS}
     errors = [
         f"{source_of(layers, (key,))}: unknown key '{key}'{did_you_mean(key, known)}"
         for key in document
@@ -205,12 +220,13 @@ def _checked(
             resolved[seam] = _resolved_selection(document, seam, layers)
         except InputError as error:
             errors.extend(error.args)
-    exporters: dict[str, Any] = {}
-    for name, options in document.get("exporter", {}).items():
-        try:
-            exporters[name] = _resolved_options(document, ("exporter", name), name, options, layers)
-        except InputError as error:
-            errors.extend(error.args)
+    named: dict[str, dict[str, Any]] = {seam: {} for seam in NAMED}
+    for seam in NAMED:
+        for name, options in document.get(seam, {}).items():
+            try:
+                named[seam][name] = _resolved_options(document, (seam, name), name, options, layers)
+            except InputError as error:
+                errors.extend(error.args)
     if errors or scenario is None or run is None:
         raise InputError(*errors)
     _check_folders(scenario, layers)
@@ -222,7 +238,7 @@ def _checked(
         except InputError as error:
             raise InputError(f"{source_of(layers, ('run', 'formats', index))}: {error}") from None
     head = {key: document[key] for key in ("title", "description") if key in document}
-    resolved = {**head, **_plain(scenario), **resolved, "exporter": exporters, "run": _plain(run)}
+    resolved = {**head, **_plain(scenario), **resolved, **named, "run": _plain(run)}
     return Study(resolved, scenario, run)
 
 

@@ -10,7 +10,7 @@ Conventions, stated once (``docs/conventions.md`` expands on them):
 * 6-vectors are ordered surge, sway, heave, roll, pitch, yaw, in the body frame.
 * Added mass is positive: it is the negative of the SNAME derivatives.
 
-Arrays in these values are float64 and read-only.
+Arrays in these values are float64, C-contiguous and read-only.
 """
 
 from dataclasses import dataclass, field
@@ -31,10 +31,11 @@ def frozen(values: npt.ArrayLike, shape: tuple[int | None, ...], what: str) -> F
     ValueError
         where the shape is another; the message spells out both.
     """
-    array = np.array(values, dtype=np.float64)
-    if array.ndim != len(shape) or any(
-        n is not None and n != m for n, m in zip(shape, array.shape, strict=True)
-    ):
+    array = np.array(values, dtype=np.float64, order="C")
+    fits = array.shape == shape or (
+        array.ndim == len(shape) and all(n in (None, m) for n, m in zip(shape, array.shape, strict=True))
+    )
+    if not fits:
         wanted = ", ".join("n" if n is None else str(n) for n in shape)
         raise ValueError(f"{what} has shape {array.shape}, expected ({wanted})")
     array.setflags(write=False)
@@ -155,6 +156,37 @@ class MassProperties:
 
 
 @dataclass(frozen=True, eq=False)
+class Drag:
+    """Drag of a slender body: strips across its axis, and one resistance along it.
+
+    A strip's force is ``-1/2 rho C_d(Re) factor d dx |v| v`` with the velocity v across the axis where the strip
+    is, relative to the water there; ``C_d`` is that of a long cylinder
+    (:func:`driftform.dynamics.drag.crossflow_coefficient`). Along the axis it is ``-1/2 rho (C_f(Re_L)
+    friction_area + A) |u| u``, with A = ``ahead`` for motion towards +x and A = ``astern`` for motion towards -x.
+
+    Attributes
+    ----------
+    strips
+        x of the middle, diameter d, width dx (m each), and factor, (n, 4).
+    friction_area
+        wetted area times form factor, m2.
+    length
+        that the Reynolds number of friction refers to, m.
+    ahead, astern
+        drag areas of the ends (coefficient times area), m2.
+    """
+
+    strips: FloatArray
+    friction_area: float = 0.0
+    length: float = 1.0
+    ahead: float = 0.0
+    astern: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "strips", frozen(self.strips, (None, 4), "Drag.strips"))
+
+
+@dataclass(frozen=True, eq=False)
 class Coefficients:
     """Hydrodynamic coefficients about ``origin``, in body axes.
 
@@ -171,12 +203,16 @@ class Coefficients:
         D_1, (6, 6).
     quadratic_damping
         D_2, (6, 6).
+    drag
+        drag that these matrices cannot hold, ``None`` for none; its x is that of the body frame, not of
+        ``origin``.
     """
 
     added_mass: FloatArray
     origin: FloatArray = field(default_factory=lambda: np.zeros(3))
     linear_damping: FloatArray = field(default_factory=lambda: np.zeros((6, 6)))
     quadratic_damping: FloatArray = field(default_factory=lambda: np.zeros((6, 6)))
+    drag: Drag | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "origin", frozen(self.origin, (3,), "Coefficients.origin"))
@@ -186,7 +222,7 @@ class Coefficients:
 
 @dataclass(frozen=True, eq=False)
 class Agent:
-    """An agent ready to fly: what a simulator and an exporter receive.
+    """An agent ready to fly: what a simulator, an exporter and a renderer receive.
 
     A simulator reads only ``mass`` and ``coefficients``, and ``body`` for its contact with walls.
     ``morphology`` and ``genome`` are ``None`` for a body that no grammar made.
@@ -207,11 +243,12 @@ class End(StrEnum):
     HORIZON = "horizon"
     NON_FINITE = "non-finite"
     STEP_LIMIT = "step limit"
+    NOT_CONVERGED = "not converged"
 
     @property
     def failed(self) -> bool:
         """True where the flight is an error of the simulation and not a motion."""
-        return self in (End.NON_FINITE, End.STEP_LIMIT)
+        return self in (End.NON_FINITE, End.STEP_LIMIT, End.NOT_CONVERGED)
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,6 +267,13 @@ class Trajectory:
         over ground, in the body frame: surge, sway, heave (m/s), roll, pitch, yaw (rad/s), (k, 6).
     end
         why it ended.
+    contact
+        when a wall was first touched, s; ``None`` where none was.
+    energy_drift
+        largest change of the energy of body and water up to then, relative to the largest kinetic energy;
+        ``None`` where nothing conserves it: with drag, and in water that is not of one velocity everywhere.
+    error
+        estimated error of the position, m, the largest along the flight; ``None`` where it was not estimated.
     """
 
     t: FloatArray
@@ -237,6 +281,9 @@ class Trajectory:
     quaternion: FloatArray
     velocity: FloatArray
     end: End
+    contact: float | None = None
+    energy_drift: float | None = None
+    error: float | None = None
 
     def __post_init__(self) -> None:
         k = np.shape(self.t)[0]
@@ -304,7 +351,7 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class WrittenFile:
-    """A file that an exporter made: its ``format``, its ``path``, and facts worth telling."""
+    """A file that an exporter or a renderer made: its ``format``, its ``path``, and facts worth telling."""
 
     format: str
     path: str

@@ -13,7 +13,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from driftform.scenario import Contact, Flight, Flow, Fluid, Pipe, Release, Scenario, Segment
+from driftform.scenario import Contact, Flight, Fluid, Pipe, Release, Scenario, Segment, UniformFlow
 from driftform.testing.agents import Spheroid, sphere
 from driftform.testing.bodies import spheroid_body
 from driftform.testing.simulator import apart, positions_at
@@ -113,7 +113,7 @@ def random_flight(seed: int) -> tuple[Agent, Scenario]:
         coefficients,
     )
     scenario = Scenario(
-        flow=Flow(speed=1.0),
+        flow=UniformFlow(speed=1.0),
         fluid=Fluid(density=1024.0, gravity=9.81),
         release=Release(
             velocity=tuple(rng.uniform(-0.3, 0.3, 3) + np.array([1, 0, 0])), pitch_deg=rng.uniform(-45, 45)

@@ -26,10 +26,10 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     uses its constants, would go on with their old code after an upgrade, silently. So the stamp of every cache
     file here covers all files of this package; where numba has no such stamp any more, nothing is cached.
     """
-    dispatcher = njit(cache=True, error_model="numpy")(function)
+    dispatcher = njit(cache=True, nogil=True, error_model="numpy")(function)
     cache_file: Any = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if not hasattr(cache_file, "_source_stamp"):
-        dispatcher = njit(error_model="numpy")(function)
+        dispatcher = njit(nogil=True, error_model="numpy")(function)
     else:
         cache_file._source_stamp = (cache_file._source_stamp, _DIGEST)
     return dispatcher

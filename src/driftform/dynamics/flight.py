@@ -1,89 +1,242 @@
-"""Raw samples of an integrator -> a trajectory that ends where it should, and says why."""
+"""Raw samples of an integrator -> a trajectory that ends where it should, and says how far it can be trusted."""
+
+import math
 
 import numpy as np
 
+from driftform.dynamics.buoyancy import buoyant_energy
 from driftform.dynamics.compiled import compiled
+from driftform.dynamics.contact import deepest_rim
+from driftform.dynamics.flow import water
+from driftform.dynamics.model import (
+    BODY_MASS,
+    COB,
+    COG,
+    CURRENT,
+    DAMPED,
+    DENSITY,
+    DISPLACED_MASS,
+    GRAVITY,
+    MASS,
+    REACH,
+    STEADY,
+    WATER_LEVEL,
+    FlightModel,
+    packed,
+    unpacked,
+)
 from driftform.dynamics.path import hermite_coefficients
-from driftform.dynamics.rotations import matrix_from_quaternion, quaternion_from_rotation_vector
+from driftform.dynamics.rotations import (
+    matrix_from_quaternion,
+    rotation_from_quaternion,
+)
+from driftform.dynamics.vectors import Vector, dot, minus, to_body
+from driftform.scenario import Scenario
 from driftform.types import End, FloatArray, Trajectory
 
-SAMPLE = 13
-"""Numbers in a raw sample: time, then pose and speed as :func:`driftform.dynamics.equations.accelerations` has them."""
+SAMPLE = 14
+"""Numbers in a raw sample: time, position, quaternion, velocity (world frame), angular velocity (body frame)."""
+
+
+def release_state(model: FlightModel, scenario: Scenario) -> FloatArray:
+    """Return the state of the agent as it is released: a raw sample without its time, (13,)."""
+    x, y, z = scenario.release.position
+    velocity: Vector | tuple[float, ...]
+    match scenario.release.velocity:
+        case "current":
+            velocity = water((x, y, z), 0.0, model.pipe, model.flow, model.gusts)[0]
+        case "rest":
+            velocity = (0.0, 0.0, 0.0)
+        case given:
+            velocity = given
+    return np.array([x, y, z, *scenario.release_quaternion(), *velocity, 0.0, 0.0, 0.0])
 
 
 @compiled
-def record(sample: FloatArray, t: float, pose: FloatArray, speed: FloatArray, pipe: FloatArray) -> bool:
-    """Fill one raw sample (13,), and return whether the flight goes on: it is finite and inside the pipe."""
+def record(sample: FloatArray, t: float, pose: FloatArray, speed: FloatArray, model: FloatArray) -> bool:
+    """Fill one raw sample (14,), and return whether the flight goes on: it is finite and inside the pipe.
+
+    The arguments are those of :func:`driftform.dynamics.equations.fill_accelerations`.
+    """
+    x, y, z = pose[3], pose[4], pose[5]
+    half = 0.5 * math.sqrt(x * x + y * y + z * z)
+    scale = 0.5 * math.sin(half) / half if half > 1e-8 else 0.5
     sample[0] = t
-    total = 0.0
-    for i in range(6):
+    sample[4], sample[5], sample[6], sample[7] = math.cos(half), scale * x, scale * y, scale * z
+    for i in range(3):
         sample[1 + i] = pose[i]
-        sample[7 + i] = speed[i]
-        total += pose[i] + speed[i]
-    return np.isfinite(total) and not has_left(sample[1:4], pipe)
+        sample[8 + i] = speed[i]
+        sample[11 + i] = speed[3 + i]
+    return bool(np.isfinite(sample).all()) and not has_left((pose[0], pose[1], pose[2]), unpacked(model).pipe)
 
 
 @compiled
-def has_left(position: FloatArray, pipe: FloatArray) -> bool:
+def has_left(position: Vector, pipe: FloatArray) -> bool:
     """True where the body's origin is past the outlet, or more than a radius upstream of the inlet."""
     if pipe.shape[0] == 0:
         return False
-    first, last = pipe[0], pipe[-1]
-    inflow = 0.0
-    outflow = 0.0
-    square = 0.0
-    for i in range(3):
-        inflow += (first[3 + i] - first[i]) * (position[i] - first[i])
-        square += (first[3 + i] - first[i]) ** 2
-        outflow += (last[3 + i] - last[i]) * (position[i] - last[3 + i])
-    return outflow >= 0.0 or inflow < -first[6] * np.sqrt(square)
+    return past_outlet(position, pipe) >= 0.0 or _along(position, pipe[0]) < -pipe[0, 7]
 
 
-def finished_flight(samples: FloatArray, pipe: FloatArray, horizon: float, step_limit: int) -> Trajectory:
-    """Return the trajectory of raw samples (k, 13): all that is finite of it, cut exactly at the outlet.
+@compiled
+def past_outlet(position: Vector, pipe: FloatArray) -> float:
+    """Return how far (m) the position is past the outlet, negative before it."""
+    last = pipe[pipe.shape[0] - 1]
+    return float(_along(position, last) - last[6])
 
-    A flight that stopped before the horizon for no other reason has not converged, and ends as non-finite.
+
+@compiled
+def _along(position: Vector, segment: FloatArray) -> float:
+    off = minus(position, (segment[0], segment[1], segment[2]))
+    return dot((segment[3], segment[4], segment[5]), off)
+
+
+def finished_flight(
+    samples: FloatArray,
+    model: FlightModel,
+    horizon: float,
+    step_limit: int,
+    error: float | None = None,
+    accepted: float = np.inf,
+) -> Trajectory:
+    """Return the trajectory of raw samples (k, 14): all that is finite of it, cut exactly at the outlet.
+
+    A flight that stopped before the horizon for no other reason ends as non-finite, and one whose estimated
+    ``error`` (m) is more than ``accepted`` as not converged.
     """
     finite = np.isfinite(samples).all(axis=1)
     sound = len(samples) if finite.all() else int(np.argmin(finite))
-    later = np.concatenate([[True], np.diff(samples[:, 0]) > 0])
-    rows = samples[:sound][later[:sound]]
-    t, position = rows[:, 0], rows[:, 1:4]
-    quaternion = quaternion_from_rotation_vector(rows[:, 4:7])
+    later = np.concatenate([[True], np.diff(samples[:sound, 0]) > 0])
+    rows = samples[:sound][later]
+    end = _ending(rows, sound < len(samples), len(samples) > step_limit, model, horizon)
+    if end == End.OUTLET:
+        rows = _cut_at_outlet(rows, model.pipe)
+    if not end.failed and error is not None and not error <= accepted:
+        end = End.NOT_CONVERGED
+    contact, drift = _checked(np.ascontiguousarray(rows), packed(model))
+    quaternion = rows[:, 4:8]
     R = matrix_from_quaternion(quaternion)
-    velocity = np.concatenate([np.einsum("kji,kj->ki", R, rows[:, 7:10]), rows[:, 10:]], axis=1)
-    flown = (t, position, quaternion, velocity)
-    if sound < len(samples):
-        return Trajectory(*flown, end=End.NON_FINITE)
-    if has_left(position[-1], pipe):
-        outlet = _cut_at_outlet(*flown, pipe)
-        return outlet if outlet is not None else Trajectory(*flown, end=End.INLET)
-    if t[-1] >= horizon * (1 - 1e-9):
-        return Trajectory(*flown, end=End.HORIZON)
-    return Trajectory(*flown, end=End.STEP_LIMIT if len(samples) > step_limit else End.NON_FINITE)
+    velocity = np.concatenate([np.einsum("kji,kj->ki", R, rows[:, 8:11]), rows[:, 11:]], axis=1)
+    return Trajectory(
+        rows[:, 0],
+        rows[:, 1:4],
+        quaternion,
+        velocity,
+        end,
+        contact=None if np.isnan(contact) else float(contact),
+        energy_drift=None if np.isnan(drift) else float(drift),
+        error=error,
+    )
 
 
-def _cut_at_outlet(
-    t: FloatArray, position: FloatArray, quaternion: FloatArray, velocity: FloatArray, pipe: FloatArray
-) -> Trajectory | None:
-    axis = pipe[-1, 3:6] - pipe[-1, :3]
-    past = (position - pipe[-1, 3:6]) @ axis
-    if past[-1] < 0 or len(t) < 2:
-        return None
-    R = matrix_from_quaternion(quaternion[-2:])
-    world = np.einsum("kij,kj->ki", R, velocity[-2:, :3])
-    curve = hermite_coefficients(t[-2:], position[-2:], world)[0]
-    along = curve @ axis
-    along[0] -= pipe[-1, 3:6] @ axis
+def _ending(rows: FloatArray, broken: bool, too_long: bool, model: FlightModel, horizon: float) -> End:
+    position = (rows[-1, 1], rows[-1, 2], rows[-1, 3])
+    if broken:
+        return End.NON_FINITE
+    if has_left(position, model.pipe):
+        return End.OUTLET if past_outlet(position, model.pipe) >= 0 else End.INLET
+    if rows[-1, 0] >= horizon * (1 - 1e-9):
+        return End.HORIZON
+    return End.STEP_LIMIT if too_long else End.NON_FINITE
+
+
+def _cut_at_outlet(rows: FloatArray, pipe: FloatArray) -> FloatArray:
+    if len(rows) < 2:
+        return rows
+    before, after = rows[-2], rows[-1]
+    curve = hermite_coefficients(rows[-2:, 0], rows[-2:, 1:4], rows[-2:, 8:11])[0]
+    along = curve @ pipe[-1, 3:6]
+    along[0] -= pipe[-1, :3] @ pipe[-1, 3:6] + pipe[-1, 6]
     roots = np.roots(along[::-1])
     inside = roots[(np.abs(roots.imag) < 1e-9) & (roots.real > 0) & (roots.real <= 1 + 1e-9)].real
     u = float(inside.min()) if inside.size else 1.0
     # Over one step of the integrator attitude and velocity change so little that a straight line will do.
-    turned = (1 - u) * quaternion[-2] + u * quaternion[-1] * np.sign(quaternion[-2] @ quaternion[-1] or 1.0)
-    return Trajectory(
-        np.append(t[:-1], t[-2] + u * (t[-1] - t[-2])),
-        np.vstack([position[:-1], u ** np.arange(4) @ curve]),
-        np.vstack([quaternion[:-1], turned / np.linalg.norm(turned)]),
-        np.vstack([velocity[:-1], (1 - u) * velocity[-2] + u * velocity[-1]]),
-        End.OUTLET,
-    )
+    last = (1 - u) * before + u * after
+    last[1:4] = u ** np.arange(4) @ curve
+    turned = (1 - u) * before[4:8] + u * after[4:8] * np.sign(before[4:8] @ after[4:8] or 1.0)
+    last[4:8] = turned / np.linalg.norm(turned)
+    return np.vstack([rows[:-1], last])
+
+
+@compiled
+def _checked(rows: FloatArray, values: FloatArray) -> tuple[float, float]:
+    """Return when a wall is first touched (s), and how far the energy drifts until then; NaN for neither.
+
+    Energy is compared with the largest kinetic energy. It is conserved without drag, in water that has one velocity.
+    """
+    model = unpacked(values)
+    table = model.table
+    conserved = table[STEADY] != 0.0 and table[DAMPED] == 0.0 and model.strips.shape[0] == 0
+    first, lowest, highest, largest = 0.0, np.inf, -np.inf, 0.0
+    contact = np.nan
+    for k in range(rows.shape[0]):
+        if deepest_rim(_position(rows[k]), _attitude(rows[k]), model.rims, table[REACH], model.pipe) > 0.0:
+            contact = _touching(rows[max(0, k - 1)], rows[k], model)
+            break
+        if conserved:
+            kinetic, potential = energy(rows[k], model)
+            if k == 0:
+                first = potential
+            lowest = min(lowest, kinetic + (potential - first))
+            highest = max(highest, kinetic + (potential - first))
+            largest = max(largest, kinetic)
+    if not conserved or highest < lowest:
+        return contact, np.nan
+    return contact, (highest - lowest) / largest if largest > 0.0 else 0.0
+
+
+@compiled
+def energy(row: FloatArray, model: FlightModel) -> tuple[float, float]:
+    """Return kinetic and potential energy of body and water, J, in the frame that moves with the water."""
+    table, R = model.table, _attitude(row)
+    stream = (table[CURRENT, 0], table[CURRENT, 1], table[CURRENT, 2])
+    v = to_body(R, minus((row[8], row[9], row[10]), stream))
+    nu = (v[0], v[1], v[2], row[11], row[12], row[13])
+    kinetic = 0.0
+    for i in range(6):
+        for j in range(6):
+            kinetic += 0.5 * nu[i] * table[MASS + i, j] * nu[j]
+    height = row[3] - row[0] * stream[2]
+    cog = height + dot(R[2], (table[COG, 0], table[COG, 1], table[COG, 2]))
+    centre = (table[COB, 0], table[COB, 1], table[COB, 2])
+    lift = -table[DISPLACED_MASS] * table[GRAVITY] * (height + dot(R[2], centre))
+    if table[WATER_LEVEL] < np.inf:
+        weight = table[DENSITY] * table[GRAVITY]
+        lift = buoyant_energy(row[3], R, centre, table[WATER_LEVEL], weight, model.slices)
+    return kinetic, table[BODY_MASS] * table[GRAVITY] * cog + lift
+
+
+@compiled
+def _position(row: FloatArray) -> Vector:
+    return row[1], row[2], row[3]
+
+
+@compiled
+def _attitude(row: FloatArray) -> tuple[Vector, Vector, Vector]:
+    return rotation_from_quaternion(row[4], row[5], row[6], row[7])
+
+
+@compiled
+def _touching(before: FloatArray, after: FloatArray, model: FlightModel) -> float:
+    """Return when a rim comes to touch between two samples, by bisection on the path between them."""
+    low, high, h = 0.0, 1.0, after[0] - before[0]
+    between = before.copy()
+    sign = 1.0
+    if before[4] * after[4] + before[5] * after[5] + before[6] * after[6] + before[7] * after[7] < 0.0:
+        sign = -1.0
+    for _ in range(40):
+        u = 0.5 * (low + high)
+        for i in range(3):
+            p, q = before[1 + i], after[1 + i]
+            m, n = h * before[8 + i], h * after[8 + i]
+            between[1 + i] = p + u * (m + u * (3 * (q - p) - 2 * m - n + u * (2 * (p - q) + m + n)))
+        for i in range(4, 8):
+            between[i] = (1 - u) * before[i] + u * sign * after[i]
+        touches = deepest_rim(
+            _position(between), _attitude(between), model.rims, model.table[REACH], model.pipe
+        )
+        if touches > 0.0:
+            high = u
+        else:
+            low = u
+    return float(before[0] + high * h)

@@ -1,44 +1,66 @@
 """An agent in a scenario as plain arrays: all that the compiled equations of motion read."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from driftform.dynamics.compiled import compiled
+from driftform.dynamics.flow import UNIFORM, flow_array, gust_array
 from driftform.dynamics.inertia import added_mass_at, rigid_body_mass
+from driftform.geometry.slices import slices
 from driftform.scenario import Scenario
-from driftform.types import Agent, Body, FloatArray
+from driftform.types import Agent, Body, Drag, FloatArray
 
 # Rows of the table that the kernels read; six columns each.
-MASS = 0
-INVERSE = 6
-LINEAR = 12
-QUADRATIC = 18
-COG_COB = 24
-CURRENT = 25
-FORCES = 26
-DAMPING_ORIGIN = 27
-ROWS = 28
+MASS, INVERSE, LINEAR, QUADRATIC = 0, 6, 12, 18
+COG, COB = 24, 25
+DAMPING_POINT = 26
+CURRENT = 27
+AXIAL_DRAG = 28
+ROWS = 31
+
+# Places of single numbers in it.
+DAMPED = (DAMPING_POINT, 3)
+STEADY = (CURRENT, 3)
+BODY_MASS, DISPLACED_MASS = (29, 0), (29, 1)
+GRAVITY, DENSITY, VISCOSITY, WATER_LEVEL = (29, 2), (29, 3), (29, 4), (29, 5)
+FROUDE_KRYLOV, FRICTION, CONTACT_RATE, REACH = (30, 0), (30, 1), (30, 2), (30, 3)
+
+_FEWEST, _MOST_SLICES = 8, 48
 
 
-@dataclass(frozen=True, eq=False)
-class FlightModel:
-    """What the kernels read.
+class FlightModel(NamedTuple):
+    """What the kernels read; about the body's origin and in body axes where nothing else is said.
 
     Attributes
     ----------
     table
-        (28, 6): total mass M_RB + M_A about the body's origin, its inverse, linear damping, quadratic damping;
-        then one row each of (COG, COB), (current in the world frame, 0, 0, 0), (weight N, buoyancy N, 0 ...),
-        and (point that the damping refers to, 1 where there is any damping, 0, 0).
+        (31, 6): total mass M_RB + M_A, its inverse, linear damping, quadratic damping; then one row each of COG,
+        COB, (point that the damping refers to, 1 where there is any), (the water's velocity in the world frame,
+        1 where it is the same everywhere and always), axial drag (see :func:`driftform.dynamics.drag.axial_drag`);
+        (mass, mass of the displaced water, gravity, density, viscosity, height of the free surface, infinite
+        without one); (1 where accelerating water pushes with its pressure gradient, coefficient of friction,
+        fastest rate of friction 1/s, greatest distance of a rim from the origin).
     rims
-        circles of the body that can touch a wall: x, r (m), spring (N/m), damper (N s/m), (k, 4).
+        circles of the body that can touch a wall: x, r (m), spring (N/m), damper (N s/m), mass opposed to a
+        push along the wall (kg), how much deeper than at first sight it can be in the wall (m), (k, 6).
     pipe
-        rows of start (3), end (3), radius, (segments, 7).
+        rows of start (3), unit vector downstream (3), length, radius, (segments, 8).
+    flow, gusts
+        see :mod:`driftform.dynamics.flow`.
+    slices
+        of the displaced volume: x, radius (m), volume (m3), width (m), (n, 4); (0, 4) where the pipe is full.
+    strips
+        of drag: see :class:`driftform.types.Drag`, (n, 4); (0, 4) without any.
     """
 
     table: FloatArray
     rims: FloatArray
     pipe: FloatArray
+    flow: FloatArray
+    gusts: FloatArray
+    slices: FloatArray
+    strips: FloatArray
 
 
 def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
@@ -46,18 +68,60 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     mass, fluid, coefficients = agent.mass, scenario.fluid, agent.coefficients
     total = rigid_body_mass(mass) + added_mass_at(coefficients, np.zeros(3))
     inverse = mass_inverse(total, max(agent.body.length, agent.body.max_diameter))
+    rims = _springs(touching_rims(agent.body), inverse, scenario)
+    flow, drag = flow_array(scenario), coefficients.drag or Drag(np.empty((0, 4)))
     table = np.zeros((ROWS, 6))
-    table[MASS : MASS + 6] = total
-    table[INVERSE : INVERSE + 6] = inverse
+    table[MASS : MASS + 6], table[INVERSE : INVERSE + 6] = total, inverse
     table[LINEAR : LINEAR + 6] = coefficients.linear_damping
     table[QUADRATIC : QUADRATIC + 6] = coefficients.quadratic_damping
-    table[COG_COB, :3], table[COG_COB, 3:] = mass.cog, mass.cob
+    table[COG, :3], table[COB, :3] = mass.cog, mass.cob
+    table[DAMPING_POINT, :3] = coefficients.origin
+    table[DAMPED] = np.any(table[LINEAR:COG])
     table[CURRENT, :3] = scenario.current()
-    table[FORCES, 0] = mass.mass * fluid.gravity
-    table[FORCES, 1] = fluid.density * mass.volume * fluid.gravity
-    table[DAMPING_ORIGIN, :3] = coefficients.origin
-    table[DAMPING_ORIGIN, 3] = np.any(table[LINEAR:COG_COB])
-    return FlightModel(table, _springs(touching_rims(agent.body), inverse, scenario), scenario.pipe.array())
+    table[STEADY] = flow[0] == UNIFORM and len(scenario.pipe.segments) <= 1
+    table[AXIAL_DRAG, :4] = drag.friction_area, drag.length, drag.ahead, drag.astern
+    table[BODY_MASS], table[DISPLACED_MASS] = mass.mass, fluid.density * mass.volume
+    table[GRAVITY], table[DENSITY], table[VISCOSITY] = fluid.gravity, fluid.density, fluid.viscosity
+    table[WATER_LEVEL] = np.inf if fluid.water_level is None else fluid.water_level
+    table[FROUDE_KRYLOV] = fluid.flow_force == "full"
+    table[FRICTION], table[CONTACT_RATE] = scenario.contact.friction, 2 * scenario.contact.frequency
+    table[REACH] = np.sqrt((rims[:, :2] ** 2).sum(axis=1).max(initial=0.0))
+    return FlightModel(
+        table,
+        rims,
+        _bores(scenario),
+        flow,
+        gust_array(scenario),
+        np.empty((0, 4)) if fluid.water_level is None else _slices(agent),
+        np.array(drag.strips),
+    )
+
+
+def packed(model: FlightModel) -> FloatArray:
+    """Return all arrays of a model as one, which is cheaper to hand to a kernel: see :func:`unpacked`."""
+    flat: list[FloatArray] = [np.array([float(len(array)) for array in model])]
+    flat.extend(array.ravel() for array in model)
+    return np.concatenate(flat)
+
+
+@compiled
+def unpacked(values: FloatArray) -> FlightModel:
+    """Return the model whose arrays :func:`packed` has put into one; they share its memory."""
+    rims = 7 + 6 * int(values[0])
+    pipe = rims + 6 * int(values[1])
+    flow = pipe + 8 * int(values[2])
+    gusts = flow + int(values[3])
+    cuts = gusts + 6 * int(values[4])
+    strips = cuts + 4 * int(values[5])
+    return FlightModel(
+        values[7:rims].reshape(-1, 6),
+        values[rims:pipe].reshape(-1, 6),
+        values[pipe:flow].reshape(-1, 8),
+        values[flow:gusts],
+        values[gusts:cuts].reshape(-1, 6),
+        values[cuts:strips].reshape(-1, 4),
+        values[strips:].reshape(-1, 4),
+    )
 
 
 def mass_inverse(total: FloatArray, length: float) -> FloatArray:
@@ -69,7 +133,10 @@ def mass_inverse(total: FloatArray, length: float) -> FloatArray:
     if not np.isfinite(total).all():
         return np.full((6, 6), np.nan)
     scale = np.diag([1.0, 1.0, 1.0, 1 / length, 1 / length, 1 / length])
-    inverse = scale @ np.linalg.pinv(scale @ total @ scale, rcond=1e-13, hermitian=True) @ scale
+    values, vectors = np.linalg.eigh(scale @ total @ scale)
+    kept = values > 1e-13 * values.max()
+    axes = scale @ vectors[:, kept]
+    inverse = (axes / values[kept]) @ axes.T
     # The inverse of a planar-symmetric body couples no plane with another; rounding must not either, or it
     # would seed an out-of-plane motion that the undamped equations then amplify.
     return np.where(np.abs(inverse) > 1e-14 * np.abs(inverse).max(), inverse, 0.0)
@@ -81,22 +148,58 @@ def touching_rims(body: Body) -> FloatArray:
     The bore of a pipe is convex, so a body is inside it exactly if its convex hull is: only vertices of the
     convex hull of the meridian can touch.
     """
-    hull: list[tuple[float, float]] = []
-    for x, r in body.outer[np.lexsort((body.outer[:, 1], body.outer[:, 0]))]:
-        while len(hull) >= 2:
-            (x0, r0), (x1, r1) = hull[-2], hull[-1]
-            if (x1 - x0) * (r - r0) - (r1 - r0) * (x - x0) < 0:
+    x, r = body.outer.T
+    hull = _upper_hull(body.outer[np.lexsort((r, x))])
+    return hull[hull[:, 1] > 0.0]
+
+
+@compiled
+def _upper_hull(points: FloatArray) -> FloatArray:
+    """Return those of the points (n, 2), sorted by x, that are vertices of their upper convex hull (Andrew 1979)."""
+    hull = np.empty_like(points)
+    count = 0
+    for k in range(points.shape[0]):
+        x, r = points[k, 0], points[k, 1]
+        while count >= 2:
+            x0, r0, x1, r1 = hull[count - 2, 0], hull[count - 2, 1], hull[count - 1, 0], hull[count - 1, 1]
+            if (x1 - x0) * (r - r0) - (r1 - r0) * (x - x0) < 0.0:
                 break
-            hull.pop()
-        hull.append((float(x), float(r)))
-    return np.array([point for point in hull if point[1] > 0.0]).reshape(-1, 2)
+            count -= 1
+        hull[count, 0], hull[count, 1] = x, r
+        count += 1
+    return hull[:count]
 
 
 def _springs(rims: FloatArray, inverse: FloatArray, scenario: Scenario) -> FloatArray:
     # 1 / (effective mass) of each rim against a push across the axis: J M^-1 J^T with J of a force along z.
-    push = np.zeros((len(rims), 6))
-    push[:, 2] = 1.0
-    push[:, 4] = -rims[:, 0]
-    effective = 1 / np.einsum("ki,ij,kj->k", push, inverse, push)
     omega, zeta = scenario.contact.frequency, scenario.contact.damping_ratio
-    return np.column_stack([rims, effective * omega**2, 2 * zeta * effective * omega])
+    push = np.zeros((3, len(rims), 6))
+    x, r = rims.T
+    push[0, :, 2], push[0, :, 4] = 1.0, -x
+    # Along the wall at the rim's top: along the axis, and around it.
+    push[1, :, 0], push[1, :, 4] = 1.0, r
+    push[2, :, 1], push[2, :, 3], push[2, :, 5] = 1.0, -r, x
+    across, along, around = 1 / np.einsum("aki,ij,akj->ak", push, inverse, push)
+    # A bore of radius R falls away from its tangent by r^2 / (2 R) within r.
+    narrowest = min((segment.radius for segment in scenario.pipe.segments), default=np.inf)
+    return np.column_stack(
+        [rims, across * omega**2, 2 * zeta * across * omega, np.minimum(along, around), r**2 / narrowest]
+    )
+
+
+def _bores(scenario: Scenario) -> FloatArray:
+    rows = scenario.pipe.array()
+    axis = rows[:, 3:6] - rows[:, :3]
+    length = np.linalg.norm(axis, axis=1, keepdims=True)
+    return np.column_stack([rows[:, :3], axis / length, length, rows[:, 6]])
+
+
+def _slices(agent: Agent) -> FloatArray:
+    """Slices about as wide as a quarter of the diameter: x, radius, volume, width."""
+    body = agent.body
+    count = int(np.clip(4 * body.length / body.max_diameter, _FEWEST, _MOST_SLICES))
+    x, volume, width = slices(body.outer, count).T
+    # A body whose displaced volume is given otherwise than by its contour keeps that volume and its centre.
+    volume = volume * agent.mass.volume / volume.sum()
+    x = x + agent.mass.cob[0] - x @ volume / volume.sum()
+    return np.column_stack([x, np.sqrt(volume / (np.pi * width)), volume, width])

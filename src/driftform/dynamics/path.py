@@ -1,18 +1,32 @@
 """The path between the samples of a trajectory: cubic Hermite curves through positions and velocities."""
 
+from typing import TypeAlias
+
 import numpy as np
 
 from driftform.dynamics.compiled import compiled
-from driftform.dynamics.rotations import matrix_from_quaternion
+from driftform.dynamics.rotations import rotation_from_quaternion
+from driftform.dynamics.vectors import Vector, dot, minus, plus, times, to_world
 from driftform.types import FloatArray, Trajectory
 
+Cubic: TypeAlias = tuple[Vector, Vector, Vector, Vector]
+"""A polynomial, lowest power first."""
+
 _STATIONS = 4
+"""Points of each stretch, its start among them, from which the nearest is sought."""
+
+_COARSE = 16
+"""The nearest of every so many samples is a first bound."""
+
+_ROUNDING = 1e-9
+"""m, far more than lengths along the path are rounded by."""
 
 
 def world_velocity(trajectory: Trajectory) -> FloatArray:
     """Velocity over ground in the world frame, m/s, (k, 3)."""
-    R = matrix_from_quaternion(trajectory.quaternion)
-    return np.asarray(np.einsum("kij,kj->ki", R, trajectory.velocity[:, :3]), dtype=np.float64)
+    out = np.empty_like(trajectory.position)
+    _turn(trajectory.quaternion, trajectory.velocity, out)
+    return out
 
 
 def hermite_coefficients(t: FloatArray, position: FloatArray, velocity: FloatArray) -> FloatArray:
@@ -35,65 +49,123 @@ def closest_approach(trajectory: Trajectory, points: FloatArray) -> tuple[FloatA
         distances[:] = np.linalg.norm(points - trajectory.position[0], axis=1)
         times[:] = trajectory.t[0]
     else:
-        curve = hermite_coefficients(trajectory.t, trajectory.position, world_velocity(trajectory))
-        _closest(trajectory.t, curve, np.ascontiguousarray(points), distances, times)
+        velocity = world_velocity(trajectory)
+        _closest(trajectory.t, trajectory.position, velocity, np.ascontiguousarray(points), distances, times)
     return distances, times
 
 
 @compiled
+def _turn(quaternion: FloatArray, velocity: FloatArray, out: FloatArray) -> None:
+    for i in range(out.shape[0]):
+        w, x, y, z = quaternion[i]
+        R = rotation_from_quaternion(w, x, y, z)
+        out[i, 0], out[i, 1], out[i, 2] = to_world(R, _row(velocity, i))
+
+
+@compiled
 def _closest(
-    t: FloatArray, curve: FloatArray, points: FloatArray, distances: FloatArray, times: FloatArray
+    t: FloatArray,
+    position: FloatArray,
+    velocity: FloatArray,
+    points: FloatArray,
+    distances: FloatArray,
+    times: FloatArray,
 ) -> None:
+    stretches = t.shape[0] - 1
+    gone = _gone(t, position, velocity)
     for index in range(points.shape[0]):
-        point = points[index]
+        point = _row(points, index)
+        bound = np.inf
+        for s in range(0, stretches, _COARSE):
+            bound = min(bound, _distance(_row(position, s), point))
         nearest, stretch, station = np.inf, 0, 0.0
-        for s in range(curve.shape[0]):
+        s = 0
+        while s < stretches:
+            cubic = _cubic(t, position, velocity, s)
             for g in range(_STATIONS):
-                u = g / _STATIONS
-                square = _square(curve[s], point, u)
-                if square < nearest:
-                    nearest, stretch, station = square, s, u
-        distances[index], u = _foot(curve[stretch], point, station)
+                distance = _distance(_at(cubic, g / _STATIONS), point)
+                if distance < nearest:
+                    nearest, stretch, station = distance, s, g / _STATIONS
+            bound = min(bound, nearest)
+            # Before it has gone this far, the path cannot come nearer than the bound: those stretches are passed by.
+            needed = gone[s + 1] + _distance(_row(position, s + 1), point) - bound - _ROUNDING
+            s += 1
+            while s < stretches and gone[s + 1] < needed:
+                s += 1
+        distances[index], u = _foot(_cubic(t, position, velocity, stretch), point, station)
         times[index] = t[stretch] + u * (t[stretch + 1] - t[stretch])
         # The end of the path is no station, and the foot may lie on either side of the nearest station.
-        for s, start in ((stretch - 1, 1.0), (curve.shape[0] - 1, 1.0)):
+        for s in (stretch - 1, stretches - 1):
             if s >= 0:
-                distance, u = _foot(curve[s], point, start)
+                distance, u = _foot(_cubic(t, position, velocity, s), point, 1.0)
                 if distance < distances[index]:
                     distances[index] = distance
                     times[index] = t[s] + u * (t[s + 1] - t[s])
 
 
 @compiled
-def _square(curve: FloatArray, point: FloatArray, u: float) -> float:
-    total = 0.0
-    for i in range(3):
-        total += (curve[0, i] + u * (curve[1, i] + u * (curve[2, i] + u * curve[3, i])) - point[i]) ** 2
-    return total
+def _gone(t: FloatArray, position: FloatArray, velocity: FloatArray) -> FloatArray:
+    """How far the path has gone at most when it comes to each sample, m, (k,).
+
+    A stretch is no longer than the polygon of its Bezier points p, p + h v / 3, q - h w / 3, q.
+    """
+    gone = np.zeros(t.shape[0])
+    for i in range(t.shape[0] - 1):
+        third = (t[i + 1] - t[i]) / 3
+        p, q = _row(position, i), _row(position, i + 1)
+        a = plus(p, times(third, _row(velocity, i)))
+        b = minus(q, times(third, _row(velocity, i + 1)))
+        gone[i + 1] = gone[i] + _distance(p, a) + _distance(a, b) + _distance(b, q)
+    return gone
 
 
 @compiled
-def _foot(curve: FloatArray, point: FloatArray, u: float) -> tuple[float, float]:
-    best, best_u = _square(curve, point, u), u
+def _cubic(t: FloatArray, position: FloatArray, velocity: FloatArray, s: int) -> Cubic:
+    """The row ``s`` of :func:`hermite_coefficients`."""
+    h = t[s + 1] - t[s]
+    p, m, n = _row(position, s), times(h, _row(velocity, s)), times(h, _row(velocity, s + 1))
+    chord = minus(_row(position, s + 1), p)
+    return p, m, minus(times(3.0, chord), plus(times(2.0, m), n)), minus(plus(m, n), times(2.0, chord))
+
+
+@compiled
+def _row(array: FloatArray, i: int) -> Vector:
+    return array[i, 0], array[i, 1], array[i, 2]
+
+
+@compiled
+def _distance(a: Vector, b: Vector) -> float:
+    offset = minus(a, b)
+    return float(np.sqrt(dot(offset, offset)))
+
+
+@compiled
+def _at(cubic: Cubic, u: float) -> Vector:
+    a, b, c, d = cubic
+    return plus(a, times(u, plus(b, times(u, plus(c, times(u, d))))))
+
+
+@compiled
+def _foot(cubic: Cubic, point: Vector, u: float) -> tuple[float, float]:
+    """Distance of the foot of the perpendicular, or of an end, and its u: Newton's method from ``u``."""
+    _, b, c, d = cubic
+    best, best_u = _distance(_at(cubic, u), point), u
     for _ in range(20):
-        slope = curvature = speed = 0.0
-        for i in range(3):
-            p = curve[0, i] + u * (curve[1, i] + u * (curve[2, i] + u * curve[3, i])) - point[i]
-            v = curve[1, i] + u * (2 * curve[2, i] + u * 3 * curve[3, i])
-            w = 2 * curve[2, i] + 6 * u * curve[3, i]
-            slope += p * v
-            curvature += v * v + p * w
-            speed += v * v
+        offset = minus(_at(cubic, u), point)
+        first = plus(b, times(u, plus(times(2.0, c), times(3.0 * u, d))))
+        second = plus(times(2.0, c), times(6.0 * u, d))
+        speed = dot(first, first)
+        curvature = speed + dot(offset, second)
         if curvature <= 0.0:
             # Where the distance is not convex Newton's step would climb: step as if the path were straight.
             curvature = speed
         if curvature == 0.0:
             break
-        new = min(1.0, max(0.0, u - slope / curvature))
-        square = _square(curve, point, new)
-        if square < best:
-            best, best_u = square, new
+        new = min(1.0, max(0.0, u - dot(offset, first) / curvature))
+        distance = _distance(_at(cubic, new), point)
+        if distance < best:
+            best, best_u = distance, new
         if abs(new - u) < 1e-12:
             break
         u = new
-    return np.sqrt(best), best_u
+    return best, best_u

@@ -3,13 +3,13 @@
 import numpy as np
 
 from driftform.dynamics.compiled import compiled
+from driftform.dynamics.vectors import Rotation
 from driftform.types import FloatArray
 
 
 @compiled
-def matrix_from_rotation_vector(vector: FloatArray, out: FloatArray) -> None:
-    """Fill ``out`` (3, 3) with the rotation by ``|vector|`` rad about ``vector`` (Rodrigues' formula)."""
-    x, y, z = vector[0], vector[1], vector[2]
+def rotation_from_vector(x: float, y: float, z: float) -> Rotation:
+    """Return the rotation by ``|(x, y, z)|`` rad about (x, y, z) (Rodrigues' formula)."""
     square = x * x + y * y + z * z
     if square > 1e-8:
         angle = np.sqrt(square)
@@ -18,15 +18,22 @@ def matrix_from_rotation_vector(vector: FloatArray, out: FloatArray) -> None:
     else:
         s = 1.0 - square / 6.0
         c = 0.5 - square / 24.0
-    out[0, 0] = 1.0 - c * (y * y + z * z)
-    out[0, 1] = c * x * y - s * z
-    out[0, 2] = c * x * z + s * y
-    out[1, 0] = c * x * y + s * z
-    out[1, 1] = 1.0 - c * (x * x + z * z)
-    out[1, 2] = c * y * z - s * x
-    out[2, 0] = c * x * z - s * y
-    out[2, 1] = c * y * z + s * x
-    out[2, 2] = 1.0 - c * (x * x + y * y)
+    return (
+        (1.0 - c * (y * y + z * z), c * x * y - s * z, c * x * z + s * y),
+        (c * x * y + s * z, 1.0 - c * (x * x + z * z), c * y * z - s * x),
+        (c * x * z - s * y, c * y * z + s * x, 1.0 - c * (x * x + y * y)),
+    )
+
+
+@compiled
+def rotation_from_quaternion(w: float, x: float, y: float, z: float) -> Rotation:
+    """Return the rotation of a quaternion of any length but zero."""
+    c = 2.0 / (w * w + x * x + y * y + z * z)
+    return (
+        (1.0 - c * (y * y + z * z), c * (x * y - w * z), c * (x * z + w * y)),
+        (c * (x * y + w * z), 1.0 - c * (x * x + z * z), c * (y * z - w * x)),
+        (c * (x * z - w * y), c * (y * z + w * x), 1.0 - c * (x * x + y * y)),
+    )
 
 
 def quaternion_from_rotation_vector(vector: FloatArray) -> FloatArray:

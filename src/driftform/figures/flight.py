@@ -132,6 +132,7 @@ _ENDS = {
     "horizon": "time was up",
     "non-finite": "the simulation broke down",
     "step limit": "the simulation ran out of steps",
+    "not converged": "its error could not be made small enough, and it counts as failed",
 }
 
 

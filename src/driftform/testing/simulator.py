@@ -13,7 +13,7 @@ from driftform.dynamics.inertia import added_mass_at, rigid_body_mass, shifted
 from driftform.dynamics.path import hermite_coefficients, world_velocity
 from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.interfaces import Simulator
-from driftform.scenario import Contact, Flight, Flow, Fluid, Pipe, Release, Scenario, Segment, Vector
+from driftform.scenario import Contact, Flight, Fluid, Pipe, Release, Scenario, Segment, UniformFlow, Vector
 from driftform.testing.agents import (
     DENSITY,
     GRAVITY,
@@ -50,7 +50,7 @@ def water(
     segments = (Segment(start=(0.0, 0.0, 0.0), end=(pipe[0], 0.0, 0.0), radius=pipe[1]),) if pipe else ()
     return Scenario(
         pipe=Pipe(segments=segments),
-        flow=Flow(speed=speed),
+        flow=UniformFlow(speed=speed),
         fluid=Fluid(density=DENSITY, gravity=gravity),
         release=Release.model_validate(
             {"position": position, "pitch_deg": pitch_deg, "velocity": velocity},
@@ -460,15 +460,14 @@ class SimulatorContract:
         ]
         scenario = water(1.5, (1.0, 0.2, 0.3), speed=1.0, pipe=(2.0, 0.3))
         simulator = self.plugin()
-        flights = simulator.simulate_batch(agents, scenario)
+        flights = simulator.simulate_batch(agents, [scenario] * len(agents))
         assert len(flights) == len(agents)
         for agent, flight in zip(agents, flights, strict=True):
             assert_identical(flight, simulator.simulate(agent, scenario))
-        for flight, reverse in zip(
-            flights, simulator.simulate_batch(agents[::-1], scenario)[::-1], strict=True
-        ):
+        back = simulator.simulate_batch(agents[::-1], [scenario] * len(agents))[::-1]
+        for flight, reverse in zip(flights, back, strict=True):
             assert_identical(flight, reverse)
-        assert simulator.simulate_batch([], scenario) == []
+        assert simulator.simulate_batch([], []) == []
 
     def test_the_same_flight_twice_is_the_same_to_the_last_bit(self) -> None:
         """Nothing is left over from earlier flights, and a pickled copy in a worker process flies the same."""

@@ -1,31 +1,20 @@
 """Flights integrated by Exudyn, with driftform's own equations of motion as the right-hand side."""
 
-import os
-
-# Read when exudyn is imported: no window, and no settings from the user's home that would change results.
-os.environ.setdefault("EXUDYN_SUPPRESS_UI_WINDOW_OPEN", "1")
-os.environ.setdefault("EXUDYN_NO_USER_SETTINGS", "1")
-
 import contextlib
-import io
 from typing import Any, Literal
 
 import numpy as np
 
-with contextlib.redirect_stdout(io.StringIO()):
-    import exudyn
-    from exudyn.itemInterface import NodeRigidBodyRotVecLG, ObjectGenericODE2
-
-from driftform.dynamics.equations import accelerations
-from driftform.dynamics.flight import SAMPLE, finished_flight, record
-from driftform.dynamics.model import FlightModel, flight_model
+from driftform.dynamics.equations import fill_accelerations
+from driftform.dynamics.flight import SAMPLE, finished_flight, record, release_state
+from driftform.dynamics.integrator import Accuracy, greatest_distance, integrate
+from driftform.dynamics.model import flight_model, packed
 from driftform.dynamics.rotations import rotation_vector_from_quaternion
 from driftform.interfaces import Simulator
 from driftform.options import Table, option
 from driftform.scenario import Scenario
 from driftform.types import Agent, FloatArray, Trajectory
-
-exudyn.config.printToConsole = False
+from driftform_exudyn.headless import exudyn, items
 
 PATIENCE = 5_000
 """Evaluations within one step after which it has failed.
@@ -34,6 +23,9 @@ Halving the longest step down to the shortest takes some 300. Where forces are a
 go on for ever, trying longer and shorter steps in turn.
 """
 
+TIGHTENING = 0.1
+"""What the tolerance is multiplied by where a flight is not accurate enough."""
+
 
 class ExudynOptions(Table):
     """Options of the Exudyn backend."""
@@ -41,9 +33,16 @@ class ExudynOptions(Table):
     integrator: Literal["DOPRI5", "RK67", "RK44"] = option(
         "DOPRI5", "explicit integrator; DOPRI5 controls its error, RK67 and RK44 do not"
     )
-    tolerance: float = option(
-        1e-6, "relative and absolute tolerance of a step in every coordinate (DOPRI5)", "SI", gt=0
+    accuracy: float = option(
+        1e-3, "largest estimated error of the position; the tolerance is tightened until it is met", "m", gt=0
     )
+    tolerance: float = option(
+        1e-6,
+        "relative and absolute tolerance of a step in every coordinate, to begin with (DOPRI5)",
+        "SI",
+        gt=0,
+    )
+    tightest: float = option(1e-9, "tolerance below which a flight counts as not converged", "SI", gt=0)
     max_step: float = option(
         0.02,
         "longest time step and gap between samples; RK67 and RK44 take every step of this length",
@@ -59,6 +58,9 @@ class ExudynSimulator(Simulator[ExudynOptions]):
     Exudyn sees a unit mass matrix, and the force function returns accelerations: the 6x6 mass with its added mass
     is inverted once, exactly, in the body frame, where it is constant. There is no lag and no mass matrix that
     depends on the pose.
+
+    A flight's error is how far it is from one by another integrator, that of :mod:`driftform.dynamics.integrator`,
+    plus what that one's may be. The two share the equations and nothing else.
     """
 
     name = "exudyn"
@@ -66,12 +68,19 @@ class ExudynSimulator(Simulator[ExudynOptions]):
 
     def simulate(self, agent: Agent, scenario: Scenario) -> Trajectory:
         """Return the flight; it ends at the outlet, the horizon, or where it is no longer finite."""
+        options, horizon = self.options, scenario.flight.horizon
         model = flight_model(agent, scenario)
-        horizon, limit = scenario.flight.horizon, self.options.step_limit
-        samples = _integrated(model, scenario, self._settings(horizon), limit)
-        return finished_flight(samples, model.pipe, horizon, limit)
+        values, start = packed(model), release_state(model, scenario)
+        tolerance, controlled = options.tolerance, options.integrator == "DOPRI5"
+        other = integrate(model, start, horizon, Accuracy(options.accuracy / 2, step_limit=options.step_limit))
+        while True:
+            samples = _integrated(values, start, self._settings(horizon, tolerance), options.step_limit)
+            error = other.error + greatest_distance(other.samples, samples)
+            tolerance *= TIGHTENING
+            if error <= options.accuracy or not controlled or tolerance < options.tightest:
+                return finished_flight(samples, model, horizon, options.step_limit, error, options.accuracy)
 
-    def _settings(self, horizon: float) -> Any:
+    def _settings(self, horizon: float, tolerance: float) -> Any:
         settings = exudyn.SimulationSettings()
         settings.solution.file.write = False
         integration = settings.timeIntegration
@@ -79,36 +88,34 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         integration.numberOfSteps = max(1, round(horizon / self.options.max_step))
         integration.verboseMode = 0
         integration.solverType = getattr(exudyn.DynamicSolverType, self.options.integrator)
-        integration.absoluteTolerance = self.options.tolerance
-        integration.relativeTolerance = self.options.tolerance
+        integration.absoluteTolerance = tolerance
+        integration.relativeTolerance = tolerance
         integration.minimumStepSize = 1e-10
         integration.explicit.computeEndOfStepAccelerations = False
         return settings
 
 
-def _integrated(model: FlightModel, scenario: Scenario, settings: Any, limit: int) -> FloatArray:
-    """Return the raw samples of a flight, (k, 13): the release and the end of every step."""
+def _integrated(model: FloatArray, start: FloatArray, settings: Any, limit: int) -> FloatArray:
+    """Return the raw samples of a flight, (k, 14): the release and the end of every step."""
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
-    attitude = rotation_vector_from_quaternion(scenario.release_quaternion())
-    free_body: Any = NodeRigidBodyRotVecLG  # exudyn's items are partly typed, and not by what they take
-    unit_mass: Any = ObjectGenericODE2
+    free_body: Any = items.NodeRigidBodyRotVecLG  # exudyn's items are partly typed, and not by what they take
+    unit_mass: Any = items.ObjectGenericODE2
     node = mbs.AddNode(
         free_body(
             referenceCoordinates=[0.0] * 6,
-            initialCoordinates=[*scenario.release.position, *attitude],
-            initialVelocities=[*scenario.release_velocity(), 0.0, 0.0, 0.0],
+            initialCoordinates=[*start[:3], *rotation_vector_from_quaternion(start[3:7])],
+            initialVelocities=[*start[7:]],
         )
     )
-    table, rims, pipe = model.table, model.rims, model.pipe
     out = np.zeros(6)
     samples = np.empty((1024, SAMPLE))
     count = tries = 0
 
-    def force(*_: Any) -> FloatArray:
+    def force(_: Any, t: float, *__: Any) -> FloatArray:
         nonlocal tries
         tries += 1
-        accelerations(pose, speed, table, rims, pipe, out)
+        fill_accelerations(t, pose, speed, model, out)
         if tries > PATIENCE:
             out.fill(np.nan)
         return out
@@ -118,7 +125,7 @@ def _integrated(model: FlightModel, scenario: Scenario, settings: Any, limit: in
         tries = 0
         if count == len(samples):
             samples = np.concatenate([samples, np.empty_like(samples)])
-        goes_on = record(samples[count], t, pose, speed, pipe)
+        goes_on = record(samples[count], t, pose, speed, model)
         count += 1
         return goes_on and count <= limit
 

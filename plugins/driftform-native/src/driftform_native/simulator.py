@@ -1,0 +1,83 @@
+"""Flights by driftform's own integrator, many at once where threads are given."""
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+
+from driftform.dynamics.flight import finished_flight, release_state
+from driftform.dynamics.integrator import Accuracy, Integrated, integrate
+from driftform.dynamics.model import FlightModel, flight_model
+from driftform.interfaces import Simulator
+from driftform.options import Table, option
+from driftform.scenario import Scenario
+from driftform.types import Agent, Trajectory
+
+DEFAULT = Accuracy()
+
+
+class NativeOptions(Table):
+    """Options of the native backend."""
+
+    accuracy: float = option(
+        DEFAULT.position,
+        "largest estimated error of the position; the tolerance is tightened until it is met",
+        "m",
+        gt=0,
+    )
+    tolerance: float = option(
+        DEFAULT.tolerance,
+        "tolerance of a step, relative to 1 + |value| in every coordinate, to begin with",
+        "SI",
+        gt=0,
+        le=1e-2,
+    )
+    tightest: float = option(
+        DEFAULT.tightest, "tolerance below which a flight counts as not converged", "SI", gt=0
+    )
+    max_step: float = option(DEFAULT.max_step, "longest time step and gap between samples", "s", gt=0)
+    step_limit: int = option(DEFAULT.step_limit, "steps after which a flight counts as failed", "", gt=0)
+    threads: int = option(
+        1,
+        "flights of a batch at the same time; the worker processes of a run share the machine already",
+        gt=0,
+    )
+
+
+class NativeSimulator(Simulator[NativeOptions]):
+    """DOP853 clear of the wall and DOPRI5 near it, both adaptive; every flight is checked against a second one.
+
+    A flight is one call of compiled code, which holds no lock: flights of a batch run in parallel threads.
+    """
+
+    name = "native"
+    Options = NativeOptions
+
+    def simulate(self, agent: Agent, scenario: Scenario) -> Trajectory:
+        """Return the flight; it ends at the outlet, the horizon, or where it is no longer finite."""
+        return self._finished(*self._flown(agent, scenario))
+
+    def simulate_batch(self, agents: Sequence[Agent], scenarios: Sequence[Scenario]) -> list[Trajectory]:
+        """Return the flights of many agents, each in its own scenario."""
+        if self.options.threads == 1 or len(agents) < 2:
+            return super().simulate_batch(agents, scenarios)
+        with ThreadPoolExecutor(self.options.threads) as pool:
+            flown = list(pool.map(self._flown, agents, scenarios))
+        return [self._finished(*flight) for flight in flown]
+
+    def _flown(self, agent: Agent, scenario: Scenario) -> tuple[FlightModel, Scenario, Integrated]:
+        options = self.options
+        model = flight_model(agent, scenario)
+        accuracy = Accuracy(
+            options.accuracy, options.tolerance, options.tightest, options.max_step, options.step_limit
+        )
+        start = release_state(model, scenario)
+        return model, scenario, integrate(model, start, scenario.flight.horizon, accuracy)
+
+    def _finished(self, model: FlightModel, scenario: Scenario, flown: Integrated) -> Trajectory:
+        return finished_flight(
+            flown.samples,
+            model,
+            scenario.flight.horizon,
+            self.options.step_limit,
+            flown.error,
+            self.options.accuracy,
+        )

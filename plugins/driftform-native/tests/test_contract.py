@@ -1,0 +1,27 @@
+"""The native backend keeps every promise of a simulator, alone and in threads."""
+
+from driftform.testing import SimulatorContract
+from driftform_native.simulator import NativeOptions, NativeSimulator
+
+
+class TestNative(SimulatorContract):
+    drift = 3e-5
+
+    def plugin(self):
+        return NativeSimulator(NativeOptions())
+
+
+class TestNativeWithATightTolerance(SimulatorContract):
+    drift = 3e-7
+    accuracy = 1e-6
+    agreement = 1e-6
+
+    def plugin(self):
+        return NativeSimulator(NativeOptions(tolerance=1e-9, max_step=0.005))
+
+
+class TestNativeInThreads(SimulatorContract):
+    drift = 3e-5
+
+    def plugin(self):
+        return NativeSimulator(NativeOptions(threads=2))

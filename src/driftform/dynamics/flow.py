@@ -1,0 +1,206 @@
+"""The water's velocity at a point of the pipe, with its derivatives: profiles of pipe flow, and gusts.
+
+All profiles are axisymmetric about the segment that the point is deepest in. ``speed`` U is the bulk velocity, R
+the bore's radius, y the distance from the wall, x that from the inlet along the pipe.
+"""
+
+import math
+
+import numpy as np
+
+from driftform.dynamics.compiled import compiled
+from driftform.dynamics.vectors import ZERO, Rotation, Vector, dot, minus, plus, times
+from driftform.scenario import DevelopingFlow, LogLawFlow, PowerLawFlow, Scenario, TurbulentFlow
+from driftform.types import FloatArray
+
+UNIFORM, POWER_LAW, LOG_LAW, DEVELOPING = 0.0, 1.0, 2.0, 3.0
+
+KIND, SPEED, PARAMETER, GUST_STEP = 0, 1, 2, 3
+"""Places in the array of a flow; the parameter is the power law's 1/n, the log law's u* / (kappa U), or nu / U."""
+
+KARMAN = 0.4
+
+NEAREST = 1e-3
+"""Distance from the wall, relative to R, below which the profiles are continued as constants.
+
+The centre of an agent does not come that near, and the laws do not hold there.
+"""
+
+
+def friction_factor(reynolds: float, roughness: float = 0.0) -> float:
+    """Return the Darcy friction factor of turbulent pipe flow (Colebrook 1939).
+
+    1/sqrt(f) = -2 log10(roughness / 3.7 + 2.51 / (Re sqrt(f))); for a smooth wall this is Prandtl's law.
+
+    Parameters
+    ----------
+    reynolds
+        on diameter and bulk velocity, from 4e3 to 1e8.
+    roughness
+        equivalent sand roughness over diameter, up to 0.05.
+
+    >>> round(friction_factor(1.9e6), 5)
+    0.01046
+    """
+    inverse_root = 8.0
+    for _ in range(50):
+        inverse_root = -2 * math.log10(roughness / 3.7 + 2.51 * inverse_root / reynolds)
+    return inverse_root**-2
+
+
+def flow_array(scenario: Scenario) -> FloatArray:
+    """Return what :func:`water` reads of a scenario's flow: kind, speed, parameter, time step of gusts, (4,)."""
+    flow = scenario.flow
+    match flow:
+        case PowerLawFlow():
+            return np.array([POWER_LAW, flow.speed, 1 / flow.exponent, 0.0])
+        case LogLawFlow() | TurbulentFlow():
+            step = flow.smoothing if isinstance(flow, TurbulentFlow) else 0.0
+            return np.array([LOG_LAW, flow.speed, _friction_velocity(scenario) / (KARMAN * flow.speed), step])
+        case DevelopingFlow():
+            return np.array([DEVELOPING, flow.speed, scenario.fluid.viscosity / flow.speed, 0.0])
+    return np.array([UNIFORM, flow.speed, 0.0, 0.0])
+
+
+def _friction_velocity(scenario: Scenario) -> float:
+    """u* = U sqrt(f / 8), m/s."""
+    flow, radius = scenario.flow, scenario.pipe.segments[0].radius
+    # Below 4000 the flow would be laminar, which no profile here is.
+    reynolds = max(4e3, 2 * radius * flow.speed / scenario.fluid.viscosity)
+    roughness = flow.roughness if isinstance(flow, LogLawFlow | TurbulentFlow) else 0.0
+    return flow.speed * math.sqrt(friction_factor(reynolds, roughness / (2 * radius)) / 8)
+
+
+def gust_array(scenario: Scenario) -> FloatArray:
+    """Return velocity and its slope at equal steps of time, from the flow's seed, (k, 6); (0, 6) without gusts.
+
+    Each component is an Ornstein-Uhlenbeck process dv = -v dt / T + sqrt(2 s^2 / T) dW that is stationary from the
+    start, sampled exactly every ``smoothing`` seconds and joined by a cubic spline: the walk itself has no
+    acceleration, and eddies smaller than the agent do not move it.
+    """
+    flow = scenario.flow
+    if not isinstance(flow, TurbulentFlow) or flow.intensity == 0:
+        return np.empty((0, 6))
+    from scipy.interpolate import CubicSpline
+
+    rng = np.random.default_rng(flow.seed)
+    times = flow.smoothing * np.arange(math.ceil(scenario.flight.horizon / flow.smoothing) + 3)
+    kept = math.exp(-flow.smoothing / flow.memory)
+    noise = rng.standard_normal((len(times), 3))
+    walk = np.empty_like(noise)
+    walk[0] = noise[0]
+    for k in range(1, len(times)):
+        walk[k] = kept * walk[k - 1] + math.sqrt(1 - kept**2) * noise[k]
+    walk *= flow.intensity * _friction_velocity(scenario)
+    return np.column_stack([walk, CubicSpline(times, walk)(times, 1)])
+
+
+@compiled
+def water(
+    point: Vector, t: float, pipe: FloatArray, flow: FloatArray, gusts: FloatArray
+) -> tuple[Vector, Rotation, Vector]:
+    """Return the water's velocity (m/s), its gradient du_i/dx_j (rows i, 1/s) and its rate du/dt in place (m/s2).
+
+    In the boundary layer of developing flow the radial velocity is that of continuity; its own change downstream
+    is of second order in the layer's slope and left out of the gradient.
+    """
+    if pipe.shape[0] == 0:
+        return (flow[SPEED], 0.0, 0.0), (ZERO, ZERO, ZERO), ZERO
+    axis, outward, radius, x, r = _in_segment(point, pipe)
+    along, shear, stretch, radial = _profile(radius, x, r, flow)
+    # Round the axis a radial velocity proportional to r spreads in both directions alike.
+    ring = radial / r if r > 0.0 else -0.5 * stretch
+    # The gradient is a (x) v + n (x) w + ring 1, with the axis a and the outward normal n.
+    v = plus(times(shear, outward), times(stretch - ring, axis))
+    w = times(-stretch - 2.0 * ring, outward)
+    gradient = (
+        plus(plus(times(axis[0], v), times(outward[0], w)), (ring, 0.0, 0.0)),
+        plus(plus(times(axis[1], v), times(outward[1], w)), (0.0, ring, 0.0)),
+        plus(plus(times(axis[2], v), times(outward[2], w)), (0.0, 0.0, ring)),
+    )
+    velocity, rate = plus(times(along, axis), times(radial, outward)), ZERO
+    if gusts.shape[0] > 1:
+        place = t / flow[GUST_STEP]
+        k = min(max(int(place), 0), gusts.shape[0] - 2)
+        u = min(max(place - k, 0.0), 1.0)
+        gust, change = _spline(gusts[k], gusts[k + 1], flow[GUST_STEP], u)
+        velocity, rate = plus(velocity, gust), change
+    return velocity, gradient, rate
+
+
+@compiled
+def _in_segment(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector, float, float, float]:
+    """Return unit vectors along the segment and away from its axis, its radius, x from the inlet, and r."""
+    best, radius, x, r, before = -np.inf, 0.0, 0.0, 0.0, 0.0
+    along_axis, outward = ZERO, ZERO
+    last = pipe.shape[0] - 1
+    for s in range(pipe.shape[0]):
+        axis = (pipe[s, 3], pipe[s, 4], pipe[s, 5])
+        off = minus(point, (pipe[s, 0], pipe[s, 1], pipe[s, 2]))
+        along = dot(axis, off)
+        off = minus(off, times(along, axis))
+        distance = math.sqrt(dot(off, off))
+        beyond = 0.0
+        if s > 0:
+            beyond = max(beyond, -along)
+        if s < last:
+            beyond = max(beyond, along - pipe[s, 6])
+        gap = pipe[s, 7] - math.hypot(distance, beyond)
+        if gap > best:
+            best, radius, x, r, along_axis = gap, pipe[s, 7], before + along, distance, axis
+            outward = times(1.0 / distance, off) if distance > 0.0 else ZERO
+        before += pipe[s, 6]
+    return along_axis, outward, radius, x, r
+
+
+@compiled
+def _spline(a: FloatArray, b: FloatArray, step: float, u: float) -> tuple[Vector, Vector]:
+    """Return value and slope of the gusts' spline at the share ``u`` of a time step from row ``a`` to row ``b``."""
+    p, q = (a[0], a[1], a[2]), (b[0], b[1], b[2])
+    m, n = (step * a[3], step * a[4], step * a[5]), (step * b[3], step * b[4], step * b[5])
+    moved = minus(q, p)
+    square = minus(minus(times(3.0, moved), times(2.0, m)), n)
+    cube = minus(plus(m, n), times(2.0, moved))
+    value = plus(p, times(u, plus(m, times(u, plus(square, times(u, cube))))))
+    slope = plus(m, times(u, plus(times(2.0, square), times(3.0 * u, cube))))
+    return value, times(1.0 / step, slope)
+
+
+@compiled
+def _profile(radius: float, x: float, r: float, flow: FloatArray) -> tuple[float, float, float, float]:
+    """Return the axial velocity u, du/dr, du/dx, and the radial velocity at r from the axis, x from the inlet.
+
+    * power law: u/U = (n + 1)(2n + 1) / (2 n^2) (y/R)^(1/n);
+    * log law: u/U = 1 + u* / (kappa U) (3/2 + ln(y/R)), the velocity-defect law over the whole bore;
+    * developing: a layer of thickness d = 0.37 x Re_x^(-1/5) (Schlichting) with u ~ (y/d)^(1/7), and a core whose
+      speed U / (1 - d/(4R) + d^2/(15 R^2)) keeps the volume flow.
+    """
+    U, kind = flow[SPEED], flow[KIND]
+    if kind == UNIFORM:
+        return U, 0.0, 0.0, 0.0
+    y = max(radius - r, NEAREST * radius)
+    moving = 1.0 if radius - r > NEAREST * radius else 0.0
+    if kind == POWER_LAW:
+        power = flow[PARAMETER]
+        n = 1.0 / power
+        u = U * (n + 1) * (2 * n + 1) / (2 * n * n) * (y / radius) ** power
+        return u, -moving * power * u / y, 0.0, 0.0
+    if kind == LOG_LAW:
+        defect = U * flow[PARAMETER]
+        return max(0.0, U + defect * (1.5 + math.log(y / radius))), -moving * defect / y, 0.0, 0.0
+    x = max(x, NEAREST * radius)
+    layer = 0.37 * x**0.8 * flow[PARAMETER] ** 0.2
+    growth = 0.8 * layer / x
+    if layer > radius:
+        layer, growth = radius, 0.0
+    ratio = layer / radius
+    narrowing = 1 - ratio / 4 + ratio * ratio / 15
+    core = U / narrowing
+    core_stretch = core / narrowing * (0.25 - ratio * 2 / 15) * growth / radius
+    if y >= layer:
+        return core, 0.0, core_stretch, -0.5 * core_stretch * r
+    shape = (y / layer) ** (1 / 7)
+    factor = core_stretch - core * growth / (7 * layer)
+    # r v = integral from r to R of s du/dx ds, with du/dx = factor (y / d)^(1/7) and s = R - y.
+    radial = factor * shape * y * (7 / 8 * radius - 7 / 15 * y) / r
+    return core * shape, -moving * core * shape / (7 * y), factor * shape, radial

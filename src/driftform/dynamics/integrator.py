@@ -1,0 +1,261 @@
+"""Flights integrated adaptively in compiled code, and checked against themselves.
+
+A body that is clear of the wall moves smoothly, and DOP853 takes the longest steps; near the wall, where forces have
+kinks and are stiff, DOPRI5 does. Both errors are controlled step by step. What a whole flight is off is estimated by
+a second one with three times the tolerance: how far the two lie apart is about the error of the worse, and some three
+times that of the better one, which is kept. Where it is more than asked for, the tolerance is tightened, again and
+again.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from driftform.dynamics.compiled import compiled
+from driftform.dynamics.contact import is_far
+from driftform.dynamics.equations import accelerations
+from driftform.dynamics.flight import SAMPLE, has_left
+from driftform.dynamics.model import REACH, FlightModel, packed, unpacked
+from driftform.dynamics.rotations import rotation_from_quaternion
+from driftform.dynamics.tableaus import DOP853, DOPRI5, Pair
+from driftform.types import FloatArray
+
+STATE = SAMPLE - 1
+"""Numbers in a state: position (3) and velocity (3) in the world, quaternion between them, body rates (3) at the end."""
+
+GAIN = 3.0
+"""Ratio of the tolerances of the two flights that are compared."""
+
+SMOOTH = 1e-2
+"""Share of the tolerance that is granted to smooth motion, which costs little: what error there is comes of contact."""
+
+FIRST_STEP = 1e-3
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """How well to integrate.
+
+    Attributes
+    ----------
+    position
+        largest estimated error of the position that is accepted, m.
+    tolerance
+        of a step, relative to 1 + |value| in every coordinate (SI), to begin with.
+    tightest
+        tolerance below which a flight counts as not converged.
+    max_step
+        longest step and gap between samples, s.
+    step_limit
+        steps after which a flight has failed.
+    """
+
+    position: float = 1e-3
+    tolerance: float = 3e-6
+    tightest: float = 1e-10
+    max_step: float = 0.05
+    step_limit: int = 200_000
+
+
+@dataclass(frozen=True, eq=False)
+class Integrated:
+    """Raw samples of a flight, (k, 14), its estimated error in m, and the tolerance that it took."""
+
+    samples: FloatArray
+    error: float
+    tolerance: float
+
+
+def integrate(model: FlightModel, start: FloatArray, horizon: float, accuracy: Accuracy) -> Integrated:
+    """Return a flight from ``start`` (13,) to the outlet or to ``horizon`` (s); see :class:`Accuracy`.
+
+    Where no tolerance makes the error small enough it is returned with that error, infinite where the two flights
+    do not end alike.
+    """
+    samples, error, tolerance = _converged(
+        packed(model),
+        start,
+        horizon,
+        accuracy.position,
+        accuracy.tolerance,
+        accuracy.tightest,
+        accuracy.max_step,
+        accuracy.step_limit,
+        DOP853,
+        DOPRI5,
+    )
+    return Integrated(samples, error, tolerance)
+
+
+@compiled
+def _converged(
+    values: FloatArray,
+    start: FloatArray,
+    horizon: float,
+    accepted: float,
+    tolerance: float,
+    tightest: float,
+    max_step: float,
+    step_limit: int,
+    smooth: Pair,
+    stiff: Pair,
+) -> tuple[FloatArray, float, float]:
+    coarse = _flown(values, start, horizon, GAIN * tolerance, max_step, step_limit, smooth, stiff)
+    while True:
+        fine = _flown(values, start, horizon, tolerance, max_step, step_limit, smooth, stiff)
+        error = greatest_distance(coarse, fine)
+        if error <= accepted or tolerance / GAIN < tightest * 0.999:
+            return fine, error, tolerance
+        coarse, tolerance = fine, tolerance / GAIN
+
+
+@compiled
+def greatest_distance(a: FloatArray, b: FloatArray) -> float:
+    """Return how far apart two flights get, m, at the samples of ``b``; both are raw samples, (k, 14).
+
+    Infinite where one ends well before the other, or is not finite.
+    """
+    last_a, last_b = a.shape[0] - 1, b.shape[0] - 1
+    if not (np.isfinite(a[last_a]).all() and np.isfinite(b[last_b]).all()):
+        return np.inf
+    end = min(a[last_a, 0], b[last_b, 0])
+    # They may end up to a step apart, past the outlet.
+    if max(a[last_a, 0], b[last_b, 0]) - end > max(
+        a[last_a, 0] - a[last_a - 1, 0], b[last_b, 0] - b[last_b - 1, 0]
+    ):
+        return np.inf
+    greatest = 0.0
+    k = 0
+    for row in range(b.shape[0]):
+        t = b[row, 0]
+        if t > end:
+            break
+        while k < last_a - 1 and a[k + 1, 0] < t:
+            k += 1
+        h = a[k + 1, 0] - a[k, 0]
+        u = (t - a[k, 0]) / h
+        square = 0.0
+        for i in range(3):
+            p, q = a[k, 1 + i], a[k + 1, 1 + i]
+            m, n = h * a[k, 8 + i], h * a[k + 1, 8 + i]
+            path = p + u * (m + u * (3 * (q - p) - 2 * m - n + u * (2 * (p - q) + m + n)))
+            square += (path - b[row, 1 + i]) ** 2
+        greatest = max(greatest, square)
+    return math.sqrt(greatest)
+
+
+@compiled
+def _flown(
+    values: FloatArray,
+    start: FloatArray,
+    horizon: float,
+    tolerance: float,
+    max_step: float,
+    step_limit: int,
+    smooth: Pair,
+    stiff: Pair,
+) -> FloatArray:
+    """Return the release and the end of every step, (k, 14), up to the first that is past the outlet."""
+    model = unpacked(values)
+    samples = np.empty((256, SAMPLE))
+    slopes = np.empty((smooth.b.shape[0] + 1, STATE))
+    y, new = start.copy(), np.empty(STATE)
+    t, h, earlier, count = 0.0, min(FIRST_STEP, horizon), 1e-4, 0
+    slope(t, y, model, slopes[0])
+    while True:
+        if count == samples.shape[0]:
+            longer = np.empty((2 * count, SAMPLE))
+            longer[:count] = samples
+            samples = longer
+        samples[count, 0] = t
+        samples[count, 1:] = y
+        count += 1
+        position = (y[0], y[1], y[2])
+        if not np.isfinite(y).all() or t >= horizon or count > step_limit or has_left(position, model.pipe):
+            break
+        pair, sharp = stiff, tolerance
+        if is_far(position, model.table[REACH], model.pipe):
+            pair, sharp = smooth, SMOOTH * tolerance
+        h = min(h, max_step)
+        while True:
+            h = min(h, horizon - t)
+            error = _step(t, h, y, new, slopes, pair, model, sharp)
+            if error <= 1.0:
+                break
+            h *= max(0.2, 0.9 * error ** (-1.0 / pair.power)) if np.isfinite(error) else 0.2
+            if h < 1e-12:
+                new[:] = np.nan
+                break
+        t = horizon if horizon - t <= h * (1.0 + 1e-12) else t + h
+        y[:] = new
+        slopes[0] = slopes[pair.b.shape[0]]
+        # Gustafsson's controller: it looks at the step before too, and so has few steps rejected.
+        h *= min(5.0, max(0.2, 0.9 * max(error, 1e-8) ** (-0.7 / pair.power) * earlier ** (0.4 / pair.power)))
+        earlier = max(error, 1e-4)
+    return samples[:count]
+
+
+@compiled
+def _step(
+    t: float,
+    h: float,
+    y: FloatArray,
+    new: FloatArray,
+    slopes: FloatArray,
+    pair: Pair,
+    model: FlightModel,
+    tolerance: float,
+) -> float:
+    """Fill ``new`` with the state after ``h``, ``slopes`` with those of all stages; return error over tolerance."""
+    stages = pair.b.shape[0]
+    for s in range(1, stages + 1):
+        last = s == stages
+        for j in range(STATE):
+            new[j] = y[j]
+        for k in range(s):
+            share = h * (pair.b[k] if last else pair.a[s, k])
+            for j in range(STATE):
+                new[j] += share * slopes[k, j]
+        slope(t + (1.0 if last else pair.c[s]) * h, new, model, slopes[s])
+    first, second = _weighed(pair.error, slopes, y, new, tolerance), 0.0
+    if pair.second.any():
+        second = _weighed(pair.second, slopes, y, new, tolerance)
+    # The quaternion's length is no part of the motion.
+    length = math.sqrt(new[3] ** 2 + new[4] ** 2 + new[5] ** 2 + new[6] ** 2)
+    for j in range(3, 7):
+        new[j] /= length
+    if second > 0.0:
+        return float(h * first / math.sqrt((first + 0.01 * second) * STATE))
+    return float(h * math.sqrt(first / STATE))
+
+
+@compiled
+def _weighed(
+    weights: FloatArray, slopes: FloatArray, y: FloatArray, new: FloatArray, tolerance: float
+) -> float:
+    """Return the sum over all coordinates of ((weighted sum of slopes) / (tolerance (1 + |value|)))^2."""
+    total = 0.0
+    for j in range(STATE):
+        e = 0.0
+        for k in range(weights.shape[0]):
+            e += weights[k] * slopes[k, j]
+        total += (e / (tolerance * (1.0 + max(abs(y[j]), abs(new[j]))))) ** 2
+    return total
+
+
+@compiled
+def slope(t: float, y: FloatArray, model: FlightModel, out: FloatArray) -> None:
+    """Fill ``out`` (13,) with the rate of the state ``y`` (13,)."""
+    w, x, yy, z = y[3], y[4], y[5], y[6]
+    p, q, r = y[10], y[11], y[12]
+    a, alpha = accelerations(
+        t, (y[0], y[1], y[2]), rotation_from_quaternion(w, x, yy, z), (y[7], y[8], y[9]), (p, q, r), model
+    )
+    out[0], out[1], out[2] = y[7], y[8], y[9]
+    out[3] = -0.5 * (x * p + yy * q + z * r)
+    out[4] = 0.5 * (w * p + yy * r - z * q)
+    out[5] = 0.5 * (w * q + z * p - x * r)
+    out[6] = 0.5 * (w * r + x * q - yy * p)
+    out[7], out[8], out[9] = a
+    out[10], out[11], out[12] = alpha

@@ -1,0 +1,74 @@
+"""Vectors and rotations as tuples: kernels made of them allocate nothing, and read like the formulas."""
+
+from typing import TypeAlias
+
+from driftform.dynamics.compiled import compiled
+
+Vector: TypeAlias = tuple[float, float, float]
+Rotation: TypeAlias = tuple[Vector, Vector, Vector]
+"""Rows of the rotation matrix, body to world."""
+
+Wrench: TypeAlias = tuple[Vector, Vector]
+"""Force and torque about the body's origin, in body axes."""
+
+ZERO: Vector = (0.0, 0.0, 0.0)
+
+
+@compiled
+def plus(a: Vector, b: Vector) -> Vector:
+    """Return a + b."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@compiled
+def minus(a: Vector, b: Vector) -> Vector:
+    """Return a - b."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@compiled
+def times(factor: float, a: Vector) -> Vector:
+    """Return factor a."""
+    return factor * a[0], factor * a[1], factor * a[2]
+
+
+@compiled
+def dot(a: Vector, b: Vector) -> float:
+    """Return the scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@compiled
+def cross(a: Vector, b: Vector) -> Vector:
+    """Return the vector product."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@compiled
+def to_world(R: Rotation, a: Vector) -> Vector:
+    """Return a body vector in the world frame, R a."""
+    return dot(R[0], a), dot(R[1], a), dot(R[2], a)
+
+
+@compiled
+def to_body(R: Rotation, a: Vector) -> Vector:
+    """Return a world vector in the body frame, R^T a."""
+    return plus(times(a[0], R[0]), plus(times(a[1], R[1]), times(a[2], R[2])))
+
+
+@compiled
+def forward(R: Rotation) -> Vector:
+    """Return the body's axis in the world frame, R e_x."""
+    return R[0][0], R[1][0], R[2][0]
+
+
+@compiled
+def both(a: Wrench, b: Wrench) -> Wrench:
+    """Return the sum of two wrenches."""
+    return plus(a[0], b[0]), plus(a[1], b[1])
+
+
+@compiled
+def force_at(point: Vector, force: Vector) -> Wrench:
+    """Return the wrench of a force at a point."""
+    return force, cross(point, force)
