@@ -117,6 +117,14 @@ def test_a_target_is_scored_the_same_alone_and_among_others():
     assert [score(flight, target)[0] for target in targets] == list(together)
 
 
+def test_the_same_target_is_scored_anew_in_another_pipe():
+    flight = straight_flight((0, 0, 0), (9, 0, 0), np.array([0.0, 9.0]))
+    for length in (9.0, 12.0, 9.0):
+        pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=(length, 0, 0), radius=1.0),))
+        expected = 100 * (1 - 0.5 / np.hypot(length - 2.3, 0.5 + 1))
+        assert score(flight, (2.3, 0.3, -0.4), pipe=pipe) == pytest.approx([expected], rel=1e-12)
+
+
 def test_a_flight_that_leaves_the_pipe_far_behind_has_no_fitness_and_not_less():
     gone = straight_flight((0, 0, 0), (0, 100, 0), np.array([0.0, 1.0]))
     away = Trajectory(gone.t, gone.position - np.array([50, 0, 0]), gone.quaternion, gone.velocity, End.INLET)

@@ -1,5 +1,6 @@
 """What goes into a run's database comes out again, and a strategy cannot tell a resumed run from a live one."""
 
+import math
 import sqlite3
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -31,7 +32,8 @@ def trajectories(draw: st.DrawFn) -> Trajectory:
     t = np.concatenate([[0.0], np.cumsum(gaps)])
     rng = np.random.default_rng(draw(st.integers(0, 99)))
     rest = rng.normal(scale=3, size=(count, 13))
-    return Trajectory(t, rest[:, :3], rest[:, 3:7], rest[:, 7:], draw(st.sampled_from(End)))
+    trust = [draw(st.none() | st.floats(0, math.inf)) for _ in range(3)]
+    return Trajectory(t, rest[:, :3], rest[:, 3:7], rest[:, 7:], draw(st.sampled_from(End)), *trust)
 
 
 @st.composite
@@ -58,7 +60,10 @@ def same(a: Evaluation, b: Evaluation) -> bool:
             for f, g in [flights]
             for name in COLUMNS
         )
-        and getattr(flights[0], "end", None) == getattr(flights[1], "end", None)
+        and all(
+            getattr(flights[0], name, None) == getattr(flights[1], name, None)
+            for name in ("end", "contact", "energy_drift", "error")
+        )
     )
 
 
@@ -115,6 +120,13 @@ def test_what_was_stored_once_is_stored_the_same_again(flight: Trajectory) -> No
     twice = decoded(encoded(once), once.end)
     assert twice.t[-1] == once.t[-1]
     assert (twice.position[-1] == once.position[-1]).all()
+
+
+@given(trajectories())
+def test_a_flight_that_is_read_back_lies_in_memory_as_kernels_are_compiled_for(flight: Trajectory) -> None:
+    back = decoded(encoded(flight), flight.end)
+    for array in (back.t, back.position, back.quaternion, back.velocity):
+        assert array.flags.c_contiguous and not array.flags.writeable
 
 
 def evaluated(index: int, a: float, b: float, failure: str | None = None) -> Record:

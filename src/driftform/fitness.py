@@ -1,11 +1,13 @@
 """Equation 25: how close the flight comes to each target, relative to the farthest one could be."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from driftform.dynamics.path import closest_approach
 from driftform.interfaces import Fitness
 from driftform.options import Table
-from driftform.scenario import Scenario
+from driftform.scenario import Pipe, Scenario, Vector
 from driftform.types import FloatArray, Trajectory
 
 
@@ -21,7 +23,11 @@ class ClosestApproach(Fitness[Table]):
 
     def score(self, trajectory: Trajectory, scenario: Scenario) -> FloatArray:
         """Return the fitness for each target, 0 to 100, (targets,)."""
-        targets = scenario.target_array()
-        d_min, _ = closest_approach(trajectory, targets)
-        d_max = np.array([scenario.pipe.farthest_distance(target) for target in targets])
+        d_min, _ = closest_approach(trajectory, scenario.target_array())
+        d_max = _farthest(scenario.pipe, tuple(scenario.targets.values()))
         return np.asarray(np.maximum(0.0, 100 * (1 - d_min / d_max)), dtype=np.float64)
+
+
+@lru_cache(maxsize=16)
+def _farthest(pipe: Pipe, targets: tuple[Vector, ...]) -> FloatArray:
+    return np.array([pipe.farthest_distance(np.array(target)) for target in targets])

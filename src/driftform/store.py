@@ -20,7 +20,7 @@ from driftform.errors import InputError, WorkFailedError
 from driftform.types import Candidate, End, Evaluation, Genome, Trajectory
 
 APPLICATION_ID = 0x64726674
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 SAMPLE_GAP = 0.01
 """Samples of a stored trajectory are at least this far apart, s."""
 
@@ -39,6 +39,9 @@ CREATE TABLE evaluation (
     failure TEXT,
     ended TEXT,
     duration REAL,               -- of the flight, s
+    contact REAL,                -- when it first touched a wall, s
+    energy_drift REAL,           -- up to then, relative
+    error REAL,                  -- estimated, of the position, m
     seconds REAL NOT NULL,       -- that the evaluation took
     trajectory BLOB              -- see encoded(): t, position, quaternion, velocity
 );
@@ -52,7 +55,7 @@ CREATE TABLE score (
 
 
 _COLUMNS = {
-    table: tuple(re.findall(r"^    ([a-z]+) ", body, re.MULTILINE))
+    table: tuple(re.findall(r"^    ([a-z_]+) ", body, re.MULTILINE))
     for table, body in re.findall(r"CREATE TABLE (\w+) \(\n(.*?)\n\)", _SCHEMA, re.DOTALL)
 }
 """The columns of every table, as the schema has them."""
@@ -194,6 +197,7 @@ class Store:
             evaluation.failure,
             str(flight.end) if flight else None,
             float(flight.t[-1]) if flight else None,
+            *(_trust(flight).values() if flight else (None, None, None)),
             evaluation.seconds,
             encoded(flight) if flight else None,
         )
@@ -250,7 +254,10 @@ class Store:
             raise InputError(f"{self._path}: is damaged ({told}); {_NEXT_STEP}") from None
 
     def _record(self, row: tuple[Any, ...], targets: Sequence[str]) -> Record:
-        index, generation, population, parents, grammar, symbols, failure, ended, _, seconds, blob = row
+        index, generation, population, parents, grammar, symbols, failure, ended, _, *trust, seconds, blob = (
+            row
+        )
+        contact, drift, error = trust
         scores = dict(
             self._connection.execute(
                 "SELECT target, fitness FROM score WHERE evaluation = ?", (index,)
@@ -260,7 +267,9 @@ class Store:
         evaluation = Evaluation(
             genome,
             np.array([scores[target] for target in targets]),
-            decoded(blob, End(ended)) if blob is not None else None,
+            decoded(blob, End(ended), contact=contact, energy_drift=drift, error=error)
+            if blob is not None
+            else None,
             failure,
             seconds,
         )
@@ -289,7 +298,12 @@ def compact(evaluation: Evaluation) -> Evaluation:
     flight = evaluation.trajectory
     if flight is None:
         return evaluation
-    return replace(evaluation, trajectory=_flight(_columns(flight), flight.end))
+    return replace(evaluation, trajectory=_flight(_columns(flight), flight.end, **_trust(flight)))
+
+
+def _trust(flight: Trajectory) -> dict[str, float | None]:
+    """What a trajectory tells of itself beside its samples."""
+    return {"contact": flight.contact, "energy_drift": flight.energy_drift, "error": flight.error}
 
 
 def encoded(trajectory: Trajectory) -> bytes:
@@ -301,31 +315,32 @@ def encoded(trajectory: Trajectory) -> bytes:
     return zlib.compress(_columns(trajectory).view(np.uint8).reshape(-1, 4).T.tobytes(), 1)
 
 
-def decoded(blob: bytes, end: End) -> Trajectory:
-    """Read what :func:`encoded` wrote."""
+def decoded(blob: bytes, end: End, **trust: float | None) -> Trajectory:
+    """Read what :func:`encoded` wrote; ``trust`` is what else the trajectory tells of itself, such as ``error``."""
     planes = np.frombuffer(zlib.decompress(blob), dtype=np.uint8).reshape(4, -1)
-    return _flight(np.ascontiguousarray(planes.T).view("<f4").reshape(14, -1), end)
+    return _flight(np.ascontiguousarray(planes.T).view("<f4").reshape(14, -1), end, **trust)
 
 
 def _columns(trajectory: Trajectory) -> npt.NDArray[np.float32]:
     """What is kept of a trajectory: t, position, quaternion and velocity of some samples, (14, k)."""
-    samples = np.column_stack([trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity])
-    singles = samples.astype("<f4")
     # Thinned by the rounded times: what is kept once is kept whole when it comes here again.
-    return np.ascontiguousarray(singles[_thinned(singles[:, 0].tolist())].T)
+    kept = np.array(_thinned(trajectory.t.astype("<f4").tolist()))
+    flown = (trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity)
+    return np.column_stack([samples.take(kept, axis=0) for samples in flown]).T.astype("<f4", order="C")
 
 
-def _flight(columns: npt.NDArray[np.float32], end: End) -> Trajectory:
+def _flight(columns: npt.NDArray[np.float32], end: End, **trust: float | None) -> Trajectory:
     wide = columns.astype(np.float64)
-    return Trajectory(wide[0], wide[1:4].T, wide[4:8].T, wide[8:14].T, end)
+    return Trajectory(wide[0], wide[1:4].T, wide[4:8].T, wide[8:14].T, end, **trust)
 
 
 def _thinned(t: list[float]) -> list[int]:
     """Indices of samples at least the gap apart, among them the first and the last."""
-    kept = [0]
+    kept, latest = [0], t[0]
     for index, time in enumerate(t):
-        if time - t[kept[-1]] >= SAMPLE_GAP:
+        if time - latest >= SAMPLE_GAP:
             kept.append(index)
+            latest = time
     last = len(t) - 1
     if kept[-1] != last:
         if len(kept) > 1:

@@ -1,5 +1,6 @@
 """Bodies from modules: the section, its wall, and the mesh of the same body."""
 
+import manifold3d
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -111,6 +112,44 @@ def test_away_from_the_mitres_the_wall_is_just_as_thick_as_asked(morphology):
     # A mitre at a turn of 40 degrees is 1 / cos(20 deg) = 1.064 walls deep, and short.
     assert np.median(thickness) == pytest.approx(WALL, rel=1e-3)
     assert np.quantile(thickness, 0.9) <= 1.07 * WALL
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"core_radius": 0.001, "wall": 0.005, "min_radius": 0.0076},
+        {"core_radius": 0.001, "wall": 0.005, "min_radius": 0.02},
+    ],
+    ids=["thin", "thick", "wide"],
+)
+@settings(max_examples=60, deadline=None)
+@given(morphology=morphologies)
+def test_the_cavity_is_that_of_the_section_on_both_sides_of_the_axis(options, morphology):
+    """A wall much thicker than the core may cut the cavity into parts: the one around the core is meant."""
+    body = build(morphology, **options)
+    wall = body.wall * 1e3
+    dome = (body.core.radius + 0.0002) * 1e3 + wall
+    angles = np.deg2rad(np.arange(0, 360, 2.5))
+    room = (dome - wall / np.cos(np.deg2rad(1.25))) * np.column_stack([np.cos(angles), np.sin(angles)])
+    whole = manifold3d.CrossSection(
+        [1e3 * np.vstack([body.outer[::-1] * (1, -1), body.outer])], manifold3d.FillRule.NonZero
+    )
+    hollow = whole.offset(-wall, manifold3d.JoinType.Miter, 2.0) + manifold3d.CrossSection([room])
+    upper = hollow ^ manifold3d.CrossSection.square((2e4, 1e4)).translate((-1e4, 0))
+    [area] = [part.area() for part in upper.decompose() if part.bounds()[0] < 0 < part.bounds()[2]]
+    assert area_below(body.cavity) == pytest.approx(area * 1e-6, rel=1e-4)
+
+
+def area_below(contour):
+    x, r = contour.T
+    return np.sum(np.diff(x) * (r[:-1] + r[1:]) / 2)
+
+
+def test_a_body_of_many_metres_is_whole():
+    body = build(Morphology(fore=(Module(1.0, 0.0),) * 30))
+    assert body.outer[-1] == pytest.approx([30.0, 0.0], abs=1e-9)
+    assert body.cavity[-1] == pytest.approx([30.0 - WALL, 0.0], abs=1e-9)
 
 
 @settings(max_examples=60, deadline=None)

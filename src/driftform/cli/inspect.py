@@ -36,10 +36,13 @@ def body_facts(opened: "Opened") -> dict[str, Any]:
     """What there is to tell, SI units throughout."""
     import numpy as np
 
+    from driftform.dynamics.model import flight_model
+    from driftform.dynamics.stability import stable_rest
     from driftform.geometry import hull_mass
 
     body, mass, coefficients = opened.agent.body, opened.agent.mass, opened.agent.coefficients
     fluid = opened.study.scenario.fluid
+    rest = stable_rest(flight_model(opened.agent, opened.study.scenario))
     morphology = opened.agent.morphology
     sides = [] if morphology is None else [("aft", m) for m in morphology.aft[::-1]]
     sides += [] if morphology is None else [("fore", m) for m in morphology.fore]
@@ -62,6 +65,12 @@ def body_facts(opened: "Opened") -> dict[str, Any]:
         "added_mass": coefficients.added_mass,
         "added_mass_origin": coefficients.origin,
         "hydrodynamics": opened.pipeline.hydrodynamics.name,
+        "rest": {
+            "pitch_deg": float(np.rad2deg(rest.pitch)),
+            "height": rest.height,
+            "slowest_period": rest.slowest_period,
+            "eigenvalues": [[value.real, value.imag] for value in rest.eigenvalues.tolist()],
+        },
         "warnings": _warnings(opened),
     }
 
@@ -120,6 +129,7 @@ def _print(facts: dict[str, Any]) -> None:
             f"axial {facts['inertia'][0, 0]:.4g}, transverse {facts['inertia'][1, 1]:.4g} kg m2",
         ),
     ]
+    rows.append(("at rest", _rest(facts["rest"])))
     print_table(("agent", facts["agent"]), rows)
     if modules:
         print("\nmodules from aft to fore")
@@ -139,3 +149,15 @@ def _print(facts: dict[str, Any]) -> None:
     )
     for warning in facts["warnings"]:
         print(f"beware: {warning}")
+
+
+def _rest(rest: dict[str, Any]) -> str:
+    """How it hangs in still water, or floats on it, in words."""
+    pitch = rest["pitch_deg"]
+    attitude = f"pitched {pitch:+.1f} deg"
+    if abs(pitch) > 89.9:
+        attitude = "fore end down" if pitch > 0 else "fore end up"
+    where = "turns" if rest["height"] is None else f"floats, its core {-1000 * rest['height']:.1f} mm under,"
+    period = rest["slowest_period"]
+    swings = "indifferent" if period is None else f"slowest oscillation {period:.3g} s"
+    return f"{where} {attitude}; {swings}"

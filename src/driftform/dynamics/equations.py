@@ -65,36 +65,37 @@ from driftform.types import FloatArray
 
 
 @compiled
-def _vector(table: FloatArray, row: int) -> Vector:
-    return table[row, 0], table[row, 1], table[row, 2]
+def _vector(row: FloatArray) -> Vector:
+    return row[0], row[1], row[2]
 
 
 @compiled
-def _times(table: FloatArray, row: int, a: Vector, b: Vector) -> tuple[Vector, Vector]:
-    """Return the product of the six rows from ``row`` on with the six-vector (a, b)."""
-    return _half(table, row, a, b), _half(table, row + 3, a, b)
+def _times(matrix: FloatArray, a: Vector, b: Vector) -> tuple[Vector, Vector]:
+    """Return the product of a 6x6 matrix with the six-vector (a, b)."""
+    return _half(matrix[:3], a, b), _half(matrix[3:], a, b)
 
 
 @compiled
-def _half(table: FloatArray, row: int, a: Vector, b: Vector) -> Vector:
-    return _row(table, row, a, b), _row(table, row + 1, a, b), _row(table, row + 2, a, b)
+def _half(rows: FloatArray, a: Vector, b: Vector) -> Vector:
+    return _row(rows[0], a, b), _row(rows[1], a, b), _row(rows[2], a, b)
 
 
 @compiled
-def _row(table: FloatArray, row: int, a: Vector, b: Vector) -> float:
-    first = table[row, 0] * a[0] + table[row, 1] * a[1] + table[row, 2] * a[2]
-    return float(first + (table[row, 3] * b[0] + table[row, 4] * b[1] + table[row, 5] * b[2]))
+def _row(row: FloatArray, a: Vector, b: Vector) -> float:
+    return float(
+        row[0] * a[0] + row[1] * a[1] + row[2] * a[2] + (row[3] * b[0] + row[4] * b[1] + row[5] * b[2])
+    )
 
 
 @compiled
 def damping_wrench(moving: Vector, omega: Vector, table: FloatArray) -> Wrench:
     """Return -D_1 nu - D_2 |nu| nu about the body's origin, both taken at the point that the damping refers to."""
-    point = _vector(table, DAMPING_POINT)
+    point = _vector(table[DAMPING_POINT])
     v = plus(moving, cross(omega, point))
-    linear = _times(table, LINEAR, v, omega)
+    linear = _times(table[LINEAR:QUADRATIC], v, omega)
     squares = (v[0] * abs(v[0]), v[1] * abs(v[1]), v[2] * abs(v[2]))
     turns = (omega[0] * abs(omega[0]), omega[1] * abs(omega[1]), omega[2] * abs(omega[2]))
-    quadratic = _times(table, QUADRATIC, squares, turns)
+    quadratic = _times(table[QUADRATIC:COG], squares, turns)
     force = times(-1.0, plus(linear[0], quadratic[0]))
     torque = times(-1.0, plus(linear[1], quadratic[1]))
     return force, plus(torque, cross(point, force))
@@ -109,7 +110,7 @@ def drag_wrench(
     ``height`` is that of the body's origin, m; see :func:`driftform.dynamics.drag.strip_drag` for the rest.
     """
     table, strips = model.table, model.strips
-    level, centre = table[WATER_LEVEL], _vector(table, COB)
+    level, centre = table[WATER_LEVEL], _vector(table[COB])
     wrench, under, area = (ZERO, ZERO), 0.0, 0.0
     for k in range(strips.shape[0]):
         wet = 1.0
@@ -130,11 +131,12 @@ def surroundings(
     t: float, position: Vector, R: Rotation, velocity: Vector, omega: Vector, model: FlightModel
 ) -> tuple[Vector, Vector, Vector]:
     """Return the water's velocity and acceleration at the COB (world), and its shear along the axis (body frame)."""
-    centre = _vector(model.table, COB)
+    centre = _vector(model.table[COB])
     place = plus(position, to_world(R, centre))
     speed, gradient, rate = water(place, t, model.pipe, model.flow, model.gusts)
-    # What changes along the water's own path, or along the body's.
-    path = speed
+    # What changes along the water's own path, or along the body's. A gust is given along the path already, and its
+    # rate is all of its acceleration: carried across the mean shear once more it would drag a body along the wall.
+    path = speed if model.gusts.shape[0] == 0 else ZERO
     if model.table[FROUDE_KRYLOV] == 0.0:
         path = plus(velocity, to_world(R, cross(omega, centre)))
     return speed, plus(rate, to_world(gradient, path)), to_body(R, to_world(gradient, forward(R)))
@@ -158,12 +160,12 @@ def accelerations(
         angular velocity in the body frame, rad/s.
     """
     table = model.table
-    stream, change, shear = _vector(table, CURRENT), ZERO, ZERO
+    stream, change, shear = _vector(table[CURRENT]), ZERO, ZERO
     if table[STEADY] == 0.0:
         stream, change, shear = surroundings(t, position, R, velocity, omega, model)
     moving = to_body(R, minus(velocity, stream))
     pull = to_body(R, change)
-    cog, centre = _vector(table, COG), _vector(table, COB)
+    cog, centre = _vector(table[COG]), _vector(table[COB])
     weight = times(-table[BODY_MASS], plus(times(table[GRAVITY], R[2]), pull))
     lift, displaced = times(table[DISPLACED_MASS] * table[GRAVITY], R[2]), table[DISPLACED_MASS]
     wrench = (ZERO, ZERO)
@@ -192,10 +194,10 @@ def accelerations(
             table[CONTACT_RATE],
         ),
     )
-    momentum, turning = _times(table, MASS, moving, omega)
+    momentum, turning = _times(table[MASS:INVERSE], moving, omega)
     force = plus(wrench[0], cross(momentum, omega))
     torque = plus(wrench[1], plus(cross(turning, omega), cross(momentum, moving)))
-    v_dot, w_dot = _times(table, INVERSE, force, torque)
+    v_dot, w_dot = _times(table[INVERSE:LINEAR], force, torque)
     return plus(to_world(R, plus(v_dot, cross(omega, moving))), change), w_dot
 
 

@@ -67,7 +67,16 @@ def record(sample: FloatArray, t: float, pose: FloatArray, speed: FloatArray, mo
         sample[1 + i] = pose[i]
         sample[8 + i] = speed[i]
         sample[11 + i] = speed[3 + i]
-    return bool(np.isfinite(sample).all()) and not has_left((pose[0], pose[1], pose[2]), unpacked(model).pipe)
+    return is_finite(sample) and not has_left((pose[0], pose[1], pose[2]), unpacked(model).pipe)
+
+
+@compiled
+def is_finite(values: FloatArray) -> bool:
+    """True where all of the numbers (n,) are finite."""
+    total = 0.0
+    for value in values:
+        total += value
+    return math.isfinite(total)
 
 
 @compiled
@@ -113,7 +122,10 @@ def finished_flight(
         rows = _cut_at_outlet(rows, model.pipe)
     if not end.failed and error is not None and not error <= accepted:
         end = End.NOT_CONVERGED
-    contact, drift = _checked(np.ascontiguousarray(rows), packed(model))
+    values = packed(model)
+    rows = np.ascontiguousarray(rows)
+    touched = _first_touch(rows, values)
+    drift = _energy_drift(rows, values, touched)
     quaternion = rows[:, 4:8]
     R = matrix_from_quaternion(quaternion)
     velocity = np.concatenate([np.einsum("kji,kj->ki", R, rows[:, 8:11]), rows[:, 11:]], axis=1)
@@ -123,7 +135,7 @@ def finished_flight(
         quaternion,
         velocity,
         end,
-        contact=None if np.isnan(contact) else float(contact),
+        contact=_contact_time(rows, values, touched),
         energy_drift=None if np.isnan(drift) else float(drift),
         error=error,
     )
@@ -158,31 +170,53 @@ def _cut_at_outlet(rows: FloatArray, pipe: FloatArray) -> FloatArray:
     return np.vstack([rows[:-1], last])
 
 
-@compiled
-def _checked(rows: FloatArray, values: FloatArray) -> tuple[float, float]:
-    """Return when a wall is first touched (s), and how far the energy drifts until then; NaN for neither.
+def first_contact(samples: FloatArray, values: FloatArray) -> float | None:
+    """Return when (s) a flight of raw samples (k, 14) first touches a wall; ``None`` where it never does.
 
-    Energy is compared with the largest kinetic energy. It is conserved without drag, in water that has one velocity.
+    ``values`` is its packed model.
+    """
+    return _contact_time(samples, values, _first_touch(samples, values))
+
+
+def _contact_time(rows: FloatArray, values: FloatArray, touched: int) -> float | None:
+    if touched == len(rows):
+        return None
+    return float(rows[0, 0]) if touched == 0 else _touching(rows[touched - 1], rows[touched], values)
+
+
+@compiled
+def _first_touch(rows: FloatArray, values: FloatArray) -> int:
+    """Return the first sample at which a rim touches, the number of samples where none does."""
+    model = unpacked(values)
+    for k in range(rows.shape[0]):
+        if _depth(rows[k], model) > 0.0:
+            return k
+    return int(rows.shape[0])
+
+
+@compiled
+def _depth(row: FloatArray, model: FlightModel) -> float:
+    return deepest_rim(_position(row), _attitude(row), model.rims, model.table[REACH], model.pipe)
+
+
+@compiled
+def _energy_drift(rows: FloatArray, values: FloatArray, count: int) -> float:
+    """Return the range of the energy over the first ``count`` samples, relative to the largest kinetic energy.
+
+    NaN where it is not conserved: with drag, and in water that has more than one velocity.
     """
     model = unpacked(values)
     table = model.table
-    conserved = table[STEADY] != 0.0 and table[DAMPED] == 0.0 and model.strips.shape[0] == 0
-    first, lowest, highest, largest = 0.0, np.inf, -np.inf, 0.0
-    contact = np.nan
-    for k in range(rows.shape[0]):
-        if deepest_rim(_position(rows[k]), _attitude(rows[k]), model.rims, table[REACH], model.pipe) > 0.0:
-            contact = _touching(rows[max(0, k - 1)], rows[k], model)
-            break
-        if conserved:
-            kinetic, potential = energy(rows[k], model)
-            if k == 0:
-                first = potential
-            lowest = min(lowest, kinetic + (potential - first))
-            highest = max(highest, kinetic + (potential - first))
-            largest = max(largest, kinetic)
-    if not conserved or highest < lowest:
-        return contact, np.nan
-    return contact, (highest - lowest) / largest if largest > 0.0 else 0.0
+    if count == 0 or table[STEADY] == 0.0 or table[DAMPED] != 0.0 or model.strips.shape[0] > 0:
+        return math.nan
+    lowest, highest, largest = math.inf, -math.inf, 0.0
+    _, origin = energy(rows[0], model)
+    for k in range(count):
+        kinetic, potential = energy(rows[k], model)
+        lowest = min(lowest, kinetic + (potential - origin))
+        highest = max(highest, kinetic + (potential - origin))
+        largest = max(largest, kinetic)
+    return float((highest - lowest) / largest) if largest > 0.0 else 0.0
 
 
 @compiled
@@ -217,11 +251,11 @@ def _attitude(row: FloatArray) -> tuple[Vector, Vector, Vector]:
 
 
 @compiled
-def _touching(before: FloatArray, after: FloatArray, model: FlightModel) -> float:
+def _touching(before: FloatArray, after: FloatArray, values: FloatArray) -> float:
     """Return when a rim comes to touch between two samples, by bisection on the path between them."""
+    model = unpacked(values)
     low, high, h = 0.0, 1.0, after[0] - before[0]
-    between = before.copy()
-    sign = 1.0
+    between, sign = np.empty(SAMPLE), 1.0
     if before[4] * after[4] + before[5] * after[5] + before[6] * after[6] + before[7] * after[7] < 0.0:
         sign = -1.0
     for _ in range(40):
@@ -232,10 +266,7 @@ def _touching(before: FloatArray, after: FloatArray, model: FlightModel) -> floa
             between[1 + i] = p + u * (m + u * (3 * (q - p) - 2 * m - n + u * (2 * (p - q) + m + n)))
         for i in range(4, 8):
             between[i] = (1 - u) * before[i] + u * sign * after[i]
-        touches = deepest_rim(
-            _position(between), _attitude(between), model.rims, model.table[REACH], model.pipe
-        )
-        if touches > 0.0:
+        if _depth(between, model) > 0.0:
             high = u
         else:
             low = u

@@ -187,7 +187,9 @@ def _profile(radius: float, x: float, r: float, flow: FloatArray) -> tuple[float
         return u, -moving * power * u / y, 0.0, 0.0
     if kind == LOG_LAW:
         defect = U * flow[PARAMETER]
-        return max(0.0, U + defect * (1.5 + math.log(y / radius))), -moving * defect / y, 0.0, 0.0
+        u = U + defect * (1.5 + math.log(y / radius))
+        # Beside a very rough wall the law would have the water go back.
+        return (u, -moving * defect / y, 0.0, 0.0) if u > 0.0 else (0.0, 0.0, 0.0, 0.0)
     x = max(x, NEAREST * radius)
     layer = 0.37 * x**0.8 * flow[PARAMETER] ** 0.2
     growth = 0.8 * layer / x

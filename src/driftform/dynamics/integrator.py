@@ -15,7 +15,7 @@ import numpy as np
 from driftform.dynamics.compiled import compiled
 from driftform.dynamics.contact import is_far
 from driftform.dynamics.equations import accelerations
-from driftform.dynamics.flight import SAMPLE, has_left
+from driftform.dynamics.flight import SAMPLE, has_left, is_finite
 from driftform.dynamics.model import REACH, FlightModel, packed, unpacked
 from driftform.dynamics.rotations import rotation_from_quaternion
 from driftform.dynamics.tableaus import DOP853, DOPRI5, Pair
@@ -160,19 +160,22 @@ def _flown(
     model = unpacked(values)
     samples = np.empty((256, SAMPLE))
     slopes = np.empty((smooth.b.shape[0] + 1, STATE))
-    y, new = start.copy(), np.empty(STATE)
+    y, new = np.empty(STATE), np.empty(STATE)
+    _copy(start, y)
     t, h, earlier, count = 0.0, min(FIRST_STEP, horizon), 1e-4, 0
     slope(t, y, model, slopes[0])
     while True:
         if count == samples.shape[0]:
             longer = np.empty((2 * count, SAMPLE))
-            longer[:count] = samples
+            for k in range(count):
+                _copy(samples[k], longer[k])
             samples = longer
         samples[count, 0] = t
-        samples[count, 1:] = y
+        for j in range(STATE):
+            samples[count, 1 + j] = y[j]
         count += 1
         position = (y[0], y[1], y[2])
-        if not np.isfinite(y).all() or t >= horizon or count > step_limit or has_left(position, model.pipe):
+        if not is_finite(y) or t >= horizon or count > step_limit or has_left(position, model.pipe):
             break
         pair, sharp = stiff, tolerance
         if is_far(position, model.table[REACH], model.pipe):
@@ -183,17 +186,24 @@ def _flown(
             error = _step(t, h, y, new, slopes, pair, model, sharp)
             if error <= 1.0:
                 break
-            h *= max(0.2, 0.9 * error ** (-1.0 / pair.power)) if np.isfinite(error) else 0.2
+            h *= max(0.2, 0.9 * error ** (-1.0 / pair.power)) if math.isfinite(error) else 0.2
             if h < 1e-12:
-                new[:] = np.nan
+                new[0] = math.nan
                 break
         t = horizon if horizon - t <= h * (1.0 + 1e-12) else t + h
-        y[:] = new
-        slopes[0] = slopes[pair.b.shape[0]]
+        _copy(new, y)
+        _copy(slopes[pair.b.shape[0]], slopes[0])
         # Gustafsson's controller: it looks at the step before too, and so has few steps rejected.
         h *= min(5.0, max(0.2, 0.9 * max(error, 1e-8) ** (-0.7 / pair.power) * earlier ** (0.4 / pair.power)))
         earlier = max(error, 1e-4)
     return samples[:count]
+
+
+@compiled
+def _copy(source: FloatArray, target: FloatArray) -> None:
+    """Fill one array with another; a loop, because an assignment of slices takes ten times as long to compile."""
+    for j in range(source.shape[0]):
+        target[j] = source[j]
 
 
 @compiled
@@ -218,9 +228,8 @@ def _step(
             for j in range(STATE):
                 new[j] += share * slopes[k, j]
         slope(t + (1.0 if last else pair.c[s]) * h, new, model, slopes[s])
-    first, second = _weighed(pair.error, slopes, y, new, tolerance), 0.0
-    if pair.second.any():
-        second = _weighed(pair.second, slopes, y, new, tolerance)
+    first = _weighed(pair.error, slopes, y, new, tolerance)
+    second = _weighed(pair.second, slopes, y, new, tolerance)
     # The quaternion's length is no part of the motion.
     length = math.sqrt(new[3] ** 2 + new[4] ** 2 + new[5] ** 2 + new[6] ** 2)
     for j in range(3, 7):

@@ -93,7 +93,7 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
         flow,
         gust_array(scenario),
         np.empty((0, 4)) if fluid.water_level is None else _slices(agent),
-        np.array(drag.strips),
+        _strips(agent),
     )
 
 
@@ -192,6 +192,16 @@ def _bores(scenario: Scenario) -> FloatArray:
     axis = rows[:, 3:6] - rows[:, :3]
     length = np.linalg.norm(axis, axis=1, keepdims=True)
     return np.column_stack([rows[:, :3], axis / length, length, rows[:, 6]])
+
+
+def _strips(agent: Agent) -> FloatArray:
+    drag = agent.coefficients.drag
+    if drag is None:
+        return np.empty((0, 4))
+    if len(drag.strips) > 0:
+        return np.array(drag.strips)
+    # Of a body that has drag along its axis alone, a strip without any tells how much of it is under water.
+    return np.array([[agent.mass.cob[0], agent.body.max_diameter, agent.body.length, 0.0]])
 
 
 def _slices(agent: Agent) -> FloatArray:

@@ -20,7 +20,7 @@ class Pair(NamedTuple):
         the coefficients: stages (s, s), weights (s,), times (s,).
     error, second
         weights of the error estimate, the slope at the end included, (s + 1,), and of the second one that DOP853
-        divides by (Hairer's 3rd-order estimate); zeros for a pair without.
+        divides by (Hairer's 3rd-order estimate), empty for a pair without.
     power
         what a step's error is proportional to: h to this.
     """
@@ -77,7 +77,7 @@ DOPRI5 = Pair(
             0.025,
         ]
     ),
-    second=np.zeros(7),
+    second=np.empty(0),
     power=5.0,
 )
 

@@ -1,19 +1,20 @@
 """Flights integrated by Exudyn, with driftform's own equations of motion as the right-hand side."""
 
 import contextlib
+import math
 from typing import Any, Literal
 
 import numpy as np
 
 from driftform.dynamics.equations import fill_accelerations
-from driftform.dynamics.flight import SAMPLE, finished_flight, record, release_state
+from driftform.dynamics.flight import SAMPLE, finished_flight, first_contact, record, release_state
 from driftform.dynamics.integrator import Accuracy, greatest_distance, integrate
 from driftform.dynamics.model import flight_model, packed
 from driftform.dynamics.rotations import rotation_vector_from_quaternion
 from driftform.interfaces import Simulator
 from driftform.options import Table, option
 from driftform.scenario import Scenario
-from driftform.types import Agent, FloatArray, Trajectory
+from driftform.types import Agent, End, FloatArray, Trajectory
 from driftform_exudyn.headless import exudyn, items
 
 PATIENCE = 5_000
@@ -30,8 +31,10 @@ TIGHTENING = 0.1
 class ExudynOptions(Table):
     """Options of the Exudyn backend."""
 
-    integrator: Literal["DOPRI5", "RK67", "RK44"] = option(
-        "DOPRI5", "explicit integrator; DOPRI5 controls its error, RK67 and RK44 do not"
+    integrator: Literal["auto", "DOPRI5", "RK67", "RK44"] = option(
+        "auto",
+        "explicit integrator: DOPRI5 controls its error, RK67 and RK44 take equal steps; auto is DOPRI5, and RK67 "
+        "for flights that touch no wall, as far as that is as accurate",
     )
     accuracy: float = option(
         1e-3, "largest estimated error of the position; the tolerance is tightened until it is met", "m", gt=0
@@ -44,7 +47,7 @@ class ExudynOptions(Table):
     )
     tightest: float = option(1e-9, "tolerance below which a flight counts as not converged", "SI", gt=0)
     max_step: float = option(
-        0.02,
+        0.03,
         "longest time step and gap between samples; RK67 and RK44 take every step of this length",
         "s",
         gt=0,
@@ -71,23 +74,37 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         options, horizon = self.options, scenario.flight.horizon
         model = flight_model(agent, scenario)
         values, start = packed(model), release_state(model, scenario)
-        tolerance, controlled = options.tolerance, options.integrator == "DOPRI5"
-        other = integrate(model, start, horizon, Accuracy(options.accuracy / 2, step_limit=options.step_limit))
-        while True:
-            samples = _integrated(values, start, self._settings(horizon, tolerance), options.step_limit)
-            error = other.error + greatest_distance(other.samples, samples)
-            tolerance *= TIGHTENING
-            if error <= options.accuracy or not controlled or tolerance < options.tightest:
-                return finished_flight(samples, model, horizon, options.step_limit, error, options.accuracy)
+        other = integrate(
+            model, start, horizon, Accuracy(options.accuracy / 2, step_limit=options.step_limit)
+        )
+        tolerance = options.tolerance
 
-    def _settings(self, horizon: float, tolerance: float) -> Any:
+        def flown(integrator: str) -> Trajectory:
+            settings = self._settings(integrator, horizon, tolerance)
+            samples = _integrated(values, start, settings, options.step_limit)
+            error = other.error + greatest_distance(other.samples, samples)
+            return finished_flight(samples, model, horizon, options.step_limit, error, options.accuracy)
+
+        if options.integrator not in ("auto", "DOPRI5"):
+            return flown(options.integrator)
+        if options.integrator == "auto" and first_contact(other.samples, values) is None:
+            flight = flown("RK67")
+            if not flight.end.failed and (flight.energy_drift or 0.0) <= tolerance:
+                return flight
+        flight = flown("DOPRI5")
+        while flight.end == End.NOT_CONVERGED and TIGHTENING * tolerance >= options.tightest:
+            tolerance *= TIGHTENING
+            flight = flown("DOPRI5")
+        return flight
+
+    def _settings(self, integrator: str, horizon: float, tolerance: float) -> Any:
         settings = exudyn.SimulationSettings()
         settings.solution.file.write = False
         integration = settings.timeIntegration
         integration.endTime = horizon
-        integration.numberOfSteps = max(1, round(horizon / self.options.max_step))
+        integration.numberOfSteps = max(1, math.ceil(horizon / self.options.max_step))
         integration.verboseMode = 0
-        integration.solverType = getattr(exudyn.DynamicSolverType, self.options.integrator)
+        integration.solverType = getattr(exudyn.DynamicSolverType, integrator)
         integration.absoluteTolerance = tolerance
         integration.relativeTolerance = tolerance
         integration.minimumStepSize = 1e-10

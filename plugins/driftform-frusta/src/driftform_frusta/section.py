@@ -1,7 +1,10 @@
 """The meridian section of a hull: chains and dome united, the wall offset inward."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
 
 import manifold3d
 import numpy as np
@@ -14,27 +17,25 @@ DOME_STEP = np.deg2rad(2.5)
 MM = 1e3
 """Clipping works in millimetres, with a resolution of 1e-8 mm."""
 
+ON_AXIS = 1e-7
+"""What is nearer to the axis than this (mm) is on it: an offset leaves vertices a grid step beside it."""
+
 SIMPLIFY = 1e-4
 """Vertices nearer than this (mm) to the line through their neighbours carry no shape, only slivers of a mesh."""
 
 MITRE_LIMIT = 2.0
 """A mitre longer than this many walls is cut off, so that a sharp neck does not pinch the cavity."""
 
-BOX = 1e4
-"""Half the side (mm) of the box that stands for the half-plane r > 0."""
-
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """One side of the agent, from the core outward: distance from the core's equator, outer radius, tilts.
+    """One side of the agent, from the core outward: distance from the core's equator and outer radius.
 
-    ``x`` and ``r`` are (k + 1,) in m for k modules; ``tilt`` is (k,) in rad, as realised where the least radius
-    cut in.
+    Both are (k + 1,) in m for k modules.
     """
 
     x: FloatArray
     r: FloatArray
-    tilt: FloatArray
 
 
 def chain(modules: Sequence[Module], start_radius: float, least_radius: float) -> Chain:
@@ -43,14 +44,11 @@ def chain(modules: Sequence[Module], start_radius: float, least_radius: float) -
     Lengths run along the slant. Where the radius would fall below ``least_radius`` it stays there, and the
     module keeps its axial length.
     """
-    x, r, tilts = [0.0], [start_radius], []
+    x, r = [0.0], [start_radius]
     for module in modules:
-        run = module.length * np.cos(module.tilt)
-        radius = max(least_radius, r[-1] + module.length * np.sin(module.tilt))
-        tilts.append(float(np.arctan2(radius - r[-1], run)))
-        x.append(x[-1] + run)
-        r.append(radius)
-    return Chain(np.array(x), np.array(r), np.array(tilts))
+        x.append(x[-1] + module.length * math.cos(module.tilt))
+        r.append(max(least_radius, r[-1] + module.length * math.sin(module.tilt)))
+    return Chain(np.array(x), np.array(r))
 
 
 def hull_section(fore: Chain, aft: Chain, dome: float, wall: float) -> tuple[FloatArray, FloatArray]:
@@ -59,12 +57,15 @@ def hull_section(fore: Chain, aft: Chain, dome: float, wall: float) -> tuple[Flo
     The cavity is the mitred inward offset of the outline by ``wall``: the wall is nowhere thinner than that,
     and flat ends become caps of the same thickness. Where a mitre would reach down into the room of the core,
     the room stays.
+
+    The section goes on below the axis, so that the offset knows no edge along it; what lies deeper than the
+    longest mitre is of no effect above. No chain may be thinner than that.
     """
-    outline = _outline(fore, aft, dome)
+    depth = MITRE_LIMIT * wall
+    outline = _outline(fore, aft, dome, depth)
     hollow = outline.offset(-wall * MM, manifold3d.JoinType.Miter, MITRE_LIMIT)
-    room = _polygon(_arc(dome - wall / np.cos(DOME_STEP / 2)))
-    hollow = (hollow + room).simplify(SIMPLIFY)
-    return _contour(outline), _contour(hollow)
+    room = _disc(dome - wall / math.cos(DOME_STEP / 2), depth)
+    return _contour(outline), _contour(_united([*hollow.to_polygons(), room]).simplify(SIMPLIFY))
 
 
 def open_section(fore: Chain, aft: Chain, dome: float, wall: float) -> tuple[FloatArray, FloatArray]:
@@ -73,50 +74,58 @@ def open_section(fore: Chain, aft: Chain, dome: float, wall: float) -> tuple[Flo
     Each frustum's wall has the constant radial thickness wall/cos(tilt) that eq. 18 assumes, and the ends have
     none: the cavity reaches through them.
     """
-    hollow = _polygon(_arc(dome - wall))
-    for side, sign in ((fore, 1.0), (aft, -1.0)):
-        radial = wall / np.cos(side.tilt)
-        for i in range(len(side.tilt)):
-            inner = np.array([[side.x[i], side.r[i] - radial[i]], [side.x[i + 1], side.r[i + 1] - radial[i]]])
-            inner[:, 1] = np.maximum(inner[:, 1], 0.0)
-            contour = inner * (sign, 1.0)
-            hollow += _polygon(contour if sign > 0 else contour[::-1])
-    return _contour(_outline(fore, aft, dome)), _contour(hollow)
+    hollow = [_disc(dome - wall)]
+    for side, sign in ((fore, 1), (aft, -1)):
+        for (x0, r0), (x1, r1) in pairwise(zip(side.x, side.r, strict=True)):
+            radial = wall * math.hypot(x1 - x0, r1 - r0) / (x1 - x0)
+            inner = np.array([(sign * x0, max(r0 - radial, 0.0)), (sign * x1, max(r1 - radial, 0.0))])
+            hollow.append(_closed(inner[::sign]))
+    return _contour(_outline(fore, aft, dome)), _contour(_united(hollow))
 
 
-def _outline(fore: Chain, aft: Chain, dome: float) -> manifold3d.CrossSection:
-    """The chains and the dome united, mm."""
-    after = np.column_stack([-aft.x[:0:-1], aft.r[:0:-1]])
-    chains = np.vstack([after, np.column_stack([fore.x, fore.r])])
-    return (_polygon(chains) + _polygon(_arc(dome))).simplify(SIMPLIFY)
+def _outline(fore: Chain, aft: Chain, dome: float, depth: float = 0.0) -> manifold3d.CrossSection:
+    """The chains and the dome united, down to at least ``depth`` (m) below the axis; mm."""
+    x, r = np.concatenate([-aft.x[:0:-1], fore.x]), np.concatenate([aft.r[:0:-1], fore.r])
+    chains = _closed(np.column_stack([x, r]), depth)
+    return _united([chains, _disc(dome, depth)]).simplify(SIMPLIFY)
 
 
-def _arc(radius: float) -> FloatArray:
-    angles = np.linspace(np.pi, 0, round(np.pi / DOME_STEP) + 1)
-    return radius * np.column_stack([np.cos(angles), np.sin(angles)])
+@lru_cache(maxsize=16)
+def _disc(radius: float, depth: float = 0.0) -> FloatArray:
+    """A disc as a polygon, cut off at ``depth`` (m) below the axis or a little deeper; mm."""
+    below = math.ceil(math.asin(depth / max(radius, depth)) / DOME_STEP)
+    angles = DOME_STEP * np.arange(-below, round(np.pi / DOME_STEP) + below + 1)
+    return MM * radius * np.column_stack([np.cos(angles), np.sin(angles)])
 
 
-def _polygon(contour: FloatArray) -> manifold3d.CrossSection:
-    """The contour and its mirror image below the axis, so that an offset knows no edge along the axis."""
-    if len(contour) < 2 or np.ptp(contour[:, 0]) == 0:
-        return manifold3d.CrossSection()
-    mirrored = contour[::-1] * (1.0, -1.0)
-    points = np.vstack([mirrored, contour]) * MM
-    return manifold3d.CrossSection([points], manifold3d.FillRule.NonZero)
+def _closed(contour: FloatArray, depth: float = 0.0) -> FloatArray:
+    """What lies between a contour and the line ``depth`` (m) below the axis, as a polygon; mm."""
+    below = ((contour[0, 0], -depth), (contour[-1, 0], -depth))
+    return MM * np.concatenate([below, contour[::-1]])
+
+
+def _united(polygons: Sequence[FloatArray]) -> manifold3d.CrossSection:
+    return manifold3d.CrossSection(polygons, manifold3d.FillRule.Positive)
 
 
 def _contour(section: manifold3d.CrossSection) -> FloatArray:
-    """The upper half of a section as a contour from the aft to the fore axis point, m."""
-    upper = section ^ manifold3d.CrossSection.square((2 * BOX, BOX)).translate((-BOX, 0.0))
-    # A cavity of several parts would leave some without the core: the one around the core is the cavity.
-    polygon = next(p for p in upper.to_polygons() if p[:, 0].min() <= 0.0 <= p[:, 0].max())
-    points = np.array(polygon) / MM
-    on_axis = np.flatnonzero(np.abs(points[:, 1]) < 1e-10)
-    start = on_axis[np.argmin(points[on_axis, 0])]
-    points = np.roll(points, -start, axis=0)
-    # Polygons run counter-clockwise: from the aft axis point along the axis to the fore one. Turn them round.
-    path = np.vstack([points[:1], points[:0:-1]])
-    end = np.flatnonzero(np.abs(path[:, 1]) < 1e-10)[-1]
-    path = path[: end + 1].copy()
-    path[[0, -1], 1] = 0.0
-    return path
+    """The part of a section above the axis and around the core as a contour from aft to fore, m."""
+    for polygon in section.to_polygons():
+        # Polygons run counter-clockwise. Turned round, and begun below, they go over the top from aft to fore.
+        lowest = polygon[:, 1].argmin()
+        points = np.concatenate([polygon[lowest::-1], polygon[:lowest:-1], polygon[lowest : lowest + 1]])
+        above = points[:, 1] > ON_AXIS
+        for rise, fall in np.flatnonzero(above[1:] != above[:-1]).reshape(-1, 2):
+            path = points[rise : fall + 2] / MM
+            path[0] = _on_axis(path[0], path[1])
+            path[-1] = _on_axis(path[-1], path[-2])
+            # A cavity of several parts would leave some without the core: the one around the core is the cavity.
+            if path[0, 0] <= 0.0 <= path[-1, 0]:
+                return path
+    raise ValueError("the section does not contain the core")
+
+
+def _on_axis(below: FloatArray, above: FloatArray) -> tuple[float, float]:
+    """Where the line through two points meets the axis."""
+    (x0, r0), (x1, r1) = below, above
+    return x0 - r0 * (x1 - x0) / (r1 - r0), 0.0

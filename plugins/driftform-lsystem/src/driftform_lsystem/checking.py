@@ -21,6 +21,9 @@ from driftform_lsystem.alphabet import (
 
 def quintuples_fault(symbols: Sequence[str]) -> str | None:
     """Return the first fault in what should be whole quintuples, ``None`` where there is none."""
+    # Nearly always there is none, and comparing all places at once is several times as fast as one by one.
+    if list(map(PLACE.get, symbols)) == [*range(len(QUINTUPLE))] * (len(symbols) // len(QUINTUPLE)):
+        return None
     for index, symbol in enumerate(symbols):
         wanted = index % len(QUINTUPLE)
         if PLACE.get(symbol) == wanted:

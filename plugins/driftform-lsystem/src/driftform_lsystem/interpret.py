@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 
 from driftform.types import Module, Morphology
 from driftform_lsystem.alphabet import CORE, LETTER_PLACE, PLACE, QUINTUPLE
@@ -62,19 +63,29 @@ def chain(steps: Sequence[Sequence[str]], *, skip: bool = False) -> tuple[list[s
 
 
 def _modules(side: Sequence[str], options: LSystemOptions) -> tuple[Module, ...]:
+    modules = _catalogue(options)
+    if options.tilt_reference == "axis":
+        return tuple([modules[kind] for kind in side])
+    limit = math.radians(MAX_TILT_DEG)
+    leaning = []
+    wall = 0.0
+    for kind in side:
+        # Each step is clipped, and not the sum: the next module leans on the wall that is really there.
+        wall = min(max(wall + modules[kind].tilt, -limit), limit)
+        leaning.append(Module(modules[kind].length, wall))
+    return tuple(leaning)
+
+
+@lru_cache(maxsize=16)
+def _catalogue(options: LSystemOptions) -> dict[str, Module]:
+    """The modules by what :func:`chain` tells them by, with their tilt as if against the axis."""
+    lengths = {"S": options.small, "M": options.medium, "L": options.large}
     degrees = {"0": options.tilt_0_deg, "1": options.tilt_1_deg, "2": options.tilt_2_deg}
     # Subtracting from zero, for the negative of 0.0 is -0.0, which would be printed so.
     tilts = {"tiltp" + d: math.radians(deg) for d, deg in degrees.items()}
     tilts |= {"tiltn" + d: 0.0 - math.radians(deg) for d, deg in degrees.items()}
-    lengths = {"S": options.small, "M": options.medium, "L": options.large}
-    if options.tilt_reference == "axis":
-        made = {kind: Module(lengths[kind[-1]], tilts[kind[:-1]]) for kind in set(side)}
-        return tuple([made[kind] for kind in side])
-    limit = math.radians(MAX_TILT_DEG)
-    modules = []
-    wall = 0.0
-    for kind in side:
-        # Each step is clipped, and not the sum: the next module leans on the wall that is really there.
-        wall = min(max(wall + tilts[kind[:-1]], -limit), limit)
-        modules.append(Module(lengths[kind[-1]], wall))
-    return tuple(modules)
+    return {
+        tilt + letter: Module(length, angle)
+        for tilt, angle in tilts.items()
+        for letter, length in lengths.items()
+    }
