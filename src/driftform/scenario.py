@@ -70,7 +70,8 @@ class UniformFlow(Table):
     """The same velocity everywhere, along the pipe (along x in open water)."""
 
     kind: Literal["uniform"] = option("uniform", "name of the flow profile")
-    speed: float = option(1.0, "speed of the current", "m/s", ge=-100, le=100)
+    speed: float = option(1.0, "speed of the current, at the release", "m/s", ge=-100, le=100)
+    acceleration: float = option(0.0, "change of the speed with time", "m/s2", ge=-10, le=10)
 
 
 class PipeFlow(Table):
@@ -237,13 +238,17 @@ class Scenario(Table):
         """The targets in the world frame, m, (targets, 3)."""
         return np.array(list(self.targets.values()), dtype=np.float64).reshape(-1, 3)
 
-    def current(self) -> FloatArray:
-        """Mean velocity of the water where it enters, in the world frame, m/s, (3,): along x in open water."""
+    def direction(self) -> FloatArray:
+        """Unit vector downstream where the water enters, world frame, (3,): along x in open water."""
         if not self.pipe.segments:
-            return np.array([self.flow.speed, 0.0, 0.0])
+            return np.array([1.0, 0.0, 0.0])
         first = self.pipe.segments[0]
         axis = np.subtract(first.end, first.start)
-        return np.asarray(self.flow.speed * axis / np.linalg.norm(axis), dtype=np.float64)
+        return np.asarray(axis / np.linalg.norm(axis), dtype=np.float64)
+
+    def current(self) -> FloatArray:
+        """Mean velocity of the water where it enters, in the world frame, m/s, (3,)."""
+        return self.flow.speed * self.direction()
 
     def of_evaluation(self, seed: int, index: int) -> "Scenario":
         """The scenario as evaluation ``index`` of a run with this seed meets it: with gusts of its own."""

@@ -7,7 +7,7 @@ import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 import pytest
 import typer
@@ -17,7 +17,7 @@ from pydantic.fields import FieldInfo
 from driftform.cli.app import app
 from driftform.interfaces import SEAMS
 from driftform.registry import Contribution, registry
-from driftform.scenario import Scenario
+from driftform.scenario import FLOWS, Scenario
 from driftform.study import Run
 
 Check = Callable[[Path, str], None]
@@ -31,6 +31,8 @@ PARTS = Path(__file__).with_name("cli_parts.md")
 
 def type_text(annotation: Any) -> str:
     """A type as a person writes it: ``float``, ``"first"`` or ``"last"``, ``[float, float, float]``."""
+    if get_origin(annotation) is Annotated:
+        annotation = get_args(annotation)[0]
     origin, arguments = get_origin(annotation), get_args(annotation)
     if origin is Literal:
         return " or ".join(f'`"{value}"`' for value in arguments)
@@ -268,6 +270,11 @@ def inner_table(annotation: Any) -> type[BaseModel] | None:
 def scenario_keys() -> list[str]:
     lines: list[str] = []
     for name, field in Scenario.model_fields.items():
+        if name == "flow":
+            for kind, profile in FLOWS.items():
+                lines += [f'### `[flow]` with `kind = "{kind}"`', "", markdown(profile.__doc__ or ""), ""]
+                lines += [*keys_table(profile), ""]
+            continue
         model = inner_table(field.annotation)
         if model is None:
             extra = field.json_schema_extra

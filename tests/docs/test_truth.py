@@ -10,6 +10,7 @@ import typer
 
 from driftform import hookspecs
 from driftform.cli.app import app
+from driftform.scenario import FLOWS, Fluid
 
 COMMAND = re.compile(r"^(?:\$ )?(?:uv run )?(driftform(?: .*)?)$")
 
@@ -139,7 +140,10 @@ def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
     from driftform.study import load_study
 
     study = load_study(run={"seed": 0})
-    tables = {**study.document, "run": {**study.document["run"], "seed": 0}}
+    tables = {name: set(table) for name, table in study.document.items() if isinstance(table, dict)}
+    tables["run"] |= {"seed"}
+    tables["fluid"] |= set(Fluid.model_fields)
+    tables["flow"] = {key for profile in FLOWS.values() for key in profile.model_fields}
     wrong = []
     for name, text in prose.items():
         for span in re.findall(r"(?<!`)`([^`\n]+)`(?!`)", text):

@@ -10,7 +10,7 @@ import numpy as np
 
 from driftform.dynamics.compiled import compiled
 from driftform.dynamics.vectors import ZERO, Rotation, Vector, dot, minus, plus, times
-from driftform.scenario import DevelopingFlow, LogLawFlow, PowerLawFlow, Scenario, TurbulentFlow
+from driftform.scenario import DevelopingFlow, LogLawFlow, PowerLawFlow, Scenario, TurbulentFlow, UniformFlow
 from driftform.types import FloatArray
 
 UNIFORM, POWER_LAW, LOG_LAW, DEVELOPING = 0.0, 1.0, 2.0, 3.0
@@ -59,7 +59,7 @@ def flow_array(scenario: Scenario) -> FloatArray:
             return np.array([LOG_LAW, flow.speed, _friction_velocity(scenario) / (KARMAN * flow.speed), step])
         case DevelopingFlow():
             return np.array([DEVELOPING, flow.speed, scenario.fluid.viscosity / flow.speed, 0.0])
-    return np.array([UNIFORM, flow.speed, 0.0, 0.0])
+    return np.array([UNIFORM, flow.speed, 0.0, scenario.flight.horizon])
 
 
 def _friction_velocity(scenario: Scenario) -> float:
@@ -72,13 +72,17 @@ def _friction_velocity(scenario: Scenario) -> float:
 
 
 def gust_array(scenario: Scenario) -> FloatArray:
-    """Return velocity and its slope at equal steps of time, from the flow's seed, (k, 6); (0, 6) without gusts.
+    """Return what changes with time: velocity and its slope at equal steps of time, (k, 6); (0, 6) for nothing.
 
-    Each component is an Ornstein-Uhlenbeck process dv = -v dt / T + sqrt(2 s^2 / T) dW that is stationary from the
-    start, sampled exactly every ``smoothing`` seconds and joined by a cubic spline: the walk itself has no
-    acceleration, and eddies smaller than the agent do not move it.
+    A uniform current with an acceleration is two rows. In turbulent flow they come from its seed: each component is
+    an Ornstein-Uhlenbeck process dv = -v dt / T + sqrt(2 s^2 / T) dW that is stationary from the start, sampled
+    exactly every ``smoothing`` seconds and joined by a cubic spline: the walk itself has no acceleration, and eddies
+    smaller than the agent do not move it.
     """
     flow = scenario.flow
+    if isinstance(flow, UniformFlow) and flow.acceleration:
+        slope = flow.acceleration * scenario.direction()
+        return np.array([[0.0, 0.0, 0.0, *slope], [*(scenario.flight.horizon * slope), *slope]])
     if not isinstance(flow, TurbulentFlow) or flow.intensity == 0:
         return np.empty((0, 6))
     from scipy.interpolate import CubicSpline
@@ -104,8 +108,21 @@ def water(
     In the boundary layer of developing flow the radial velocity is that of continuity; its own change downstream
     is of second order in the layer's slope and left out of the gradient.
     """
-    if pipe.shape[0] == 0:
-        return (flow[SPEED], 0.0, 0.0), (ZERO, ZERO, ZERO), ZERO
+    velocity, gradient, rate = (flow[SPEED], 0.0, 0.0), (ZERO, ZERO, ZERO), ZERO
+    if pipe.shape[0] > 0:
+        velocity, gradient = _mean_flow(point, pipe, flow)
+    if gusts.shape[0] > 1:
+        place = t / flow[GUST_STEP]
+        k = min(max(int(place), 0), gusts.shape[0] - 2)
+        u = min(max(place - k, 0.0), 1.0)
+        gust, rate = _spline(gusts[k], gusts[k + 1], flow[GUST_STEP], u)
+        velocity = plus(velocity, gust)
+    return velocity, gradient, rate
+
+
+@compiled
+def _mean_flow(point: Vector, pipe: FloatArray, flow: FloatArray) -> tuple[Vector, Rotation]:
+    """Return the velocity of the profile, and its gradient."""
     axis, outward, radius, x, r = _in_segment(point, pipe)
     along, shear, stretch, radial = _profile(radius, x, r, flow)
     # Round the axis a radial velocity proportional to r spreads in both directions alike.
@@ -118,14 +135,7 @@ def water(
         plus(plus(times(axis[1], v), times(outward[1], w)), (0.0, ring, 0.0)),
         plus(plus(times(axis[2], v), times(outward[2], w)), (0.0, 0.0, ring)),
     )
-    velocity, rate = plus(times(along, axis), times(radial, outward)), ZERO
-    if gusts.shape[0] > 1:
-        place = t / flow[GUST_STEP]
-        k = min(max(int(place), 0), gusts.shape[0] - 2)
-        u = min(max(place - k, 0.0), 1.0)
-        gust, change = _spline(gusts[k], gusts[k + 1], flow[GUST_STEP], u)
-        velocity, rate = plus(velocity, gust), change
-    return velocity, gradient, rate
+    return plus(times(along, axis), times(radial, outward)), gradient
 
 
 @compiled

@@ -26,7 +26,7 @@ BODY_MASS, DISPLACED_MASS = (29, 0), (29, 1)
 GRAVITY, DENSITY, VISCOSITY, WATER_LEVEL = (29, 2), (29, 3), (29, 4), (29, 5)
 FROUDE_KRYLOV, FRICTION, CONTACT_RATE, REACH = (30, 0), (30, 1), (30, 2), (30, 3)
 
-_FEWEST, _MOST_SLICES = 8, 48
+_FEWEST, _MOST_SLICES = 16, 64
 
 
 class FlightModel(NamedTuple):
@@ -69,7 +69,8 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     total = rigid_body_mass(mass) + added_mass_at(coefficients, np.zeros(3))
     inverse = mass_inverse(total, max(agent.body.length, agent.body.max_diameter))
     rims = _springs(touching_rims(agent.body), inverse, scenario)
-    flow, drag = flow_array(scenario), coefficients.drag or Drag(np.empty((0, 4)))
+    flow, gusts = flow_array(scenario), gust_array(scenario)
+    drag = coefficients.drag or Drag(np.empty((0, 4)))
     table = np.zeros((ROWS, 6))
     table[MASS : MASS + 6], table[INVERSE : INVERSE + 6] = total, inverse
     table[LINEAR : LINEAR + 6] = coefficients.linear_damping
@@ -78,7 +79,7 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     table[DAMPING_POINT, :3] = coefficients.origin
     table[DAMPED] = np.any(table[LINEAR:COG])
     table[CURRENT, :3] = scenario.current()
-    table[STEADY] = flow[0] == UNIFORM and len(scenario.pipe.segments) <= 1
+    table[STEADY] = flow[0] == UNIFORM and not len(gusts) and len(scenario.pipe.segments) <= 1
     table[AXIAL_DRAG, :4] = drag.friction_area, drag.length, drag.ahead, drag.astern
     table[BODY_MASS], table[DISPLACED_MASS] = mass.mass, fluid.density * mass.volume
     table[GRAVITY], table[DENSITY], table[VISCOSITY] = fluid.gravity, fluid.density, fluid.viscosity
@@ -91,7 +92,7 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
         rims,
         _bores(scenario),
         flow,
-        gust_array(scenario),
+        gusts,
         np.empty((0, 4)) if fluid.water_level is None else _slices(agent),
         _strips(agent),
     )

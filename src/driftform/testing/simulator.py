@@ -4,7 +4,7 @@ import math
 import pickle
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 import pytest
@@ -13,7 +13,19 @@ from driftform.dynamics.inertia import added_mass_at, rigid_body_mass, shifted
 from driftform.dynamics.path import hermite_coefficients, world_velocity
 from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.interfaces import Simulator
-from driftform.scenario import Contact, Flight, Fluid, Pipe, Release, Scenario, Segment, UniformFlow, Vector
+from driftform.scenario import (
+    Contact,
+    Flight,
+    Fluid,
+    Pipe,
+    PowerLawFlow,
+    Release,
+    Scenario,
+    Segment,
+    TurbulentFlow,
+    UniformFlow,
+    Vector,
+)
 from driftform.testing.agents import (
     DENSITY,
     GRAVITY,
@@ -25,7 +37,7 @@ from driftform.testing.agents import (
     tumbler,
 )
 from driftform.testing.bodies import spheroid_body
-from driftform.types import Agent, Coefficients, End, FloatArray, Trajectory
+from driftform.types import Agent, Coefficients, Drag, End, FloatArray, Trajectory
 
 SPHEROID = Spheroid(0.06, 0.01)
 """Neutral, 120 mm long and 20 mm thick."""
@@ -338,6 +350,94 @@ class SimulatorContract:
         net = (DENSITY * agent.mass.volume - agent.mass.mass) * GRAVITY
         assert kept.impulse[-1, 2] - kept.impulse[0, 2] == pytest.approx(3.0 * net, rel=1e-4)
 
+    # Water that is not the same everywhere and always.
+
+    @pytest.mark.parametrize(("force", "share"), [("full", 1.0), ("paper", 1 / 3)])
+    def test_a_neutral_sphere_in_accelerating_water(
+        self, force: Literal["full", "paper"], share: float
+    ) -> None:
+        """It goes with the water; without its pressure gradient, as in the paper, with a third of it (m_A / (m + m_A))."""
+        scenario = water(2.0).model_copy(
+            update={
+                "flow": UniformFlow(speed=0.0, acceleration=1.0),
+                "fluid": Fluid(density=DENSITY, gravity=GRAVITY, flow_force=force),
+            }
+        )
+        flight = self.fly(sphere(CORE_RADIUS, NEUTRAL_MASS), scenario)
+        np.testing.assert_allclose(flight.position[:, 0], 0.5 * share * flight.t**2, atol=1e-6)
+        assert np.abs(flight.position[:, 1:]).max() < 1e-9
+
+    def test_a_body_of_any_shape_that_is_neutral_goes_with_accelerating_water(self) -> None:
+        """At any attitude: its pressure gradient moves the body as it moves the water that it displaces."""
+        scenario = water(2.0, pitch_deg=35.0).model_copy(update={"flow": UniformFlow(acceleration=-0.3)})
+        flight = self.fly(SPHEROID.agent(), scenario)
+        np.testing.assert_allclose(flight.position[:, 0], flight.t - 0.15 * flight.t**2, atol=1e-6)
+        np.testing.assert_allclose(flight.velocity[:, 3:], 0, atol=1e-6)
+
+    def test_a_neutral_sphere_is_carried_by_the_profile_where_it_is(self) -> None:
+        """On the axis of a pipe the power law with n = 7 is 120/98 of the bulk velocity."""
+        scenario = water(3.0, speed=0.8, pipe=(9.0, 1.0)).model_copy(
+            update={"flow": PowerLawFlow(speed=0.8, exponent=7.0)}
+        )
+        flight = self.fly(sphere(CORE_RADIUS, NEUTRAL_MASS), scenario)
+        np.testing.assert_allclose(flight.position[:, 0], 0.8 * 120 / 98 * flight.t, atol=1e-6)
+
+    def test_gusts_are_those_of_the_seed(self) -> None:
+        """The same seed gives the same flight to the last bit, another seed another one, which wanders off."""
+
+        def flown(seed: int) -> Trajectory:
+            turbulent = TurbulentFlow(speed=1.0, seed=seed)
+            scenario = water(3.0, speed=1.0, pipe=(9.0, 1.0)).model_copy(update={"flow": turbulent})
+            return self.fly(SPHEROID.agent(), scenario)
+
+        first = flown(1)
+        assert_identical(first, flown(1))
+        assert apart(first.position[-1:], flown(2).position[-1:]) > 1e-3
+        assert np.abs(first.position[-1, 1:]).max() > 1e-3
+
+    def test_a_floating_sphere_bobs_with_the_stiffness_of_its_waterline(self) -> None:
+        """Half as heavy as the water that it could displace it floats half under; pi r^2 rho g over its mass swings it."""
+        agent = sphere(0.05, 0.5 * DENSITY * 4 / 3 * math.pi * 0.05**3)
+        scenario = water(2.0, position=(0.0, 0.0, 0.003)).model_copy(
+            update={"fluid": Fluid(density=DENSITY, gravity=GRAVITY, water_level=0.0)}
+        )
+        flight = self.fly(agent, scenario)
+        stiffness = math.pi * 0.05**2 * DENSITY * GRAVITY
+        swinging = agent.mass.mass + agent.coefficients.added_mass[2, 2]
+        height = flight.position[:, 2]
+        np.testing.assert_allclose(height.max(), 0.003, rtol=self.accuracy)
+        k = np.flatnonzero(np.sign(height[1:]) != np.sign(height[:-1]))
+        crossings = flight.t[k] - height[k] * (flight.t[k + 1] - flight.t[k]) / (height[k + 1] - height[k])
+        half_period = float(np.diff(crossings).mean())
+        # The waterline narrows away from the middle, and is made of slices: a percent each.
+        assert half_period == pytest.approx(math.pi * math.sqrt(swinging / stiffness), rel=0.02)
+
+    def test_a_body_far_below_the_surface_does_not_know_of_it(self) -> None:
+        """It flies as in a full pipe."""
+        scenario = water(1.5, (0.5, 0.1, 0.0), pitch_deg=20.0)
+        deep = scenario.model_copy(
+            update={"fluid": Fluid(density=DENSITY, gravity=GRAVITY, water_level=50.0)}
+        )
+        times = np.linspace(0, 1.5, 151)
+        there, here = (positions_at(self.fly(SPHEROID.agent(), s), times) for s in (scenario, deep))
+        assert apart(there, here) < self.agreement
+
+    def test_strips_across_the_axis_slow_a_body_that_falls_broadside(self) -> None:
+        """A cylinder of C_d = 1 + 10 Re^(-2/3) comes to the speed at which its drag carries its weight."""
+        length, diameter, mass = 0.3, 0.02, 1.2 * SPHEROID.mass
+        strips = np.array([[x, diameter, length / 6, 1.0] for x in np.linspace(-0.125, 0.125, 6)])
+        agent = SPHEROID.agent()
+        agent = replace(
+            agent,
+            mass=replace(agent.mass, mass=mass),
+            coefficients=replace(agent.coefficients, drag=Drag(strips)),
+        )
+        flight = self.fly(agent, water(4.0))
+        speed = -float(flight.velocity[-1, 2])
+        coefficient = 1 + 10 * (speed * diameter / 1.05e-6) ** (-2 / 3)
+        drag = 0.5 * DENSITY * coefficient * diameter * length * speed**2
+        assert drag == pytest.approx((mass - SPHEROID.mass) * GRAVITY, rel=self.accuracy)
+
     # Ends of a flight.
 
     def test_a_flight_ends_exactly_at_the_outlet(self) -> None:
@@ -447,6 +547,57 @@ class SimulatorContract:
         # It arrives with sqrt(2 a s), and that energy and its own push press it in no deeper than this.
         hit = math.sqrt(2 * acceleration * way)
         assert depths(agent, flight, radius).max() <= static + math.hypot(static, hit / frequency)
+
+    def test_friction_brings_a_body_on_the_wall_to_rest(self) -> None:
+        """It slides in still water and slows down to nothing, and never goes back."""
+        agent = SPHEROID.agent()
+        agent = replace(agent, mass=replace(agent.mass, mass=1.5 * SPHEROID.mass))
+        rough = Contact(frequency=100.0, friction=0.4)
+        still = water(4.0, (0.5, 0.0, 0.0), position=(1.0, 0.0, -0.089), pipe=(9.0, 0.1))
+        flight = self.fly(agent, still.model_copy(update={"contact": rough}))
+        along = world_velocity(flight)[:, 0]
+        assert abs(along[-1]) < 1e-3
+        assert flight.position[-1, 0] > 1.0
+        # Sliding alone, with mu times a third of its weight, it would go this far; rocking shortens the way.
+        slowing = 0.4 * (0.5 / 1.5) * GRAVITY / (1 + SPHEROID.factors[0] / 1.5)
+        assert flight.position[-1, 0] - 1.0 < 1.5 * 0.5**2 / (2 * slowing)
+
+    # How far a flight can be trusted.
+
+    def test_a_flight_tells_when_it_first_touches_the_wall(self) -> None:
+        """A sphere that falls freely through half a metre touches after sqrt(2 s / a); one in open water never."""
+        agent = sphere(CORE_RADIUS, 0.05)
+        acceleration = (0.05 - NEUTRAL_MASS) * GRAVITY / (0.05 + NEUTRAL_MASS / 2)
+        flight = self.fly(agent, water(0.6, speed=1.0, pipe=(9.0, 0.5)))
+        # Its rims are those of 24 edges, and none of them is as wide as the sphere.
+        widest = float(agent.body.outer[:, 1].max())
+        fallen = math.sqrt(2 * (0.5 - widest) / acceleration)
+        assert flight.contact == pytest.approx(fallen, rel=self.accuracy)
+        assert self.fly(agent, water(0.5)).contact is None
+
+    def test_a_flight_tells_how_far_it_may_be_off(self) -> None:
+        """The estimated error covers what the libration's closed form shows, and is no more than a millimetre."""
+        motion = Libration(SPHEROID, 1.0, 0.01)
+        flight = self.fly(SPHEROID.agent(), water(1.0, (1.0, 0.01, 0.0)))
+        assert flight.error is not None and 0 <= flight.error <= 1e-3
+        expected = np.array([motion.at(t) for t in flight.t])
+        speed = world_velocity(flight)[:, :2]
+        turned = np.stack(
+            [
+                expected[:, 0] * np.cos(expected[:, 3]) - expected[:, 1] * np.sin(expected[:, 3]),
+                expected[:, 0] * np.sin(expected[:, 3]) + expected[:, 1] * np.cos(expected[:, 3]),
+            ],
+            axis=1,
+        )
+        # What the velocities are off, summed up, is what the position at the end is off.
+        off = np.linalg.norm(np.trapezoid(speed - turned, flight.t, axis=0))
+        assert off <= 3 * flight.error + 1e-6
+
+    def test_a_flight_tells_how_its_energy_drifts_where_something_conserves_it(self) -> None:
+        """Free motion keeps it; damped motion does not, and tells nothing."""
+        flight = self.fly(SPHEROID.agent(), water(1.2, (1.0, 0.01, 0.0)))
+        assert flight.energy_drift is not None and flight.energy_drift <= self.drift
+        assert self.fly(tumbler(damped=True), water(0.5)).energy_drift is None
 
     # Many flights.
 

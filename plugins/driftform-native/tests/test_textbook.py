@@ -1,0 +1,53 @@
+"""Flights against the textbook's equations, and how well a flight knows its own error."""
+
+import numpy as np
+import pytest
+
+from driftform.testing.textbook import distance_from_textbook, random_flight
+from driftform.types import End
+from driftform_native.simulator import NativeOptions, NativeSimulator
+
+HORIZON = 3.0
+SEEDS = range(10)
+
+
+def flown(seed: int, **options):
+    """A flight, and its largest distance (m) from the textbook's."""
+    agent, scenario = random_flight(seed, HORIZON)
+    flight = NativeSimulator(NativeOptions(**options)).simulate(agent, scenario)
+    assert flight.end == End.HORIZON
+    assert np.linalg.norm(np.diff(flight.position, axis=0), axis=1).sum() > 1.0, "it has to go somewhere"
+    return flight, distance_from_textbook(flight, agent, scenario, HORIZON)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_flight_agrees_with_fossens_equations_to_a_millimetre(seed):
+    assert flown(seed)[1] < 1e-3
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_with_a_tight_tolerance_and_short_steps_it_agrees_to_a_micrometre(seed):
+    # Between samples the path is a cubic, and steps of 0.05 s are too long for that.
+    assert flown(seed, tolerance=1e-10, max_step=0.01)[1] < 1e-6
+
+
+def test_an_accuracy_that_is_asked_for_is_met_by_tightening_the_tolerance():
+    for seed in SEEDS:
+        flight, error = flown(seed, accuracy=1e-5, tolerance=1e-2, max_step=0.01)
+        assert flight.error <= 1e-5
+        assert error <= 1e-5
+
+
+def test_too_many_steps_are_a_failed_flight():
+    agent, scenario = random_flight(0, HORIZON)
+    flight = NativeSimulator(NativeOptions(step_limit=20)).simulate(agent, scenario)
+    assert flight.end == End.STEP_LIMIT
+    assert flight.end.failed
+    assert 0 < flight.t[-1] < HORIZON
+
+
+def test_samples_are_never_further_apart_than_the_longest_step():
+    agent, scenario = random_flight(0, HORIZON)
+    for step in (0.05, 0.005):
+        flight = NativeSimulator(NativeOptions(max_step=step)).simulate(agent, scenario)
+        assert np.diff(flight.t).max() <= step * (1 + 1e-9)
