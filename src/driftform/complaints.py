@@ -2,9 +2,9 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Literal, get_args, get_origin
 
-from pydantic import ValidationError
+from pydantic import Tag, ValidationError
 
 from driftform.errors import did_you_mean
 from driftform.layers import NOTHING, Layer, dotted, source_of, value_at
@@ -37,22 +37,31 @@ def complaints(
     for item in items:
         if item["type"] == "missing" and item["loc"][:-1] in misspelt:
             continue  # Most likely it is there under the other name: one line is enough.
-        names = (*prefix, *item["loc"])
+        keys, table = _traced(model, item["loc"])
+        names = (*prefix, *keys)
         # A key that may be of several types is reported once for each; the path then ends in the type's name.
         path = names
         while path and value_at(document, path) is NOTHING:
             path = path[:-1]
         if item["type"] == "extra_forbidden":
-            siblings = _fields(model, path[len(prefix) : -1])
-            table = _table(path[:-1])
+            hint = did_you_mean(str(path[-1]), table.model_fields if table else ())
+            # What is no misspelling may well be a key of another kind.
+            kind = "" if "did you mean" in hint else _of_its_kind(table)
             lines.append(
-                f"{source_of(layers, path)}: unknown key '{path[-1]}'{table}{did_you_mean(str(path[-1]), siblings)}"
+                f"{source_of(layers, path)}: unknown key '{path[-1]}'{_table(path[:-1])}{kind}{hint}"
             )
         elif item["type"] == "missing" and isinstance(names[-1], str):
             lines.append(f"{source_of(layers, path)}: '{names[-1]}' is missing{_table(names[:-1])}")
         elif item["type"] == "value_error":
             message = str(item["ctx"]["error"])
             lines.append(f"{source_of(layers, _blamed(message, path, document))}: {message}")
+        elif item["type"] == "union_tag_invalid":
+            members = _members(_annotation(table, keys[-1]))
+            path = (*path, *_tag_of(next(iter(members.values()), None))[:1])
+            lines.append(
+                f"{source_of(layers, path)}: {dotted(path)} = {_shown(value_at(document, path))}: "
+                f"there is no such {path[-1]}{did_you_mean(item['ctx']['tag'], members)}"
+            )
         else:
             wrong.setdefault(path, {})[item["type"]] = _should(item)
     for path, messages in wrong.items():
@@ -80,7 +89,8 @@ def _should(item: Mapping[str, Any]) -> str:
     if kind == "missing":
         return f"should have {item['loc'][-1] + 1} values"
     if kind == "too_long":
-        return f"should have at most {item['ctx']['max_length']} values"
+        most = item["ctx"]["max_length"]
+        return f"should have at most {most} value{'s' if most != 1 else ''}"
     return _SHOULD.get(kind) or str(item["msg"]).replace("Input should be", "should be")
 
 
@@ -107,14 +117,54 @@ def _shown(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else repr(value)
 
 
-def _fields(model: type[Table], path: KeyPath) -> list[str]:
-    for name in path:
-        if isinstance(name, int):
+def _traced(model: type[Table], loc: KeyPath) -> tuple[KeyPath, type[Table] | None]:
+    """The keys of pydantic's location, and the model of the table that the last one stands in, if it is of any.
+
+    Where a table may be of several kinds, pydantic puts the kind into the location, as if it were a key.
+    """
+    keys: KeyPath = ()
+    table: type[Table] | None = None
+    inner: type[Table] | None = model
+    members: Mapping[str, type[Table]] = {}
+    for name in loc:
+        if name in members:
+            inner, members = members[str(name)], {}
             continue
-        annotation = model.model_fields[name].annotation if name in model.model_fields else None
-        candidates = [annotation, *getattr(annotation, "__args__", ())]
-        inner = [c for c in candidates if isinstance(c, type) and issubclass(c, Table)]
-        if not inner:
-            return []
-        model = inner[0]
-    return list(model.model_fields)
+        keys = (*keys, name)
+        if isinstance(name, str):
+            table, annotation = inner, _annotation(inner, name)
+            members = _members(annotation)
+            inner = next(filter(_is_table, (annotation, *get_args(annotation))), None)
+    return keys, table
+
+
+def _annotation(table: type[Table] | None, key: str | int) -> Any:
+    fields = table.model_fields if table else {}
+    return fields[str(key)].annotation if key in fields else None
+
+
+def _is_table(annotation: Any) -> bool:
+    return isinstance(annotation, type) and issubclass(annotation, Table)
+
+
+def _members(annotation: Any) -> dict[str, type[Table]]:
+    """The models of a table that may be of several kinds, by their kind; none for anything else."""
+    return {
+        mark.tag: get_args(member)[0]
+        for member in get_args(annotation)
+        for mark in getattr(member, "__metadata__", ())
+        if isinstance(mark, Tag)
+    }
+
+
+def _tag_of(table: type[Table] | None) -> tuple[str, ...]:
+    """Key and value that tell the model of a table from those of other kinds; nothing where there are none."""
+    for name, info in (table.model_fields if table else {}).items():
+        if get_origin(info.annotation) is Literal and len(get_args(info.annotation)) == 1:
+            return name, *get_args(info.annotation)
+    return ()
+
+
+def _of_its_kind(table: type[Table] | None) -> str:
+    tag = _tag_of(table)
+    return f" of {tag[0]} '{tag[1]}'" if tag else ""

@@ -7,14 +7,14 @@ other state, so that they can be rebuilt in any worker process; a strategy is th
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, Literal, TypeVar
 
 import numpy as np
 
 from driftform.errors import InputError
-from driftform.options import Table
+from driftform.options import Table, option
 from driftform.scenario import Fluid, Scenario
 from driftform.types import (
     Agent,
@@ -105,12 +105,37 @@ class PhenotypeBuilder(Plugin[OptionsT_co]):
         """
 
 
-class Hydrodynamics(Plugin[OptionsT_co]):
+class HydrodynamicsOptions(Table):
+    """What every model of hydrodynamics offers; its own options inherit from these."""
+
+    drag: Literal["none", "strips"] = option(
+        "none", "none, as in the paper, or strips across the axis with friction and blunt ends along it"
+    )
+
+
+HydrodynamicsOptionsT_co = TypeVar("HydrodynamicsOptionsT_co", bound=HydrodynamicsOptions, covariant=True)
+
+
+class Hydrodynamics(Plugin[HydrodynamicsOptionsT_co]):
     """Body -> hydrodynamic coefficients."""
+
+    Options: ClassVar[type[Table]] = HydrodynamicsOptions
 
     @abstractmethod
     def coefficients(self, body: Body, fluid: Fluid) -> Coefficients:
-        """Return added mass and damping; the added mass is symmetric and positive semi-definite."""
+        """Return added mass and damping; the added mass is symmetric and positive semi-definite.
+
+        Drag by strips is no concern of a model: :meth:`with_drag` adds it where the options ask for it.
+        """
+
+    def with_drag(self, body: Body, fluid: Fluid) -> Coefficients:
+        """Return the coefficients, with the drag that the options ask for: what an agent flies with."""
+        from driftform.drag import drag_of
+
+        found = self.coefficients(body, fluid)
+        if self.options.drag == "none":
+            return found
+        return replace(found, drag=drag_of(body, fluid.viscosity))
 
 
 class Simulator(Plugin[OptionsT_co]):

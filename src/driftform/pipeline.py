@@ -31,7 +31,7 @@ class Pipeline:
     def realise(self, morphology: Morphology, genome: Genome | None = None) -> Agent:
         """Modules -> an agent that can fly and be printed."""
         body = self.builder.build(morphology)
-        coefficients = self.hydrodynamics.coefficients(body, self.scenario.fluid)
+        coefficients = self.hydrodynamics.with_drag(body, self.scenario.fluid)
         return Agent(body, mass_properties(body), coefficients, morphology, genome)
 
     def agent(self, genome: Genome) -> Agent:

@@ -221,6 +221,13 @@ class Scenario(Table):
             raise ValueError(
                 f"flow.kind = '{self.flow.kind}' needs a pipe; in open water it can be 'uniform' only"
             )
+        if isinstance(self.flow, LogLawFlow | TurbulentFlow):
+            most = 0.1 * min(segment.radius for segment in self.pipe.segments)
+            if self.flow.roughness > most:
+                raise ValueError(
+                    f"flow.roughness = {self.flow.roughness} is too much for a logarithmic law in this pipe: "
+                    f"it holds up to a twentieth of the diameter, {most:g} m"
+                )
         for name, point in (
             ("release.position", self.release.position),
             *((f"targets.{name}", point) for name, point in self.targets.items()),

@@ -203,3 +203,34 @@ def test_export_writes_the_formats_it_names(call: Call) -> None:
     for file in files:
         assert file["mass_kg"] == pytest.approx(facts["hull_mass"], rel=1e-6)
     assert "rotate_extrude" in Path(files[1]["path"]).read_text()
+
+
+def test_inspect_tells_how_the_body_moves(call: Call) -> None:
+    facts = json.loads(call("inspect", FIGURE_2, "--json").stdout)
+    weight, buoyancy = 9.81 * facts["mass"], 9.81 * 1024 * facts["volume"]
+    assert facts["righting_moment"] == pytest.approx(buoyancy * abs(facts["cob"][0] - facts["cog"][0]))
+    # It sinks at the speed at which 1/2 rho C_d A v^2 carries its net weight; C_d of a short cylinder is 0.64, and
+    # this body fills three quarters of the rectangle around it.
+    across = facts["terminal_speeds"]["across"]
+    broadside = 0.5 * 1024 * facts["length"] * facts["max_diameter"] * across**2
+    assert (weight - buoyancy) / broadside == pytest.approx(0.75 * 0.64, rel=0.1)
+    assert facts["rest"]["slowest_period"] > 0
+    assert len(facts["rest"]["eigenvalues"]) == 12
+
+
+def test_inspect_compares_all_models_about_one_point(call: Call) -> None:
+    facts = json.loads(call("inspect", FIGURE_2, "--json", "--compare").stdout)
+    assert "striptheory" in facts["compare"]
+    ours = np.array(facts["compare"]["striptheory"])
+    assert ours == pytest.approx(np.array(facts["added_mass"]), rel=1e-9, abs=1e-12)
+    text = call("inspect", FIGURE_2, "--compare").stdout
+    assert "M55 pitch" in text
+
+
+def test_inspect_warns_of_added_mass_that_lagging_simulators_cannot_take(call: Call) -> None:
+    light = call(
+        "inspect", FIGURE_2, "--json", "--set", "builder.core_mass=0.001", "--set", "builder.hull_density=20"
+    )
+    facts = json.loads(light.stdout)
+    assert facts["lambda_max"] > 17 / 3
+    assert any("diverge" in warning for warning in facts["warnings"])

@@ -189,7 +189,7 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "resume": ["resume", run, "--workers", "1"],
         "sample": ["sample", "--count", "1", "--out", f"{here}/agents"],
         "simulate": ["simulate", f"{run}:TP1", "--out", f"{here}/flight"],
-        "inspect": ["inspect", f"{run}:TP1"],
+        "inspect": ["inspect", f"{run}:TP1", "--compare"],
         "export": ["export", f"{run}:TP1", "--format", "stl,scad", "--out", f"{here}/parts"],
         "plugins list": ["plugins", "list"],
         "plugins show": ["plugins", "show", "paper"],

@@ -8,8 +8,9 @@ from scipy.spatial.transform import Rotation
 
 from driftform.dynamics.rotations import (
     matrix_from_quaternion,
-    matrix_from_rotation_vector,
     quaternion_from_rotation_vector,
+    rotation_from_quaternion,
+    rotation_from_vector,
     rotation_vector_from_quaternion,
 )
 
@@ -17,9 +18,7 @@ vectors = st.tuples(*[st.floats(-4, 4)] * 3).map(np.array)
 
 
 def matrix(vector):
-    out = np.empty((3, 3))
-    matrix_from_rotation_vector(vector, out)
-    return out
+    return np.array(rotation_from_vector(*vector))
 
 
 @given(vectors)
@@ -32,6 +31,12 @@ def test_its_quaternion_is_the_same_rotation(vector):
     quaternion = quaternion_from_rotation_vector(vector[None])
     assert np.linalg.norm(quaternion) == pytest.approx(1, abs=1e-12)
     assert matrix_from_quaternion(quaternion)[0] == pytest.approx(matrix(vector), abs=1e-12)
+
+
+@given(vectors, st.floats(0.1, 10))
+def test_the_kernel_of_a_quaternion_turns_the_same_whatever_its_length(vector, length):
+    [quaternion] = length * quaternion_from_rotation_vector(vector[None])
+    assert np.array(rotation_from_quaternion(*quaternion)) == pytest.approx(matrix(vector), abs=1e-12)
 
 
 @given(vectors)
@@ -49,5 +54,9 @@ def test_small_angles_are_exact_on_either_side_of_the_series(angle):
 
 
 def test_a_turn_about_y_leaves_the_plane_exactly():
-    turned = matrix(np.array([0.0, 0.7, 0.0]))
-    assert (turned[1], turned[:, 1]) == (pytest.approx([0, 1, 0], abs=0), pytest.approx([0, 1, 0], abs=0))
+    for turned in (
+        matrix(np.array([0.0, 0.7, 0.0])),
+        np.array(rotation_from_quaternion(np.cos(0.35), 0.0, np.sin(0.35), 0.0)),
+    ):
+        assert turned[1] == pytest.approx([0, 1, 0], abs=0)
+        assert turned[:, 1] == pytest.approx([0, 1, 0], abs=0)

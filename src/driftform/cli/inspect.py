@@ -1,6 +1,8 @@
 """``driftform inspect``."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from driftform.cli.options import Agent, Hydrodynamics, Json, ScenarioOption, Settings
 
@@ -13,19 +15,28 @@ LEAD = 11_340.0
 BED = 0.25
 """Travel of a common desktop printer, m."""
 
+LAGGED = 17 / 3
+"""Largest eigenvalue of M_RB^-1 M_A up to which added mass from a filtered acceleration is stable: 2/0.3 - 1."""
+
 
 def inspect(
     agent: Agent,
     scenario: ScenarioOption = None,
     hydrodynamics: Hydrodynamics = None,
     settings: Settings = None,
+    compare: Annotated[
+        bool, typer.Option("--compare", help="The added mass of all installed hydrodynamics models side by side.")
+    ] = False,
     json: Json = False,
 ) -> None:
-    """Tell what a body is: its modules, mass, buoyancy, inertia, added mass, and what to beware of."""
+    """Tell what a body is: its modules, mass, buoyancy, inertia, added mass, how it moves, and what to beware of."""
     from driftform.cli.agents import open_agent
     from driftform.cli.output import print_json
 
-    facts = body_facts(open_agent(agent, scenario, settings or (), {"hydrodynamics": hydrodynamics}))
+    opened = open_agent(agent, scenario, settings or (), {"hydrodynamics": hydrodynamics})
+    facts = body_facts(opened)
+    if compare:
+        facts["compare"] = _compared(opened)
     if json:
         print_json(facts)
     else:
@@ -42,6 +53,7 @@ def body_facts(opened: "Opened") -> dict[str, Any]:
 
     body, mass, coefficients = opened.agent.body, opened.agent.mass, opened.agent.coefficients
     fluid = opened.study.scenario.fluid
+    net = (fluid.density * mass.volume - mass.mass) * fluid.gravity
     rest = stable_rest(flight_model(opened.agent, opened.study.scenario))
     morphology = opened.agent.morphology
     sides = [] if morphology is None else [("aft", m) for m in morphology.aft[::-1]]
@@ -58,7 +70,7 @@ def body_facts(opened: "Opened") -> dict[str, Any]:
         "hull_mass": hull_mass(body),
         "core_mass": body.core.mass,
         "volume": mass.volume,
-        "net_buoyancy": (fluid.density * mass.volume - mass.mass) * fluid.gravity,
+        "net_buoyancy": net,
         "cog": mass.cog,
         "cob": mass.cob,
         "inertia": mass.inertia,
@@ -71,8 +83,53 @@ def body_facts(opened: "Opened") -> dict[str, Any]:
             "slowest_period": rest.slowest_period,
             "eigenvalues": [[value.real, value.imag] for value in rest.eigenvalues.tolist()],
         },
+        "righting_moment": _righting_moment(opened),
+        "terminal_speeds": _terminal_speeds(opened, net, rest.pitch),
+        "lambda_max": _lambda_max(opened),
         "warnings": _warnings(opened),
     }
+
+
+def _righting_moment(opened: "Opened") -> float:
+    """Largest moment (N m) of weight and buoyancy about the COG: that of the level body."""
+    mass, fluid = opened.agent.mass, opened.study.scenario.fluid
+    return float(fluid.density * mass.volume * fluid.gravity * abs(mass.cob[0] - mass.cog[0]))
+
+
+def _terminal_speeds(opened: "Opened", net: float, pitch: float) -> dict[str, float]:
+    """Speeds (m/s) at which drag by strips carries the net weight, whether the agent flies with that drag or not."""
+    from driftform.drag import drag_of
+    from driftform.dynamics.terminal import terminal_speeds
+
+    fluid = opened.study.scenario.fluid
+    fore_first = (net > 0) == (pitch < 0)
+    drag = opened.agent.coefficients.drag or drag_of(opened.agent.body, fluid.viscosity)
+    along, across = terminal_speeds(drag, net, fore_first, fluid.density, fluid.viscosity)
+    return {"along": along, "across": across}
+
+
+def _lambda_max(opened: "Opened") -> float:
+    """Largest eigenvalue of M_RB^-1 M_A."""
+    import numpy as np
+
+    from driftform.dynamics.inertia import added_mass_at, rigid_body_mass
+
+    added = added_mass_at(opened.agent.coefficients, np.zeros(3))
+    return float(np.linalg.eigvals(np.linalg.solve(rigid_body_mass(opened.agent.mass), added)).real.max())
+
+
+def _compared(opened: "Opened") -> dict[str, Any]:
+    """Added mass about the centre of buoyancy by every hydrodynamics model that is installed."""
+    from driftform.dynamics.inertia import added_mass_at
+    from driftform.registry import registry
+
+    found = {}
+    for row in registry().seam("hydrodynamics"):
+        if row.available:
+            model = registry().create("hydrodynamics", row.name, {})
+            coefficients = model.coefficients(opened.agent.body, opened.study.scenario.fluid)
+            found[row.name] = added_mass_at(coefficients, opened.agent.mass.cob)
+    return found
 
 
 def _warnings(opened: "Opened") -> list[str]:
@@ -96,6 +153,12 @@ def _warnings(opened: "Opened") -> list[str]:
             warnings.append(
                 f"level, it {verb} from the axis to the wall in {time:.2g} s: it is far from neutral"
             )
+    largest = _lambda_max(opened)
+    if largest > LAGGED:
+        warnings.append(
+            f"added mass up to {largest:.1f} times its own: simulators that take it from the step before, smoothed, "
+            f"diverge beyond {LAGGED:.2f}"
+        )
     if body.length > BED or body.max_diameter > BED:
         warnings.append(
             f"{1000 * body.length:.0f} mm long and {1000 * body.max_diameter:.0f} mm wide: "
@@ -129,7 +192,13 @@ def _print(facts: dict[str, Any]) -> None:
             f"axial {facts['inertia'][0, 0]:.4g}, transverse {facts['inertia'][1, 1]:.4g} kg m2",
         ),
     ]
-    rows.append(("at rest", _rest(facts["rest"])))
+    speeds = facts["terminal_speeds"]
+    rows += [
+        ("at rest", _rest(facts["rest"])),
+        ("righting moment", f"{1000 * facts['righting_moment']:.3g} mN m, level"),
+        ("terminal speed", f"{speeds['along']:.3g} m/s along its axis, {speeds['across']:.3g} across, with drag"),
+        ("added over own mass", f"at most {facts['lambda_max']:.3g}"),
+    ]
     print_table(("agent", facts["agent"]), rows)
     if modules:
         print("\nmodules from aft to fore")
@@ -147,6 +216,16 @@ def _print(facts: dict[str, Any]) -> None:
         ((name, *(f"{v:.4g}" for v in row)) for name, row in zip(names, matrix, strict=True)),
         right=range(1, 7),
     )
+    if "compare" in facts:
+        print("\nthe same about the centre of buoyancy by each model; kg, kg m, kg m2")
+        print_table(
+            ("model", "M11 surge", "M22 sway", "M26 sway-yaw", "M55 pitch"),
+            (
+                (name, *(f"{m[i, j]:.4g}" for i, j in ((0, 0), (1, 1), (1, 5), (4, 4))))
+                for name, m in facts["compare"].items()
+            ),
+            right=range(1, 5),
+        )
     for warning in facts["warnings"]:
         print(f"beware: {warning}")
 

@@ -84,6 +84,7 @@ def axial_drag(speed: float, density: float, viscosity: float, axial: FloatArray
     if speed == 0.0:
         return 0.0
     area = axial[2] if speed > 0.0 else axial[3]
-    if axial[0] > 0.0:
-        area += friction_coefficient(abs(speed) * axial[1] / viscosity) * axial[0]
+    reynolds = abs(speed) * axial[1] / viscosity
+    if reynolds > 0.0:
+        area += friction_coefficient(reynolds) * axial[0]
     return float(-0.5 * density * area * abs(speed) * speed)

@@ -203,20 +203,27 @@ def _depth(row: FloatArray, model: FlightModel) -> float:
 def _energy_drift(rows: FloatArray, values: FloatArray, count: int) -> float:
     """Return the range of the energy over the first ``count`` samples, relative to the largest kinetic energy.
 
-    NaN where it is not conserved: with drag, and in water that has more than one velocity.
+    NaN where it is not conserved: with drag, in water that has more than one velocity, and where the water carries
+    the body up or down to its surface.
     """
     model = unpacked(values)
     table = model.table
     if count == 0 or table[STEADY] == 0.0 or table[DAMPED] != 0.0 or model.strips.shape[0] > 0:
         return math.nan
-    lowest, highest, largest = math.inf, -math.inf, 0.0
+    if table[WATER_LEVEL] < np.inf and table[CURRENT, 2] != 0.0:
+        return math.nan
+    lowest, highest, largest, far = math.inf, -math.inf, 0.0, 1.0
     _, origin = energy(rows[0], model)
     for k in range(count):
         kinetic, potential = energy(rows[k], model)
         lowest = min(lowest, kinetic + (potential - origin))
         highest = max(highest, kinetic + (potential - origin))
         largest = max(largest, kinetic)
-    return float((highest - lowest) / largest) if largest > 0.0 else 0.0
+        far = max(far, abs(rows[k, 3]))
+    # All the energy of a body that does not move in the water is rounding: of m g z, and of speeds below 1e-12 m/s.
+    masses = table[BODY_MASS] + table[DISPLACED_MASS]
+    rounding = masses * (1e-14 * table[GRAVITY] * far + 1e-24)
+    return float((highest - lowest) / largest) if highest - lowest > rounding else 0.0
 
 
 @compiled

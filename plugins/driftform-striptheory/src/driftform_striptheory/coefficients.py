@@ -1,18 +1,18 @@
-"""The paper's hydrodynamics: strip theory across the axis, the equivalent ellipsoid along it, no damping."""
+"""The paper's hydrodynamics: strip theory across the axis, the equivalent ellipsoid along it."""
 
 from typing import Literal
 
 import numpy as np
 
 from driftform.geometry import solid_of_revolution
-from driftform.interfaces import Hydrodynamics
-from driftform.options import Table, option
+from driftform.interfaces import Hydrodynamics, HydrodynamicsOptions
+from driftform.options import option
 from driftform.scenario import Fluid
 from driftform.types import Body, Coefficients
 from driftform_striptheory.ellipsoid import axial_coefficient
 
 
-class StripTheoryOptions(Table):
+class StripTheoryOptions(HydrodynamicsOptions):
     """Options of the strip-theory model."""
 
     m11: Literal["ellipsoid", "volume"] = option(
@@ -21,7 +21,7 @@ class StripTheoryOptions(Table):
 
 
 class StripTheory(Hydrodynamics[StripTheoryOptions]):
-    """Equations 1 to 10, with damping zero, about the centre of buoyancy.
+    """Equations 1 to 10, about the centre of buoyancy.
 
     The strips are the circular sections of the outer contour, m22 = m33 = rho pi r^2, so that M22, M26 and M66
     are rho times the integrals of 1, x and x^2 over the displaced volume. About the centre of buoyancy M26
