@@ -162,3 +162,30 @@ def test_a_study_file_of_ones_own_is_evolved(call: Callable[..., Any], fakes: No
     assert document["run"] == "runs/my study-1"
     assert list(document["targets"]) == ["leak"]
     assert (Path(document["run"]) / "study.toml").read_text() == text
+
+
+def test_in_turbulent_flow_each_evaluation_has_gusts_of_its_own_and_its_agent_flies_the_same_again(
+    run: Program, tmp_path: Path
+) -> None:
+    study = tmp_path / "gusty.toml"
+    study.write_text(
+        'base = "pipe-inspection"\n[flow]\nkind = "turbulent"\n[simulator]\nuse = "native"\n[flight]\nhorizon = 3.0\n'
+    )
+
+    def evolved(name: str, workers: int) -> dict[str, Any]:
+        given = ("--target", "TP2", "--evaluations", 12, "--strategy", "random", "--seed", 4, "--out", name)
+        result = run("evolve", study, *given, "--workers", workers, "--json", cwd=tmp_path)
+        assert result.returncode == 0, result.stderr
+        document: dict[str, Any] = json.loads(result.stdout)
+        assert document["failed"] == 0
+        best: dict[str, Any] = document["targets"]["TP2"]
+        return best
+
+    alone, together = evolved("alone", 1), evolved("together", 2)
+    assert alone["fitness"] == together["fitness"]
+    agent = json.loads((tmp_path / alone["agent"]).read_text())
+    assert agent["environment"]["flow"]["seed"] != 0
+    again = run("simulate", tmp_path / alone["agent"], "--json", cwd=tmp_path)
+    assert json.loads(again.stdout)["fitness"]["TP2"] == alone["fitness"]
+    still = run("simulate", tmp_path / alone["agent"], "--json", "--set", "flow.seed=1", cwd=tmp_path)
+    assert json.loads(still.stdout)["fitness"]["TP2"] != alone["fitness"]
