@@ -26,8 +26,8 @@ def is_directory(path: Path) -> bool:
         return False
 
 
-def make_directory(path: Path) -> Path:
-    """Make the directory that ``--out`` names, and those above it, where they do not exist; return it.
+def make_directory(path: Path, option: str = "--out") -> Path:
+    """Make the directory that an option names, and those above it, where they do not exist; return it.
 
     Raises
     ------
@@ -38,9 +38,9 @@ def make_directory(path: Path) -> Path:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         reason = "it is a file" if path.is_file() else error.strerror
-        raise InputError(f"{path}: cannot be made a directory: {reason}; choose another --out") from None
+        raise InputError(f"{path}: cannot be made a directory: {reason}; choose another {option}") from None
     if not os.access(path, os.W_OK | os.X_OK):
-        raise InputError(f"{path}: cannot be written to; choose another --out")
+        raise InputError(f"{path}: cannot be written to; choose another {option}")
     return path
 
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         Grammar,
         Hydrodynamics,
         PhenotypeBuilder,
+        Renderer,
         Simulator,
         Strategy,
     )
@@ -59,3 +60,8 @@ def driftform_strategy() -> "OneOrMore[Strategy[Any]]":  # type: ignore[empty-bo
 @hookspec
 def driftform_exporter() -> "OneOrMore[Exporter[Any]]":  # type: ignore[empty-body]
     """Agent -> a file for a printer, a slicer or another program."""
+
+
+@hookspec
+def driftform_renderer() -> "OneOrMore[Renderer[Any]]":  # type: ignore[empty-body]
+    """Agent and its flight -> a film."""

@@ -23,6 +23,7 @@ BUILT_IN = {
     ("strategy", "paper"),
     ("strategy", "random"),
     ("exporter", "stl"),
+    ("renderer", "exudyn"),
 }
 
 

@@ -208,8 +208,8 @@ def plugins_page() -> str:
         "This page is generated from the program: `driftform plugins show NAME` tells the same of any plugin that",
         "is installed, also of one that is not listed here. A study file selects a plugin by its name and sets its",
         "options in the table of its seam ([study-files.md](study-files.md)); how to write one is told in",
-        "[write-a-plugin.md](write-a-plugin.md). Exporters are made with their default options: neither a study file",
-        "nor a command sets them yet.",
+        "[write-a-plugin.md](write-a-plugin.md). Exporters and renderers are asked for by commands; their options stand",
+        "in tables such as `[exporter.stl]` and `[renderer.exudyn]`.",
         "",
         "| seam | name | distribution |",
         "|---|---|---|",
@@ -227,8 +227,9 @@ def plugins_page() -> str:
                 lines += keys_table(row.cls.Options)
             else:
                 lines.append("It has no options.")
-            if seam == "exporter":
-                lines += ["", f"Its files end in `{getattr(row.cls, 'suffix', '')}`."]
+            endings = (getattr(row.cls, "suffix", ""), *getattr(row.cls, "suffixes", ()))
+            if told := " or ".join(f"`{ending}`" for ending in endings if ending):
+                lines += ["", f"Its files end in {told}."]
     return "\n".join(lines) + "\n"
 
 

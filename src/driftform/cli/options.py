@@ -30,6 +30,17 @@ Simulator: TypeAlias = Annotated[
 Hydrodynamics: TypeAlias = Annotated[
     str | None, typer.Option("--hydrodynamics", metavar="NAME", help="Hydrodynamic model to use.")
 ]
+Film: TypeAlias = Annotated[
+    Path | None,
+    typer.Option(
+        "--film",
+        metavar="FILE",
+        help="Film of the flight to make; its suffix, such as .mp4 or .gif, decides the format.",
+    ),
+]
+Renderer: TypeAlias = Annotated[
+    str, typer.Option("--renderer", metavar="NAME", help="Renderer to make the film.")
+]
 Workers: TypeAlias = Annotated[
     int | None, typer.Option("--workers", min=1, help="Worker processes; by default one for each processor.")
 ]

@@ -1,7 +1,9 @@
-"""What a long run shows while it works: a live table on a terminal, a line for each generation elsewhere."""
+"""What long work shows while it goes on: live on a terminal, now and then a line elsewhere."""
 
 import sys
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import TYPE_CHECKING
 
@@ -100,3 +102,27 @@ class Progress:
         bar = ProgressBar(total=self._budget, completed=self._done, width=30)
         line.add_row(bar, Text(f"{self._done} of {self._budget} evaluations, {self._rate()}"))
         return Group(table, line)
+
+
+@contextmanager
+def counter(what: str) -> Iterator[Callable[[int, int], None]]:
+    """Show on stderr how many of ``what`` are done: a bar on a terminal, a line for each tenth elsewhere.
+
+    Yields a function that takes the number of those that are done, and of all.
+    """
+    if not (sys.stdout.isatty() and sys.stderr.isatty()):
+        yield lambda done, total: _tell_tenths(done, total, what)
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    columns = (BarColumn(), MofNCompleteColumn(), TextColumn(what), TimeRemainingColumn())
+    with Bar(*columns, console=Console(stderr=True), refresh_per_second=REFRESH, transient=True) as bar:
+        task = bar.add_task(what, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+def _tell_tenths(done: int, total: int, what: str) -> None:
+    if 10 * done // total > 10 * (done - 1) // total:
+        print(f"{done}/{total} {what}", file=sys.stderr, flush=True)

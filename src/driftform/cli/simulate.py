@@ -1,16 +1,24 @@
 """``driftform simulate``."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from driftform.cli.options import (
     Agent,
+    Film,
     Hydrodynamics,
     Json,
     OutDirectory,
+    Renderer,
     ScenarioOption,
     Settings,
     Simulator,
 )
+
+if TYPE_CHECKING:
+    from driftform.cli.agents import Opened
+    from driftform.interfaces import Renderer as RendererPlugin
+    from driftform.types import Trajectory
 
 
 def simulate(
@@ -19,12 +27,15 @@ def simulate(
     simulator: Simulator = None,
     hydrodynamics: Hydrodynamics = None,
     out: OutDirectory = None,
+    film: Film = None,
+    renderer: Renderer = "exudyn",
     settings: Settings = None,
     json: Json = False,
 ) -> None:
-    """Fly one agent: how close it comes to each target, where and why it ends, and a picture of its path."""
+    """Fly one agent: how close it comes to each target, where and why it ends, a picture of its path, and a film if wanted."""
     from driftform.cli.agents import open_agent
     from driftform.cli.output import print_json, print_table
+    from driftform.cli.progress import counter
     from driftform.dynamics.path import closest_approach
     from driftform.errors import WorkFailedError
     from driftform.figures.flight import flight_svg
@@ -35,6 +46,7 @@ def simulate(
         agent, scenario, settings or (), {"simulator": simulator, "hydrodynamics": hydrodynamics}
     )
     environment = opened.study.scenario
+    camera = None if film is None else _camera(opened, renderer, film)
     folder = make_directory(out or Path("flights") / opened.name)
     try:
         [flight] = opened.pipeline.fly([opened.agent])
@@ -48,6 +60,9 @@ def simulate(
     csv, svg = folder / "trajectory.csv", folder / "flight.svg"
     write_trajectory(csv, flight)
     write_text(svg, flight_svg(flight, environment, opened.name, opened.agent.body))
+    if camera is not None and film is not None:
+        with counter("frames") as progress:
+            camera.film(opened.agent, flight, environment, film, progress)
     x, y, z = flight.position[-1]
     if json:
         print_json(
@@ -61,8 +76,12 @@ def simulate(
                     for name, d, t in zip(environment.target_names, distance, when, strict=True)
                 },
                 "end": {"t": flight.t[-1], "position": [x, y, z], "reason": str(flight.end)},
+                "contact": flight.contact,
+                "energy_drift": flight.energy_drift,
+                "error": flight.error,
                 "trajectory": str(csv),
                 "picture": str(svg),
+                "film": None if film is None else str(film),
             }
         )
         return
@@ -78,5 +97,41 @@ def simulate(
         f"{opened.name} flown by {opened.pipeline.simulator.name}, {opened.pipeline.hydrodynamics.name} coefficients"
     )
     print(f"ended at the {flight.end} after {flight.t[-1]:.3f} s at x {x:.3f}, y {y:.3f}, z {z:.3f} m")
+    print(_trust(flight))
     print(f"trajectory: {csv}")
     print(f"picture:    {svg}")
+    if film is not None:
+        print(f"film:       {film}")
+
+
+def _camera(opened: "Opened", name: str, film: Path) -> "RendererPlugin[Any]":
+    """The renderer, after all was refused of its film that can be before the flight."""
+    from driftform.errors import InputError
+    from driftform.files import is_directory, make_directory
+
+    try:
+        renderer = opened.study.renderer(name)
+    except InputError as error:
+        raise InputError(f"--renderer {name}: {error}") from None
+    try:
+        renderer.check(film)
+    except InputError as error:
+        raise InputError(f"--film {error}") from None
+    if is_directory(film):
+        raise InputError(f"--film {film}: is a directory")
+    make_directory(film.parent, "--film")
+    return renderer
+
+
+def _trust(flight: "Trajectory") -> str:
+    """How far the flight can be trusted, in one line; what the simulator does not tell is left out."""
+    told = [
+        "touches no wall"
+        if flight.contact is None
+        else f"first touches the wall after {flight.contact:.3f} s"
+    ]
+    if flight.energy_drift is not None:
+        told.append(f"energy drifts by {flight.energy_drift:.1e} until then")
+    if flight.error is not None:
+        told.append(f"estimated error of the position {1000 * flight.error:.2g} mm")
+    return "; ".join(told)

@@ -116,16 +116,16 @@ def finished_flight(
     finite = np.isfinite(samples).all(axis=1)
     sound = len(samples) if finite.all() else int(np.argmin(finite))
     later = np.concatenate([[True], np.diff(samples[:sound, 0]) > 0])
-    rows = samples[:sound][later]
+    rows = np.ascontiguousarray(samples[:sound][later])
     end = _ending(rows, sound < len(samples), len(samples) > step_limit, model, horizon)
-    if end == End.OUTLET:
-        rows = _cut_at_outlet(rows, model.pipe)
     if not end.failed and error is not None and not error <= accepted:
         end = End.NOT_CONVERGED
     values = packed(model)
-    rows = np.ascontiguousarray(rows)
     touched = _first_touch(rows, values)
-    drift = _energy_drift(rows, values, touched)
+    contact, drift = _contact_time(rows, values, touched), _energy_drift(rows, values, touched)
+    if len(rows) > 1 and has_left((rows[-1, 1], rows[-1, 2], rows[-1, 3]), model.pipe):
+        rows = _cut_at_outlet(rows, model.pipe)
+        contact = None if contact is not None and contact > rows[-1, 0] else contact
     quaternion = rows[:, 4:8]
     R = matrix_from_quaternion(quaternion)
     velocity = np.concatenate([np.einsum("kji,kj->ki", R, rows[:, 8:11]), rows[:, 11:]], axis=1)
@@ -135,7 +135,7 @@ def finished_flight(
         quaternion,
         velocity,
         end,
-        contact=_contact_time(rows, values, touched),
+        contact=contact,
         energy_drift=None if np.isnan(drift) else float(drift),
         error=error,
     )
@@ -153,21 +153,41 @@ def _ending(rows: FloatArray, broken: bool, too_long: bool, model: FlightModel, 
 
 
 def _cut_at_outlet(rows: FloatArray, pipe: FloatArray) -> FloatArray:
-    if len(rows) < 2:
-        return rows
+    """Replace the last sample by one on the outlet's plane, where it lies past that.
+
+    Between the last two samples position and quaternion are cubics through values and rates at both, and the
+    velocities their derivatives.
+    """
     before, after = rows[-2], rows[-1]
-    curve = hermite_coefficients(rows[-2:, 0], rows[-2:, 1:4], rows[-2:, 8:11])[0]
-    along = curve @ pipe[-1, 3:6]
+    if past_outlet((after[1], after[2], after[3]), pipe) < 0:
+        return rows
+    pose = rows[-2:, 1:8].copy()
+    pose[1, 3:] *= np.sign(pose[0, 3:] @ pose[1, 3:] or 1.0)
+    rates = np.column_stack([rows[-2:, 8:11], _quaternion_rate(pose[:, 3:], rows[-2:, 11:])])
+    curve = hermite_coefficients(rows[-2:, 0], pose, rates)[0]
+    along = curve[:, :3] @ pipe[-1, 3:6]
     along[0] -= pipe[-1, :3] @ pipe[-1, 3:6] + pipe[-1, 6]
     roots = np.roots(along[::-1])
     inside = roots[(np.abs(roots.imag) < 1e-9) & (roots.real > 0) & (roots.real <= 1 + 1e-9)].real
-    u = float(inside.min()) if inside.size else 1.0
-    # Over one step of the integrator attitude and velocity change so little that a straight line will do.
-    last = (1 - u) * before + u * after
-    last[1:4] = u ** np.arange(4) @ curve
-    turned = (1 - u) * before[4:8] + u * after[4:8] * np.sign(before[4:8] @ after[4:8] or 1.0)
-    last[4:8] = turned / np.linalg.norm(turned)
+    u, h = float(inside.min()) if inside.size else 1.0, after[0] - before[0]
+    there = u ** np.arange(4) @ curve
+    moving = np.array([0.0, 1.0, 2 * u, 3 * u * u]) @ curve / h
+    quaternion = there[3:] / np.linalg.norm(there[3:])
+    w, x, y, z = quaternion
+    # 2 q* q' has the angular velocity in its vector part.
+    back = np.array([[-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]])
+    spin = 2 * back @ moving[3:] / np.linalg.norm(there[3:])
+    last = np.concatenate([[before[0] + u * h], there[:3], quaternion, moving[:3], spin])
     return np.vstack([rows[:-1], last])
+
+
+def _quaternion_rate(quaternion: FloatArray, omega: FloatArray) -> FloatArray:
+    """Return q' = q (0, omega) / 2 for quaternions (k, 4) and angular velocities in the body frame (k, 3)."""
+    w, x, y, z = quaternion.T
+    p, q, r = omega.T
+    return 0.5 * np.column_stack(
+        [-x * p - y * q - z * r, w * p + y * r - z * q, w * q + z * p - x * r, w * r + x * q - y * p]
+    )
 
 
 def first_contact(samples: FloatArray, values: FloatArray) -> float | None:

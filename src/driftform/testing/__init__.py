@@ -19,7 +19,16 @@ install it where the tests run.
 
 import pytest
 
-_CONTRACTS = ("grammar", "builder", "hydrodynamics", "simulator", "fitness", "strategy", "exporter")
+_CONTRACTS = (
+    "grammar",
+    "builder",
+    "hydrodynamics",
+    "simulator",
+    "fitness",
+    "strategy",
+    "exporter",
+    "renderer",
+)
 
 # pytest rewrites the assertions of test files only, unless told: the values behind a failure would not be shown.
 pytest.register_assert_rewrite(*(f"{__name__}.{module}" for module in _CONTRACTS))
@@ -29,6 +38,7 @@ from driftform.testing.exporter import ExporterContract  # noqa: E402
 from driftform.testing.fitness import FitnessContract  # noqa: E402
 from driftform.testing.grammar import GrammarContract  # noqa: E402
 from driftform.testing.hydrodynamics import HydrodynamicsContract  # noqa: E402
+from driftform.testing.renderer import RendererContract  # noqa: E402
 from driftform.testing.simulator import SimulatorContract  # noqa: E402
 from driftform.testing.strategy import StrategyContract  # noqa: E402
 
@@ -38,6 +48,7 @@ __all__ = [
     "FitnessContract",
     "GrammarContract",
     "HydrodynamicsContract",
+    "RendererContract",
     "SimulatorContract",
     "StrategyContract",
 ]

@@ -9,9 +9,10 @@ import numpy as np
 
 from driftform import hookimpl
 from driftform.errors import WorkFailedError
-from driftform.interfaces import Exporter, Fitness, Simulator
+from driftform.files import write_text
+from driftform.interfaces import Exporter, Fitness, Renderer, Simulator
 from driftform.options import Table, option
-from driftform.types import End, Trajectory
+from driftform.types import End, Trajectory, WrittenFile
 
 
 class FakeOptions(Table):
@@ -84,6 +85,28 @@ class RefusingExporter(Exporter[Table]):
         raise WorkFailedError("this agent is too pretty")
 
 
+class FlipBookOptions(Table):
+    pages: int = option(20, "how many pages it has", "", gt=0)
+    torn: bool = option(False, "whether it fails at its last page")
+
+
+class FlipBook(Renderer[FlipBookOptions]):
+    """A film of words."""
+
+    name = "flip-book"
+    suffixes = (".txt",)
+    Options = FlipBookOptions
+
+    def film(self, agent, flight, scenario, path, progress):
+        self.check(path)
+        for page in range(1, self.options.pages + 1):
+            progress(page, self.options.pages)
+        if self.options.torn:
+            raise WorkFailedError("the last page is torn")
+        write_text(path, f"{self.options.pages} pages of {flight.t[-1]:g} s\n")
+        return WrittenFile(self.name, str(path))
+
+
 @hookimpl
 def driftform_simulator():
     return FakeSimulator
@@ -97,3 +120,8 @@ def driftform_fitness():
 @hookimpl
 def driftform_exporter():
     return RefusingExporter
+
+
+@hookimpl
+def driftform_renderer():
+    return FlipBook

@@ -1,11 +1,11 @@
-"""Rigid-body flights integrated by Exudyn, as a driftform plugin."""
+"""Rigid-body flights integrated by Exudyn, and films of them, as a driftform plugin."""
 
 from typing import TYPE_CHECKING, Any
 
 from driftform import hookimpl
 
 if TYPE_CHECKING:
-    from driftform.interfaces import Simulator
+    from driftform.interfaces import Renderer, Simulator
 
 
 @hookimpl
@@ -14,3 +14,11 @@ def driftform_simulator() -> "type[Simulator[Any]]":
     from driftform_exudyn.simulator import ExudynSimulator
 
     return ExudynSimulator
+
+
+@hookimpl
+def driftform_renderer() -> "type[Renderer[Any]]":
+    """Films by Exudyn's ray tracer."""
+    from driftform_exudyn.film import ExudynRenderer
+
+    return ExudynRenderer

@@ -3,6 +3,9 @@
 import contextlib
 import io
 import os
+import signal
+import threading
+from collections.abc import Iterator
 
 # Read when exudyn is imported: no window, and no settings from the user's home that would change results.
 os.environ.setdefault("EXUDYN_SUPPRESS_UI_WINDOW_OPEN", "1")
@@ -16,4 +19,20 @@ exudyn.config.printToConsole = False
 
 items = exudyn.itemInterface
 
-__all__ = ["exudyn", "items"]
+__all__ = ["exudyn", "items", "uninterrupted"]
+
+
+@contextlib.contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Hold an interruption back until the end: Exudyn would take it for an error of what it was given."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    held: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: held.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+        for number in held[:1]:
+            signal.raise_signal(number)

@@ -89,7 +89,7 @@ class ExudynSimulator(Simulator[ExudynOptions]):
             return flown(options.integrator)
         if options.integrator == "auto" and first_contact(other.samples, values) is None:
             flight = flown("RK67")
-            if not flight.end.failed and (flight.energy_drift or 0.0) <= tolerance:
+            if not flight.end.failed and _is_as_accurate(flight, tolerance, options.accuracy):
                 return flight
         flight = flown("DOPRI5")
         while flight.end == End.NOT_CONVERGED and TIGHTENING * tolerance >= options.tightest:
@@ -110,6 +110,13 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         integration.minimumStepSize = 1e-10
         integration.explicit.computeEndOfStepAccelerations = False
         return settings
+
+
+def _is_as_accurate(flight: Trajectory, tolerance: float, accuracy: float) -> bool:
+    """Whether equal steps did as well as steps of this tolerance would; energy tells, where something conserves it."""
+    if flight.energy_drift is not None:
+        return flight.energy_drift <= tolerance
+    return flight.error is not None and flight.error <= 0.1 * accuracy
 
 
 def _integrated(model: FloatArray, start: FloatArray, settings: Any, limit: int) -> FloatArray:

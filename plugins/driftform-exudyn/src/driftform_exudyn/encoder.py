@@ -1,0 +1,93 @@
+"""Images in, a film out: by ffmpeg, as imageio-ffmpeg brings it."""
+
+import contextlib
+import subprocess
+import tempfile
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import IO
+
+from driftform.errors import WorkFailedError
+from driftform_exudyn.stage import Image
+
+SUFFIXES = (".mp4", ".gif")
+"""Of the formats that there are."""
+
+# The colours are those of films in high definition; the index goes first, so that a film plays while it loads.
+_MP4 = (
+    *("-vf", "scale=out_color_matrix=bt709", "-pix_fmt", "yuv420p", "-c:v", "libx264", "-crf", "18"),
+    *("-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"),
+    *("-movflags", "+faststart", "-f", "mp4"),
+)
+_GIF = ("-lavfi", "paletteuse=dither=bayer:bayer_scale=4", "-loop", "0", "-f", "gif")
+
+
+def ffmpeg() -> str:
+    """Return the path of the program.
+
+    Raises
+    ------
+    WorkFailedError
+        where it is not installed.
+    """
+    try:
+        from imageio_ffmpeg import get_ffmpeg_exe
+
+        return str(get_ffmpeg_exe())
+    except (ImportError, RuntimeError):
+        raise WorkFailedError(
+            'a film needs ffmpeg, which is not installed; get it by: pip install "driftform-exudyn[film]"'
+        ) from None
+
+
+def encode(images: Iterable[Image], samples: Iterable[Image], path: Path, suffix: str, fps: float) -> None:
+    """Write images of one size as a film in the format of ``suffix``.
+
+    ``samples`` are some of them. A format that has a palette gets it from these, because ffmpeg would keep the whole
+    film in memory to make one of all.
+
+    Raises
+    ------
+    WorkFailedError
+        where ffmpeg cannot; the message ends with its own words.
+    """
+    # Without "file:" what stands before a colon would be a protocol.
+    film = ("-fflags", "+bitexact", f"file:{path}")
+    if suffix == ".mp4":
+        _run(images, fps, (*_MP4, *film))
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        palette = str(Path(folder) / "palette.png")
+        _run(samples, fps, ("-vf", "palettegen", "-update", "1", palette))
+        _run(images, fps, ("-i", palette, *_GIF, *film))
+
+
+def _run(images: Iterable[Image], fps: float, arguments: Sequence[str]) -> None:
+    images = iter(images)
+    first = next(images)
+    height, width, _ = first.shape
+    raw = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", f"{fps:g}", "-i", "-")
+    command = [ffmpeg(), "-y", "-v", "error", *raw, *arguments]
+    with tempfile.TemporaryFile() as said:
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=said) as process:
+            assert process.stdin is not None
+            try:
+                _feed(process.stdin, first, images)
+                process.wait()
+            except BaseException:
+                process.kill()
+                raise
+        if process.returncode:
+            said.seek(0)
+            lines = said.read().decode(errors="replace").split("\n")
+            raise WorkFailedError(
+                f"ffmpeg failed: {next(filter(None, reversed(lines)), 'it does not say why')}"
+            )
+
+
+def _feed(pipe: IO[bytes], first: Image, others: Iterable[Image]) -> None:
+    # Where ffmpeg gives up early, it says why itself.
+    with contextlib.suppress(BrokenPipeError), pipe:
+        pipe.write(first.tobytes())
+        for image in others:
+            pipe.write(image.tobytes())

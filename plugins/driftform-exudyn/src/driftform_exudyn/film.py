@@ -1,0 +1,107 @@
+"""A flight as a film, made by Exudyn's ray tracer."""
+
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from driftform.errors import WorkFailedError
+from driftform.files import write_whole
+from driftform.interfaces import Renderer
+from driftform.options import Table, option
+from driftform.scenario import Scenario
+from driftform.types import Agent, Trajectory, WrittenFile
+from driftform_exudyn.encoder import SUFFIXES, encode, ffmpeg
+from driftform_exudyn.follow import FollowView
+from driftform_exudyn.motion import frame_times
+from driftform_exudyn.scene import Scene
+from driftform_exudyn.side import SideView, wanted_height
+from driftform_exudyn.stage import Image
+
+SAMPLES = 8
+"""Frames that stand for all where the format of a film has a palette."""
+
+
+class FilmOptions(Table):
+    """How large a film is, how fast, and what it shows."""
+
+    width: int = option(800, "width of the film", "px", ge=64, le=4096, multiple_of=2)
+    height: int = option(500, "height of the film", "px", ge=64, le=4096, multiple_of=2)
+    fps: float = option(25.0, "frames for each second of the film", "1/s", gt=0, le=120)
+    speed: float = option(
+        1.0,
+        "seconds of the flight in one second of the film: less than 1 is slow motion",
+        "",
+        ge=0.001,
+        le=1000,
+    )
+    view: Literal["both", "follow", "side"] = option(
+        "both", "'follow': the agent from close by; 'side': the whole pipe; 'both': one above the other"
+    )
+    rays: int = option(
+        2, "rays along each side of a pixel: more give smoother edges, and take longer", ge=1, le=4
+    )
+
+
+class ExudynRenderer(Renderer[FilmOptions]):
+    """A film by Exudyn's ray tracer, which needs no display; ffmpeg encodes it.
+
+    The agent's modules are in two shades, its fore end is blue; the pipe is cut open, with rings at equal distances.
+    """
+
+    name = "exudyn"
+    suffixes = SUFFIXES
+    Options = FilmOptions
+
+    def check(self, path: Path) -> None:
+        """Refuse other suffixes, and any film where there is no ffmpeg."""
+        super().check(path)
+        ffmpeg()
+
+    def film(
+        self,
+        agent: Agent,
+        flight: Trajectory,
+        scenario: Scenario,
+        path: Path,
+        progress: Callable[[int, int], None],
+    ) -> WrittenFile:
+        """Make the film. Facts: ``frames``, ``seconds`` of the film, ``size_px``."""
+        self.check(path)
+        size, fps = [self.options.width, self.options.height], self.options.fps
+        t = frame_times(float(flight.t[-1]), self.options.speed / fps)
+        letters = min(24.0, max(8.0, size[0] / 64), min(size) / 16)
+        scene = Scene(agent, flight, scenario, t, letters)
+
+        def images(frames: Iterable[int]) -> Iterator[Image]:
+            yield from map(self._camera(scene), frames)
+
+        def counted() -> Iterator[Image]:
+            for done, image in enumerate(images(range(len(t))), start=1):
+                yield image
+                progress(done, len(t))
+
+        def write(part: Path) -> None:
+            some = np.unique(np.linspace(0, len(t) - 1, SAMPLES).astype(int))
+            encode(counted(), images(some), part, path.suffix.lower(), fps)
+
+        try:
+            write_whole(path, write)
+        except OSError as error:
+            raise WorkFailedError(f"cannot write {path}: {error.strerror or error}") from error
+        return WrittenFile(self.name, str(path), {"frames": len(t), "seconds": len(t) / fps, "size_px": size})
+
+    def _camera(self, scene: Scene) -> Callable[[int], Image]:
+        """Return what makes the image of a frame; frames are asked for in their order."""
+        width, height, rays = self.options.width, self.options.height, self.options.rays
+        match self.options.view:
+            case "follow":
+                return FollowView(scene, (width, height), rays).image
+            case "side":
+                return SideView(scene, (width, height), rays, captioned=True).image
+        least = max(0.2 * height, 6 * scene.letters)
+        low = 2 * round(float(np.clip(wanted_height(scene, width), least, 0.45 * height)) / 2)
+        above = FollowView(scene, (width, height - low), rays)
+        below = SideView(scene, (width, low), rays, captioned=False)
+        return lambda frame: np.concatenate([above.image(frame), below.image(frame)])

@@ -1,0 +1,72 @@
+"""The agent from close by: its shape, its attitude, and what it passes."""
+
+import numpy as np
+
+from driftform.figures.style import BLUE, INK
+from driftform.types import FloatArray
+from driftform_exudyn.hull import hull_shape
+from driftform_exudyn.scene import Scene
+from driftform_exudyn.shapes import Shape, line, text, thinned
+from driftform_exudyn.stage import Camera, Image, Stage
+from driftform_exudyn.surroundings import lattice, nice
+
+ELEVATION = np.deg2rad(12.0)
+"""How far above the horizon the viewer is: enough to see that the body is round."""
+
+DISTANCE = 2.0
+"""Least distance of the viewer over the shorter side of what is seen there."""
+
+ROOM = 1.3
+"""Half the shorter side of the image over the reach of the body, which fits in whatever its attitude."""
+
+
+class FollowView:
+    """A camera that goes with the middle of the body."""
+
+    def __init__(self, scene: Scene, size: tuple[int, int], rays: int) -> None:
+        self._scene, self._size = scene, size
+        body = scene.agent.body
+        self._middle = np.array([(body.outer[:, 0].min() + body.outer[:, 0].max()) / 2, 0.0, 0.0])
+        reach = float(np.linalg.norm(body.outer - self._middle[:2], axis=1).max())
+        right, up, viewer = scene.axes
+        towards = np.cos(ELEVATION) * viewer + np.sin(ELEVATION) * up
+        axes = np.stack([right, np.cross(towards, right), towards])
+        room = 2 * ROOM * reach
+        # From too close to a small body, a wide pipe would be all there is to see.
+        widest = max((bore.radius for bore in scene.bores), default=0.0)
+        self._camera = Camera(axes, min(size) / room, max(DISTANCE * room, widest / 2))
+        self._stage = Stage(hull_shape(body), self._camera, rays)
+
+    def image(self, frame: int) -> Image:
+        """Return a frame."""
+        pose = self._scene.poses[frame]
+        focus = pose.position + pose.rotation @ self._middle
+        return self._stage.image(self._size, focus, pose, self._surroundings(frame, focus))
+
+    def _surroundings(self, frame: int, focus: FloatArray) -> list[Shape]:
+        scene, camera = self._scene, self._camera
+        width, height = np.array(self._size) / camera.px_per_m
+        shapes = [self._caption(scene.caption(frame), focus)]
+        near = float(width)
+        for bore in scene.bores:
+            along, up, back = bore.axes @ (focus - bore.start)
+            # What is behind the agent looks smaller, so that more of it is in view.
+            depth = max(0.0, bore.radius - back)
+            shrink = 1 + depth / camera.distance
+            wide, high = 0.6 * width * shrink, 0.6 * height * shrink + depth * np.tan(ELEVATION)
+            near = max(near, float(wide))
+            shapes += bore.shapes(along - wide, along + wide, nice(wide / 2), up - high, up + high)
+            shapes += scene.water(bore, along - wide, along + wide)
+        if not scene.bores:
+            behind = focus - height * scene.axes[2]
+            shapes += lattice(scene.axes, behind, 2 * np.array([width, height]), nice(height / 2))
+        shapes += scene.targets(0.03 * height, focus, near)
+        flown = scene.flown(frame)
+        away = np.flatnonzero(np.linalg.norm(flown - focus, axis=1) > near)
+        close = flown[away[-1] + 1 if len(away) else 0 :]
+        return [*shapes, line(thinned(close, 3 / camera.px_per_m), BLUE)]
+
+    def _caption(self, words: str, focus: FloatArray) -> Shape:
+        camera, letters = self._camera, self._scene.letters
+        from_middle = np.array(self._size) * (-0.5, 0.5) + np.array([1.0, -2.0]) * letters
+        return text(focus + from_middle / camera.px_per_m @ camera.axes[:2], words, INK, letters)

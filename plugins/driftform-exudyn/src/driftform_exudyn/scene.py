@@ -1,0 +1,83 @@
+"""What happens in a film, and the signs that both of its views put up."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from driftform.figures.projection import positions
+from driftform.figures.style import INK, VERMILLION
+from driftform.scenario import Scenario
+from driftform.types import Agent, FloatArray, Trajectory
+from driftform_exudyn.motion import Pose, poses
+from driftform_exudyn.shapes import Shape, ball, text
+from driftform_exudyn.surroundings import Bore, upright_axes
+
+PER_FRAME = 8
+"""Stretches of the line along the path for each frame."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """An agent, its flight, and when it is seen.
+
+    Attributes
+    ----------
+    agent, flight, scenario
+        who flies, how, and where.
+    t
+        time of each frame, s, (n,).
+    letters
+        height of letters, px.
+    """
+
+    agent: Agent
+    flight: Trajectory
+    scenario: Scenario
+    t: FloatArray
+    letters: float
+
+    @cached_property
+    def axes(self) -> FloatArray:
+        """Right (downstream), up, and towards the viewer in the world frame: rows, (3, 3)."""
+        return upright_axes(self.scenario)
+
+    @cached_property
+    def poses(self) -> list[Pose]:
+        """The agent's pose at each frame."""
+        return poses(self.flight, self.t)
+
+    @cached_property
+    def path(self) -> FloatArray:
+        """Points along the path of the core's centre, ``PER_FRAME`` for each frame, world, m, (k, 3)."""
+        frames = np.arange(len(self.t))
+        between = np.linspace(0, len(self.t) - 1, PER_FRAME * (len(self.t) - 1) + 1)
+        return positions(self.flight, np.interp(between, frames, self.t))
+
+    def flown(self, frame: int) -> FloatArray:
+        """The path up to a frame, (k, 3)."""
+        return self.path[: PER_FRAME * frame + 1]
+
+    @cached_property
+    def bores(self) -> list[Bore]:
+        """The pipe, as it is seen from the side."""
+        return [Bore.of(segment, self.axes[2]) for segment in self.scenario.pipe.segments]
+
+    def water(self, bore: Bore, first: float, last: float) -> list[Shape]:
+        """The water's surface from ``first`` to ``last`` (m along the bore), where the pipe is not full."""
+        level = self.scenario.fluid.water_level
+        return [] if level is None else bore.surface(level, first, last)
+
+    def targets(self, radius: float, focus: FloatArray, near: float = np.inf) -> list[Shape]:
+        """The targets within ``near`` (m) of ``focus`` as balls of ``radius`` (m), with their names."""
+        shapes = []
+        for name, place in self.scenario.targets.items():
+            if np.linalg.norm(focus - place) < near:
+                beside = np.array(place) + 1.6 * radius * self.axes[0]
+                shapes += [ball(place, radius, VERMILLION), text(beside, name, INK, self.letters)]
+        return shapes
+
+    def caption(self, frame: int) -> str:
+        """When it is, and where the core's centre is."""
+        where = zip("xyz", self.poses[frame].position, strict=True)
+        return "   ".join([f"t {self.t[frame]:.2f} s", *(f"{name} {value:.2f} m" for name, value in where)])

@@ -1,0 +1,125 @@
+"""What is seen, as Exudyn takes it (``GraphicsData``): metres and colours in, triangles, lines and texts out."""
+
+from collections.abc import Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from driftform.types import FloatArray
+
+Shape: TypeAlias = dict[str, Any]
+"""One ``GraphicsData`` dictionary."""
+
+AROUND = np.linspace(0, 2 * np.pi, 37)
+"""Angles of the corners of a whole circle, rad."""
+
+
+PLACES = ("points", "data", "position")
+"""Keys of a shape that hold points."""
+
+GLOWING = 1001.0
+"""In place of an opacity: the ray tracer's material 1, which the stage makes light by itself."""
+
+
+def rgba(colour: str, opacity: float = 1.0) -> list[float]:
+    """Return a colour ``#rrggbb`` as red, green, blue and opacity.
+
+    >>> rgba("#ff0000")
+    [1.0, 0.0, 0.0, 1.0]
+    """
+    return [*(int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)), opacity]
+
+
+def line(points: npt.ArrayLike, colour: str) -> Shape:
+    """A line of constant width through points (n, 3), at least one."""
+    corners = np.asarray(points, dtype=np.float64)
+    # The last point twice, because Exudyn has no line through a single one.
+    return {"type": "Line", "color": rgba(colour), "data": np.vstack([corners, corners[-1:]]).ravel()}
+
+
+def thinned(points: FloatArray, gap: float) -> FloatArray:
+    """Return points (n, 3) of a polyline about ``gap`` (m) apart, the first and the last among them.
+
+    The ray tracer drops what is shorter than a pixel.
+    """
+    gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    kept = np.diff(np.floor(gone / gap), prepend=-1.0) > 0
+    kept[-1] = True
+    return points[kept]
+
+
+def text(point: FloatArray, words: str, colour: str, size: float) -> Shape:
+    """Words in letters of ``size`` px, to the right of a point (3,)."""
+    return {
+        "type": "Text",
+        "position": point,
+        "text": words,
+        "color": rgba(colour),
+        "fontSize": size,
+        "offset": [0.0, 0.0],
+    }
+
+
+def strips(grid: FloatArray, normals: FloatArray, colours: Sequence[str], opacity: float = 1.0) -> Shape:
+    """Ribbons of triangles.
+
+    Parameters
+    ----------
+    grid, normals
+        both edges of each ribbon, and what they face, (ribbons, 2, n, 3).
+    colours
+        one for each ribbon.
+    opacity
+        1, or ``GLOWING``.
+    """
+    ribbons, _, n, _ = grid.shape
+    corner = 2 * n * np.arange(ribbons)[:, None] + np.arange(n - 1)
+    a, b, c, d = corner, corner + 1, corner + n, corner + n + 1
+    return {
+        "type": "TriangleList",
+        "points": grid.ravel(),
+        "normals": normals.ravel(),
+        "colors": np.repeat([rgba(colour, opacity) for colour in colours], 2 * n, axis=0).ravel(),
+        "triangles": np.stack([a, b, d, a, d, c], axis=-1).ravel(),
+    }
+
+
+def revolved(
+    contour: FloatArray, axes: FloatArray, angles: FloatArray, colours: Sequence[str], opacity: float = 1.0
+) -> Shape:
+    """The surface that a meridian sweeps about the origin.
+
+    Parameters
+    ----------
+    contour
+        positions along the axis, and radii, (n, 2); the surface faces to the left of it.
+    axes
+        the axis, and the directions that angles are counted from and towards: rows, (3, 3).
+    angles
+        where the surface has corners, rad, (k,).
+    colours
+        one for each edge of the contour.
+    opacity
+        1, or ``GLOWING``.
+    """
+    along, rise = np.diff(contour, axis=0).T[..., None, None]
+    out = np.cos(angles)[:, None] * axes[1] + np.sin(angles)[:, None] * axes[2]
+    rims = contour[:, 0, None, None] * axes[0] + contour[:, 1, None, None] * out
+    # Each edge has normals of its own, so that rims look sharp.
+    normals = (along * out - rise * axes[0]) / np.hypot(along, rise)
+    edges = np.stack([rims[:-1], rims[1:]], axis=1)
+    return strips(edges, np.stack([normals, normals], axis=1), colours, opacity)
+
+
+def placed(shape: Shape, scale: float, offset: npt.ArrayLike) -> Shape:
+    """The shape magnified about the origin, then moved by ``offset``."""
+    found = [key for key in PLACES if key in shape]
+    return {**shape, **{key: (scale * shape[key].reshape(-1, 3) + offset).ravel() for key in found}}
+
+
+def ball(centre: npt.ArrayLike, radius: float, colour: str) -> Shape:
+    """A sphere."""
+    angles = np.linspace(np.pi, 0, 13)
+    contour = radius * np.column_stack([np.cos(angles), np.sin(angles)])
+    return placed(revolved(contour, np.eye(3), AROUND[::2], [colour] * 12), 1.0, centre)

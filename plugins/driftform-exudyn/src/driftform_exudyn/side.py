@@ -1,0 +1,124 @@
+"""The whole pipe from the side, with the path so far and the agent, magnified where it would be too small to see."""
+
+import numpy as np
+
+from driftform.figures.style import BLUE, INK, MUTED
+from driftform.types import FloatArray
+from driftform_exudyn.hull import hull_shape
+from driftform_exudyn.scene import Scene
+from driftform_exudyn.shapes import Shape, line, text, thinned
+from driftform_exudyn.stage import Camera, Image, Stage
+from driftform_exudyn.surroundings import THICKNESS, lattice, nice
+
+LEAST = 0.05
+"""Length of the agent over the width of the image, above which it is not magnified."""
+
+SMALL = 0.8
+"""Size of the letters of distances and remarks, relative to the others."""
+
+
+class SideView:
+    """A camera that stands still.
+
+    Little changes between frames, so one image is kept and painted over where the agent is and was.
+    """
+
+    def __init__(self, scene: Scene, size: tuple[int, int], rays: int, captioned: bool) -> None:
+        self._scene, self._size, self._captioned = scene, np.array(size), captioned
+        self._low, self._high = extent(scene)
+        edge, foot = margins(scene)
+        scale = ((self._size - [2 * edge, edge + foot]) / (self._high - self._low)[:2]).min()
+        self._px_per_m = float(scale)
+        # The margin below is another than that above.
+        self._centre = ((self._low + self._high) / 2 - [0.0, (foot - edge) / 2 / scale, 0.0]) @ scene.axes
+        body = scene.agent.body
+        length = max(body.length, body.max_diameter) * self._px_per_m
+        self._magnified = max(1.0, nice(LEAST * size[0] / length))
+        self._reach = self._magnified * float(np.linalg.norm(body.outer, axis=1).max())
+        camera = Camera(scene.axes, self._px_per_m)
+        self._stage = Stage(hull_shape(body, self._magnified), camera, rays)
+        self._still = self._surroundings()
+        self._kept = self._painted(0, np.zeros(2, dtype=int), self._size)
+        self._last = 0
+
+    def image(self, frame: int) -> Image:
+        """Return a frame; frames are asked for in their order."""
+        margin = self._reach * self._px_per_m + 3
+        places = np.array([self._pixel(self._scene.poses[k].position) for k in (self._last, frame)])
+        self._repaint(frame, places.min(axis=0) - margin, places.max(axis=0) + margin)
+        if self._captioned:
+            self._repaint(frame, np.zeros(2), np.array([self._size[0], 3 * self._scene.letters]))
+        self._last = frame
+        return self._kept.copy()
+
+    def _surroundings(self) -> list[Shape]:
+        scene, px, size = self._scene, self._px_per_m, SMALL * self._scene.letters
+        shapes = []
+        for bore in scene.bores:
+            # So far apart that there is room for the words, or for a line where the pipe is steep.
+            right, up, _ = np.abs(scene.axes @ bore.axes[0]) * px / size
+            step = nice(2.5 / max(float(right) / 5, float(up) / 1.6))
+            shapes += bore.shapes(0.0, bore.length, step / 2)
+            shapes += bore.labels(step, size, 1.4 * scene.letters / px)
+            shapes += scene.water(bore, 0.0, bore.length)
+        if not scene.bores:
+            seen = self._size / px
+            shapes += lattice(scene.axes, self._centre, seen, nice(float(seen[0]) / 9))
+        if self._magnified > 1:
+            above = np.array([self._low[0], self._high[1] + 0.4 * scene.letters / px, self._high[2]])
+            words = f"agent drawn {self._magnified:g} times its size"
+            shapes.append(text(above @ scene.axes, words, MUTED, size))
+        return shapes + scene.targets(0.3 * scene.letters / px, self._centre)
+
+    def _pixel(self, place: FloatArray) -> FloatArray:
+        """Column and row of a place of the world, (2,)."""
+        offset = self._scene.axes[:2] @ (place - self._centre) * self._px_per_m
+        return np.asarray(self._size / 2 + offset * (1, -1), dtype=np.float64)
+
+    def _place(self, pixel: FloatArray) -> FloatArray:
+        """A place of the world that is seen at a column and row, (3,)."""
+        offset = (pixel - self._size / 2) * (1, -1) / self._px_per_m
+        return np.asarray(self._centre + offset @ self._scene.axes[:2], dtype=np.float64)
+
+    def _repaint(self, frame: int, low: FloatArray, high: FloatArray) -> None:
+        first = np.clip(np.floor(low).astype(int), 0, self._size)
+        last = np.clip(np.ceil(high).astype(int), 0, self._size)
+        if (last > first).all():
+            self._kept[first[1] : last[1], first[0] : last[0]] = self._painted(frame, first, last)
+
+    def _painted(self, frame: int, first: FloatArray, last: FloatArray) -> Image:
+        """Return what of a frame is between two pixels: the upper left one, and one past the lower right."""
+        scene = self._scene
+        shapes = [*self._still, line(thinned(scene.flown(frame), 3 / self._px_per_m), BLUE)]
+        if self._captioned:
+            corner = self._place(np.array([1.0, 2.0]) * scene.letters)
+            shapes.append(text(corner, scene.caption(frame), INK, scene.letters))
+        width, height = map(int, last - first)
+        return self._stage.image((width, height), self._place((first + last) / 2), scene.poses[frame], shapes)
+
+
+def extent(scene: Scene) -> tuple[FloatArray, FloatArray]:
+    """Return the corners of the box about the pipe, or about the path in open water, in the scene's axes, m."""
+    around = np.linspace(0, 2 * np.pi, 16, endpoint=False)
+    places = [
+        bore.point(along, bore.radius * (1 + THICKNESS), around)
+        for bore in scene.bores
+        for along in (0.0, bore.length)
+    ]
+    if not places:
+        reach = 2 * float(np.linalg.norm(scene.agent.body.outer, axis=1).max())
+        places = [scene.path + side * reach * axis for side in (-1, 1) for axis in scene.axes]
+    box = np.concatenate(places) @ scene.axes.T
+    return box.min(axis=0), box.max(axis=0)
+
+
+def margins(scene: Scene) -> tuple[float, float]:
+    """Return the margin (px) above and on either side, and the one below, where a pipe has its distances."""
+    return 2 * scene.letters, (2.2 if scene.bores else 1.0) * scene.letters
+
+
+def wanted_height(scene: Scene, width: int) -> float:
+    """Return the height (px) of an image of this width that the pipe fills."""
+    low, high = extent(scene)
+    edge, foot = margins(scene)
+    return float((width - 2 * edge) * (high - low)[1] / (high - low)[0] + edge + foot)

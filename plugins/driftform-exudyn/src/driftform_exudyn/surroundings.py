@@ -1,0 +1,142 @@
+"""The pipe to look at: cut open along its length, with rings at equal distances, and the water's surface in it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from driftform.figures.style import BLUE, MUTED, WALL, tint
+from driftform.scenario import Scenario, Segment
+from driftform.types import FloatArray
+from driftform_exudyn.shapes import GLOWING, Shape, line, placed, revolved, strips, text
+
+LIT = "#576670"
+"""What light adds to the wall, which glows: it is seen from its concave side, and would be dark above otherwise."""
+
+PIECES = 65
+"""Corners of a long line: the ray tracer drops pieces with neither end in view."""
+
+THICKNESS = 0.03
+"""Of the wall that is drawn, relative to the bore's radius."""
+
+
+def upright_axes(scenario: Scenario) -> FloatArray:
+    """Return right (downstream), up, and towards the viewer in the world frame: rows, (3, 3)."""
+    right, up = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+    if segments := scenario.pipe.segments:
+        level = np.subtract(segments[-1].end, segments[0].start) * (1, 1, 0)
+        length = float(np.linalg.norm(level))
+        right = level / length if length > 1e-9 else right
+    return np.stack([right, up, np.cross(right, up)])
+
+
+def nice(length: float) -> float:
+    """Return 1, 2 or 5 times a power of ten, the largest that is not above ``length``.
+
+    >>> nice(0.5), nice(0.9), nice(34.0)
+    (0.5, 0.5, 20.0)
+    """
+    power = 10.0 ** np.floor(np.log10(length * (1 + 1e-9)))
+    return float(max(m for m in (1, 2, 5) if m * power <= length * (1 + 1e-9)) * power)
+
+
+@dataclass(frozen=True, eq=False)
+class Bore:
+    """A segment of pipe: its ``axes`` are its own, the one towards the back wall, and the one up between (3, 3)."""
+
+    start: FloatArray
+    length: float
+    radius: float
+    axes: FloatArray
+
+    @classmethod
+    def of(cls, segment: Segment, viewer: FloatArray) -> "Bore":
+        """Return the segment as it is seen from the direction ``viewer`` (world, (3,)), across the pipe."""
+        start, end = np.array(segment.start), np.array(segment.end)
+        length = float(np.linalg.norm(end - start))
+        axis = (end - start) / length
+        back = axis * (viewer @ axis) - viewer
+        back /= np.linalg.norm(back)
+        return cls(start, length, segment.radius, np.stack([axis, np.cross(axis, back), back]))
+
+    def point(
+        self, along: FloatArray | float, radius: FloatArray | float, angle: FloatArray | float
+    ) -> FloatArray:
+        """Return points of the world by their cylindrical coordinates, ``angle`` (rad) from up to the back, (..., 3)."""
+        axis, up, back = self.axes
+        x, r, a = (np.asarray(value, dtype=np.float64)[..., None] for value in (along, radius, angle))
+        return np.asarray(self.start + x * axis + r * (np.cos(a) * up + np.sin(a) * back), dtype=np.float64)
+
+    def shapes(
+        self, first: float, last: float, step: float, low: float = -np.inf, high: float = np.inf
+    ) -> list[Shape]:
+        """Return what is seen from ``first`` to ``last`` (m along the axis), with a ring every ``step`` (m).
+
+        The back wall reaches from ``low`` to ``high`` (m above the axis): what is in view is enough.
+        """
+        first, last = max(first, 0.0), min(last, self.length)
+        bottom, top = np.clip([low / self.radius, high / self.radius], -1.0, 1.0)
+        if last <= first or top <= bottom:
+            return []
+        half = np.linspace(np.arccos(top), np.arccos(bottom), 37)
+        # From the far end to the near one, so that the surface faces inward.
+        stations = np.linspace(last, first, 2 + int((last - first) / step))
+        contour = np.column_stack([stations, np.full(len(stations), self.radius)])
+        inside = revolved(contour, self.axes, half, [LIT] * (len(stations) - 1), GLOWING)
+        # Inside the wall, where it does not hide them.
+        near = 0.985 * self.radius
+        marks = np.arange(np.ceil(first / step - 1e-9), np.floor(last / step + 1e-9) + 1) * step
+        # Not to the very top, where they would be seen through the wall in parts.
+        ring = np.clip(half, 0.2, np.pi - 0.2)
+        rings = [line(self.point(s, near, ring), tint(WALL, 0.4)) for s in marks]
+        stripes = [
+            line(self.point(np.linspace(first, last, PIECES), near, a), tint(WALL, 0.2))
+            for a in np.deg2rad(np.arange(15, 180, 15))
+            if half[0] < a < half[-1]
+        ]
+        return [placed(inside, 1.0, self.start), self._section(first, last), *rings, *stripes]
+
+    def _section(self, first: float, last: float) -> Shape:
+        """The cut through the wall, above and below."""
+        angles = np.array([0.0, np.pi])[:, None, None]
+        rims = self.radius * np.array([1.0, 1 + THICKNESS])[:, None]
+        grid = self.point(np.array([first, last]), rims, angles)
+        return strips(grid, np.broadcast_to(-self.axes[2], grid.shape), [tint(WALL, 0.6)] * 2)
+
+    def surface(self, level: float, first: float, last: float) -> list[Shape]:
+        """Return the water's surface at the height ``level`` (m), where the pipe is partly full of it."""
+        _, up, back = self.axes
+        first, last = max(first, 0.0), min(last, self.length)
+        if last <= first or abs(up[2]) < 1e-6:
+            return []
+        middles = self.point(np.linspace(first, last, PIECES), 0.0, 0.0)
+        above = (level - middles[:, 2]) / up[2]
+        cut = np.abs(above) < self.radius
+        if cut.sum() < 2:
+            return []
+        near = (middles + above[:, None] * up)[cut]
+        far = near + np.sqrt(self.radius**2 - above[cut] ** 2)[:, None] * back
+        grid = np.stack([near, far])[None]
+        return [strips(grid, np.broadcast_to(up, grid.shape), [tint(BLUE, 0.35)]), line(near, BLUE)]
+
+    def labels(self, step: float, size: float, gap: float) -> list[Shape]:
+        """Return the distances from the inlet every ``step`` (m), ``gap`` (m) below the pipe, in letters of ``size`` px."""
+        return [
+            text(self.point(s, self.radius + gap, np.pi), f"{s:g} m", MUTED, size)
+            for s in np.arange(np.floor(self.length / step + 1e-9) + 1) * step
+        ]
+
+
+def lattice(axes: FloatArray, centre: FloatArray, seen: FloatArray, step: float) -> list[Shape]:
+    """Return lines ``step`` (m) apart on a plane through ``centre``: what open water is seen to pass by.
+
+    ``axes`` are right, up and towards the viewer, and ``seen`` is how far the lines go, width and height (m).
+    """
+    shapes = []
+    for i in (0, 1):
+        along, across, middle = axes[i], axes[1 - i], float(centre @ axes[i])
+        ends = centre + np.linspace(-0.5, 0.5, PIECES)[:, None] * seen[1 - i] * across
+        first, last = np.ceil((middle - seen[i] / 2) / step), np.floor((middle + seen[i] / 2) / step)
+        shapes += [
+            line(ends + (n * step - middle) * along, tint(BLUE, 0.15)) for n in np.arange(first, last + 1)
+        ]
+    return shapes

@@ -1,0 +1,292 @@
+"""What is in the pictures of a film, and what becomes of a film that cannot be made."""
+
+import signal
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from driftform.errors import InputError, WorkFailedError
+from driftform.figures.style import BLUE, VERMILLION
+from driftform.geometry import mass_properties
+from driftform.scenario import Fluid, Pipe, Scenario, Segment
+from driftform.testing.bodies import hollow_body
+from driftform.testing.renderer import drift, read_film
+from driftform.types import Agent, Coefficients
+from driftform_exudyn import encoder
+from driftform_exudyn.film import ExudynRenderer, FilmOptions
+from driftform_exudyn.follow import FollowView
+from driftform_exudyn.headless import uninterrupted
+from driftform_exudyn.motion import Pose, attitudes, frame_times, poses
+from driftform_exudyn.scene import Scene
+from driftform_exudyn.shapes import ball, line
+from driftform_exudyn.side import SideView
+from driftform_exudyn.stage import Camera, Stage
+
+PIPE = Pipe(segments=(Segment(start=(0, 0, 0), end=(1, 0, 0), radius=0.15),))
+UPRIGHT = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
+
+
+@pytest.fixture
+def agent() -> Agent:
+    """A tube of 60 mm about its core."""
+    body = hollow_body()
+    return Agent(body, mass_properties(body), Coefficients(0.01 * np.eye(6)))
+
+
+def scene(agent: Agent, flight=None, scenario=None, frames: int = 5) -> Scene:
+    flight = drift(0.8, turn=0.0) if flight is None else flight
+    t = np.linspace(0, flight.t[-1], frames)
+    return Scene(agent, flight, scenario or Scenario(pipe=PIPE), t, letters=8.0)
+
+
+HULL, NOSE, TARGET = "hull", "nose", "target"
+
+
+def pixels(image, what: str):
+    """Columns and rows of the pixels that have a colour, in whatever light; the path is as blue as a nose."""
+    red, green, blue = np.moveaxis(image.astype(int), 2, 0)
+    masks = {
+        HULL: (red - blue > 60) & (green > 0.62 * red),
+        TARGET: (red - blue > 60) & (green < 0.55 * red),
+        NOSE: blue - red > 90,
+    }
+    return np.argwhere(masks[what])[:, ::-1]
+
+
+def middle(image, what: str):
+    found = pixels(image, what)
+    assert len(found), f"no {what} is seen"
+    return found.mean(axis=0)
+
+
+# Where things are in an image.
+
+
+@pytest.mark.parametrize("distance", [np.inf, 0.6, 2.0])
+@pytest.mark.parametrize("focus", [(0.0, 0.0, 0.0), (5.0, 1.0, -0.9)])
+def test_a_thing_is_where_the_laws_of_perspective_put_it(distance, focus):
+    stage = Stage(ball((0, 0, 0), 0.01, BLUE), Camera(UPRIGHT, 400.0, distance), rays=1)
+    for place in np.array([(0.0, 0, 0), (0.1, 0, 0.05), (-0.1, 0.3, 0.1), (0.05, -0.2, -0.08)]):
+        image = stage.image((200, 120), np.array(focus), Pose(place + focus, np.eye(3)), [])
+        shrunk = 400 / (1 + place[1] / distance)
+        assert middle(image, NOSE) == pytest.approx(
+            (99.5 + shrunk * place[0], 59.5 - shrunk * place[2]), abs=0.8
+        )
+
+
+def test_a_line_is_seen_before_and_behind_the_point_that_is_looked_at():
+    stage = Stage(ball((0, 0, 0), 1e-4, BLUE), Camera(UPRIGHT, 400.0, 0.6), rays=1)
+    for y in (-0.2, -0.05, 0.0, 0.05, 0.2):
+        across = [(x, y, 0.05) for x in np.linspace(-0.3, 0.3, 9)]
+        image = stage.image((200, 120), np.zeros(3), Pose(np.zeros(3), np.eye(3)), [line(across, VERMILLION)])
+        assert middle(image, TARGET)[1] == pytest.approx(59.5 - 20 / (1 + y / 0.6), abs=1.0)
+
+
+# What the views show.
+
+
+@pytest.mark.parametrize("downstream", [(1, 0, 0), (0, 1, 0), (-0.6, 0.8, 0)])
+def test_seen_from_the_side_the_agent_goes_from_left_to_right(agent, downstream):
+    pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=tuple(map(float, downstream)), radius=0.15),))
+    flight = drift(0.8, turn=0.0)
+    flight = replace(flight, position=flight.t[:, None] * downstream, velocity=0 * flight.velocity)
+    view = SideView(scene(agent, flight, Scenario(pipe=pipe)), (240, 120), rays=1, captioned=False)
+    columns = [middle(view.image(frame), HULL)[0] for frame in range(5)]
+    assert (np.diff(columns) > 20).all()
+    # 0.8 m of a pipe of 1 m.
+    assert 150 < columns[-1] - columns[0] < 200
+
+
+def test_the_path_grows_behind_it(agent):
+    view = SideView(scene(agent), (240, 120), rays=1, captioned=False)
+    lengths = []
+    for frame in range(5):
+        image = view.image(frame)
+        path = pixels(image, NOSE)
+        lengths.append(np.ptp(path[:, 0]) if len(path) else 0)
+    assert (np.diff(lengths) > 10).all()
+
+
+@pytest.mark.parametrize("captioned", [False, True])
+def test_an_image_that_was_painted_over_is_the_same_as_one_that_was_painted_anew(agent, captioned):
+    flying = scene(agent, drift(0.8, turn=2.0), Scenario(pipe=PIPE, targets={"leak": (0.4, 0, 0.05)}))
+    view = SideView(flying, (240, 120), rays=1, captioned=captioned)
+    for frame in range(5):
+        kept = view.image(frame)
+    anew = view._painted(4, np.zeros(2, dtype=int), np.array([240, 120]))
+    # Letters are set to whole pixels of what is painted, so that the caption may be one off.
+    assert np.abs(kept.astype(int) - anew)[24:].max() < 8
+
+
+def test_a_small_agent_is_magnified_from_the_side_and_the_image_says_so(agent):
+    long_pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=(30, 0, 0), radius=1),))
+    view = SideView(scene(agent, scenario=Scenario(pipe=long_pipe)), (400, 100), rays=1, captioned=False)
+    found = pixels(view.image(0), HULL)
+    assert 6 <= np.ptp(found[:, 0]) <= 20, "it would be less than a pixel"
+    assert any(shape.get("text") == "agent drawn 20 times its size" for shape in view._still)
+
+
+@pytest.mark.parametrize(("pitch", "where"), [(0.0, (1, 0)), (0.8, (1, 1)), (-0.8, (1, -1)), (2.5, (-1, 1))])
+def test_seen_from_close_by_the_fore_end_points_where_the_attitude_does(agent, pitch, where):
+    flight = drift(turn=0.0)
+    half = np.full(len(flight.t), pitch / 2)
+    flight = replace(flight, quaternion=np.column_stack([np.cos(half), 0 * half, np.sin(half), 0 * half]))
+    image = FollowView(scene(agent, flight, Scenario()), (240, 160), rays=1).image(0)
+    # The path is as blue as the nose; at the release it has no length yet.
+    offset = middle(image[20:], NOSE) - middle(image[20:], HULL)
+    assert np.sign(np.where(np.abs(offset) < 4, 0, offset)) == pytest.approx(where)
+
+
+def test_seen_from_close_by_the_agent_stays_in_the_middle_and_is_as_large_as_fits(agent):
+    view = FollowView(scene(agent), (240, 160), rays=1)
+    for frame in (0, 4):
+        found = pixels(view.image(frame)[20:], HULL)
+        assert found.mean(axis=0) == pytest.approx((120, 60), abs=12)
+        # The tube is 60 mm long; its diagonal takes 1/1.3 of the height.
+        assert 90 < np.ptp(found[:, 0]) < 125
+
+
+@pytest.mark.parametrize("size", [(240, 64), (64, 240)])
+def test_seen_from_close_by_the_whole_agent_is_in_a_picture_of_any_shape(agent, size):
+    flying = scene(agent, drift(0.8, turn=2.0))
+    view = FollowView(flying, size, rays=1)
+    for frame in range(5):
+        image = view.image(frame)
+        found = pixels(image, HULL)
+        assert len(found) > 100
+        assert (found > 2).all() and (found < np.array(size) - 3).all()
+
+
+def test_modules_are_told_apart(agent):
+    joints = np.linspace(-0.03, 0.03, 5)
+    banded = replace(agent, body=replace(agent.body, joints=joints))
+    images = [FollowView(scene(a), (240, 160), rays=1).image(0) for a in (agent, banded)]
+    row = [image[80, :, 2].astype(int) for image in images]
+    edges = [np.count_nonzero(np.abs(np.diff(r)) > 30) for r in row]
+    assert edges[1] >= edges[0] + 3
+
+
+def test_targets_and_the_waters_surface_are_seen(agent):
+    bare = Scenario(pipe=PIPE)
+    wet = Scenario(pipe=PIPE, fluid=Fluid(water_level=0.08), targets={"leak": (0.7, 0.0, -0.05)})
+    before, after = (
+        SideView(scene(agent, scenario=s), (240, 120), rays=1, captioned=False).image(0) for s in (bare, wet)
+    )
+    changed = np.abs(before.astype(int) - after).max(axis=2) > 40
+    view = SideView(scene(agent, scenario=wet), (240, 120), rays=1, captioned=False)
+    column, row = view._pixel(np.array([0.7, 0.0, -0.05])).astype(int)
+    assert changed[row - 1 : row + 2, column - 1 : column + 2].all()
+    level = int(view._pixel(np.array([0.5, 0.0, 0.08]))[1])
+    assert changed[level - 2 : level + 3, 40:200].any(axis=0).mean() > 0.9
+
+
+def test_seen_from_close_by_the_pipe_passes(agent):
+    images = [FollowView(scene(agent, frames=8), (240, 160), rays=1).image(frame) for frame in (3, 4)]
+    below = [image[120:].astype(int) for image in images]
+    assert np.abs(below[0] - below[1]).max() > 20
+
+
+# Which moments are shown.
+
+
+def test_frames_are_a_step_apart_and_the_end_is_one_of_them():
+    assert frame_times(1.0, 0.3) == pytest.approx([0, 0.3, 0.6, 0.9, 1.0])
+    assert frame_times(0.9, 0.3) == pytest.approx([0, 0.3, 0.6, 0.9])
+    assert frame_times(0.0, 0.3) == pytest.approx([0.0])
+
+
+def test_between_samples_it_turns_steadily_the_short_way_round():
+    flight = drift(1.0, turn=1.2)
+    coarse = replace(
+        flight, t=flight.t[::20], position=flight.position[::20], quaternion=flight.quaternion[::20] * [[1], [-1]],
+        velocity=flight.velocity[::20],
+    )  # fmt: skip
+    found = attitudes(coarse, np.array([0.0, 0.25, 0.5, 1.0]))
+    half = 1.2 * np.array([0.0, 0.25, 0.5, 1.0]) / 2
+    wanted = np.column_stack([np.cos(half), 0 * half, np.sin(half), 0 * half])
+    assert np.abs(np.einsum("ij,ij->i", found, wanted)) == pytest.approx(1.0)
+
+
+def test_samples_are_met_and_the_path_between_them_is_the_one_that_fitness_measures():
+    flight = drift(1.0, turn=0.5)
+    for pose, place, when in zip(poses(flight, flight.t), flight.position, flight.t, strict=True):
+        assert pose.position == pytest.approx(place)
+        assert pose.rotation[:, 0] == pytest.approx([np.cos(0.5 * when), 0, -np.sin(0.5 * when)])
+    [between] = poses(flight, np.array([0.4321]))
+    assert between.position == pytest.approx([0.4321, 0, 0])
+
+
+def test_slow_motion_has_as_many_more_frames(agent, tmp_path):
+    counts = []
+    for speed in (1.0, 0.25):
+        options = FilmOptions(width=64, height=64, fps=5, speed=speed, view="side", rays=1)
+        path = tmp_path / f"{speed}.mp4"
+        written = ExudynRenderer(options).film(agent, drift(0.8), Scenario(pipe=PIPE), path, lambda *_: None)
+        counts.append(len(read_film(path)))
+        assert written.facts == {"frames": counts[-1], "seconds": counts[-1] / 5, "size_px": [64, 64]}
+    assert counts == [5, 17]
+
+
+# Films that cannot be made.
+
+
+def film(agent, path):
+    options = FilmOptions(width=64, height=64, fps=5, view="side", rays=1)
+    return ExudynRenderer(options).film(agent, drift(), Scenario(pipe=PIPE), path, lambda *_: None)
+
+
+def test_capital_letters_make_no_other_suffix(agent, tmp_path):
+    film(agent, tmp_path / "FILM.MP4")
+    assert len(read_film(tmp_path / "FILM.MP4")) > 1
+
+
+def test_a_name_that_looks_like_a_protocol_or_an_option_is_only_a_name(agent, tmp_path, monkeypatch):
+    from pathlib import Path
+
+    monkeypatch.chdir(tmp_path)
+    for name in ("pipe:1.mp4", "-y.gif", "100%d.mp4"):
+        film(agent, Path(name))
+        assert Path(name).stat().st_size > 0
+
+
+def test_without_ffmpeg_the_user_is_told_what_to_install(monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(WorkFailedError, match=r'pip install "driftform-exudyn\[film\]"') as caught:
+        ExudynRenderer(FilmOptions()).check(tmp_path / "film.mp4")
+    assert len(str(caught.value).splitlines()) == 1
+    with pytest.raises(InputError, match=r"ends in \.mp4 or \.gif"):
+        ExudynRenderer(FilmOptions()).check(tmp_path / "film.avi")
+
+
+def test_where_ffmpeg_fails_its_last_words_are_told_and_nothing_is_left(agent, monkeypatch, tmp_path):
+    # An interpreter knows none of ffmpeg's options.
+    monkeypatch.setattr(encoder, "ffmpeg", lambda: sys.executable)
+    for suffix in (".mp4", ".gif"):
+        with pytest.raises(WorkFailedError, match=r"^ffmpeg failed: \S"):
+            film(agent, tmp_path / f"film{suffix}")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_cannot_be_is_an_error_that_names_the_film(agent, tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(WorkFailedError, match=r"cannot write .*film\.mp4"):
+        film(agent, tmp_path / "file" / "film.mp4")
+
+
+def test_an_interruption_waits_until_exudyn_is_done():
+    before, done = signal.getsignal(signal.SIGINT), False
+    with pytest.raises(KeyboardInterrupt), uninterrupted():
+        signal.raise_signal(signal.SIGINT)
+        done = True
+    assert done and signal.getsignal(signal.SIGINT) is before
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{"width": 63}, {"width": 101}, {"height": 0}, {"fps": 0}, {"speed": 0}, {"view": "above"}, {"rays": 9}],
+)
+def test_options_out_of_range_are_refused(options):
+    with pytest.raises(ValueError, match=next(iter(options))):
+        FilmOptions(**options)

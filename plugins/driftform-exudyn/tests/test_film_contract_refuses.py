@@ -1,0 +1,126 @@
+"""The contract of renderers is of use only if it refuses renderers that are wrong: each of these has one fault."""
+
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from driftform.dynamics.rotations import matrix_from_quaternion
+from driftform.files import write_whole
+from driftform.interfaces import Renderer
+from driftform.options import Table
+from driftform.testing import RendererContract
+from driftform.types import WrittenFile
+from driftform_exudyn.encoder import encode
+from driftform_exudyn.motion import attitudes, frame_times
+
+TICKS = itertools.count()
+
+
+class Sketch(Renderer):
+    """A square that goes right, and is as bright as the nose is high."""
+
+    name = "sketch"
+    suffixes = (".mp4", ".gif")
+    rate = 10.0
+    columns = 80
+
+    def film(self, agent, flight, scenario, path, progress):
+        self.check(path)
+        t = frame_times(float(flight.t[-1]), 1 / self.rate)
+
+        def images():
+            for done, when in enumerate(t, start=1):
+                yield self.image(flight, when)
+                progress(done, len(t))
+
+        self.write(path, lambda part: encode(images(), images(), part, path.suffix, 10.0))
+        return WrittenFile(self.name, str(path))
+
+    def image(self, flight, when):
+        image = np.full((64, self.columns, 3), 255, np.uint8)
+        nose = matrix_from_quaternion(attitudes(flight, np.array([when])))[0, 2, 0]
+        left = 16 * int(10 * when)
+        image[16:48, left : left + 16] = int(100 + 100 * nose)
+        return image
+
+    def write(self, path, encoded):
+        write_whole(path, encoded)
+
+
+class Narrow(Sketch):
+    columns = 64
+
+
+class Slow(Sketch):
+    rate = 20.0
+
+
+class Frozen(Sketch):
+    def image(self, flight, when):
+        return super().image(flight, 0.0)
+
+
+class WithoutAttitude(Sketch):
+    def image(self, flight, when):
+        level = np.tile([1.0, 0, 0, 0], (len(flight.t), 1))
+        object.__setattr__(flight, "quaternion", level)
+        return super().image(flight, when)
+
+
+class Changing(Sketch):
+    def image(self, flight, when):
+        return super().image(flight, when) - np.uint8(next(TICKS) % 50)
+
+
+class Careless(Sketch):
+    def write(self, path: Path, encoded):
+        path.write_bytes(b"to be filled")
+        encoded(path)
+
+
+class Silent(Sketch):
+    def film(self, agent, flight, scenario, path, progress):
+        return super().film(agent, flight, scenario, path, lambda done, total: progress(total, total))
+
+
+class Undemanding(Sketch):
+    def check(self, path):
+        pass
+
+
+FAULTS: dict[type[Sketch], tuple[str, ...]] = {
+    Narrow: ("test_it_has_the_frames_and_the_size_that_were_asked_for",),
+    Slow: ("test_it_has_the_frames_and_the_size_that_were_asked_for",),
+    Frozen: ("test_frames_differ_while_the_agent_moves",),
+    WithoutAttitude: ("test_attitude_is_seen",),
+    Changing: ("test_the_same_flight_gives_the_same_frames",),
+    Careless: ("test_an_interrupted_film_leaves_nothing_and_an_older_one_as_it_was",),
+    Silent: ("test_progress_is_told_frame_by_frame",),
+    Undemanding: ("test_a_suffix_that_it_does_not_know_is_refused",),
+}
+CASES = [(fault, test) for fault, tests in FAULTS.items() for test in tests]
+
+
+def contract_of(kind: type[Sketch]) -> RendererContract:
+    class Contract(RendererContract):
+        rate, size = 10.0, (80, 64)
+
+        def plugin(self) -> Sketch:
+            return kind(Table())
+
+    return Contract()
+
+
+@pytest.mark.parametrize(("fault", "test"), CASES, ids=[f"{f.__name__}-{t}" for f, t in CASES])
+def test_a_faulty_renderer_is_refused(fault, test, tmp_path):
+    arguments = {"name": "film.mkw"} if "suffix" in test else {}
+    for kind, folder in ((Sketch, tmp_path / "sound"), (fault, tmp_path / "faulty")):
+        folder.mkdir()
+        check = getattr(contract_of(kind), test)
+        if kind is Sketch:
+            check(tmp_path=folder, **arguments)
+        else:
+            with pytest.raises((AssertionError, pytest.fail.Exception)):
+                check(tmp_path=folder, **arguments)

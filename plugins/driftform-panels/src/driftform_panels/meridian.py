@@ -1,0 +1,189 @@
+"""Contour -> panels: how the meridian is divided."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from driftform.types import FloatArray, frozen
+
+SMOOTH = np.deg2rad(5)
+"""Turn of a contour at a joint up to which it counts as a curve that was drawn with short edges, rad."""
+
+SHARP = np.deg2rad(35)
+"""Turn beyond which panels get shorter towards a corner, rad."""
+
+ARC = np.deg2rad(22.5)
+"""Turn of a curve along one panel, rad."""
+
+GROWTH = 1.0
+"""How much longer a panel may be for each unit of its distance from a sharp corner."""
+
+CROWDING = 0.8
+"""How much the points of a panel crowd at its corner: 0 not at all, 1 without limit."""
+
+_LIKE = 2.0
+"""Ratio of the lengths of neighbouring edges up to which they may be of one curve."""
+
+_STRAIGHT = 1e-3
+"""Turn that counts as none, rad."""
+
+_STATIONS = np.concatenate([(np.arange(12) / 12) ** 3, 2 - (np.arange(12, -1, -1) / 12) ** 3]) / 2
+"""Where an edge is looked at, from 0 to 1: densely at its ends."""
+
+_THIRDS = np.arange(4) / 3
+_CUBIC = np.linalg.inv(np.vander(_THIRDS))
+_MIDDLE, _MIDDLE_SLOPE = np.array([1 / 8, 1 / 4, 1 / 2, 1]), np.array([3 / 4, 1, 1, 0])
+
+
+@dataclass(frozen=True, eq=False)
+class Panels:
+    """The pieces of a meridian, from aft to fore, each a curve (x(u), r(u)) with u from 0 to 1.
+
+    Attributes
+    ----------
+    x, r
+        polynomials in u, m, highest power first, (n, 4).
+    lengths
+        along the contour, m, (n,).
+    """
+
+    x: FloatArray
+    r: FloatArray
+    lengths: FloatArray
+
+    def __post_init__(self) -> None:
+        n = len(self.lengths)
+        object.__setattr__(self, "x", frozen(self.x, (n, 4), "Panels.x"))
+        object.__setattr__(self, "r", frozen(self.r, (n, 4), "Panels.r"))
+        object.__setattr__(self, "lengths", frozen(self.lengths, (n,), "Panels.lengths"))
+
+    def thinnest_wall(self) -> float:
+        """Return the least distance between panels that are back to back, relative to their length; infinite for none.
+
+        The equations for the two sides of a wall become one and the same as the wall gets thin, and magnify what the
+        panels cannot resolve.
+        """
+        middle = np.column_stack([self.x @ _MIDDLE, self.r @ _MIDDLE])
+        tangent = np.column_stack([self.x @ _MIDDLE_SLOPE, self.r @ _MIDDLE_SLOPE])
+        tangent /= np.linalg.norm(tangent, axis=1)[:, None]
+        normal = tangent[:, ::-1] * (-1.0, 1.0)
+        offset = middle[:, None] - middle
+        behind = -(offset * normal).sum(axis=2)
+        beside = np.abs((offset * tangent).sum(axis=2))
+        facing = (
+            (normal @ normal.T < -0.5) & (behind > 0) & (2 * beside < self.lengths[:, None] + self.lengths)
+        )
+        return float(np.where(facing, behind / self.lengths, np.inf).min())
+
+
+def panels(contour: npt.ArrayLike, count: int, corner: float) -> Panels:
+    """Divide a contour.
+
+    Edges of like lengths, with turns of less than ``SMOOTH`` between them and all in one sense, are one curve; at all
+    other joints a panel ends. So a straight edge has one panel at least, which follows it exactly, and a panel on a
+    curve is the cubic through four points of it. Panels are the shorter, the nearer a sharp corner is and the tighter
+    the curve. The mirrored contour has the mirrored panels.
+
+    At a corner the potential has a part that varies as the distance to the power pi / (pi + turn), which is no
+    polynomial. There the points of a panel crowd, which makes the potential smoother in the panel's parameter than it
+    is along the arc.
+
+    Parameters
+    ----------
+    contour
+        x and r, m, (n, 2), from the aft axis point to the fore axis point.
+    count
+        how many panels the meridian would have if it were straight and had no corners.
+    corner
+        length of a panel at a sharp corner, relative to the corner's radius.
+    """
+    points, edges, lengths = _sound(np.asarray(contour, dtype=np.float64))
+    along = np.concatenate([[0.0], np.cumsum(lengths)])
+
+    turns = _turns(edges)
+    turn_at = np.concatenate([[0.0], np.abs(turns), [0.0]])
+    curved = _curved(turns, lengths)
+    ends = np.concatenate([[0], 1 + np.flatnonzero(~curved), [len(edges)]])
+    bends = np.concatenate([[0.0], np.where(curved, np.abs(turns), 0.0), [0.0]])
+
+    # How many panels there should be up to each station of each edge, counted from where its curve begins.
+    curve = np.repeat(np.arange(len(ends) - 1), np.diff(ends))
+    begin, close = along[ends[:-1]][curve, None], along[ends[1:]][curve, None]
+    sizes = np.where(turn_at > SHARP, corner * points[:, 1], np.inf)
+    size_aft, size_fore = sizes[ends[:-1]][curve, None], sizes[ends[1:]][curve, None]
+    station = along[:-1, None] + lengths[:, None] * _STATIONS
+    smooth = lengths * count / along[-1] + (bends[:-1] + bends[1:]) / 2 / ARC
+    before = np.cumsum(smooth) - smooth
+    before -= before[ends[:-1]][curve]
+    wanted = (
+        (before[:, None] + smooth[:, None] * _STATIONS)
+        + np.log1p(GROWTH * (station - begin) / size_aft) / GROWTH
+        + np.log1p(GROWTH * (close - begin) / size_fore) / GROWTH
+        - np.log1p(GROWTH * (close - station) / size_fore) / GROWTH
+    )
+
+    # A whole number for each curve; the last station of an edge is the first of the next.
+    total = wanted[ends[1:] - 1, -1]
+    whole = np.maximum(np.ceil(total - 1e-6), 1).astype(int)
+    last = np.cumsum(whole)
+    measure = wanted * (whole / total)[curve, None] + (last - whole)[curve, None]
+    breaks = np.interp(np.arange(last[-1] + 1), measure.ravel(), station.ravel())
+    breaks[np.concatenate([[0], last])] = along[ends]
+
+    is_corner = turn_at[ends] > SMOOTH
+    crowding = np.zeros((2, last[-1]))
+    crowding[0, last - whole] = CROWDING * is_corner[:-1]
+    crowding[1, last - 1] = CROWDING * is_corner[1:]
+    where = breaks[:-1, None] + np.diff(breaks)[:, None] * _crowded(
+        crowding[0, :, None], crowding[1, :, None]
+    )
+    x, r = (np.interp(where, along, points[:, k]) @ _CUBIC.T for k in (0, 1))
+    return Panels(x, r, np.diff(breaks))
+
+
+def _sound(points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Points, edges and lengths of a contour, without edges that have no length or lie on the axis at an end.
+
+    Raises
+    ------
+    ValueError
+        where the contour does not start and end on the axis, or has no point off it.
+    """
+    radii = points[:, 1]
+    on_axis = np.abs(radii) <= 1e-9 * np.abs(radii).max()
+    if on_axis.all() or not (on_axis[0] and on_axis[-1]) or (radii[~on_axis] < 0).any():
+        raise ValueError("a contour starts and ends on the axis, and has points at r > 0 between")
+    inside = np.flatnonzero(~on_axis)
+    points = points[inside[0] - 1 : inside[-1] + 2]
+    edges = np.diff(points, axis=0)
+    lengths = np.hypot(edges[:, 0], edges[:, 1])
+    keep = lengths > 1e-9 * lengths.sum()
+    points = np.concatenate([points[:-1][keep], points[-1:]])
+    return points, np.diff(points, axis=0), lengths[keep]
+
+
+def _turns(edges: FloatArray) -> FloatArray:
+    """Turn of a contour at each of its joints, rad, (edges - 1,)."""
+    cross = edges[:-1, 0] * edges[1:, 1] - edges[:-1, 1] * edges[1:, 0]
+    return np.asarray(np.arctan2(cross, (edges[:-1] * edges[1:]).sum(axis=1)), dtype=np.float64)
+
+
+def _curved(turns: FloatArray, lengths: FloatArray) -> npt.NDArray[np.bool_]:
+    """Tell at which joints two edges are of one curve, (edges - 1,)."""
+    ratios = lengths[1:] / lengths[:-1]
+    sense = np.where(np.abs(turns) > _STRAIGHT, np.sign(turns), 0.0)
+    # An edge that turns one way at one end and the other way at the other is part of a zigzag, not of a curve.
+    zigzag = np.concatenate([[False], sense[:-1] * sense[1:] < 0, [False]])
+    smooth = (np.abs(turns) <= SMOOTH) & (np.maximum(ratios, 1 / ratios) <= _LIKE)
+    return np.asarray(smooth & ~zigzag[:-1] & ~zigzag[1:], dtype=np.bool_)
+
+
+def _crowded(aft: FloatArray, fore: FloatArray) -> FloatArray:
+    """Place along a panel, from 0 to 1, at the thirds of its parameter u, (n, 4).
+
+    Its derivative is 1 - aft (1 - u)^2 - fore u^2, scaled to end at 1.
+    """
+    u = _THIRDS
+    place = u - aft * (1 - (1 - u) ** 3) / 3 - fore * u**3 / 3
+    return np.asarray(place / (1 - aft / 3 - fore / 3), dtype=np.float64)

@@ -1,0 +1,145 @@
+"""Contour -> potential on it -> what it takes to accelerate the body of revolution in the water around it."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from threadpoolctl import ThreadpoolController
+
+from driftform.geometry import solid_of_revolution
+from driftform.interfaces import HydrodynamicsOptions
+from driftform.options import option
+from driftform.types import FloatArray
+from driftform_panels.kernels import equations
+from driftform_panels.meridian import Panels, panels
+
+THINNEST = 0.02
+"""Thickness of a wall, relative to its panels, below which they cannot resolve it."""
+
+_LIBRARIES = ThreadpoolController()
+
+
+class PanelOptions(HydrodynamicsOptions):
+    """How finely the meridian is divided."""
+
+    panels: int = option(
+        15,
+        "panels that a straight meridian without corners would have; every edge has one at least",
+        ge=4,
+        le=400,
+    )
+    corner: float = option(
+        0.2, "length of the panels at a corner sharper than 35 degrees, relative to its radius", gt=0, le=1
+    )
+
+
+@dataclass(frozen=True)
+class PanelSolution:
+    """Added mass of a body of revolution in water of density 1, about a point of its axis.
+
+    Attributes
+    ----------
+    origin
+        x of that point, m.
+    surge
+        A11, m3.
+    sway
+        A22 = A33, m3.
+    sway_of_yaw, yaw_of_sway
+        A26 and A62, m4: the sway force of yaw and the yaw moment of sway. They are equal (Green's reciprocity) but
+        for the error of the discretisation.
+    yaw
+        A66 = A55, m5.
+    unknowns
+        in each of the two systems of equations.
+    """
+
+    origin: float
+    surge: float
+    sway: float
+    sway_of_yaw: float
+    yaw_of_sway: float
+    yaw: float
+    unknowns: int
+
+    @property
+    def reciprocity(self) -> float:
+        """How far the error of the discretisation shows: abs(A26 - A62) / sqrt(A22 A66).
+
+        About the centre of buoyancy; without meaning for a sphere, which turns without moving any water.
+        """
+        size = math.sqrt(max(self.sway * self.yaw, 0.0))
+        return abs(self.sway_of_yaw - self.yaw_of_sway) / size if size > 0 else math.inf
+
+    def matrix(self) -> FloatArray:
+        """Return the added mass for density 1, (6, 6): symmetric, and positive semi-definite.
+
+        A26 is the mean of its two values. Where rounding and discretisation leave a body that turns about its centre
+        of added mass without moving water with less than nothing (a sphere), A66 is what its sway needs.
+        """
+        coupling = (self.sway_of_yaw + self.yaw_of_sway) / 2
+        turning = max(self.yaw, coupling * coupling / self.sway)
+        added = np.diag([self.surge, self.sway, self.sway, 0.0, turning, turning])
+        added[1, 5] = added[5, 1] = coupling
+        added[2, 4] = added[4, 2] = -coupling
+        return added
+
+
+def solve(
+    contour: npt.ArrayLike, options: PanelOptions | None = None, origin: float | None = None
+) -> PanelSolution:
+    """Compute the added mass of a body of revolution in unbounded potential flow.
+
+    Parameters
+    ----------
+    contour
+        x and r of the meridian, m, (n, 2), from the aft axis point to the fore axis point. It may fold back along x,
+        as that of a cup does, but neither cross nor touch itself.
+    options
+        how finely the contour is divided.
+    origin
+        x (m) of the point of the axis that the result refers to; ``None`` for the centroid of the volume.
+
+    Raises
+    ------
+    ValueError
+        where the contour does not run from axis to axis, touches itself, or has a wall that is too thin for its panels.
+    """
+    points: FloatArray = np.asarray(contour, dtype=np.float64)
+    options = options or PanelOptions()
+    centre = solid_of_revolution(points).centroid if origin is None else origin
+    return solve_panels(panels(points - (centre, 0.0), options.panels, options.corner), centre)
+
+
+def solve_panels(divided: Panels, origin: float = 0.0) -> PanelSolution:
+    """Compute the added mass about x = 0 of the panels, which is ``origin`` (m) in the solution.
+
+    A_ij = - int phi_i n_j dS with the potential phi_i of motion i, where the integral over the circle is 2 pi r for
+    m = 0 and pi r for m = 1 (Newman, Marine Hydrodynamics, section 4.14).
+    """
+    wall = divided.thinnest_wall()
+    if wall < THINNEST:
+        raise ValueError(
+            f"a wall is {wall:.2g} of its panels thick and would need {THINNEST:g}: raise hydrodynamics.panels"
+        )
+    matrices, sides, (x, r, nx, nr) = equations(divided.x, divided.r, divided.lengths)
+    # More than one thread makes systems of this size slower, by far where cores are busy.
+    with _LIBRARIES.limit(limits=1, user_api="blas"):
+        surge = np.linalg.solve(matrices[0], sides[:, 0])
+        sway, yaw = np.linalg.solve(matrices[1], sides[:, 1:]).T
+    across, turning = -np.pi * r * nr, -np.pi * r * (x * nr - r * nx)
+    solution = PanelSolution(
+        origin=origin,
+        surge=float(-2 * np.pi * (r * nx) @ surge),
+        sway=float(across @ sway),
+        sway_of_yaw=float(across @ yaw),
+        yaw_of_sway=float(turning @ sway),
+        yaw=float(turning @ yaw),
+        unknowns=len(x),
+    )
+    if not (math.isfinite(solution.surge + solution.yaw) and solution.surge > 0 and solution.sway > 0):
+        raise ValueError(
+            "the flow around this contour has no solution: does the contour cross or touch itself?"
+        )
+    return solution

@@ -1,0 +1,15 @@
+"""Panels keep every promise of a model of hydrodynamics, to the accuracy of their own arithmetic."""
+
+from driftform.testing import HydrodynamicsContract
+from driftform_panels.coefficients import PanelMethod
+from driftform_panels.solve import PanelOptions
+
+
+class TestPanels(HydrodynamicsContract):
+    def plugin(self) -> PanelMethod:
+        return PanelMethod(PanelOptions())
+
+
+class TestFewPanels(HydrodynamicsContract):
+    def plugin(self) -> PanelMethod:
+        return PanelMethod(PanelOptions(panels=4, corner=1.0))

@@ -1,0 +1,201 @@
+"""What every renderer must do."""
+
+import pickle
+import subprocess
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from driftform.errors import InputError
+from driftform.geometry import mass_properties
+from driftform.interfaces import Renderer
+from driftform.scenario import Pipe, Scenario, Segment
+from driftform.testing.bodies import hollow_body
+from driftform.types import Agent, Coefficients, End, Trajectory, WrittenFile
+
+Frames: TypeAlias = npt.NDArray[np.uint8]
+"""Of a film: (frames, height, width, 3), red, green and blue."""
+
+
+def read_film(path: Path) -> Frames:
+    """Return the frames of a film, read by the ffmpeg of the package imageio-ffmpeg."""
+    from imageio_ffmpeg import get_ffmpeg_exe
+
+    # As a sequence of PPM images, because each begins with its size.
+    command = [get_ffmpeg_exe(), "-v", "error", "-i", path, "-fps_mode", "passthrough"]
+    done = subprocess.run(
+        [*command, "-f", "image2pipe", "-c:v", "ppm", "-"], capture_output=True, check=False
+    )
+    assert done.returncode == 0, done.stderr.decode()
+    magic, size, depth, _ = done.stdout.split(b"\n", 3)
+    assert (magic, depth) == (b"P6", b"255")
+    width, height = map(int, size.split())
+    head = len(b"\n".join([magic, size, depth, b""]))
+    frames = np.frombuffer(done.stdout, np.uint8).reshape(-1, head + 3 * width * height)
+    return frames[:, head:].reshape(-1, height, width, 3)
+
+
+def drift(seconds: float = 0.4, turn: float = 1.0) -> Trajectory:
+    """A flight along x at 1 m/s from the origin, with a pitch that grows by ``turn`` (rad) in all."""
+    t = np.linspace(0, seconds, 21)
+    half = turn * t / seconds / 2
+    zero = 0 * t
+    position = np.column_stack([t, zero, zero])
+    quaternion = np.column_stack([np.cos(half), zero, np.sin(half), zero])
+    ahead, up = np.cos(2 * half), np.sin(2 * half)
+    velocity = np.column_stack([ahead, zero, up, zero, zero + turn / seconds, zero])
+    return Trajectory(t, position, quaternion, velocity, End.HORIZON)
+
+
+class RendererContract:
+    """Inherit, and say how the renderer is made, what its films are like, and how they are read::
+
+    class TestMyRenderer(RendererContract):
+        rate, size = 10.0, (160, 90)
+
+        def plugin(self) -> MyRenderer:
+            return MyRenderer(MyOptions(fps=10, width=160, height=90))
+
+    A small and coarse film keeps the tests quick.
+
+    Attributes
+    ----------
+    rate
+        frames for each second of the flight.
+    size
+        width and height of a frame, px.
+    """
+
+    rate: float = 25.0
+    size: tuple[int, int] = (640, 360)
+
+    def plugin(self) -> Renderer[Any]:
+        """Return the renderer to be tested."""
+        raise NotImplementedError
+
+    def read(self, path: Path) -> Frames:
+        """Return the frames of a film; override it for formats that ffmpeg does not read."""
+        return read_film(path)
+
+    def agent(self) -> Agent:
+        """Return an agent to be seen: a capped hollow tube, without a genome."""
+        body = hollow_body()
+        return Agent(body, mass_properties(body), Coefficients(0.01 * np.eye(6)))
+
+    def scenario(self) -> Scenario:
+        """Return what is around it: half a metre of pipe, with a target."""
+        segment = Segment(start=(0.0, 0.0, 0.0), end=(0.5, 0.0, 0.0), radius=0.1)
+        return Scenario(pipe=Pipe(segments=(segment,)), targets={"leak": (0.3, 0.0, 0.05)})
+
+    def film(self, path: Path, flight: Trajectory | None = None) -> WrittenFile:
+        """Make a film of a flight, by default of one that drifts and pitches."""
+        flight = drift() if flight is None else flight
+        return self.plugin().film(self.agent(), flight, self.scenario(), path, lambda done, total: None)
+
+    def test_a_film_is_where_it_was_asked_for_in_every_format(self, tmp_path: Path) -> None:
+        """Each suffix gives a film that can be read, and nothing else is left beside it."""
+        renderer = self.plugin()
+        assert renderer.suffixes
+        for suffix in renderer.suffixes:
+            path = tmp_path / suffix / f"film{suffix}"
+            renderer.check(path)
+            written = self.film(path)
+            assert Path(written.path) == path and written.format == renderer.name
+            assert list(path.parent.iterdir()) == [path]
+            assert len(self.read(path)) > 1
+
+    def test_it_has_the_frames_and_the_size_that_were_asked_for(self, tmp_path: Path) -> None:
+        """As many frames as the duration has at its rate, give or take one for the ends."""
+        path = tmp_path / f"film{self.plugin().suffixes[0]}"
+        self.film(path)
+        frames = self.read(path)
+        assert abs(len(frames) - self.rate * drift().t[-1]) <= 1
+        assert frames.shape[1:] == (self.size[1], self.size[0], 3)
+
+    def test_frames_differ_while_the_agent_moves(self, tmp_path: Path) -> None:
+        """From each frame to the next some pixels change clearly."""
+        path = tmp_path / f"film{self.plugin().suffixes[0]}"
+        self.film(path)
+        change = np.abs(np.diff(self.read(path).astype(int), axis=0)).max(axis=(1, 2, 3))
+        assert (change > 32).all()
+
+    def test_attitude_is_seen(self, tmp_path: Path) -> None:
+        """A flight that ends turned by a right angle ends in another frame than one that does not turn."""
+        films = []
+        for name, turn in (("straight", 0.0), ("turned", np.pi / 2)):
+            path = tmp_path / f"{name}{self.plugin().suffixes[0]}"
+            self.film(path, drift(turn=turn))
+            films.append(self.read(path)[-1].astype(int))
+        assert np.abs(films[0] - films[1]).max() > 64
+
+    def test_the_same_flight_gives_the_same_frames(self, tmp_path: Path) -> None:
+        """Also from a renderer that was sent to another process."""
+        suffix = self.plugin().suffixes[0]
+        self.film(tmp_path / f"one{suffix}")
+        copy: Renderer[Any] = pickle.loads(pickle.dumps(self.plugin()))
+        copy.film(self.agent(), drift(), self.scenario(), tmp_path / f"two{suffix}", lambda done, total: None)
+        one, two = (self.read(tmp_path / f"{name}{suffix}") for name in ("one", "two"))
+        np.testing.assert_array_equal(one, two)
+
+    def test_a_flight_of_one_sample_is_a_film_too(self, tmp_path: Path) -> None:
+        """It ended as it began, and is seen where it was."""
+        whole, path = drift(), tmp_path / f"film{self.plugin().suffixes[0]}"
+        start = (whole.t[:1], whole.position[:1], whole.quaternion[:1], whole.velocity[:1])
+        self.film(path, Trajectory(*start, End.INLET))
+        assert len(self.read(path)) >= 1
+
+    def test_open_water_is_filmed_too(self, tmp_path: Path) -> None:
+        """A scenario needs neither pipe nor targets."""
+        path = tmp_path / f"film{self.plugin().suffixes[0]}"
+        self.plugin().film(self.agent(), drift(), Scenario(), path, lambda done, total: None)
+        assert len(self.read(path)) > 1
+
+    def test_progress_is_told_frame_by_frame(self, tmp_path: Path) -> None:
+        """Each call has one more than the one before, up to the number of all."""
+        told: list[tuple[int, int]] = []
+        path = tmp_path / f"film{self.plugin().suffixes[0]}"
+        self.plugin().film(
+            self.agent(), drift(), self.scenario(), path, lambda done, total: told.append((done, total))
+        )
+        count = len(self.read(path))
+        assert told == [(done, count) for done in range(1, count + 1)]
+
+    @pytest.mark.parametrize("name", ["film.mkw", "film", "film.", ".mp4"])
+    def test_a_suffix_that_it_does_not_know_is_refused(self, name: str, tmp_path: Path) -> None:
+        """Before the flight, and when the film is to be made; nothing is written."""
+        with pytest.raises(InputError, match=self.plugin().suffixes[0]):
+            self.plugin().check(tmp_path / name)
+        with pytest.raises(InputError):
+            self.film(tmp_path / name)
+        assert list(tmp_path.iterdir()) == []
+
+    def test_an_interrupted_film_leaves_nothing_and_an_older_one_as_it_was(self, tmp_path: Path) -> None:
+        """In whatever format, and be it at the last frame."""
+
+        def interrupt(done: int, total: int) -> None:
+            if done == total:
+                raise KeyboardInterrupt
+
+        for suffix in self.plugin().suffixes:
+            for before in ([], [tmp_path / f"old{suffix}"]):
+                path = tmp_path / f"old{suffix}"
+                for old in before:
+                    old.write_bytes(b"old")
+                with pytest.raises(KeyboardInterrupt):
+                    self.plugin().film(self.agent(), drift(), self.scenario(), path, interrupt)
+                assert list(tmp_path.iterdir()) == before
+                for old in before:
+                    assert old.read_bytes() == b"old"
+                    old.unlink()
+
+    def test_an_older_film_is_replaced(self, tmp_path: Path) -> None:
+        """What is longer than the new film leaves no rest of it."""
+        suffix = self.plugin().suffixes[0]
+        path = tmp_path / f"film{suffix}"
+        path.write_bytes(b"old " * 1_000_000)
+        self.film(path)
+        assert path.stat().st_size < 4_000_000
+        assert len(self.read(path)) > 1

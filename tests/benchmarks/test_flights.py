@@ -1,0 +1,189 @@
+"""What a flight costs, and how exact it is, beside other ways to integrate the same equations.
+
+Times are compared with those of the least that could be done: 300 equal steps of the classical Runge-Kutta method in
+compiled code, which nothing controls.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numba import njit
+from scipy.integrate import solve_ivp
+
+from driftform.dynamics.flight import SAMPLE, finished_flight, has_left, release_state
+from driftform.dynamics.integrator import Accuracy, integrate, slope
+from driftform.dynamics.model import flight_model, packed, unpacked
+from driftform.study import load_study
+from driftform.testing.simulator import apart, positions_at
+
+pytestmark = pytest.mark.slow
+
+STEPS = 300
+TRIM = 0.004
+"""Largest net buoyancy of a trimmed agent, relative to its displacement."""
+
+TOLERANCE = 1e-6
+"""Of the peer, and of Exudyn to begin with."""
+
+
+@njit
+def rate(t, y, values):
+    out = np.empty(SAMPLE - 1)
+    slope(t, y, unpacked(values), out)
+    return out
+
+
+@njit
+def runge_kutta(values, start, horizon, steps):
+    h, t, y = horizon / steps, 0.0, start.copy()
+    samples = np.empty((steps + 1, SAMPLE))
+    samples[0, 0], samples[0, 1:] = t, y
+    for k in range(steps):
+        a = rate(t, y, values)
+        b = rate(t + h / 2, y + h / 2 * a, values)
+        c = rate(t + h / 2, y + h / 2 * b, values)
+        d = rate(t + h, y + h * c, values)
+        y = y + h / 6 * (a + 2 * b + 2 * c + d)
+        y[3:7] /= np.sqrt((y[3:7] ** 2).sum())
+        t += h
+        samples[k + 1, 0], samples[k + 1, 1:] = t, y
+    return samples
+
+
+class Course:
+    """One agent in its scenario, with its flight as exact as can be."""
+
+    def __init__(self, agent, scenario) -> None:
+        self.agent, self.scenario = agent, scenario
+        self.model = flight_model(agent, scenario)
+        self.values, self.start = packed(self.model), release_state(self.model, scenario)
+        exact = Accuracy(position=1e-6, tolerance=1e-9, tightest=1e-12)
+        found = integrate(self.model, self.start, scenario.flight.horizon, exact)
+        self.exact, self.doubt = self.finished(found.samples), found.error
+
+    def finished(self, samples):
+        return finished_flight(samples, self.model, self.scenario.flight.horizon, len(samples))
+
+    def error(self, flight) -> float:
+        """How far a flight gets from the exact one, m; infinite where it stops before."""
+        if flight.t[-1] < self.exact.t[-1] - 0.1:
+            return math.inf
+        times = np.arange(0, min(flight.t[-1], self.exact.t[-1]), 0.01)
+        return apart(positions_at(flight, times), positions_at(self.exact, times))
+
+    def by_runge_kutta(self):
+        return runge_kutta(self.values, self.start, self.exact.t[-1], STEPS)
+
+    def by_scipy(self):
+        def outlet(_, y):
+            return -1.0 if has_left((y[0], y[1], y[2]), self.model.pipe) else 1.0
+
+        outlet.terminal = True
+        solution = solve_ivp(
+            lambda t, y: rate(t, y, self.values),
+            (0, self.scenario.flight.horizon),
+            self.start,
+            "DOP853",
+            rtol=TOLERANCE,
+            atol=TOLERANCE,
+            max_step=0.05,
+            events=outlet,
+        )
+        return np.column_stack([solution.t, solution.y.T])
+
+
+def ellipsoid(agent, scenario):
+    """The agent as MuJoCo can hold it: an ellipsoid of its size and mass, free in its model of a fluid."""
+    import mujoco
+
+    body, mass, fluid = agent.body, agent.mass, scenario.fluid
+    half, radius = body.length / 2, body.max_diameter / 2
+    inertia = " ".join(f"{value:.9g}" for value in np.diag(mass.inertia))
+    model = mujoco.MjModel.from_xml_string(
+        f"""<mujoco>
+          <option density="{fluid.density}" viscosity="{fluid.density * fluid.viscosity}"
+                  gravity="0 0 -{fluid.gravity}" wind="{scenario.flow.speed} 0 0"/>
+          <worldbody><body gravcomp="{fluid.density * mass.volume / mass.mass}">
+            <freejoint/>
+            <inertial pos="0 0 0" mass="{mass.mass}" diaginertia="{inertia}"/>
+            <geom type="ellipsoid" size="{half} {radius} {radius}" fluidshape="ellipsoid"/>
+          </body></worldbody>
+        </mujoco>"""
+    )
+    return model, mujoco.MjData(model), scenario.flow.speed
+
+
+def by_mujoco(ready) -> None:
+    import mujoco
+
+    model, data, speed = ready
+    mujoco.mj_resetData(model, data)
+    data.qvel[0] = speed
+    mujoco.mj_step(model, data, nstep=round(9.0 / model.opt.timestep))
+
+
+@pytest.fixture(scope="module")
+def pipelines():
+    return {use: load_study(use={"simulator": use}).pipeline() for use in ("native", "exudyn")}
+
+
+def trimmed(agents, pipeline):
+    """The agents that reach no wall when they weigh nearly what they displace."""
+    rng = np.random.default_rng(5)
+    for agent in agents:
+        neutral = pipeline.scenario.fluid.density * agent.mass.volume
+        light = replace(agent, mass=replace(agent.mass, mass=neutral * (1 + rng.uniform(-TRIM, TRIM))))
+        if pipeline.fly([light])[0].contact is None:
+            yield light
+
+
+@pytest.mark.parametrize("kind", ["without contact", "with contact"])
+def test_what_a_flight_costs_and_how_exact_it_is(kind, pipelines, publish, count_of, milliseconds):
+    native, count = pipelines["native"], count_of("AGENTS", 60)
+    scenario, rng = native.scenario, np.random.default_rng(4)
+    agents = (native.agent(native.grammar.random(rng)) for _ in range(100 * count))
+    if kind == "without contact":
+        agents = trimmed(agents, native)
+    courses = [Course(agent, scenario) for _, agent in zip(range(count), agents, strict=False)]
+    assert len(courses) == count
+    runge_kutta(courses[0].values, courses[0].start, 0.1, 1)
+
+    def by(use: str):
+        return lambda course: pipelines[use].simulator.simulate(course.agent, scenario)
+
+    ways = {
+        "300 steps of Runge-Kutta": lambda course: course.finished(course.by_runge_kutta()),
+        "native": by("native"),
+        "Exudyn": by("exudyn"),
+        "SciPy's DOP853": lambda course: course.finished(course.by_scipy()),
+    }
+    timed = {
+        "300 steps of Runge-Kutta": Course.by_runge_kutta,
+        "SciPy's DOP853": Course.by_scipy,
+    }
+    times = {name: milliseconds(timed.get(name, way), courses) for name, way in ways.items()}
+    times["MuJoCo, an ellipsoid without walls"] = milliseconds(
+        by_mujoco, [ellipsoid(course.agent, scenario) for course in courses]
+    )
+    plain = np.median(times["300 steps of Runge-Kutta"])
+    lines = [
+        "| flight | median ms | 90 % ms | over 300 plain steps | median error mm | worst error mm |",
+        "|---|---|---|---|---|---|",
+    ]
+    for name, taken in times.items():
+        errors = "| | |"
+        if name in ways:
+            found = [1e3 * course.error(ways[name](course)) for course in courses]
+            errors = f"| {np.median(found):.2g} | {max(found):.2g} |"
+        median, high = np.median(taken), np.quantile(taken, 0.9)
+        lines.append(f"| {name} | {median:.3g} | {high:.3g} | {median / plain:.3g} {errors}")
+    doubt = max(course.doubt for course in courses)
+    lines += [
+        "",
+        f"{count} agents {kind}, each the best of three. The exact flights are known to {1e3 * doubt:.1g} mm. SciPy "
+        f"integrates the same compiled right-hand side, with a tolerance of {TOLERANCE:g}; MuJoCo takes its usual "
+        f"steps of 2 ms for 9 s.",
+    ]
+    publish(f"flights {kind}", lines)

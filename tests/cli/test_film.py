@@ -1,0 +1,112 @@
+"""``driftform simulate --film``: what is told of a film, and what is refused before anything is flown."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Call = Callable[..., Any]
+Refused = Callable[..., str]
+
+WORD = "addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB"
+FLIP_BOOK = ("simulate", WORD, "--simulator", "fake", "--renderer", "flip-book", "--out", "flight")
+SMALL = (
+    "--set",
+    "renderer.exudyn.width=64",
+    "--set",
+    "renderer.exudyn.height=64",
+    "--set",
+    "renderer.exudyn.fps=1",
+)
+
+
+@pytest.mark.usefixtures("fakes")
+def test_a_film_is_made_where_it_is_wanted_and_told_of(call: Call, tmp_path: Path) -> None:
+    result = call(*FLIP_BOOK, "--film", "films/book.txt")
+    assert result.exit_code == 0, result.stderr
+    assert (tmp_path / "films" / "book.txt").read_text() == "20 pages of 9 s\n"
+    assert result.stdout.splitlines()[-1] == "film:       films/book.txt"
+    assert {path.name for path in (tmp_path / "flight").iterdir()} == {"trajectory.csv", "flight.svg"}
+
+
+@pytest.mark.usefixtures("fakes")
+def test_in_json_the_film_is_a_field_and_null_without_one(call: Call) -> None:
+    assert json.loads(call(*FLIP_BOOK, "--film", "book.txt", "--json").stdout)["film"] == "book.txt"
+    assert json.loads(call(*FLIP_BOOK, "--json").stdout)["film"] is None
+
+
+@pytest.mark.usefixtures("fakes")
+def test_off_a_terminal_each_tenth_of_the_frames_is_a_line_on_stderr(call: Call) -> None:
+    pages = ("--set", "renderer.flip-book.pages=50")
+    lines = call(*FLIP_BOOK, "--film", "book.txt", *pages).stderr.splitlines()
+    assert lines == [f"{done}/50 frames" for done in range(5, 51, 5)]
+
+
+@pytest.mark.usefixtures("fakes")
+def test_a_film_that_fails_is_one_line_and_leaves_the_other_files(call: Call, tmp_path: Path) -> None:
+    result = call(*FLIP_BOOK, "--film", "book.txt", "--set", "renderer.flip-book.torn=true")
+    assert result.exit_code == 1
+    assert result.stderr.splitlines()[-1] == "error: the last page is torn"
+    assert not (tmp_path / "book.txt").exists()
+    assert (tmp_path / "flight" / "trajectory.csv").exists()
+
+
+def test_a_real_film_is_made_by_default(call: Call, tmp_path: Path) -> None:
+    from driftform.testing.renderer import read_film
+
+    result = call("simulate", WORD, "--film", "flight.gif", *SMALL, "--json")
+    assert result.exit_code == 0, result.stderr
+    frames = read_film(tmp_path / json.loads(result.stdout)["film"])
+    assert frames.shape == (10, 64, 64, 3)
+
+
+@pytest.mark.parametrize("name", ["flight.avi", "flight", "flight.mp4.txt"])
+def test_another_suffix_is_refused_before_anything_is_flown(refused: Refused, name: str) -> None:
+    line = refused("simulate", WORD, "--film", name)
+    assert f"--film {name}: " in line and ".mp4 or .gif" in line
+
+
+def test_a_directory_is_no_film(refused: Refused, tmp_path: Path) -> None:
+    (tmp_path / "here.mp4").mkdir()
+    assert "--film here.mp4: is a directory" in refused("simulate", WORD, "--film", "here.mp4")
+    (tmp_path / "file").touch()
+    assert "choose another --film" in refused("simulate", WORD, "--film", "file/film.mp4")
+
+
+def test_a_renderer_that_is_not_installed_is_refused(refused: Refused) -> None:
+    line = refused("simulate", WORD, "--film", "film.mp4", "--renderer", "exudin")
+    assert "--renderer exudin: no renderer is named 'exudin'; did you mean 'exudyn'?" in line
+
+
+def test_without_an_encoder_it_says_what_to_install_and_flies_nothing(
+    call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    result = call("simulate", WORD, "--film", "film.mp4")
+    assert result.exit_code == 1
+    [line] = result.stderr.splitlines()
+    assert line.startswith("error: ") and 'pip install "driftform-exudyn[film]"' in line
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
+def test_an_interrupted_film_leaves_nothing(
+    start: Callable[..., subprocess.Popen[str]], tmp_path: Path
+) -> None:
+    quick = ("--set", "renderer.exudyn.view=side", "--set", "renderer.exudyn.rays=1")
+    with start("simulate", WORD, "--film", "films/flight.mp4", *quick, cwd=tmp_path) as process:
+        assert process.stderr is not None
+        assert "frames" in process.stderr.readline()
+        process.send_signal(signal.SIGINT)
+        began = time.monotonic()
+        _, err = process.communicate(timeout=30)
+        assert time.monotonic() - began < 10
+    assert process.returncode == 130
+    assert err.splitlines()[-1] == "interrupted"
+    assert list((tmp_path / "films").iterdir()) == []

@@ -1,0 +1,52 @@
+"""What the studies share: worker processes, and how sensitive a flight is."""
+
+import multiprocessing
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
+from pathlib import Path
+from runpy import run_path
+
+import numpy as np
+import pytest
+
+from driftform.scenario import Scenario
+from driftform.testing.simulator import apart, positions_at
+from driftform.types import Agent
+from driftform_native.simulator import NativeOptions, NativeSimulator
+
+# The fixtures of the benchmarks: with the import mode "importlib" one folder's conftest is no module of another's.
+_BENCHMARKS = run_path(str(Path(__file__).parents[1] / "benchmarks" / "conftest.py"))
+publish, count_of = _BENCHMARKS["publish"], _BENCHMARKS["count_of"]
+
+NUDGE = 1e-8
+"""m."""
+
+
+@pytest.fixture(scope="session")
+def workers() -> Iterator[Executor]:
+    """Two worker processes; what they are to call must be of an installed package."""
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
+        yield pool
+
+
+@pytest.fixture(scope="session")
+def sensitivity() -> Callable[[Agent, Scenario], float]:
+    """How many times farther than it was released off its place an agent gets off its path.
+
+    Both flights are as exact as the native backend can make them. Where the answer is 1e7, an error of 1e-10 in one
+    step becomes a millimetre: no tolerance that double precision allows for makes sure of such a flight.
+    """
+    exact = NativeSimulator(NativeOptions(tolerance=1e-10, accuracy=1e6))
+
+    def times_farther(agent: Agent, scenario: Scenario) -> float:
+        x, y, z = scenario.release.position
+        aside = scenario.release.model_copy(update={"position": (x, y, z + NUDGE)})
+        flights = [
+            exact.simulate(agent, where)
+            for where in (scenario, scenario.model_copy(update={"release": aside}))
+        ]
+        times = np.arange(0.0, min(flight.t[-1] for flight in flights), 0.01)
+        here, there = (positions_at(flight, times) for flight in flights)
+        return apart(here, there) / NUDGE
+
+    return times_farther

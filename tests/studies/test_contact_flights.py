@@ -1,0 +1,205 @@
+"""Is the fitness of flights that hit the wall a property of the agent, and not of the integrator?"""
+
+from dataclasses import dataclass
+from itertools import repeat
+
+import numpy as np
+import pytest
+
+from driftform.dynamics.rotations import matrix_from_quaternion
+from driftform.study import load_study
+from driftform.testing.simulator import apart, depths, positions_at
+from driftform.types import FloatArray, Trajectory
+
+pytestmark = pytest.mark.slow
+
+SIMULATORS = ("native", "exudyn")
+SHARP = 0.1
+"""Percentage points of fitness that must not hang on the integrator."""
+
+ENOUGH = 0.95
+"""Share of agents of which that is asked."""
+
+EXACT = 1e-10
+"""Tolerance of flights that others are compared with."""
+
+MILLIMETRE = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Flown:
+    """Flights of all agents with one setting of a simulator, and their fitness; infinite where a flight failed."""
+
+    flights: list[Trajectory]
+    fitness: FloatArray
+
+
+@pytest.fixture(scope="module")
+def agents():
+    pipeline, rng = load_study(use={"simulator": "native"}).pipeline(), np.random.default_rng(2)
+    genomes = [pipeline.grammar.random(rng) for _ in range(1000)]
+    return lambda count: [pipeline.agent(genome) for genome in genomes[:count]]
+
+
+@pytest.fixture
+def flown(agents, workers, count_of):
+    """Fly all agents; where it is not ``tightened``, the tolerance stays as it is, whatever the error."""
+    drawn = agents(count_of("AGENTS", 100))
+
+    def fly(use: str, divisor: float = 1.0, *more: str, tightened: bool = True, exact: bool = False) -> Flown:
+        usual = load_study(use={"simulator": use}).document["simulator"]["tolerance"]
+        settings = [f"simulator.tolerance={EXACT if exact else usual / divisor!r}", *more]
+        if exact or not tightened:
+            settings.append("simulator.accuracy=1e3")
+        pipeline = load_study(None, settings, use={"simulator": use}).pipeline()
+        flights = list(workers.map(pipeline.simulator.simulate, drawn, repeat(pipeline.scenario)))
+        fitness = [pipeline.fitness.score(flight, pipeline.scenario) for flight in flights]
+        failed = np.array([flight.end.failed for flight in flights])
+        return Flown(flights, np.where(failed[:, None], np.nan, fitness))
+
+    return drawn, fly
+
+
+def changes(a: Flown, b: Flown) -> FloatArray:
+    """Largest change of any target's fitness for each agent, percentage points; infinite where a flight failed."""
+    change = np.abs(a.fitness - b.fitness).max(axis=1)
+    return np.where(np.isnan(change), np.inf, change)
+
+
+def distance(a: Trajectory, b: Trajectory, until: float = np.inf) -> float:
+    """How far (m) two flights get apart before either ends."""
+    until = min(until, a.t[-1], b.t[-1])
+    times = np.linspace(0, until, int(100 * until) + 2)
+    return apart(positions_at(a, times), positions_at(b, times))
+
+
+def row(simulator: str, what: str, change: FloatArray) -> str:
+    sound = change[np.isfinite(change)]
+    return (
+        f"| {simulator} | {what} | {np.median(sound):.1g} | {np.quantile(sound, 0.95):.1g} | {sound.max():.1g} "
+        f"| {(change < SHARP).sum()} of {len(change)} | {len(change) - len(sound)} |"
+    )
+
+
+HEAD = (
+    "| simulator | change | median | 95 % | largest | below 0.1 | failed |",
+    "|---|---|---|---|---|---|---|",
+)
+
+
+def history(agent, flight: Trajectory, radius: float) -> str:
+    """What happens in a flight: how often it touches the wall, and how far its axis turns after it first does."""
+    touching = depths(agent, flight, radius) > 0
+    touches = int((touching[1:] & ~touching[:-1]).sum())
+    axis = matrix_from_quaternion(flight.quaternion)[:, :, 0]
+    later = axis[flight.t >= (flight.t[-1] if flight.contact is None else flight.contact)]
+    turned = np.arccos(np.clip((later[1:] * later[:-1]).sum(axis=1), -1, 1)).sum()
+    first = "never" if flight.contact is None else f"at {flight.contact:.2f} s first"
+    return (
+        f"touches the wall {touches} times, {first}, and turns end over end {turned / (2 * np.pi):.1f} times"
+    )
+
+
+def test_a_tighter_tolerance_changes_no_fitness(flown, publish, sensitivity):
+    agents, fly = flown
+    scenario = load_study().scenario
+    lines, kept, others = list(HEAD), [], {}
+    for use in SIMULATORS:
+        for tightened in (True, False):
+            base = fly(use, tightened=tightened)
+            for divisor in (2, 10):
+                change = changes(base, fly(use, divisor, tightened=tightened))
+                what = f"tolerance / {divisor}" + ("" if tightened else ", as it is")
+                lines.append(row(use, what, change))
+                kept.append((use, what, (change < SHARP).mean()))
+                for index in np.flatnonzero(change >= SHARP):
+                    others.setdefault(int(index), []).append(f"{use}, {what}: {change[index]:.2g}")
+    publish("tolerance", lines)
+    reference = fly("native", tightened=False)
+    for index, found in sorted(others.items()):
+        print(f"agent {index}: {'; '.join(found)}")
+        print(f"    {history(agents[index], reference.flights[index], scenario.pipe.segments[0].radius)};")
+        print(f"    gets {sensitivity(agents[index], scenario):.1g} times farther off than it starts")
+    for use, what, share in kept:
+        assert share >= ENOUGH, (use, what)
+
+
+def test_both_simulators_find_the_same_fitness(flown, publish, sensitivity):
+    agents, fly = flown
+    scenario = load_study().scenario
+    native, exudyn = (fly(use) for use in SIMULATORS)
+    change = changes(native, exudyn)
+    away = [
+        distance(a, b, min(np.inf if flight.contact is None else flight.contact for flight in (a, b)))
+        for a, b in zip(native.flights, exudyn.flights, strict=True)
+    ]
+    lines = [
+        *HEAD,
+        row("both", "native instead of exudyn", change),
+        "",
+        f"Up to the wall the two fly less than {1e3 * max(away):.2g} mm apart.",
+    ]
+    publish("backends", lines)
+    for index in np.flatnonzero(change >= SHARP):
+        ends = [str(f.flights[index].end) for f in (native, exudyn)]
+        print(f"agent {index}: {change[index]:.2g} points; native ends as {ends[0]}, exudyn as {ends[1]};")
+        print(f"    {history(agents[index], native.flights[index], scenario.pipe.segments[0].radius)};")
+        print(f"    gets {sensitivity(agents[index], scenario):.1g} times farther off than it starts")
+    assert max(away) < MILLIMETRE
+    assert (change < SHARP).mean() >= ENOUGH
+
+
+def test_the_stiffness_of_the_wall_matters_more_than_the_integrator(flown, publish):
+    _, fly = flown
+    base, tighter = fly("native"), fly("native", 10)
+    stiffer = fly("native", 1, "contact.frequency=140")
+    rough = fly("native", 1, "contact.friction=0.3")
+    lines = [
+        *HEAD,
+        row("native", "contact.frequency from 70 to 140 rad/s", changes(base, stiffer)),
+        row("native", "contact.friction from 0 to 0.3", changes(base, rough)),
+    ]
+    publish("wall", lines)
+    assert np.median(changes(base, stiffer)) > np.median(changes(base, tighter))
+
+
+def test_flights_that_hit_the_wall_are_as_exact_as_they_say(flown, publish):
+    _, fly = flown
+    exact, other = (fly(use, exact=True).flights for use in SIMULATORS)
+    doubts = np.array([distance(a, b) for a, b in zip(exact, other, strict=True)])
+    # What even the exact flights do not agree about nothing can be compared with.
+    known = doubts < 0.1 * MILLIMETRE
+    lines = [
+        "| simulator | agents | median mm | 95 % mm | worst mm | sound beyond 1 mm | estimated error no less "
+        "than this | not converged |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    kept = []
+    for use in SIMULATORS:
+        flights = fly(use).flights
+        errors = np.array([distance(a, b) for a, b in zip(flights, exact, strict=True)])
+        failed = np.array([flight.end.failed for flight in flights])
+        estimates = np.array([flight.error for flight in flights])
+        counted = known & ~failed
+        beyond = counted & (errors > MILLIMETRE)
+        for index in np.flatnonzero(beyond):
+            print(
+                f"{use}, agent {index}: {1e3 * errors[index]:.2g} mm off, says {1e3 * estimates[index]:.2g} mm"
+            )
+        for index in np.flatnonzero(failed):
+            print(f"{use}, agent {index}: {flights[index].end}, {1e3 * errors[index]:.2g} mm off")
+        some = 1e3 * errors[counted]
+        lines.append(
+            f"| {use} | {counted.sum()} | {np.median(some):.2g} | {np.quantile(some, 0.95):.2g} | {some.max():.2g} "
+            f"| {beyond.sum()} | {(estimates >= errors)[counted].sum()} | {failed.sum()} |"
+        )
+        kept.append((use, ((errors <= MILLIMETRE) | failed)[known].mean()))
+    lines += [
+        "",
+        f"Of {len(known)} agents {known.sum()} have a flight that both simulators agree about to 0.1 mm at a tolerance "
+        f"of {EXACT:g}.",
+    ]
+    publish("exactness", lines)
+    assert known.mean() >= ENOUGH
+    for use, share in kept:
+        assert share >= ENOUGH, use

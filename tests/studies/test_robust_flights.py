@@ -1,0 +1,180 @@
+"""Does every flight of a random agent end soundly, or say that it did not?
+
+``AGENTS=300 pytest -m slow -s tests/studies/test_robust_flights.py`` takes fewer than the page tells of.
+"""
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from driftform.geometry.slices import slices
+from driftform.scenario import Scenario
+from driftform.study import load_study
+from driftform.testing.simulator import apart, positions_at
+from driftform.types import Agent, Drag, End, Trajectory
+
+pytestmark = pytest.mark.slow
+
+SEED = 3
+BLOCK = 400
+"""Flights that are kept in memory at a time."""
+
+STRIPS = 24
+FRICTION, SURFACE = "contact.friction=0.3", "fluid.water_level=0.3"
+TURBULENCE = "flow={kind='turbulent', speed=1.0}"
+SURROUNDINGS = {
+    "plain": (),
+    "drag strips": (),
+    "friction of the wall 0.3": (FRICTION,),
+    "water up to 0.3 m above the axis": (SURFACE,),
+    "turbulent flow": (TURBULENCE,),
+    "all of these": (FRICTION, SURFACE, TURBULENCE),
+}
+WITH_DRAG = ("drag strips", "all of these")
+
+SPOT_CHECK = 20
+"""One sound flight of so many is flown again as exactly as can be."""
+
+ENOUGH = 0.95
+"""Share of the flights flown again of which it is asked that they are as exact as they say: it is an estimate."""
+
+LOOKED_AT = 10
+"""Failed flights, and as many sound ones, that are told of in detail."""
+
+
+@dataclass(frozen=True, eq=False)
+class Flown:
+    """One flight, with all that it takes to repeat it."""
+
+    index: int
+    agent: Agent
+    scenario: Scenario
+    flight: Trajectory
+
+
+def with_drag(agent: Agent) -> Agent:
+    """The agent with strips as wide as its slices, friction on all that is wet, and blunt ends."""
+    x, volume, width = slices(agent.body.outer, STRIPS).T
+    strips = np.column_stack([x, 2 * np.sqrt(volume / (np.pi * width)), width, np.ones(STRIPS)])
+    edges, radii = np.diff(agent.body.outer, axis=0), agent.body.outer[:, 1]
+    wetted = float(np.pi * ((radii[1:] + radii[:-1]) * np.hypot(*edges.T)).sum())
+    blunt = 0.8 * np.pi / 4 * agent.body.max_diameter**2
+    drag = Drag(strips, friction_area=wetted, length=agent.body.length, ahead=blunt, astern=blunt)
+    return replace(agent, coefficients=replace(agent.coefficients, drag=drag))
+
+
+def flights_of(study, dragged: bool, count: int, workers) -> Iterator[Flown]:
+    pipeline, rng = study.pipeline(), np.random.default_rng(SEED)
+    for start in range(0, count, BLOCK):
+        indices = range(start, min(start + BLOCK, count))
+        agents = [pipeline.agent(pipeline.grammar.random(rng)) for _ in indices]
+        if dragged:
+            agents = [with_drag(agent) for agent in agents]
+        scenarios = [pipeline.scenario.of_evaluation(SEED, index) for index in indices]
+        flights = workers.map(pipeline.simulator.simulate, agents, scenarios, chunksize=4)
+        yield from map(Flown, indices, agents, scenarios, flights)
+
+
+def complaints(flown: Flown, pipeline) -> Iterator[str]:
+    """What is unsound about a flight: nothing, if it is as its end says."""
+    flight, scenario = flown.flight, flown.scenario
+    [pipe] = scenario.pipe.segments
+    if not all(np.isfinite(v).all() for v in (flight.t, flight.position, flight.quaternion, flight.velocity)):
+        yield "is not finite"
+    if (np.diff(flight.t) <= 0).any() or np.abs(np.linalg.norm(flight.quaternion, axis=1) - 1).max() > 1e-9:
+        yield "has times out of order, or quaternions of another length than 1"
+    if flight.end.failed:
+        return
+    where = {
+        End.OUTLET: abs(flight.position[-1, 0] - pipe.end[0]) < 1e-9,
+        End.INLET: flight.position[-1, 0] < -pipe.radius,
+        End.HORIZON: abs(flight.t[-1] - scenario.flight.horizon) < 1e-9,
+    }
+    if not where[flight.end]:
+        yield f"ends as {flight.end} after {flight.t[-1]} s at {flight.position[-1]}"
+    if flight.error is None or not flight.error <= pipeline.simulator.options.accuracy:
+        yield f"passes with an error of {flight.error} m"
+    # The wall is soft: what comes with the speed v sinks in by v / frequency.
+    speed, spin = (np.linalg.norm(v, axis=1).max() for v in np.split(flight.velocity, 2, axis=1))
+    reach = np.hypot(*flown.agent.body.outer.T).max()
+    soft = (speed + spin * reach) / scenario.contact.frequency
+    if np.hypot(*flight.position[:, 1:].T).max() > pipe.radius + soft:
+        yield "goes through the wall"
+    fitness = pipeline.fitness.score(flight, scenario)
+    if not (np.isfinite(fitness).all() and (fitness >= 0).all() and (fitness <= 100).all()):
+        yield f"has the fitness {fitness}"
+
+
+def true_errors(sound: list[Flown], settings, workers) -> tuple[list[float], int]:
+    """How far (m) flights are from the same flown again, to 0.01 mm; and how many cannot be flown so exactly."""
+    tight = ("simulator.tolerance=1e-9", "simulator.accuracy=1e-5", "simulator.tightest=1e-12")
+    exact = load_study(None, [*settings, *tight], use={"simulator": "native"}).pipeline()
+    again = list(workers.map(exact.simulator.simulate, [f.agent for f in sound], [f.scenario for f in sound]))
+    errors = []
+    for flown, flight in zip(sound, again, strict=True):
+        if not flight.end.failed:
+            times = np.arange(0, min(flown.flight.t[-1], flight.t[-1]), 0.01)
+            errors.append(apart(positions_at(flown.flight, times), positions_at(flight, times)))
+    return errors, len(again) - len(errors)
+
+
+@pytest.mark.parametrize("occupied", ["insert", "skip"])
+def test_no_flight_of_a_random_agent_fails_unseen(occupied, count_of, workers, sensitivity, publish):
+    count = count_of("AGENTS", 10_000)
+    ends = list(End)
+    lines = [
+        f"| surroundings | {' | '.join(ends)} | unsound | checked | worst error mm | beyond 1 mm |",
+        "|---" * (len(ends) + 5) + "|",
+    ]
+    unsound, beyond, checked = [], 0, 0
+    for name, settings in SURROUNDINGS.items():
+        study = load_study(
+            None,
+            [f"grammar.occupied='{occupied}'", *settings],
+            use={"simulator": "native"},
+            run={"seed": SEED},
+        )
+        pipeline, counts = study.pipeline(), Counter()
+        sound, failed, found = [], [], []
+        for flown in flights_of(study, name in WITH_DRAG, count, workers):
+            counts[flown.flight.end] += 1
+            found += [
+                f"{occupied}, {name}, agent {flown.index} {what}" for what in complaints(flown, pipeline)
+            ]
+            if flown.flight.end.failed:
+                failed.append(flown)
+            elif flown.index % SPOT_CHECK == 0:
+                sound.append(flown)
+        if name not in WITH_DRAG:
+            # What a run would store of them.
+            for flown in failed[:LOOKED_AT]:
+                [evaluation] = pipeline.evaluate([flown.agent.genome], [flown.index])
+                if evaluation.failure is None or evaluation.fitness.any():
+                    found.append(f"{occupied}, {name}, agent {flown.index} is no failed evaluation")
+        errors, unknown = true_errors(sound, settings, workers)
+        far = sum(error > pipeline.simulator.options.accuracy for error in errors)
+        worst = 1e3 * max(errors, default=np.nan)
+        lines.append(
+            f"| {name} | {' | '.join(str(counts[end]) for end in ends)} "
+            f"| {len(found)} | {len(errors)} | {worst:.2g} | {far} |"
+        )
+        print(
+            f"{occupied}, {name}: {len(failed)} of {count} fail; of those checked {unknown} have no exact flight"
+        )
+        print(f"    {' '.join(str(flown.index) for flown in failed)}")
+        for flown in (*failed[:LOOKED_AT], *sound[:LOOKED_AT]):
+            flight, factor = flown.flight, sensitivity(flown.agent, flown.scenario)
+            touch = "never" if flight.contact is None else f"at {flight.contact:.2f} s"
+            print(
+                f"    agent {flown.index}: {flight.end} at {flight.t[-1]:.2f} s, error {flight.error:.1g} m, touches the "
+                f"wall {touch}, gets {factor:.0e} times farther off than it starts"
+            )
+        unsound += found
+        beyond += far
+        checked += len(errors)
+    publish(f"ends with {occupied}", [*lines, "", f"{count} random agents in each of these surroundings."])
+    assert unsound == []
+    assert beyond <= (1 - ENOUGH) * checked

@@ -1,0 +1,124 @@
+"""Do random agents fly as the textbook's equations say: for 9 s in open water, and in the pipe up to the wall?"""
+
+from itertools import repeat
+
+import numpy as np
+import pytest
+
+from driftform.scenario import Pipe
+from driftform.study import load_study
+from driftform.testing.simulator import apart, depths, positions_at
+from driftform.testing.textbook import textbook_flight
+from driftform.types import End, Trajectory
+
+pytestmark = pytest.mark.slow
+
+SIMULATORS = ("native", "exudyn")
+HORIZON = 9.0
+MILLIMETRE = 1e-3
+
+
+@pytest.fixture(scope="module")
+def pipelines():
+    return {use: load_study(use={"simulator": use}).pipeline() for use in SIMULATORS}
+
+
+@pytest.fixture
+def agents(pipelines, count_of):
+    """Random agents; another seed gives others."""
+
+    def drawn(seed: int):
+        pipeline, rng = pipelines["native"], np.random.default_rng(seed)
+        return [pipeline.agent(pipeline.grammar.random(rng)) for _ in range(count_of("AGENTS", 200))]
+
+    return drawn
+
+
+def row(where: str, use: str, flights, errors) -> str:
+    known = sum(flight.error >= error for flight, error in zip(flights, errors, strict=True))
+    beyond = sum(error > MILLIMETRE for error in errors)
+    return (
+        f"| {where} | {use} | {len(errors)} | {1e3 * np.median(errors):.2g} | {1e3 * max(errors):.2g} "
+        f"| {beyond} | {known} |"
+    )
+
+
+HEAD = (
+    "| flights | simulator | agents | median mm | worst mm | beyond 1 mm | estimated error no less than this |",
+    "|---|---|---|---|---|---|---|",
+)
+
+
+def test_free_flights_agree_with_the_textbook_to_a_millimetre(pipelines, agents, workers, publish):
+    drawn = agents(0)
+    scenario = pipelines["native"].scenario
+    scenario = scenario.model_copy(
+        update={
+            "pipe": Pipe(),
+            "targets": {},
+            "flight": scenario.flight.model_copy(update={"horizon": HORIZON}),
+        }
+    )
+    times = np.linspace(0, HORIZON, round(100 * HORIZON) + 1)
+    expected = list(workers.map(textbook_flight, drawn, repeat(scenario), repeat(times)))
+    # The book's own error: the same to a hundred times less.
+    few = drawn[:10]
+    tighter = workers.map(textbook_flight, few, repeat(scenario), repeat(times), repeat(1e-13))
+    doubt = max(apart(a[:, :3], b[:, :3]) for a, b in zip(expected, tighter, strict=False))
+
+    lines, errors = list(HEAD), {}
+    for use, pipeline in pipelines.items():
+        flights = list(workers.map(pipeline.simulator.simulate, drawn, repeat(scenario)))
+        assert {flight.end for flight in flights} <= {End.HORIZON, End.NOT_CONVERGED}
+        errors[use] = [
+            apart(positions_at(f, times), e[:, :3]) for f, e in zip(flights, expected, strict=True)
+        ]
+        failed = [index for index, flight in enumerate(flights) if flight.end.failed]
+        print(f"{use}: not converged: {failed}")
+        lines.append(row("9 s in open water", use, flights, errors[use]))
+    fastest = [float(np.abs(flight[:, 10:]).max()) for flight in expected]
+    lines += [
+        "",
+        f"The textbook's flights are known to {doubt:.1g} m. Half of the agents come to spin at more than "
+        f"{np.median(fastest):.0f} rad/s, one at {max(fastest):.0f} rad/s: nothing damps them.",
+    ]
+    publish("free flights", lines)
+    assert doubt < 1e-6
+    for use in SIMULATORS:
+        assert max(errors[use]) < MILLIMETRE, use
+
+
+def test_flights_in_the_pipe_agree_with_the_textbook_up_to_the_wall(pipelines, agents, workers, publish):
+    drawn = agents(1)
+    scenario = pipelines["native"].scenario
+    radius = scenario.pipe.segments[0].radius
+    lines, worst, reached = list(HEAD), {}, {}
+    for use, pipeline in pipelines.items():
+        flights = list(workers.map(pipeline.simulator.simulate, drawn, repeat(scenario)))
+        untils = [flight.t[-1] if flight.contact is None else flight.contact for flight in flights]
+        instants = [np.linspace(0, until, int(100 * until) + 2) for until in untils]
+        expected = list(workers.map(textbook_flight, drawn, repeat(scenario), instants))
+        errors = [
+            apart(positions_at(flight, times), path[:, :3])
+            for flight, times, path in zip(flights, instants, expected, strict=True)
+        ]
+        # Where a simulator tells of the first contact, the textbook's agent must touch the wall as well.
+        touching = [
+            depths(agent, as_trajectory(times[-1:], path[-1:]), radius)[0]
+            for agent, flight, times, path in zip(drawn, flights, instants, expected, strict=True)
+            if flight.contact is not None
+        ]
+        worst[use], reached[use] = max(errors), max(map(abs, touching))
+        lines.append(row("in the pipe, up to the wall", use, flights, errors))
+        print(
+            f"{use}: {len(touching)} reach the wall; at its first contact the textbook's agent is off it by"
+        )
+        print(f"    {1e3 * reached[use]:.3g} mm at most; {sum(f.end.failed for f in flights)} fail later on")
+    publish("flights up to the wall", lines)
+    for use in SIMULATORS:
+        assert worst[use] < MILLIMETRE, use
+        assert reached[use] < MILLIMETRE, use
+
+
+def as_trajectory(t, states) -> Trajectory:
+    return Trajectory(t, states[:, :3], states[:, 3:7], states[:, 7:], End.HORIZON)
