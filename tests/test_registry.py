@@ -92,6 +92,7 @@ def test_our_own_plugins_are_found_with_their_distribution_and_version():
         ("grammar", "lsystem"): "driftform-lsystem",
         ("builder", "frusta"): "driftform-frusta",
         ("hydrodynamics", "striptheory"): "driftform-striptheory",
+        ("hydrodynamics", "panels"): "driftform-panels",
         ("simulator", "exudyn"): "driftform-exudyn",
         ("fitness", "closest-approach"): "driftform",
         ("strategy", "paper"): "driftform",

@@ -16,4 +16,4 @@ class TestExudynWithATightTolerance(SimulatorContract):
     agreement = 1e-6
 
     def plugin(self) -> ExudynSimulator:
-        return ExudynSimulator(ExudynOptions(integrator="DOPRI5", tolerance=1e-9))
+        return ExudynSimulator(ExudynOptions(tolerance=1e-9))

@@ -1,12 +1,17 @@
-"""Bodies as the default study makes them."""
+"""Bodies as the default study makes them, and where studies publish their tables."""
 
 from collections.abc import Callable
+from pathlib import Path
+from runpy import run_path
 
 import numpy as np
 import pytest
 
 from driftform.study import load_study
 from driftform.types import Body
+
+# The fixture of the benchmarks: with the import mode "importlib" one folder's conftest is no module of another's.
+publish = run_path(str(Path(__file__).parents[3] / "tests" / "benchmarks" / "conftest.py"))["publish"]
 
 
 @pytest.fixture(scope="session")
@@ -16,8 +21,6 @@ def random_bodies() -> Callable[[int, int], list[Body]]:
 
     def drawn(count: int, seed: int) -> list[Body]:
         rng = np.random.default_rng(seed)
-        return [
-            pipeline.builder.build(pipeline.express(pipeline.grammar.random(rng))) for _ in range(count)
-        ]
+        return [pipeline.builder.build(pipeline.express(pipeline.grammar.random(rng))) for _ in range(count)]
 
     return drawn

@@ -190,15 +190,8 @@ def _quaternion_rate(quaternion: FloatArray, omega: FloatArray) -> FloatArray:
     )
 
 
-def first_contact(samples: FloatArray, values: FloatArray) -> float | None:
-    """Return when (s) a flight of raw samples (k, 14) first touches a wall; ``None`` where it never does.
-
-    ``values`` is its packed model.
-    """
-    return _contact_time(samples, values, _first_touch(samples, values))
-
-
 def _contact_time(rows: FloatArray, values: FloatArray, touched: int) -> float | None:
+    """When (s) a wall is first touched, before the sample ``touched``; ``None`` where no sample touches."""
     if touched == len(rows):
         return None
     return float(rows[0, 0]) if touched == 0 else _touching(rows[touched - 1], rows[touched], values)

@@ -7,14 +7,14 @@ from typing import Any, Literal
 import numpy as np
 
 from driftform.dynamics.equations import fill_accelerations
-from driftform.dynamics.flight import SAMPLE, finished_flight, first_contact, record, release_state
+from driftform.dynamics.flight import SAMPLE, finished_flight, record, release_state
 from driftform.dynamics.integrator import Accuracy, greatest_distance, integrate
 from driftform.dynamics.model import flight_model, packed
 from driftform.dynamics.rotations import rotation_vector_from_quaternion
 from driftform.interfaces import Simulator
 from driftform.options import Table, option
 from driftform.scenario import Scenario
-from driftform.types import Agent, End, FloatArray, Trajectory
+from driftform.types import Agent, FloatArray, Trajectory
 from driftform_exudyn.headless import exudyn, items
 
 PATIENCE = 5_000
@@ -31,10 +31,8 @@ TIGHTENING = 0.1
 class ExudynOptions(Table):
     """Options of the Exudyn backend."""
 
-    integrator: Literal["auto", "DOPRI5", "RK67", "RK44"] = option(
-        "auto",
-        "explicit integrator: DOPRI5 controls its error, RK67 and RK44 take equal steps; auto is DOPRI5, and RK67 "
-        "for flights that touch no wall, as far as that is as accurate",
+    integrator: Literal["DOPRI5", "RK67", "RK44"] = option(
+        "DOPRI5", "explicit integrator: DOPRI5 controls its error, RK67 and RK44 take equal steps"
     )
     accuracy: float = option(
         1e-3, "largest estimated error of the position; the tolerance is tightened until it is met", "m", gt=0
@@ -78,45 +76,28 @@ class ExudynSimulator(Simulator[ExudynOptions]):
             model, start, horizon, Accuracy(options.accuracy / 2, step_limit=options.step_limit)
         )
         tolerance = options.tolerance
-
-        def flown(integrator: str) -> Trajectory:
-            settings = self._settings(integrator, horizon, tolerance)
+        while True:
+            settings = self._settings(horizon, tolerance)
             samples = _integrated(values, start, settings, options.step_limit)
             error = other.error + greatest_distance(other.samples, samples)
-            return finished_flight(samples, model, horizon, options.step_limit, error, options.accuracy)
-
-        if options.integrator not in ("auto", "DOPRI5"):
-            return flown(options.integrator)
-        if options.integrator == "auto" and first_contact(other.samples, values) is None:
-            flight = flown("RK67")
-            if not flight.end.failed and _is_as_accurate(flight, tolerance, options.accuracy):
-                return flight
-        flight = flown("DOPRI5")
-        while flight.end == End.NOT_CONVERGED and TIGHTENING * tolerance >= options.tightest:
             tolerance *= TIGHTENING
-            flight = flown("DOPRI5")
-        return flight
+            equal_steps = options.integrator != "DOPRI5"
+            if error <= options.accuracy or equal_steps or tolerance < options.tightest:
+                return finished_flight(samples, model, horizon, options.step_limit, error, options.accuracy)
 
-    def _settings(self, integrator: str, horizon: float, tolerance: float) -> Any:
+    def _settings(self, horizon: float, tolerance: float) -> Any:
         settings = exudyn.SimulationSettings()
         settings.solution.file.write = False
         integration = settings.timeIntegration
         integration.endTime = horizon
         integration.numberOfSteps = max(1, math.ceil(horizon / self.options.max_step))
         integration.verboseMode = 0
-        integration.solverType = getattr(exudyn.DynamicSolverType, integrator)
+        integration.solverType = getattr(exudyn.DynamicSolverType, self.options.integrator)
         integration.absoluteTolerance = tolerance
         integration.relativeTolerance = tolerance
         integration.minimumStepSize = 1e-10
         integration.explicit.computeEndOfStepAccelerations = False
         return settings
-
-
-def _is_as_accurate(flight: Trajectory, tolerance: float, accuracy: float) -> bool:
-    """Whether equal steps did as well as steps of this tolerance would; energy tells, where something conserves it."""
-    if flight.energy_drift is not None:
-        return flight.energy_drift <= tolerance
-    return flight.error is not None and flight.error <= 0.1 * accuracy
 
 
 def _integrated(model: FloatArray, start: FloatArray, settings: Any, limit: int) -> FloatArray:

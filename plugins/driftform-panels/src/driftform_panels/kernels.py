@@ -1,4 +1,4 @@
-"""The compiled part: integrals over rings, and the equations of all collocation points.
+"""The compiled part: integrals over rings, and the equations at all collocation points.
 
 All compiled functions are in this one file, because numba's cache of a function sees changes of its own file alone.
 
@@ -8,7 +8,7 @@ Green's identity for the potential phi outside a body, with the normal n into th
 
 On a body of revolution phi = phi_m(s) cos(m theta), and the integral over theta is done in closed form: a ring of
 radius r' acts on the point (x, r) of the meridian by complete elliptic integrals. Surge has m = 0, sway and yaw have
-m = 1. Nothing here has a unit of its own: lengths may be scaled at will.
+m = 1. Nothing here has a length of its own: any unit will do.
 """
 
 import math
@@ -88,7 +88,7 @@ def _elliptic(dx: float, r: float, s: float) -> tuple[float, float]:
 
 @_compiled
 def rings(x: float, r: float, source: FloatArray, count: int, out: FloatArray) -> None:
-    """Add up what rings do at one point of the meridian; the loop is compiled to vector instructions.
+    """Find what rings do at one point of the meridian; the loop is compiled to vector instructions.
 
     Parameters
     ----------
@@ -99,8 +99,8 @@ def rings(x: float, r: float, source: FloatArray, count: int, out: FloatArray) -
     count
         how many there are.
     out
-        what each ring does, (5, n): the single layers r' I0 n_x, r' I1 n_r and
-        r' I1 (x' n_r - r' n_x) of surge, sway and yaw, and the double layers of m = 0 and m = 1,
+        receives what each ring does, (5, n): the single layers r' I0 n_x, r' I1 n_r and r' I1 (x' n_r - r' n_x) of
+        surge, sway and yaw, and the double layers of m = 0 and m = 1,
         r' [n_x (x - x') J_m + n_r (r J_{m+1} - r' J_m)], with J_m the integral of cos(theta)^m / R^3.
     """
     for k in range(count):

@@ -8,7 +8,10 @@ import numpy.typing as npt
 from driftform.types import FloatArray, frozen
 
 SMOOTH = np.deg2rad(5)
-"""Turn of a contour at a joint up to which it counts as a curve that was drawn with short edges, rad."""
+"""Turn of a contour at a joint up to which it may be a curve that was drawn with short edges, rad."""
+
+SAGITTA = 5e-4
+"""How far that curve may be from those edges, relative to the contour's largest radius."""
 
 SHARP = np.deg2rad(35)
 """Turn beyond which panels get shorter towards a corner, rad."""
@@ -21,12 +24,6 @@ GROWTH = 1.0
 
 CROWDING = 0.8
 """How much the points of a panel crowd at its corner: 0 not at all, 1 without limit."""
-
-_LIKE = 2.0
-"""Ratio of the lengths of neighbouring edges up to which they may be of one curve."""
-
-_STRAIGHT = 1e-3
-"""Turn that counts as none, rad."""
 
 _STATIONS = np.concatenate([(np.arange(12) / 12) ** 3, 2 - (np.arange(12, -1, -1) / 12) ** 3]) / 2
 """Where an edge is looked at, from 0 to 1: densely at its ends."""
@@ -68,22 +65,22 @@ class Panels:
         tangent = np.column_stack([self.x @ _MIDDLE_SLOPE, self.r @ _MIDDLE_SLOPE])
         tangent /= np.linalg.norm(tangent, axis=1)[:, None]
         normal = tangent[:, ::-1] * (-1.0, 1.0)
-        offset = middle[:, None] - middle
-        behind = -(offset * normal).sum(axis=2)
-        beside = np.abs((offset * tangent).sum(axis=2))
+        # Of every panel's middle (row) from that of every other (column), in the other's own axes.
+        ahead = middle @ normal.T - (middle * normal).sum(axis=1)
+        beside = np.abs(middle @ tangent.T - (middle * tangent).sum(axis=1))
         facing = (
-            (normal @ normal.T < -0.5) & (behind > 0) & (2 * beside < self.lengths[:, None] + self.lengths)
+            (normal @ normal.T < -0.5) & (ahead < 0) & (2 * beside < self.lengths[:, None] + self.lengths)
         )
-        return float(np.where(facing, behind / self.lengths, np.inf).min())
+        return float(np.where(facing, -ahead / self.lengths, np.inf).min())
 
 
 def panels(contour: npt.ArrayLike, count: int, corner: float) -> Panels:
     """Divide a contour.
 
-    Edges of like lengths, with turns of less than ``SMOOTH`` between them and all in one sense, are one curve; at all
-    other joints a panel ends. So a straight edge has one panel at least, which follows it exactly, and a panel on a
-    curve is the cubic through four points of it. Panels are the shorter, the nearer a sharp corner is and the tighter
-    the curve. The mirrored contour has the mirrored panels.
+    Edges that are short and turn little from one to the next (``SMOOTH``, ``SAGITTA``) are one curve; at all other
+    joints a panel ends. So any other edge has one panel at least, which follows it exactly, and a panel on a curve is
+    the cubic through four points of it. Panels are the shorter, the nearer a sharp corner is and the tighter the
+    curve. The mirrored contour has the mirrored panels.
 
     At a corner the potential has a part that varies as the distance to the power pi / (pi + turn), which is no
     polynomial. There the points of a panel crowd, which makes the potential smoother in the panel's parameter than it
@@ -101,11 +98,14 @@ def panels(contour: npt.ArrayLike, count: int, corner: float) -> Panels:
     points, edges, lengths = _sound(np.asarray(contour, dtype=np.float64))
     along = np.concatenate([[0.0], np.cumsum(lengths)])
 
-    turns = _turns(edges)
-    turn_at = np.concatenate([[0.0], np.abs(turns), [0.0]])
-    curved = _curved(turns, lengths)
+    # Joints lie between edges; the ends of the contour count as joints without a turn.
+    cross = edges[:-1, 0] * edges[1:, 1] - edges[:-1, 1] * edges[1:, 0]
+    turns = np.abs(np.arctan2(cross, (edges[:-1] * edges[1:]).sum(axis=1)))
+    sagittas = turns * (lengths[:-1] + lengths[1:]) / 16
+    curved = (turns <= SMOOTH) & (sagittas <= SAGITTA * points[:, 1].max())
     ends = np.concatenate([[0], 1 + np.flatnonzero(~curved), [len(edges)]])
-    bends = np.concatenate([[0.0], np.where(curved, np.abs(turns), 0.0), [0.0]])
+    turn_at = np.concatenate([[0.0], turns, [0.0]])
+    bends = np.concatenate([[0.0], np.where(curved, turns, 0.0), [0.0]])
 
     # How many panels there should be up to each station of each edge, counted from where its curve begins.
     curve = np.repeat(np.arange(len(ends) - 1), np.diff(ends))
@@ -161,22 +161,6 @@ def _sound(points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     keep = lengths > 1e-9 * lengths.sum()
     points = np.concatenate([points[:-1][keep], points[-1:]])
     return points, np.diff(points, axis=0), lengths[keep]
-
-
-def _turns(edges: FloatArray) -> FloatArray:
-    """Turn of a contour at each of its joints, rad, (edges - 1,)."""
-    cross = edges[:-1, 0] * edges[1:, 1] - edges[:-1, 1] * edges[1:, 0]
-    return np.asarray(np.arctan2(cross, (edges[:-1] * edges[1:]).sum(axis=1)), dtype=np.float64)
-
-
-def _curved(turns: FloatArray, lengths: FloatArray) -> npt.NDArray[np.bool_]:
-    """Tell at which joints two edges are of one curve, (edges - 1,)."""
-    ratios = lengths[1:] / lengths[:-1]
-    sense = np.where(np.abs(turns) > _STRAIGHT, np.sign(turns), 0.0)
-    # An edge that turns one way at one end and the other way at the other is part of a zigzag, not of a curve.
-    zigzag = np.concatenate([[False], sense[:-1] * sense[1:] < 0, [False]])
-    smooth = (np.abs(turns) <= SMOOTH) & (np.maximum(ratios, 1 / ratios) <= _LIKE)
-    return np.asarray(smooth & ~zigzag[:-1] & ~zigzag[1:], dtype=np.bool_)
 
 
 def _crowded(aft: FloatArray, fore: FloatArray) -> FloatArray:

@@ -24,13 +24,13 @@ class PanelOptions(HydrodynamicsOptions):
     """How finely the meridian is divided."""
 
     panels: int = option(
-        15,
+        20,
         "panels that a straight meridian without corners would have; every edge has one at least",
         ge=4,
         le=400,
     )
     corner: float = option(
-        0.2, "length of the panels at a corner sharper than 35 degrees, relative to its radius", gt=0, le=1
+        0.2, "length of the panels at a corner that turns by more than 35 degrees, relative to its radius", gt=0, le=1
     )
 
 
@@ -67,7 +67,7 @@ class PanelSolution:
     def reciprocity(self) -> float:
         """How far the error of the discretisation shows: abs(A26 - A62) / sqrt(A22 A66).
 
-        About the centre of buoyancy; without meaning for a sphere, which turns without moving any water.
+        About ``origin``. It means nothing for a sphere about its centre, which turns without moving any water.
         """
         size = math.sqrt(max(self.sway * self.yaw, 0.0))
         return abs(self.sway_of_yaw - self.yaw_of_sway) / size if size > 0 else math.inf
@@ -75,8 +75,8 @@ class PanelSolution:
     def matrix(self) -> FloatArray:
         """Return the added mass for density 1, (6, 6): symmetric, and positive semi-definite.
 
-        A26 is the mean of its two values. Where rounding and discretisation leave a body that turns about its centre
-        of added mass without moving water with less than nothing (a sphere), A66 is what its sway needs.
+        A26 is the mean of its two values. A sphere that turns moves no water, and the error of the discretisation may
+        make less than none of it: A66 is never less than A26^2 / A22, which it takes for a semi-definite matrix.
         """
         coupling = (self.sway_of_yaw + self.yaw_of_sway) / 2
         turning = max(self.yaw, coupling * coupling / self.sway)

@@ -1,0 +1,140 @@
+"""The model as a plugin: what it returns for bodies, the degenerate ones among them."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from driftform.dynamics.inertia import added_mass_at
+from driftform.geometry import solid_of_revolution
+from driftform.scenario import Fluid
+from driftform.testing.bodies import body_of, cylinder_body, spheroid_body
+from driftform.types import Module, Morphology
+from driftform_frusta.builder import FrustaBuilder, FrustaOptions
+from driftform_panels import driftform_hydrodynamics
+from driftform_panels.coefficients import PanelMethod
+from driftform_panels.solve import PanelOptions
+
+FLUID = Fluid(density=1024.0)
+MODEL = PanelMethod(PanelOptions())
+BUILDER = FrustaBuilder(FrustaOptions())
+
+modules = st.lists(
+    st.builds(
+        Module,
+        length=st.sampled_from([2.5e-3, 5e-3, 1e-2]),
+        tilt=st.one_of(st.sampled_from(np.deg2rad([-20, -10, 0, 10, 20]).tolist()), st.floats(-1.39, 1.39)),
+    ),
+    max_size=20,
+).map(tuple)
+
+
+def assert_physical(body):
+    """Symmetric, positive semi-definite, axisymmetric, with a mass that is moved in every direction."""
+    matrix = MODEL.coefficients(body, FLUID).added_mass
+    size = np.array([1.0, 1.0, 1.0, *[1 / body.max_diameter] * 3])
+    scaled = matrix * np.outer(size, size)
+    assert np.isfinite(matrix).all()
+    np.testing.assert_array_equal(matrix, matrix.T)
+    assert np.linalg.eigvalsh(scaled).min() >= -1e-12 * np.abs(scaled).max()
+    assert matrix[1, 1] == matrix[2, 2] > 0
+    assert matrix[4, 4] == matrix[5, 5] >= 0
+    assert matrix[2, 4] == -matrix[1, 5]
+    assert matrix[0, 0] > 0
+    return matrix
+
+
+def test_the_hook_returns_the_model():
+    assert driftform_hydrodynamics() is PanelMethod
+
+
+def test_coefficients_are_about_the_centre_of_buoyancy_without_damping():
+    body = body_of([(0.02, 0), (0.02, 0.03), (0.12, 0)])
+    coefficients = MODEL.coefficients(body, FLUID)
+    np.testing.assert_allclose(coefficients.origin, [solid_of_revolution(body.outer).centroid, 0, 0])
+    assert not coefficients.linear_damping.any()
+    assert not coefficients.quadratic_damping.any()
+    assert not coefficients.added_mass[3].any()
+
+
+def test_the_coupling_has_the_sign_of_the_conventions():
+    """M26 is positive where the added mass of sway lies ahead of the origin, M35 is its negative."""
+    ahead = added_mass_at(
+        MODEL.coefficients(body_of([(0.1, 0), (0.1, 0.01), (0.2, 0.01), (0.2, 0)]), FLUID), np.zeros(3)
+    )
+    assert ahead[1, 5] == pytest.approx(0.15 * ahead[1, 1])
+    assert ahead[2, 4] == pytest.approx(-0.15 * ahead[1, 1])
+
+
+def test_a_sphere_turns_without_moving_water():
+    matrix = assert_physical(spheroid_body(0.01, 0.01, edges=256))
+    water = 1024 * 4 / 3 * np.pi * 1e-6
+    np.testing.assert_allclose(np.diag(matrix)[:3], water / 2, rtol=1e-3)
+    assert matrix[5, 5] < 1e-6 * water * 1e-4
+
+
+def tilts(*degrees, length=1e-2):
+    return tuple(Module(length, float(np.deg2rad(tilt))) for tilt in degrees)
+
+
+@pytest.mark.parametrize(
+    "morphology",
+    [
+        Morphology(),
+        Morphology(fore=tilts(0, length=2.5e-3)),
+        Morphology(aft=tilts(-20, length=1e-2)),
+        Morphology(fore=tilts(80, 80, 80, 80, -80, -80)),
+        Morphology(fore=tilts(*[80] * 8), aft=tilts(*[80] * 8)),
+        Morphology(fore=tilts(*[-20] * 20), aft=tilts(*[-20] * 19)),
+        Morphology(fore=tilts(*[-80] * 10, *[0] * 20)),
+        Morphology(aft=tilts(*[20, -20] * 19)),
+        Morphology(fore=tilts(*[3, -3] * 10), aft=tilts(*[1, 2, 3, 2, 1, 0])),
+    ],
+    ids=[
+        "core alone",
+        "one short module",
+        "one module aft",
+        "wider than long",
+        "hourglass",
+        "all negative",
+        "least radius along its length",
+        "zigzag",
+        "nearly straight",
+    ],
+)
+def test_degenerate_bodies_have_physical_coefficients(morphology):
+    assert_physical(BUILDER.build(morphology))
+
+
+@given(st.builds(Morphology, fore=modules, aft=modules))
+def test_any_body_has_physical_coefficients(morphology):
+    assert_physical(BUILDER.build(morphology))
+
+
+def test_a_nearly_straight_body_is_not_smoothed():
+    """Kinks of six degrees and of four are no different in kind: A11 and A22 vary evenly with the tilt."""
+    found = []
+    for tilt in (1.8, 2.2, 2.4, 2.6, 2.8, 3.2):
+        body = BUILDER.build(Morphology(fore=tilts(*[tilt, -tilt] * 10)))
+        found.append(np.diag(MODEL.coefficients(body, FLUID).added_mass)[[0, 1, 5]])
+    change = np.diff(np.log(found), axis=0) / np.diff([1.8, 2.2, 2.4, 2.6, 2.8, 3.2])[:, None]
+    assert np.abs(change - change.mean(axis=0)).max() < 5e-3
+
+
+@pytest.mark.parametrize(
+    "options", [{"panels": 3}, {"panels": 401}, {"corner": 0.0}, {"corner": 1.5}, {"panel": 10}]
+)
+def test_options_that_make_no_panels_are_refused(options):
+    with pytest.raises(ValidationError):
+        PanelOptions(**options)
+
+
+def test_more_panels_are_used():
+    body = cylinder_body(0.1, 0.02)
+    few, many = (
+        PanelMethod(PanelOptions(panels=count)).coefficients(body, FLUID).added_mass[0, 0]
+        for count in (4, 60)
+    )
+    assert few != many
+    assert few == pytest.approx(many, rel=1e-2)

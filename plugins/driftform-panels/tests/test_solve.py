@@ -1,0 +1,239 @@
+"""Added mass against closed forms, published values, other origins, and itself with twice as many panels."""
+
+import math
+import threading
+
+import numpy as np
+import pytest
+
+from driftform.dynamics.inertia import shifted
+from driftform.geometry import solid_of_revolution
+from driftform.testing.bodies import cylinder_body, dome_body, spheroid_body
+from driftform_panels import solve as module
+from driftform_panels.meridian import Panels, panels
+from driftform_panels.solve import PanelOptions, PanelSolution, solve, solve_panels
+
+CUP = np.array([(0, 0), (0, 1), (3, 1), (3, 0.7), (1, 0.7), (1, 0)], dtype=float)
+"""Thick walls, closed aft: its contour folds back along x."""
+
+
+def lamb(a, b):
+    """Added mass of a spheroid in fluid of density 1: surge, sway and yaw (Lamb, sections 114 and 115)."""
+    s, volume = b / a, 4 / 3 * np.pi * a * b * b
+    if s == 1:
+        alpha = 2 / 3
+    elif s < 1:
+        e = math.sqrt(1 - s * s)
+        alpha = 2 * s * s / e**3 * (math.atanh(e) - e)
+    else:
+        e = math.sqrt(1 - 1 / (s * s))
+        alpha = 2 * (1 / e**2 - math.asin(e) / (s * e**3))
+    beta = (2 - alpha) / 2
+    difference, total = a * a - b * b, a * a + b * b
+    turning = 0.0
+    if s != 1:
+        turning = difference**2 * (beta - alpha) / (total * (2 * difference - total * (beta - alpha)))
+    return np.array([alpha / (2 - alpha), beta / (2 - beta), turning * total / 5]) * volume
+
+
+def values(solution: PanelSolution):
+    """Surge, sway, yaw and their coupling."""
+    coupling = (solution.sway_of_yaw + solution.yaw_of_sway) / 2
+    return np.array([solution.surge, solution.sway, solution.yaw, coupling])
+
+
+def change(actual: PanelSolution, expected: PanelSolution):
+    """Relative difference of surge, sway and yaw, and that of the coupling relative to sqrt(A22 A66)."""
+    size = values(expected)
+    size[3] = math.sqrt(expected.sway * expected.yaw)
+    return np.abs(values(actual) - values(expected)) / size
+
+
+def halved(divided: Panels) -> Panels:
+    """The same curves with every panel cut in two, at the middle of its parameter."""
+    first = np.diag([1 / 8, 1 / 4, 1 / 2, 1])
+    second = np.array([[1, 0, 0, 0], [3, 2, 0, 0], [3, 4, 4, 0], [1, 2, 4, 8]]) / 8
+    x, r = (
+        np.stack([curve @ first.T, curve @ second.T], axis=1).reshape(-1, 4)
+        for curve in (divided.x, divided.r)
+    )
+    return Panels(x, r, np.repeat(divided.lengths / 2, 2))
+
+
+def centred(contour):
+    return np.asarray(contour) - (solid_of_revolution(contour).centroid, 0.0)
+
+
+@pytest.mark.parametrize(("a", "b"), [(6, 1), (4, 1), (2, 1), (1, 1), (1, 2), (1, 5)], ids=str)
+def test_spheroids_agree_with_lamb(a, b):
+    solution = solve(spheroid_body(a, b, edges=256).outer)
+    expected = lamb(a, b)
+    np.testing.assert_allclose([solution.surge, solution.sway], expected[:2], rtol=1e-3)
+    assert solution.yaw == pytest.approx(expected[2], rel=2e-3, abs=1e-6 * expected[1])
+
+
+@pytest.mark.parametrize(("a", "b"), [(6, 1), (1, 1), (1, 5)], ids=str)
+def test_what_is_left_of_that_error_is_the_polyline(a, b):
+    solution = solve(spheroid_body(a, b, edges=2048).outer)
+    np.testing.assert_allclose([solution.surge, solution.sway], lamb(a, b)[:2], rtol=2e-5)
+
+
+@pytest.mark.parametrize(("ratio", "k"), [(1.2, 0.623), (5.0, 0.877)])
+def test_published_lateral_added_mass_of_cylinders(ratio, k):
+    solution = solve(cylinder_body(2 * ratio, 1.0).outer)
+    assert solution.sway / (2 * ratio * np.pi) == pytest.approx(k, abs=0.5e-3)
+
+
+def test_published_axial_added_mass_of_a_cylinder():
+    assert solve(cylinder_body(5.0, 1.0).outer).surge / (5 * np.pi) == pytest.approx(0.248, rel=0.01)
+
+
+def test_a_thin_disc_moves_as_much_water_as_lamb_says():
+    # Broadside 8/3 R^3, and 16/45 R^5 about a diameter; a thickness of R/500 adds a little.
+    solution = solve(cylinder_body(0.004, 1.0).outer, PanelOptions(panels=30, corner=0.01))
+    assert solution.surge == pytest.approx(8 / 3, rel=0.02)
+    assert solution.yaw == pytest.approx(16 / 45, rel=0.02)
+
+
+def test_a_long_cylinder_is_two_dimensional_across_its_axis():
+    solution = solve(cylinder_body(400.0, 1.0).outer)
+    assert solution.sway / (400 * np.pi) == pytest.approx(1, rel=5e-3)
+    assert solution.yaw / (400**3 * np.pi / 12) == pytest.approx(1, rel=1e-2)
+
+
+def test_the_hull_of_remus_100_moves_more_water_than_its_spheroid():
+    """Prestero's -0.930 is the surge of the spheroid of the same length and diameter; Myring's hull has fuller ends."""
+    a, b, c, d, theta, nose, tail = 0.191, 0.654, 0.541, 0.191, 0.436, 0.0165, 0.0368
+    ahead = np.concatenate([[0.0], (a - nose) * (1 - np.cos(np.linspace(0, np.pi / 2, 40)))])
+    bow = d / 2 * np.sqrt(1 - ((ahead + nose - a) / a) ** 2)
+    behind = np.linspace(0, c - tail, 40)
+    taper = math.tan(theta)
+    stern = d / 2 - (3 * d / (2 * c * c) - taper / c) * behind**2 + (d / c**3 - taper / c**2) * behind**3
+    x = -np.concatenate([ahead, a + b - nose + behind])
+    r = np.concatenate([bow, stern])
+    hull = np.array([(x[-1], 0), *zip(x[::-1], r[::-1], strict=True), (0.0, 0.0)])
+    length = -x[-1]
+    assert length == pytest.approx(1.33, abs=0.04)
+    spheroid = spheroid_body(1.33 / 2, d / 2, edges=256).outer
+    assert 1030 * solve(spheroid).surge == pytest.approx(0.930, rel=0.02)
+    assert 1030 * solve(hull).surge == pytest.approx(1.556, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "contour", [dome_body(1.0).outer, CUP, cylinder_body(3.0, 1.0).outer], ids=["dome", "cup", "cylinder"]
+)
+@pytest.mark.parametrize("offset", [0.7, -20.0])
+def test_about_another_origin_the_matrix_is_shifted(contour, offset):
+    here, there = solve(contour), solve(contour, origin=solve(contour).origin + offset)
+    expected = shifted(here.matrix(), np.array([offset, 0.0, 0.0]))
+    np.testing.assert_allclose(there.matrix(), expected, rtol=1e-5, atol=1e-5 * expected[1, 1])
+
+
+@pytest.mark.parametrize("offset", [0.7, -20.0])
+def test_where_a_body_is_makes_no_difference(offset):
+    here, there = solve(CUP), solve(np.add(CUP, (offset, 0.0)))
+    np.testing.assert_allclose(values(there), values(here), rtol=1e-6, atol=1e-6)
+    assert there.origin == pytest.approx(here.origin + offset)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 40.0])
+def test_lengths_enter_by_their_powers(factor):
+    powers = factor ** np.array([3, 3, 5, 4])
+    np.testing.assert_allclose(values(solve(factor * CUP)), values(solve(CUP)) * powers, rtol=1e-6)
+
+
+def test_random_bodies_are_reciprocal(random_bodies):
+    assert max(solve(body.outer).reciprocity for body in random_bodies(20, 1)) < 1e-4
+
+
+def test_a_contour_that_folds_back_is_reciprocal():
+    assert solve(CUP).reciprocity < 1e-4
+
+
+def test_with_every_panel_cut_in_two_random_bodies_stay_as_they_are(random_bodies):
+    worst = np.zeros(4)
+    for body in random_bodies(20, 1):
+        divided = panels(centred(body.outer), 15, 0.2)
+        twice = halved(divided)
+        assert len(twice.lengths) == 2 * len(divided.lengths)
+        worst = np.maximum(worst, change(solve_panels(divided), solve_panels(twice)))
+    assert (worst < [5e-4, 2e-4, 5e-4, 5e-4]).all(), worst
+
+
+def test_with_finer_options_random_bodies_stay_as_they_are(random_bodies):
+    fine = PanelOptions(panels=60, corner=0.02)
+    worst = np.zeros(4)
+    for body in random_bodies(20, 2):
+        worst = np.maximum(worst, change(solve(body.outer), solve(body.outer, fine)))
+    assert (worst < [1e-3, 3e-4, 5e-4, 5e-4]).all(), worst
+
+
+@pytest.mark.parametrize(
+    ("contour", "most"),
+    [
+        (CUP, 5e-4),
+        (cylinder_body(3.0, 1.0).outer, 5e-4),
+        (cylinder_body(0.2, 1.0).outer, 5e-4),
+        (np.array([(0, 0), (0, 1), (0.3, 0)]), 2e-3),
+        (np.array([(0, 0), (50, 1), (100, 0)]), 2e-3),
+        (np.array([(0, 0), (0, 1), (3, 1), (3, 0.95), (1, 0.95), (1, 0)]), 5e-4),
+        (np.array([(0, 0), (0, 0.1), (2, 0.1), (2, 3), (2.05, 3), (2.05, 0.1), (4, 0.1), (4, 0)]), 3e-3),
+    ],
+    ids=["cup", "cylinder", "disc", "flat cone", "needle", "thin cup", "plate on a rod"],
+)
+def test_with_finer_options_odd_shapes_stay_as_they_are(contour, most):
+    assert change(solve(contour), solve(contour, PanelOptions(panels=60, corner=0.02))).max() < most
+
+
+def test_a_cup_with_almost_no_hollow_is_a_cylinder():
+    cylinder = np.add(cylinder_body(3.0, 1.0).outer, (1.5, 0))
+    dented = np.array([(0, 0), (0, 1), (3, 1), (3, 0.7), (2.98, 0.7), (2.98, 0)])
+    assert change(solve(dented, origin=1.5), solve(cylinder, origin=1.5)).max() < 0.01
+
+
+def test_the_water_in_a_cup_goes_with_it():
+    """Across its axis a deep cup drags along what it holds: more than the same body filled up holds."""
+    full = np.add(cylinder_body(3.0, 1.0).outer, (1.5, 0))
+    held = np.pi * 0.7**2 * 2
+    assert solve(CUP).sway > solve(full).sway + 0.8 * held
+
+
+def test_a_wall_that_its_panels_cannot_resolve_is_refused():
+    thin = [(0, 0), (0, 1), (3, 1), (3, 0.998), (1, 0.998), (1, 0)]
+    with pytest.raises(ValueError, match=r"raise hydrodynamics\.panels"):
+        solve(thin)
+    assert solve(thin, PanelOptions(panels=120, corner=0.01)).reciprocity < 1e-4
+
+
+def test_a_contour_that_touches_itself_is_refused():
+    with pytest.raises(ValueError, match="touch itself"):
+        solve([(0, 0), (0, 1), (1, 1), (1, 0.5), (1, 1), (2, 1), (2, 0)])
+
+
+def test_it_solves_with_one_thread_and_leaves_the_others_alone(monkeypatch):
+    def threads():
+        # Not those of a library that came later: scipy brings one of its own, which numpy does not use.
+        return [pool["num_threads"] for pool in module._LIBRARIES.info() if pool["user_api"] == "blas"]
+
+    before, during = threads(), []
+    solver = np.linalg.solve
+    monkeypatch.setattr(
+        module.np.linalg, "solve", lambda *system: (during.append(threads()), solver(*system))[1]
+    )
+    solve(CUP)
+    assert during
+    assert {count for found in during for count in found} == {1}
+    assert threads() == before
+
+
+def test_threads_find_what_one_finds():
+    alone = values(solve(CUP))
+    found = []
+    workers = [threading.Thread(target=lambda: found.append(values(solve(CUP)))) for _ in range(4)]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join()
+    assert len(found) == 4
+    for other in found:
+        np.testing.assert_array_equal(other, alone)
