@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import tomli_w
 from hypothesis import HealthCheck, given, settings
@@ -194,3 +195,18 @@ def test_every_thing_wrong_is_an_argument_of_the_error(write: Write) -> None:
         load_study(write(BASE + "[fluid]\ndensity = -1\ngravity = 'x'\n[fitness]\nuse = 'y'\n"))
     assert len(caught.value.args) == 3
     assert str(caught.value).count("\n") == 2
+
+
+def test_the_water_main_is_the_same_pipe_with_what_the_paper_leaves_out():
+    paper, main = load_study("pipe-inspection").scenario, load_study("water-main").scenario
+    assert (main.pipe, main.targets, main.release) == (paper.pipe, paper.targets, paper.release)
+    assert (main.flow.kind, main.contact.friction > 0) == ("turbulent", True)
+    pipeline = load_study("water-main", run={"seed": 1}).pipeline()
+    genome = pipeline.grammar.random(np.random.default_rng(1))
+    agent = pipeline.agent(genome)
+    assert pipeline.hydrodynamics.name == "panels"
+    assert agent.coefficients.drag is not None
+    # Two evaluations of one genome meet gusts of their own.
+    first, second = pipeline.evaluate([genome, genome], [0, 1])
+    assert first.failure is None and second.failure is None
+    assert not np.array_equal(first.fitness, second.fitness)
