@@ -25,7 +25,8 @@ def inspect(
     hydrodynamics: Hydrodynamics = None,
     settings: Settings = None,
     compare: Annotated[
-        bool, typer.Option("--compare", help="The added mass of all installed hydrodynamics models side by side.")
+        bool,
+        typer.Option("--compare", help="The added mass of all installed hydrodynamics models side by side."),
     ] = False,
     json: Json = False,
 ) -> None:
@@ -196,7 +197,10 @@ def _print(facts: dict[str, Any]) -> None:
     rows += [
         ("at rest", _rest(facts["rest"])),
         ("righting moment", f"{1000 * facts['righting_moment']:.3g} mN m, level"),
-        ("terminal speed", f"{speeds['along']:.3g} m/s along its axis, {speeds['across']:.3g} across, with drag"),
+        (
+            "terminal speed",
+            f"{speeds['along']:.3g} m/s along its axis, {speeds['across']:.3g} across, with drag",
+        ),
         ("added over own mass", f"at most {facts['lambda_max']:.3g}"),
     ]
     print_table(("agent", facts["agent"]), rows)

@@ -30,7 +30,10 @@ class PanelOptions(HydrodynamicsOptions):
         le=400,
     )
     corner: float = option(
-        0.2, "length of the panels at a corner that turns by more than 35 degrees, relative to its radius", gt=0, le=1
+        0.2,
+        "length of the panels at a corner that turns by more than 35 degrees, relative to its radius",
+        gt=0,
+        le=1,
     )
 
 
