@@ -113,9 +113,10 @@ def test_the_hull_of_remus_100_moves_more_water_than_its_spheroid():
     r = np.concatenate([bow, stern])
     hull = np.array([(x[-1], 0), *zip(x[::-1], r[::-1], strict=True), (0.0, 0.0)])
     length = -x[-1]
-    assert length == pytest.approx(1.33, abs=0.04)
+    assert length == pytest.approx(1.33, abs=0.005)
     spheroid = spheroid_body(1.33 / 2, d / 2, edges=256).outer
     assert 1030 * solve(spheroid).surge == pytest.approx(0.930, rel=0.02)
+    # Capytaine's value for the hull, too (test_capytaine).
     assert 1030 * solve(hull).surge == pytest.approx(1.556, rel=0.01)
 
 
@@ -235,5 +236,7 @@ def test_threads_find_what_one_finds():
     for worker in workers:
         worker.join()
     assert len(found) == 4
+    # The number of threads belongs to the process: one solve that ends gives it back to another, which then rounds
+    # differently.
     for other in found:
-        np.testing.assert_array_equal(other, alone)
+        np.testing.assert_allclose(other, alone, rtol=1e-9, atol=1e-9 * np.abs(alone).max())
