@@ -230,3 +230,11 @@ def test_flights_that_do_not_end_alike_are_infinitely_far_apart():
     broken[-1, 5] = np.nan
     for a, b in ((straight(times), broken), (broken, straight(times))):
         assert greatest_distance(a, b) == math.inf
+
+
+def test_a_flight_released_at_the_outlet_is_over_at_once_and_has_no_error():
+    pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=(9, 0, 0), radius=1.0),))
+    scenario = Scenario(pipe=pipe, release={"position": (9.0, 0.0, 0.0)})
+    model = flight_model(tumbler(), scenario)
+    flown = integrate(model, release_state(model, scenario), 4.0, Accuracy())
+    assert (len(flown.samples), flown.error) == (1, 0.0)

@@ -25,7 +25,7 @@ from driftform.dynamics.model import (
     packed,
     unpacked,
 )
-from driftform.dynamics.path import hermite_coefficients
+from driftform.dynamics.path import at, cubic_between, hermite_coefficients
 from driftform.dynamics.rotations import (
     matrix_from_quaternion,
     rotation_from_quaternion,
@@ -209,7 +209,7 @@ def _first_touch(rows: FloatArray, values: FloatArray) -> int:
 
 @compiled
 def _depth(row: FloatArray, model: FlightModel) -> float:
-    return deepest_rim(_position(row), _attitude(row), model.rims, model.table[REACH], model.pipe)
+    return deepest_rim(position_of(row), _attitude(row), model.rims, model.table[REACH], model.pipe)
 
 
 @compiled
@@ -244,7 +244,7 @@ def energy(row: FloatArray, model: FlightModel) -> tuple[float, float]:
     """Return kinetic and potential energy of body and water, J, in the frame that moves with the water."""
     table, R = model.table, _attitude(row)
     stream = (table[CURRENT, 0], table[CURRENT, 1], table[CURRENT, 2])
-    v = to_body(R, minus((row[8], row[9], row[10]), stream))
+    v = to_body(R, minus(velocity_of(row), stream))
     nu = (v[0], v[1], v[2], row[11], row[12], row[13])
     kinetic = 0.0
     for i in range(6):
@@ -261,8 +261,15 @@ def energy(row: FloatArray, model: FlightModel) -> tuple[float, float]:
 
 
 @compiled
-def _position(row: FloatArray) -> Vector:
+def position_of(row: FloatArray) -> Vector:
+    """Return the position (m, world frame) of a raw sample."""
     return row[1], row[2], row[3]
+
+
+@compiled
+def velocity_of(row: FloatArray) -> Vector:
+    """Return the velocity (m/s, world frame) of a raw sample."""
+    return row[8], row[9], row[10]
 
 
 @compiled
@@ -278,12 +285,10 @@ def _touching(before: FloatArray, after: FloatArray, values: FloatArray) -> floa
     between, sign = np.empty(SAMPLE), 1.0
     if before[4] * after[4] + before[5] * after[5] + before[6] * after[6] + before[7] * after[7] < 0.0:
         sign = -1.0
+    path = cubic_between(position_of(before), velocity_of(before), position_of(after), velocity_of(after), h)
     for _ in range(40):
         u = 0.5 * (low + high)
-        for i in range(3):
-            p, q = before[1 + i], after[1 + i]
-            m, n = h * before[8 + i], h * after[8 + i]
-            between[1 + i] = p + u * (m + u * (3 * (q - p) - 2 * m - n + u * (2 * (p - q) + m + n)))
+        between[1], between[2], between[3] = at(path, u)
         for i in range(4, 8):
             between[i] = (1 - u) * before[i] + u * sign * after[i]
         if _depth(between, model) > 0.0:

@@ -15,10 +15,12 @@ import numpy as np
 from driftform.dynamics.compiled import compiled
 from driftform.dynamics.contact import is_far
 from driftform.dynamics.equations import accelerations
-from driftform.dynamics.flight import SAMPLE, has_left, is_finite
+from driftform.dynamics.flight import SAMPLE, has_left, is_finite, position_of, velocity_of
 from driftform.dynamics.model import REACH, FlightModel, packed, unpacked
+from driftform.dynamics.path import at, cubic_between
 from driftform.dynamics.rotations import rotation_from_quaternion
 from driftform.dynamics.tableaus import DOP853, DOPRI5, Pair
+from driftform.dynamics.vectors import dot, minus
 from driftform.types import FloatArray
 
 STATE = SAMPLE - 1
@@ -123,14 +125,17 @@ def greatest_distance(a: FloatArray, b: FloatArray) -> float:
     Infinite where one ends well before the other, or is not finite.
     """
     last_a, last_b = a.shape[0] - 1, b.shape[0] - 1
-    if not (np.isfinite(a[last_a]).all() and np.isfinite(b[last_b]).all()):
-        return np.inf
+    if not (is_finite(a[last_a]) and is_finite(b[last_b])):
+        return math.inf
+    if last_a == 0 or last_b == 0:
+        # Released past the outlet: there is no path to compare.
+        return 0.0 if last_a == last_b else math.inf
     end = min(a[last_a, 0], b[last_b, 0])
     # They may end up to a step apart, past the outlet.
     if max(a[last_a, 0], b[last_b, 0]) - end > max(
         a[last_a, 0] - a[last_a - 1, 0], b[last_b, 0] - b[last_b - 1, 0]
     ):
-        return np.inf
+        return math.inf
     greatest = 0.0
     k = 0
     for row in range(b.shape[0]):
@@ -140,14 +145,11 @@ def greatest_distance(a: FloatArray, b: FloatArray) -> float:
         while k < last_a - 1 and a[k + 1, 0] < t:
             k += 1
         h = a[k + 1, 0] - a[k, 0]
-        u = (t - a[k, 0]) / h
-        square = 0.0
-        for i in range(3):
-            p, q = a[k, 1 + i], a[k + 1, 1 + i]
-            m, n = h * a[k, 8 + i], h * a[k + 1, 8 + i]
-            path = p + u * (m + u * (3 * (q - p) - 2 * m - n + u * (2 * (p - q) + m + n)))
-            square += (path - b[row, 1 + i]) ** 2
-        greatest = max(greatest, square)
+        path = cubic_between(
+            position_of(a[k]), velocity_of(a[k]), position_of(a[k + 1]), velocity_of(a[k + 1]), h
+        )
+        apart = minus(at(path, (t - a[k, 0]) / h), position_of(b[row]))
+        greatest = max(greatest, dot(apart, apart))
     return math.sqrt(greatest)
 
 

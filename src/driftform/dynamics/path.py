@@ -83,7 +83,7 @@ def _closest(
         while s < stretches:
             cubic = _cubic(t, position, velocity, s)
             for g in range(_STATIONS):
-                distance = _distance(_at(cubic, g / _STATIONS), point)
+                distance = _distance(at(cubic, g / _STATIONS), point)
                 if distance < nearest:
                     nearest, stretch, station = distance, s, g / _STATIONS
             bound = min(bound, nearest)
@@ -122,9 +122,14 @@ def _gone(t: FloatArray, position: FloatArray, velocity: FloatArray) -> FloatArr
 @compiled
 def _cubic(t: FloatArray, position: FloatArray, velocity: FloatArray, s: int) -> Cubic:
     """The row ``s`` of :func:`hermite_coefficients`."""
-    h = t[s + 1] - t[s]
-    p, m, n = _row(position, s), times(h, _row(velocity, s)), times(h, _row(velocity, s + 1))
-    chord = minus(_row(position, s + 1), p)
+    p, q = _row(position, s), _row(position, s + 1)
+    return cubic_between(p, _row(velocity, s), q, _row(velocity, s + 1), t[s + 1] - t[s])
+
+
+@compiled
+def cubic_between(p: Vector, v: Vector, q: Vector, w: Vector, h: float) -> Cubic:
+    """Return the cubic in u from 0 to 1 that leads from p with the rate v to q with the rate w, in the time h."""
+    m, n, chord = times(h, v), times(h, w), minus(q, p)
     return p, m, minus(times(3.0, chord), plus(times(2.0, m), n)), minus(plus(m, n), times(2.0, chord))
 
 
@@ -140,7 +145,8 @@ def _distance(a: Vector, b: Vector) -> float:
 
 
 @compiled
-def _at(cubic: Cubic, u: float) -> Vector:
+def at(cubic: Cubic, u: float) -> Vector:
+    """Return the point of a cubic at u."""
     a, b, c, d = cubic
     return plus(a, times(u, plus(b, times(u, plus(c, times(u, d))))))
 
@@ -149,9 +155,9 @@ def _at(cubic: Cubic, u: float) -> Vector:
 def _foot(cubic: Cubic, point: Vector, u: float) -> tuple[float, float]:
     """Distance of the foot of the perpendicular, or of an end, and its u: Newton's method from ``u``."""
     _, b, c, d = cubic
-    best, best_u = _distance(_at(cubic, u), point), u
+    best, best_u = _distance(at(cubic, u), point), u
     for _ in range(20):
-        offset = minus(_at(cubic, u), point)
+        offset = minus(at(cubic, u), point)
         first = plus(b, times(u, plus(times(2.0, c), times(3.0 * u, d))))
         second = plus(times(2.0, c), times(6.0 * u, d))
         speed = dot(first, first)
@@ -162,7 +168,7 @@ def _foot(cubic: Cubic, point: Vector, u: float) -> tuple[float, float]:
         if curvature == 0.0:
             break
         new = min(1.0, max(0.0, u - dot(offset, first) / curvature))
-        distance = _distance(_at(cubic, new), point)
+        distance = _distance(at(cubic, new), point)
         if distance < best:
             best, best_u = distance, new
         if abs(new - u) < 1e-12:
