@@ -28,9 +28,9 @@ class StoredAgent:
     result: Mapping[str, Any]
 
 
-def write_agent(path: Path, agent: StoredAgent) -> None:
-    """Write an agent file."""
-    document = {
+def agent_document(agent: StoredAgent) -> dict[str, Any]:
+    """What the file of an agent holds."""
+    return {
         "format": FORMAT,
         "version": VERSION,
         "name": agent.name,
@@ -38,7 +38,11 @@ def write_agent(path: Path, agent: StoredAgent) -> None:
         "result": dict(agent.result),
         "environment": dict(agent.environment),
     }
-    write_text(path, json.dumps(document, indent=1) + "\n")
+
+
+def write_agent(path: Path, agent: StoredAgent) -> None:
+    """Write an agent file."""
+    write_text(path, json.dumps(agent_document(agent), indent=1) + "\n")
 
 
 def read_agent(path: Path) -> StoredAgent:

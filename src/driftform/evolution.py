@@ -7,13 +7,14 @@ from typing import Protocol
 
 import numpy as np
 
-from driftform.agent_file import write_agent
+from driftform.agent_file import agent_document, write_agent
 from driftform.dynamics.path import closest_approach
 from driftform.errors import DriftformError, InputError, WorkFailedError
 from driftform.execution import Job, Outcome
 from driftform.figures.overview import Flight, overview_svg
 from driftform.figures.section import section_svg
 from driftform.files import write_text
+from driftform.interfaces import Specimen
 from driftform.run_directory import best_agent, write_trajectory
 from driftform.store import Record, Store
 from driftform.study import Study
@@ -131,6 +132,7 @@ def write_best(directory: Path, study: Study, store: Store) -> tuple[list[Best],
         agent = pipeline.agent(stored.genome)
         point = np.array([study.scenario.targets[target]])
         distance, _ = closest_approach(flight, point)
+        specimen = Specimen("agent", agent, study.scenario, agent_document(stored))
         folder = directory / "best" / target
         write_agent(folder / "agent.json", stored)
         write_trajectory(folder / "trajectory.csv", flight)
@@ -141,12 +143,12 @@ def write_best(directory: Path, study: Study, store: Store) -> tuple[list[Best],
             exporter = study.exporter(name)
             path = folder / f"agent{exporter.suffix}"
             try:
-                exporter.write(agent, path)
+                written = exporter.write(specimen, path)
             except DriftformError as error:
                 # An agent that one format cannot hold is no reason to keep back the others.
                 problems.append(f"{path}: not written: {error}")
             else:
-                files.append(path)
+                files.extend(Path(file.path) for file in written)
         results.append(
             Best(target, index, fitness, float(distance[0]), files[0], tuple(files), tuple(problems))
         )

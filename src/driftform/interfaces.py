@@ -6,8 +6,8 @@ other state, so that they can be rebuilt in any worker process; a strategy is th
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, Generic, Literal, TypeVar
 
@@ -198,14 +198,41 @@ class Strategy(Plugin[OptionsT_co]):
         """
 
 
+@dataclass(frozen=True, eq=False)
+class Specimen:
+    """An agent with all that is known of it: what an exporter receives.
+
+    Attributes
+    ----------
+    name
+        what people call it; safe for the name of a file.
+    agent
+        the agent, built.
+    scenario
+        the surroundings that it is meant for.
+    document
+        what its ``agent.json`` holds, to travel with its files; empty where no grammar made the agent.
+    """
+
+    name: str
+    agent: Agent
+    scenario: Scenario
+    document: Mapping[str, Any] = field(default_factory=dict)
+
+
 class Exporter(Plugin[OptionsT_co]):
-    """Agent -> a file. ``name`` is what ``--format`` says; ``suffix`` ends the file's name."""
+    """Agent -> files. ``name`` is what ``--format`` says; ``suffix`` ends the name of the file.
+
+    A format that is a folder of files has a suffix without a dot, such as ``-uuv``, and ``path`` is then that
+    folder. Where a file cannot hold everything, such as the parts of a kit in a format for one solid, there may be
+    several: their names begin with that of ``path`` without its suffix.
+    """
 
     suffix: ClassVar[str]
 
     @abstractmethod
-    def write(self, agent: Agent, path: Path) -> WrittenFile:
-        """Write one file and tell what it holds.
+    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
+        """Write the file at ``path``, or several, and tell what each holds.
 
         Raises
         ------

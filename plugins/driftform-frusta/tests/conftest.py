@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from driftform.types import Agent, Body, Coefficients, Core, MassProperties
+from driftform.geometry import mass_properties
+from driftform.interfaces import Specimen
+from driftform.scenario import Scenario
+from driftform.types import Agent, Body, Coefficients, Core
 
 WALL = 1.25e-3
 DENSITY = 1050.0
@@ -86,10 +89,14 @@ def wavy_body() -> Body:
 
 
 @pytest.fixture(scope="session")
-def agent_of() -> Callable[[Body], Agent]:
-    """Exporters read the body alone: the rest is filled with anything."""
-    mass = MassProperties(mass=1.0, cog=np.zeros(3), inertia=np.eye(3), volume=1e-3, cob=np.zeros(3))
-    return lambda body: Agent(body=body, mass=mass, coefficients=Coefficients(np.eye(6)))
+def specimen_of() -> Callable[[Body], Specimen]:
+    """A body as exporters receive it, in open water, with coefficients that no exporter of meshes reads."""
+
+    def make(body: Body) -> Specimen:
+        agent = Agent(body=body, mass=mass_properties(body), coefficients=Coefficients(np.eye(6)))
+        return Specimen("hull", agent, Scenario())
+
+    return make
 
 
 @pytest.fixture(scope="session")

@@ -25,9 +25,9 @@ def exporter_of(kind, **options):
 
 
 @pytest.fixture
-def write_stl(agent_of, tmp_path):
+def write_stl(specimen_of, tmp_path):
     def write(body, **options):
-        return exporter_of(StlExporter, **options).write(agent_of(body), tmp_path / "hull.stl")
+        return exporter_of(StlExporter, **options).write(specimen_of(body), tmp_path / "hull.stl")[0]
 
     return write
 
@@ -146,9 +146,9 @@ def test_a_number_of_segments_out_of_range_is_refused(exporter, segments):
     ],
 )
 def test_a_body_without_a_closed_solid_is_refused_and_nothing_written(
-    exporter, outer, cavity, why, make_body, agent_of, tmp_path
+    exporter, outer, cavity, why, make_body, specimen_of, tmp_path
 ):
-    agent = agent_of(make_body(outer, cavity))
+    agent = specimen_of(make_body(outer, cavity))
     with pytest.raises(WorkFailedError, match=why):
         exporter_of(exporter).write(agent, tmp_path / "hull")
     assert list(tmp_path.iterdir()) == []
@@ -156,17 +156,17 @@ def test_a_body_without_a_closed_solid_is_refused_and_nothing_written(
 
 @BOTH
 def test_a_solid_that_is_not_what_was_simulated_is_refused(
-    exporter, wavy_body, agent_of, tmp_path, monkeypatch
+    exporter, wavy_body, specimen_of, tmp_path, monkeypatch
 ):
     monkeypatch.setattr(exporters, "hull_volume", lambda body: hull_volume(body) * (1 + 1e-5))
     with pytest.raises(WorkFailedError, match="mm3, its section"):
-        exporter_of(exporter).write(agent_of(wavy_body), tmp_path / "hull")
+        exporter_of(exporter).write(specimen_of(wavy_body), tmp_path / "hull")
     assert list(tmp_path.iterdir()) == []
 
 
 @BOTH
 def test_a_solid_in_two_pieces_is_refused_though_its_volume_is_right(
-    exporter, wavy_body, agent_of, tmp_path, monkeypatch
+    exporter, wavy_body, specimen_of, tmp_path, monkeypatch
 ):
     def cut(tree, segments):
         upper, lower = to_manifold(tree, segments).split_by_plane((0, 0, 1), 100)
@@ -174,7 +174,7 @@ def test_a_solid_in_two_pieces_is_refused_though_its_volume_is_right(
 
     monkeypatch.setattr(exporters, "to_manifold", cut)
     with pytest.raises(WorkFailedError, match="falls into 2 pieces"):
-        exporter_of(exporter).write(agent_of(wavy_body), tmp_path / "hull")
+        exporter_of(exporter).write(specimen_of(wavy_body), tmp_path / "hull")
 
 
 def test_a_cavity_turned_inside_out_is_refused_though_its_mesh_is_closed(wavy_body, write_stl, monkeypatch):
@@ -215,7 +215,7 @@ def test_rings_that_fall_together_in_single_precision_leave_the_mesh_closed(make
 
 @BOTH
 def test_a_write_that_fails_leaves_the_former_file_and_nothing_else(
-    exporter, wavy_body, agent_of, tmp_path, monkeypatch
+    exporter, wavy_body, specimen_of, tmp_path, monkeypatch
 ):
     path = tmp_path / "hull"
     path.write_text("the former file")
@@ -225,25 +225,25 @@ def test_a_write_that_fails_leaves_the_former_file_and_nothing_else(
 
     monkeypatch.setattr(Path, "replace", fail)
     with pytest.raises(WorkFailedError, match="No space left on device"):
-        exporter_of(exporter).write(agent_of(wavy_body), path)
+        exporter_of(exporter).write(specimen_of(wavy_body), path)
     assert [p.read_text() for p in tmp_path.iterdir()] == ["the former file"]
 
 
 @BOTH
-def test_a_folder_that_cannot_be_is_an_error_that_names_it(exporter, wavy_body, agent_of, tmp_path):
+def test_a_folder_that_cannot_be_is_an_error_that_names_it(exporter, wavy_body, specimen_of, tmp_path):
     (tmp_path / "nowhere").write_text("a file", encoding="utf-8")
     path = tmp_path / "nowhere" / "hull"
     with pytest.raises(WorkFailedError, match="nowhere"):
-        exporter_of(exporter).write(agent_of(wavy_body), path)
+        exporter_of(exporter).write(specimen_of(wavy_body), path)
 
 
 @BOTH
-def test_an_existing_file_is_replaced_whole_and_identically(exporter, wavy_body, agent_of, tmp_path):
+def test_an_existing_file_is_replaced_whole_and_identically(exporter, wavy_body, specimen_of, tmp_path):
     path = tmp_path / "hull"
-    exporter_of(exporter).write(agent_of(wavy_body), path)
+    exporter_of(exporter).write(specimen_of(wavy_body), path)
     first = path.read_bytes()
     path.write_bytes(first * 2)
-    exporter_of(exporter).write(agent_of(wavy_body), path)
+    exporter_of(exporter).write(specimen_of(wavy_body), path)
     assert path.read_bytes() == first
     assert list(tmp_path.iterdir()) == [path]
 
@@ -333,8 +333,8 @@ def test_admesh_reads_the_mesh_closed_and_has_nothing_to_mend(body, write_stl, r
     assert counts["Normals fixed"] == ["0"]
 
 
-def test_openscad_renders_the_exported_source_to_what_the_facts_say(wavy_body, agent_of, render, tmp_path):
-    written = exporter_of(ScadExporter).write(agent_of(wavy_body), tmp_path / "hull.scad")
+def test_openscad_renders_the_exported_source_to_what_the_facts_say(wavy_body, specimen_of, render, tmp_path):
+    [written] = exporter_of(ScadExporter).write(specimen_of(wavy_body), tmp_path / "hull.scad")
     mesh = render(Path(written.path).read_text())
     assert written.format == "scad"
     assert "// hull" in Path(written.path).read_text()

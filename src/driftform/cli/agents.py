@@ -5,9 +5,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from driftform.agent_file import StoredAgent, read_agent
+from driftform.agent_file import StoredAgent, agent_document, read_agent
 from driftform.errors import DriftformError, InputError, WorkFailedError, did_you_mean
 from driftform.files import is_directory, is_file, safe_stem
+from driftform.interfaces import Specimen
 from driftform.pipeline import Pipeline
 from driftform.run_directory import DATABASE, best_agent, check_run, resume_command
 from driftform.store import Store
@@ -24,6 +25,10 @@ class Opened:
     study: Study
     pipeline: Pipeline
     agent: Agent
+
+    def specimen(self) -> Specimen:
+        """The agent as exporters receive it."""
+        return Specimen(self.name, self.agent, self.study.scenario, agent_document(self.stored))
 
 
 def open_agent(

@@ -37,8 +37,11 @@ def export(
     opened = open_agent(agent, settings=settings or ())
     make_directory(out)
     exporters = [opened.study.exporter(name) for name in names]
+    specimen = opened.specimen()
     written = [
-        exporter.write(opened.agent, out / f"{opened.name}{exporter.suffix}") for exporter in exporters
+        file
+        for exporter in exporters
+        for file in exporter.write(specimen, out / f"{opened.name}{exporter.suffix}")
     ]
     if json:
         print_json({"files": [{"format": w.format, "path": w.path, **w.facts} for w in written]})

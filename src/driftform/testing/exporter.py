@@ -9,7 +9,8 @@ import pytest
 
 from driftform.errors import DriftformError
 from driftform.geometry import mass_properties
-from driftform.interfaces import Exporter
+from driftform.interfaces import Exporter, Specimen
+from driftform.scenario import Pipe, Scenario, Segment
 from driftform.testing.bodies import hollow_body
 from driftform.types import Agent, Coefficients
 
@@ -26,55 +27,75 @@ class ExporterContract:
         """Return the exporter to be tested."""
         raise NotImplementedError
 
-    def agent(self) -> Agent:
-        """Return an agent that can be exported: a capped hollow tube, without a genome."""
+    def specimen(self) -> Specimen:
+        """Return an agent that can be exported: a capped hollow tube, without a genome, in a pipe."""
         body = hollow_body()
-        return Agent(body, mass_properties(body), Coefficients(0.01 * np.eye(6)))
+        agent = Agent(body, mass_properties(body), Coefficients(0.01 * np.eye(6)))
+        segment = Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0)
+        scenario = Scenario(pipe=Pipe(segments=(segment,)), targets={"leak": (4.0, 0.0, -0.9)})
+        return Specimen("agent", agent, scenario)
 
-    def test_the_file_is_where_it_was_asked_for(self, tmp_path: Path) -> None:
-        """Its path and format are told, and it is not empty."""
-        exporter = self.plugin()
-        path = tmp_path / f"agent{exporter.suffix}"
-        written = exporter.write(self.agent(), path)
-        assert Path(written.path) == path
-        assert written.format == exporter.name
-        assert path.is_file() and path.stat().st_size > 0
+    def path(self, directory: Path) -> Path:
+        """Return the path that commands ask an exporter to write to."""
+        return directory / f"agent{self.plugin().suffix}"
 
-    def test_the_suffix_ends_a_file_name(self) -> None:
-        """A dot, and something after it."""
+    def test_every_file_is_there_under_the_name_that_was_asked_for(self, tmp_path: Path) -> None:
+        """Each that is told of exists, is not empty, and its name begins with that of the path."""
+        written = self.plugin().write(self.specimen(), self.path(tmp_path))
+        assert written
+        for file in written:
+            path = Path(file.path)
+            assert file.format == self.plugin().name
+            assert path.is_file() and path.stat().st_size > 0
+            assert path.relative_to(tmp_path).parts[0].startswith("agent")
+
+    def test_the_suffix_ends_the_name_of_a_file_or_of_a_folder(self) -> None:
+        """A dot and something after it for a file, something that does not begin with a dot for a folder."""
         suffix = self.plugin().suffix
-        assert suffix.startswith(".") and len(suffix) > 1
-        assert Path(f"agent{suffix}").name.endswith(suffix) and not suffix.endswith(".")
+        assert len(suffix) > 1
+        assert Path(f"agent{suffix}").name == f"agent{suffix}" and not suffix.endswith(".")
 
-    def test_nothing_else_is_left_beside_the_file(self, tmp_path: Path) -> None:
-        """What is written on the way to a whole file is gone when it is there."""
-        path = tmp_path / f"agent{self.plugin().suffix}"
-        self.plugin().write(self.agent(), path)
-        assert list(tmp_path.iterdir()) == [path]
+    def test_nothing_else_is_left_beside_the_files(self, tmp_path: Path) -> None:
+        """What is written on the way is gone in the end, and no file is there that is not told of."""
+        written = self.plugin().write(self.specimen(), self.path(tmp_path))
+        assert _files(tmp_path) == sorted(Path(file.path) for file in written)
 
     def test_a_file_that_is_there_already_is_replaced(self, tmp_path: Path) -> None:
-        """A second export leaves what a first one would have left, and nothing of the old file."""
-        suffix = self.plugin().suffix
-        fresh, old = tmp_path / "fresh" / f"agent{suffix}", tmp_path / "old" / f"agent{suffix}"
-        for path in (fresh, old):
-            path.parent.mkdir()
-        old.write_bytes(b"old " * 1_000_000)
-        self.plugin().write(self.agent(), fresh)
-        self.plugin().write(self.agent(), old)
-        assert old.stat().st_size == fresh.stat().st_size
-        assert list(old.parent.iterdir()) == [old]
+        """A second export leaves what a first one would have left, and nothing of the old files."""
+        fresh, old = tmp_path / "fresh", tmp_path / "old"
+        sizes = []
+        for directory in (fresh, old):
+            directory.mkdir()
+            for _ in range(1 if directory == fresh else 2):
+                for path in _files(directory):
+                    path.write_bytes(b"old " * 1_000_000)
+                self.plugin().write(self.specimen(), self.path(directory))
+            sizes.append([(path.relative_to(directory), path.stat().st_size) for path in _files(directory)])
+        assert sizes[0] == sizes[1]
 
     def test_a_file_that_cannot_be_written_leaves_nothing_behind(self, tmp_path: Path) -> None:
-        """Where a folder stands in its place the export fails, and no half of a file remains."""
-        path = tmp_path / f"agent{self.plugin().suffix}"
-        path.mkdir()
+        """Where a folder stands in the place of a file, or a file in that of a folder, the export fails.
+
+        No half of a file remains.
+        """
+        first = Path(self.plugin().write(self.specimen(), self.path(tmp_path / "sound"))[0].path)
+        part = first.relative_to(tmp_path / "sound").parts[0]
+        blocked = tmp_path / "blocked" / part
+        if first == tmp_path / "sound" / part:
+            blocked.mkdir(parents=True)
+        else:
+            blocked.parent.mkdir()
+            blocked.write_text("in the way")
         with pytest.raises((DriftformError, OSError)):
-            self.plugin().write(self.agent(), path)
-        assert list(tmp_path.iterdir()) == [path]
-        assert not list(path.iterdir())
+            self.plugin().write(self.specimen(), self.path(blocked.parent))
+        assert list(blocked.parent.iterdir()) == [blocked]
+        assert blocked.is_file() or not list(blocked.iterdir())
 
     def test_it_can_be_sent_to_a_worker_process(self, tmp_path: Path) -> None:
         """A pickled copy writes too."""
-        path = tmp_path / f"agent{self.plugin().suffix}"
-        pickle.loads(pickle.dumps(self.plugin())).write(self.agent(), path)
-        assert path.is_file()
+        copy = pickle.loads(pickle.dumps(self.plugin()))
+        assert all(Path(file.path).is_file() for file in copy.write(self.specimen(), self.path(tmp_path)))
+
+
+def _files(directory: Path) -> list[Path]:
+    return sorted(path for path in directory.rglob("*") if path.is_file())

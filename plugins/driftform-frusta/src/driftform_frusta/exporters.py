@@ -14,9 +14,9 @@ from manifold3d import Manifold
 from driftform.errors import WorkFailedError
 from driftform.files import write_text
 from driftform.geometry import distance_from, hull_volume
-from driftform.interfaces import Exporter
+from driftform.interfaces import Exporter, Specimen
 from driftform.options import Table, option
-from driftform.types import Agent, Body, WrittenFile
+from driftform.types import Body, WrittenFile
 from driftform_frusta.csg import Node
 from driftform_frusta.hull import hull
 from driftform_frusta.scad import to_scad
@@ -45,7 +45,7 @@ class StlExporter(Exporter[MeshOptions]):
     suffix = ".stl"
     Options: ClassVar[type[Table]] = MeshOptions
 
-    def write(self, agent: Agent, path: Path) -> WrittenFile:
+    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
         """Write the mesh, checked after rounding to the single precision that STL has.
 
         Facts: those of every solid (``volume_mm3`` and ``mass_kg`` of the mesh, ``size_mm``, ``shells``), its
@@ -56,7 +56,8 @@ class StlExporter(Exporter[MeshOptions]):
         WorkFailedError
             where the body has no closed printable solid, or the file cannot be written.
         """
-        _, solid, shells = printable_hull(agent.body, self.options.segments)
+        body = specimen.agent.body
+        _, solid, shells = printable_hull(body, self.options.segments)
         mesh = solid.to_mesh64()
         vertices, triangles = weld(mesh.vert_properties[:, :3], mesh.tri_verts)
         if not is_closed(triangles):
@@ -76,13 +77,13 @@ class StlExporter(Exporter[MeshOptions]):
             write_binary_stl(path, vertices, triangles)
         except OSError as error:
             raise WorkFailedError(f"cannot write {path}: {error.strerror or error}") from error
-        facts = _facts(agent.body, solid, shells) | {
+        facts = _facts(body, solid, shells) | {
             "volume_mm3": volume,
-            "mass_kg": volume / _MM3_PER_M3 * agent.body.hull_density,
+            "mass_kg": volume / _MM3_PER_M3 * body.hull_density,
             "triangles": len(triangles),
             "watertight": True,
         }
-        return WrittenFile(self.name, str(path), facts)
+        return (WrittenFile(self.name, str(path), facts),)
 
 
 class ScadExporter(Exporter[MeshOptions]):
@@ -92,7 +93,7 @@ class ScadExporter(Exporter[MeshOptions]):
     suffix = ".scad"
     Options: ClassVar[type[Table]] = MeshOptions
 
-    def write(self, agent: Agent, path: Path) -> WrittenFile:
+    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
         """Write the source.
 
         Facts of what it renders to: ``volume_mm3``, ``mass_kg``, ``size_mm``, ``shells``.
@@ -102,12 +103,13 @@ class ScadExporter(Exporter[MeshOptions]):
         WorkFailedError
             where the body has no closed printable solid, or the file cannot be written.
         """
-        tree, solid, shells = printable_hull(agent.body, self.options.segments)
+        body = specimen.agent.body
+        tree, solid, shells = printable_hull(body, self.options.segments)
         try:
             write_text(path, to_scad(tree, self.options.segments))
         except OSError as error:
             raise WorkFailedError(f"cannot write {path}: {error.strerror or error}") from error
-        return WrittenFile(self.name, str(path), _facts(agent.body, solid, shells))
+        return (WrittenFile(self.name, str(path), _facts(body, solid, shells)),)
 
 
 def printable_hull(body: Body, segments: int) -> tuple[Node, Manifold, int]:
