@@ -1,6 +1,7 @@
 from driftform.testing import BuilderContract, ExporterContract
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
-from driftform_frusta.exporters import MeshOptions, ScadExporter, StlExporter
+from driftform_frusta.exporters import ScadExporter, StlExporter
+from driftform_frusta.parts import PartOptions
 
 
 class TestFrusta(BuilderContract):
@@ -20,9 +21,9 @@ class TestFrustaWithAThickWall(BuilderContract):
 
 class TestStl(ExporterContract):
     def plugin(self) -> StlExporter:
-        return StlExporter(MeshOptions())
+        return StlExporter(PartOptions())
 
 
 class TestScad(ExporterContract):
     def plugin(self) -> ScadExporter:
-        return ScadExporter(MeshOptions())
+        return ScadExporter(PartOptions())

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from driftform.errors import WorkFailedError
 from driftform.geometry import hull_mass, hull_volume
-from driftform_frusta import exporters
+from driftform_frusta import exporters, printable
 from driftform_frusta.csg import Box
 from driftform_frusta.exporters import ScadExporter, StlExporter
 from driftform_frusta.solid import to_manifold
@@ -158,7 +158,7 @@ def test_a_body_without_a_closed_solid_is_refused_and_nothing_written(
 def test_a_solid_that_is_not_what_was_simulated_is_refused(
     exporter, wavy_body, specimen_of, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(exporters, "hull_volume", lambda body: hull_volume(body) * (1 + 1e-5))
+    monkeypatch.setattr(printable, "hull_volume", lambda body: hull_volume(body) * (1 + 1e-5))
     with pytest.raises(WorkFailedError, match="mm3, its section"):
         exporter_of(exporter).write(specimen_of(wavy_body), tmp_path / "hull")
     assert list(tmp_path.iterdir()) == []
@@ -172,7 +172,7 @@ def test_a_solid_in_two_pieces_is_refused_though_its_volume_is_right(
         upper, lower = to_manifold(tree, segments).split_by_plane((0, 0, 1), 100)
         return upper.translate((0, 0, 1)) + lower
 
-    monkeypatch.setattr(exporters, "to_manifold", cut)
+    monkeypatch.setattr(printable, "to_manifold", cut)
     with pytest.raises(WorkFailedError, match="falls into 2 pieces"):
         exporter_of(exporter).write(specimen_of(wavy_body), tmp_path / "hull")
 

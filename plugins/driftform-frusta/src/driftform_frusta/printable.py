@@ -1,0 +1,80 @@
+"""Body -> its hull as a printable solid, compared with the closed form of its section.
+
+A mesh with its cavity turned inside out is closed and manifold too: only its volume tells.
+"""
+
+import numpy as np
+from manifold3d import Manifold
+
+from driftform.errors import WorkFailedError
+from driftform.geometry import distance_from, hull_volume
+from driftform.types import Body
+from driftform_frusta.csg import Node
+from driftform_frusta.hull import hull
+from driftform_frusta.solid import to_manifold
+
+MM3_PER_M3 = 1e9
+
+# Relative, between the mesh in double precision and the closed form.
+_VOLUME_TOLERANCE = 1e-6
+
+# m: a wall thinner than this is none.
+_NO_WALL = 1e-6
+
+
+def printable_hull(body: Body, segments: int) -> tuple[Node, Manifold, int]:
+    """Return the hull's tree, its solid, and how many closed surfaces that has: the outside and each hollow.
+
+    The solid is checked: it is manifold, in one piece, and of the section's volume. A sealed hull has two
+    surfaces.
+
+    Raises
+    ------
+    WorkFailedError
+        where the body has no such solid; the message tells why.
+    """
+    tree = hull(body)
+    _refuse_without_wall(body)
+    _refuse_pinched(body)
+    solid = to_manifold(tree, segments)
+    expected = hull_volume(body) * MM3_PER_M3
+    if not abs(solid.volume() - expected) <= _VOLUME_TOLERANCE * expected:
+        raise WorkFailedError(
+            f"the solid of the hull has {solid.volume():.3f} mm3, its section {expected:.3f} mm3: a contour "
+            "crosses itself or the axis, or the cavity leaves the outer contour"
+        )
+    # Surfaces of hollows face inward: their volume is negative.
+    shells = solid.decompose()
+    pieces = sum(shell.volume() > 0 for shell in shells)
+    if pieces != 1:
+        raise WorkFailedError(f"the hull falls into {pieces} pieces")
+    return tree, solid, len(shells)
+
+
+def _refuse_without_wall(body: Body) -> None:
+    if not len(body.cavity):
+        return
+    to_outer = distance_from(body.cavity, body.outer)
+    to_cavity = distance_from(body.outer, body.cavity)
+    if min(to_outer.min(), to_cavity.min()) >= _NO_WALL:
+        return
+    points, distances = (
+        (body.cavity, to_outer) if to_outer.min() <= to_cavity.min() else (body.outer, to_cavity)
+    )
+    x = float(points[np.argmin(distances), 0])
+    ends = (("aft", body.outer[0, 0]), ("fore", body.outer[-1, 0]))
+    where = next((f"at its {name} end" for name, end in ends if abs(x - end) < _NO_WALL), f"at x = {x:.6f} m")
+    raise WorkFailedError(
+        f"the hull has no closed printable solid: the cavity touches the outer contour {where}, so that the "
+        "hull is open there; give it a wall all round, and caps at its ends"
+    )
+
+
+def _refuse_pinched(body: Body) -> None:
+    off_axis = np.flatnonzero(body.outer[:, 1] > _NO_WALL)
+    gaps = np.flatnonzero(np.diff(off_axis) > 1)
+    if len(gaps):
+        x = body.outer[off_axis[gaps[0]] + 1, 0]
+        raise WorkFailedError(
+            f"the hull is no one printable part: its outer contour touches the axis at x = {x:.6f} m"
+        )
