@@ -110,11 +110,11 @@ def force_on(
     mass=1.0,
 ):
     """Force and torque in body axes; position in the world frame, velocities in body axes."""
-    table = rows(rims, pipe, mass)
+    table, R = rows(rims, pipe, mass), np.eye(3) if R is None else np.asarray(R)
     wrench = wall_wrench(
         vector(position),
-        rotation(np.eye(3) if R is None else R),
-        vector(velocity),
+        rotation(R),
+        vector(R @ velocity),
         vector(omega),
         table,
         float(np.hypot(table[:, 0], table[:, 1]).max()),
@@ -267,6 +267,28 @@ def test_a_rim_is_as_deep_as_its_farthest_point_but_for_what_the_bore_falls_away
         assert np.linalg.norm(normal) == pytest.approx(1.0)
         assert np.hypot(point[1], point[2]) == pytest.approx(1 + depth, rel=1e-12)
         assert np.linalg.norm(np.subtract(point, position)) <= r * (1 + 1e-12)
+
+
+@given(poses(), st.booleans(), turns, turns, st.sampled_from([0.0, 0.4]))
+def test_a_pipe_in_two_pieces_pushes_like_a_whole_one(pose, coplanar, velocity, omega, friction):
+    # In pieces it is a network, whose walls are looked for point by point; in one there are closed forms.
+    position, R, x, r, pipe = pose
+    start, downstream, size = pipe[0, :3], pipe[0, 3:6], pipe[0, 7]
+    if coplanar:
+        along = (position - start) @ downstream
+        out = position - start - along * downstream
+        side = np.cross(downstream, out) if np.linalg.norm(out) > 1e-3 else np.cross(downstream, R[:, 1])
+        side /= np.linalg.norm(side)
+        ahead = R[:, 0] - (R[:, 0] @ side) * side
+        ahead /= np.linalg.norm(ahead)
+        R = np.column_stack([ahead, side, np.cross(ahead, side)])
+    rims = [(x, r, 900.0, 20.0), (x - 0.3 * r, 0.8 * r, 700.0, 15.0), (-x, 0.5 * r, 500.0, 10.0)]
+    pieces = np.array([[*start, *downstream, 4.0, size], [*(start + 4 * downstream), *downstream, 5.0, size]])
+    whole, parts = (
+        force_on(position, velocity, omega, R, rims, lines, friction) for lines in (pipe, pieces)
+    )
+    # What the first look at a rim calls clear, but its second look would not, is deeper by less than a micrometre.
+    assert whole == pytest.approx(parts, rel=1e-5, abs=1e-5)
 
 
 @given(poses())

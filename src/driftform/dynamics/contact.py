@@ -4,6 +4,17 @@ import math
 
 import numpy as np
 
+from driftform.dynamics.bore import (
+    SETTLED,
+    across,
+    axis_line,
+    basis,
+    blunt,
+    is_clear,
+    is_coplanar,
+    lever_and_normal,
+    touch,
+)
 from driftform.dynamics.compiled import compiled
 from driftform.dynamics.vectors import (
     ZERO,
@@ -19,21 +30,12 @@ from driftform.dynamics.vectors import (
     plus,
     times,
     to_body,
+    to_world,
 )
 from driftform.types import FloatArray
 
 ONSET = 1e-3
 """Depth, m, over which the damper sets in, so that the force is continuous."""
-
-BLUNT = 1e-3
-"""Sine of the angle between axis and wall normal below which a rim touches with less than its radius.
-
-A rim that faces the wall flatly touches all around at once; its lowest point is then undefined, and the force
-passes through its centre.
-"""
-
-SETTLED = 1e-7
-"""Angle (rad) between the wall's normal at the centre of a rim and at its contact point that makes no difference."""
 
 SLIP = 1e-2
 """Speed, m/s, below which friction grows with the speed of sliding instead of being constant."""
@@ -77,38 +79,8 @@ def is_far(position: Vector, reach: float, pipe: FloatArray) -> bool:
 @compiled
 def rim_point(centre: Vector, axis: Vector, r: float, normal: Vector) -> Vector:
     """Return the point of a rim of radius ``r`` (m) that lies farthest along ``normal``, world frame, m."""
-    across = minus(normal, times(dot(axis, normal), axis))
-    return plus(centre, times(r / math.sqrt(dot(across, across) + BLUNT * BLUNT), across))
-
-
-@compiled
-def axis_line(position: Vector, axis: Vector, pipe: FloatArray) -> tuple[float, float, float, float]:
-    """Return a, b, c, R: a point at x of the body's axis lies sqrt(a + 2 b x + c x^2) from the axis of the pipe.
-
-    R is the radius of the pipe, 0 where it has more than one segment and the distance is no such simple thing.
-    """
-    if pipe.shape[0] != 1:
-        return 0.0, 0.0, 0.0, 0.0
-    downstream = (pipe[0, 3], pipe[0, 4], pipe[0, 5])
-    off = minus(position, (pipe[0, 0], pipe[0, 1], pipe[0, 2]))
-    off = minus(off, times(dot(off, downstream), downstream))
-    across = minus(axis, times(dot(axis, downstream), downstream))
-    return dot(off, off), dot(off, across), dot(across, across), pipe[0, 7]
-
-
-@compiled
-def is_clear(rims: FloatArray, k: int, line: tuple[float, float, float, float]) -> bool:
-    """Return True where rim ``k`` surely does not touch the pipe of :func:`axis_line`.
-
-    Its centre is at d from the pipe's axis, and it reaches out by r sqrt(1 - s^2), s being the component of the
-    body's axis along d. Neither root is taken: d <= (d^2 + R^2) / (2 R), and s d = b + c x.
-    """
-    a, b, c, R = line
-    x, r = rims[k, 0], rims[k, 1]
-    slope = b + c * x
-    square = a + (b + slope) * x
-    room = 0.5 * R - 0.5 * square / R - rims[k, 5] if R > 0.0 else 0.0
-    return room > 0.0 and r * r * (square - slope * slope) < room * room * square
+    s = dot(axis, normal)
+    return plus(centre, times(r / blunt(s), minus(normal, times(s, axis))))
 
 
 @compiled
@@ -120,6 +92,11 @@ def rim_depth(
     ``position`` of the body's origin and its ``axis`` are in the world frame. The farthest point defines the normal
     and the normal the point; the bore is wide, so two rounds settle.
     """
+    if pipe.shape[0] == 1:
+        touching = touch(x, r, axis_line(position, axis, pipe))
+        o, a = across(position, axis, pipe)
+        lever, normal = lever_and_normal(axis, o, a, touching)
+        return max(0.0, touching[0]), plus(position, lever), normal
     centre = plus(position, times(x, axis))
     gap, normal = wall_gap(centre, pipe)
     if gap > r:
@@ -163,8 +140,8 @@ def wall_wrench(
 ) -> Wrench:
     """Return force (N) and torque (N m) of the wall about the body's origin, in body axes.
 
-    ``position`` (m) of the body's origin is in the world frame, its ``velocity`` (m/s) and ``omega`` (rad/s) are in
-    the body frame. A rim whose farthest point is the depth d beyond the wall presses with its share N of
+    ``position`` (m) and ``velocity`` (m/s) of the body's origin are in the world frame, ``omega`` (rad/s) is in the
+    body frame. A rim whose farthest point is the depth d beyond the wall presses with its share N of
     k d + c d' onset(d), and never pulls. The share of a rim is s^2 / sqrt(sum of s^4 over all rims), with
     s^2 = k d^2: the springs then have the potential sqrt(sum of s^4) / 2, and a finely divided dome, of which many
     rims touch at once, is not many times stiffer than a single rim.
@@ -173,47 +150,140 @@ def wall_wrench(
     speed s. That is :data:`SLIP`, or more where the mass m that the rim opposes is so small (that of a roll) that
     friction would act faster than ``rate``: s = mu N / (m rate) then.
     """
-    wrench = (ZERO, ZERO)
     if is_far(position, reach, pipe):
-        return wrench
+        return ZERO, ZERO
     axis = forward(R)
-    line = axis_line(position, axis, pipe)
-    total = 0.0
+    w = to_world(R, omega)
+    if pipe.shape[0] > 1:
+        push, share = _push(position, axis, velocity, w, rims, pipe)
+    elif is_coplanar(axis_line(position, axis, pipe), reach):
+        push, share = _coplanar_push(position, axis, velocity, w, rims, pipe)
+    else:
+        push, share = _straight_push(position, axis, velocity, w, rims, pipe)
+    if friction > 0.0 and share > 0.0:
+        push = both(push, _friction(position, axis, velocity, w, rims, pipe, friction * share, rate))
+    return to_body(R, push[0]), to_body(R, push[1])
+
+
+@compiled
+def _coplanar_push(
+    position: Vector, axis: Vector, v: Vector, w: Vector, rims: FloatArray, pipe: FloatArray
+) -> tuple[Wrench, float]:
+    """Return what :func:`_push` does, where :func:`driftform.dynamics.bore.is_coplanar`: all rims share one normal."""
+    line, vectors = axis_line(position, axis, pipe), basis(position, axis, pipe)
+    off = math.sqrt(line[0])
+    normal, tilted = times(1.0 / off, vectors[0]), times(1.0 / off, vectors[2])
+    s = line[1] / off
+    outward = 1.0 / blunt(s)
+    gap, speed, turning = line[3] - off, dot(normal, v), dot(tilted, w)
+    total, force, torque = 0.0, 0.0, 0.0
+    for k in range(rims.shape[0]):
+        x, k_r = rims[k, 0], outward * rims[k, 1]
+        depth = x * s + k_r * (1.0 - s * s) - gap
+        if depth <= 0.0:
+            continue
+        along = x - k_r * s
+        square, pressed = _pressed(rims, k, depth, speed + along * turning)
+        total += square * square
+        force += pressed
+        torque += pressed * along
+    share = 1.0 / math.sqrt(total) if total > 0.0 else 0.0
+    return (times(-share * force, normal), times(-share * torque, tilted)), share
+
+
+@compiled
+def _straight_push(
+    position: Vector, axis: Vector, v: Vector, w: Vector, rims: FloatArray, pipe: FloatArray
+) -> tuple[Wrench, float]:
+    """Return what :func:`_push` does, in a pipe of one segment."""
+    line, vectors = axis_line(position, axis, pipe), basis(position, axis, pipe)
+    o, a, axis_o, axis_a, o_a = vectors
+    v_o, v_a = dot(v, o), dot(v, a)
+    w_o, w_a, w_oa = dot(w, axis_o), dot(w, axis_a), dot(w, o_a)
+    total, f_o, f_a, t_o, t_a, t_oa = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(rims.shape[0]):
         if is_clear(rims, k, line):
             continue
-        depth, point, normal = rim_depth(position, axis, rims[k, 0], rims[k, 1], pipe)
-        if depth == 0.0:
+        depth, n_o, n_a, along, l_o, l_a = touch(rims[k, 0], rims[k, 1], line)
+        if depth <= 0.0:
             continue
-        total += (rims[k, 2] * depth * depth) ** 2
-        arm, inward = to_body(R, minus(point, position)), to_body(R, normal)
-        speed = dot(inward, plus(velocity, cross(omega, arm)))
-        push = rims[k, 2] * depth * depth * _push(rims, k, depth, speed)
-        wrench = both(wrench, force_at(arm, times(-push, inward)))
-    if total == 0.0:
-        return wrench
-    share = 1.0 / math.sqrt(total)
-    wrench = (times(share, wrench[0]), times(share, wrench[1]))
-    if friction == 0.0:
-        return wrench
+        # The normal is n_o o + n_a a, the lever along axis + l_o o + l_a a.
+        turn = l_o * n_a - l_a * n_o
+        speed = n_o * v_o + n_a * v_a + along * (n_o * w_o + n_a * w_a) + turn * w_oa
+        square, force = _pressed(rims, k, depth, speed)
+        total += square * square
+        f_o += force * n_o
+        f_a += force * n_a
+        t_o += force * along * n_o
+        t_a += force * along * n_a
+        t_oa += force * turn
+    share = 1.0 / math.sqrt(total) if total > 0.0 else 0.0
+    force = times(-share, plus(times(f_o, o), times(f_a, a)))
+    torque = times(-share, plus(times(t_o, axis_o), plus(times(t_a, axis_a), times(t_oa, o_a))))
+    return (force, torque), share
+
+
+@compiled
+def _push(
+    position: Vector, axis: Vector, v: Vector, w: Vector, rims: FloatArray, pipe: FloatArray
+) -> tuple[Wrench, float]:
+    """Return what the wall's springs and dampers press, about the body's origin in the world frame.
+
+    The second value is 1 / sqrt(sum of s^4), or 0 where no rim touches.
+    """
+    wrench, total = (ZERO, ZERO), 0.0
     for k in range(rims.shape[0]):
+        depth, point, normal = rim_depth(position, axis, rims[k, 0], rims[k, 1], pipe)
+        if depth <= 0.0:
+            continue
+        lever = minus(point, position)
+        square, force = _pressed(rims, k, depth, dot(normal, plus(v, cross(w, lever))))
+        total += square * square
+        wrench = both(wrench, force_at(lever, times(-force, normal)))
+    share = 1.0 / math.sqrt(total) if total > 0.0 else 0.0
+    return (times(share, wrench[0]), times(share, wrench[1])), share
+
+
+@compiled
+def _friction(
+    position: Vector,
+    axis: Vector,
+    v: Vector,
+    w: Vector,
+    rims: FloatArray,
+    pipe: FloatArray,
+    factor: float,
+    rate: float,
+) -> Wrench:
+    """Return the friction of all rims about the body's origin, world frame; ``factor`` is mu times their share."""
+    wrench = (ZERO, ZERO)
+    line, straight = axis_line(position, axis, pipe), pipe.shape[0] == 1
+    o, a = across(position, axis, pipe)
+    for k in range(rims.shape[0]):
+        x, r = rims[k, 0], rims[k, 1]
         if is_clear(rims, k, line):
             continue
-        depth, point, normal = rim_depth(position, axis, rims[k, 0], rims[k, 1], pipe)
-        if depth == 0.0:
+        if straight:
+            touching = touch(x, r, line)
+            depth = touching[0]
+            lever, normal = lever_and_normal(axis, o, a, touching)
+        else:
+            depth, point, normal = rim_depth(position, axis, x, r, pipe)
+            lever = minus(point, position)
+        if depth <= 0.0:
             continue
-        arm, inward = to_body(R, minus(point, position)), to_body(R, normal)
-        moving = plus(velocity, cross(omega, arm))
-        speed = dot(inward, moving)
-        grip = friction * share * rims[k, 2] * depth * depth * _push(rims, k, depth, speed)
-        sliding = minus(moving, times(speed, inward))
+        moving = plus(v, cross(w, lever))
+        speed = dot(normal, moving)
+        grip = factor * _pressed(rims, k, depth, speed)[1]
+        sliding = minus(moving, times(speed, normal))
         smooth = max(SLIP, grip / (rims[k, 4] * rate))
         drag = grip / math.sqrt(dot(sliding, sliding) + smooth * smooth)
-        wrench = both(wrench, force_at(arm, times(-drag, sliding)))
+        wrench = both(wrench, force_at(lever, times(-drag, sliding)))
     return wrench
 
 
 @compiled
-def _push(rims: FloatArray, k: int, depth: float, speed: float) -> float:
-    """Spring and damper of a rim that enters the wall at ``speed``, N, before its share is taken."""
-    return float(max(0.0, rims[k, 2] * depth + rims[k, 3] * speed * min(1.0, depth / ONSET)))
+def _pressed(rims: FloatArray, k: int, depth: float, speed: float) -> tuple[float, float]:
+    """Return s^2 of a rim that enters the wall at ``speed``, and s^2 times its spring's and damper's force, N."""
+    square = rims[k, 2] * depth * depth
+    return square, square * max(0.0, rims[k, 2] * depth + rims[k, 3] * speed * min(1.0, depth / ONSET))

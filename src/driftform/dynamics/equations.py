@@ -185,7 +185,7 @@ def accelerations(
         wall_wrench(
             position,
             R,
-            to_body(R, velocity),
+            velocity,
             omega,
             model.rims,
             table[REACH],

@@ -36,3 +36,12 @@ def shifted(matrix: FloatArray, offset: FloatArray) -> FloatArray:
 def added_mass_at(coefficients: Coefficients, point: FloatArray) -> FloatArray:
     """Return the added mass about ``point`` of the body frame, (6, 6)."""
     return shifted(coefficients.added_mass, point - coefficients.origin)
+
+
+def largest_added_mass_ratio(mass: MassProperties, coefficients: Coefficients) -> float:
+    """Return lambda_max, the largest eigenvalue of M_RB^-1 M_A: added over own mass, in the direction of most.
+
+    The point that both refer to does not matter.
+    """
+    own, added = rigid_body_mass(mass), added_mass_at(coefficients, np.zeros(3))
+    return float(np.linalg.eigvals(np.linalg.solve(own, added)).real.max())

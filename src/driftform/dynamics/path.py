@@ -92,12 +92,12 @@ def _closest(
             s += 1
             while s < stretches and gone[s + 1] < needed:
                 s += 1
-        distances[index], u = _foot(_cubic(t, position, velocity, stretch), point, station)
+        distances[index], u = foot(_cubic(t, position, velocity, stretch), point, station)
         times[index] = t[stretch] + u * (t[stretch + 1] - t[stretch])
         # The end of the path is no station, and the foot may lie on either side of the nearest station.
         for s in (stretch - 1, stretches - 1):
             if s >= 0:
-                distance, u = _foot(_cubic(t, position, velocity, s), point, 1.0)
+                distance, u = foot(_cubic(t, position, velocity, s), point, 1.0)
                 if distance < distances[index]:
                     distances[index] = distance
                     times[index] = t[s] + u * (t[s + 1] - t[s])
@@ -152,8 +152,8 @@ def at(cubic: Cubic, u: float) -> Vector:
 
 
 @compiled
-def _foot(cubic: Cubic, point: Vector, u: float) -> tuple[float, float]:
-    """Distance of the foot of the perpendicular, or of an end, and its u: Newton's method from ``u``."""
+def foot(cubic: Cubic, point: Vector, u: float) -> tuple[float, float]:
+    """Return the distance of the foot of the perpendicular, or of an end, and its u: Newton's method from ``u``."""
     _, b, c, d = cubic
     best, best_u = _distance(at(cubic, u), point), u
     for _ in range(20):
