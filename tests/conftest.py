@@ -1,4 +1,4 @@
-"""What tests of the command line and of runs share: the program, a plugin that does harm, and finished runs."""
+"""What tests share: the program, a plugin that does harm, finished runs, and the tables of docs."""
 
 import json
 import os
@@ -7,12 +7,15 @@ import sqlite3
 import subprocess
 import sys
 import sysconfig
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+DOCS = Path(__file__).parents[1] / "docs"
 PROGRAM = Path(sysconfig.get_path("scripts")) / ("driftform.exe" if os.name == "nt" else "driftform")
 
 
@@ -67,6 +70,67 @@ def run(start: Callable[..., subprocess.Popen[str]]) -> Callable[..., subprocess
         return subprocess.CompletedProcess(args, process.returncode, out, err)
 
     return finished
+
+
+@pytest.fixture(scope="session")
+def dask(fake_plugin: Path) -> Callable[..., subprocess.Popen[bytes]]:
+    """Start ``dask scheduler`` or ``dask worker``; what a worker dies of is for the scheduler's client to find out."""
+
+    def started(*args: object, cwd: Path) -> subprocess.Popen[bytes]:
+        environment = {"PYTHONPATH": str(fake_plugin), "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
+        return subprocess.Popen(
+            [PROGRAM.with_stem("dask"), *map(str, args)],
+            cwd=cwd,
+            env=os.environ | environment,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+
+    return started
+
+
+@pytest.fixture(scope="session")
+def dask_scheduler(
+    dask: Callable[..., subprocess.Popen[bytes]], tmp_path_factory: pytest.TempPathFactory
+) -> Callable[[], AbstractContextManager[tuple[str, subprocess.Popen[bytes]]]]:
+    """Run a Dask scheduler by its own command line, for as long as it is needed; gives its address, and its process."""
+
+    @contextmanager
+    def running() -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
+        folder = tmp_path_factory.mktemp("scheduler")
+        file = folder / "scheduler.json"
+        options = ("--host", "127.0.0.1", "--port", 0, "--no-dashboard", "--scheduler-file", file)
+        with dask("scheduler", *options, cwd=folder) as process:
+            try:
+                while not file.exists():
+                    assert process.poll() is None, "the scheduler ended"
+                    time.sleep(0.05)
+                yield json.loads(file.read_text())["address"], process
+            finally:
+                process.kill()
+
+    return running
+
+
+@pytest.fixture(scope="session")
+def dask_cluster(
+    dask: Callable[..., subprocess.Popen[bytes]],
+    dask_scheduler: Callable[[], AbstractContextManager[tuple[str, object]]],
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Iterator[str]:
+    """The address of a cluster with two workers, one of them with threads to spare."""
+    folder = tmp_path_factory.mktemp("workers")
+    options = ("--no-dashboard", "--local-directory", folder)
+    with (
+        dask_scheduler() as (address, _),
+        dask("worker", address, "--nthreads", 1, *options, cwd=folder) as one,
+        dask("worker", address, "--nthreads", 3, *options, cwd=folder) as other,
+    ):
+        try:
+            yield address
+        finally:
+            one.terminate()
+            other.terminate()
 
 
 @pytest.fixture
@@ -142,9 +206,7 @@ def rows() -> Callable[[Path], list[tuple[Any, ...]]]:
     def read(directory: Path) -> list[tuple[Any, ...]]:
         connection = sqlite3.connect(directory / "run.db")
         try:
-            columns = (
-                "id, generation, population, parents, grammar, symbols, failure, ended, duration, trajectory"
-            )
+            columns = "id, generation, population, parents, grammar, symbols, seed, failure, ended, duration, trajectory"
             evaluations = connection.execute(f"SELECT {columns} FROM evaluation ORDER BY id").fetchall()
             scores = connection.execute("SELECT * FROM score ORDER BY target, evaluation").fetchall()
         finally:
@@ -152,3 +214,40 @@ def rows() -> Callable[[Path], list[tuple[Any, ...]]]:
         return [*evaluations, *scores]
 
     return read
+
+
+def _around(title: str) -> tuple[Path, str, str, str]:
+    """The page that has a place for a table, what comes before it, what is there, and the rest."""
+    begin, end = f"<!-- {title} -->\n\n", f"\n\n<!-- end of {title} -->"
+    for page in sorted(DOCS.glob("*.md")):
+        head, found, rest = page.read_text(encoding="utf-8").partition(begin)
+        table, closed, tail = rest.partition(end)
+        if found:
+            assert closed, f"{page.name} does not say where '{title}' ends"
+            return page, head + begin, table, end + tail
+    raise AssertionError(f"no page of docs has a place for '{title}'")
+
+
+@pytest.fixture
+def publish() -> Callable[[str, Sequence[str]], None]:
+    """Show lines of Markdown; with UPDATE_DOCS=1 put them between the markers of their title, too."""
+
+    def published(title: str, lines: Sequence[str]) -> None:
+        print("\n" + "\n".join(lines))
+        if os.environ.get("UPDATE_DOCS") == "1":
+            page, head, _, tail = _around(title)
+            page.write_text(head + "\n".join(lines) + tail, encoding="utf-8")
+
+    return published
+
+
+@pytest.fixture
+def published(publish: Callable[[str, Sequence[str]], None]) -> Callable[[str, Sequence[str]], None]:
+    """Tell whether lines are what a page has between the markers of their title; with UPDATE_DOCS=1 put them there."""
+
+    def check(title: str, lines: Sequence[str]) -> None:
+        publish(title, lines)
+        page, _, table, _ = _around(title)
+        assert table == "\n".join(lines), f"{page.name} is out of date: run this test with UPDATE_DOCS=1"
+
+    return check

@@ -1,31 +1,11 @@
-"""What studies and benchmarks share: their tables, on the screen and in docs/validation.md."""
+"""What studies and benchmarks share: how many to take, and how long it takes."""
 
 import os
 import time
-from collections.abc import Callable, Iterable, Sequence
-from pathlib import Path
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import pytest
-
-PAGE = Path(__file__).parents[2] / "docs" / "validation.md"
-
-
-@pytest.fixture
-def publish() -> Callable[[str, Sequence[str]], None]:
-    """Show lines of Markdown; with UPDATE_DOCS=1 put them between the markers of their title, too."""
-
-    def published(title: str, lines: Sequence[str]) -> None:
-        print("\n" + "\n".join(lines))
-        if os.environ.get("UPDATE_DOCS") != "1":
-            return
-        begin, end = f"<!-- {title} -->", f"<!-- end of {title} -->"
-        head, found, rest = PAGE.read_text(encoding="utf-8").partition(begin)
-        _, closed, tail = rest.partition(end)
-        assert found and closed, f"{PAGE.name} has no place for '{title}'"
-        PAGE.write_text(head + "\n".join([begin, "", *lines, "", end]) + tail, encoding="utf-8")
-
-    return published
 
 
 @pytest.fixture

@@ -234,3 +234,51 @@ def test_inspect_warns_of_added_mass_that_lagging_simulators_cannot_take(call: C
     facts = json.loads(light.stdout)
     assert facts["lambda_max"] > 17 / 3
     assert any("diverge" in warning for warning in facts["warnings"])
+
+
+def test_inspect_compares_the_models_that_are_installed_as_the_study_has_them(call: Call) -> None:
+    settings = ("--set", "hydrodynamics.m11=volume")
+    facts = json.loads(call("inspect", FIGURE_2, "--json", "--compare", *settings).stdout)
+    assert set(facts["compare"]) >= {"striptheory", "panels"}
+    assert facts["compare"]["striptheory"][0][0] == pytest.approx(facts["added_mass"][0][0])
+    usual = json.loads(call("inspect", FIGURE_2, "--json", "--compare").stdout)["compare"]
+    assert usual["striptheory"][0][0] != facts["compare"]["striptheory"][0][0]
+    assert usual["panels"] == facts["compare"]["panels"]
+
+
+def warnings_of(call: Call, agent: str, *settings: str) -> str:
+    options = [option for setting in settings for option in ("--set", setting)]
+    found = json.loads(call("inspect", agent, "--json", *options).stdout)["warnings"]
+    text = call("inspect", agent, *options).stdout
+    assert [line for line in text.splitlines() if line.startswith("beware")] == [
+        f"beware: {w}" for w in found
+    ]
+    return "\n".join(found)
+
+
+def test_inspect_warns_of_what_is_far_from_neutral(call: Call) -> None:
+    # Release at the axis of a pipe of 1 m radius: t^2 = 2 (1 m) (m + m_added) / net weight.
+    facts = json.loads(call("inspect", FIGURE_2, "--json").stdout)
+    time = np.sqrt(2 * (facts["mass"] + facts["added_mass"][2][2]) / abs(facts["net_buoyancy"]))
+    assert f"it sinks from the axis to the wall in {time:.2g} s" in warnings_of(call, FIGURE_2)
+    assert "it rises from the axis" in warnings_of(call, FIGURE_2, "builder.core_mass=0.001")
+    displaced = 1024 * facts["volume"] - facts["hull_mass"]
+    assert "the wall" not in warnings_of(call, FIGURE_2, f"builder.core_mass={displaced}")
+    assert "the wall" not in warnings_of(call, FIGURE_2, "fluid.gravity=0")
+
+
+def test_inspect_warns_of_a_core_denser_than_lead(call: Call) -> None:
+    # A sphere of 10 mm radius has 4.19 cm3: 47.5 g of lead.
+    assert "denser than lead: 11937 kg/m3" in warnings_of(call, FIGURE_2)
+    assert "lead" not in warnings_of(call, FIGURE_2, "builder.core_mass=0.047")
+
+
+def test_inspect_warns_of_what_fits_on_no_common_bed(call: Call) -> None:
+    long = "-".join(f"addB-tilt{'np'[k % 2]}-1-L-moveB" for k in range(30))
+    facts = json.loads(call("inspect", long, "--json").stdout)
+    assert facts["length"] > 0.25
+    warning = f"{1000 * facts['length']:.0f} mm long"
+    assert warning in warnings_of(call, long) and "bed of a common printer (250 mm)" in warnings_of(
+        call, long
+    )
+    assert "bed" not in warnings_of(call, FIGURE_2)

@@ -14,9 +14,8 @@ from driftform.testing.simulator import apart, positions_at
 from driftform.types import Agent
 from driftform_native.simulator import NativeOptions, NativeSimulator
 
-# The fixtures of the benchmarks: with the import mode "importlib" one folder's conftest is no module of another's.
-_BENCHMARKS = run_path(str(Path(__file__).parents[1] / "benchmarks" / "conftest.py"))
-publish, count_of = _BENCHMARKS["publish"], _BENCHMARKS["count_of"]
+# The fixture of the benchmarks: with the import mode "importlib" one folder's conftest is no module of another's.
+count_of = run_path(str(Path(__file__).parents[1] / "benchmarks" / "conftest.py"))["count_of"]
 
 NUDGE = 1e-8
 """m."""

@@ -1,4 +1,4 @@
-"""Bodies as the default study makes them, and where studies publish their tables."""
+"""Bodies as the default study makes them, and how tables get into docs/validation.md."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -10,8 +10,9 @@ import pytest
 from driftform.study import load_study
 from driftform.types import Body
 
-# The fixture of the benchmarks: with the import mode "importlib" one folder's conftest is no module of another's.
-publish = run_path(str(Path(__file__).parents[3] / "tests" / "benchmarks" / "conftest.py"))["publish"]
+# Fixtures of driftform's own tests: with the import mode "importlib" one folder's conftest is no module of another's.
+_TESTS = run_path(str(Path(__file__).parents[3] / "tests" / "conftest.py"))
+publish, published = _TESTS["publish"], _TESTS["published"]
 
 
 @pytest.fixture(scope="session")

@@ -18,7 +18,7 @@ import pytest
 
 from driftform.geometry import solid_of_revolution
 from driftform.scenario import Fluid
-from driftform.testing.bodies import body_of, cylinder_body
+from driftform.testing.bodies import body_of, cylinder_body, remus_body
 from driftform.types import FloatArray
 from driftform_panels.solve import solve
 from driftform_striptheory.coefficients import StripTheory, StripTheoryOptions
@@ -151,27 +151,12 @@ def by_capytaine(contour: FloatArray, longest: float, around: int) -> tuple[int,
     return len(x), np.array([A["surge", "surge"], A["sway", "sway"], A["yaw", "yaw"], coupling])
 
 
-def remus() -> FloatArray:
-    """Myring's hull of REMUS 100 without fins, 1.33 m long and 0.191 m thick (Prestero 2001, table 2.1)."""
-    a, b, c, d, theta, nose, tail = 0.191, 0.654, 0.541, 0.191, 0.436, 0.0165, 0.0368
-    ahead = np.concatenate([[0.0], (a - nose) * (1 - np.cos(np.linspace(0.1, np.pi / 2, 30)))])
-    bow = d / 2 * np.sqrt(1 - ((ahead + nose - a) / a) ** 2)
-    behind = np.linspace(0, c - tail, 30)
-    stern = (
-        d / 2
-        - (3 * d / (2 * c * c) - np.tan(theta) / c) * behind**2
-        + (d / c**3 - np.tan(theta) / c**2) * behind**3
-    )
-    x, r = -np.concatenate([ahead, a + b - nose + behind]), np.concatenate([bow, stern])
-    return np.array([(x[-1], 0.0), *zip(x[::-1], r[::-1], strict=True), (0.0, 0.0)])
-
-
 def shapes(random_bodies) -> list[tuple[str, FloatArray, float]]:
     """Name, contour, and length by which the meshes of an agent are to be multiplied."""
     return [
         *((f"agent {k}", np.round(body.outer, 6), 1.0) for k, body in enumerate(random_bodies(AGENTS, 7))),
         ("cylinder", cylinder_body(0.06, 0.02).outer, 0.5),
-        ("REMUS 100", np.round(remus(), 5), 10.0),
+        ("REMUS 100", np.round(remus_body(30).outer, 5), 10.0),
     ]
 
 
@@ -201,6 +186,10 @@ def lines_of(cases: Sequence[Case], version: str) -> list[str]:
         f"is from that tells how well the limit is known. `panels` has {unknowns:.0f} unknowns.",
     ]
     return lines
+
+
+def test_the_page_tells_of_the_stored_table(published):
+    published("coefficients", lines_of(agents(), json.loads(TABLE.read_text(encoding="utf-8"))["capytaine"]))
 
 
 @pytest.mark.slow

@@ -1,8 +1,8 @@
-"""The model as a plugin: what it returns for bodies, the degenerate ones among them."""
+"""The model as a plugin: what it returns for bodies. And, with the paper's model, what it returns for degenerate ones."""
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
@@ -15,10 +15,15 @@ from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_panels import driftform_hydrodynamics
 from driftform_panels.coefficients import PanelMethod
 from driftform_panels.solve import PanelOptions
+from driftform_striptheory.coefficients import StripTheory, StripTheoryOptions
 
 FLUID = Fluid(density=1024.0)
 MODEL = PanelMethod(PanelOptions())
 BUILDER = FrustaBuilder(FrustaOptions())
+
+both_models = pytest.mark.parametrize(
+    "model", [MODEL, StripTheory(StripTheoryOptions())], ids=lambda model: model.name
+)
 
 modules = st.lists(
     st.builds(
@@ -28,11 +33,12 @@ modules = st.lists(
     ),
     max_size=20,
 ).map(tuple)
+morphologies = st.builds(Morphology, fore=modules, aft=modules)
 
 
-def assert_physical(body):
+def assert_physical(model, body):
     """Symmetric, positive semi-definite, axisymmetric, with a mass that is moved in every direction."""
-    matrix = MODEL.coefficients(body, FLUID).added_mass
+    matrix = model.coefficients(body, FLUID).added_mass
     size = np.array([1.0, 1.0, 1.0, *[1 / body.max_diameter] * 3])
     scaled = matrix * np.outer(size, size)
     assert np.isfinite(matrix).all()
@@ -68,7 +74,7 @@ def test_the_coupling_has_the_sign_of_the_conventions():
 
 
 def test_a_sphere_turns_without_moving_water():
-    matrix = assert_physical(spheroid_body(0.01, 0.01, edges=256))
+    matrix = assert_physical(MODEL, spheroid_body(0.01, 0.01, edges=256))
     water = 1024 * 4 / 3 * np.pi * 1e-6
     np.testing.assert_allclose(np.diag(matrix)[:3], water / 2, rtol=1e-3)
     assert matrix[5, 5] < 1e-6 * water * 1e-4
@@ -78,6 +84,7 @@ def tilts(*degrees, length=1e-2):
     return tuple(Module(length, float(np.deg2rad(tilt))) for tilt in degrees)
 
 
+@both_models
 @pytest.mark.parametrize(
     "morphology",
     [
@@ -103,13 +110,22 @@ def tilts(*degrees, length=1e-2):
         "nearly straight",
     ],
 )
-def test_degenerate_bodies_have_physical_coefficients(morphology):
-    assert_physical(BUILDER.build(morphology))
+def test_degenerate_bodies_have_physical_coefficients(model, morphology):
+    assert_physical(model, BUILDER.build(morphology))
 
 
-@given(st.builds(Morphology, fore=modules, aft=modules))
-def test_any_body_has_physical_coefficients(morphology):
-    assert_physical(BUILDER.build(morphology))
+@both_models
+@given(morphology=morphologies)
+def test_any_body_has_physical_coefficients(model, morphology):
+    assert_physical(model, BUILDER.build(morphology))
+
+
+@pytest.mark.slow
+@both_models
+@settings(max_examples=5000)
+@given(morphology=morphologies)
+def test_thousands_of_bodies_have_physical_coefficients(model, morphology):
+    assert_physical(model, BUILDER.build(morphology))
 
 
 def test_a_nearly_straight_body_is_not_smoothed():

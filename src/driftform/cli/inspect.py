@@ -48,12 +48,15 @@ def body_facts(opened: "Opened") -> dict[str, Any]:
     """What there is to tell, SI units throughout."""
     import numpy as np
 
+    from driftform.dynamics.inertia import added_mass_at, largest_added_mass_ratio, rigid_body_mass
     from driftform.dynamics.model import flight_model
     from driftform.dynamics.stability import stable_rest
     from driftform.geometry import hull_mass
 
     body, mass, coefficients = opened.agent.body, opened.agent.mass, opened.agent.coefficients
     fluid = opened.study.scenario.fluid
+    own, added = rigid_body_mass(mass), added_mass_at(coefficients, np.zeros(3))
+    lambda_max = largest_added_mass_ratio(mass, coefficients)
     net = (fluid.density * mass.volume - mass.mass) * fluid.gravity
     rest = stable_rest(flight_model(opened.agent, opened.study.scenario))
     morphology = opened.agent.morphology
@@ -86,8 +89,9 @@ def body_facts(opened: "Opened") -> dict[str, Any]:
         },
         "righting_moment": _righting_moment(opened),
         "terminal_speeds": _terminal_speeds(opened, net, rest.pitch),
-        "lambda_max": _lambda_max(opened),
-        "warnings": _warnings(opened),
+        "lambda_max": lambda_max,
+        "sensitivity": _sensitivity(opened),
+        "warnings": _warnings(opened, float((own + added)[2, 2]), lambda_max),
     }
 
 
@@ -109,56 +113,73 @@ def _terminal_speeds(opened: "Opened", net: float, pitch: float) -> dict[str, fl
     return {"along": along, "across": across}
 
 
-def _lambda_max(opened: "Opened") -> float:
-    """Largest eigenvalue of M_RB^-1 M_A."""
-    import numpy as np
+def _sensitivity(opened: "Opened") -> dict[str, Any] | None:
+    """Errors, in percent, of the agent and of one whose hull is a gram lighter or heavier; ``None`` where none can be told."""
+    from driftform.errors import WorkFailedError
+    from driftform.reflight import gram_sensitivity
 
-    from driftform.dynamics.inertia import added_mass_at, rigid_body_mass
-
-    added = added_mass_at(opened.agent.coefficients, np.zeros(3))
-    return float(np.linalg.eigvals(np.linalg.solve(rigid_body_mass(opened.agent.mass), added)).real.max())
+    names = opened.study.scenario.target_names
+    try:
+        found = gram_sensitivity(opened.pipeline, opened.agent, opened.name) if names else None
+    except WorkFailedError:
+        # An agent that cannot be flown is still a body, and `simulate` tells what is wrong with its flight.
+        return None
+    if found is None:
+        return None
+    columns = ("as_simulated", "lighter", "heavier")
+    rows = zip(*(getattr(found, column) for column in columns), strict=True)
+    errors = {name: dict(zip(columns, row, strict=True)) for name, row in zip(names, rows, strict=True)}
+    target = opened.stored.result.get("target")
+    if target not in errors:
+        target = min(errors, key=lambda name: float(errors[name]["as_simulated"]))
+    return {"target": target, "errors": errors}
 
 
 def _compared(opened: "Opened") -> dict[str, Any]:
-    """Added mass about the centre of buoyancy by every hydrodynamics model that is installed."""
+    """Added mass about the centre of buoyancy by every hydrodynamics model that is installed.
+
+    The study's own model has the study's options, the others have their defaults.
+    """
     from driftform.dynamics.inertia import added_mass_at
+    from driftform.errors import WorkFailedError
     from driftform.registry import registry
 
-    found = {}
+    own, found = opened.pipeline.hydrodynamics, {}
     for row in registry().seam("hydrodynamics"):
         if row.available:
-            model = registry().create("hydrodynamics", row.name, {})
-            coefficients = model.coefficients(opened.agent.body, opened.study.scenario.fluid)
+            model = own if row.name == own.name else registry().create("hydrodynamics", row.name, {})
+            try:
+                coefficients = model.coefficients(opened.agent.body, opened.study.scenario.fluid)
+            except (ValueError, ArithmeticError, RuntimeError) as error:
+                raise WorkFailedError(
+                    f"{opened.name}: no added mass by '{row.name}': {type(error).__name__}: {error}"
+                ) from None
             found[row.name] = added_mass_at(coefficients, opened.agent.mass.cob)
     return found
 
 
-def _warnings(opened: "Opened") -> list[str]:
-    import numpy as np
-
-    from driftform.dynamics.inertia import added_mass_at, rigid_body_mass
+def _warnings(opened: "Opened", heaving: float, lambda_max: float) -> list[str]:
+    """What to beware of; ``heaving`` is the mass, kg, that heave has to move, with that of the water."""
+    import math
 
     body, mass, scenario = opened.agent.body, opened.agent.mass, opened.study.scenario
     fluid = scenario.fluid
     warnings = []
-    core_density = body.core.mass / (4 / 3 * np.pi * body.core.radius**3)
+    core_density = body.core.mass / (4 / 3 * math.pi * body.core.radius**3)
     if core_density > LEAD:
         warnings.append(f"the core is denser than lead: {core_density:.0f} kg/m3")
-    net = fluid.density * mass.volume - mass.mass
-    if scenario.pipe.segments and net != 0 and fluid.gravity > 0:
-        radius = scenario.pipe.segments[0].radius
-        inertia = rigid_body_mass(mass) + added_mass_at(opened.agent.coefficients, np.zeros(3))
-        time = float(np.sqrt(2 * radius * inertia[2, 2] / (abs(net) * fluid.gravity)))
+    net = (fluid.density * mass.volume - mass.mass) * fluid.gravity
+    if scenario.pipe.segments and net != 0:
+        time = math.sqrt(2 * scenario.pipe.segments[0].radius * heaving / abs(net))
         if time < 1.0:
             verb = "rises" if net > 0 else "sinks"
             warnings.append(
                 f"level, it {verb} from the axis to the wall in {time:.2g} s: it is far from neutral"
             )
-    largest = _lambda_max(opened)
-    if largest > LAGGED:
+    if lambda_max > LAGGED:
         warnings.append(
-            f"added mass up to {largest:.1f} times its own: simulators that take it from the step before, smoothed, "
-            f"diverge beyond {LAGGED:.2f}"
+            f"added mass up to {lambda_max:.1f} times its own: simulators that take it from the step before, "
+            f"smoothed, diverge beyond {LAGGED:.2f}"
         )
     if body.length > BED or body.max_diameter > BED:
         warnings.append(
@@ -202,6 +223,7 @@ def _print(facts: dict[str, Any]) -> None:
             f"{speeds['along']:.3g} m/s along its axis, {speeds['across']:.3g} across, with drag",
         ),
         ("added over own mass", f"at most {facts['lambda_max']:.3g}"),
+        ("a gram of hull", _gram(facts["sensitivity"])),
     ]
     print_table(("agent", facts["agent"]), rows)
     if modules:
@@ -232,6 +254,17 @@ def _print(facts: dict[str, Any]) -> None:
         )
     for warning in facts["warnings"]:
         print(f"beware: {warning}")
+
+
+def _gram(sensitivity: dict[str, Any] | None) -> str:
+    """What one gram does to the error at the agent's target, in words."""
+    if sensitivity is None:
+        return "what it does to a flight cannot be told"
+    errors = sensitivity["errors"][sensitivity["target"]]
+    return (
+        f"{sensitivity['target']} missed by {errors['as_simulated']:.2f} % of d_max; "
+        f"1 g less {errors['lighter']:.2f} %, 1 g more {errors['heavier']:.2f} %"
+    )
 
 
 def _rest(rest: dict[str, Any]) -> str:
