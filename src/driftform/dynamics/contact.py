@@ -210,13 +210,13 @@ def _straight_push(
         # The normal is n_o o + n_a a, the lever along axis + l_o o + l_a a.
         turn = l_o * n_a - l_a * n_o
         speed = n_o * v_o + n_a * v_a + along * (n_o * w_o + n_a * w_a) + turn * w_oa
-        square, force = _pressed(rims, k, depth, speed)
+        square, pressed = _pressed(rims, k, depth, speed)
         total += square * square
-        f_o += force * n_o
-        f_a += force * n_a
-        t_o += force * along * n_o
-        t_a += force * along * n_a
-        t_oa += force * turn
+        f_o += pressed * n_o
+        f_a += pressed * n_a
+        t_o += pressed * along * n_o
+        t_a += pressed * along * n_a
+        t_oa += pressed * turn
     share = 1.0 / math.sqrt(total) if total > 0.0 else 0.0
     force = times(-share, plus(times(f_o, o), times(f_a, a)))
     torque = times(-share, plus(times(t_o, axis_o), plus(times(t_a, axis_a), times(t_oa, o_a))))
