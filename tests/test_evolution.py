@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -49,14 +50,14 @@ class Counting:
         self._left = breaks_after
         self.asked: list[int] = []
 
-    def evaluate(self, jobs: Sequence[Job]) -> Iterable[Outcome]:
-        for outcome in list(self._executor.evaluate(jobs))[::-1]:
+    def evaluate(self, jobs: Sequence[Job]) -> Iterable[Sequence[Outcome]]:
+        for outcome in list(chain.from_iterable(self._executor.evaluate(jobs)))[::-1]:
             if self._left is not None:
                 if self._left == 0:
                     raise KeyboardInterrupt
                 self._left -= 1
             self.asked.append(outcome[0])
-            yield outcome
+            yield [outcome]
 
 
 @pytest.mark.parametrize("strategy", ["paper", "random"])

@@ -1,20 +1,32 @@
-"""Where evaluations run: worker processes that crash cost nothing but the genome that is to blame."""
+"""Where evaluations run: workers that crash cost nothing but the genome that is to blame, locally and on a cluster."""
 
+import multiprocessing
 import os
 import signal
 import sys
 import time
-from collections.abc import Iterator
+from collections import deque
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import Future
 from contextlib import closing
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from driftform.execution import ATTEMPTS, InProcess, Job, LocalProcesses, Outcome
+from driftform.errors import InputError
+from driftform.execution import ATTEMPTS, BATCH, InProcess, Job, LocalProcesses, Outcome
+from driftform.execution.cluster import Cluster
+from driftform.execution.jobs import LONGEST, SHORTEST, task_size
+from driftform.execution.lanes import Lane, Lanes
 from driftform.study import Study, load_study
-from driftform.types import Evaluation
+from driftform.types import Evaluation, Genome
+
+Make = Callable[[Study], Lanes]
 
 pytestmark = pytest.mark.usefixtures("fakes")
 
@@ -33,15 +45,34 @@ def jobs() -> list[Job]:
     return [(10 + index, grammar.random(rng)) for index in range(COUNT)]
 
 
+@pytest.fixture(params=["local", "dask"])
+def make(request: pytest.FixtureRequest) -> Make:
+    """Makes an executor with two workers: processes of its own, or those of a cluster that is running."""
+    if request.param == "local":
+        return lambda study: LocalProcesses(study.document, 2)
+    address = request.getfixturevalue("dask_cluster")
+    return lambda study: Cluster.joined(study.document, address)
+
+
+def workers_of(executor: Lanes, dask_cluster: str | None = None) -> list[int]:
+    """The processes that evaluate."""
+    if isinstance(executor, LocalProcesses):
+        return [child.pid or 0 for child in multiprocessing.active_children()]
+    from distributed import Client
+
+    with Client(dask_cluster, set_as_default=False) as client:
+        return list(client.run(os.getpid).values())
+
+
 def number(genome: Any) -> float:
     from driftform_fake import number
 
     return float(number(genome))
 
 
-def told(outcomes: Iterator[Outcome]) -> dict[int, Evaluation]:
+def told(outcomes: Iterable[Sequence[Outcome]]) -> dict[int, Evaluation]:
     found: dict[int, Evaluation] = {}
-    for index, evaluation in outcomes:
+    for index, evaluation in chain.from_iterable(outcomes):
         assert index not in found, "an outcome came twice"
         found[index] = evaluation
     return found
@@ -58,10 +89,10 @@ def assert_same(a: dict[int, Evaluation], b: dict[int, Evaluation]) -> None:
             assert left.trajectory.position.tobytes() == right.trajectory.position.tobytes()
 
 
-def test_processes_find_what_this_process_finds(jobs: list[Job]) -> None:
+def test_workers_find_what_this_process_finds(jobs: list[Job], make: Make) -> None:
     study = study_of()
     here = told(InProcess(study.pipeline()).evaluate(jobs))
-    with closing(LocalProcesses(study.document, 2)) as executor:
+    with closing(make(study)) as executor:
         there = told(executor.evaluate(jobs))
         again = told(executor.evaluate(jobs[:3]))
         assert told(executor.evaluate([])) == {}
@@ -83,11 +114,13 @@ def test_a_genome_that_raises_is_a_failure_of_its_own(jobs: list[Job]) -> None:
             assert_same({index: evaluation}, {index: sound[index]})
 
 
-def test_a_genome_that_kills_its_process_fails_and_all_others_are_evaluated(jobs: list[Job]) -> None:
+def test_a_genome_that_kills_its_process_fails_and_all_others_are_evaluated(
+    jobs: list[Job], make: Make
+) -> None:
     sound = told(InProcess(study_of().pipeline()).evaluate(jobs))
-    guilty = {index for index, genome in jobs if number(genome) < 0.1}
+    guilty = {index for index, genome in jobs if number(genome) < 0.08}
     assert 0 < len(guilty) < COUNT / 3
-    with closing(LocalProcesses(study_of(die=0.1).document, 2)) as executor:
+    with closing(make(study_of(die=0.08))) as executor:
         outcomes = told(executor.evaluate(jobs))
     assert outcomes.keys() == sound.keys()
     for index, evaluation in outcomes.items():
@@ -98,29 +131,28 @@ def test_a_genome_that_kills_its_process_fails_and_all_others_are_evaluated(jobs
             assert_same({index: evaluation}, {index: sound[index]})
 
 
-def test_a_process_that_dies_once_is_forgiven(jobs: list[Job], tmp_path: Path) -> None:
-    options = {"die": 0.1, "die_once": str(tmp_path)}
-    with closing(LocalProcesses(study_of(**options).document, 2)) as executor:
+def test_a_process_that_dies_once_is_forgiven(jobs: list[Job], make: Make, tmp_path: Path) -> None:
+    options = {"die": 0.08, "die_once": str(tmp_path)}
+    with closing(make(study_of(**options))) as executor:
         outcomes = told(executor.evaluate(jobs))
     assert list(tmp_path.iterdir())
     assert_same(outcomes, told(InProcess(study_of().pipeline()).evaluate(jobs)))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
-def test_a_worker_that_is_killed_from_outside_costs_nothing(jobs: list[Job]) -> None:
-    import multiprocessing
-
+def test_a_worker_that_is_killed_from_outside_costs_nothing(
+    jobs: list[Job], make: Make, dask_cluster: str
+) -> None:
     study = study_of(pause=0.05)
     found: dict[int, Evaluation] = {}
-    with closing(LocalProcesses(study.document, 2)) as executor:
-        for index, evaluation in executor.evaluate(jobs):
+    with closing(make(study)) as executor:
+        for index, evaluation in chain.from_iterable(executor.evaluate(jobs)):
             if not found:
-                os.kill(multiprocessing.active_children()[0].pid or 0, signal.SIGKILL)
+                os.kill(workers_of(executor, dask_cluster)[0], signal.SIGKILL)
             assert index not in found
             found[index] = evaluation
         # One that waits for work may be killed as well.
-        for child in multiprocessing.active_children():
-            os.kill(child.pid or 0, signal.SIGKILL)
+        os.kill(workers_of(executor, dask_cluster)[0], signal.SIGKILL)
         again = told(executor.evaluate(jobs[:2]))
     sound = told(InProcess(study.pipeline()).evaluate(jobs))
     assert_same(found, sound)
@@ -128,8 +160,6 @@ def test_a_worker_that_is_killed_from_outside_costs_nothing(jobs: list[Job]) -> 
 
 
 def test_closed_in_the_middle_it_does_not_wait_and_leaves_no_process(jobs: list[Job]) -> None:
-    import multiprocessing
-
     executor = LocalProcesses(study_of(pause=1.5).document, 2)
     outcomes = iter(executor.evaluate(jobs))
     next(outcomes)
@@ -138,3 +168,119 @@ def test_closed_in_the_middle_it_does_not_wait_and_leaves_no_process(jobs: list[
     assert time.monotonic() - began < 1.5
     assert multiprocessing.active_children() == []
     executor.close()
+
+
+def test_what_is_wrong_with_a_study_is_told_and_no_genome_is_blamed(jobs: list[Job], make: Make) -> None:
+    study = study_of()
+    broken = Study({**study.document, "simulator": {"use": "fake", "pause": -1.0}}, study.scenario, study.run)
+    with closing(make(broken)) as executor, pytest.raises(InputError, match=r"simulator\.pause = -1\.0"):
+        list(executor.evaluate(jobs))
+
+
+# Tasks, and the lanes that they are handed to.
+
+
+class Pretended(Lane):
+    """A lane whose tasks end when the test says so."""
+
+    processes = 1
+
+    def __init__(self) -> None:
+        super().__init__(targets=1)
+        self._tasks: list[tuple[Future[list[Outcome]], Sequence[Job]]] = []
+
+    def submit(self, batch: Sequence[Job]) -> "Future[list[Outcome]]":
+        self._tasks.append((Future(), batch))
+        return self._tasks[-1][0]
+
+    def deaths(self, error: BaseException) -> int:
+        return int(isinstance(error, ChildProcessError))
+
+    def close(self) -> None: ...
+
+    def under_way(self) -> list[list[int]]:
+        """The evaluations of each task that is not done."""
+        return [[index for index, _ in batch] for future, batch in self._tasks if not future.done()]
+
+    def finish(self) -> None:
+        future, batch = next((f, b) for f, b in self._tasks if not f.done())
+        future.set_result([(index, Evaluation(genome, np.zeros(1))) for index, genome in batch])
+
+    def die(self) -> None:
+        for future in self.running:
+            future.set_exception(ChildProcessError())
+
+
+def numbered(count: int) -> deque[Job]:
+    return deque((index, Genome("g", (str(index),))) for index in range(count))
+
+
+def test_a_process_has_a_task_ready_beside_the_one_under_way() -> None:
+    lane, waiting = Pretended(), numbered(6)
+    assert [lane.take(waiting, 2) for _ in range(3)] == [True, True, False]
+    assert lane.under_way() == [[0, 1], [2, 3]]
+    lane.finish()
+    assert [index for index, _ in lane.collect()] == [0, 1]
+    assert lane.take(waiting, 3)
+    assert lane.under_way() == [[2, 3], [4, 5]]
+
+
+def test_what_a_death_took_along_is_tried_one_by_one_and_alone() -> None:
+    lane, waiting = Pretended(), numbered(6)
+    while lane.take(waiting, 2):
+        pass
+    lane.die()
+    assert lane.collect() == []
+    for index in range(4):
+        for _ in range(2):
+            lane.take(waiting, 2)
+        assert lane.under_way() == [[index]]
+        lane.finish()
+        assert [found for found, _ in lane.collect()] == [index]
+    assert lane.take(waiting, 2)
+    assert lane.under_way() == [[4, 5]]
+
+
+def test_alone_and_dead_too_often_a_genome_has_failed() -> None:
+    lane, waiting = Pretended(), numbered(2)
+    lane.take(waiting, 2)
+    lane.die()
+    for _ in range(ATTEMPTS):
+        assert lane.collect() == []
+        lane.take(waiting, 2)
+        assert lane.under_way() == [[0]]
+        lane.die()
+    [(index, evaluation)] = lane.collect()
+    assert (index, evaluation.failure) == (0, "its process died 2 times")
+    lane.take(waiting, 2)
+    assert lane.under_way() == [[1]]
+
+
+def test_what_no_death_explains_is_raised() -> None:
+    lane = Pretended()
+    lane.take(numbered(1), 1)
+    lane.running[0].set_exception(InputError("no such plugin"))
+    with pytest.raises(InputError, match="no such plugin"):
+        lane.collect()
+
+
+@given(st.integers(1, 10**6), st.integers(1, 500), st.none() | st.floats(0, 1e4))
+def test_tasks_are_short_enough_to_be_lost_and_long_enough_to_be_worth_it(
+    waiting: int, processes: int, seconds: float | None
+) -> None:
+    size = task_size(waiting, processes, seconds)
+    assert 1 <= size <= min(BATCH, waiting)
+    if seconds is not None:
+        assert size == 1 or size * seconds <= LONGEST
+        assert size == min(BATCH, waiting) or (size + 1) * seconds >= min(SHORTEST, LONGEST)
+
+
+@pytest.mark.parametrize("seconds", [0.005, 0.03, 0.2])
+def test_the_tasks_of_a_generation_let_two_processes_finish_together(seconds: float) -> None:
+    waiting, busy, tasks = 100, [0.0, 0.0], 0
+    while waiting:
+        size = task_size(waiting, 2, seconds)
+        busy[busy.index(min(busy))] += size * seconds
+        waiting, tasks = waiting - size, tasks + 1
+    assert abs(busy[0] - busy[1]) <= max(seconds, 1.5 * SHORTEST)
+    assert tasks <= 30

@@ -12,7 +12,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from driftform.errors import InputError, WorkFailedError
-from driftform.store import SAMPLE_GAP, Record, Store, compact, decoded, encoded
+from driftform.packed_flight import SAMPLE_GAP, PackedFlight, compact, decoded, encoded, packed
+from driftform.store import Record, Store
 from driftform.types import Candidate, End, Evaluation, Genome, Trajectory
 
 TARGETS = ("A", "B")
@@ -87,12 +88,18 @@ def test_records_read_back_as_a_live_strategy_has_seen_them(
     path = fresh()
     with Store.create(path, {}) as store:
         for record in written:
-            store.add(record, TARGETS)
+            store.add([record], TARGETS)
     with Store.open(path) as store:
         read = list(store.records(TARGETS))
         assert store.count() == len(written)
         assert store.failed() == sum(r.evaluation.failure is not None for r in written)
+        flights = dict(store.flights())
     assert [(r.index, r.candidate) for r in read] == [(r.index, r.candidate) for r in written]
+    sound = {r.index: r.evaluation for r in read if r.evaluation.failure is None and r.evaluation.trajectory}
+    assert list(flights) == list(sound)
+    assert all(
+        same(Evaluation(e.genome, e.fitness, flights[i], None, e.seconds), e) for i, e in sound.items()
+    )
     for before, after in zip(written, read, strict=True):
         assert same(after.evaluation, compact(before.evaluation))
         assert after.evaluation.fitness.tobytes() == before.evaluation.fitness.tobytes()
@@ -134,6 +141,22 @@ def evaluated(index: int, a: float, b: float, failure: str | None = None) -> Rec
     return Record(index, Candidate(genome), Evaluation(genome, np.array([a, b]), failure=failure))
 
 
+def test_reading_one_evaluation_takes_no_longer_in_a_large_run(store: Store) -> None:
+    def steps() -> int:
+        """Instructions of SQLite's machine that it takes."""
+        count = [0]
+        store._connection.set_progress_handler(lambda: count.__setitem__(0, count[0] + 1), 1)
+        store.record(1, TARGETS)
+        store._connection.set_progress_handler(None, 1)
+        return count[0]
+
+    store.add([evaluated(index, 1.0, 2.0) for index in range(3)], TARGETS)
+    small = steps()
+    store.add([evaluated(index, 1.0, 2.0) for index in range(3, 1000)], TARGETS)
+    assert small > 10
+    assert steps() <= small + 10
+
+
 def test_the_best_is_the_earliest_of_equals_and_never_a_failure(store: Store) -> None:
     assert store.best("A") is None
     for record in (
@@ -142,7 +165,7 @@ def test_the_best_is_the_earliest_of_equals_and_never_a_failure(store: Store) ->
         evaluated(2, 9.0, 0.5),
         evaluated(3, 99.0, 99.0, failure="it sank"),
     ):
-        store.add(record, TARGETS)
+        store.add([record], TARGETS)
     assert store.best("A") == (1, 9.0)
     assert store.best("B") == (0, 1.0)
     assert store.best("C") is None
@@ -153,43 +176,43 @@ def test_the_best_is_the_earliest_of_equals_and_never_a_failure(store: Store) ->
 def test_the_best_is_that_of_all_scores(fresh: Callable[[], Path], scores: list[float]) -> None:
     with Store.create(fresh(), {}) as store:
         for index, score in enumerate(scores):
-            store.add(evaluated(index, score, 0.0), TARGETS)
+            store.add([evaluated(index, score, 0.0)], TARGETS)
         assert store.best("A") == (scores.index(max(scores)), max(scores))
 
 
 def test_no_fitness_that_is_not_a_number_gets_in_and_what_was_there_stays(store: Store) -> None:
-    store.add(evaluated(0, 1.0, 2.0), TARGETS)
+    store.add([evaluated(0, 1.0, 2.0)], TARGETS)
     with pytest.raises(WorkFailedError, match="evaluation 1 cannot be written"):
-        store.add(evaluated(1, 1.0, float("nan")), TARGETS)
+        store.add([evaluated(1, 1.0, float("nan"))], TARGETS)
     assert store.count() == 1
-    store.add(evaluated(1, 1.0, 3.0), TARGETS)
+    store.add([evaluated(1, 1.0, 3.0)], TARGETS)
     assert store.best("B") == (1, 3.0)
 
 
 def test_an_evaluation_is_written_once(store: Store) -> None:
-    store.add(evaluated(0, 1.0, 2.0), TARGETS)
+    store.add([evaluated(0, 1.0, 2.0)], TARGETS)
     with pytest.raises(WorkFailedError, match="evaluation 0 cannot be written"):
-        store.add(evaluated(0, 3.0, 4.0), TARGETS)
+        store.add([evaluated(0, 3.0, 4.0)], TARGETS)
     assert store.record(0, TARGETS).evaluation.fitness.tolist() == [1.0, 2.0]
 
 
 def test_a_part_of_the_records_is_read_by_index(store: Store) -> None:
     for index in range(5):
-        store.add(evaluated(index, index, 0.0), TARGETS)
+        store.add([evaluated(index, index, 0.0)], TARGETS)
     assert [record.index for record in store.records(TARGETS, 1, 3)] == [1, 2, 3]
     assert [record.index for record in store.records(TARGETS, 3)] == [3, 4]
     assert list(store.records(TARGETS, 9, 2)) == []
 
 
 def test_the_scores_come_in_the_order_that_is_asked_for(store: Store) -> None:
-    store.add(evaluated(0, 1.0, 2.0), TARGETS)
+    store.add([evaluated(0, 1.0, 2.0)], TARGETS)
     assert store.record(0, ("B", "A")).evaluation.fitness.tolist() == [2.0, 1.0]
 
 
 def test_a_committed_evaluation_is_seen_by_others_at_once_and_survives_a_crash(
     store: Store, tmp_path: Path
 ) -> None:
-    store.add(evaluated(0, 1.0, 2.0), TARGETS)
+    store.add([evaluated(0, 1.0, 2.0)], TARGETS)
     connection = sqlite3.connect(tmp_path / "run.db")
     assert connection.execute("SELECT COUNT(*) FROM score").fetchone() == (2,)
     connection.close()
@@ -201,20 +224,20 @@ def test_the_study_reads_back(store: Store) -> None:
 
 def test_closed_it_is_one_file(tmp_path: Path) -> None:
     with Store.create(tmp_path / "run.db", {}) as store:
-        store.add(evaluated(0, 1.0, 2.0), TARGETS)
+        store.add([evaluated(0, 1.0, 2.0)], TARGETS)
     assert [path.name for path in tmp_path.iterdir()] == ["run.db"]
 
 
 def test_a_reader_that_closes_leaves_the_log_to_the_writer(store: Store, tmp_path: Path) -> None:
-    store.add(evaluated(0, 1.0, 2.0), TARGETS)
+    store.add([evaluated(0, 1.0, 2.0)], TARGETS)
     with Store.open(tmp_path / "run.db") as reader:
         assert reader.count() == 1
-    store.add(evaluated(1, 1.0, 2.0), TARGETS)
+    store.add([evaluated(1, 1.0, 2.0)], TARGETS)
     assert store.count() == 2
 
 
 def test_an_existing_file_is_never_made_anew(store: Store, tmp_path: Path) -> None:
-    store.add(evaluated(0, 1.0, 2.0), TARGETS)
+    store.add([evaluated(0, 1.0, 2.0)], TARGETS)
     with pytest.raises(InputError, match="exists already"):
         Store.create(tmp_path / "run.db", {})
     assert store.count() == 1

@@ -18,8 +18,9 @@ def driftform_fitness() -> "type[Fitness[Any]]":
 
 @hookimpl
 def driftform_strategy() -> "list[type[Strategy[Any]]]":
-    """The paper's genetic algorithm, and the random search it has to beat."""
+    """The paper's genetic algorithm, the random search it has to beat, and a map of all that can be reached."""
+    from driftform.strategies.atlas import AtlasStrategy
     from driftform.strategies.paper import PaperStrategy
     from driftform.strategies.random import RandomStrategy
 
-    return [PaperStrategy, RandomStrategy]
+    return [AtlasStrategy, PaperStrategy, RandomStrategy]

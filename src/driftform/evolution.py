@@ -11,11 +11,15 @@ from driftform.agent_file import agent_document, write_agent
 from driftform.dynamics.path import closest_approach
 from driftform.errors import DriftformError, InputError, WorkFailedError
 from driftform.execution import Job, Outcome
-from driftform.figures.overview import Flight, overview_svg
+from driftform.figures.gallery import Flight
+from driftform.figures.overview import overview_svg
+from driftform.figures.reach import reach_svg
 from driftform.figures.section import section_svg
 from driftform.files import write_text
 from driftform.interfaces import Specimen
+from driftform.reach import Cells, reach_of
 from driftform.run_directory import best_agent, write_trajectory
+from driftform.scenario import evaluation_seed
 from driftform.store import Record, Store
 from driftform.study import Study
 from driftform.types import Evaluation
@@ -24,8 +28,8 @@ from driftform.types import Evaluation
 class Executor(Protocol):
     """Where evaluations run."""
 
-    def evaluate(self, jobs: Sequence[Job]) -> Iterable[Outcome]:
-        """Yield an outcome for each job, in any order."""
+    def evaluate(self, jobs: Sequence[Job]) -> Iterable[Sequence[Outcome]]:
+        """Yield an outcome for each job, in any order, as many at a time as there are."""
 
 
 @dataclass(frozen=True)
@@ -88,11 +92,16 @@ def evolve(
             outcomes[record.index] = record.evaluation
             on_record(record)
         missing = [(first + i, c.genome) for i, c in enumerate(candidates) if first + i not in outcomes]
-        for index, evaluation in executor.evaluate(missing):
-            record = Record(index, candidates[index - first], scored(evaluation, targets))
-            store.add(record, targets)
-            outcomes[index] = record.evaluation
-            on_record(record)
+        for arrived in executor.evaluate(missing):
+            records = [
+                Record(i, candidates[i - first], scored(evaluation, targets), evaluation_seed(study.seed, i))
+                for i, evaluation in arrived
+            ]
+            store.add(records, targets)
+            # What is stored counts, and nothing else does.
+            for record in records:
+                outcomes[record.index] = record.evaluation
+                on_record(record)
         strategy.tell(first, [outcomes[first + i] for i in range(len(candidates))])
         first += len(candidates)
         on_generation(first)
@@ -136,7 +145,7 @@ def write_best(directory: Path, study: Study, store: Store) -> tuple[list[Best],
         folder = directory / "best" / target
         write_agent(folder / "agent.json", stored)
         write_trajectory(folder / "trajectory.csv", flight)
-        write_text(folder / "section.svg", section_svg(agent, target))
+        write_text(folder / "section.svg", section_svg(agent, target, study.scenario))
         files = [folder / "agent.json", folder / "trajectory.csv", folder / "section.svg"]
         problems: list[str] = []
         for name in study.run.formats:
@@ -156,3 +165,17 @@ def write_best(directory: Path, study: Study, store: Store) -> tuple[list[Best],
     overview = directory / "figures" / "overview.svg"
     write_text(overview, overview_svg(flights, study.scenario, str(study.document.get("title", ""))))
     return results, overview
+
+
+def write_reach(directory: Path, study: Study, store: Store) -> Path:
+    """Write the map of what the flights of a run reach, and return its path; flights are read one after the other.
+
+    Raises
+    ------
+    InputError
+        where a stored flight is damaged.
+    """
+    path = directory / "figures" / "reach.svg"
+    reach = reach_of(store.flights(), Cells.of(study.scenario))
+    write_text(path, reach_svg(reach, study.scenario, str(study.document.get("title", ""))))
+    return path

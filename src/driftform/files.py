@@ -2,7 +2,9 @@
 
 import os
 import secrets
-from collections.abc import Callable
+import shutil
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from driftform.errors import InputError
@@ -77,3 +79,62 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
 def write_text(path: Path, text: str) -> None:
     """Write a text file in UTF-8."""
     write_whole(path, lambda part: part.write_text(text, encoding="utf-8"))
+
+
+@contextmanager
+def write_together(folder: Path, names: Collection[str]) -> Iterator[Path]:
+    """Yield a new directory for files that belong together, then put them all into ``folder``.
+
+    Those of ``names`` that were there before go, whether they were made again or not. Whatever happens in between,
+    nothing in ``folder`` has changed.
+
+    Raises
+    ------
+    InputError
+        where ``folder`` cannot be a directory to write to.
+    """
+    folder = folder.resolve()
+    make_directory(folder if folder.exists() else folder.parent)
+    part = folder.with_name(f".{folder.name}.{secrets.token_hex(4)}.part")
+    part.mkdir()
+    try:
+        yield part
+        make_directory(folder)
+        for name in names:
+            if not (part / name).exists():
+                (folder / name).unlink(missing_ok=True)
+        for file in part.iterdir():
+            file.replace(folder / file.name)
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
+
+
+@contextmanager
+def write_folder(folder: Path) -> Iterator[Path]:
+    """Yield a new directory, then put it in the place of ``folder`` as a whole, whatever that held before.
+
+    Whatever happens in between, ``folder`` is as it was. Folders above it are made.
+
+    Raises
+    ------
+    InputError
+        where a file stands in its place, or nothing can be written there.
+    """
+    folder = folder.resolve()
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder}: cannot be made a directory: it is a file; choose another --out")
+    make_directory(folder.parent)
+    token = secrets.token_hex(4)
+    part, former = (folder.with_name(f".{folder.name}.{token}.{end}") for end in ("part", "former"))
+    part.mkdir()
+    try:
+        yield part
+        if folder.exists():
+            folder.rename(former)
+        part.rename(folder)
+    finally:
+        # Between the two renames there is no folder: then the former one comes back.
+        if former.exists() and not folder.exists():
+            former.rename(folder)
+        for leftover in (part, former):
+            shutil.rmtree(leftover, ignore_errors=True)

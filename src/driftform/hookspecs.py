@@ -11,6 +11,7 @@ import pluggy
 
 if TYPE_CHECKING:
     from driftform.interfaces import (
+        Checker,
         Exporter,
         Fitness,
         Grammar,
@@ -65,3 +66,8 @@ def driftform_exporter() -> "OneOrMore[Exporter[Any]]":  # type: ignore[empty-bo
 @hookspec
 def driftform_renderer() -> "OneOrMore[Renderer[Any]]":  # type: ignore[empty-body]
     """Agent and its flight -> a film."""
+
+
+@hookspec
+def driftform_checker() -> "OneOrMore[Checker[Any]]":  # type: ignore[empty-body]
+    """Printable files -> whether they can be printed, and are what was simulated."""

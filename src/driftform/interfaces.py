@@ -6,7 +6,7 @@ other state, so that they can be rebuilt in any worker process; a strategy is th
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, Generic, Literal, TypeVar
@@ -15,13 +15,14 @@ import numpy as np
 
 from driftform.errors import InputError
 from driftform.options import Table, option
-from driftform.scenario import Fluid, Scenario
+from driftform.scenario import Fluid, Scenario, Vector
 from driftform.types import (
     Agent,
     Body,
     Candidate,
     Coefficients,
     Evaluation,
+    Finding,
     FloatArray,
     Genome,
     Morphology,
@@ -166,11 +167,15 @@ class Fitness(Plugin[OptionsT_co]):
 
 @dataclass(frozen=True, eq=False)
 class SearchSpace:
-    """What a strategy searches: genomes of ``grammar``, scored for ``targets``, with randomness from ``rng``."""
+    """What a strategy searches: genomes of ``grammar``, scored for ``targets``, with randomness from ``rng``.
+
+    ``scenario`` is what the flights go through, for a strategy that wants to know; open water where nothing is told.
+    """
 
     grammar: Grammar[Any]
     targets: tuple[str, ...]
     rng: np.random.Generator
+    scenario: Scenario = field(default_factory=Scenario)
 
 
 class Strategy(Plugin[OptionsT_co]):
@@ -188,7 +193,11 @@ class Strategy(Plugin[OptionsT_co]):
 
     @abstractmethod
     def ask(self, limit: int) -> list[Candidate]:
-        """Return the next candidates, at least one and at most ``limit`` (the flights left in the budget)."""
+        """Return the next candidates, at least one and at most ``limit`` (the flights left in the budget).
+
+        The limit cuts what would be asked for without it, and decides nothing else: a run that is given a larger
+        budget later begins with the same candidates.
+        """
 
     @abstractmethod
     def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
@@ -284,6 +293,69 @@ class Renderer(Plugin[OptionsT_co]):
         """
 
 
+@dataclass(frozen=True)
+class Printer:
+    """What a part is to be printed with.
+
+    Attributes
+    ----------
+    nozzle
+        diameter of the nozzle, m: the narrowest line that it lays.
+    bed
+        largest part, m: width, depth and height.
+    """
+
+    nozzle: float = 0.0004
+    bed: Vector = (0.25, 0.21, 0.21)
+
+
+@dataclass(frozen=True, eq=False)
+class PrintJob:
+    """Files that are to be printed: what a checker receives.
+
+    Attributes
+    ----------
+    files
+        the files, each with one part or several; together they are one agent.
+    printer
+        what they are to be printed with.
+    specimen
+        the agent that they are to be of, ``None`` where nobody knows.
+    volume
+        material that the closed forms of the agent say they hold, m3, ``None`` where none does.
+    source
+        OpenSCAD source of the same solid, ``None`` where there is none.
+    """
+
+    files: tuple[Path, ...]
+    printer: Printer = Printer()
+    specimen: Specimen | None = None
+    volume: float | None = None
+    source: Path | None = None
+
+
+class Checker(Plugin[OptionsT_co]):
+    """Printable files -> findings: whether what comes off the printer will be what was simulated.
+
+    ``program`` names the program on PATH that does the work, ``""`` where none is needed.
+    """
+
+    program: ClassVar[str] = ""
+
+    @abstractmethod
+    def check(self, job: PrintJob) -> Iterable[Finding]:
+        """Look at the files, and tell what was found, one line for each thing that was looked at.
+
+        What is wrong with a part is a finding, and so is that something could not be looked at, such as a program
+        that is not installed. Each fault is told once: what cannot be judged because of it is ``skipped``.
+
+        Raises
+        ------
+        InputError
+            where a file cannot be read at all.
+        """
+
+
 SEAMS: dict[str, type[Plugin[Any]]] = {
     "grammar": Grammar,
     "builder": PhenotypeBuilder,
@@ -293,5 +365,6 @@ SEAMS: dict[str, type[Plugin[Any]]] = {
     "strategy": Strategy,
     "exporter": Exporter,
     "renderer": Renderer,
+    "checker": Checker,
 }
 """The seams by the name that hooks (``driftform_<seam>``) and tables of a study file use."""

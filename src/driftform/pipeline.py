@@ -4,10 +4,12 @@ import time
 import traceback
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 from driftform.geometry import mass_properties
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
+from driftform.robustness import Condition, body_under, conditions, scenario_under
 from driftform.scenario import Scenario
 from driftform.types import Agent, Evaluation, Genome, Morphology, Trajectory
 
@@ -28,36 +30,56 @@ class Pipeline:
         """Genotype -> phenotype: the modules in their order."""
         return self.grammar.express(genome)
 
-    def realise(self, morphology: Morphology, genome: Genome | None = None) -> Agent:
-        """Modules -> an agent that can fly and be printed."""
-        body = self.builder.build(morphology)
-        coefficients = self.hydrodynamics.with_drag(body, self.scenario.fluid)
+    def realise(
+        self, morphology: Morphology, genome: Genome | None = None, condition: Condition | None = None
+    ) -> Agent:
+        """Modules -> an agent that can fly and be printed, under a condition as it comes off the printer."""
+        body, scenario = self.builder.build(morphology), self.scenario
+        if condition is not None:
+            body, scenario = body_under(condition, body), scenario_under(condition, scenario)
+        coefficients = self.hydrodynamics.with_drag(body, scenario.fluid)
         return Agent(body, mass_properties(body), coefficients, morphology, genome)
 
-    def agent(self, genome: Genome) -> Agent:
+    def agent(self, genome: Genome, condition: Condition | None = None) -> Agent:
         """Genome -> agent."""
-        return self.realise(self.express(genome), genome)
+        return self.realise(self.express(genome), genome, condition)
+
+    @cached_property
+    def conditions(self) -> tuple[Condition, ...]:
+        """The disturbed conditions that finalists are flown under."""
+        return conditions(self.scenario.robustness, self.seed)
 
     def fly(self, agents: Sequence[Agent], scenarios: Sequence[Scenario] | None = None) -> list[Trajectory]:
         """Agents -> their flights, each through a scenario of its own where ``scenarios`` are given."""
         return self.simulator.simulate_batch(agents, scenarios or [self.scenario] * len(agents))
 
-    def evaluate(self, genomes: Sequence[Genome], indices: Sequence[int] | None = None) -> list[Evaluation]:
+    def evaluate(
+        self,
+        genomes: Sequence[Genome],
+        indices: Sequence[int] | None = None,
+        disturbed: Sequence[int | None] | None = None,
+    ) -> list[Evaluation]:
         """Genomes -> evaluations, in their order; one flight scores every target.
 
         Whatever goes wrong with a genome is its recorded outcome, and no other genome's. ``indices`` are those of
         the evaluations in a run, which decide the gusts that each meets; without them all meet the scenario's own.
+        Where ``disturbed`` has a number and no ``None``, that one of :attr:`conditions` is met instead.
         """
         started = time.perf_counter()
         targets = len(self.scenario.targets)
+        under = [None if c is None else self.conditions[c] for c in disturbed or [None] * len(genomes)]
         scenarios = [self.scenario] * len(genomes)
         if indices is not None:
             scenarios = [self.scenario.of_evaluation(self.seed, index) for index in indices]
+        scenarios = [
+            usual if condition is None else scenario_under(condition, usual)
+            for usual, condition in zip(scenarios, under, strict=True)
+        ]
         outcomes: dict[int, Evaluation] = {}
         agents: dict[int, Agent] = {}
         for index, genome in enumerate(genomes):
             try:
-                agents[index] = self.agent(genome)
+                agents[index] = self.agent(genome, under[index])
             except Exception as error:
                 outcomes[index] = Evaluation.failed(genome, targets, _told(error))
         flights = self._flights(list(agents.values()), [scenarios[index] for index in agents])

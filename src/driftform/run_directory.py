@@ -8,12 +8,13 @@ import csv
 import json
 import platform
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
 from shlex import quote
+from typing import Any
 
 import tomli_w
 from filelock import FileLock, Timeout
@@ -28,7 +29,17 @@ from driftform.study import Study
 from driftform.types import Trajectory
 
 DATABASE = "run.db"
+
+FLIGHT_COLUMNS = (
+    *("t", "x", "y", "z"),
+    *("qw", "qx", "qy", "qz"),
+    *("surge", "sway", "heave", "roll_rate", "pitch_rate", "yaw_rate"),
+)
+"""A flight as a table: time, position, quaternion and velocity, as in a Trajectory."""
+
 _LOCK = ".lock"
+_PATIENCE = 0.2
+"""How long a lock is asked for, s: :func:`is_worked_on` holds it for a moment."""
 
 
 def resume_command(directory: Path) -> str:
@@ -47,7 +58,7 @@ def locked(directory: Path) -> Iterator[None]:
     """
     lock = FileLock(directory / _LOCK)
     try:
-        lock.acquire(timeout=0)
+        lock.acquire(timeout=_PATIENCE, poll_interval=_PATIENCE / 10)
     except Timeout:
         raise InputError(
             f"{directory}: another driftform process is working on this run; wait for it to end"
@@ -58,6 +69,30 @@ def locked(directory: Path) -> Iterator[None]:
         yield
     finally:
         lock.release()
+
+
+def is_worked_on(directory: Path) -> bool:
+    """Tell whether a process holds the run, and leave the run to whoever wants to begin: nothing is written."""
+    path = directory / _LOCK
+    if not path.exists():
+        return False
+    if sys.platform == "win32":
+        lock = FileLock(path)
+        try:
+            lock.acquire(timeout=0)
+        except Timeout:
+            return True
+        lock.release()
+        return False
+    import fcntl
+
+    # A shared lock, which many may hold at once, and which a file that may only be read allows.
+    with path.open("rb") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except OSError:
+            return True
+    return False
 
 
 def check_new(directory: Path) -> None:
@@ -109,7 +144,7 @@ def best_agent(study: Study, store: Store, target: str) -> StoredAgent | None:
 def write_inputs(directory: Path, study: Study, source: str) -> None:
     """Write what the run was started with."""
     write_text(directory / "study.toml", source)
-    write_text(directory / "resolved.toml", tomli_w.dumps(dict(study.document)))
+    write_resolved(directory, study.document)
     plugins = [
         {"seam": row.seam, "name": row.name, "distribution": row.distribution, "version": row.version}
         for row in registry().contributions()
@@ -127,29 +162,20 @@ def write_inputs(directory: Path, study: Study, source: str) -> None:
     write_text(directory / "environment.json", json.dumps(environment, indent=1) + "\n")
 
 
+def write_resolved(directory: Path, document: Mapping[str, Any]) -> None:
+    """Write the study's document for people, where the file does not say the same already."""
+    path, text = directory / "resolved.toml", tomli_w.dumps(dict(document))
+    if not path.is_file() or path.read_text(encoding="utf-8") != text:
+        write_text(path, text)
+
+
 def write_trajectory(path: Path, trajectory: Trajectory) -> None:
     """Write a flight as CSV: SI units, quaternion body to world, velocity in the body frame."""
-    header = [
-        "t",
-        "x",
-        "y",
-        "z",
-        "qw",
-        "qx",
-        "qy",
-        "qz",
-        "surge",
-        "sway",
-        "heave",
-        "roll_rate",
-        "pitch_rate",
-        "yaw_rate",
-    ]
 
     def write(part: Path) -> None:
         with part.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(header)
+            writer.writerow(FLIGHT_COLUMNS)
             rows = zip(
                 trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, strict=True
             )

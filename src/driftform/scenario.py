@@ -48,6 +48,10 @@ class Pipe(Table):
         rows = [(*s.start, *s.end, s.radius) for s in self.segments]
         return np.array(rows, dtype=np.float64).reshape(-1, 7)
 
+    def holds(self, point: Vector) -> bool:
+        """Whether a point lies in the water of a segment, or on its wall."""
+        return any(_inside(segment, point) for segment in self.segments)
+
     def farthest_distance(self, point: FloatArray) -> float:
         """Distance (m) from ``point`` to the farthest point of the pipe's volume, infinite in open water.
 
@@ -166,6 +170,9 @@ class Release(Table):
     pitch_deg: float = option(
         0.0, "pitch of the body's axis against x, positive nose down", "deg", ge=-90, le=90
     )
+    yaw_deg: float = option(
+        0.0, "yaw of the body's axis against x, positive towards +y", "deg", ge=-180, le=180
+    )
     velocity: Literal["current", "rest"] | Vector = option(
         "current", "'current' (moving with the water), 'rest', or a velocity in the world frame", "m/s"
     )
@@ -189,6 +196,34 @@ class Flight(Table):
     horizon: float = option(20.0, "longest duration of a flight", "s", gt=0)
 
 
+class Robustness(Table):
+    """What may be otherwise than planned, and how finalists are judged by it.
+
+    The quantities are standard deviations of normal distributions, cut off at three of them.
+    """
+
+    conditions: int = option(
+        0, "disturbed flights of every finalist; 0 to judge by the undisturbed flight alone", ge=0, le=10_000
+    )
+    finalists: int = option(
+        5, "agents that are flown so for each target: those whose undisturbed flights are best", gt=0
+    )
+    score: Literal["mean", "quantile", "worst"] = option(
+        "mean", "what counts of a finalist's fitness over all conditions"
+    )
+    quantile: float = option(
+        0.1, "share of the conditions that may be worse than what counts, with score = 'quantile'", ge=0, le=1
+    )
+    position: float = option(
+        0.02, "of the point of release, along each of two directions across the pipe", "m", ge=0
+    )
+    angle_deg: float = option(2.0, "of pitch and yaw at the release", "deg", ge=0, le=30)
+    current: float = option(0.03, "of the speed of the current, relative", ge=0, le=0.3)
+    density: float = option(0.001, "of the density of the water, relative", ge=0, le=0.3)
+    mass: float = option(0.01, "of the mass of the printed hull, relative", ge=0, le=0.3)
+    wall: float = option(0.00002, "of the thickness of the printed wall", "m", ge=0)
+
+
 def _named(targets: dict[str, Vector]) -> dict[str, Vector]:
     for name in targets:
         if not name.replace("-", "").replace("_", "").isalnum():
@@ -207,6 +242,9 @@ class Scenario(Table):
     release: Release = Field(default=Release(), description="how the agent enters")
     contact: Contact = Field(default=Contact(), description="contact with the wall")
     flight: Flight = Field(default=Flight(), description="when a flight is over")
+    robustness: Robustness = Field(
+        default=Robustness(), description="what may be otherwise than planned, and what counts then"
+    )
     targets: Annotated[dict[str, Vector], AfterValidator(_named)] = Field(
         default={},
         description="points to reach, each a name and a position in the world frame",
@@ -232,7 +270,7 @@ class Scenario(Table):
             ("release.position", self.release.position),
             *((f"targets.{name}", point) for name, point in self.targets.items()),
         ):
-            if self.pipe.segments and not any(_inside(segment, point) for segment in self.pipe.segments):
+            if self.pipe.segments and not self.pipe.holds(point):
                 raise ValueError(f"{name} = {list(point)} lies outside the pipe")
         return self
 
@@ -261,10 +299,16 @@ class Scenario(Table):
         """The scenario as evaluation ``index`` of a run with this seed meets it: with gusts of its own."""
         if not isinstance(self.flow, TurbulentFlow):
             return self
-        [gusts] = np.random.SeedSequence((seed, index)).generate_state(1)
-        return self.model_copy(update={"flow": self.flow.model_copy(update={"seed": int(gusts)})})
+        gusts = evaluation_seed(seed, index)
+        return self.model_copy(update={"flow": self.flow.model_copy(update={"seed": gusts})})
 
     def release_quaternion(self) -> FloatArray:
-        """Attitude of the released agent, (4,): a turn about y by the pitch angle."""
-        half = np.deg2rad(self.release.pitch_deg) / 2
-        return np.array([np.cos(half), 0.0, np.sin(half), 0.0])
+        """Attitude of the released agent, (4,): turned about y by the pitch angle, then about z by the yaw angle."""
+        pitch, yaw = np.deg2rad([self.release.pitch_deg, self.release.yaw_deg]) / 2
+        c, s = np.cos(pitch), np.sin(pitch)
+        return np.array([np.cos(yaw) * c, -np.sin(yaw) * s, np.cos(yaw) * s, np.sin(yaw) * c])
+
+
+def evaluation_seed(seed: int, index: int) -> int:
+    """Seed of what is random about evaluation ``index`` of a run with this seed, such as its gusts."""
+    return int(np.random.SeedSequence((seed, index)).generate_state(1)[0])

@@ -8,21 +8,19 @@ import re
 import sqlite3
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
-from dataclasses import dataclass, replace
+from contextlib import ExitStack, closing, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from driftform.errors import InputError, WorkFailedError
+from driftform.packed_flight import decoded, packed, trust
 from driftform.types import Candidate, End, Evaluation, Genome, Trajectory
 
 APPLICATION_ID = 0x64726674
-SCHEMA_VERSION = 2
-SAMPLE_GAP = 0.01
-"""Samples of a stored trajectory are at least this far apart, s."""
+SCHEMA_VERSION = 3
 
 _SCHEMA = """
 CREATE TABLE meta (
@@ -36,6 +34,7 @@ CREATE TABLE evaluation (
     parents TEXT NOT NULL,       -- JSON array of evaluation ids
     grammar TEXT NOT NULL,
     symbols TEXT NOT NULL,       -- JSON array of strings
+    seed INTEGER NOT NULL,       -- of what was random about it, see scenario.evaluation_seed()
     failure TEXT,
     ended TEXT,
     duration REAL,               -- of the flight, s
@@ -63,24 +62,47 @@ _COLUMNS = {
 _HEADER = 100
 """Bytes that every SQLite file begins with."""
 
+_LARGEST = 2**63 - 1
+"""Integer of SQLite."""
+
+_INSERT = f"INSERT INTO evaluation VALUES ({','.join('?' * len(_COLUMNS['evaluation']))})"
+
+_UNWRITTEN = "cannot be written: {}; what was written before is safe"
+
 _NEXT_STEP = "restore a copy of it, or start a new run"
 
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """One stored evaluation: its index in the run, what was asked, and the outcome."""
+    """One stored evaluation: its index in the run, what was asked, the outcome, and the seed that it was flown with."""
 
     index: int
     candidate: Candidate
     evaluation: Evaluation
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Brief:
+    """What is small of a stored evaluation: not its genome, nor its flight.
+
+    ``population`` is the target that its population works for, ``""`` for all; ``fitness`` is one for each target.
+    """
+
+    index: int
+    generation: int
+    population: str
+    failed: bool
+    fitness: tuple[float, ...]
 
 
 class Store:
     """The open database of one run; one writer, any number of readers."""
 
-    def __init__(self, connection: sqlite3.Connection, path: Path) -> None:
+    def __init__(self, connection: sqlite3.Connection, path: Path, read_only: bool = False) -> None:
         self._connection = connection
         self._path = path
+        self._read_only = read_only
 
     @classmethod
     def create(cls, path: Path, study: Mapping[str, Any]) -> "Store":
@@ -111,8 +133,11 @@ class Store:
         return cls(connection, path)
 
     @classmethod
-    def open(cls, path: Path) -> "Store":
-        """Open the file of an earlier run, to read it or to go on with it.
+    def open(cls, path: Path, *, read_only: bool = False, check: bool = True) -> "Store":
+        """Open the file of an earlier run, to go on with it or to read it.
+
+        With ``read_only`` the file and its log are left as they are, and a writer is neither held up nor disturbed.
+        Without ``check`` not every page is looked at first, which takes time: damage shows where it is read.
 
         Raises
         ------
@@ -125,12 +150,13 @@ class Store:
             raise InputError(
                 f"{path}: is empty or cut short: the run never began, or its data is lost; {_NEXT_STEP}"
             )
-        connection = _connect(path)
+        connection = _connect(path, read_only)
         try:
             application = connection.execute("PRAGMA application_id").fetchone()[0]
             version = connection.execute("PRAGMA user_version").fetchone()[0]
             sound = (
-                application != APPLICATION_ID
+                not check
+                or application != APPLICATION_ID
                 or connection.execute("PRAGMA quick_check").fetchone()[0] == "ok"
             )
             columns = {
@@ -157,7 +183,7 @@ class Store:
             connection.close()
             raise InputError(f"{path}: {problem}")
         connection.execute("PRAGMA synchronous = FULL")
-        return cls(connection, path)
+        return cls(connection, path, read_only)
 
     def __enter__(self) -> "Store":
         return self
@@ -167,6 +193,9 @@ class Store:
 
     def close(self) -> None:
         """Close the file, and leave it whole without its write-ahead log where nobody else reads it."""
+        if self._read_only:
+            self._connection.close()
+            return
         try:
             self._connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
             self._connection.execute("PRAGMA journal_mode = DELETE")
@@ -183,32 +212,41 @@ class Store:
                 raise ValueError("the study is no table")
             return document
 
-    def add(self, record: Record, targets: Sequence[str]) -> None:
-        """Write one evaluation; when this returns it survives a crash."""
-        candidate, evaluation = record.candidate, record.evaluation
-        flight = evaluation.trajectory
-        row = (
-            record.index,
-            candidate.generation,
-            candidate.target,
-            json.dumps(candidate.parents),
-            candidate.genome.grammar,
-            json.dumps(candidate.genome.symbols),
-            evaluation.failure,
-            str(flight.end) if flight else None,
-            float(flight.t[-1]) if flight else None,
-            *(_trust(flight).values() if flight else (None, None, None)),
-            evaluation.seconds,
-            encoded(flight) if flight else None,
-        )
-        scores = [(record.index, t, float(f)) for t, f in zip(targets, evaluation.fitness, strict=True)]
+    def replace_study(self, study: Mapping[str, Any]) -> None:
+        """Put another document in the place of the study's; when this returns it survives a crash."""
         try:
-            with _transaction(self._connection):
-                self._connection.execute(f"INSERT INTO evaluation VALUES ({','.join('?' * len(row))})", row)
-                self._connection.executemany("INSERT INTO score VALUES (?, ?, ?)", scores)
+            with self._writing():
+                self._connection.execute(
+                    "UPDATE meta SET value = ? WHERE key = 'study'", (json.dumps(study),)
+                )
         except sqlite3.Error as error:
+            raise WorkFailedError(f"{self._path}: the study cannot be written: {error}") from None
+
+    def add(self, records: Sequence[Record], targets: Sequence[str]) -> None:
+        """Write evaluations, all or none; when this returns they survive a crash.
+
+        Raises
+        ------
+        WorkFailedError
+            where they cannot be written.
+        """
+        # One fsync for all of them: on a disk that makes each wait 4 ms it is what a write costs.
+        try:
+            with self._writing():
+                for record in records:
+                    try:
+                        self._connection.execute(_INSERT, _row(record))
+                        self._connection.executemany(
+                            "INSERT INTO score VALUES (?, ?, ?)", _scores(record, targets)
+                        )
+                    except sqlite3.Error as error:
+                        raise WorkFailedError(
+                            f"{self._path}: evaluation {record.index} {_UNWRITTEN.format(error)}"
+                        ) from None
+        except sqlite3.Error as error:
+            first, last = records[0].index, records[-1].index
             raise WorkFailedError(
-                f"{self._path}: evaluation {record.index} cannot be written: {error}; what was written before is safe"
+                f"{self._path}: evaluations {first} to {last} {_UNWRITTEN.format(error)}"
             ) from None
 
     def count(self) -> int:
@@ -219,12 +257,47 @@ class Store:
         """How many of them failed."""
         return int(self._scalar("SELECT COUNT(*) FROM evaluation WHERE failure IS NOT NULL"))
 
+    def seconds(self) -> float:
+        """What all evaluations took together, s."""
+        return float(self._scalar("SELECT COALESCE(SUM(seconds), 0) FROM evaluation"))
+
+    def last(self) -> int:
+        """The largest index of an evaluation, -1 before any; not each below it need be there yet."""
+        return int(self._scalar("SELECT COALESCE(MAX(id), -1) FROM evaluation"))
+
+    def briefs(self, targets: Sequence[str], first: int = 0) -> Iterator[Brief]:
+        """Yield what is small of the evaluations from index ``first`` on, in their order, as of one moment."""
+        columns = "id, generation, population, failure IS NOT NULL"
+        scores = "SELECT fitness FROM score WHERE target = ? AND evaluation >= ? ORDER BY evaluation"
+        with self._reading(), _transaction(self._connection), ExitStack() as stack:
+            rows, *fitness = (
+                stack.enter_context(closing(self._connection.execute(query, values)))
+                for query, values in (
+                    (f"SELECT {columns} FROM evaluation WHERE id >= ? ORDER BY id", (first,)),
+                    *((scores, (target, first)) for target in targets),
+                )
+            )
+            for (index, generation, population, failed), *scored in zip(rows, *fitness, strict=True):
+                yield Brief(index, generation, population, bool(failed), tuple(float(s) for (s,) in scored))
+
     def records(self, targets: Sequence[str], first: int = 0, count: int = -1) -> Iterator[Record]:
         """Yield ``count`` evaluations from index ``first`` on, in their order; ``-1`` for all."""
-        query = "SELECT * FROM evaluation WHERE id >= ? AND (? < 0 OR id < ? + ?) ORDER BY id"
-        with self._reading(), closing(self._connection.execute(query, (first, count, first, count))) as rows:
+        # An end in any case: without one, all that follows would be looked at to be left out.
+        end = first + count if count >= 0 else _LARGEST
+        query = "SELECT * FROM evaluation WHERE id >= ? AND id < ? ORDER BY id"
+        with self._reading(), closing(self._connection.execute(query, (first, end))) as rows:
             for row in rows:
                 yield self._record(row, targets)
+
+    def flights(self) -> Iterator[tuple[int, Trajectory]]:
+        """Yield the index and the flight of every evaluation that did not fail, in their order."""
+        query = """
+            SELECT id, ended, contact, energy_drift, error, trajectory FROM evaluation
+            WHERE failure IS NULL AND trajectory IS NOT NULL ORDER BY id
+        """
+        with self._reading(), closing(self._connection.execute(query)) as rows:
+            for index, ended, contact, drift, error, blob in rows:
+                yield index, decoded(blob, End(ended), contact=contact, energy_drift=drift, error=error)
 
     def record(self, index: int, targets: Sequence[str]) -> Record:
         """Return one evaluation."""
@@ -245,6 +318,13 @@ class Store:
             return self._connection.execute(query).fetchone()[0]
 
     @contextmanager
+    def _writing(self) -> Iterator[None]:
+        """A transaction that readers do not hold up, nor it them: the first one begins the write-ahead log."""
+        self._connection.execute("PRAGMA journal_mode = WAL")
+        with _transaction(self._connection):
+            yield
+
+    @contextmanager
     def _reading(self) -> Iterator[None]:
         """What cannot be read as it was written is damage, whatever it is that stumbles over it."""
         try:
@@ -254,13 +334,13 @@ class Store:
             raise InputError(f"{self._path}: is damaged ({told}); {_NEXT_STEP}") from None
 
     def _record(self, row: tuple[Any, ...], targets: Sequence[str]) -> Record:
-        index, generation, population, parents, grammar, symbols, failure, ended, _, *trust, seconds, blob = (
-            row
-        )
-        contact, drift, error = trust
+        index, generation, population, parents, grammar, symbols, seed, failure, ended, _, *rest = row
+        contact, drift, error, seconds, blob = rest
+        # By target first, as the key has it: without them every row of the table would be looked at.
+        among = f"target IN ({','.join('?' * len(targets))})"
         scores = dict(
             self._connection.execute(
-                "SELECT target, fitness FROM score WHERE evaluation = ?", (index,)
+                f"SELECT target, fitness FROM score WHERE {among} AND evaluation = ?", (*targets, index)
             ).fetchall()
         )
         genome = Genome(grammar, tuple(json.loads(symbols)))
@@ -274,12 +354,41 @@ class Store:
             seconds,
         )
         return Record(
-            index, Candidate(genome, tuple(json.loads(parents)), generation, population), evaluation
+            index, Candidate(genome, tuple(json.loads(parents)), generation, population), evaluation, seed
         )
 
 
-def _connect(path: Path) -> sqlite3.Connection:
+def _row(record: Record) -> tuple[Any, ...]:
+    """The values of the columns of ``evaluation``."""
+    candidate, evaluation = record.candidate, record.evaluation
+    flight = packed(evaluation.trajectory) if evaluation.trajectory else None
+    return (
+        record.index,
+        candidate.generation,
+        candidate.target,
+        json.dumps(candidate.parents),
+        candidate.genome.grammar,
+        json.dumps(candidate.genome.symbols),
+        record.seed,
+        evaluation.failure,
+        str(flight.end) if flight else None,
+        flight.duration if flight else None,
+        *(trust(flight).values() if flight else (None, None, None)),
+        evaluation.seconds,
+        flight.blob if flight else None,
+    )
+
+
+def _scores(record: Record, targets: Sequence[str]) -> list[tuple[int, str, float]]:
+    """The rows of ``score``."""
+    fitness = record.evaluation.fitness.tolist()
+    return [(record.index, target, value) for target, value in zip(targets, fitness, strict=True)]
+
+
+def _connect(path: Path, read_only: bool = False) -> sqlite3.Connection:
     try:
+        if read_only:
+            return sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True, isolation_level=None)
         return sqlite3.connect(path, isolation_level=None)
     except sqlite3.Error as error:
         raise WorkFailedError(f"{path}: cannot be opened: {error}") from None
@@ -291,59 +400,3 @@ def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
     connection.execute("BEGIN")
     with connection:
         yield
-
-
-def compact(evaluation: Evaluation) -> Evaluation:
-    """The evaluation as it reads back from the store: what a strategy is told, live or resumed."""
-    flight = evaluation.trajectory
-    if flight is None:
-        return evaluation
-    return replace(evaluation, trajectory=_flight(_columns(flight), flight.end, **_trust(flight)))
-
-
-def _trust(flight: Trajectory) -> dict[str, float | None]:
-    """What a trajectory tells of itself beside its samples."""
-    return {"contact": flight.contact, "energy_drift": flight.energy_drift, "error": flight.error}
-
-
-def encoded(trajectory: Trajectory) -> bytes:
-    """Thin a trajectory to :data:`SAMPLE_GAP` and compress it as float32.
-
-    Bytes of equal weight are put side by side, which zlib packs in a third of the time and to three quarters of the
-    size.
-    """
-    return zlib.compress(_columns(trajectory).view(np.uint8).reshape(-1, 4).T.tobytes(), 1)
-
-
-def decoded(blob: bytes, end: End, **trust: float | None) -> Trajectory:
-    """Read what :func:`encoded` wrote; ``trust`` is what else the trajectory tells of itself, such as ``error``."""
-    planes = np.frombuffer(zlib.decompress(blob), dtype=np.uint8).reshape(4, -1)
-    return _flight(np.ascontiguousarray(planes.T).view("<f4").reshape(14, -1), end, **trust)
-
-
-def _columns(trajectory: Trajectory) -> npt.NDArray[np.float32]:
-    """What is kept of a trajectory: t, position, quaternion and velocity of some samples, (14, k)."""
-    # Thinned by the rounded times: what is kept once is kept whole when it comes here again.
-    kept = np.array(_thinned(trajectory.t.astype("<f4").tolist()))
-    flown = (trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity)
-    return np.column_stack([samples.take(kept, axis=0) for samples in flown]).T.astype("<f4", order="C")
-
-
-def _flight(columns: npt.NDArray[np.float32], end: End, **trust: float | None) -> Trajectory:
-    wide = columns.astype(np.float64)
-    return Trajectory(wide[0], wide[1:4].T, wide[4:8].T, wide[8:14].T, end, **trust)
-
-
-def _thinned(t: list[float]) -> list[int]:
-    """Indices of samples at least the gap apart, among them the first and the last."""
-    kept, latest = [0], t[0]
-    for index, time in enumerate(t):
-        if time - latest >= SAMPLE_GAP:
-            kept.append(index)
-            latest = time
-    last = len(t) - 1
-    if kept[-1] != last:
-        if len(kept) > 1:
-            kept.pop()
-        kept.append(last)
-    return kept

@@ -1,7 +1,7 @@
 """What to evolve: a TOML document -> scenario, plugins with their options, seed and budget; all checked.
 
 A study file holds the scenario's tables (``[pipe]``, ``[flow]``, ``[targets]`` ...), a table for each seam
-(``[simulator] use = "exudyn"``, the rest being that plugin's options), one for each exporter or renderer whose options
+(``[simulator] use = "exudyn"``, the rest being that plugin's options), one for each exporter, renderer or checker whose options
 differ from their defaults (``[exporter.stl]``), and ``[run]``. With ``base`` it starts from another file, or from a
 built-in scenario, and says only what differs. Built-in scenarios are study files.
 """
@@ -16,7 +16,7 @@ from pydantic import ValidationError
 
 from driftform.complaints import complaints
 from driftform.errors import InputError, did_you_mean
-from driftform.interfaces import SEAMS, Exporter, Renderer, SearchSpace, Strategy
+from driftform.interfaces import SEAMS, Checker, Exporter, Renderer, SearchSpace, Strategy
 from driftform.layers import Layer, file_layers, merged, setting, source_of
 from driftform.options import Table, option
 from driftform.pipeline import Pipeline
@@ -25,7 +25,7 @@ from driftform.scenario import Scenario
 
 DEFAULT = "pipe-inspection"
 
-NAMED = ("exporter", "renderer")
+NAMED = ("exporter", "renderer", "checker")
 """The seams whose plugins are asked for by name: a study holds no more than their options."""
 
 SELECTED = tuple(seam for seam in SEAMS if seam not in NAMED)
@@ -88,9 +88,8 @@ class Study:
 
     def strategy(self) -> Strategy[Any]:
         """A fresh strategy, at the beginning of its random numbers."""
-        space = SearchSpace(
-            self.plugin("grammar"), self.scenario.target_names, np.random.default_rng(self.seed)
-        )
+        rng = np.random.default_rng(self.seed)
+        space = SearchSpace(self.plugin("grammar"), self.scenario.target_names, rng, self.scenario)
         strategy: Strategy[Any] = registry().create(
             "strategy", *_selection(self.document, "strategy"), space=space
         )
@@ -105,6 +104,11 @@ class Study:
         """Make a renderer with the options of its table ``[renderer.<name>]``, if there is one."""
         renderer: Renderer[Any] = self._named("renderer", name)
         return renderer
+
+    def checker(self, name: str) -> Checker[Any]:
+        """Make a checker with the options of its table ``[checker.<name>]``, if there is one."""
+        checker: Checker[Any] = self._named("checker", name)
+        return checker
 
     def _named(self, seam: str, name: str) -> Any:
         return registry().create(seam, name, self.document.get(seam, {}).get(name, {}))

@@ -349,6 +349,37 @@ class Evaluation:
         return cls(genome, np.zeros(targets), trajectory, failure)
 
 
+class State(StrEnum):
+    """What a check came to."""
+
+    PASS = "pass"
+    WARN = "warn"
+    FAIL = "fail"
+    SKIPPED = "skipped"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What one check found.
+
+    Attributes
+    ----------
+    check
+        what was looked at, in a word or two: ``closed``.
+    state
+        what came of it; ``fail`` is for what makes a print useless, ``warn`` for what its maker ought to know.
+    detail
+        one line for people: the numbers, and the next step where something is amiss; for ``skipped`` the reason.
+    part
+        the piece it is about, ``""`` where it is about all of them.
+    """
+
+    check: str
+    state: State
+    detail: str
+    part: str = ""
+
+
 @dataclass(frozen=True)
 class WrittenFile:
     """A file that an exporter or a renderer made: its ``format``, its ``path``, and facts worth telling."""

@@ -6,6 +6,7 @@ Run by hand: ``pytest -m slow -s tests/benchmarks``. With ``UPDATE_DOCS=1`` the 
 import os
 import platform
 import time
+from itertools import chain
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ import pytest
 from driftform.dynamics.model import flight_model
 from driftform.execution import InProcess, LocalProcesses
 from driftform.geometry import mass_properties
-from driftform.store import encoded
+from driftform.packed_flight import encoded
 from driftform.study import load_study
 
 pytestmark = pytest.mark.slow
@@ -84,7 +85,7 @@ def test_evaluations_per_second_with_two_workers(publish, count_of):
             list(executor.evaluate(jobs[:16]))
             started = time.perf_counter() - start - 16 / (2 * one)
             start = time.perf_counter()
-            outcomes = list(executor.evaluate(jobs))
+            outcomes = list(chain.from_iterable(executor.evaluate(jobs)))
             rate = count / (time.perf_counter() - start)
         finally:
             executor.close()

@@ -64,7 +64,7 @@ DAMAGE = "is damaged"
         (garbled(0.5), DAMAGE),
         (garbled(0.9), DAMAGE),
         (foreign, "is a database, but not of a driftform run"),
-        (sql("PRAGMA user_version = 7"), "is of format 7, this driftform reads format 2"),
+        (sql("PRAGMA user_version = 7"), "is of format 7, this driftform reads format 3"),
         (sql("DROP TABLE meta"), "meta"),
         (sql("DROP TABLE score"), "score"),
         (sql("DROP TABLE evaluation"), "evaluation"),

@@ -32,7 +32,7 @@ STUDY = (
     "--simulator",
     "fake",
 )
-SLOW = ("--set", "simulator.pause=0.05")
+PAUSE = 0.05
 
 
 def stored(directory: Path) -> int:
@@ -84,21 +84,28 @@ def workers(process: int) -> list[int]:
     ]
 
 
+both = pytest.mark.parametrize(
+    "going", [("local", PAUSE), ("dask", PAUSE)], ids=["local", "dask"], indirect=True
+)
 needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
 
 
 @pytest.fixture(scope="module")
 def undisturbed(run: Program, rows: Rows, tmp_path_factory: pytest.TempPathFactory) -> list[tuple[Any, ...]]:
     cwd = tmp_path_factory.mktemp("undisturbed")
-    result = run("evolve", *STUDY, *SLOW, "--workers", 2, "--out", "run", cwd=cwd)
+    result = run(
+        "evolve", *STUDY, "--set", f"simulator.pause={PAUSE}", "--workers", 2, "--out", "run", cwd=cwd
+    )
     assert result.returncode == 0, result.stderr
     return rows(cwd / "run")
 
 
 @pytest.fixture
-def going(start: Start, tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
+def going(start: Start, tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[subprocess.Popen[str]]:
     """A run of two workers that has some evaluations, and is not at its end."""
-    with start("evolve", *STUDY, *SLOW, "--workers", 2, "--out", "run", cwd=tmp_path) as process:
+    executor, pause = getattr(request, "param", ("local", PAUSE))
+    more = ("--set", f"simulator.pause={pause}", "--workers", 2, "--executor", executor, "--out", "run")
+    with start("evolve", *STUDY, *more, cwd=tmp_path) as process:
         try:
             wait_until(lambda: stored(tmp_path / "run") >= 15)
             yield process
@@ -107,6 +114,7 @@ def going(start: Start, tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
 
 
 @needs_proc
+@both
 def test_killed_it_leaves_no_workers_and_is_resumed_to_the_same_result(
     going: subprocess.Popen[str],
     run: Program,
@@ -128,6 +136,7 @@ def test_killed_it_leaves_no_workers_and_is_resumed_to_the_same_result(
 
 
 @needs_proc
+@both
 def test_interrupted_it_names_the_command_that_goes_on_and_leaves_the_database_whole(
     going: subprocess.Popen[str], run: Program, rows: Rows, undisturbed: list[tuple[Any, ...]], tmp_path: Path
 ) -> None:
@@ -152,10 +161,16 @@ def test_interrupted_it_names_the_command_that_goes_on_and_leaves_the_database_w
 
 
 @needs_proc
-@pytest.mark.parametrize("delay", [0.2, 2.0], ids=["workers import", "workers fly"])
-def test_interrupted_it_does_not_wait_for_long_flights(start: Start, tmp_path: Path, delay: float) -> None:
-    args = ("evolve", *STUDY, "--set", "simulator.pause=60", "--workers", 2, "--out", "run")
-    with start(*args, cwd=tmp_path) as process:
+@pytest.mark.parametrize(
+    ("executor", "delay"),
+    [("local", 0.2), ("local", 2.0), ("dask", 2.0)],
+    ids=["workers import", "workers fly", "workers of Dask fly"],
+)
+def test_interrupted_it_does_not_wait_for_long_flights(
+    start: Start, tmp_path: Path, executor: str, delay: float
+) -> None:
+    args = ("evolve", *STUDY, "--set", "simulator.pause=60", "--workers", 2, "--executor", executor)
+    with start(*args, "--out", "run", cwd=tmp_path) as process:
         wait_until(lambda: (tmp_path / "run" / "run.db").exists() and len(workers(process.pid)) == 2)
         time.sleep(delay)
         began = time.monotonic()
@@ -168,6 +183,7 @@ def test_interrupted_it_does_not_wait_for_long_flights(start: Start, tmp_path: P
     assert err.splitlines()[-1].startswith(f"stopped after 0 of {EVALUATIONS} evaluations")
 
 
+@pytest.mark.parametrize("going", [("local", 0.5)], ids=["slow"], indirect=True)
 def test_a_second_process_on_a_run_is_refused(
     going: subprocess.Popen[str], run: Program, tmp_path: Path
 ) -> None:
@@ -191,6 +207,7 @@ def test_the_best_so_far_is_read_while_the_run_goes_on(
 
 
 @needs_proc
+@both
 def test_a_worker_that_is_killed_costs_nothing(
     going: subprocess.Popen[str], rows: Rows, undisturbed: list[tuple[Any, ...]], tmp_path: Path
 ) -> None:

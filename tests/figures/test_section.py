@@ -57,6 +57,31 @@ def test_the_dimensions_are_those_of_the_body(read, agents, data):
     assert picture.one("diameter").text == f"Ø {1000 * agent.body.max_diameter:.1f} mm"
 
 
+def test_wall_and_core_are_dimensioned(read, bare, make_agent):
+    for agent in (bare, make_agent(0.08, 0.08, [0.03, 0.02, 0.03])):
+        picture = read(section_svg(agent))
+        assert picture.one("wall-label").text == "wall 1.25 mm"
+        assert picture.one("core-label").text == "core Ø 20 mm"
+
+
+def test_each_joint_between_modules_has_a_tick_below_the_length(read, points, make_agent):
+    agent = make_agent(0.04, 0.06, [0.02, 0.03, 0.02, 0.025, 0.02])
+    picture = read(section_svg(agent))
+    ticks = points(picture.one("ticks")).reshape(-1, 2, 2)
+    outline = points(picture.one("outline"))
+    left, right = outline[:, 0].min(), outline[:, 0].max()
+    assert (ticks[:, 0, 0] - left) / (right - left) == pytest.approx([0.25, 0.5, 0.75], abs=1e-3)
+    assert (ticks[:, 1, 1] > ticks[:, 0, 1]).all()
+
+
+def test_the_title_block_tells_mass_and_volume(read, make_agent):
+    agent = make_agent(0.08, 0.08, [0.03, 0.02, 0.03])
+    cells = [e.text for e in read(section_svg(agent)).all("cell")]
+    assert f"{1000 * agent.mass.mass:.1f} g" in cells
+    assert f"{1e6 * agent.mass.volume:.1f} cm³" in cells
+    assert "50.0 g" in cells
+
+
 @settings(deadline=None, max_examples=40)
 @given(data=st.data())
 def test_the_same_body_gives_the_same_bytes(agents, data):

@@ -1,6 +1,14 @@
+from driftform.options import Table
 from driftform.testing import BuilderContract, ExporterContract
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
-from driftform_frusta.exporters import ScadExporter, StlExporter
+from driftform_frusta.exporters.glb import GlbExporter
+from driftform_frusta.exporters.obj import ObjExporter
+from driftform_frusta.exporters.ply import PlyExporter
+from driftform_frusta.exporters.scad import ScadExporter
+from driftform_frusta.exporters.step import StepExporter
+from driftform_frusta.exporters.stl import StlExporter
+from driftform_frusta.exporters.svg import SvgExporter
+from driftform_frusta.exporters.threemf import ThreeMfExporter, ThreeMfOptions
 from driftform_frusta.parts import PartOptions
 
 
@@ -27,3 +35,33 @@ class TestStl(ExporterContract):
 class TestScad(ExporterContract):
     def plugin(self) -> ScadExporter:
         return ScadExporter(PartOptions())
+
+
+class TestGlb(ExporterContract):
+    def plugin(self) -> GlbExporter:
+        return GlbExporter(PartOptions())
+
+
+class TestObj(ExporterContract):
+    def plugin(self) -> ObjExporter:
+        return ObjExporter(PartOptions())
+
+
+class TestPly(ExporterContract):
+    def plugin(self) -> PlyExporter:
+        return PlyExporter(PartOptions())
+
+
+class TestStep(ExporterContract):
+    def plugin(self) -> StepExporter:
+        return StepExporter(PartOptions())
+
+
+class TestSvg(ExporterContract):
+    def plugin(self) -> SvgExporter:
+        return SvgExporter(Table())
+
+
+class TestThreeMf(ExporterContract):
+    def plugin(self) -> ThreeMfExporter:
+        return ThreeMfExporter(ThreeMfOptions())

@@ -11,13 +11,21 @@ from pydantic import ValidationError
 
 from driftform.errors import WorkFailedError
 from driftform.geometry import hull_mass, hull_volume
-from driftform_frusta import exporters, printable
+from driftform_frusta import mesh as meshes
+from driftform_frusta import printable
 from driftform_frusta.csg import Box
-from driftform_frusta.exporters import ScadExporter, StlExporter
+from driftform_frusta.exporters.glb import GlbExporter
+from driftform_frusta.exporters.obj import ObjExporter
+from driftform_frusta.exporters.ply import PlyExporter
+from driftform_frusta.exporters.scad import ScadExporter
+from driftform_frusta.exporters.stl import StlExporter
+from driftform_frusta.exporters.threemf import ThreeMfExporter
 from driftform_frusta.solid import to_manifold
 from driftform_frusta.stl import is_closed, signed_volume, surface_area, weld, write_binary_stl
 
-BOTH = pytest.mark.parametrize("exporter", [StlExporter, ScadExporter])
+EACH = pytest.mark.parametrize(
+    "exporter", [StlExporter, ScadExporter, GlbExporter, ObjExporter, PlyExporter, ThreeMfExporter]
+)
 
 
 def exporter_of(kind, **options):
@@ -84,14 +92,14 @@ def test_the_number_of_segments_is_an_option_and_leaves_the_volume_alone(wavy_bo
     assert fine["volume_mm3"] == pytest.approx(coarse["volume_mm3"], rel=1e-5)
 
 
-@BOTH
+@EACH
 @pytest.mark.parametrize("segments", [11, 1025, 64.5])
 def test_a_number_of_segments_out_of_range_is_refused(exporter, segments):
     with pytest.raises(ValidationError, match="segments"):
         exporter.Options(segments=segments)
 
 
-@BOTH
+@EACH
 @pytest.mark.parametrize(
     ("outer", "cavity", "why"),
     [
@@ -154,7 +162,7 @@ def test_a_body_without_a_closed_solid_is_refused_and_nothing_written(
     assert list(tmp_path.iterdir()) == []
 
 
-@BOTH
+@EACH
 def test_a_solid_that_is_not_what_was_simulated_is_refused(
     exporter, wavy_body, specimen_of, tmp_path, monkeypatch
 ):
@@ -164,7 +172,7 @@ def test_a_solid_that_is_not_what_was_simulated_is_refused(
     assert list(tmp_path.iterdir()) == []
 
 
-@BOTH
+@EACH
 def test_a_solid_in_two_pieces_is_refused_though_its_volume_is_right(
     exporter, wavy_body, specimen_of, tmp_path, monkeypatch
 ):
@@ -187,7 +195,7 @@ def test_a_cavity_turned_inside_out_is_refused_though_its_mesh_is_closed(wavy_bo
         assert is_closed(turned)
         return vertices, turned
 
-    monkeypatch.setattr(exporters, "weld", turn)
+    monkeypatch.setattr(meshes, "weld", turn)
     with pytest.raises(WorkFailedError, match="single precision"):
         write_stl(wavy_body)
 
@@ -197,7 +205,7 @@ def test_a_mesh_that_single_precision_opens_is_refused(wavy_body, write_stl, mon
         vertices, triangles = weld(vertices, triangles)
         return vertices, triangles[1:]
 
-    monkeypatch.setattr(exporters, "weld", lose_one)
+    monkeypatch.setattr(meshes, "weld", lose_one)
     with pytest.raises(WorkFailedError, match="does not stay closed"):
         write_stl(wavy_body)
 
@@ -213,7 +221,7 @@ def test_rings_that_fall_together_in_single_precision_leave_the_mesh_closed(make
     assert len(mesh.faces) == written.facts["triangles"]
 
 
-@BOTH
+@EACH
 def test_a_write_that_fails_leaves_the_former_file_and_nothing_else(
     exporter, wavy_body, specimen_of, tmp_path, monkeypatch
 ):
@@ -229,7 +237,7 @@ def test_a_write_that_fails_leaves_the_former_file_and_nothing_else(
     assert [p.read_text() for p in tmp_path.iterdir()] == ["the former file"]
 
 
-@BOTH
+@EACH
 def test_a_folder_that_cannot_be_is_an_error_that_names_it(exporter, wavy_body, specimen_of, tmp_path):
     (tmp_path / "nowhere").write_text("a file", encoding="utf-8")
     path = tmp_path / "nowhere" / "hull"
@@ -237,7 +245,7 @@ def test_a_folder_that_cannot_be_is_an_error_that_names_it(exporter, wavy_body, 
         exporter_of(exporter).write(specimen_of(wavy_body), path)
 
 
-@BOTH
+@EACH
 def test_an_existing_file_is_replaced_whole_and_identically(exporter, wavy_body, specimen_of, tmp_path):
     path = tmp_path / "hull"
     exporter_of(exporter).write(specimen_of(wavy_body), path)

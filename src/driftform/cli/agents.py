@@ -98,7 +98,7 @@ def _stored(text: str, scenario: str | None) -> StoredAgent:
 
 def _of_run(directory: Path, target: str) -> StoredAgent:
     database = check_run(directory)
-    with Store.open(database) as store:
+    with Store.open(database, read_only=True) as store:
         study = load_study(Document(str(database), store.study()))
         names = study.scenario.target_names
         if target not in names:

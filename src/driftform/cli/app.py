@@ -10,7 +10,23 @@ import typer
 from typer.core import TyperGroup
 
 from driftform import __version__
-from driftform.cli import evolve, export, inspect, plugins, resume, sample, scenarios, simulate
+from driftform.cli import (
+    check,
+    evolve,
+    export,
+    export_data,
+    inspect,
+    pick,
+    plugins,
+    report,
+    reproduce,
+    resume,
+    sample,
+    scenarios,
+    simulate,
+    trim,
+    watch,
+)
 from driftform.errors import DriftformError
 
 _UsageError: Any = typer.BadParameter.__mro__[1]
@@ -95,9 +111,16 @@ def _options(
 
 app.command("evolve")(evolve.evolve)
 app.command("resume")(resume.resume)
+app.command("watch")(watch.watch)
+app.command("export-data")(export_data.export_data)
+app.command("report")(report.report)
+app.command("reproduce")(reproduce.reproduce)
 app.command("sample")(sample.sample)
 app.command("simulate")(simulate.simulate)
 app.command("inspect")(inspect.inspect)
+app.command("pick", context_settings=pick.NUMBERS)(pick.pick)
 app.command("export")(export.export)
+app.command("check")(check.check)
+app.command("trim")(trim.trim)
 app.add_typer(plugins.app, name="plugins")
 app.add_typer(scenarios.app, name="scenarios")

@@ -5,10 +5,19 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from driftform.cli.options import Hydrodynamics, Json, OutDirectory, Settings, Simulator, Workers
+from driftform.cli.options import (
+    ExecutorName,
+    Hydrodynamics,
+    Json,
+    OutDirectory,
+    Scheduler,
+    Settings,
+    Simulator,
+    Workers,
+)
 
 if TYPE_CHECKING:
-    from driftform.evolution import Best
+    from driftform.evolution import Best, Executor
     from driftform.store import Store
     from driftform.study import Study
 
@@ -32,6 +41,8 @@ def evolve(
         typer.Option("--seed", min=0, help="Seed of all randomness; drawn and recorded by default."),
     ] = None,
     workers: Workers = None,
+    executor: ExecutorName = None,
+    scheduler: Scheduler = None,
     simulator: Simulator = None,
     hydrodynamics: Hydrodynamics = None,
     out: OutDirectory = None,
@@ -41,8 +52,10 @@ def evolve(
     """Evolve agents for every target of a scenario.
 
     Writes a run directory: the study, every evaluation, and the best agent of each target with its mesh. Same
-    seed, same result, whatever the number of workers. Interrupted or killed, it goes on with 'driftform resume'.
+    seed, same result, whatever the workers and wherever they are. Interrupted or killed, it goes on with
+    'driftform resume'.
     """
+    from driftform.cli.executors import chosen_executor
     from driftform.files import make_directory
     from driftform.layers import builtin_scenarios
     from driftform.run_directory import DATABASE, check_new, locked, write_inputs
@@ -59,43 +72,38 @@ def evolve(
     _check_targets(checked, study)
     if out is not None:
         check_new(out)
-    directory = make_directory(out) if out is not None else _next_directory(study)
-    with locked(directory):
-        # Another process may have been quicker.
-        check_new(directory)
-        path = Path(study)
-        given = path.read_text(encoding="utf-8") if path.is_file() else builtin_scenarios()[study]
-        write_inputs(directory, checked, given)
-        with Store.create(directory / DATABASE, dict(checked.document)) as store:
-            carry_out(directory, checked, store, workers, json)
+    with chosen_executor(checked, executor, scheduler, workers) as place:
+        directory = make_directory(out) if out is not None else _next_directory(study)
+        with locked(directory):
+            # Another process may have been quicker.
+            check_new(directory)
+            path = Path(study)
+            given = path.read_text(encoding="utf-8") if path.is_file() else builtin_scenarios()[study]
+            write_inputs(directory, checked, given)
+            with Store.create(directory / DATABASE, dict(checked.document)) as store:
+                carry_out(directory, checked, store, place, json)
 
 
-def carry_out(directory: Path, study: "Study", store: "Store", workers: int | None, json: bool) -> None:
+def carry_out(directory: Path, study: "Study", store: "Store", executor: "Executor", json: bool) -> None:
     """Run the loop to the end of the budget, write what it found, and report."""
-    import os
     import time
 
     from driftform.cli.progress import Progress
     from driftform.evolution import evolve as run_loop
-    from driftform.evolution import write_best
-    from driftform.execution import LocalProcesses
-    from driftform.run_directory import resume_command
+    from driftform.evolution import write_best, write_reach
+    from driftform.execution import LostError
 
     started = time.perf_counter()
-    executor = LocalProcesses(study.document, workers or os.cpu_count() or 1)
     try:
-        with Progress(study, store.count()) as progress:
+        with Progress(study, directory, store.count()) as progress:
             run_loop(study, store, executor, progress.record, progress.generation)
         results, overview = write_best(directory, study, store)
+        reach = write_reach(directory, study, store)
     except KeyboardInterrupt:
-        typer.echo(
-            f"stopped after {store.count()} of {study.evaluations} evaluations; "
-            f"go on with: {resume_command(directory)}",
-            err=True,
-        )
+        typer.echo(_stopped(directory, study, store), err=True)
         raise typer.Exit(130) from None
-    finally:
-        executor.close()
+    except LostError as error:
+        raise LostError(f"{error}; {_stopped(directory, study, store)}") from None
     seconds = time.perf_counter() - started
 
     from driftform.cli.output import print_json
@@ -120,17 +128,32 @@ def carry_out(directory: Path, study: "Study", store: "Store", workers: int | No
                     for best in results
                 },
                 "overview": str(overview),
+                "reach": str(reach),
             }
         )
     else:
-        _print_results(directory, study, store, results, overview, seconds)
+        _print_results(directory, study, store, results, (overview, reach), seconds)
     problems = [problem for best in results for problem in best.problems]
     if problems:
         raise WorkFailedError(*problems)
 
 
+def _stopped(directory: Path, study: "Study", store: "Store") -> str:
+    from driftform.run_directory import resume_command
+
+    return (
+        f"stopped after {store.count()} of {study.evaluations} evaluations; "
+        f"go on with: {resume_command(directory)}"
+    )
+
+
 def _print_results(
-    directory: Path, study: "Study", store: "Store", results: "list[Best]", overview: Path, seconds: float
+    directory: Path,
+    study: "Study",
+    store: "Store",
+    results: "list[Best]",
+    pictures: tuple[Path, Path],
+    seconds: float,
 ) -> None:
     from driftform.cli.output import print_table
 
@@ -152,7 +175,7 @@ def _print_results(
     names = ", ".join(path.name for path in results[0].files) if results else ""
     print(f"{store.count()} evaluations ({store.failed()} failed) in {seconds:.1f} s, seed {study.seed}")
     print(f"best agents: {directory}/best/<target>/ ({names})")
-    print(f"picture:     {overview}")
+    print(f"pictures:    {', '.join(map(str, pictures))}")
     print(f"run:         {directory}/ (resolved.toml, environment.json, run.db)")
 
 

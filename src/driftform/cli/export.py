@@ -1,7 +1,8 @@
 """``driftform export``."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -16,11 +17,30 @@ def export(
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Directory for the files.")] = Path(
         "parts"
     ),
+    kit: Annotated[
+        bool,
+        typer.Option("--kit", help="Cut the hull into parts that take the core and are joined again."),
+    ] = False,
+    bed: Annotated[
+        str | None,
+        typer.Option(
+            "--bed", metavar="X,Y,Z", help="Largest part that the printer can make, mm; longer ones are cut."
+        ),
+    ] = None,
+    option: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--option",
+            metavar="KEY=VALUE",
+            help="Set an option of every format at once, such as joint=rabbet; repeatable.",
+        ),
+    ] = None,
     settings: Settings = None,
     json: Json = False,
 ) -> None:
     """Write an agent's hull as files for printers and other programs; an older file of the name is replaced."""
     from driftform.cli.agents import open_agent
+    from driftform.cli.kit import exporter_settings
     from driftform.cli.output import print_json
     from driftform.errors import InputError
     from driftform.files import make_directory
@@ -34,7 +54,8 @@ def export(
             registry().find("exporter", name)
         except InputError as error:
             raise InputError(f"--format {name}: {error}") from None
-    opened = open_agent(agent, settings=settings or ())
+    shared = exporter_settings(names, _shared(kit, bed, option or ()))
+    opened = open_agent(agent, settings=[*(settings or ()), *shared])
     make_directory(out)
     exporters = [opened.study.exporter(name) for name in names]
     specimen = opened.specimen()
@@ -46,12 +67,58 @@ def export(
     if json:
         print_json({"files": [{"format": w.format, "path": w.path, **w.facts} for w in written]})
         return
+    tables = []
     for w in written:
-        facts = ", ".join(f"{key} {_short(value)}" for key, value in w.facts.items())
-        print(f"{w.path}: {facts}" if facts else w.path)
+        plain = {key: value for key, value in w.facts.items() if not isinstance(value, dict)}
+        facts = ", ".join(f"{key} {_short(value)}" for key, value in plain.items())
+        tables += [(key, value) for key, value in w.facts.items() if isinstance(value, dict)]
+        # A folder has dozens of files, and tells of the one to open.
+        if facts or Path(w.path).parent == out:
+            print(f"{w.path}: {facts}" if facts else w.path)
+    for path in (out / f"{opened.name}{exporter.suffix}" for exporter in exporters):
+        if path.is_dir():
+            print(f"{path}: {sum(path in Path(w.path).parents for w in written)} files")
+    # Files of one kit all tell of it.
+    for place, (key, table) in enumerate(tables):
+        if (key, table) not in tables[:place]:
+            _print_table(key, table)
+
+
+def _shared(kit: bool, bed: str | None, options: Sequence[str]) -> dict[str, tuple[str, str]]:
+    """Options for all formats: the value of each key, and how it was asked for."""
+    from driftform.cli.kit import bed_of
+    from driftform.errors import InputError
+
+    found = {"kit": ("true", "--kit")} if kit else {}
+    if bed is not None:
+        found["bed"] = (repr(list(bed_of(bed))), f"--bed {bed}")
+    for text in options:
+        key, equals, value = text.partition("=")
+        if not equals or not key.strip():
+            raise InputError(f"--option {text}: expected key=value, such as joint=rabbet")
+        found[key.strip()] = (value, f"--option {text}")
+    return found
+
+
+def _print_table(title: str, table: dict[str, Any]) -> None:
+    """What a file tells in more than a line: single facts, and rows that have the same facts each."""
+    print(f"\n{title}")
+    for key, value in table.items():
+        if isinstance(value, dict):
+            print(f"  {key}: {', '.join(f'{k} {_short(v)}' for k, v in value.items())}")
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            rows = [list(value[0]), *([_short(row[k]) for k in value[0]] for row in value)]
+            widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+            print(f"  {key}")
+            for row in rows:
+                cells = (f"{cell:{'<' if not i else '>'}{widths[i]}}" for i, cell in enumerate(row))
+                print(f"    {'  '.join(cells)}".rstrip())
+        else:
+            print(f"  {key}: {_short(value)}")
 
 
 def _short(value: object) -> str:
     if isinstance(value, list | tuple):
-        return " x ".join(_short(item) for item in value)
+        names = any(isinstance(item, str) for item in value)
+        return (", " if names else " x ").join(_short(item) for item in value)
     return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -41,8 +41,34 @@ Film: TypeAlias = Annotated[
 Renderer: TypeAlias = Annotated[
     str, typer.Option("--renderer", metavar="NAME", help="Renderer to make the film.")
 ]
+Robust: TypeAlias = Annotated[
+    int | None,
+    typer.Option(
+        "--robust",
+        metavar="N",
+        min=0,
+        max=10_000,
+        help="Disturbed flights of each agent that is judged; [robustness] in the scenario says what varies.",
+    ),
+]
 Workers: TypeAlias = Annotated[
     int | None, typer.Option("--workers", min=1, help="Worker processes; by default one for each processor.")
+]
+ExecutorName: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        "--executor",
+        metavar="NAME",
+        help="Where evaluations run: local, in processes on this machine (the default), or dask, on a Dask cluster.",
+    ),
+]
+Scheduler: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="Dask scheduler to join, such as tcp://host:8786; without it a cluster is started on this machine.",
+    ),
 ]
 OutDirectory: TypeAlias = Annotated[
     Path | None,

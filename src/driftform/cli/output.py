@@ -39,6 +39,32 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]], right: Seq
         print("  ".join(cells).rstrip())
 
 
+def print_states(rows: Iterable[tuple[str, str, str]], styles: Mapping[str, str]) -> None:
+    """Print lines of a state, a subject and a detail, aligned; on a terminal coloured by state and folded to fit.
+
+    The state ``fail`` is shouted, so that it stands out where there are no colours.
+    """
+    rows = list(rows)
+    states = max((len(state) for state, _, _ in rows), default=0)
+    subjects = max((len(subject) for _, subject, _ in rows), default=0)
+    shown = [("FAIL" if state == "fail" else state, styles.get(state, ""), *rest) for state, *rest in rows]
+    if not sys.stdout.isatty():
+        for state, _, subject, detail in shown:
+            print(f"{state:{states}}  {subject:{subjects}}  {detail}")
+        return
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table.grid(padding=(0, 2))
+    table.add_column(no_wrap=True)
+    table.add_column(overflow="fold", max_width=24)
+    table.add_column(overflow="fold")
+    for state, style, subject, detail in shown:
+        table.add_row(Text(state, style), Text(subject), Text(detail))
+    Console(highlight=False).print(table)
+
+
 def _escaped(cell: str) -> str:
     from rich.markup import escape
 

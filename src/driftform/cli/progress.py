@@ -1,34 +1,27 @@
 """What long work shows while it goes on: live on a terminal, now and then a line elsewhere."""
 
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING
 
+from driftform.cli.display import REFRESH, View, duration, failures, line, pace_text
+from driftform.cli.standing import Pace, Standing
 from driftform.store import Record
 from driftform.study import Study
-
-if TYPE_CHECKING:
-    from rich.console import Group
-
-REFRESH = 4.0
-"""Frames a second."""
 
 
 class Progress:
     """Counts evaluations and shows where the run stands, on stderr: stdout is for results."""
 
-    def __init__(self, study: Study, stored: int = 0) -> None:
+    def __init__(self, study: Study, directory: Path, stored: int = 0) -> None:
         """Start counting; ``stored`` evaluations were there before, and say nothing about the speed."""
-        self._targets = study.scenario.target_names
-        self._budget = study.evaluations
-        self._best: list[tuple[float, int]] = [(0.0, -1)] * len(self._targets)
-        self._done = self._failed = 0
+        self._standing = Standing(study.scenario.target_names, study.evaluations)
+        self._pace = Pace(stored)
         self._stored = stored
-        self._started = time.perf_counter()
         self._live = sys.stdout.isatty() and sys.stderr.isatty()
+        self._footer = f"{directory}: Ctrl-C stops, 'driftform resume' goes on"
         self._display = None
         if self._live:
             from rich.console import Console
@@ -37,7 +30,7 @@ class Progress:
             self._display = Live(
                 console=Console(stderr=True),
                 refresh_per_second=REFRESH,
-                get_renderable=self._table,
+                get_renderable=self._view,
                 transient=True,
             )
 
@@ -54,54 +47,29 @@ class Progress:
 
     def record(self, record: Record) -> None:
         """Count one evaluation."""
-        self._done += 1
-        self._failed += record.evaluation.failure is not None
-        for i, value in enumerate(record.evaluation.fitness):
-            if value > self._best[i][0]:
-                self._best[i] = (float(value), record.index)
+        candidate, evaluation = record.candidate, record.evaluation
+        failed = evaluation.failure is not None
+        fitness = evaluation.fitness.tolist()
+        self._standing.add(record.index, candidate.generation, candidate.target, failed, fitness)
+        self._pace.mark(self._standing.done)
 
     def generation(self, evaluations: int) -> None:
-        """Say where the run stands, off a terminal."""
-        if not self._live:
-            best = "  ".join(f"{t} {f:.2f}" for t, (f, _) in zip(self._targets, self._best, strict=True))
-            print(
-                f"{evaluations}/{self._budget} evaluations, {self._rate()}: {best}",
-                file=sys.stderr,
-                flush=True,
-            )
+        """Say where the run stands, off a terminal; not for each generation that was stored before."""
+        if not self._live and (evaluations > self._stored or evaluations == self._standing.budget):
+            print(line(self._standing, self._pace), file=sys.stderr, flush=True)
 
-    def _rate(self) -> str:
-        failures = f", {self._failed} failed" if self._failed else ""
-        elapsed = time.perf_counter() - self._started
-        new = self._done - self._stored
-        if new <= 0:
-            before = f"{self._done} of them stored before"
-            return (
-                before if self._done else "starting (the first run compiles the equations of motion)"
-            ) + failures
-        rate = new / elapsed
-        left = (self._budget - self._done) / rate
-        return f"{rate:.3g}/s, {left:.0f} s left{failures}"
+    def _state(self) -> str:
+        if self._standing.done > self._stored:
+            return ""
+        if self._stored:
+            return f"going on after {self._stored} that are stored"
+        return "starting (the first run compiles the equations of motion)"
 
-    def _table(self) -> "Group":
-        from rich import box
-        from rich.console import Group
-        from rich.progress_bar import ProgressBar
-        from rich.table import Table
-        from rich.text import Text
-
-        table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-        table.add_column("target")
-        for title in ("best fitness %", "error %", "evaluation"):
-            table.add_column(title, justify="right")
-        for target, (fitness, index) in zip(self._targets, self._best, strict=True):
-            row = (f"{fitness:.3f}", f"{100 - fitness:.3f}", str(index)) if index >= 0 else ("", "", "")
-            table.add_row(target, *row)
-        # A bar ends no line: side by side with its text in a grid.
-        line = Table.grid(padding=(0, 2))
-        bar = ProgressBar(total=self._budget, completed=self._done, width=30)
-        line.add_row(bar, Text(f"{self._done} of {self._budget} evaluations, {self._rate()}"))
-        return Group(table, line)
+    def _view(self) -> View:
+        elapsed = f"elapsed {duration(self._pace.elapsed)}"
+        pace = pace_text(self._standing, self._pace)
+        facts = (self._state(), pace, elapsed, failures(self._standing.failed))
+        return View(self._standing, self._pace, facts, self._footer)
 
 
 @contextmanager

@@ -10,6 +10,7 @@ from driftform.cli.options import (
     Json,
     OutDirectory,
     Renderer,
+    Robust,
     ScenarioOption,
     Settings,
     Simulator,
@@ -18,7 +19,8 @@ from driftform.cli.options import (
 if TYPE_CHECKING:
     from driftform.cli.agents import Opened
     from driftform.interfaces import Renderer as RendererPlugin
-    from driftform.types import Trajectory
+    from driftform.robustness import Spread
+    from driftform.types import Evaluation, Trajectory
 
 
 def simulate(
@@ -29,10 +31,14 @@ def simulate(
     out: OutDirectory = None,
     film: Film = None,
     renderer: Renderer = "exudyn",
+    robust: Robust = None,
     settings: Settings = None,
     json: Json = False,
 ) -> None:
-    """Fly one agent: how close it comes to each target, where and why it ends, a picture of its path, and a film if wanted."""
+    """Fly one agent: how close it comes to each target, where and why it ends, a picture of its path, and a film if wanted.
+
+    With --robust it is flown many more times, each time a little different from what was planned.
+    """
     from driftform.cli.agents import open_agent
     from driftform.cli.output import print_json, print_table
     from driftform.cli.progress import counter
@@ -42,8 +48,12 @@ def simulate(
     from driftform.files import make_directory, write_text
     from driftform.run_directory import write_trajectory
 
+    disturbed = () if robust is None else (f"robustness.conditions={robust}",)
     opened = open_agent(
-        agent, scenario, settings or (), {"simulator": simulator, "hydrodynamics": hydrodynamics}
+        agent,
+        scenario,
+        (*(settings or ()), *disturbed),
+        {"simulator": simulator, "hydrodynamics": hydrodynamics},
     )
     environment = opened.study.scenario
     camera = None if film is None else _camera(opened, renderer, film)
@@ -63,6 +73,7 @@ def simulate(
     if camera is not None and film is not None:
         with counter("frames") as progress:
             camera.film(opened.agent, flight, environment, film, progress)
+    spread = _spread(opened)
     x, y, z = flight.position[-1]
     if json:
         print_json(
@@ -82,6 +93,7 @@ def simulate(
                 "trajectory": str(csv),
                 "picture": str(svg),
                 "film": None if film is None else str(film),
+                "robust": spread and spread.document(environment.target_names),
             }
         )
         return
@@ -98,10 +110,38 @@ def simulate(
     )
     print(f"ended at the {flight.end} after {flight.t[-1]:.3f} s at x {x:.3f}, y {y:.3f}, z {z:.3f} m")
     print(_trust(flight))
+    if spread is not None:
+        print_table(
+            ("target", "undisturbed error %", "disturbed: mean", "90 % below", "worst"),
+            (
+                (name, *(f"{100 - value:.3f}" for value in (f, *values)))
+                for name, f, *values in zip(
+                    environment.target_names, fitness, spread.mean, spread.tenth, spread.worst, strict=True
+                )
+            ),
+            right=(1, 2, 3, 4),
+        )
+        print(spread.told())
     print(f"trajectory: {csv}")
     print(f"picture:    {svg}")
     if film is not None:
         print(f"film:       {film}")
+
+
+def _spread(opened: "Opened") -> "Spread | None":
+    """Fitness over the disturbed conditions of the scenario, ``None`` where it has none."""
+    from driftform.cli.progress import counter
+    from driftform.robustness import spread_of
+
+    count = len(opened.pipeline.conditions)
+    if not count:
+        return None
+    evaluations: list[Evaluation] = []
+    with counter("disturbed flights") as progress:
+        for number in range(count):
+            evaluations += opened.pipeline.evaluate([opened.stored.genome], disturbed=[number])
+            progress(len(evaluations), count)
+    return spread_of(evaluations)
 
 
 def _camera(opened: "Opened", name: str, film: Path) -> "RendererPlugin[Any]":

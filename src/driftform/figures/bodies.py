@@ -8,6 +8,7 @@ import numpy as np
 from driftform.figures import svg
 from driftform.figures.projection import simplify
 from driftform.figures.style import tint
+from driftform.geometry import radius_at
 from driftform.types import Body, FloatArray
 
 
@@ -35,18 +36,6 @@ def closed_outline(contour: FloatArray) -> FloatArray:
     return np.vstack([contour, contour[::-1] * (1.0, -1.0)])
 
 
-def radius_at(contour: FloatArray, x: float) -> float:
-    """Return the greatest radius (m) of the contour at ``x``: a step in the wall has more than one there."""
-    low, high = contour[:-1], contour[1:]
-    spans = (np.minimum(low[:, 0], high[:, 0]) <= x + 1e-9) & (np.maximum(low[:, 0], high[:, 0]) >= x - 1e-9)
-    low, high = low[spans], high[spans]
-    run = high[:, 0] - low[:, 0]
-    steep = np.abs(run) < 1e-9
-    s = np.clip(np.divide(x - low[:, 0], run, out=np.zeros_like(run), where=~steep), 0, 1)
-    radii = np.where(steep, np.maximum(low[:, 1], high[:, 1]), low[:, 1] + s * (high[:, 1] - low[:, 1]))
-    return float(radii.max(initial=0.0))
-
-
 def draw_shading(
     parent: ET.Element, body: Body, place: Placement, colour: str, below: float, bands: int = 12
 ) -> None:
@@ -64,15 +53,20 @@ def draw_shading(
         svg.add(parent, "path", d=svg.polyline(place.to_page(edge), closed=True), fill=fill)
 
 
+def inner_joints(body: Body) -> FloatArray:
+    """Return the x (m) of the joints between modules, without those at the ends."""
+    # A single joint is where modules would start: a bare core has no rim there.
+    joints = body.joints if len(body.joints) > 1 else body.joints[:0]
+    inner: FloatArray = joints[(joints > body.outer[0, 0] + 1e-6) & (joints < body.outer[-1, 0] - 1e-6)]
+    return inner
+
+
 def draw_rims(
     parent: ET.Element, body: Body, place: Placement, colour: str, width: float, below: float
 ) -> None:
     """Draw the joints between modules as faint lines across the outside."""
-    # A single joint is where modules would start: a bare core has no rim there.
-    joints = body.joints if len(body.joints) > 1 else body.joints[:0]
-    inner = [x for x in joints if body.outer[0, 0] + 1e-6 < x < body.outer[-1, 0] - 1e-6]
     data = ""
-    for x in inner:
+    for x in inner_joints(body):
         r = radius_at(body.outer, float(x))
         data += svg.polyline(place.to_page(np.array([[x, r], [x, -below * r]])))
     if data:

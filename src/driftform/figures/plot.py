@@ -78,8 +78,11 @@ class Window:
         return svg.polyline(simplify(self.to_page(points), tolerance))
 
 
-def draw_axes(root: ET.Element, window: Window) -> None:
-    """Draw ticks and their values, with faint lines across: metres below, and on the left."""
+def draw_axes(root: ET.Element, window: Window, names: tuple[str, str] | None = None) -> None:
+    """Draw ticks and their values, with faint lines across: metres below, and on the left.
+
+    ``names`` are what runs to the right and upward, where it is not the view's world coordinates.
+    """
     box, low, high = window.box, window.low, window.high
     # Labels of 11 px want about 40 px to themselves.
     steps = [nice_below(2.49 * wanted / window.px_per_m) for wanted in (40, 26)]
@@ -100,7 +103,7 @@ def draw_axes(root: ET.Element, window: Window) -> None:
                     root, "line", class_="tick-up", x1=box.left - 4, y1=y, x2=box.right, y2=y, stroke=GRID
                 )
                 write(root, box.left - 8, y + 4, label, 11, MUTED, "end", class_="tick-up-label")
-    right, up = (_NAMES[i] for i in window.view)
+    right, up = names or (_NAMES[i] for i in window.view)
     write(root, box.right, box.bottom + 32, f"{right} (m)", 11, MUTED, "end")
     write(root, box.left - 8, box.top - 10, f"{up} (m)", 11, MUTED, "end")
 

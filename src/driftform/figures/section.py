@@ -6,16 +6,27 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading, radius_at
+from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading, inner_joints
 from driftform.figures.layout import nice_below, shorten, signed, text_width, write
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, tint
+from driftform.figures.surface import Surface, rest_of, surface_of
 from driftform.figures.svg import PX_PER_MM
+from driftform.geometry import hull_mass, radius_at
+from driftform.scenario import Scenario
 from driftform.types import Agent, Body, FloatArray
 
 _STEEL = "#3d5a73"
 _WIDEST, _TALLEST = 800.0, 580.0
-_HEADER, _LABELS, _DIMENSION, _FOOTER = 62.0, 44.0, 46.0, 50.0
+_HEADER, _LABELS, _CALLOUTS, _DIMENSION, _FOOTER, _BLOCK = 62.0, 44.0, 34.0, 46.0, 40.0, 46.0
 _LEFT, _RIGHT, _MARGIN = 138.0, 62.0, 22.0
+_SCALE = 280.0
+"""Room for the scale and its bar, px."""
+
+_NARROW, _BESIDE = 230.0, 160.0
+"""The labels of wall and core stand beside a body that is shorter than the first, and take the second, px."""
+
+_AROUND = 10.0
+"""How far water is drawn beside the body, px."""
 
 
 class Ratio(NamedTuple):
@@ -37,16 +48,19 @@ _RATIOS = tuple(
 )
 
 
-def section_svg(agent: Agent, title: str = "") -> str:
+def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None) -> str:
     """Return the half section of one body as SVG: outside above the axis, cut below, fore end to the right.
 
     Parameters
     ----------
     agent
         its body frame has x to the right and z upward on the page. The centres of gravity (a quartered
-        circle) and of buoyancy (a ring) are those of ``agent.mass``.
+        circle) and of buoyancy (a ring) are those of ``agent.mass``. Ticks below the length are the joints of modules.
     title
         a line above the picture.
+    scenario
+        its water gives the net buoyancy, and the water line of a body that floats: where the surface is when it has
+        come to rest, far from any wall. Without a surface in the scenario, it is where one would be.
 
     The natural size is stated in millimetres: printed at it, the picture is to the scale that it names.
     """
@@ -54,24 +68,37 @@ def section_svg(agent: Agent, title: str = "") -> str:
     ratio = _ratio(body)
     px_per_m = 1000 * PX_PER_MM * ratio.paper / ratio.body
     length, diameter = body.length * px_per_m, body.max_diameter * px_per_m
-    facts = _facts(agent)
-    width = max(length + _LEFT + _RIGHT, text_width(facts, 12) + 2 * _MARGIN, 600.0)
+    facts, block = _facts(agent), title_block(agent, scenario)
+    rest = None if scenario is None else rest_of(agent, scenario)
+    legend = 0.0 if rest is None else 34 + text_width(rest.text, 11) + _SCALE
+    least = max(text_width(facts, 12), _block_width(block), legend, 556.0) + 2 * _MARGIN
+    width = max(length + _LEFT + _RIGHT, least)
+    if length < _NARROW:
+        width = max(width, length + _LEFT + _RIGHT + 2 * _BESIDE)
     above = _HEADER + _LABELS
-    height = above + diameter + _DIMENSION + _FOOTER
+    height = above + diameter + _CALLOUTS + _DIMENSION + _FOOTER + _BLOCK
     left = _LEFT + (width - _LEFT - _RIGHT - length) / 2
     place = Placement(left - px_per_m * float(body.outer[0, 0]), above + diameter / 2, px_per_m)
 
     size = f"{_mm(body.length)} long, {_mm(body.max_diameter)} in diameter"
+    told = "; ".join(f"{name} {value}" for name, value in block)
     root = svg.document(
         width,
         height,
         title or "Section of an agent",
         f"Half section of a body of revolution, {size}, at a scale of {ratio.text}: outside above the "
-        f"axis, cut open below; the fore end is on the right. {facts}.",
+        f"axis, cut open below; the fore end is on the right. {facts}; {told}.",
         unit="mm",
     )
     write(root, _MARGIN, 32, shorten(title or "Section", 17, width - 2 * _MARGIN, bold=True), 17, bold=True)
     write(root, _MARGIN, 52, facts, 12, MUTED)
+    surface = (
+        None
+        if rest is None or rest.height is None
+        else surface_of(rest.pitch, rest.height, body, place, _AROUND)
+    )
+    if surface is not None:
+        svg.add(root, "path", class_="water", d=svg.polyline(surface.wet, closed=True), fill=tint(BLUE, 0.1))
     draw_shading(root, body, place, _STEEL, below=0)
     draw_rims(root, body, place, tint(_STEEL, 0.62), 0.7, below=0)
     _draw_cut(root, body, place)
@@ -87,9 +114,16 @@ def section_svg(agent: Agent, title: str = "") -> str:
         stroke_linejoin="round",
     )
     _draw_axis(root, body, place)
+    if surface is not None:
+        _draw_water_line(root, surface)
+    _draw_callouts(root, body, place)
     _draw_dimensions(root, body, place)
     _draw_centres(root, agent, place, width)
-    _draw_footer(root, body, ratio, px_per_m, width, height)
+    base = height - _BLOCK - 18
+    _draw_scale(root, ratio, px_per_m, width, base)
+    if rest is not None:
+        _draw_legend(root, rest.text, surface is not None, base)
+    _draw_block(root, block, width, height - _BLOCK + 2)
     return svg.render(root)
 
 
@@ -111,6 +145,23 @@ def _facts(agent: Agent) -> str:
     count = {0: "Bare core", 1: "1 module"}.get(modules, f"{modules} modules")
     density = f", mean density {mass.mass / mass.volume:.0f} kg/m³" if mass.volume > 0 else ""
     return f"{count}, {1000 * mass.mass:.1f} g, displaces {1e6 * mass.volume:.1f} cm³{density}"
+
+
+def title_block(agent: Agent, scenario: Scenario | None) -> list[tuple[str, str]]:
+    """Return names and values of the title block: what the agent weighs and displaces, and how that is in water."""
+    body, mass = agent.body, agent.mass
+    block = [
+        ("mass", f"{1000 * mass.mass:.1f} g"),
+        ("hull", f"{1000 * hull_mass(body):.1f} g of {body.hull_density:.0f} kg/m³"),
+        ("core", f"{1000 * body.core.mass:.1f} g"),
+        ("volume", f"{1e6 * mass.volume:.1f} cm³"),
+    ]
+    if scenario is not None:
+        fluid = scenario.fluid
+        net = (fluid.density * mass.volume - mass.mass) * fluid.gravity
+        block.append(("net buoyancy", f"{net:+.3g} N".replace("-", "\u2212")))
+        block.append(("water", f"{fluid.density:.0f} kg/m³"))
+    return block
 
 
 def _mm(metres: float) -> str:
@@ -194,21 +245,59 @@ def _draw_axis(root: ET.Element, body: Body, place: Placement) -> None:
     write(root, right + 20, place.y + 4, "fore", 11, MUTED)
 
 
+def _draw_water_line(root: ET.Element, surface: Surface) -> None:
+    """Draw the surface, with the triangle that drawings mark it by."""
+    line = svg.polyline(surface.line)
+    svg.add(root, "path", d=line, fill="none", stroke="#ffffff", stroke_width=3.2)
+    svg.add(
+        root,
+        "path",
+        class_="water-line",
+        d=line,
+        fill="none",
+        stroke=BLUE,
+        stroke_width=1.4,
+        stroke_dasharray="9 3",
+    )
+    (start, end), up = surface.line, surface.up
+    # Off the labels: those of the centres are above the body, that of the axis is on the right.
+    tip = max(start, end, key=lambda point: float(point[1] - point[0]))
+    inward = (start + end) / 2 - tip
+    tip = tip + 9 * inward / max(float(np.hypot(*inward)), 1e-9)
+    along = np.array([-up[1], up[0]])
+    corners = np.array([tip, tip + 8 * up + 5 * along, tip + 8 * up - 5 * along])
+    svg.add(root, "path", d=svg.polyline(corners, closed=True), fill="#ffffff", stroke=BLUE, stroke_width=1.2)
+
+
+def _draw_legend(root: ET.Element, text: str, floats: bool, base: float) -> None:
+    x = _MARGIN
+    if floats:
+        line = svg.polyline([(x, base - 4), (x + 26, base - 4)])
+        svg.add(root, "path", d=line, fill="none", stroke=BLUE, stroke_width=1.4, stroke_dasharray="9 3")
+        x += 34
+    write(root, x, base, text, 11, MUTED, class_="rest")
+
+
 def _draw_dimensions(root: ET.Element, body: Body, place: Placement) -> None:
     outline = place.to_page(body.outer)
     left, right = outline[0, 0], outline[-1, 0]
     bottom = place.y + body.max_diameter / 2 * place.px_per_m
-    level = bottom + 28
+    level = bottom + _CALLOUTS + 24
     for x, end in ((left, body.outer[0, 0]), (right, body.outer[-1, 0])):
         edge = place.y + radius_at(body.outer, float(end)) * place.px_per_m
         _draw_thin(root, x, edge + 4, x, level + 5)
     _draw_arrow(root, left, level, right, level)
+    joints = "".join(
+        svg.polyline([(x, level), (x, level + 5)]) for x in place.x + place.px_per_m * inner_joints(body)
+    )
+    if joints:
+        svg.add(root, "path", class_="ticks", d=joints, fill="none", stroke=MUTED, stroke_width=0.8)
     text = _mm(body.length)
     fits = right - left > text_width(text, 12) + 20
     write(
         root,
         (left + right) / 2,
-        level - 5 if fits else level + 16,
+        level - 5 if fits else level + 18,
         text,
         12,
         anchor="middle",
@@ -224,6 +313,63 @@ def _draw_dimensions(root: ET.Element, body: Body, place: Placement) -> None:
     write(root, column - 9, place.y + 4, f"Ø {_mm(body.max_diameter)}", 12, anchor="end", class_="diameter")
 
 
+def _draw_callouts(root: ET.Element, body: Body, place: Placement) -> None:
+    """Wall and core, each with a leader from a label below the body."""
+    bottom = place.y + body.max_diameter / 2 * place.px_per_m
+    left, right = (place.x + place.px_per_m * float(x) for x in body.outer[[0, -1], 0])
+    base = bottom + 26
+    wall = _wall_spot(body, place)
+    labels = [("core", place.x, f"core Ø {_plain(2000 * body.core.radius)} mm")]
+    if wall is not None:
+        labels.append(("wall", float(wall[0][0]), f"wall {_plain(1000 * body.wall)} mm"))
+    labels.sort(key=lambda label: label[1])
+    widths = [text_width(text, 12) + 8 for _, _, text in labels]
+    if right - left >= _NARROW and sum(widths) + 20 < right - left:
+        wanted = [at for _, at, _ in labels]
+        centres = _spread(wanted, widths, left + 4, right - 4) if len(labels) == 2 else wanted
+    else:
+        # Beside the lines that carry the length down, and on the side that the wall faces, so as not to cross it.
+        faces_aft = wall is None or wall[0][0] < wall[1][0]
+        first = left - 10 - sum(widths) if faces_aft else right + 10
+        centres = [first + sum(widths[:i]) + widths[i] / 2 for i in range(len(widths))]
+    for (name, _, text), centre in zip(labels, centres, strict=True):
+        write(root, centre, base, text, 12, anchor="middle", class_=f"{name}-label")
+        start = np.array([centre, base - 13])
+        if name == "core":
+            towards = start - (place.x, place.y)
+            tip = (place.x, place.y) + body.core.radius * place.px_per_m * towards / np.hypot(*towards)
+            _draw_thin(root, *start, *tip)
+            _draw_head(root, tip, start)
+        elif wall is not None:
+            outside, inside = wall
+            normal = (outside - inside) / np.hypot(*(outside - inside))
+            _draw_thin(root, *start, *(outside + 12 * normal))
+            for tip, away in ((outside, 12 * normal), (inside, -12 * normal)):
+                _draw_thin(root, *tip, *(tip + away))
+                _draw_head(root, tip, tip + away, 6.0)
+
+
+def _wall_spot(body: Body, place: Placement) -> tuple[FloatArray, FloatArray] | None:
+    """Where the wall is dimensioned, on its outside and inside: in the middle of an edge of the cavity.
+
+    The edge is long, runs along the axis rather than across it, and lies far out and off the core's label.
+    """
+    if not len(body.cavity):
+        return None
+    start, edge = body.cavity[:-1], np.diff(body.cavity, axis=0)
+    middle = start + edge / 2
+    worth = np.abs(edge[:, 0]) * (0.3 + middle[:, 1] / body.cavity[:, 1].max())
+    worth *= np.where(np.abs(middle[:, 0]) > 0.6 * body.core.radius, 1.0, 0.2)
+    best = int(np.argmax(worth))
+    normal = np.array([-edge[best, 1], edge[best, 0]]) / np.hypot(*edge[best])
+    outside, inside = place.to_page(np.array([middle[best] + body.wall * normal, middle[best]]) * (1.0, -1.0))
+    return outside, inside
+
+
+def _plain(value: float) -> str:
+    return f"{value:.3f}".rstrip("0").rstrip(".")
+
+
 def _draw_thin(root: ET.Element, x1: float, y1: float, x2: float, y2: float) -> None:
     svg.add(root, "line", x1=x1, y1=y1, x2=x2, y2=y2, stroke=MUTED, stroke_width=0.8)
 
@@ -234,12 +380,17 @@ def _draw_arrow(root: ET.Element, x1: float, y1: float, x2: float, y2: float) ->
     span = float(np.hypot(x2 - x1, y2 - y1))
     if span == 0:
         return
-    along = np.array([x2 - x1, y2 - y1]) / span
     head = min(9.0, span / 3)
-    aside = np.array([-along[1], along[0]]) * head * 0.22
-    for tip, back in (((x1, y1), head * along), ((x2, y2), -head * along)):
-        corners = np.array([tip, tip + back + aside, tip + back - aside])
-        svg.add(root, "path", d=svg.polyline(corners, closed=True), fill=MUTED)
+    _draw_head(root, np.array([x1, y1]), np.array([x2, y2]), head)
+    _draw_head(root, np.array([x2, y2]), np.array([x1, y1]), head)
+
+
+def _draw_head(root: ET.Element, tip: FloatArray, tail: FloatArray, size: float = 8.0) -> None:
+    """Draw a slim arrowhead at ``tip``, of an arrow that comes from ``tail``."""
+    back = size * (tail - tip) / np.hypot(*(tail - tip))
+    aside = 0.22 * np.array([-back[1], back[0]])
+    corners = np.array([tip, tip + back + aside, tip + back - aside])
+    svg.add(root, "path", d=svg.polyline(corners, closed=True), fill=MUTED)
 
 
 def _draw_centres(root: ET.Element, agent: Agent, place: Placement, width: float) -> None:
@@ -290,10 +441,7 @@ def _draw_buoyancy(root: ET.Element, x: float, y: float, r: float) -> None:
     svg.add(root, "circle", class_="cob", cx=x, cy=y, r=r, fill="none", stroke=BLUE, stroke_width=2.2)
 
 
-def _draw_footer(
-    root: ET.Element, body: Body, ratio: Ratio, px_per_m: float, width: float, height: float
-) -> None:
-    base = height - 18
+def _draw_scale(root: ET.Element, ratio: Ratio, px_per_m: float, width: float, base: float) -> None:
     bar = nice_below(130 / px_per_m)
     span = bar * px_per_m
     end = width - _MARGIN
@@ -309,19 +457,26 @@ def _draw_footer(
     write(root, end - span / 2, base - 6, f"{1000 * bar:g} mm", 11, anchor="middle", class_="scale-bar-label")
     write(root, end - span - 16, base, f"Scale {ratio.text}", 11, MUTED, anchor="end", class_="scale")
 
-    svg.add(root, "circle", cx=_MARGIN + 6, cy=base - 4, r=6, fill=ORANGE, stroke="#7a5300", stroke_width=1)
-    core = f"core Ø {2000 * body.core.radius:g} mm, {1000 * body.core.mass:g} g"
-    write(root, _MARGIN + 18, base, core, 11, MUTED)
-    x = _MARGIN + 18 + text_width(core, 11) + 12
-    swatch = np.array([[x, base - 10], [x + 18, base - 10], [x + 18, base + 2], [x, base + 2]])
-    svg.add(
-        root,
-        "path",
-        d=svg.polyline(swatch, closed=True),
-        fill=tint(_STEEL, 0.16),
-        stroke=INK,
-        stroke_width=0.9,
+
+def _draw_block(root: ET.Element, block: list[tuple[str, str]], width: float, top: float) -> None:
+    """Draw the title block: cells side by side, a name above each value."""
+    x, bottom = _MARGIN, top + 34
+    spare = (width - 2 * _MARGIN - _block_width(block)) / len(block)
+    lines = svg.polyline(
+        [(x, top), (width - _MARGIN, top), (width - _MARGIN, bottom), (x, bottom)], closed=True
     )
-    lines = "".join(svg.polyline(pair) for pair in hatch([swatch], 4))
-    svg.add(root, "path", d=lines, fill="none", stroke=_STEEL, stroke_width=0.8)
-    write(root, x + 25, base, f"wall {1000 * body.wall:g} mm", 11, MUTED)
+    for index, (name, value) in enumerate(block):
+        if index:
+            lines += svg.polyline([(x, top), (x, bottom)])
+        write(root, x + 8, top + 13, name, 10, MUTED)
+        write(root, x + 8, top + 28, value, 12, class_="cell")
+        x += _cell_width(name, value) + spare
+    svg.add(root, "path", class_="block", d=lines, fill="none", stroke=MUTED, stroke_width=0.8)
+
+
+def _cell_width(name: str, value: str) -> float:
+    return max(text_width(name, 10), text_width(value, 12)) + 16
+
+
+def _block_width(block: list[tuple[str, str]]) -> float:
+    return sum(_cell_width(name, value) for name, value in block)

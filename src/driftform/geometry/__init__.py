@@ -1,7 +1,15 @@
 """Exact geometry of bodies of revolution: contours in, volumes, centroids and inertia out."""
 
-from driftform.geometry.distance import distance_from
+from driftform.geometry.distance import distance_from, radius_at
 from driftform.geometry.mass import hull_mass, hull_volume, mass_properties
 from driftform.geometry.solids import Moments, solid_of_revolution
 
-__all__ = ["Moments", "distance_from", "hull_mass", "hull_volume", "mass_properties", "solid_of_revolution"]
+__all__ = [
+    "Moments",
+    "distance_from",
+    "hull_mass",
+    "hull_volume",
+    "mass_properties",
+    "radius_at",
+    "solid_of_revolution",
+]

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from driftform.geometry.solids import solid_of_revolution
-from driftform.types import Body, MassProperties
+from driftform.geometry.solids import Moments, solid_of_revolution
+from driftform.types import Body, Core, MassProperties
 
 
 def hull_volume(body: Body) -> float:
@@ -25,11 +25,16 @@ def mass_properties(body: Body) -> MassProperties:
     """
     displaced = solid_of_revolution(body.outer)
     hull = displaced - solid_of_revolution(body.cavity)
-    core_inertia = 0.4 * body.core.mass * body.core.radius**2
-    mass = hull.volume * body.hull_density + body.core.mass
-    cog = hull.first * body.hull_density / mass
-    axial = hull.polar * body.hull_density + core_inertia
-    transverse = hull.transverse * body.hull_density + core_inertia - mass * cog**2
+    return assembled(hull, displaced, body.hull_density, body.core)
+
+
+def assembled(hull: Moments, displaced: Moments, hull_density: float, core: Core) -> MassProperties:
+    """Return what a hull of that material weighs with its core, and what it displaces."""
+    core_inertia = 0.4 * core.mass * core.radius**2
+    mass = hull.volume * hull_density + core.mass
+    cog = hull.first * hull_density / mass
+    axial = hull.polar * hull_density + core_inertia
+    transverse = hull.transverse * hull_density + core_inertia - mass * cog**2
     return MassProperties(
         mass=mass,
         cog=np.array([cog, 0.0, 0.0]),

@@ -33,6 +33,14 @@ class Moments:
     second: float
     polar: float
 
+    def __add__(self, other: "Moments") -> "Moments":
+        return Moments(
+            self.volume + other.volume,
+            self.first + other.first,
+            self.second + other.second,
+            self.polar + other.polar,
+        )
+
     def __sub__(self, hole: "Moments") -> "Moments":
         return Moments(
             self.volume - hole.volume,

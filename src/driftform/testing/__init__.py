@@ -28,12 +28,14 @@ _CONTRACTS = (
     "strategy",
     "exporter",
     "renderer",
+    "checker",
 )
 
 # pytest rewrites the assertions of test files only, unless told: the values behind a failure would not be shown.
 pytest.register_assert_rewrite(*(f"{__name__}.{module}" for module in _CONTRACTS))
 
 from driftform.testing.builder import BuilderContract  # noqa: E402
+from driftform.testing.checker import CheckerContract  # noqa: E402
 from driftform.testing.exporter import ExporterContract  # noqa: E402
 from driftform.testing.fitness import FitnessContract  # noqa: E402
 from driftform.testing.grammar import GrammarContract  # noqa: E402
@@ -44,6 +46,7 @@ from driftform.testing.strategy import StrategyContract  # noqa: E402
 
 __all__ = [
     "BuilderContract",
+    "CheckerContract",
     "ExporterContract",
     "FitnessContract",
     "GrammarContract",

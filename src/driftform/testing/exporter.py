@@ -73,6 +73,22 @@ class ExporterContract:
             sizes.append([(path.relative_to(directory), path.stat().st_size) for path in _files(directory)])
         assert sizes[0] == sizes[1]
 
+    def test_of_an_older_folder_nothing_stays(self, tmp_path: Path) -> None:
+        """What an older export left in the folder, or anybody, goes with it, and no empty folder is left beside it.
+
+        A format that is no folder leaves alone what is beside its file.
+        """
+        path = self.path(tmp_path)
+        is_folder = not Path(f"agent{self.plugin().suffix}").suffix
+        stale = (path if is_folder else tmp_path) / "older" / "stale.txt"
+        stale.parent.mkdir(parents=True)
+        stale.write_text("of an older export")
+        written = self.plugin().write(self.specimen(), path)
+        assert stale.exists() != is_folder
+        known = {stale, *(Path(file.path) for file in written)}
+        needed = {parent for file in known for parent in file.parents} | known
+        assert sorted(found for found in tmp_path.rglob("*") if found not in needed) == []
+
     def test_a_file_that_cannot_be_written_leaves_nothing_behind(self, tmp_path: Path) -> None:
         """Where a folder stands in the place of a file, or a file in that of a folder, the export fails.
 

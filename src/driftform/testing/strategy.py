@@ -8,8 +8,9 @@ import pytest
 
 from driftform.interfaces import Grammar, SearchSpace, Strategy
 from driftform.options import Table
+from driftform.scenario import Pipe, Scenario, Segment
 from driftform.testing.letters import LetterGrammar
-from driftform.types import Candidate, Evaluation, FloatArray, Genome
+from driftform.types import Candidate, End, Evaluation, FloatArray, Genome, Trajectory
 
 Score = Callable[[Genome], FloatArray]
 
@@ -23,6 +24,23 @@ def two_aims(genome: Genome) -> FloatArray:
 def nothing(genome: Genome) -> FloatArray:
     """No fitness at all, (2,)."""
     return np.zeros(2)
+
+
+def straight(genome: Genome) -> Trajectory:
+    """A flight of 9 m that rises or sinks as the symbols say."""
+    t = np.linspace(0.0, 9.0, 19)
+    course = np.array([1.0, 0.0, (two_aims(genome)[0] - 50) / 250])
+    turn = np.tile([1.0, 0.0, 0.0, 0.0], (len(t), 1))
+    velocity = np.tile([*course, 0.0, 0.0, 0.0], (len(t), 1))
+    return Trajectory(t, t[:, None] * course, turn, velocity, End.OUTLET)
+
+
+def search_space(grammar: Grammar[Any], targets: tuple[str, ...], seed: int = 0) -> SearchSpace:
+    """What there is to search: any number of targets along a pipe of 9 m."""
+    segment = Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0)
+    points = {name: (9.0 * (i + 1) / (len(targets) + 1), 0.0, 0.0) for i, name in enumerate(targets)}
+    scenario = Scenario(pipe=Pipe(segments=(segment,)), targets=points)
+    return SearchSpace(grammar, targets, np.random.default_rng(seed), scenario)
 
 
 class StrategyContract:
@@ -50,7 +68,7 @@ class StrategyContract:
 
     def begun(self, seed: int = 0) -> Strategy[Any]:
         """Return a strategy with random numbers of its own."""
-        return self.plugin(SearchSpace(self.grammar(), self.targets, np.random.default_rng(seed)))
+        return self.plugin(search_space(self.grammar(), self.targets, seed))
 
     def played(
         self, strategy: Strategy[Any], budget: int, score: Score = two_aims, seconds: float = 0.0
@@ -60,7 +78,9 @@ class StrategyContract:
         while len(asked) < budget:
             candidates = strategy.ask(budget - len(asked))
             assert 1 <= len(candidates) <= budget - len(asked)
-            outcomes = [Evaluation(c.genome, score(c.genome), seconds=seconds) for c in candidates]
+            outcomes = [
+                Evaluation(c.genome, score(c.genome), straight(c.genome), seconds=seconds) for c in candidates
+            ]
             strategy.tell(len(asked), outcomes)
             asked += candidates
         return asked
@@ -82,7 +102,9 @@ class StrategyContract:
         for limit in (1, 2, 3) * 10:
             candidates = strategy.ask(limit)
             assert 1 <= len(candidates) <= limit
-            strategy.tell(first, [Evaluation(c.genome, two_aims(c.genome)) for c in candidates])
+            strategy.tell(
+                first, [Evaluation(c.genome, two_aims(c.genome), straight(c.genome)) for c in candidates]
+            )
             first += len(candidates)
 
     def test_candidates_are_genomes_of_the_grammar(self) -> None:
@@ -102,7 +124,9 @@ class StrategyContract:
                 assert all(0 <= parent < first for parent in candidate.parents)
                 assert candidate.generation >= 0
                 assert candidate.target in (*self.targets, "")
-            strategy.tell(first, [Evaluation(c.genome, two_aims(c.genome)) for c in candidates])
+            strategy.tell(
+                first, [Evaluation(c.genome, two_aims(c.genome), straight(c.genome)) for c in candidates]
+            )
             first += len(candidates)
 
     def test_the_same_seed_asks_for_the_same_candidates(self) -> None:
@@ -118,6 +142,11 @@ class StrategyContract:
         whole = self.played(self.begun(5), 100)
         replayed = self.played(self.begun(5), 100, seconds=17.0)
         assert replayed == whole
+
+    @pytest.mark.parametrize("budget", [1, 13, 60, 99])
+    def test_a_larger_budget_begins_with_the_same_candidates(self, budget: int) -> None:
+        """The limit cuts what is asked for and changes nothing of it, so that a run may be given more later."""
+        assert self.played(self.begun(6), budget) == self.played(self.begun(6), 150)[:budget]
 
     def test_it_goes_on_where_nothing_has_any_fitness(self) -> None:
         """Zeros everywhere are no division by zero, and the search goes on."""
@@ -138,6 +167,6 @@ class StrategyContract:
         """Nothing assumes a number of targets."""
         for count in (1, 5):
             targets = tuple(f"T{number}" for number in range(count))
-            strategy = self.plugin(SearchSpace(self.grammar(), targets, np.random.default_rng(0)))
+            strategy = self.plugin(search_space(self.grammar(), targets))
             asked = self.played(strategy, 30, lambda genome, n=count: np.full(n, two_aims(genome)[0]))  # type: ignore[misc]
             assert {candidate.target for candidate in asked} <= {*targets, ""}

@@ -43,9 +43,8 @@ def textbook_flight(
     damping = (coefficients.linear_damping.copy(), coefficients.quadratic_damping.copy())
     arguments = (M_RB, M_A, H, *damping, mass.cog.copy(), mass.cob.copy(), W, B, U)
 
-    half = np.deg2rad(scenario.release.pitch_deg) / 2
-    attitude = np.array([np.cos(half), 0, np.sin(half), 0])
-    turn = Rotation.from_quat(attitude, scalar_first=True)
+    turn = Rotation.from_euler("ZY", [scenario.release.yaw_deg, scenario.release.pitch_deg], degrees=True)
+    attitude = turn.as_quat(scalar_first=True)
     released = scenario.release.velocity
     known = {"current": U, "rest": np.zeros(3)}
     velocity = known[released] if isinstance(released, str) else np.array(released)

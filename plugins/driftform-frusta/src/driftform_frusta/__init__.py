@@ -18,7 +18,23 @@ def driftform_builder() -> "type[PhenotypeBuilder[Any]]":
 
 @hookimpl
 def driftform_exporter() -> "list[type[Exporter[Any]]]":
-    """Mesh for printers, source for OpenSCAD."""
-    from driftform_frusta.exporters import ScadExporter, StlExporter
+    """Files for printers, viewers, modelling programs and OpenSCAD."""
+    from driftform_frusta.exporters.glb import GlbExporter
+    from driftform_frusta.exporters.obj import ObjExporter
+    from driftform_frusta.exporters.ply import PlyExporter
+    from driftform_frusta.exporters.scad import ScadExporter
+    from driftform_frusta.exporters.step import StepExporter
+    from driftform_frusta.exporters.stl import StlExporter
+    from driftform_frusta.exporters.svg import SvgExporter
+    from driftform_frusta.exporters.threemf import ThreeMfExporter
 
-    return [StlExporter, ScadExporter]
+    return [
+        GlbExporter,
+        ObjExporter,
+        PlyExporter,
+        ScadExporter,
+        StepExporter,
+        StlExporter,
+        SvgExporter,
+        ThreeMfExporter,
+    ]

@@ -12,6 +12,8 @@ import math
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from driftform_frusta.lettering import missing
+
 Point: TypeAlias = tuple[float, float]
 """A point (r, z) of a meridian half-plane, mm."""
 
@@ -85,6 +87,26 @@ class Revolve:
 
 
 @dataclass(frozen=True)
+class Text:
+    """A line of letters of :mod:`driftform_frusta.lettering` in the plane z = 0, along x, from z = 0 to ``height``.
+
+    ``size`` is the height of a capital. The first letter begins at the origin.
+    """
+
+    text: str
+    size: float
+    height: float
+
+    def __post_init__(self) -> None:
+        """Refuse what is no solid."""
+        _check(0 < self.size < math.inf, f"a text's size must be positive, not {self.size}")
+        _check(0 < self.height < math.inf, f"a text's height must be positive, not {self.height}")
+        _check(bool(self.text.strip()), "a text needs a letter")
+        unknown = missing(self.text)
+        _check(not unknown, f"there is no letter for {unknown!r}")
+
+
+@dataclass(frozen=True)
 class Union:
     """All points of any of the children."""
 
@@ -147,6 +169,6 @@ class Named:
 
 
 Node: TypeAlias = (
-    Frustum | Sphere | Box | Revolve | Union | Difference | Intersection | Translate | Rotate | Named
+    Frustum | Sphere | Box | Revolve | Text | Union | Difference | Intersection | Translate | Rotate | Named
 )
 """Any solid."""

@@ -4,13 +4,18 @@ from dataclasses import dataclass
 
 from manifold3d import Manifold
 
-from driftform.options import Table, option
+from driftform.errors import WorkFailedError
+from driftform.options import option
 from driftform.types import Body
-from driftform_frusta.csg import Node
-from driftform_frusta.printable import printable_hull
+from driftform_frusta.csg import Difference, Named, Node, Revolve, Translate
+from driftform_frusta.kit.meridian import MM, moments, split_rings
+from driftform_frusta.kit.options import KitOptions
+from driftform_frusta.kit.pieces import Piece, kit_of
+from driftform_frusta.printable import printable_hull, refuse_other_volume
+from driftform_frusta.solid import to_manifold
 
 
-class PartOptions(Table):
+class PartOptions(KitOptions):
     """What every exporter of meshes is asked for."""
 
     segments: int = option(64, "corners of every circle of the mesh", ge=12, le=1024)
@@ -48,12 +53,36 @@ class Part:
 
 
 def parts_of(body: Body, options: PartOptions) -> tuple[Part, ...]:
-    """Return the parts of a body's hull.
+    """Return the parts of a body: its sealed hull, or those of its kit, from aft to fore.
 
     Raises
     ------
     WorkFailedError
         where it cannot be printed this way; the message gives the reason.
     """
-    tree, solid, shells = printable_hull(body, options.segments)
-    return (Part("hull", tree, solid, shells),)
+    if not options.kit:
+        return (Part("hull", *printable_hull(body, options.segments)),)
+    lift = -MM * float(body.outer[:, 0].min())
+    return tuple(_part(piece, lift, options.segments) for piece in kit_of(body, options).pieces)
+
+
+def _part(piece: Piece, lift: float, segments: int) -> Part:
+    shape = Revolve(*split_rings(piece.rings))
+    whole = to_manifold(shape, segments)
+    refuse_other_volume(whole.volume(), moments(piece.rings).volume, piece.name)
+    tree: Node = shape
+    solid = whole
+    if piece.engraved is not None:
+        tree = Difference(shape, (piece.engraved.tool,))
+        solid = whole - to_manifold(piece.engraved.tool, segments)
+    shells = solid.decompose()
+    if sum(shell.volume() > 0 for shell in shells) != 1:
+        raise WorkFailedError(f"no kit can be made: its {piece.name} falls into pieces")
+    label = f"{piece.name}, as joined; fore end up"
+    return Part(
+        piece.name,
+        Named(label, Translate((0.0, 0.0, lift), tree)),
+        solid.translate((0.0, 0.0, lift)),
+        len(shells),
+        piece.fore_down,
+    )

@@ -33,22 +33,45 @@ def printable_hull(body: Body, segments: int) -> tuple[Node, Manifold, int]:
     WorkFailedError
         where the body has no such solid; the message tells why.
     """
-    tree = hull(body)
-    _refuse_without_wall(body)
-    _refuse_pinched(body)
+    tree = printable_section(body)
     solid = to_manifold(tree, segments)
-    expected = hull_volume(body) * MM3_PER_M3
-    if not abs(solid.volume() - expected) <= _VOLUME_TOLERANCE * expected:
-        raise WorkFailedError(
-            f"the solid of the hull has {solid.volume():.3f} mm3, its section {expected:.3f} mm3: a contour "
-            "crosses itself or the axis, or the cavity leaves the outer contour"
-        )
+    refuse_other_volume(solid.volume(), hull_volume(body), "hull")
     # Surfaces of hollows face inward: their volume is negative.
     shells = solid.decompose()
     pieces = sum(shell.volume() > 0 for shell in shells)
     if pieces != 1:
         raise WorkFailedError(f"the hull falls into {pieces} pieces")
     return tree, solid, len(shells)
+
+
+def printable_section(body: Body) -> Node:
+    """Return the hull's tree, of contours that have a wall between them all round.
+
+    Raises
+    ------
+    WorkFailedError
+        where there is no such hull; the message tells why.
+    """
+    tree = hull(body)
+    _refuse_without_wall(body)
+    _refuse_pinched(body)
+    return tree
+
+
+def refuse_other_volume(volume: float, expected: float, what: str) -> None:
+    """Compare the volume of a solid, mm3, with that of its section in closed form, m3.
+
+    Raises
+    ------
+    WorkFailedError
+        where they differ.
+    """
+    closed_form = expected * MM3_PER_M3
+    if not abs(volume - closed_form) <= _VOLUME_TOLERANCE * closed_form:
+        raise WorkFailedError(
+            f"the solid of the {what} has {volume:.3f} mm3, its section {closed_form:.3f} mm3: a contour "
+            "crosses itself or the axis, or the cavity leaves the outer contour"
+        )
 
 
 def _refuse_without_wall(body: Body) -> None:

@@ -18,9 +18,11 @@ from driftform_frusta.csg import (
     Revolve,
     Rotate,
     Sphere,
+    Text,
     Translate,
     Union,
 )
+from driftform_frusta.lettering import STROKE, strokes
 
 _INDENT = "    "
 _POINTS_PER_LINE = 3
@@ -42,21 +44,46 @@ module ball(radius) {
 """
 
 
+_LETTERS = """\
+// Strokes of a pen with eight corners, from one end to the other.
+module letters(height, pen, strokes) {
+    linear_extrude(height)
+        for (stroke = strokes)
+            hull()
+                for (end = stroke)
+                    translate(end)
+                        circle(d = pen, $fn = 8);
+}
+"""
+
+
 def to_scad(node: Node, segments: int = 64) -> str:
     """Return the source of a tree, mm, for OpenSCAD 2021.01 or later.
 
     ``segments`` is the number of corners of every circle, ``$fn``. Numbers are rounded to 1e-6 mm.
     """
+    parts = ["// Written by driftform. Lengths in millimetres.\n" + definitions((node,), segments)]
+    return "\n".join([*parts, "\n".join(_lines(node)) + "\n"])
+
+
+def definitions(nodes: Sequence[Node], segments: int) -> str:
+    """Return what the source of trees refers to: the number of corners, factors on radii, and modules."""
     if segments < 3:
         raise ValueError(f"a circle needs three segments or more, not {segments}")
-    kinds = {type(n) for n in _walk(node)}
-    parts = [f"// Written by driftform. Lengths in millimetres.\n$fn = {segments};\n"]
+    kinds = {type(n) for node in nodes for n in _walk(node)}
+    parts = [f"$fn = {segments};\n"]
     if kinds & {Frustum, Sphere, Revolve}:
         parts.append(_AREA_FACTOR)
     if Sphere in kinds:
         parts.append(_BALL)
-    parts.append("\n".join(_lines(node)) + "\n")
+    if Text in kinds:
+        parts.append(_LETTERS)
     return "\n".join(parts)
+
+
+def module_of(name: str, node: Node) -> str:
+    """Return a module of OpenSCAD that makes the solid of a tree."""
+    return "\n".join(_block(f"module {name}()", [_lines(node)])) + "\n"
 
 
 def _walk(node: Node) -> Iterator[Node]:
@@ -68,7 +95,7 @@ def _walk(node: Node) -> Iterator[Node]:
             children = (node.base, *node.tools)
         case Translate() | Rotate() | Named():
             children = (node.child,)
-        case Frustum() | Sphere() | Box() | Revolve():
+        case Frustum() | Sphere() | Box() | Revolve() | Text():
             children = ()
         case _:
             assert_never(node)
@@ -87,6 +114,8 @@ def _lines(node: Node) -> list[str]:
             lines = [f"cube({_vector(node.size)});"]
         case Revolve():
             lines = _revolve(node)
+        case Text():
+            lines = _text(node)
         case Union():
             lines = _block("union()", [_lines(c) for c in node.children])
         case Difference():
@@ -119,6 +148,18 @@ def _revolve(node: Revolve) -> list[str]:
         )
         section = _block("intersection()", [section, half_plane])
     return _above("rotate_extrude()", _above("scale([area_factor, 1])", section))
+
+
+def _text(node: Text) -> list[str]:
+    ends = [f"[{_vector(start)}, {_vector(end)}]" for start, end in strokes(node.text, node.size)]
+    return [
+        f"letters({_number(node.height)}, {_number(node.size * STROKE)}, [  // {node.text}",
+        *(
+            _INDENT + ", ".join(ends[i : i + _POINTS_PER_LINE]) + ","
+            for i in range(0, len(ends), _POINTS_PER_LINE)
+        ),
+        "]);",
+    ]
 
 
 def _polygon(points: Sequence[Point]) -> list[str]:

@@ -27,9 +27,11 @@ from driftform_frusta.csg import (
     Revolve,
     Rotate,
     Sphere,
+    Text,
     Translate,
     Union,
 )
+from driftform_frusta.lettering import STROKE, strokes
 
 # mm. Clipping leaves vertices some 1e-8 mm apart, which must go. With much more than this, vertices between
 # almost aligned frustums go too, and the volume of a 1.25 mm wall shifts by more than 1e-6 of itself.
@@ -95,6 +97,8 @@ def _interpret(node: Node, segments: int) -> Manifold:
             solid = Manifold.cube(node.size)
         case Revolve():
             solid = _revolved_section(node, segments)
+        case Text():
+            solid = _letters(node).extrude(node.height)
         case Union():
             solid = Manifold.batch_boolean(solids(node.children), OpType.Add)
         case Difference():
@@ -110,6 +114,17 @@ def _interpret(node: Node, segments: int) -> Manifold:
         case _:
             assert_never(node)
     return solid
+
+
+def _letters(node: Text) -> CrossSection:
+    """The strokes united, each with a round end of eight corners."""
+    angle = np.arange(8) * (np.pi / 4)
+    pen = node.size * STROKE / 2 * np.column_stack((np.cos(angle), np.sin(angle)))
+    drawn = [
+        CrossSection.hull_points(np.concatenate((pen + start, pen + end)))
+        for start, end in strokes(node.text, node.size)
+    ]
+    return CrossSection.batch_boolean(drawn, OpType.Add)
 
 
 def _frustum_meridian(frustum: Frustum) -> FloatArray:

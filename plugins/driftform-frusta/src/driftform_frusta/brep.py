@@ -1,0 +1,211 @@
+"""CSG tree -> boundary representation by Open CASCADE: true circles, cones and spheres instead of facets.
+
+Needs the extra ``step``; everything of Open CASCADE is imported where it is used, because that takes seconds.
+"""
+
+from collections.abc import Sequence
+from typing import Any, assert_never
+
+import numpy as np
+from manifold3d import CrossSection, FillRule
+
+from driftform.errors import WorkFailedError
+from driftform.types import FloatArray
+from driftform_frusta.csg import (
+    Box,
+    Difference,
+    Frustum,
+    Intersection,
+    Named,
+    Node,
+    Revolve,
+    Rotate,
+    Sphere,
+    Text,
+    Translate,
+    Union,
+)
+from driftform_frusta.solid import to_manifold
+
+_SIMPLIFY = 1e-6
+"""mm: clipping leaves vertices some 1e-8 mm apart, between which no face can be."""
+
+_NONE = 1e-9
+"""A radius below this, mm, is none."""
+
+
+def require_opencascade() -> None:
+    """Make sure that Open CASCADE is there.
+
+    Raises
+    ------
+    WorkFailedError
+        where it is not; the message says how to get it.
+    """
+    try:
+        import OCP.gp  # noqa: F401
+    except ImportError:
+        raise WorkFailedError(
+            'STEP files need Open CASCADE, which is not installed; get it by: pip install "driftform-frusta[step]"'
+        ) from None
+
+
+def to_brep(node: Node) -> Any:
+    """Return the solid of a tree as an Open CASCADE shape, mm.
+
+    Raises
+    ------
+    WorkFailedError
+        where the result is not valid.
+    """
+    from OCP.BRepCheck import BRepCheck_Analyzer
+
+    shape = _interpret(node)
+    if not BRepCheck_Analyzer(shape).IsValid():
+        raise WorkFailedError("the solid has no valid boundary representation")
+    return shape
+
+
+def volume_of(shape: Any) -> float:
+    """Return the volume of a shape, mm3; negative where it is inside out."""
+    from OCP.BRepGProp import BRepGProp
+    from OCP.GProp import GProp_GProps
+
+    properties = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape, properties)
+    return float(properties.Mass())
+
+
+def _interpret(node: Node) -> Any:
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeSphere
+
+    match node:
+        case Frustum():
+            corners = [
+                (0.0, 0.0),
+                (node.bottom_radius, 0.0),
+                (node.top_radius, node.height),
+                (0.0, node.height),
+            ]
+            shape = _revolved([np.array([c for i, c in enumerate(corners) if i in (0, 3) or c[0] > 0])])
+        case Sphere():
+            shape = BRepPrimAPI_MakeSphere(node.radius).Shape()
+        case Box():
+            shape = BRepPrimAPI_MakeBox(*node.size).Shape()
+        case Revolve():
+            shape = _revolved(_half_section(node))
+        case Text():
+            shape = _letters(node)
+        case Union():
+            shape = _combined("Fuse", [_interpret(child) for child in node.children])
+        case Difference():
+            shape = _combined("Cut", [_interpret(child) for child in (node.base, *node.tools)])
+        case Intersection():
+            shape = _combined("Common", [_interpret(child) for child in node.children])
+        case Translate() | Rotate():
+            shape = _moved(node)
+        case Named():
+            shape = _interpret(node.child)
+        case _:
+            assert_never(node)
+    return shape
+
+
+def _combined(operation: str, shapes: Sequence[Any]) -> Any:
+    from OCP import BRepAlgoAPI
+
+    result = shapes[0]
+    for shape in shapes[1:]:
+        done = getattr(BRepAlgoAPI, f"BRepAlgoAPI_{operation}")(result, shape)
+        if not done.IsDone():
+            raise WorkFailedError("Open CASCADE cannot combine the parts of the solid")
+        result = done.Shape()
+    return result
+
+
+def _moved(node: Translate | Rotate) -> Any:
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
+    from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
+
+    transform = gp_Trsf()
+    if isinstance(node, Translate):
+        transform.SetTranslation(gp_Vec(*node.offset))
+    else:
+        for axis, angle in zip(np.eye(3).tolist(), np.deg2rad(node.angles_deg).tolist(), strict=True):
+            turn = gp_Trsf()
+            turn.SetRotation(gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(*axis)), angle)
+            transform.PreMultiply(turn)
+    return BRepBuilderAPI_Transform(_interpret(node.child), transform, True).Shape()
+
+
+def _half_section(node: Revolve) -> list[FloatArray]:
+    """Polygons of (r, z) at r >= 0; outlines run counter-clockwise, holes clockwise."""
+    section = CrossSection([np.array(node.outline)], FillRule.EvenOdd)
+    for hole in node.holes:
+        section -= CrossSection([np.array(hole)], FillRule.EvenOdd)
+    (r_min, z_min, r_max, z_max) = section.bounds()
+    if r_min < 0:
+        section ^= CrossSection.square((r_max, z_max - z_min)).translate((0.0, z_min))
+    polygons: list[FloatArray] = section.simplify(_SIMPLIFY).to_polygons()
+    return [np.where(np.abs(p) < _NONE, 0.0, p) for p in polygons]
+
+
+def _revolved(polygons: Sequence[FloatArray]) -> Any:
+    """Revolve polygons of (r, z) about the z axis."""
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeRevol
+    from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt
+
+    axis = gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))
+    face = _face([np.column_stack([p[:, 0], np.zeros(len(p)), p[:, 1]]) for p in polygons])
+    return _solid(BRepPrimAPI_MakeRevol(face, axis).Shape())
+
+
+def _letters(node: Text) -> Any:
+    """Letters as prisms of the outlines that the mesh has: they are polygons there, too."""
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism
+    from OCP.gp import gp_Vec
+
+    outlines = to_manifold(node).slice(node.height / 2).to_polygons()
+    face = _face([np.column_stack([p, np.zeros(len(p))]) for p in outlines])
+    return _solid(BRepPrimAPI_MakePrism(face, gp_Vec(0, 0, node.height)).Shape())
+
+
+def _face(polygons: Sequence[FloatArray]) -> Any:
+    """Faces in one plane between closed polygons of (n, 3); what an odd number of them surrounds is inside."""
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakePolygon
+    from OCP.gp import gp_Pnt
+
+    def face(polygon: FloatArray) -> Any:
+        wire = BRepBuilderAPI_MakePolygon()
+        for point in polygon.tolist():
+            wire.Add(gp_Pnt(*point))
+        wire.Close()
+        return BRepBuilderAPI_MakeFace(wire.Wire(), True).Face()
+
+    def area(polygon: FloatArray) -> float:
+        return float(np.linalg.norm(np.cross(polygon, np.roll(polygon, -1, axis=0)).sum(axis=0)))
+
+    result: Any = None
+    for polygon in sorted(polygons, key=area, reverse=True):
+        if result is None:
+            result = face(polygon)
+            continue
+        common = _combined("Common", [result, face(polygon)])
+        operation = BRepAlgoAPI_Cut if _area(common) > 0 else BRepAlgoAPI_Fuse
+        result = operation(result, face(polygon)).Shape()
+    return result
+
+
+def _area(shape: Any) -> float:
+    from OCP.BRepGProp import BRepGProp
+    from OCP.GProp import GProp_GProps
+
+    properties = GProp_GProps()
+    BRepGProp.SurfaceProperties_s(shape, properties)
+    return float(properties.Mass())
+
+
+def _solid(shape: Any) -> Any:
+    """The shape with its outside out: which way a face is swept depends on its sense of rotation."""
+    return shape if volume_of(shape) > 0 else shape.Reversed()

@@ -1,0 +1,60 @@
+"""What exporters of hulls share: how files are saved and named, and the facts that are told of solids."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from driftform.errors import WorkFailedError
+from driftform.files import write_whole
+from driftform.types import Body
+from driftform_frusta.parts import Part
+from driftform_frusta.printable import MM3_PER_M3
+
+
+def save(path: Path, data: bytes | str) -> None:
+    """Write a whole file; text in UTF-8.
+
+    Raises
+    ------
+    WorkFailedError
+        where it cannot be written.
+    """
+    raw = data.encode() if isinstance(data, str) else data
+    try:
+        write_whole(path, lambda part: part.write_bytes(raw))
+    except OSError as error:
+        raise WorkFailedError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+def path_of_part(path: Path, part: Part, parts: Sequence[Part]) -> Path:
+    """Return the file of one part, in a format that holds one solid: ``agent-fore-shell.stl`` for ``agent.stl``."""
+    if len(parts) == 1:
+        return path
+    return path.with_name(f"{path.stem}-{part.name.replace(' ', '-')}{path.suffix}")
+
+
+def facts_of_part(part: Part, body: Body) -> dict[str, Any]:
+    """Facts of one part: ``volume_mm3``, ``mass_kg``, ``size_mm`` and ``shells``."""
+    volume = part.solid.volume()
+    bounds = np.array(part.solid.bounding_box())
+    return {
+        "volume_mm3": volume,
+        "mass_kg": volume / MM3_PER_M3 * body.hull_density,
+        "size_mm": (bounds[3:] - bounds[:3]).tolist(),
+        "shells": part.shells,
+    }
+
+
+def facts_of_all(parts: Sequence[Part], body: Body) -> dict[str, Any]:
+    """Facts of parts in one file: of the only one, or the sums and the ``parts`` by name."""
+    if len(parts) == 1:
+        return facts_of_part(parts[0], body)
+    volume = sum(part.solid.volume() for part in parts)
+    return {
+        "parts": [part.name for part in parts],
+        "volume_mm3": volume,
+        "mass_kg": volume / MM3_PER_M3 * body.hull_density,
+        "shells": sum(part.shells for part in parts),
+    }

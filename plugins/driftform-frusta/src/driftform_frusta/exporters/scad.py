@@ -1,0 +1,36 @@
+"""OpenSCAD source: for people who want to change something."""
+
+from pathlib import Path
+from typing import ClassVar
+
+from driftform.interfaces import Exporter, Specimen
+from driftform.options import Table
+from driftform.types import WrittenFile
+from driftform_frusta.exporters.common import facts_of_all, save
+from driftform_frusta.kit.accounting import kit_facts
+from driftform_frusta.parts import PartOptions, parts_of
+from driftform_frusta.source import source_of
+
+
+class ScadExporter(Exporter[PartOptions]):
+    """The hull as OpenSCAD source to edit: a table of modules, a wall, a core; of a kit, its parts."""
+
+    name = "scad"
+    suffix = ".scad"
+    Options: ClassVar[type[Table]] = PartOptions
+
+    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
+        """Write the source.
+
+        Facts of what it renders to: ``volume_mm3``, ``mass_kg``, ``size_mm``, ``shells``; or their sums and the
+        ``parts``.
+
+        Raises
+        ------
+        WorkFailedError
+            where the body has no closed printable solid, or the file cannot be written.
+        """
+        parts = parts_of(specimen.agent.body, self.options)
+        save(path, source_of(specimen, parts, self.options.segments))
+        facts = facts_of_all(parts, specimen.agent.body) | kit_facts(specimen, self.options)
+        return (WrittenFile(self.name, str(path), facts),)

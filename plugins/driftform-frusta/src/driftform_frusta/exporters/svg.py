@@ -1,0 +1,27 @@
+"""SVG: the agent as a dimensioned drawing."""
+
+from pathlib import Path
+
+from driftform.figures.section import section_svg
+from driftform.interfaces import Exporter, Specimen
+from driftform.options import Table
+from driftform.types import WrittenFile
+from driftform_frusta.exporters.common import save
+
+
+class SvgExporter(Exporter[Table]):
+    """A dimensioned drawing of the agent to scale: half outside view, half section, and where it floats."""
+
+    name = "svg"
+    suffix = ".svg"
+
+    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
+        """Write the drawing; it tells no facts that are not in it.
+
+        Raises
+        ------
+        WorkFailedError
+            where the file cannot be written.
+        """
+        save(path, section_svg(specimen.agent, specimen.name, specimen.scenario))
+        return (WrittenFile(self.name, str(path)),)

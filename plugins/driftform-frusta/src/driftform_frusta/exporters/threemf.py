@@ -1,0 +1,150 @@
+"""3MF: what slicers open as a plate, with names, colours, a picture, and the agent itself."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from driftform.interfaces import Exporter, Specimen
+from driftform.options import Table, option
+from driftform.types import WrittenFile
+from driftform_frusta.colours import colour_of
+from driftform_frusta.exporters.common import facts_of_all, save
+from driftform_frusta.kit.accounting import kit_facts
+from driftform_frusta.mesh import Mesh, mesh_of
+from driftform_frusta.parts import Part, PartOptions, parts_of
+from driftform_frusta.picture import Shape, draw
+from driftform_frusta.plate import arrange, fits
+from driftform_frusta.png import png_bytes
+from driftform_frusta.source import source_of
+from driftform_frusta.threemf import Item, Package, package_bytes
+
+_MM = 1000.0
+
+
+class ThreeMfOptions(PartOptions):
+    """How the parts are laid out, and what the file recommends for printing them."""
+
+    layer_height: float = option(0.0002, "layer height that the file recommends", "m", gt=0, le=0.01)
+    perimeters: int = option(3, "perimeters that the file recommends", ge=1, le=100)
+    infill: float = option(
+        1.0, "share of infill that the file recommends: 1 is solid, as simulated", ge=0, le=1
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Placed:
+    """A part, its mesh as it stands on the bed, and where that goes, mm from the middle of its plate."""
+
+    part: Part
+    mesh: Mesh
+    colour: str
+    plate: int
+    x: float
+    y: float
+
+    def shape(self) -> Shape:
+        moved = self.mesh.vertices.astype(np.float64) + np.array([self.x, self.y, 0.0])
+        return Shape(moved, self.mesh.triangles, self.colour)
+
+
+class ThreeMfExporter(Exporter[ThreeMfOptions]):
+    """The parts as they are printed, upright on a plate, with names, colours, a picture and the agent's own files.
+
+    Parts that do not fit on one plate are spread over several files. What the file recommends for printing is
+    metadata that no slicer obeys. A part that is larger than the bed is told of and written all the same: beds differ.
+    """
+
+    name = "3mf"
+    suffix = ".3mf"
+    Options: ClassVar[type[Table]] = ThreeMfOptions
+
+    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
+        """Write the plates.
+
+        Facts: as those of ``obj``, the number of ``triangles``, and whether all parts of a plate ``fit_bed``.
+
+        Raises
+        ------
+        WorkFailedError
+            where the body has no closed printable solid, or a file cannot be written.
+        """
+        parts = parts_of(specimen.agent.body, self.options)
+        placed = self._placed(parts)
+        plates = 1 + max(p.plate for p in placed)
+        attachments = {"agent.scad": source_of(specimen, parts, self.options.segments)}
+        if specimen.document:
+            attachments["agent.json"] = json.dumps(dict(specimen.document), indent=1) + "\n"
+        written = []
+        for number in range(plates):
+            here = [p for p in placed if p.plate == number]
+            title = specimen.name if plates == 1 else f"{specimen.name}, plate {number + 1} of {plates}"
+            target = path if plates == 1 else path.with_name(f"{path.stem}-plate-{number + 1}{path.suffix}")
+            save(target, package_bytes(self._package(title, specimen, here, attachments)))
+            written.append(WrittenFile(self.name, str(target), self._facts(specimen, here)))
+        return tuple(written)
+
+    def plate_picture(self, specimen: Specimen, width: int = 400, height: int = 300) -> bytes:
+        """Return the picture of the first plate, a PNG file."""
+        placed = self._placed(parts_of(specimen.agent.body, self.options))
+        return self._picture([p for p in placed if p.plate == 0], width, height)
+
+    def _placed(self, parts: Sequence[Part]) -> list[_Placed]:
+        meshes = [mesh_of(part.on_bed(), part.name) for part in parts]
+        boxes = [(mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)) for mesh in meshes]
+        sizes = [(float(high[0] - low[0]), float(high[1] - low[1])) for low, high in boxes]
+        spots = arrange(sizes, self._bed[:2])
+        return [
+            _Placed(
+                part,
+                mesh,
+                colour_of(index),
+                spot.plate,
+                spot.x - float(low[0] + high[0]) / 2,
+                spot.y - float(low[1] + high[1]) / 2,
+            )
+            for index, (part, mesh, (low, high), spot) in enumerate(
+                zip(parts, meshes, boxes, spots, strict=True)
+            )
+        ]
+
+    @property
+    def _bed(self) -> tuple[float, float, float]:
+        """Width, depth and height, mm."""
+        x, y, z = self.options.bed
+        return _MM * x, _MM * y, _MM * z
+
+    def _package(
+        self, title: str, specimen: Specimen, placed: Sequence[_Placed], attachments: dict[str, str]
+    ) -> Package:
+        o, body, mass = self.options, specimen.agent.body, specimen.agent.mass
+        width, depth, _ = self._bed
+        grams = {p.part.name: 1e-6 * p.part.solid.volume() * body.hull_density for p in placed}
+        weights = ", ".join(f"{name} {weight:.2f} g" for name, weight in grams.items())
+        description = (
+            f"Hull of a passive underwater agent, evolved by driftform. Printed mass: {weights}. As simulated, with its "
+            f"core, the agent weighs {1e3 * mass.mass:.2f} g and displaces {1e6 * mass.volume:.2f} cm3."
+        )
+        items = [Item(p.part.name, p.colour, p.mesh, (width / 2 + p.x, depth / 2 + p.y)) for p in placed]
+        hints = {
+            "layer_height_mm": f"{_MM * o.layer_height:g}",
+            "perimeters": str(o.perimeters),
+            "infill_percent": f"{100 * o.infill:g}",
+            "material_density_kg_per_m3": f"{body.hull_density:g}",
+            "printed_mass_g": f"{sum(grams.values()):.3f}",
+        }
+        picture = self._picture(placed)
+        return Package(title, items, {"Description": description}, hints, picture, attachments)
+
+    def _picture(self, placed: Sequence[_Placed], width: int = 320, height: int = 240) -> bytes:
+        return png_bytes(draw([p.shape() for p in placed], self._bed[:2], width, height))
+
+    def _facts(self, specimen: Specimen, placed: Sequence[_Placed]) -> dict[str, Any]:
+        facts = facts_of_all([p.part for p in placed], specimen.agent.body)
+        facts["triangles"] = sum(len(p.mesh.triangles) for p in placed)
+        sizes = [np.ptp(p.mesh.vertices, axis=0).tolist() for p in placed]
+        facts["fits_bed"] = all(fits((x, y, z), self._bed) for x, y, z in sizes)
+        return facts | kit_facts(specimen, self.options)

@@ -1,0 +1,249 @@
+"""Where a hull is cut: once for the core, and at joints of modules where a part is too long for the bed."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from driftform.errors import WorkFailedError
+from driftform.types import FloatArray
+from driftform_frusta.kit.joint import Joint, bore_of_plug, mouth
+from driftform_frusta.kit.meridian import MM, Hull
+from driftform_frusta.kit.options import KitOptions
+
+STEP = 0.25
+"""mm between places that are tried for the joint beside the core."""
+
+LEAST_BORE = 0.35
+"""mm: radius inside a plug below which it is no ring any more."""
+
+SLIM_BORE = 4.0
+"""mm: a plug with a narrower bore is a weak joint, made only where no other is."""
+
+_ROUNDING = 0.01
+"""mm: chords of the dome lie inside its circle by less than this."""
+
+
+@dataclass(frozen=True)
+class CoreJoint:
+    """The joint that the core goes in by, and why it is this one."""
+
+    joint: Joint
+    reason: str
+
+
+def core_joint(hull: Hull, options: KitOptions) -> CoreJoint:
+    """Return the joint of the two shells: a sleeve as near to the core's equator as there is room, or a rabbet on it.
+
+    Raises
+    ------
+    WorkFailedError
+        where the joint that was asked for, or any, has no room; the message tells why.
+    """
+    sleeve = None if options.joint == "rabbet" else _sleeve_beside_core(hull, options)
+    if sleeve is not None:
+        away = abs(sleeve.z)
+        place = (
+            "at the core's equator"
+            if not away
+            else f"{away:g} mm {_side(sleeve.z)} of the core's equator, where the core leaves room inside"
+        )
+        return CoreJoint(sleeve, f"a sleeve of {sleeve.plug:g} mm {place}")
+    no_sleeve = (
+        f"no sleeve of {MM * options.sleeve:g} mm fits beside the core: on neither side does the hull stay as wide "
+        f"as the core for the {MM * options.lap:g} mm of its lap and a wall to hold it"
+    )
+    if options.joint == "sleeve":
+        raise WorkFailedError(f"{no_sleeve}; set joint to 'rabbet', or lap or sleeve to less")
+    if options.o_ring:
+        raise WorkFailedError(
+            f"{no_sleeve}, and without a sleeve there is no groove for an O-ring: set o_ring to 0"
+        )
+    rabbet = _rabbet(hull, options)
+    return CoreJoint(rabbet, "a rabbet was asked for" if options.joint == "rabbet" else no_sleeve)
+
+
+def _sleeve_beside_core(hull: Hull, options: KitOptions) -> Joint | None:
+    need = min(hull.core + MM * options.clearance, float(hull.bore_radius(0.0))) - _ROUNDING
+    reach = {side: _reach(hull, side, need) for side in (1, -1)}
+    for away in np.arange(0.0, max(reach.values()), STEP).tolist():
+        fitting = [
+            joint
+            for side in (1, -1)
+            if away < reach[side] and _takes_core(hull, joint := sleeve_at(side * away, side, options), need)
+        ]
+        if fitting:
+            # The wider mouth takes a wider plug.
+            return max(fitting, key=lambda joint: bore_of_plug(hull, joint))
+    return None
+
+
+def _reach(hull: Hull, side: int, need: float) -> float:
+    """How far from its equator the core passes on one side, of what is near enough to be a joint beside it."""
+    away = np.arange(0.0, 4 * hull.core, STEP)
+    narrow = np.flatnonzero(hull.bore_radius(side * away) < need)
+    return float(away[narrow[0]]) if len(narrow) else float(away[-1])
+
+
+def sleeve_at(z: float, side: int, options: KitOptions) -> Joint:
+    """Return a sleeve joint at a height."""
+    return Joint(
+        z=z,
+        side=side,
+        kind="sleeve",
+        lap=MM * options.lap,
+        plug=MM * options.sleeve,
+        gap=MM * options.clearance,
+        groove=MM * options.groove if options.o_ring else 0.0,
+        cord=MM * options.o_ring,
+    )
+
+
+def _takes_core(hull: Hull, joint: Joint, need: float) -> bool:
+    """Tell whether the core passes the socket, of that radius at least, and then leaves room for the plug."""
+    line = mouth(hull, joint)
+    if line[:, 1].min() < need or not _is_rooted(hull, joint):
+        return False
+    passage = joint.side * joint.z
+    s = np.linspace(-joint.lap, 0.0, 2 + math.ceil(joint.lap / STEP))
+    inside = np.interp(-s, -line[:, 0], line[:, 1]) - _across(line) * (joint.gap + joint.plug)
+    return bool(np.hypot(inside, passage + s).min() >= hull.core + joint.gap - _ROUNDING)
+
+
+def _across(line: FloatArray) -> float:
+    """Most that a thickness normal to the meeting surface takes across the axis, over that thickness."""
+    run = np.diff(line[:, 0])
+    slope = np.diff(line[:, 1])[run < 0] / run[run < 0]
+    return math.sqrt(1 + float((slope**2).max(initial=0.0)))
+
+
+def _is_rooted(hull: Hull, joint: Joint) -> bool:
+    """Tell whether the cavity goes on where the plug is held, and whether the plug has a bore."""
+    height = 3 * joint.plug
+    held = joint.z + joint.side * np.linspace(0.0, height, 4)
+    if hull.bore_radius(held).min() <= 0:
+        return False
+    line = mouth(hull, joint)
+    return float(line[:, 1].min()) - _across(line) * (joint.gap + joint.plug) >= LEAST_BORE
+
+
+def _rabbet(hull: Hull, options: KitOptions) -> Joint:
+    step, gap = (hull.wall - MM * options.clearance) / 2, MM * options.clearance
+    if step < MM * options.nozzle - 1e-6:
+        raise WorkFailedError(
+            f"no kit can be made: a rabbet in a wall of {hull.wall:g} mm leaves steps of {step:.3g} mm at a clearance "
+            f"of {gap:g} mm, less than the nozzle of {MM * options.nozzle:g} mm; make the wall thicker or the "
+            "clearance smaller"
+        )
+    lap = MM * options.lap / 2
+    least = [_fill(hull, Joint(0.0, side, "rabbet", lap, step, gap)) for side in (1, -1)]
+    return Joint(0.0, 1 if least[0] <= least[1] else -1, "rabbet", lap, step, gap)
+
+
+def _fill(hull: Hull, joint: Joint) -> float:
+    """How much wider than its mouth the cavity is along the socket, mm: what the socket is filled by."""
+    s = np.linspace(0.0, joint.lap, 20)
+    line = mouth(hull, joint)
+    return float((hull.bore_radius(joint.z - joint.side * s) - np.interp(s, -line[:, 0], line[:, 1])).max())
+
+
+def bed_joints(hull: Hull, first: Joint, options: KitOptions) -> tuple[Joint, ...]:
+    """Return the joints that cut shells further until each part fits the bed, from aft to fore; the fewest.
+
+    Parameters
+    ----------
+    hull
+        the hull.
+    first
+        the joint beside the core.
+    options
+        the bed, and the sleeves.
+
+    Raises
+    ------
+    WorkFailedError
+        where a part is wider than the bed, or too high with every joint of modules that takes a sleeve.
+    """
+    width, depth, height = (MM * side for side in options.bed)
+    if 2 * hull.skin[:, 1].max() > min(width, depth):
+        raise WorkFailedError(
+            f"no kit can be made: the hull is {2 * hull.skin[:, 1].max():.1f} mm wide, the bed {width:g} x {depth:g} mm, "
+            "and parts are cut across the axis only"
+        )
+    aft = _chain(hull, first, -1, height, options)
+    fore = _chain(hull, first, 1, height, options)
+    return (*aft[::-1], *fore)
+
+
+def _seat_end(hull: Hull, side: int) -> float:
+    """How far from the core's equator a seat may stand: a cone of 45 degrees ends where it meets the wall."""
+    away = np.arange(0.0, side * float(hull.bore[-1 if side > 0 else 0, 0]) + 2 * STEP, STEP)
+    return float(away[np.argmax(hull.bore_radius(side * away) <= away)])
+
+
+def _chain(hull: Hull, first: Joint, side: int, height: float, options: KitOptions) -> tuple[Joint, ...]:
+    """Cuts on one side, from the core outward, beyond the core's seat."""
+    end = float(hull.skin[-1 if side > 0 else 0, 0])
+    # What a part takes on the bed goes from the tip of its plug to where its neighbour begins.
+    start = first.tip if first.side == side else first.z
+    margin = 2 * (MM * options.lap + 3 * MM * options.sleeve)
+    keep = max(_seat_end(hull, side), side * first.z) + margin
+    places = sorted(side * z for z in hull.joints if keep <= side * z <= side * end - 2 * MM * options.sleeve)
+    joints = [j for z in places if _is_rooted(hull, j := sleeve_at(side * z, side, options))]
+    return _fewest(hull, joints, side * start, side * end, height, margin, _named(side))
+
+
+@dataclass(frozen=True)
+class _Way:
+    """Cuts from the core outward: how many, how many of them slim, and the highest part that they leave."""
+
+    cuts: int
+    slim: int
+    highest: float
+    joints: tuple[Joint, ...]
+
+    def rank(self) -> tuple[int, int, float]:
+        """The best way has the least of it."""
+        return self.cuts, self.slim, self.highest
+
+
+def _fewest(
+    hull: Hull, joints: Sequence[Joint], start: float, end: float, height: float, margin: float, what: str
+) -> tuple[Joint, ...]:
+    """The fewest cuts that leave no part higher than the bed; of those the sturdiest, then the most even.
+
+    Heights are counted outward; a part that follows a cut begins with its plug.
+    """
+    # Best way to a part that begins at each start: cuts so far, slim ones, highest part so far, the cuts.
+    reached: list[_Way | None] = [_Way(0, 0, 0.0, ())]
+    starts, cuts = [start], [0.0]
+    for joint in joints:
+        z, slim = abs(joint.z), bore_of_plug(hull, joint) < SLIM_BORE
+        ways = [
+            _Way(way.cuts + 1, way.slim + slim, max(way.highest, z - begin), (*way.joints, joint))
+            for way, begin, cut in zip(reached, starts, cuts, strict=True)
+            if way is not None and z - begin <= height and (not way.joints or z - cut >= margin)
+        ]
+        reached.append(min(ways, key=_Way.rank) if ways else None)
+        starts.append(z - joint.lap)
+        cuts.append(z)
+    ends = [
+        _Way(way.cuts, way.slim, max(way.highest, end - begin), way.joints)
+        for way, begin in zip(reached, starts, strict=True)
+        if way is not None and end - begin <= height
+    ]
+    if not ends:
+        raise WorkFailedError(
+            f"no kit can be made: the {what} side is {end - start:.1f} mm long, the bed takes {height:g} mm, and too "
+            "few joints of modules have room for a sleeve to cut it into parts that fit"
+        )
+    return min(ends, key=_Way.rank).joints
+
+
+def _named(side: int) -> str:
+    return "fore" if side > 0 else "aft"
+
+
+def _side(z: float) -> str:
+    return _named(1 if z > 0 else -1)

@@ -1,0 +1,124 @@
+"""A text in the wall of a part, along the axis, of the same depth all over.
+
+It is cut where the letters' prism, which stands across the axis, meets a layer of the wall.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from manifold3d import CrossSection
+
+from driftform_frusta.csg import Intersection, Named, Node, Revolve, Rotate, Text, Translate, Union
+from driftform_frusta.kit.joint import Joint
+from driftform_frusta.kit.meridian import MM, Hull, grown, half, outline_and_holes, slab
+from driftform_frusta.kit.options import KitOptions
+from driftform_frusta.lettering import STROKE, length
+
+MARGIN = 1.0
+"""mm between the text and what is no plain wall."""
+
+SPREAD = 1.2
+"""Largest height of letters over the radius that they stand on: beyond, they bend out of sight."""
+
+_STEP = 0.5
+"""mm between places that are tried."""
+
+_PROUD = 0.5
+"""mm by which the layer stands out of the wall, so that no skin is left."""
+
+
+@dataclass(frozen=True, eq=False)
+class Engraving:
+    """What a text takes from a part, mm from the core's centre.
+
+    Attributes
+    ----------
+    tool
+        what is cut out; it stands out of the wall, so that no skin is left.
+    gone
+        what of it lies in the wall.
+    """
+
+    tool: Node
+    gone: Node
+
+
+def engraving(
+    hull: Hull, low: float, high: float, taken: list[tuple[float, float]], options: KitOptions
+) -> Engraving | None:
+    """Return the engraving of a part, ``None`` where the text has no room.
+
+    Parameters
+    ----------
+    hull
+        the hull.
+    low, high
+        z between which the part has the hull's wall.
+    taken
+        z between which the wall is not plain.
+    options
+        the text, its size, its depth and its side.
+    """
+    size, depth = MM * options.engrave_size, MM * options.engrave_depth
+    place = _place(hull, low, high, taken, options)
+    if place is None:
+        return None
+    begin, end = place
+    outside = options.engrave_side == "outside"
+    reach = float(hull.skin[:, 1].max()) + 1
+    text = Translate((0.0, -size / 2, 0.0), Text(options.engrave, size, reach))
+    # Read from where one looks at the wall: from the side of -x outside, from the axis towards +x inside.
+    prism = Rotate((0.0, -90.0, 0.0), text)
+    standing = Translate((0.0 if outside else reach, 0.0, begin + size * STROKE / 2), prism)
+    window = slab(begin - MARGIN / 2, end + MARGIN / 2)
+
+    def within(proud: float) -> Node:
+        layer = half(_layer(hull, depth, proud, outside) ^ window)
+        return Intersection((standing, Union(tuple(Revolve(*rings) for rings in outline_and_holes(layer)))))
+
+    return Engraving(Named(f"engraved: {options.engrave}", within(_PROUD)), within(0.0))
+
+
+def _layer(hull: Hull, depth: float, proud: float, outside: bool) -> CrossSection:
+    if outside:
+        return grown(hull.outer, proud) - grown(hull.outer, -depth)
+    return grown(hull.cavity, depth) - grown(hull.cavity, -proud)
+
+
+def _place(
+    hull: Hull, low: float, high: float, taken: list[tuple[float, float]], options: KitOptions
+) -> tuple[float, float] | None:
+    """Where the wall is most nearly a cylinder, and wide enough."""
+    size, long = MM * options.engrave_size, length(options.engrave, MM * options.engrave_size)
+    z, r = (hull.skin if options.engrave_side == "outside" else hull.bore).T
+    best: tuple[float, float] | None = None
+    least = np.inf
+    for begin in np.arange(low + MARGIN, high - MARGIN - long, _STEP).tolist():
+        end = begin + long
+        if any(begin - MARGIN < b and a < end + MARGIN for a, b in taken):
+            continue
+        along = np.concatenate(([begin], z[(z > begin) & (z < end)], [end]))
+        radius = np.interp(along, z, r)
+        if radius.min() * SPREAD < size:
+            continue
+        # Steep pieces matter more than a slow taper: they bend letters.
+        bend = float((np.abs(np.diff(radius))).max(initial=0.0) + np.ptp(radius))
+        if bend < least - 1e-9:
+            best, least = (begin, end), bend
+    return best
+
+
+def taken_by(
+    joints: tuple[Joint, ...], ends: list[tuple[float, float]], inside: bool
+) -> list[tuple[float, float]]:
+    """Return the z that joints and seats take of a wall's side.
+
+    Outside, it is the thin lip of a rabbet; inside, sockets, plugs with their roots, and seats.
+    """
+    found = []
+    for joint in joints:
+        if inside or joint.kind == "rabbet":
+            reach = (2 * joint.lap, 3 * joint.plug) if inside else (joint.lap + joint.gap, 0.0)
+            spans = sorted((joint.z - joint.side * reach[0], joint.z + joint.side * reach[1]))
+            found.append((spans[0], spans[1]))
+    return [*found, *ends] if inside else found

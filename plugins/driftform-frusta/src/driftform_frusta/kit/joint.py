@@ -1,0 +1,184 @@
+"""A joint of two parts: a ring of one, the plug, slides along the axis into the other, the socket.
+
+Both meet in a surface that follows the cavity where that narrows from the mouth inward, and is a cylinder where it
+would widen: such a surface lets the plug in, centres it, and leaves the same gap all along. Where the cavity is
+wider than that, the socket is filled up to it. Outside, the rims of both bear on each other, so that the hull has
+the shape that was simulated.
+
+Undersides are sloped by 45 degrees: printed with their closed ends on the bed, parts need no support.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from manifold3d import CrossSection
+
+from driftform.types import FloatArray
+from driftform_frusta.kit.meridian import FAR, Hull, grown, polygon, slab
+from driftform_frusta.kit.options import GROOVE_WIDTH
+
+LEAD = 0.3
+"""mm: chamfer of a sleeve's tip, which finds the socket."""
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Where and how two parts meet; lengths in mm.
+
+    Attributes
+    ----------
+    z
+        where the outer surface is cut.
+    side
+        of the part with the plug: +1 where that is fore of the cut, -1 where it is aft.
+    kind
+        ``sleeve``: the plug lies inside the cavity. ``rabbet``: plug and socket share the thickness of the wall.
+    lap
+        length of the plug in the socket.
+    plug
+        its thickness.
+    gap
+        between plug and socket, also at the plug's tip.
+    groove
+        depth of a groove for an O-ring in the plug, 0 for none; the meeting surface is then a cylinder.
+    cord
+        diameter of that ring.
+    """
+
+    z: float
+    side: int
+    kind: Literal["sleeve", "rabbet"]
+    lap: float
+    plug: float
+    gap: float
+    groove: float = 0.0
+    cord: float = 0.0
+
+    @property
+    def tip(self) -> float:
+        """z of the plug's end."""
+        return self.z - self.side * self.lap
+
+    @property
+    def recess(self) -> float:
+        """How deep the socket is cut into the wall."""
+        return self.plug + self.gap if self.kind == "rabbet" else 0.0
+
+    def points(self, rs: list[tuple[float, float]]) -> CrossSection:
+        """A polygon of (r, s), s from the cut towards the part with the plug."""
+        return polygon([(r, self.z + self.side * s) for r, s in rs])
+
+    def between(self, low: float, high: float) -> CrossSection:
+        """What lies between two s."""
+        ends = sorted((self.z + self.side * low, self.z + self.side * high))
+        return slab(ends[0], ends[1])
+
+
+def mouth(hull: Hull, joint: Joint) -> FloatArray:
+    """Radius of the cavity along the socket, nowhere wider than nearer to the cut: s and r, (n, 2).
+
+    It begins at the cut, s = 0, and ends a gap beyond the tip.
+    """
+    end = joint.lap + joint.gap
+    depth = joint.side * (joint.z - hull.bore[:, 0])
+    inside = np.sort(depth[(depth > 0) & (depth < end)])
+    s = np.concatenate(([0.0], inside, [end]))
+    r = hull.bore_radius(joint.z - joint.side * s)
+    if joint.groove:
+        return np.array([[0.0, r.min()], [-end, r.min()]])
+    line = [(0.0, float(r[0]))]
+    least = float(r[0])
+    for k in range(1, len(s)):
+        if r[k] < least:
+            if r[k - 1] > least:
+                share = (r[k - 1] - least) / (r[k - 1] - r[k])
+                line.append((-float(s[k - 1] + share * (s[k] - s[k - 1])), least))
+            least = float(r[k])
+            line.append((-float(s[k]), least))
+    if line[-1][0] > -end:
+        line.append((-end, least))
+    return np.array(line)
+
+
+def bore_of_plug(hull: Hull, joint: Joint) -> float:
+    """Radius inside the plug at the cut."""
+    return float(mouth(hull, joint)[0, 1]) + joint.recess - joint.gap - joint.plug
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """What a joint makes of both sections: the socket gets ``pad`` and loses ``pocket``; the other gets ``plug``."""
+
+    pad: CrossSection
+    pocket: CrossSection
+    plug: CrossSection
+
+
+def fit(hull: Hull, joint: Joint) -> Fit:
+    """Draw a joint."""
+    line = mouth(hull, joint)
+    end, least = line[-1]
+    inner = [(0.0, FAR), (float(line[0, 1]), FAR), *((float(r), float(s)) for s, r in line)]
+    wide = float(hull.skin[:, 1].max()) + 1
+    # From the end of the socket the fill runs out at 45 degrees.
+    inner += [(wide, float(end - (wide - least))), (wide, -FAR), (0.0, -FAR)]
+    clear = _symmetric(joint, inner)
+    socket_side = joint.between(-FAR, 0.0)
+    pad = (hull.inside ^ socket_side) - clear
+    widened = grown(clear, joint.recess)
+    pocket = widened ^ joint.between(end, 0.0)
+    passage = (
+        pocket
+        + (hull.cavity ^ clear ^ socket_side)
+        + (widened ^ joint.between(0.0, 4 * (joint.lap + joint.plug)))
+    )
+    outside = grown(passage, -joint.gap)
+    inside = grown(widened, -joint.gap - joint.plug)
+    ring = (outside - inside) ^ joint.between(-joint.lap, joint.plug)
+    plug = (ring - _relief(joint, line)) + (_root(hull, joint) ^ hull.inside)
+    return Fit(pad, pocket, plug ^ hull.outer)
+
+
+def _symmetric(joint: Joint, points: list[tuple[float, float]]) -> CrossSection:
+    right = joint.points(points)
+    return right + right.mirror((1.0, 0.0))
+
+
+def _root(hull: Hull, joint: Joint) -> CrossSection:
+    """What carries the plug, from the wall inward; its far side slopes by 45 degrees."""
+    r, wide = bore_of_plug(hull, joint), float(hull.skin[:, 1].max()) + 1
+    height = joint.plug
+    return _symmetric(joint, [(r, 0.0), (r, height), (wide, height + wide - r), (wide, 0.0)])
+
+
+def _relief(joint: Joint, line: FloatArray) -> CrossSection:
+    """What is taken from the plug: the chamfer at the tip, the groove of an O-ring."""
+    if joint.kind == "rabbet":
+        return CrossSection()
+    surface = float(np.interp(joint.lap, -line[:, 0], line[:, 1])) - joint.gap
+    low, beyond = surface - LEAD, 5.0
+    cut = _symmetric(
+        joint,
+        [
+            (low - 1, -joint.lap - 1),
+            (surface + beyond, -joint.lap + LEAD + beyond),
+            (surface + beyond, -joint.lap - 1),
+        ],
+    )
+    if joint.groove:
+        bottom = surface - joint.groove
+        width = GROOVE_WIDTH * joint.cord
+        near = -(joint.lap - width - joint.groove) / 2
+        far = near - width
+        cut += _symmetric(
+            joint,
+            [
+                (surface + 1, near),
+                (bottom, near),
+                (bottom, far),
+                # The side that hangs when the tip is up.
+                (surface + 1, far - joint.groove - 1),
+            ],
+        )
+    return cut

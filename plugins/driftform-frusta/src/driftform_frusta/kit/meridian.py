@@ -1,0 +1,172 @@
+"""The hull's meridian plane, where a kit is drawn: sections of (r, z) in mm, z from the core's centre towards fore.
+
+A section stands on both sides of the axis, so that an offset knows no edge along it; only :func:`half` cuts it
+there.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+from manifold3d import CrossSection, FillRule, JoinType
+
+from driftform.errors import WorkFailedError
+from driftform.geometry import Moments, solid_of_revolution
+from driftform.types import Body, FloatArray
+from driftform_frusta.csg import Point
+
+MM = 1e3
+
+OVERLAP = 0.05
+"""mm that what is added reaches into the wall."""
+
+FAR = 1e4
+"""mm: beyond everything."""
+
+SIMPLIFY = 1e-4
+"""mm: vertices nearer than this to the line through their neighbours carry no shape, only slivers of a mesh."""
+
+Ring: TypeAlias = FloatArray
+"""A closed polygon of (r, z), the last point joined to the first: counterclockwise outside, clockwise a hole."""
+
+
+@dataclass(frozen=True, eq=False)
+class Hull:
+    """A hull to be cut.
+
+    Attributes
+    ----------
+    outer, cavity
+        what lies inside the outer contour, and inside the cavity's.
+    bore
+        the cavity's contour as z and r, (n, 2), from aft to fore.
+    skin
+        the outer contour in the same way.
+    core
+        radius of the core.
+    wall
+        nominal thickness of the wall.
+    joints
+        z of the joints of modules.
+    """
+
+    outer: CrossSection
+    cavity: CrossSection
+    bore: FloatArray
+    skin: FloatArray
+    core: float
+    wall: float
+    joints: tuple[float, ...]
+
+    def bore_radius(self, z: npt.ArrayLike) -> FloatArray:
+        """Radius of the cavity, 0 beyond its ends."""
+        radius: FloatArray = np.interp(
+            np.asarray(z, dtype=np.float64), self.bore[:, 0], self.bore[:, 1], left=0.0, right=0.0
+        )
+        return radius
+
+    @cached_property
+    def material(self) -> CrossSection:
+        """The hull itself."""
+        return self.outer - self.cavity
+
+    @cached_property
+    def inside(self) -> CrossSection:
+        """Where parts may be added: the cavity and a little of the wall, so that they grow together with it."""
+        return grown(self.cavity, OVERLAP) ^ self.outer
+
+
+def hull_of(body: Body) -> Hull:
+    """Return a body's hull in the meridian plane.
+
+    Raises
+    ------
+    WorkFailedError
+        where it has no cavity, or one that no core fits in, or a contour folds back along the axis.
+    """
+    if not len(body.cavity):
+        raise WorkFailedError("no kit can be made: the hull has no cavity that the core could lie in")
+    contours = []
+    for what, contour in (("outer contour", body.outer), ("cavity", body.cavity)):
+        if (np.diff(contour[:, 0]) < 0).any():
+            raise WorkFailedError(f"no kit can be made: the hull's {what} folds back along the axis")
+        contours.append(MM * contour)
+    skin, bore = contours
+    return Hull(
+        outer=_both_sides(skin),
+        cavity=_both_sides(bore),
+        bore=bore,
+        skin=skin,
+        core=MM * body.core.radius,
+        wall=MM * body.wall,
+        joints=tuple((MM * body.joints).tolist()),
+    )
+
+
+def _both_sides(contour: FloatArray) -> CrossSection:
+    z, r = contour.T
+    return polygon(np.concatenate((np.column_stack((r, z)), np.column_stack((-r, z))[-2:0:-1])))
+
+
+def polygon(points: npt.ArrayLike) -> CrossSection:
+    """What lies inside a polygon of (r, z), in either sense."""
+    return CrossSection([np.asarray(points, dtype=np.float64)], FillRule.NonZero)
+
+
+def slab(low: float, high: float) -> CrossSection:
+    """What lies between two heights."""
+    return CrossSection.square((2 * FAR, high - low)).translate((-FAR, low))
+
+
+def disc(radius: float) -> CrossSection:
+    """A ball about the origin; the polygon stands around the circle, so that no chord is nearer than it."""
+    n = 240
+    return CrossSection.circle(radius / np.cos(np.pi / n), n)
+
+
+def grown(section: CrossSection, by: float) -> CrossSection:
+    """A section with its edges moved outward; a negative distance moves them inward."""
+    return section.offset(by, JoinType.Miter, 2.0) if by else section
+
+
+def right_of(section: CrossSection) -> CrossSection:
+    """The side of positive radii."""
+    return section ^ CrossSection.square((FAR, 2 * FAR)).translate((0.0, -FAR))
+
+
+def half(section: CrossSection) -> CrossSection:
+    """The side of positive radii, without what no mesh needs."""
+    return right_of(section).simplify(SIMPLIFY)
+
+
+def rings(section: CrossSection) -> tuple[Ring, ...]:
+    """The polygons of a section."""
+    return tuple(np.asarray(ring, dtype=np.float64) for ring in section.to_polygons())
+
+
+def outline_and_holes(section: CrossSection) -> list[tuple[tuple[Point, ...], tuple[tuple[Point, ...], ...]]]:
+    """The pieces of a section as a tree of solids takes them."""
+    return [split_rings(rings(piece)) for piece in section.decompose()]
+
+
+def split_rings(polygons: Sequence[Ring]) -> tuple[tuple[Point, ...], tuple[tuple[Point, ...], ...]]:
+    """The outline of one piece, and its holes."""
+    points = [tuple((float(r), float(z)) for r, z in ring) for ring in polygons]
+    areas = [signed_area(ring) for ring in polygons]
+    outline = areas.index(max(areas))
+    return points[outline], tuple(p for i, p in enumerate(points) if i != outline)
+
+
+def signed_area(ring: Ring) -> float:
+    """Area inside a ring, mm2; negative for a hole."""
+    r, z = ring.T
+    return float(np.dot(r, np.roll(z, -1)) - np.dot(np.roll(r, -1), z)) / 2
+
+
+def moments(polygons: Sequence[Ring]) -> Moments:
+    """Volume integrals of a revolved half section, in m, about the core's centre."""
+    closed = [solid_of_revolution(np.concatenate((ring, ring[:1]))[:, ::-1] / MM) for ring in polygons]
+    return sum(closed[1:], closed[0])

@@ -1,0 +1,170 @@
+"""The parts of a kit, drawn in the meridian plane as they are joined, and which way up each is printed."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+
+from manifold3d import CrossSection
+
+from driftform.errors import WorkFailedError
+from driftform.geometry import hull_volume
+from driftform.types import Body
+from driftform_frusta.kit.bay import Seat, seats
+from driftform_frusta.kit.cut import CoreJoint, bed_joints, core_joint
+from driftform_frusta.kit.drain import drained
+from driftform_frusta.kit.engraving import Engraving, engraving, taken_by
+from driftform_frusta.kit.joint import Joint, fit
+from driftform_frusta.kit.meridian import (
+    FAR,
+    MM,
+    Hull,
+    Ring,
+    disc,
+    half,
+    hull_of,
+    moments,
+    right_of,
+    rings,
+    signed_area,
+    slab,
+)
+from driftform_frusta.kit.options import KitOptions
+from driftform_frusta.kit.upright import prints_fore_down
+from driftform_frusta.printable import printable_section, refuse_other_volume
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """One part of a kit.
+
+    Attributes
+    ----------
+    name
+        such as ``fore shell``; ``fore shell 2`` is the next one outward.
+    rings
+        its half section: (r, z) in mm, z from the core's centre towards fore.
+    fore_down
+        whether it is printed with its fore end on the bed.
+    engraved
+        its text, in the same frame; ``None`` where there is none.
+    """
+
+    name: str
+    rings: tuple[Ring, ...]
+    fore_down: bool
+    engraved: Engraving | None
+
+
+@dataclass(frozen=True, eq=False)
+class Kit:
+    """A kit in the meridian plane.
+
+    Attributes
+    ----------
+    hull
+        what was cut.
+    pieces
+        from aft to fore.
+    joints
+        between them, in the same order.
+    core_joint
+        the one that the core goes in by.
+    seats
+        what was added to hold the core.
+    """
+
+    hull: Hull
+    pieces: tuple[Piece, ...]
+    joints: tuple[Joint, ...]
+    core_joint: CoreJoint
+    seats: tuple[Seat, ...]
+
+
+@lru_cache(maxsize=4)
+def kit_of(body: Body, options: KitOptions) -> Kit:
+    """Cut a hull into the parts of a kit.
+
+    Raises
+    ------
+    WorkFailedError
+        where it cannot be; the message tells why.
+    """
+    # What cannot be printed whole cannot be cut either.
+    printable_section(body)
+    hull, gap = hull_of(body), MM * options.clearance
+    refuse_other_volume(MM**3 * moments(rings(right_of(hull.material))).volume, hull_volume(body), "hull")
+    if options.engrave and MM * options.engrave_depth > hull.wall / 2:
+        raise WorkFailedError(
+            f"no kit can be made: an engraving of {MM * options.engrave_depth:g} mm goes deeper than half the wall of "
+            f"{hull.wall:g} mm; make engrave_depth smaller"
+        )
+    chosen = core_joint(hull, options)
+    others = bed_joints(hull, chosen.joint, options)
+    joints = tuple(sorted((chosen.joint, *others), key=lambda joint: joint.z))
+    sections = _joined(hull, joints, gap)
+    inner = joints.index(chosen.joint)
+    found = tuple(seats(hull, sections, gap, (inner, inner + 1)))
+    for seat in found:
+        sections[seat.part] += seat.section
+    if options.drain:
+        for end, side in ((0, -1), (-1, 1)):
+            sections[end] = drained(hull, sections[end], side, MM * options.drain)
+    names = [_name(index, inner) for index in range(len(sections))]
+    polygons = [_rings(section, name) for section, name in zip(sections, names, strict=True)]
+    engraved = _engraved(hull, joints, found, options)
+    pieces = [
+        Piece(name, drawn, prints_fore_down(drawn), text)
+        for name, drawn, text in zip(names, polygons, engraved, strict=True)
+    ]
+    return Kit(hull, tuple(pieces), joints, chosen, found)
+
+
+def _joined(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[CrossSection]:
+    """The sections of the parts, without seats."""
+    bounds = [-FAR, *(joint.z for joint in joints), FAR]
+    sections = [hull.material ^ slab(low, high) for low, high in pairwise(bounds)]
+    core = disc(hull.core + gap)
+    for index, joint in enumerate(joints):
+        made = fit(hull, joint)
+        plug, socket = (index + 1, index) if joint.side > 0 else (index, index + 1)
+        sections[plug] += made.plug - core
+        sections[socket] += made.pad - core
+        sections[socket] -= made.pocket
+    return sections
+
+
+def _name(index: int, inner: int) -> str:
+    side, place = ("aft", inner - index) if index <= inner else ("fore", index - inner - 1)
+    return f"{side} shell {place + 1}" if place else f"{side} shell"
+
+
+def _rings(section: CrossSection, name: str) -> tuple[Ring, ...]:
+    right = half(section)
+    if len(right.decompose()) != 1:
+        raise WorkFailedError(f"no kit can be made: its {name} falls into {len(right.decompose())} pieces")
+    # A pocket between a plug and a seat would be closed for ever: it is filled.
+    return tuple(ring for ring in rings(right) if signed_area(ring) > 0)
+
+
+def _engraved(
+    hull: Hull, joints: tuple[Joint, ...], found: tuple[Seat, ...], options: KitOptions
+) -> list[Engraving | None]:
+    """What the text takes from each part.
+
+    Raises
+    ------
+    WorkFailedError
+        where it has room in none.
+    """
+    bounds = [float(hull.skin[0, 0]), *(joint.z for joint in joints), float(hull.skin[-1, 0])]
+    if not options.engrave:
+        return [None] * (len(bounds) - 1)
+    seated = [seat.section.bounds() for seat in found]
+    taken = taken_by(joints, [(box[1], box[3]) for box in seated], options.engrave_side == "inside")
+    cut = [engraving(hull, low, high, taken, options) for low, high in pairwise(bounds)]
+    if all(tool is None for tool in cut):
+        raise WorkFailedError(
+            f"no kit can be made: no part has room for {options.engrave!r} in letters of "
+            f"{MM * options.engrave_size:g} mm; make engrave_size smaller or the text shorter"
+        )
+    return cut

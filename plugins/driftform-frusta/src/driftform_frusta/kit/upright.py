@@ -1,0 +1,57 @@
+"""Which way up a part is printed: with the least that hangs in the air, on the larger foot."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from driftform.types import FloatArray
+from driftform_frusta.kit.meridian import Ring
+
+STEEPEST = math.radians(45.0) + 1e-3
+"""What leans out of the vertical by more than this needs support."""
+
+FOOT = 10.0
+"""mm2 of contact with the bed below which a part falls over."""
+
+_LINE = 1.2
+"""mm of overhang that an edge which begins in the air is counted as."""
+
+_LEVEL = 1e-3
+"""mm: what is lower than this stands on the bed."""
+
+
+def prints_fore_down(polygons: Sequence[Ring]) -> bool:
+    """Tell whether a part is printed with its fore end on the bed, by the rings of its half section."""
+    return _burden(polygons, -1) < _burden(polygons, 1)
+
+
+def _burden(polygons: Sequence[Ring], up: int) -> tuple[bool, float, float]:
+    """What speaks against printing with ``up`` (the sign of z) upward, the gravest first."""
+    lowest = min(float((up * ring[:, 1]).min()) for ring in polygons)
+    areas = np.sum([_areas(ring, up, lowest) for ring in polygons], axis=0)
+    foot, overhang = areas.tolist()
+    return foot < FOOT, round(overhang, 1), -foot
+
+
+def overhang(polygons: Sequence[Ring], fore_down: bool) -> float:
+    """Area that hangs over by more than 45 degrees, mm2, in a part that is printed this way up."""
+    up = -1 if fore_down else 1
+    lowest = min(float((up * ring[:, 1]).min()) for ring in polygons)
+    return float(sum(_areas(ring, up, lowest)[1] for ring in polygons))
+
+
+def _areas(ring: Ring, up: int, lowest: float) -> FloatArray:
+    """Area on the bed, and area that hangs in the air, mm2."""
+    # Turned over, a ring runs the other way round.
+    r, z = (ring if up > 0 else ring[::-1] * (1.0, -1.0)).T
+    dr, dz = np.roll(r, -1) - r, np.roll(z, -1) - z
+    size = np.hypot(dr, dz)
+    area = np.pi * (2 * r + dr) * size
+    flat = (z < lowest + _LEVEL) & (np.roll(z, -1) < lowest + _LEVEL)
+    # Counterclockwise round the material, an edge's outward normal is (dz, -dr).
+    hangs = (dr > math.sin(STEEPEST) * size) & ~flat
+    before = np.roll(z, 1)
+    convex = dr * np.roll(dz, 1) - dz * np.roll(dr, 1) < 0
+    begins = (z < before - 1e-9) & (dz > 1e-9) & (z > lowest + _LEVEL) & convex
+    return np.array([area[flat].sum(), area[hangs].sum() + 2 * np.pi * _LINE * r[begins].sum()])

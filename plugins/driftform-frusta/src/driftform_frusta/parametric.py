@@ -1,0 +1,257 @@
+"""Agent -> OpenSCAD source of its sealed hull that a person can edit: a table of modules, a wall, a core.
+
+The source says what the builder of ``frusta`` does: the chains of modules and a dome over the core are united, and the
+cavity is their inward offset by the wall, with the room of the core. What it renders to is worked out here, too, by
+the same steps, and compared with the body. A body that was made in another way is written as its two contours instead.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import accumulate
+
+import numpy as np
+from manifold3d import CrossSection, FillRule, JoinType
+
+from driftform.geometry import hull_volume, radius_at, solid_of_revolution
+from driftform.types import Agent, Body, FloatArray, Module
+from driftform_frusta.section import DOME_STEP, MM
+
+_TOLERANCE = 5e-5
+"""Of the volume, relative: OpenSCAD, which clips on a grid of 15 nm, adds some 2e-5, and 1e-4 is promised."""
+
+_UNLIMITED = 1e6
+"""OpenSCAD's limit of a mitre, in walls."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One module of the table, mm; ``length`` along the axis."""
+
+    name: str
+    length: float
+    aft: float
+    fore: float
+
+
+def hull_source(agent: Agent, segments: int, title: str) -> str:
+    """Return OpenSCAD source that renders to the sealed hull of an agent, mm, fore end up, standing on z = 0.
+
+    ``segments`` is the number of corners of every circle. Its volume is that of the closed form within 1e-4.
+    """
+    body = agent.body
+    clearance = _clearance(body)
+    rows, aft = _table(agent)
+    if rows is not None and _is_the_hull(body, rows, aft, clearance):
+        geometry = _modules_text(body, rows, aft, clearance)
+        summary = f"{len(rows)} module{'s' if len(rows) != 1 else ''} and a dome over the core"
+    else:
+        geometry = _contours_text(body)
+        summary = "a section, revolved"
+    top, _, rest = geometry.partition("//---\n")
+    size = f"{1000 * body.length:.1f} mm long, {1000 * body.max_diameter:.1f} mm in diameter"
+    return (
+        f"// {' '.join(title.split())}: {summary}, {size}.\n"
+        "// Written by driftform. Lengths in millimetres; the axis is z, the fore end is up.\n\n"
+        "/* [View] */\n"
+        "section = false;    // cut open along the axis\n"
+        "show_core = true;   // the core as a ghost, in the preview only\n\n"
+        f"{top}\n"
+        "/* [Mesh] */\n"
+        f"$fn = {segments};           // corners of every circle\n\n"
+        "// A polygon has a smaller area than its circle: radii are scaled so that the two are equal.\n"
+        "area_factor = 1 / sqrt($fn / (2 * PI) * sin(360 / $fn));\n\n"
+        f"{rest}"
+        f"{_REVOLVED}"
+    )
+
+
+_REVOLVED = """\
+module hull() {
+    rotate_extrude(angle = section ? 180 : 360)
+        scale([area_factor, 1])
+            intersection() {
+                difference() { outline(); cavity(); }
+                translate([0, -1000]) square([1000, 2000]);
+            }
+}
+
+translate([0, 0, core_height]) {
+    hull();
+    if (show_core) %sphere(core_radius);
+}
+"""
+
+_PARAMETERS = """\
+/* [Hull] */
+wall = {wall};        // thickness, measured normal to the wall
+clearance = {clearance};    // gap between the core and the hull
+core_radius = {core};
+
+// The modules from aft to fore: name, length along the axis, radius at the aft end, radius at the fore end.
+modules = [
+{rows}
+];
+aft_modules = {aft};    // how many of them lie aft of the core's centre
+
+//---
+// The dome over the core is a polyline of this step, in degrees.
+dome_step = {step};
+dome_radius = core_radius + clearance + wall;
+
+// Height of the aft end of module k over the core's centre.
+function height(k) = length_of(0, k) - length_of(0, aft_modules);
+function length_of(i, k) = i < k ? modules[i][1] + length_of(i + 1, k) : 0;
+
+core_height = max(-height(0), dome_radius);
+
+module frustum(k) {{
+    z0 = height(k);
+    z1 = height(k + 1);
+    r0 = modules[k][2];
+    r1 = modules[k][3];
+    polygon([[-r0, z0], [r0, z0], [r1, z1], [-r1, z1]]);
+}}
+
+module disc(radius) {{
+    polygon([for (a = [0 : dome_step : 360 - dome_step]) radius * [cos(a), sin(a)]]);
+}}
+
+// Sections through the axis, on both sides of it: the offset must know no edge along the axis.
+module outline() {{
+    for (k = [0 : 1 : len(modules) - 1]) frustum(k);
+    disc(dome_radius);
+}}
+
+module cavity() {{
+    offset(delta = -wall) outline();
+    disc(dome_radius - wall / cos(dome_step / 2));
+}}
+
+"""
+
+_CONTOURS = """\
+/* [Core] */
+core_radius = {core};
+core_height = {height};
+
+//---
+// Half sections, [radius, height over the core's centre], from the aft end to the fore end.
+outside = [
+{outside}
+];
+hollow = [
+{hollow}
+];
+
+module outline() {{
+    polygon(outside);
+}}
+
+module cavity() {{
+    if (len(hollow) > 0) polygon(hollow);
+}}
+
+"""
+
+
+def _clearance(body: Body) -> float:
+    """What the dome leaves between core and wall, mm: both chains start from the dome at the core's equator."""
+    return MM * (radius_at(body.outer, 0.0) - body.core.radius - body.wall)
+
+
+def _table(agent: Agent) -> tuple[list[Row] | None, int]:
+    """The modules as the builder would lay them, and how many lie aft; ``None`` for a body without any."""
+    body, morphology = agent.body, agent.morphology
+    if morphology is None:
+        return None, 0
+    aft = _joints(body, morphology.aft, -1.0)
+    fore = _joints(body, morphology.fore, 1.0)
+    rows = [
+        Row(f"aft {k}", *_rounded(aft[k][0] - aft[k - 1][0], aft[k][1], aft[k - 1][1]))
+        for k in range(len(morphology.aft), 0, -1)
+    ]
+    rows += [
+        Row(f"fore {k}", *_rounded(fore[k][0] - fore[k - 1][0], fore[k - 1][1], fore[k][1]))
+        for k in range(1, len(morphology.fore) + 1)
+    ]
+    return rows, len(morphology.aft)
+
+
+def _joints(body: Body, modules: Sequence[Module], side: float) -> list[tuple[float, float]]:
+    """Distance from the core's equator and radius of every joint of one side, from the core outward, m.
+
+    Clear of the dome the radius is that of the outline, which knows the least radius of the builder; below the dome
+    it follows from the tilt.
+    """
+    dome = radius_at(body.outer, 0.0)
+    joints = [(0.0, dome)]
+    for module in modules:
+        x = joints[-1][0] + module.length * math.cos(module.tilt)
+        r = joints[-1][1] + module.length * math.sin(module.tilt)
+        joints.append((x, radius_at(body.outer, side * x) if x >= dome else r))
+    return joints
+
+
+def _rounded(*metres: float) -> tuple[float, ...]:
+    return tuple(round(MM * value, 6) for value in metres)
+
+
+def _is_the_hull(body: Body, rows: Sequence[Row], aft: int, clearance: float) -> bool:
+    """Tell whether the table renders to the hull of the body: the same volume, length and diameter."""
+    wall, dome = MM * body.wall, MM * (body.core.radius + body.wall) + clearance
+    if min(dome, clearance + 1e-6, wall) <= 0:
+        return False
+    heights = np.array([0.0, *accumulate(row.length for row in rows)])
+    heights -= heights[aft]
+    angles = np.arange(0, 2 * np.pi - DOME_STEP / 2, DOME_STEP)
+    disc = np.column_stack([np.cos(angles), np.sin(angles)])
+    frustums = [
+        np.array([(-row.aft, z0), (row.aft, z0), (row.fore, z1), (-row.fore, z1)])
+        for row, z0, z1 in zip(rows, heights[:-1], heights[1:], strict=True)
+    ]
+    outline = CrossSection([*frustums, dome * disc], FillRule.NonZero)
+    room = CrossSection([(dome - wall / math.cos(DOME_STEP / 2)) * disc])
+    hollow = outline.offset(-wall, JoinType.Miter, _UNLIMITED) + room
+    (_, low, right, high) = outline.bounds()
+    half = CrossSection.square((right + 1, high - low + 2)).translate((0.0, low - 1))
+    rendered = sum(
+        # Polygons run counter-clockwise, holes clockwise: up along the outside, and down along a hollow.
+        solid_of_revolution(np.vstack([p, p[:1]])[:, ::-1]).volume
+        for p in ((outline - hollow) ^ half).to_polygons()
+    )
+    expected = 1e9 * hull_volume(body)
+    sizes = np.array([high - low, 2 * right]) - MM * np.array([body.length, body.max_diameter])
+    return bool(abs(rendered - expected) <= _TOLERANCE * expected and np.abs(sizes).max() < 1e-4)
+
+
+def _modules_text(body: Body, rows: Sequence[Row], aft: int, clearance: float) -> str:
+    table = ",\n".join(
+        f'    ["{row.name}",{" " * (8 - len(row.name))}{row.length:10.6f}, {row.aft:10.6f}, {row.fore:10.6f}]'
+        for row in rows
+    )
+    return _PARAMETERS.format(
+        wall=_number(MM * body.wall),
+        clearance=_number(clearance),
+        core=_number(MM * body.core.radius),
+        rows=table,
+        aft=aft,
+        step=_number(math.degrees(DOME_STEP)),
+    )
+
+
+def _contours_text(body: Body) -> str:
+    def points(contour: FloatArray) -> str:
+        return ",\n".join(f"    [{_number(r)}, {_number(z)}]" for z, r in (MM * contour).tolist())
+
+    return _CONTOURS.format(
+        core=_number(MM * body.core.radius),
+        height=_number(-MM * float(body.outer[:, 0].min())),
+        outside=points(body.outer),
+        hollow=points(body.cavity),
+    )
+
+
+def _number(value: float) -> str:
+    text = f"{value:.6f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text

@@ -1,0 +1,309 @@
+"""Files of random agents, sealed and as kits, read back by other libraries: what they hold is what was simulated."""
+
+import json
+import re
+import subprocess
+import zipfile
+from itertools import pairwise
+from pathlib import Path
+
+import lib3mf
+import numpy as np
+import pytest
+import trimesh
+from manifold3d import Error, Manifold, Mesh64
+
+from driftform.geometry import hull_volume
+from driftform.interfaces import Specimen
+from driftform.study import load_study
+from driftform_frusta.exporters.glb import GlbExporter
+from driftform_frusta.exporters.obj import ObjExporter
+from driftform_frusta.exporters.ply import PlyExporter
+from driftform_frusta.exporters.scad import ScadExporter
+from driftform_frusta.exporters.stl import StlExporter
+from driftform_frusta.exporters.threemf import ThreeMfExporter
+from driftform_frusta.parts import parts_of
+from driftform_frusta.stl import signed_volume
+
+MESHES = (StlExporter, ThreeMfExporter, GlbExporter, ObjExporter, PlyExporter)
+ATTACHED = "https://driftform.invalid/2026/attachment"
+
+# From what a file holds to mm with z up.
+UPRIGHT = 1e3 * np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+
+
+def specimens(occupied: str, count: int) -> list[Specimen]:
+    pipeline = load_study(settings=[f"grammar.occupied={occupied}"], run={"seed": 0}).pipeline()
+    rng = np.random.default_rng(6)
+    agents = [pipeline.agent(pipeline.grammar.random(rng)) for _ in range(count)]
+    document = {"format": "driftform-agent", "name": "<a> & b"}
+    return [Specimen(f"agent {i}", agent, pipeline.scenario, document) for i, agent in enumerate(agents)]
+
+
+def export(exporter, specimen, folder, **options):
+    made = exporter(exporter.Options(**options))
+    return made.write(specimen, folder / f"agent{made.suffix}")
+
+
+def read_3mf(path):
+    """Objects of a 3MF file as name, vertices and triangles in build order, read by lib3mf in its strict mode."""
+    model = lib3mf.get_wrapper().CreateModel()
+    reader = model.QueryReader("3mf")
+    reader.SetStrictModeActive(True)
+    reader.AddRelationToRead(ATTACHED)
+    reader.ReadFromFile(str(path))
+    assert [reader.GetWarning(i) for i in range(reader.GetWarningCount())] == []
+    found, items = [], model.GetBuildItems()
+    while items.MoveNext():
+        item = items.GetCurrent()
+        mesh = model.GetMeshObjectByID(item.GetObjectResourceID())
+        assert mesh.IsManifoldAndOriented()
+        vertices = np.array([list(v.Coordinates) for v in mesh.GetVertices()])
+        triangles = np.array([list(t.Indices) for t in mesh.GetTriangleIndices()])
+        transform = np.array([list(row) for row in item.GetObjectTransform().Fields])
+        found.append((mesh.GetName(), vertices @ transform[:3] + transform[3], triangles))
+    return found
+
+
+def reload(files):
+    """Every part that files hold: name, vertices in mm with z up, triangles; nothing mended on the way."""
+    parts = []
+    for file in files:
+        if file.format == "3mf":
+            parts += read_3mf(file.path)
+            continue
+        # STL holds loose triangles, which are joined by their coordinates; the others share their vertices.
+        told = {"split_objects": True} if file.format == "obj" else {}
+        scene = trimesh.load_scene(
+            file.path, process=file.format == "stl", maintain_order=True, validate=False, **told
+        )
+        for node in scene.graph.nodes_geometry:
+            transform, name = scene.graph[node]
+            mesh = scene.geometry[name]
+            assert np.allclose(transform, np.eye(4))
+            points = mesh.vertices @ UPRIGHT.T if file.format == "glb" else mesh.vertices
+            # Of a file with several parts, a reader may give all vertices to each.
+            used, corners = np.unique(mesh.faces, return_inverse=True)
+            parts.append((node, np.array(points[used], dtype=float), corners.reshape(-1, 3)))
+    return parts
+
+
+def assert_sound(vertices, triangles, shells, volume):
+    """A closed solid by manifold3d, with this many surfaces of which one is the outside, and of this volume."""
+    solid = Manifold(Mesh64(np.ascontiguousarray(vertices), triangles.astype(np.uint64)))
+    assert solid.status() == Error.NoError
+    signs = [np.sign(shell.volume()) for shell in solid.decompose()]
+    assert sorted(signs) == [-1] * (shells - 1) + [1]
+    # manifold3d may turn what is inside out; the plain sum of tetrahedra does not.
+    assert signed_volume(vertices, triangles) == pytest.approx(volume, rel=1e-4)
+    assert solid.volume() == pytest.approx(volume, rel=1e-4)
+
+
+def check_all_formats(specimen, folder, **options):
+    body = specimen.agent.body
+    parts = parts_of(body, StlExporter.Options(**options))
+    for exporter in MESHES:
+        files = export(exporter, specimen, folder, **options)
+        found = reload(files)
+        assert len(found) == len(parts), exporter.name
+        # Sorted by volume, as not every reader keeps names.
+        found.sort(key=lambda part: signed_volume(*part[1:]))
+        for (_, vertices, triangles), part in zip(
+            found, sorted(parts, key=lambda p: p.solid.volume()), strict=True
+        ):
+            assert_sound(vertices, triangles, part.shells, part.solid.volume())
+        if len(parts) == 1:
+            assert signed_volume(*found[0][1:]) == pytest.approx(1e9 * hull_volume(body), rel=1e-4)
+
+
+@pytest.mark.parametrize("occupied", ["insert", "skip"])
+@pytest.mark.parametrize("kit", [False, True], ids=["sealed", "kit"])
+def test_every_mesh_format_holds_the_solids_that_were_simulated(occupied, kit, tmp_path):
+    for specimen in specimens(occupied, 2):
+        check_all_formats(specimen, tmp_path, kit=kit)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("occupied", ["insert", "skip"])
+@pytest.mark.parametrize("kit", [False, True], ids=["sealed", "kit"])
+def test_every_mesh_format_holds_the_solids_of_a_hundred_agents(occupied, kit, tmp_path):
+    for specimen in specimens(occupied, 100):
+        check_all_formats(specimen, tmp_path, kit=kit)
+
+
+@pytest.fixture(scope="module")
+def kit():
+    """An agent that makes a kit of two parts or more."""
+    return specimens("insert", 1)[0]
+
+
+@pytest.mark.parametrize("exporter", [StlExporter, PlyExporter])
+def test_a_format_for_one_solid_has_a_file_for_each_part_that_stands_on_the_bed(exporter, kit, tmp_path):
+    files = export(exporter, kit, tmp_path, kit=True)
+    names = [part.name for part in parts_of(kit.agent.body, StlExporter.Options(kit=True))]
+    assert [Path(f.path).name for f in files] == [
+        f"agent-{name.replace(' ', '-')}{exporter.suffix}" for name in names
+    ]
+    for _, vertices, _ in reload(files):
+        assert vertices[:, 2].min() == 0
+        assert np.abs(vertices[:, :2].min(axis=0) + vertices[:, :2].max(axis=0)).max() < 1e-3
+
+
+@pytest.mark.parametrize("exporter", [GlbExporter, ObjExporter])
+def test_parts_are_named_and_lie_as_they_are_joined_in_a_scene(exporter, kit, tmp_path):
+    [file] = export(exporter, kit, tmp_path, kit=True)
+    parts = parts_of(kit.agent.body, StlExporter.Options(kit=True))
+    found = {name.replace("_", " "): vertices for name, vertices, _ in reload([file])}
+    assert sorted(found) == sorted(part.name for part in parts)
+    for part in parts:
+        box = np.concatenate([found[part.name].min(axis=0), found[part.name].max(axis=0)])
+        assert np.allclose(box, part.solid.bounding_box(), atol=1e-4)
+    whole = np.concatenate(list(found.values()))
+    assert np.ptp(whole[:, 2]) == pytest.approx(1000 * kit.agent.body.length, abs=1e-3)
+
+
+def test_a_glb_file_is_laid_out_as_gltf_says(kit, tmp_path):
+    [file] = export(GlbExporter, kit, tmp_path, kit=True)
+    data = Path(file.path).read_bytes()
+    magic, version, length = data[:4], *np.frombuffer(data[4:12], "<u4")
+    assert (magic, version, length) == (b"glTF", 2, len(data))
+    size = int(np.frombuffer(data[12:16], "<u4")[0])
+    document = json.loads(data[20 : 20 + size])
+    assert size % 4 == 0 and data[16:20] == b"JSON"
+    assert int(np.frombuffer(data[20 + size : 24 + size], "<u4")[0]) == document["buffers"][0]["byteLength"]
+    heights = [
+        document["accessors"][m["primitives"][0]["attributes"]["POSITION"]] for m in document["meshes"]
+    ]
+    assert min(a["min"][1] for a in heights) == 0
+    assert max(a["max"][1] for a in heights) == pytest.approx(kit.agent.body.length, rel=1e-6)
+    for view in document["bufferViews"]:
+        assert view["byteOffset"] % 4 == 0
+        assert view["byteOffset"] + view["byteLength"] <= document["buffers"][0]["byteLength"]
+    # Each part has a colour of its own.
+    colours = [m["pbrMetallicRoughness"]["baseColorFactor"] for m in document["materials"]]
+    assert len({tuple(colour) for colour in colours}) == len(document["nodes"]) >= 2
+
+
+def test_a_3mf_plate_stands_on_the_bed_with_its_parts_apart(kit, tmp_path):
+    options = {"kit": True, "bed": (0.2, 0.15, 0.21)}
+    [file] = export(ThreeMfExporter, kit, tmp_path, **options)
+    assert file.facts["fits_bed"] is True
+    boxes = [(v.min(axis=0), v.max(axis=0)) for _, v, _ in read_3mf(file.path)]
+    low, high = np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)
+    assert all(b[0][2] == 0 for b in boxes)
+    assert (low[:2] >= 0).all() and (high[:2] <= (200, 150)).all()
+    assert (low[:2] + high[:2]) / 2 == pytest.approx((100, 75), abs=0.01)
+    for (low_a, high_a), (low_b, high_b) in pairwise(sorted(boxes, key=lambda b: tuple(b[0]))):
+        apart = np.maximum(low_a[:2] - high_b[:2], low_b[:2] - high_a[:2]).max()
+        assert apart >= 4.99
+
+
+def test_what_does_not_fit_on_one_plate_goes_into_several_files(kit, tmp_path):
+    files = export(ThreeMfExporter, kit, tmp_path, kit=True, bed=(0.05, 0.04, 0.25))
+    assert [Path(f.path).name for f in files] == [f"agent-plate-{i + 1}.3mf" for i in range(len(files))]
+    assert len(files) == len(parts_of(kit.agent.body, StlExporter.Options(kit=True))) >= 2
+    assert all(len(read_3mf(f.path)) == 1 for f in files)
+
+
+def test_a_part_that_is_too_tall_for_the_bed_is_written_and_told_of(kit, tmp_path):
+    [file] = export(ThreeMfExporter, kit, tmp_path, bed=(0.25, 0.21, 0.02))
+    assert file.facts["fits_bed"] is False
+    assert len(read_3mf(file.path)) == 1
+
+
+def test_a_3mf_package_carries_its_agent_its_source_its_picture_and_hints(kit, tmp_path):
+    [file] = export(ThreeMfExporter, kit, tmp_path, layer_height=0.00015, infill=0.15)
+    model = lib3mf.get_wrapper().CreateModel()
+    reader = model.QueryReader("3mf")
+    reader.AddRelationToRead(ATTACHED)
+    reader.ReadFromFile(file.path)
+    assert model.GetUnit() == lib3mf.ModelUnit.MilliMeter
+    attached = {}
+    for i in range(model.GetAttachmentCount()):
+        attachment = model.GetAttachment(i)
+        attached[attachment.GetPath()] = bytes(attachment.WriteToBuffer())
+    assert json.loads(attached["/Metadata/agent.json"]) == kit.document
+    [scad] = export(ScadExporter, kit, tmp_path)
+    assert attached["/Metadata/agent.scad"] == Path(scad.path).read_bytes()
+    picture = bytes(model.GetPackageThumbnailAttachment().WriteToBuffer())
+    assert picture.startswith(b"\x89PNG\r\n\x1a\n")
+    group = model.GetMetaDataGroup()
+    told = {}
+    for i in range(group.GetMetaDataCount()):
+        entry = group.GetMetaData(i)
+        told[entry.GetName()] = entry.GetValue()
+    assert told["Title"] == kit.name
+    assert told["layer_height_mm"] == "0.15"
+    assert told["infill_percent"] == "15"
+    assert float(told["printed_mass_g"]) == pytest.approx(1e3 * file.facts["mass_kg"], abs=1e-3)
+    assert float(told["material_density_kg_per_m3"]) == kit.agent.body.hull_density
+
+
+def test_each_part_of_a_3mf_package_has_a_material_with_its_name_and_colour(kit, tmp_path):
+    [file] = export(ThreeMfExporter, kit, tmp_path, kit=True)
+    with zipfile.ZipFile(file.path) as archive:
+        assert archive.testzip() is None
+        text = archive.read("3D/3dmodel.model").decode()
+    materials = re.findall(r'<base name="([^"]+)" displaycolor="(#[0-9A-F]{8})"/>', text)
+    objects = re.findall(r'<object id="\d+" type="model" name="([^"]+)" pid="1" pindex="(\d+)">', text)
+    assert [materials[int(index)][0] for _, index in objects] == [name for name, _ in objects]
+    assert len({colour for _, colour in materials}) == len(materials) >= 2
+
+
+def test_the_same_agent_gives_the_same_bytes(kit, tmp_path):
+    for exporter in MESHES:
+        twice = []
+        for folder in ("one", "two"):
+            files = export(exporter, kit, tmp_path / folder, kit=True)
+            twice.append([Path(f.path).read_bytes() for f in files])
+        assert twice[0] == twice[1]
+
+
+def test_prusa_slicer_opens_a_plate_as_the_right_parts(kit, tmp_path, requires_program):
+    slicer = requires_program("prusa-slicer")
+    [file] = export(ThreeMfExporter, kit, tmp_path, kit=True)
+    found = info(slicer, file.path)
+    parts = parts_of(kit.agent.body, StlExporter.Options(kit=True))
+    assert len(found) == len(parts)
+    for told, part in zip(found, parts, strict=True):
+        assert told["manifold"] == "yes"
+        assert int(told["number_of_parts"]) == part.shells
+        assert float(told["volume"]) == pytest.approx(part.solid.volume(), rel=1e-4)
+        assert not {key for key in told if key.endswith(("_reversed", "_fixed", "_removed", "_added"))}
+
+
+def info(slicer, path):
+    """What PrusaSlicer tells of each object of a file."""
+    done = subprocess.run([slicer, "--info", path], capture_output=True, text=True, timeout=120, check=True)
+    found = []
+    for line in done.stdout.splitlines():
+        if line.startswith("["):
+            continue
+        key, _, value = line.partition(" = ")
+        if key == "size_x":
+            found.append({})
+        if found and value:
+            found[-1][key.strip()] = value.strip()
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("occupied", ["insert", "skip"])
+@pytest.mark.parametrize("kit", [False, True], ids=["sealed", "kit"])
+def test_the_g_code_of_prusa_slicer_lays_as_much_filament_as_the_solids_hold(
+    occupied, kit, tmp_path, requires_program
+):
+    slicer = requires_program("prusa-slicer")
+    for specimen in specimens(occupied, 3):
+        gcode = tmp_path / "plate.gcode"
+        for file in export(ThreeMfExporter, specimen, tmp_path, kit=kit, bed=(0.25, 0.21, 0.21)):
+            if not file.facts["fits_bed"]:
+                continue
+            command = [slicer, "--export-gcode", "--dont-arrange", "--filament-density", "1.05"]
+            command += ["--layer-height", "0.2", "--perimeters", "3", "--fill-density", "15%"]
+            command += ["--bed-shape", "0x0,250x0,250x210,0x210", "--max-print-height", "400"]
+            subprocess.run(
+                [*command, "-o", str(gcode), file.path], capture_output=True, timeout=600, check=True
+            )
+            used = float(re.search(r"; filament used \[cm3\] = ([\d.]+)", gcode.read_text())[1])
+            assert 0.95 < 1e3 * used / file.facts["volume_mm3"] < 1.03

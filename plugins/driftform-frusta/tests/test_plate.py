@@ -1,0 +1,79 @@
+"""Parts on the bed: apart, within it, and the same way every time."""
+
+from itertools import combinations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from driftform_frusta.plate import GAP, arrange, fits
+
+BED = (250.0, 210.0)
+sides = st.floats(1, 250)
+parts = st.lists(st.tuples(sides, st.floats(1, 210)), min_size=1, max_size=12)
+
+
+def box(size, spot):
+    return (
+        spot.x - size[0] / 2,
+        spot.y - size[1] / 2,
+        spot.x + size[0] / 2,
+        spot.y + size[1] / 2,
+    )
+
+
+@given(parts)
+def test_parts_on_a_plate_keep_their_gap_and_stay_on_the_bed(sizes):
+    spots = arrange(sizes, BED)
+    boxes = [box(size, spot) for size, spot in zip(sizes, spots, strict=True)]
+    for left, front, right, back in boxes:
+        assert -BED[0] / 2 - 1e-9 <= left and right <= BED[0] / 2 + 1e-9
+        assert -BED[1] / 2 - 1e-9 <= front and back <= BED[1] / 2 + 1e-9
+    for (i, a), (j, b) in combinations(enumerate(boxes), 2):
+        if spots[i].plate == spots[j].plate:
+            apart = max(a[0] - b[2], b[0] - a[2], a[1] - b[3], b[1] - a[3])
+            assert apart >= GAP - 1e-9
+
+
+@given(parts)
+def test_each_plate_is_used_and_numbered_from_zero(sizes):
+    plates = {spot.plate for spot in arrange(sizes, BED)}
+    assert plates == set(range(len(plates)))
+
+
+@given(parts)
+def test_rows_are_centred_on_the_bed(sizes):
+    spots = arrange(sizes, BED)
+    for plate in {spot.plate for spot in spots}:
+        boxes = [box(s, p) for s, p in zip(sizes, spots, strict=True) if p.plate == plate]
+        front, back = min(b[1] for b in boxes), max(b[3] for b in boxes)
+        assert front + back == pytest.approx(0, abs=1e-6)
+
+
+def test_a_single_part_stands_in_the_middle():
+    [spot] = arrange([(30, 40)], BED)
+    assert (spot.plate, spot.x, spot.y) == (0, 0, 0)
+
+
+def test_small_parts_share_a_row_and_large_ones_take_another():
+    spots = arrange([(60, 60)] * 4, BED)
+    assert {spot.plate for spot in spots} == {0}
+    assert len({spot.y for spot in spots}) == 2
+    assert len(arrange([(60, 60)] * 3, BED)) == 3
+    assert {spot.y for spot in arrange([(60, 60)] * 3, BED)} == {0}
+
+
+def test_what_has_no_room_goes_on_another_plate():
+    assert [spot.plate for spot in arrange([(200, 150), (200, 150)], BED)] == [0, 1]
+
+
+def test_a_part_larger_than_the_bed_has_a_plate_to_itself():
+    spots = arrange([(20, 20), (300, 300), (20, 20)], BED)
+    assert spots[0].plate == spots[2].plate != spots[1].plate
+    assert (spots[1].x, spots[1].y) == (0, 0)
+
+
+def test_whether_a_part_fits_is_a_matter_of_all_three_sides():
+    assert fits((250, 210, 200), (250, 210, 200))
+    for too_large in ((251, 1, 1), (1, 211, 1), (1, 1, 201)):
+        assert not fits(too_large, (250, 210, 200))

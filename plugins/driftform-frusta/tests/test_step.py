@@ -1,0 +1,166 @@
+"""STEP files: exact solids, read back by Open CASCADE."""
+
+import builtins
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from driftform.errors import WorkFailedError
+from driftform.geometry import hull_volume
+from driftform_frusta.brep import to_brep, volume_of
+from driftform_frusta.csg import (
+    Box,
+    Difference,
+    Frustum,
+    Intersection,
+    Named,
+    Revolve,
+    Rotate,
+    Sphere,
+    Text,
+    Translate,
+    Union,
+)
+from driftform_frusta.exporters.step import StepExporter
+from driftform_frusta.parts import PartOptions, parts_of
+from driftform_frusta.solid import to_manifold
+
+pytest.importorskip("OCP", reason="Open CASCADE is not installed: driftform-frusta[step]")
+
+
+def bounds_of(shape):
+    from OCP.Bnd import Bnd_Box
+    from OCP.BRepBndLib import BRepBndLib
+
+    box = Bnd_Box()
+    BRepBndLib.AddOptimal_s(shape, box, False, False)
+    low, high = box.CornerMin(), box.CornerMax()
+    return (low.X(), low.Y(), low.Z(), high.X(), high.Y(), high.Z())
+
+
+def read(path):
+    """The products of a STEP file: name, shape, and bounds in mm."""
+    from OCP.IFSelect import IFSelect_RetDone
+    from OCP.STEPControl import STEPControl_Reader
+
+    reader = STEPControl_Reader()
+    assert reader.ReadFile(str(path)) == IFSelect_RetDone
+    reader.TransferRoots()
+    shapes = [reader.Shape(i) for i in range(1, reader.NbShapes() + 1)]
+    names = re.findall(r"= PRODUCT\('([^']*)'", Path(path).read_text(encoding="utf-8"))
+    return [(name, shape, bounds_of(shape)) for name, shape in zip(names, shapes, strict=True)]
+
+
+@pytest.fixture
+def write(specimen_of, tmp_path):
+    def written(body, **options):
+        return StepExporter(PartOptions(**options)).write(specimen_of(body), tmp_path / "hull.step")[0]
+
+    return written
+
+
+def test_a_hull_read_back_has_exactly_the_volume_and_size_of_the_body(body, write):
+    [(name, shape, bounds)] = read(write(body).path)
+    assert name == "hull"
+    assert volume_of(shape) == pytest.approx(1e9 * hull_volume(body), rel=1e-9)
+    radius = 500 * body.max_diameter
+    expected = (-radius, -radius, 0, radius, radius, 1000 * body.length)
+    assert bounds == pytest.approx(expected, abs=1e-4)
+
+
+def test_faces_are_cones_cylinders_and_planes_and_no_facets(wavy_body, write):
+    file = write(wavy_body, segments=12)
+    text = Path(file.path).read_text(encoding="utf-8")
+    # A closed conical face is one, whatever the segments of a mesh would be.
+    edges = sum(len(c) - 1 for c in (wavy_body.outer, wavy_body.cavity))
+    assert file.facts["faces"] <= edges
+    kinds = {
+        kind: len(re.findall(rf"= {kind}\(", text))
+        for kind in ("CONICAL_SURFACE", "CYLINDRICAL_SURFACE", "PLANE")
+    }
+    assert sum(kinds.values()) == file.facts["faces"]
+    assert kinds["CONICAL_SURFACE"] > 70
+    assert "AP242" in text
+
+
+def test_facts_tell_what_the_file_holds(wavy_body, write):
+    facts = write(wavy_body).facts
+    assert facts["volume_mm3"] == pytest.approx(1e9 * hull_volume(wavy_body), rel=1e-9)
+    assert facts["size_mm"] == pytest.approx(
+        [1e3 * wavy_body.max_diameter] * 2 + [1e3 * wavy_body.length], abs=1e-4
+    )
+    assert facts["shells"] == 2
+
+
+def test_a_kit_is_written_as_its_parts_by_name_where_they_are_joined(write, make_chain):
+    body = make_chain([0.03, 0.03, 0.03], [0.012, 0.016, 0.016, 0.012])
+    parts = parts_of(body, PartOptions(kit=True, segments=512))
+    found = read(write(body, kit=True).path)
+    assert [name for name, _, _ in found] == [part.name for part in parts]
+    for (_, shape, bounds), part in zip(found, parts, strict=True):
+        assert volume_of(shape) == pytest.approx(part.solid.volume(), rel=1e-6)
+        assert np.allclose(bounds, part.solid.bounding_box(), atol=2e-3)
+
+
+BALL = 4 / 3 * math.pi * 27
+
+
+@pytest.mark.parametrize(
+    ("tree", "volume"),
+    [
+        (Frustum(7, 3, 5), math.pi * 7 * (9 + 15 + 25) / 3),
+        (Frustum(7, 0, 5), math.pi * 7 * 25 / 3),
+        (Sphere(3), BALL),
+        (Box((1, 2, 3)), 6),
+        (Revolve(((5, 0), (9, 0), (9, 6), (5, 6)), (((6, 1), (8, 1), (8, 3), (6, 3)),)), 280 * math.pi),
+        (Revolve(((-3, 0), (5, 0), (5, 7), (-4, 7))), math.pi * 25 * 7),
+        (Named("a ball", Translate((9, 9, 9), Sphere(3))), BALL),
+        (Difference(Box((4, 4, 4)), (Translate((1, 1, -1), Box((2, 2, 9))),)), 48),
+        (Intersection((Sphere(3), Translate((0, -4, -4), Box((8, 8, 8))))), BALL / 2),
+        (Union((Sphere(3), Translate((0, 0, 10), Sphere(3)))), 2 * BALL),
+    ],
+)
+def test_every_kind_of_solid_has_exactly_its_volume(tree, volume):
+    assert volume_of(to_brep(tree)) == pytest.approx(volume, rel=1e-9)
+
+
+def test_angles_are_degrees_about_fixed_x_then_y_then_z():
+    tree = Rotate((20, -35, 50), Translate((5, 0, 0), Box((1, 2, 3))))
+    assert bounds_of(to_brep(tree)) == pytest.approx(to_manifold(tree).bounding_box(), abs=1e-5)
+
+
+def test_letters_are_those_of_the_mesh():
+    tree = Text("A8-", 5, 1)
+    # The mesh's outlines lie on the grid of the clipping, 1e-8 mm.
+    assert volume_of(to_brep(tree)) == pytest.approx(to_manifold(tree).volume(), rel=1e-7)
+
+
+def test_the_same_body_gives_the_same_bytes(wavy_body, specimen_of, tmp_path):
+    texts = []
+    for name in ("one", "two"):
+        path = tmp_path / name / "hull.step"
+        StepExporter(PartOptions()).write(specimen_of(wavy_body), path)
+        texts.append(path.read_text(encoding="utf-8"))
+    assert texts[0] == texts[1]
+
+
+def test_nothing_is_printed_on_the_way(wavy_body, write, capfd):
+    write(wavy_body)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_without_open_cascade_one_line_says_how_to_get_it(wavy_body, write, monkeypatch, tmp_path):
+    real = builtins.__import__
+
+    def lacking(name, *args, **kwargs):
+        if name.split(".")[0] == "OCP":
+            raise ImportError(name)
+        return real(name, *args, **kwargs)
+
+    monkeypatch.setattr(builtins, "__import__", lacking)
+    with pytest.raises(WorkFailedError, match=r'pip install "driftform-frusta\[step\]"'):
+        write(wavy_body)
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,307 @@
+"""The report on the meshes themselves: from whether they are closed to how they had better stand."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from driftform.geometry import hull_volume
+from driftform.interfaces import Checker, PrintJob
+from driftform.options import Table, option
+from driftform.types import Finding, FloatArray, State
+from driftform_printability.overhangs import Stand, best_stand, stands
+from driftform_printability.parts import MM3_PER_M3, MM_PER_M, Part
+from driftform_printability.reading import read_parts
+from driftform_printability.shells import Shell, as_solid, shells_of
+from driftform_printability.topology import Topology, topology
+from driftform_printability.walls import REACH, Wall, thinnest_wall
+
+_SMALLEST, _LARGEST = 1.0, 10_000.0
+"""mm: what is smaller was written in metres, what is larger in micrometres."""
+
+_LINES = 2
+"""Lines of the nozzle side by side that a watertight wall takes."""
+
+
+class MeshOptions(Table):
+    """What passes."""
+
+    tolerance: float = option(
+        1e-4, "largest relative difference of volume from the closed form that passes", gt=0, lt=1
+    )
+    coarse: float = option(1e-2, "largest such difference that is no more than a warning", gt=0, lt=1)
+    overhang: float = option(1e-5, "largest area hanging over by more than 45 deg that passes", "m2", ge=0)
+
+
+@dataclass(frozen=True, eq=False)
+class Studied:
+    """A part, and what is known of it; ``shells`` are empty where it is not closed or not oriented."""
+
+    part: Part
+    topology: Topology
+    shells: tuple[Shell, ...]
+
+    @property
+    def sound(self) -> bool:
+        """True where it is a solid: closed, and every shell faces as it should."""
+        return bool(self.shells) and not any(shell.inside_out or shell.cut for shell in self.shells)
+
+    @property
+    def volume(self) -> float:
+        """Of its material, mm3."""
+        return sum(shell.volume for shell in self.shells)
+
+
+def study(part: Part) -> Studied:
+    """Look at how a part's triangles hang together."""
+    found = topology(part.triangles)
+    return Studied(part, found, shells_of(part, found) if found.closed and found.oriented else ())
+
+
+class MeshChecker(Checker[MeshOptions]):
+    """What the meshes are, by their triangles alone; no other program is needed."""
+
+    name = "mesh"
+    Options: ClassVar[type[Table]] = MeshOptions
+
+    def check(self, job: PrintJob) -> Iterator[Finding]:
+        """Tell of unit, closedness, orientation, shells, mass, walls, size, and the way to stand."""
+        parts = [part for path in job.files for part in read_parts(path)]
+        studied = [study(part) for part in parts]
+        unit = _unit(parts)
+        yield unit
+        yield _copies(studied)
+        yield _closed(studied)
+        yield _oriented(studied)
+        yield _shells(studied, job)
+        if unit.state is State.FAIL:
+            for check in ("mass", "wall", "bed", "standing"):
+                yield Finding(check, State.SKIPPED, "the unit has to be mended first")
+            return
+        yield self._mass(studied, job)
+        yield _thinnest(studied, job)
+        yield _bed(parts, job)
+        for one in studied:
+            yield self._standing(one, job, len(studied))
+
+    def _mass(self, studied: Sequence[Studied], job: PrintJob) -> Finding:
+        if not all(one.sound for one in studied):
+            return Finding("mass", State.SKIPPED, "what is no solid has no volume")
+        volume = sum(one.volume for one in studied)
+        density = None if job.specimen is None else job.specimen.agent.body.hull_density
+        amount = f"{volume / 1000:.4f} cm3"
+        if density is not None:
+            amount += f", {volume / MM3_PER_M3 * density * 1000:.3f} g at {density:g} kg/m3"
+        if job.volume is None:
+            reason = "no agent is known that it is of: name one by --agent"
+            return Finding("mass", State.SKIPPED, f"{amount}; {reason}")
+        difference = volume / (job.volume * MM3_PER_M3) - 1
+        told = f"{amount}; {difference:+.1e} of the closed form"
+        if abs(difference) <= self.options.tolerance:
+            return Finding("mass", State.PASS, told)
+        if abs(difference) <= self.options.coarse:
+            return Finding("mass", State.WARN, f"{told}: a coarse mesh? export it with more segments")
+        if len(studied) > 1 and difference > 0 and job.specimen is not None and _is_whole(job):
+            return Finding(
+                "mass", State.WARN, f"{told}, in {len(studied)} parts: of a kit? check it with --kit"
+            )
+        return Finding(
+            "mass",
+            State.FAIL,
+            f"{amount}, where the closed form has {job.volume * 1e6:.4f} cm3: another agent, or a wall that is not its own",
+        )
+
+    def _standing(self, one: Studied, job: PrintJob, count: int) -> Finding:
+        name = one.part.name if count > 1 else ""
+        if not one.shells:
+            return Finding("standing", State.SKIPPED, "what is not closed has no underside", name)
+        hollow = sum(len(shell.triangles) for shell in one.shells if shell.hollow)
+        bed = _bed_of(job)
+        ways = stands(one.part.vertices, as_solid(one.shells), hollow)
+        best, now = best_stand(ways, bed), ways[0]
+        # The files of an agent in one piece stand on its aft end.
+        upright = job.specimen is not None and count == 1
+        words = {"as it stands": "fore end up", "upside down": "fore end down"} if upright else {}
+        shown = [
+            way for way in ways if way is not ways[-1] or not np.isclose(way.overhang, ways[-2].overhang)
+        ]
+        told = f"cm2 on the bed and hanging over: {', '.join(_told(way, words) for way in shown)}"
+        if best.name != now.name:
+            return Finding("standing", State.WARN, f"{told}; better {words.get(best.name, best.name)}", name)
+        if not now.steady:
+            return Finding("standing", State.WARN, f"{told}; no way is better, give it a brim", name)
+        support = "" if now.overhang <= self.options.overhang * MM_PER_M**2 else ", with support"
+        state = State.WARN if support else State.PASS
+        return Finding("standing", state, f"{told}; best {words.get(best.name, best.name)}{support}", name)
+
+
+def _bed_of(job: PrintJob) -> FloatArray:
+    return MM_PER_M * np.array(job.printer.bed)
+
+
+def _told(way: Stand, words: Mapping[str, str]) -> str:
+    inside = f" ({way.enclosed / 100:.1f} of it enclosed)" if way.enclosed >= 5 else ""
+    return f"{words.get(way.name, way.name)} {way.contact / 100:.1f} and {way.overhang / 100:.1f}{inside}"
+
+
+def _unit(parts: Sequence[Part]) -> Finding:
+    largest = max(float(part.size.max()) for part in parts)
+    if largest < _SMALLEST:
+        return Finding(
+            "unit",
+            State.FAIL,
+            f"{largest:.4g} mm at its largest: in metres? scale it by 1000, printers take mm",
+        )
+    if largest > _LARGEST:
+        return Finding(
+            "unit",
+            State.FAIL,
+            f"{largest / 1000:.4g} m at its largest: in micrometres, or a GLB in mm? scale it by 0.001",
+        )
+    return Finding("unit", State.PASS, f"mm: {largest:.2f} mm at its largest")
+
+
+def _among(studied: Sequence[Studied], faults: Sequence[str]) -> str:
+    """The faults of the parts, each with the name of its part where there are several."""
+    named = zip(studied, faults, strict=True)
+    return "; ".join(
+        f"{one.part.name}: {fault}" if len(studied) > 1 else fault for one, fault in named if fault
+    )
+
+
+def _many(count: int, what: str, plural: str = "") -> str:
+    return f"{count} {what if count == 1 else plural or what + 's'}"
+
+
+def _copies(studied: Sequence[Studied]) -> Finding:
+    faults = [
+        f"{_many(one.topology.copies, 'triangle')} twice" if one.topology.copies else "" for one in studied
+    ]
+    if told := _among(studied, faults):
+        return Finding("duplicate faces", State.FAIL, f"{told}: leave the copies out")
+    count = sum(len(one.part.triangles) for one in studied)
+    return Finding("duplicate faces", State.PASS, f"none among {count} triangles")
+
+
+def _closed(studied: Sequence[Studied]) -> Finding:
+    faults = []
+    for one in studied:
+        t = one.topology
+        told = []
+        if t.open_edges:
+            told.append(
+                f"{_many(t.open_edges, 'open edge')} round {_many(t.holes, 'hole')}: faces are missing"
+            )
+        if t.crowded_edges:
+            told.append(f"{_many(t.crowded_edges, 'edge')} of three faces or more")
+        faults.append(", ".join(told))
+    if told_of := _among(studied, faults):
+        return Finding("closed", State.FAIL, told_of)
+    return Finding("closed", State.PASS, "every edge has two faces")
+
+
+def _oriented(studied: Sequence[Studied]) -> Finding:
+    faults = [
+        f"{_many(one.topology.flipped, 'face')} turned against the rest" if one.topology.flipped else ""
+        for one in studied
+    ]
+    if told := _among(studied, faults):
+        return Finding("oriented", State.FAIL, told)
+    return Finding("oriented", State.PASS, "neighbours face the same way")
+
+
+def _shells(studied: Sequence[Studied], job: PrintJob) -> Finding:
+    if not all(one.shells for one in studied):
+        return Finding("shells", State.SKIPPED, "what is not closed and oriented has no inside")
+    faults = [_turned(one.shells) for one in studied]
+    if told := _among(studied, faults):
+        return Finding("shells", State.FAIL, told)
+    if job.specimen is not None and len(studied) == 1 and _is_whole(job):
+        expected = 1 + bool(len(job.specimen.agent.body.cavity))
+        count = len(studied[0].shells)
+        if count != expected:
+            return Finding(
+                "shells", State.FAIL, f"{_many(count, 'shell')}, where the hull of the agent has {expected}"
+            )
+    loose = [sum(not shell.hollow for shell in one.shells) - 1 for one in studied]
+    told = _among(studied, [f"{_many(n + 1, 'piece')} that do not touch" if n else "" for n in loose])
+    if told:
+        return Finding("shells", State.WARN, told)
+    hollows = sum(shell.hollow for one in studied for shell in one.shells)
+    outside = "an outside" if len(studied) == 1 else f"{len(studied)} outsides"
+    return Finding("shells", State.PASS, f"{outside} and {_many(hollows, 'hollow')}, each facing its way")
+
+
+def _is_whole(job: PrintJob) -> bool:
+    """Tell whether the files are of the agent's hull in one piece, and not of a kit."""
+    assert job.specimen is not None
+    return job.volume is not None and bool(np.isclose(job.volume, hull_volume(job.specimen.agent.body)))
+
+
+def _turned(shells: Sequence[Shell]) -> str:
+    if any(shell.cut for shell in shells):
+        return "shells pass through one another"
+    wrong = [shell for shell in shells if shell.inside_out]
+    if not wrong:
+        return ""
+    if len(wrong) == len(shells):
+        return "everything is inside out: its volume is negative; turn all faces"
+    hollows = sum(shell.hollow for shell in wrong)
+    told = [f"{_many(hollows, 'hollow')} inside out: printed as material, not as air"] if hollows else []
+    if len(wrong) > hollows:
+        told.append(f"{_many(len(wrong) - hollows, 'outside')} inside out")
+    return ", ".join(told)
+
+
+def _thinnest(studied: Sequence[Studied], job: PrintJob) -> Finding:
+    if not all(one.shells for one in studied):
+        return Finding("wall", State.SKIPPED, "what is not closed and oriented has no wall to measure")
+    nozzle = MM_PER_M * job.printer.nozzle
+    thin: Wall | None = None
+    where = ""
+    for one in studied:
+        wall = thinnest_wall(one.part.vertices, as_solid(one.shells))
+        if wall is not None and (thin is None or wall.thickness < thin.thickness):
+            thin, where = wall, f"{one.part.name}, " if len(studied) > 1 else ""
+    if thin is None:
+        return Finding("wall", State.PASS, f"none thinner than {REACH:g} mm")
+    x, y, z = thin.where
+    told = f"{thin.thickness:.3f} mm at its thinnest ({where}x {x:.1f}, y {y:.1f}, z {z:.1f})"
+    if thin.thickness < nozzle:
+        return Finding("wall", State.FAIL, f"{told}: less than the nozzle's {nozzle:g} mm")
+    if thin.thickness < _LINES * nozzle:
+        return Finding(
+            "wall", State.WARN, f"{told}: less than {_LINES} lines of the {nozzle:g} mm nozzle; it may leak"
+        )
+    return Finding("wall", State.PASS, f"{told}: {thin.thickness / nozzle:.1f} lines of {nozzle:g} mm")
+
+
+def _bed(parts: Sequence[Part], job: PrintJob) -> Finding:
+    bed = _bed_of(job)
+    room = " x ".join(f"{side:g}" for side in bed)
+    faults = []
+    for part in parts:
+        ways = stands(part.vertices, part.triangles, 0)
+        if ways[0].fits(bed):
+            continue
+        size = " x ".join(f"{side:.1f}" for side in part.size)
+        name = f"{part.name}: " if len(parts) > 1 else ""
+        other = next((way.name for way in ways if way.fits(bed)), None)
+        step = f"it would fit {other}" if other else "split it: export it with --kit"
+        faults.append(
+            f"{name}{size} mm is too {'tall' if part.size[2] > bed[2] else 'wide'} for {room} mm; {step}"
+        )
+    if faults:
+        return Finding("bed", State.FAIL, "; ".join(faults))
+    lowest = np.min([part.bounds[0] for part in parts], axis=0)
+    highest = np.max([part.bounds[1] for part in parts], axis=0)
+    plate = sorted((highest - lowest)[:2])
+    if len(parts) > 1 and (np.array(plate) > sorted(bed[:2])).any():
+        return Finding(
+            "bed",
+            State.WARN,
+            f"each part fits {room} mm, together they lie on {plate[1]:.0f} x {plate[0]:.0f} mm: arrange them anew",
+        )
+    size = " x ".join(f"{side:.1f}" for side in (highest - lowest))
+    return Finding("bed", State.PASS, f"{size} mm fits {room} mm")

@@ -1,0 +1,84 @@
+"""What OpenSCAD makes of the source."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import ClassVar
+
+from driftform.errors import InputError, WorkFailedError
+from driftform.interfaces import Checker, PrintJob
+from driftform.options import Table, option
+from driftform.types import Finding, State
+from driftform_printability.parts import MM3_PER_M3, signed_volume
+from driftform_printability.programs import missing, output_of
+
+_TIMEOUT = 300.0
+
+
+def render(source: Path, folder: Path, timeout: float = _TIMEOUT) -> Path:
+    """Render OpenSCAD source to a mesh within ``folder``, and return its path.
+
+    Raises
+    ------
+    WorkFailedError
+        where OpenSCAD is not there or does not come to an end.
+    InputError
+        where it makes no solid of the source, or leaves out a part of it; the message has its reason.
+    """
+    if reason := missing("openscad"):
+        raise WorkFailedError(f"{source}: can be read by OpenSCAD only: {reason}")
+    mesh = folder / "rendered.stl"
+    said = output_of(["openscad", "-o", str(mesh), str(source.resolve())], folder, timeout)
+    # A part that could not be made is left out with no more than such a line.
+    faults = [line.strip() for line in said.splitlines() if "ERROR" in line or "WARNING" in line]
+    if faults or not mesh.is_file():
+        raise InputError(f"{source}: OpenSCAD: {faults[0] if faults else 'it makes no solid of it'}")
+    return mesh
+
+
+class OpenScadOptions(Table):
+    """How OpenSCAD is asked."""
+
+    timeout: float = option(_TIMEOUT, "longest time that it may take", "s", gt=0)
+    tolerance: float = option(1e-4, "largest relative difference of volume that passes", gt=0, lt=1)
+
+
+class OpenScadChecker(Checker[OpenScadOptions]):
+    """The OpenSCAD source that belongs to the files, rendered: its volume beside theirs."""
+
+    name = "openscad"
+    program = "openscad"
+    Options: ClassVar[type[Table]] = OpenScadOptions
+
+    def check(self, job: PrintJob) -> Iterator[Finding]:
+        """Tell the volume of the source, and whether it is that of the meshes."""
+        yield self._finding(job)
+
+    def _finding(self, job: PrintJob) -> Finding:
+        from driftform_printability.reading import read_parts
+
+        if job.source is None:
+            return Finding(self.name, State.SKIPPED, "there is no OpenSCAD source of it to render")
+        if reason := missing(self.program):
+            return Finding(self.name, State.SKIPPED, reason)
+        with TemporaryDirectory() as folder:
+            try:
+                rendered = read_parts(render(job.source, Path(folder), self.options.timeout))
+            except InputError as error:
+                return Finding(self.name, State.FAIL, str(error).removeprefix(f"{job.source}: OpenSCAD: "))
+            except WorkFailedError as error:
+                return Finding(self.name, State.SKIPPED, str(error))
+        volume = sum(signed_volume(part.corners) for part in rendered)
+        parts = [part for path in job.files for part in read_parts(path)]
+        others = {"the mesh": sum(signed_volume(part.corners) for part in parts)}
+        if job.volume is not None:
+            # A broken mesh says nothing of the source.
+            others["the closed form"] = job.volume * MM3_PER_M3
+        differences = {what: volume / other - 1 if other else float("inf") for what, other in others.items()}
+        what = min(differences, key=lambda name: abs(differences[name]))
+        sound = abs(differences[what]) <= self.options.tolerance
+        return Finding(
+            self.name,
+            State.PASS if sound else State.FAIL,
+            f"its source renders to {volume / 1000:.4f} cm3, {differences[what]:+.1e} of {what}",
+        )

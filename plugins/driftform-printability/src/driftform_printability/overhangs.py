@@ -1,0 +1,109 @@
+"""How a part may stand on the bed: what it would stand on, and what would hang over."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from driftform.types import FloatArray
+from driftform_printability.parts import IntArray, doubled_areas
+
+STEEPEST = np.radians(45)
+"""Overhang, from the vertical, that prints without support."""
+
+_FIRST_LAYER = 0.05
+"""mm: what is no higher above the bed is pressed onto it with the first layer."""
+
+_STEADY = 1 / 10
+"""Least side of the square of contact, as a share of the height, that holds a part without a brim."""
+
+TURNS: dict[str, FloatArray] = {
+    "as it stands": np.eye(3),
+    "upside down": np.diag([1.0, -1.0, -1.0]),
+    "lying": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
+    "on its other side": np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]),
+}
+"""Rotations, by what they make of a part whose axis is along z."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stand:
+    """One way for a part to stand.
+
+    Attributes
+    ----------
+    name
+        that of :data:`TURNS`.
+    size
+        width, depth and height, mm, (3,).
+    contact
+        area on the bed, mm2.
+    overhang
+        area that hangs over too far, mm2.
+    enclosed
+        of it in closed hollows, where no support can be taken out again, mm2.
+    """
+
+    name: str
+    size: FloatArray
+    contact: float
+    overhang: float
+    enclosed: float
+
+    @property
+    def steady(self) -> bool:
+        """True where its contact holds it without a brim."""
+        return bool(np.sqrt(self.contact) >= _STEADY * self.size[2])
+
+    def fits(self, bed: FloatArray) -> bool:
+        """Tell whether it fits a bed (mm, (3,)), turned about the vertical by a right angle if need be."""
+        across, along = sorted(self.size[:2]), sorted(bed[:2])
+        room = 1e-6 * float(bed.max())
+        return bool((np.array([*across, self.size[2]]) <= np.array([*along, bed[2]]) + room).all())
+
+
+def stands(vertices: FloatArray, triangles: IntArray, hollow: int) -> tuple[Stand, ...]:
+    """Return the ways of :data:`TURNS`.
+
+    Parameters
+    ----------
+    vertices
+        mm, (n, 3).
+    triangles
+        facing outward, (m, 3); the last ``hollow`` of them are the walls of closed hollows.
+    hollow
+        how many those are.
+    """
+    normals = doubled_areas(vertices[triangles])
+    area = np.linalg.norm(normals, axis=1) / 2
+    sound = area > 0
+    normals, area, corners = normals[sound] / (2 * area[sound, None]), area[sound], triangles[sound]
+    enclosed = (np.arange(len(triangles)) >= len(triangles) - hollow)[sound]
+    found = []
+    for name, turn in TURNS.items():
+        turned = vertices @ turn.T
+        lowest, highest = turned.min(axis=0), turned.max(axis=0)
+        down = -(normals @ turn.T)[:, 2]
+        on_bed = (turned[corners, 2] <= lowest[2] + _FIRST_LAYER).all(axis=1)
+        # A hundredth of a degree more, so that a slope of just that overhang is none for its rounding.
+        hanging = (down > np.sin(STEEPEST + 2e-4)) & ~on_bed
+        found.append(
+            Stand(
+                name=name,
+                size=highest - lowest,
+                contact=float((area * down)[on_bed & (down > 0)].sum()),
+                overhang=float(area[hanging].sum()),
+                enclosed=float(area[hanging & enclosed].sum()),
+            )
+        )
+    return tuple(found)
+
+
+def best_stand(ways: tuple[Stand, ...], bed: FloatArray) -> Stand:
+    """The way that fits the bed, is steady, and hangs over least; the first of those that are as good, to 1 %."""
+    least = min(way.overhang for way in ways)
+
+    def rank(way: Stand) -> tuple[bool, bool, float]:
+        slack = 0.01 * max(least, 10.0)
+        return (not way.fits(bed), not way.steady, round((way.overhang - least) / slack))
+
+    return min(ways, key=rank)

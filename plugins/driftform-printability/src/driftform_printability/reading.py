@@ -1,0 +1,103 @@
+"""Printable files -> their parts, in mm and z up, whatever the format."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from driftform.errors import InputError, WorkFailedError
+from driftform_printability.openscad import render
+from driftform_printability.parts import MM_PER_M, Part, welded
+from driftform_printability.threemf import read_3mf
+
+# glTF is in metres and y up: here z is up, and the axis that came towards the viewer points along -y.
+_FROM_GLTF = MM_PER_M * np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+
+
+_LONGEST_NAME = 40
+
+
+def read_parts(path: Path) -> tuple[Part, ...]:
+    """Return the parts of a file, one at least.
+
+    STL, OBJ and PLY have no unit and are taken to be in mm; 3MF says its unit, GLB is in metres with y up. OpenSCAD
+    source is rendered.
+
+    Raises
+    ------
+    InputError
+        where it is no file of its format, or holds no triangle.
+    WorkFailedError
+        where OpenSCAD is needed and not there.
+    """
+    try:
+        status = path.stat()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    return _read(path, status.st_mtime_ns, status.st_size)
+
+
+@lru_cache(maxsize=32)
+def _read(path: Path, _changed: int, _size: int) -> tuple[Part, ...]:
+    suffix = path.suffix.lower()
+    if suffix not in _READERS:
+        raise InputError(f"{path}: is no printable file by its suffix; known: {', '.join(sorted(_READERS))}")
+    try:
+        parts = _READERS[suffix](path)
+    except (InputError, WorkFailedError):
+        raise
+    except Exception as error:
+        # A reader of strangers' files fails in whatever way it likes.
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{path}: cannot be read as {suffix[1:].upper()}: {reason}") from None
+    parts = tuple(part for part in parts if len(part.triangles))
+    if not parts:
+        raise InputError(f"{path}: holds no triangle")
+    for part in parts:
+        if not np.isfinite(part.vertices).all():
+            raise InputError(f"{path}: {part.name} has coordinates that are not finite")
+    return tuple(replace(part, name=_plain(part.name)) for part in parts)
+
+
+def _plain(name: str) -> str:
+    """A name as a line of a report can hold it: a stranger's file neither breaks it nor moves the cursor."""
+    return "".join(c for c in name if c.isprintable())[:_LONGEST_NAME] or "part"
+
+
+def _with_trimesh(path: Path) -> tuple[Part, ...]:
+    import trimesh
+
+    scene = trimesh.load_scene(path, process=False, skip_materials=True, split_object=True)
+    found = []
+    for node in scene.graph.nodes_geometry:
+        transform, name = scene.graph[node]
+        mesh = scene.geometry[name]
+        if not isinstance(mesh, trimesh.Trimesh):
+            continue
+        vertices = mesh.vertices @ transform[:3, :3].T + transform[:3, 3]
+        triangles = mesh.faces if np.linalg.det(transform[:3, :3]) > 0 else mesh.faces[:, ::-1]
+        found.append(welded(path.stem if len(scene.geometry) == 1 else str(name), vertices, triangles))
+    return tuple(found)
+
+
+def _gltf(path: Path) -> tuple[Part, ...]:
+    return tuple(welded(p.name, p.vertices @ _FROM_GLTF.T, p.triangles) for p in _with_trimesh(path))
+
+
+def _scad(path: Path) -> tuple[Part, ...]:
+    with TemporaryDirectory() as folder:
+        [part] = _with_trimesh(render(path, Path(folder)))
+    return (Part(path.stem, part.vertices, part.triangles),)
+
+
+_READERS: dict[str, Callable[[Path], tuple[Part, ...]]] = {
+    ".stl": _with_trimesh,
+    ".obj": _with_trimesh,
+    ".ply": _with_trimesh,
+    ".glb": _gltf,
+    ".3mf": read_3mf,
+    ".scad": _scad,
+}

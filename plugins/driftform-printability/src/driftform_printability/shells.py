@@ -1,0 +1,75 @@
+"""The closed surfaces of a part: which lies within which, and whether each faces the right way.
+
+A solid's outside faces outward and its volume is positive; a hollow within faces into the hollow and its volume is
+negative; a loose piece within a hollow is positive again. A mesh whose hollow is inside out is closed and manifold
+all the same, so it is the nesting that has to be asked.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from driftform.types import FloatArray
+from driftform_printability.parts import IntArray, Part, signed_volume
+from driftform_printability.topology import Topology, winding_numbers
+
+_PROBES = 32
+"""Vertices of a surface that are asked whether they lie within another."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shell:
+    """One closed surface: its triangles, signed volume (mm3), and the number of shells that it lies within.
+
+    ``cut`` tells that it lies partly within another: they pass through one another.
+    """
+
+    triangles: IntArray
+    volume: float
+    depth: int
+    cut: bool
+
+    @property
+    def hollow(self) -> bool:
+        """True for the wall of a hollow, False for an outside."""
+        return self.depth % 2 == 1
+
+    @property
+    def inside_out(self) -> bool:
+        """True where it faces the wrong way for its place."""
+        return (self.volume < 0) != self.hollow
+
+
+def shells_of(part: Part, topology: Topology) -> tuple[Shell, ...]:
+    """Return the shells of a closed, oriented part, the outermost first."""
+    groups = [topology.triangles[topology.surface == n] for n in range(int(topology.surface.max()) + 1)]
+    corners = [part.vertices[group] for group in groups]
+    boxes = [(c.reshape(-1, 3).min(axis=0), c.reshape(-1, 3).max(axis=0)) for c in corners]
+    shells = []
+    for i, group in enumerate(groups):
+        inside = [
+            _share_within(corners[i].reshape(-1, 3), corners[j])
+            for j in range(len(groups))
+            if j != i and (boxes[i][1] >= boxes[j][0]).all() and (boxes[i][0] <= boxes[j][1]).all()
+        ]
+        shells.append(
+            Shell(
+                triangles=group,
+                volume=signed_volume(corners[i]),
+                depth=sum(share > 0.5 for share in inside),
+                cut=any(0 < share < 1 for share in inside),
+            )
+        )
+    return tuple(sorted(shells, key=lambda shell: (shell.depth, -abs(shell.volume))))
+
+
+def _share_within(points: FloatArray, corners: FloatArray) -> float:
+    chosen = np.unique(points, axis=0)
+    chosen = chosen[np.linspace(0, len(chosen) - 1, min(_PROBES, len(chosen))).astype(int)]
+    return float((np.abs(winding_numbers(chosen, corners)) > 0.5).mean())
+
+
+def as_solid(shells: tuple[Shell, ...]) -> IntArray:
+    """The triangles of all shells, each turned to face as its place demands, (m, 3)."""
+    turned = [s.triangles[:, ::-1] if s.inside_out else s.triangles for s in shells]
+    return np.concatenate(turned)

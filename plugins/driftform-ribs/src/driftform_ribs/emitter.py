@@ -1,0 +1,74 @@
+"""An emitter for genomes of symbols: pyribs brings those for vectors of numbers."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from ribs.archives import ArchiveBase
+from ribs.emitters import EmitterBase
+
+from driftform.interfaces import Grammar
+from driftform.strategies.breeding import bred
+from driftform.types import Genome
+
+ObjectArray = npt.NDArray[np.object_]
+"""Solutions as pyribs wants them: an array of genomes, (n,)."""
+
+
+def as_solutions(genomes: list[Genome]) -> ObjectArray:
+    """Return genomes as an array of objects, (n,)."""
+    solutions = np.empty(len(genomes), dtype=object)
+    solutions[:] = genomes
+    return solutions
+
+
+class SymbolEmitter(EmitterBase):
+    """Breeds elites of an archive by the operators of a grammar, which alone knows the structure of its genomes.
+
+    A solution is a genome as it stands: an archive with ``solution_dim=()`` and ``solution_dtype=object`` keeps it.
+    Nothing turns symbols into numbers, so that genomes of any length and alphabet will do.
+
+    Attributes
+    ----------
+    parents
+        the evaluations that the solutions last asked for descend from, in their order. The archive must have a field
+        ``evaluation``.
+    """
+
+    def __init__(
+        self,
+        archive: ArchiveBase,
+        grammar: Grammar[Any],
+        rng: np.random.Generator,
+        *,
+        batch: int,
+        crossover: float,
+        mutation_rate: float,
+    ) -> None:
+        super().__init__(archive, solution_dim=(), bounds=None, lower_bounds=None, upper_bounds=None)
+        self.parents: list[tuple[int, ...]] = []
+        self._grammar, self._rng, self._batch = grammar, rng, batch
+        self._crossover, self._mutation_rate = crossover, mutation_rate
+
+    def ask(self) -> ObjectArray:
+        """Return offspring of elites drawn uniformly, or random genomes where there are none yet, (batch,)."""
+        if self.archive.empty:
+            self.parents = [()] * self._batch
+            return as_solutions([self._grammar.random(self._rng) for _ in range(self._batch)])
+        # Drawn by our generator and not by the archive's, so that all that happens follows from one seed.
+        elites = self.archive.data(["solution", "evaluation"])
+        genomes, evaluations = elites["solution"], elites["evaluation"]
+        self.parents, offspring = [], []
+        for i, j in self._rng.integers(len(genomes), size=(self._batch, 2)):
+            child, crossed = bred(
+                self._grammar,
+                genomes[i],
+                genomes[j],
+                self._rng,
+                crossover=self._crossover,
+                mutation_rate=self._mutation_rate,
+            )
+            of = tuple(evaluations[[i, j] if crossed else [i]].tolist())
+            self.parents.append(of)
+            offspring.append(child)
+        return as_solutions(offspring)

@@ -1,0 +1,19 @@
+"""Agents for the simulators of roboticists: Gazebo, the UUV simulator and MuJoCo, as driftform plugins."""
+
+from typing import TYPE_CHECKING, Any
+
+from driftform import hookimpl
+
+if TYPE_CHECKING:
+    from driftform.interfaces import Exporter
+
+
+@hookimpl
+def driftform_exporter() -> "list[type[Exporter[Any]]]":
+    """Models, and worlds with the pipe and the current around them."""
+    from driftform_robotics.models.mjcf import MjcfExporter
+    from driftform_robotics.models.sdf import SdfExporter
+    from driftform_robotics.models.urdf import UrdfExporter
+    from driftform_robotics.models.uuv import UuvExporter
+
+    return [MjcfExporter, SdfExporter, UrdfExporter, UuvExporter]

@@ -1,0 +1,78 @@
+"""Drag -> quadratic damping about the centre of gravity, as other simulators take it."""
+
+import numpy as np
+
+from driftform.dynamics.drag import axial_drag, strip_drag
+from driftform.dynamics.inertia import shifted
+from driftform.dynamics.terminal import terminal_speeds
+from driftform.scenario import Fluid
+from driftform.types import Agent, FloatArray
+
+SLOWEST = 0.05
+"""Least speed, m/s, at which drag is taken: of a neutral agent, which would not move through the water at all."""
+
+
+def linear_damping(agent: Agent) -> FloatArray:
+    """Return D_1 about the centre of gravity, (6, 6); it is the same damping."""
+    coefficients = agent.coefficients
+    return shifted(coefficients.linear_damping, agent.mass.cog - coefficients.origin)
+
+
+def reference_speed(agent: Agent, fluid: Fluid) -> float:
+    """Return the speed, m/s, at which an agent rises or sinks across its axis by its drag by strips."""
+    drag, mass = agent.coefficients.drag, agent.mass
+    if drag is None:
+        return SLOWEST
+    net = (fluid.density * mass.volume - mass.mass) * fluid.gravity
+    _, across = terminal_speeds(drag, net, True, fluid.density, fluid.viscosity)
+    return max(across, SLOWEST)
+
+
+def quadratic_damping(agent: Agent, fluid: Fluid, speed: float) -> FloatArray:
+    """Return D_2 about the centre of gravity, (6, 6): force and moment are -D_2 |nu| nu, component by component.
+
+    Column j gives what the agent really feels where it moves along axis j alone at ``speed`` (m/s), or turns about it
+    so fast that its ends, half its length from the middle, move at that speed; the mean of both directions. Motions
+    along several axes at once add up, which those of strips do not: there the lateral speed as a whole counts.
+    Quadratic damping that an agent has about its centre of gravity already comes out as it is.
+    """
+    rates = np.repeat([speed, 2 * speed / agent.body.length], 3)
+    columns = []
+    for j, rate in enumerate(rates):
+        nu = np.zeros(6)
+        nu[j] = rate
+        columns.append(
+            (quadratic_wrench(agent, fluid, -nu) - quadratic_wrench(agent, fluid, nu)) / (2 * rate**2)
+        )
+    return np.column_stack(columns)
+
+
+def quadratic_wrench(agent: Agent, fluid: Fluid, nu: FloatArray) -> FloatArray:
+    """Return force and moment about the centre of gravity of all damping but the linear, N and N m, (6,).
+
+    ``nu`` is the velocity of the centre of gravity relative to the water, and the angular velocity, in body axes, (6,).
+    """
+    coefficients, cog = agent.coefficients, agent.mass.cog
+    velocity, omega = nu[:3], nu[3:]
+    wrench = np.zeros(6)
+
+    def add(force: FloatArray, point: FloatArray) -> None:
+        wrench[:3] += force
+        wrench[3:] += np.cross(point - cog, force)
+
+    there = np.concatenate((velocity + np.cross(omega, coefficients.origin - cog), omega))
+    damping = -coefficients.quadratic_damping @ (np.abs(there) * there)
+    wrench[3:] += damping[3:]
+    add(damping[:3], coefficients.origin)
+    drag = coefficients.drag
+    if drag is not None:
+        still = (0.0, 0.0, 0.0)
+        x, y, z = (velocity - np.cross(omega, cog)).tolist()
+        p, q, r = omega.tolist()
+        for strip in drag.strips:
+            force = strip_drag((x, y, z), (p, q, r), still, 0.0, (fluid.density, fluid.viscosity, 1.0), strip)
+            add(np.array(force), np.array([strip[0], 0.0, 0.0]))
+        axial = np.array([drag.friction_area, drag.length, drag.ahead, drag.astern])
+        along = axial_drag(x, fluid.density, fluid.viscosity, axial)
+        add(np.array([along, 0.0, 0.0]), np.zeros(3))
+    return wrench

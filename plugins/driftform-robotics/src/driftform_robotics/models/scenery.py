@@ -1,0 +1,95 @@
+"""What SDF worlds have around the agent: light, the pipe and its targets."""
+
+import xml.etree.ElementTree as ET
+
+import numpy as np
+
+from driftform.scenario import Scenario
+from driftform.types import FloatArray
+from driftform_robotics.models.pipe import bore_of
+from driftform_robotics.models.xml import add, note, number, numbers, pose
+
+_GLASS, _RED = "0.6 0.8 0.9 1", "0.9 0.2 0.1 1"
+
+
+def add_light(world: ET.Element) -> None:
+    """Append a light from above, so that the world needs none from elsewhere."""
+    light = add(world, "light", type="directional", name="sun")
+    add(light, "pose", "0 0 10 0 0 0")
+    add(light, "cast_shadows", "false")
+    add(light, "diffuse", "0.8 0.8 0.8 1")
+    add(light, "specular", "0.2 0.2 0.2 1")
+    add(light, "direction", "-0.3 0.4 -0.9")
+
+
+def add_friction(collision: ET.Element, coefficient: float) -> None:
+    """Append a surface with Coulomb friction to a collision."""
+    ode = add(add(add(collision, "surface"), "friction"), "ode")
+    add(ode, "mu", number(coefficient))
+    add(ode, "mu2", number(coefficient))
+
+
+def add_mesh(parent: ET.Element, uri: str) -> None:
+    """Append a mesh to a visual or to a collision."""
+    add(add(add(parent, "geometry"), "mesh"), "uri", uri)
+
+
+def _material(visual: ET.Element, colour: str) -> None:
+    material = add(visual, "material")
+    add(material, "ambient", colour)
+    add(material, "diffuse", colour)
+
+
+def add_pipe(world: ET.Element, scenario: Scenario, offset: FloatArray, meshes: list[str]) -> None:
+    """Append the pipe, moved by ``offset`` (m).
+
+    Its wall collides as planks. It looks like ``meshes``, one for each segment, or without any like the planks.
+    """
+    if not scenario.pipe.segments:
+        return
+    model = add(world, "model", name="pipe")
+    add(model, "static", "true")
+    for index, segment in enumerate(scenario.pipe.segments):
+        bore = bore_of(segment)
+        link = add(model, "link", name=f"segment_{index}")
+        add(link, "pose", pose(bore.position + offset, bore.rotation))
+        note(
+            link,
+            [
+                "The wall is a ring of planks: a mesh of it would be taken for its convex hull, which is solid."
+            ],
+        )
+        if meshes:
+            visual = add(link, "visual", name="wall")
+            _glassy(visual)
+            add_mesh(visual, meshes[index])
+        for k, plank in enumerate(bore.planks()):
+            shapes = [add(link, "collision", name=f"plank_{k}")]
+            add_friction(shapes[0], scenario.contact.friction)
+            if not meshes:
+                shapes.append(add(link, "visual", name=f"wall_{k}"))
+                _glassy(shapes[1])
+            for shape in shapes:
+                add(shape, "pose", pose(plank.position, plank.rotation))
+                add(add(add(shape, "geometry"), "box"), "size", numbers(plank.size))
+
+
+def _glassy(visual: ET.Element) -> None:
+    add(visual, "cast_shadows", "false")
+    add(visual, "transparency", "0.75")
+    _material(visual, _GLASS)
+
+
+def add_targets(world: ET.Element, scenario: Scenario, offset: FloatArray) -> None:
+    """Append the targets as marks that nothing collides with, moved by ``offset`` (m)."""
+    if not scenario.targets:
+        return
+    radius = 0.02 * min((segment.radius for segment in scenario.pipe.segments), default=1.0)
+    model = add(world, "model", name="targets")
+    add(model, "static", "true")
+    link = add(model, "link", name="marks")
+    for name, place in scenario.targets.items():
+        visual = add(link, "visual", name=name)
+        add(visual, "pose", pose(np.array(place) + offset))
+        _material(visual, _RED)
+        add(add(add(visual, "geometry"), "sphere"), "radius", number(radius))

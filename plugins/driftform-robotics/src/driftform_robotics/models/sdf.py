@@ -1,0 +1,303 @@
+"""SDF for Gazebo: a model of the agent, and a world with the pipe, the water and the current.
+
+What Gazebo does with these numbers is told by its sources: gz-sim, ``src/systems/hydrodynamics`` and
+``src/systems/buoyancy``; gz-physics, ``dartsim/src/AddedMassFeatures.cc``. Format: http://sdformat.org/spec.
+"""
+
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass
+from itertools import combinations_with_replacement
+from pathlib import Path
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from driftform.geometry.slices import slices
+from driftform.interfaces import Exporter, Specimen
+from driftform.options import Table, option
+from driftform.types import FloatArray, WrittenFile
+from driftform_robotics.models.folder import (
+    HULL,
+    PIPE,
+    facts_of,
+    hull_files,
+    piece_path,
+    pieces_of,
+    save,
+)
+from driftform_robotics.models.link import (
+    Link,
+    ModelOptions,
+    lagged,
+    link_of,
+    lost_by_a_uniform_current,
+    lost_by_damping,
+    lost_by_folding,
+)
+from driftform_robotics.models.meshes import Piece, obj_text
+from driftform_robotics.models.pipe import bore_of
+from driftform_robotics.models.scenery import add_friction, add_light, add_mesh, add_pipe, add_targets
+from driftform_robotics.models.xml import add, document, fields, identifier, note, number, numbers, pose
+
+WORLD = "driftform"
+LINK = "base_link"
+
+_FORCES, _RATES = "xyzkmn", "UVWPQR"
+_SDF_AXES = "xyzpqr"
+
+_MOST_SPHERES = 40
+
+
+class SdfOptions(ModelOptions):
+    """Options of the exporter."""
+
+    gazebo: Literal["harmonic", "fortress"] = option(
+        "harmonic",
+        "'harmonic' and later releases read SDF 1.11; 'fortress' reads SDF 1.9 and takes the added mass "
+        "times the acceleration of the step before",
+    )
+    step: float = option(0.001, "time step of the world", "s", gt=0)
+
+
+@dataclass(frozen=True)
+class _Gazebo:
+    """What a release of Gazebo calls its own, and whether it solves the added mass together with the mass."""
+
+    sdf: str
+    system: str
+    namespace: str
+    messages: str
+    program: str
+    solves_added_mass: bool
+
+
+_GAZEBO = {
+    "harmonic": _Gazebo("1.11", "gz-sim", "gz::sim", "gz.msgs", "gz", True),
+    "fortress": _Gazebo("1.9", "ignition-gazebo", "ignition::gazebo", "ignition.msgs", "ign", False),
+}
+
+
+class SdfExporter(Exporter[SdfOptions]):
+    """A model for Gazebo and a world around it: pipe, water, current and buoyancy, ready for `gz sim world.sdf`.
+
+    The link's origin is the centre of gravity. The added mass is `<fluid_added_mass>`, which DART, Gazebo's usual
+    engine, solves together with the mass. The hull collides, and displaces water, as closed convex pieces.
+    """
+
+    name = "sdf"
+    suffix = "-sdf"
+    Options: ClassVar[type[Table]] = SdfOptions
+
+    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
+        """Write ``world.sdf``, ``model.sdf`` with its ``model.config``, meshes, and ``release.sh`` for an agent that
+        is released with a speed.
+
+        Facts: ``mass_kg``, ``cog_mm`` and ``cob_mm`` along the axis from the core's centre, ``volume_mm3``,
+        ``added_over_own_mass``, and what to ``beware`` of, if anything.
+
+        Raises
+        ------
+        WorkFailedError
+            where the body has no solid, or the files cannot be written.
+        """
+        body, scenario = specimen.agent.body, specimen.scenario
+        gazebo, title = _GAZEBO[self.options.gazebo], identifier(specimen.name)
+        pieces = pieces_of(body)
+        link = link_of(specimen, self.options.drag_speed)
+        beware = _beware(specimen, link, pieces, gazebo)
+
+        alone = ET.Element("sdf", version=gazebo.sdf)
+        _add_model(alone, title, specimen, link, pieces, gazebo, beware)
+        pipes = [bore_of(segment).mesh() for segment in scenario.pipe.segments]
+        files = {
+            "world.sdf": document(_world(specimen, link, pieces, gazebo, self.options.step, beware)),
+            "model.sdf": document(alone),
+            "model.config": document(_config(title, specimen.name, gazebo)),
+            **hull_files(body, specimen.agent.mass.cog, pieces),
+            **({PIPE: obj_text(pipes[0])} if pipes else {}),
+        }
+        if link.velocity.any():
+            files["release.sh"] = _release(title, link, gazebo, self.options.step)
+        return save(self.name, path, files, facts_of(link, beware))
+
+
+def _beware(specimen: Specimen, link: Link, pieces: list[Piece], gazebo: _Gazebo) -> list[str]:
+    scenario = specimen.scenario
+    found = lost_by_folding(specimen.agent.body) + lost_by_a_uniform_current(scenario) + lost_by_damping(link)
+    solid = sum(piece.volume for piece in pieces)
+    if abs(solid - link.volume) > 1e-6 * link.volume:
+        found.append(
+            f"Gazebo takes the displaced volume from the hull, {1e6 * solid:.6g} cm3; "
+            f"this agent displaces {1e6 * link.volume:.6g} cm3."
+        )
+    if not gazebo.solves_added_mass:
+        found += lagged(link, 1.0)
+    elif scenario.current().any():
+        found.append(
+            "In a current Gazebo lacks the force -M_A (w x u) on an agent that turns, u being the current in body "
+            "axes; gz-sim before April 2026 takes Munk's moment with the speed over ground. Water at rest is exact."
+        )
+    if link.velocity.any():
+        found.append("Run release.sh before you press play: SDF has no place for the speed of the release.")
+    return found
+
+
+def _config(title: str, name: str, gazebo: _Gazebo) -> ET.Element:
+    root = ET.Element("model")
+    add(root, "name", title)
+    add(root, "version", "1.0")
+    add(root, "sdf", "model.sdf", version=gazebo.sdf)
+    add(root, "description", f"The agent {name} of driftform")
+    return root
+
+
+def _plugin(parent: ET.Element, gazebo: _Gazebo, system: str, name: str) -> ET.Element:
+    return add(
+        parent,
+        "plugin",
+        filename=f"{gazebo.system}-{system}-system",
+        name=f"{gazebo.namespace}::systems::{name}",
+    )
+
+
+def _world(
+    specimen: Specimen, link: Link, pieces: list[Piece], gazebo: _Gazebo, step: float, beware: list[str]
+) -> ET.Element:
+    scenario = specimen.scenario
+    fluid = scenario.fluid
+    root = ET.Element("sdf", version=gazebo.sdf)
+    world = add(root, "world", name=WORLD)
+    physics = add(world, "physics", name="step", type="ignored")
+    add(physics, "max_step_size", number(step))
+    add(physics, "real_time_factor", "1")
+    add(world, "gravity", numbers([0.0, 0.0, -fluid.gravity]))
+    _plugin(world, gazebo, "physics", "Physics")
+    _plugin(world, gazebo, "user-commands", "UserCommands")
+    _plugin(world, gazebo, "scene-broadcaster", "SceneBroadcaster")
+    _plugin(world, gazebo, "apply-link-wrench", "ApplyLinkWrench")
+    title = identifier(specimen.name)
+    buoyancy = _plugin(world, gazebo, "buoyancy", "Buoyancy")
+    if fluid.water_level is None:
+        add(buoyancy, "uniform_fluid_density", number(fluid.density))
+    else:
+        graded = add(buoyancy, "graded_buoyancy")
+        add(graded, "default_density", number(fluid.density))
+        change = add(graded, "density_change")
+        add(change, "above_depth", number(fluid.water_level))
+        add(change, "density", "0")
+    add(buoyancy, "enable", title)
+    scene = add(world, "scene")
+    add(scene, "ambient", "0.6 0.6 0.6 1")
+    add(scene, "background", "0.7 0.8 0.9 1")
+    add(scene, "shadows", "false")
+    add_light(world)
+    add_pipe(world, scenario, np.zeros(3), [PIPE] * len(scenario.pipe.segments))
+    add_targets(world, scenario, np.zeros(3))
+    _add_model(world, title, specimen, link, pieces, gazebo, beware, pose(link.position, link.rotation))
+    return root
+
+
+def _add_model(
+    parent: ET.Element,
+    title: str,
+    specimen: Specimen,
+    link: Link,
+    pieces: list[Piece],
+    gazebo: _Gazebo,
+    beware: list[str],
+    place: str = "",
+) -> None:
+    scenario, cog = specimen.scenario, specimen.agent.mass.cog
+    model = add(parent, "model", name=title)
+    note(model, ["The origin is the centre of gravity; x is the axis, forward; z is up.", *beware])
+    if place:
+        add(model, "pose", place)
+    element = add(model, "link", name=LINK)
+    inertial = add(element, "inertial")
+    add(inertial, "mass", number(link.mass))
+    inertia = add(inertial, "inertia")
+    for i, j in combinations_with_replacement(range(3), 2):
+        add(inertia, f"i{'xyz'[i]}{'xyz'[j]}", number(link.inertia[i, j]))
+    if gazebo.solves_added_mass:
+        added = add(inertial, "fluid_added_mass")
+        for i, j in combinations_with_replacement(range(6), 2):
+            add(added, f"{_SDF_AXES[i]}{_SDF_AXES[j]}", number(link.added_mass[i, j]))
+    add_mesh(add(element, "visual", name="hull"), HULL)
+    note(
+        element,
+        [
+            "Each piece is convex, and its mesh is about its own centroid: Gazebo takes a piece's place for the "
+            "centre of its buoyancy."
+        ],
+    )
+    for index, piece in enumerate(pieces):
+        collision = add(element, "collision", name=f"piece_{index}")
+        add(collision, "pose", pose(np.array([piece.x, 0.0, 0.0]) - cog))
+        add_mesh(collision, piece_path(index))
+        add_friction(collision, scenario.contact.friction)
+    if scenario.fluid.water_level is not None:
+        _add_spheres(element, specimen)
+    # After the link, because a frame may be attached only to what is known.
+    core = add(model, "frame", name="core", attached_to=LINK)
+    add(core, "pose", pose(link.core))
+    _add_hydrodynamics(model, specimen, link, gazebo)
+
+
+def _add_spheres(element: ET.Element, specimen: Specimen) -> None:
+    """At a free surface Gazebo takes no mesh for buoyancy, and turns no shape but a sphere with the body."""
+    body, cog = specimen.agent.body, specimen.agent.mass.cog
+    count = int(np.clip(round(1.5 * body.length / body.max_diameter), 4, _MOST_SPHERES))
+    note(
+        element, ["Buoyancy at a free surface: spheres of the volume of slices, which nothing collides with."]
+    )
+    for index, (x, volume, _) in enumerate(slices(body.outer, count)):
+        collision = add(element, "collision", name=f"slice_{index}")
+        add(collision, "pose", pose(np.array([x, 0.0, 0.0]) - cog))
+        add(add(add(collision, "geometry"), "sphere"), "radius", number(np.cbrt(0.75 * volume / np.pi)))
+        add(add(add(collision, "surface"), "contact"), "collide_bitmask", "0")
+
+
+def _add_hydrodynamics(model: ET.Element, specimen: Specimen, link: Link, gazebo: _Gazebo) -> None:
+    plugin = _plugin(model, gazebo, "hydrodynamics", "Hydrodynamics")
+    add(plugin, "link_name", LINK)
+    note(plugin, ["The current, world frame, m/s."])
+    add(plugin, "default_current", numbers(specimen.scenario.current()))
+    lines = {
+        f"{_FORCES[i]}{_RATES[j]}": -link.linear_damping[i, j] for i, j in _entries(link.linear_damping)
+    } | {
+        f"{_FORCES[i]}{_RATES[j]}abs{_RATES[j]}": -link.quadratic_damping[i, j]
+        for i, j in _entries(link.quadratic_damping)
+    }
+    if lines:
+        note(plugin, ["Damping, negative where it resists: force and moment by speed and rate."])
+    for tag, value in lines.items():
+        add(plugin, tag, number(value))
+    if gazebo.solves_added_mass:
+        note(plugin, ["The added mass is the link's: here it would count twice."])
+        return
+    note(plugin, ["Added mass, negative; of its Coriolis forces Gazebo has those of the diagonal."])
+    for i, j in _entries(link.added_mass):
+        add(plugin, f"{_FORCES[i]}Dot{_RATES[j]}", number(-link.added_mass[i, j]))
+
+
+def _entries(matrix: FloatArray) -> list[tuple[int, int]]:
+    """Rows and columns of what is not zero, but for rounding."""
+    found = np.argwhere(np.abs(matrix) > 1e-12 * np.abs(matrix).max())
+    return [(int(i), int(j)) for i, j in found]
+
+
+def _release(title: str, link: Link, gazebo: _Gazebo, step: float) -> str:
+    """A script that gives the agent, and the water it moves, the momentum of the release within one step."""
+    force = link.momentum / step
+
+    speed = numbers(link.velocity)
+    return f"""#!/bin/sh
+# Releases the agent at {speed} m/s: run it while the world is paused, then press play.
+# The wrench acts for the first step of {number(step)} s, and is the momentum of the agent and its added mass over that.
+exec {gazebo.program} topic -t /world/{WORLD}/wrench -m {gazebo.messages}.EntityWrench -p '
+entity: {{name: "{title}::{LINK}", type: LINK}}
+wrench: {{
+  force: {fields(force[:3])}
+  torque: {fields(force[3:])}
+}}'
+"""

@@ -1,0 +1,74 @@
+"""Small things for XML files: elements, comments that cannot break them, numbers and poses."""
+
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+
+import numpy as np
+import numpy.typing as npt
+
+from driftform.types import FloatArray
+
+_RESERVED = ("pipe", "targets", "world")
+
+
+def add(parent: ET.Element, tag: str, text: str = "", **attributes: str) -> ET.Element:
+    """Append an element and return it; a trailing underscore keeps an attribute from being a keyword."""
+    found = ET.SubElement(parent, tag, {key.rstrip("_"): value for key, value in attributes.items()})
+    found.text = text or None
+    return found
+
+
+def note(parent: ET.Element, lines: Iterable[str]) -> None:
+    """Append a comment, if there is anything to say; two dashes would end it."""
+    text = "\n".join(line.replace("--", "- -") for line in lines)
+    if text:
+        parent.append(ET.Comment(f" {text} "))
+
+
+def document(root: ET.Element) -> str:
+    """Return the text of an XML file."""
+    ET.indent(root)
+    return '<?xml version="1.0" encoding="utf-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+
+
+def number(value: float) -> str:
+    """Return a number with all the digits that matter, and no minus before a zero."""
+    return f"{value + 0.0:.12g}"
+
+
+def numbers(values: npt.ArrayLike) -> str:
+    """Return an array's numbers in one line, row by row."""
+    return " ".join(number(value) for value in np.ravel(values).tolist())
+
+
+def angles(rotation: FloatArray) -> FloatArray:
+    """Return roll, pitch and yaw (rad) of a rotation (3, 3): turns about the fixed x, y, z axes, in this order."""
+    R = rotation
+    pitch = np.arctan2(-R[2, 0], np.hypot(R[2, 1], R[2, 2]))
+    if np.hypot(R[2, 1], R[2, 2]) < 1e-9:
+        # Straight up or down only the difference of roll and yaw counts.
+        return np.array([0.0, pitch, np.arctan2(-R[0, 1], R[1, 1])])
+    return np.array([np.arctan2(R[2, 1], R[2, 2]), pitch, np.arctan2(R[1, 0], R[0, 0])])
+
+
+def fields(values: FloatArray, names: str = "xyz") -> str:
+    """Return ``{x: 1, y: 2, z: 3}``, as YAML and messages of Gazebo have it."""
+    pairs = zip(names, values.tolist(), strict=True)
+    return "{" + ", ".join(f"{name}: {number(value)}" for name, value in pairs) + "}"
+
+
+def pose(position: FloatArray, rotation: FloatArray | None = None) -> str:
+    """Return ``x y z roll pitch yaw``, m and rad, as SDF takes it."""
+    turned = np.zeros(3) if rotation is None else angles(rotation)
+    return numbers(np.concatenate((position, turned)))
+
+
+def identifier(name: str) -> str:
+    """Return a name that every format and ROS take: small letters, digits and underscores, a letter first.
+
+    >>> identifier("r1-TP3"), identifier("2 fast"), identifier("world")
+    ('r1_tp3', 'agent_2_fast', 'agent_world')
+    """
+    kept = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_") or "agent"
+    return kept if kept[0].isalpha() and kept not in _RESERVED else f"agent_{kept}"

@@ -1,0 +1,212 @@
+"""Specimens of many kinds, their exported folders, and the motion that their files must reproduce."""
+
+import os
+import shutil
+import xml.etree.ElementTree as ET
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from driftform.dynamics.equations import accelerations
+from driftform.dynamics.model import flight_model
+from driftform.dynamics.rotations import rotation_from_quaternion
+from driftform.geometry import mass_properties
+from driftform.interfaces import Specimen
+from driftform.scenario import Contact, Fluid, Release, Scenario, UniformFlow
+from driftform.study import Document, Study, load_study
+from driftform.testing.bodies import hollow_body
+from driftform.types import Agent, Coefficients
+from driftform_robotics.models.mjcf import MjcfExporter, MjcfOptions
+from driftform_robotics.models.sdf import SdfExporter, SdfOptions
+from driftform_robotics.models.urdf import UrdfExporter, UrdfOptions
+from driftform_robotics.models.uuv import UuvExporter, UuvOptions
+
+
+@pytest.fixture(scope="session")
+def study() -> Study:
+    return load_study(use={"simulator": "native"}, run={"seed": 0})
+
+
+def _random_agent(study: Study, seed: int, drag: str) -> Agent:
+    pipeline = load_study(
+        Document("test", study.document), [f"hydrodynamics.drag={drag}"], run={"seed": 0}
+    ).pipeline()
+    return pipeline.agent(pipeline.grammar.random(np.random.default_rng(seed)))
+
+
+def _skewed_agent(seed: int) -> Agent:
+    """Nothing on the axis, nothing diagonal; its quadratic damping is what the formats can hold exactly."""
+    rng = np.random.default_rng(seed)
+    body = hollow_body()
+    mass = mass_properties(body)
+    skew = rng.normal(size=(3, 3))
+    mass = replace(
+        mass,
+        cog=mass.cog + rng.uniform(-3e-3, 3e-3, 3),
+        cob=mass.cob + rng.uniform(-3e-3, 3e-3, 3),
+        inertia=mass.inertia + 0.02 * mass.inertia.max() * (skew + skew.T),
+    )
+    size = np.array([1, 1, 1, 0.02, 0.02, 0.02])
+    A, B = (size[:, None] * rng.normal(size=(6, 6)) for _ in range(2))
+    coefficients = Coefficients(
+        0.02 * A @ A.T,
+        origin=mass.cog,
+        linear_damping=0.05 * B @ B.T,
+        quadratic_damping=np.diag(rng.uniform(0.1, 1.0, 6) * [1, 1, 1, 1e-5, 1e-5, 1e-5]),
+    )
+    return Agent(body, mass, coefficients)
+
+
+KINDS = ("random", "another", "dragged", "skewed")
+
+
+@pytest.fixture(scope="session")
+def specimens(study: Study) -> dict[str, Specimen]:
+    """Agents of the paper's grammar without drag and with it, and one that has no symmetry."""
+    pipe = study.scenario.model_copy(update={"contact": Contact(friction=0.3)})
+    tilted = pipe.model_copy(update={"release": Release(position=(1.0, 0.2, -0.3), pitch_deg=20.0)})
+    return {
+        "random": Specimen("random", _random_agent(study, 3, "none"), pipe),
+        "another": Specimen("an-other 2", _random_agent(study, 4, "none"), tilted),
+        "dragged": Specimen("dragged", _random_agent(study, 5, "strips"), tilted),
+        "skewed": Specimen(
+            "skewed",
+            _skewed_agent(1),
+            Scenario(flow=UniformFlow(speed=0.7), release=Release(pitch_deg=-30, velocity=(0.2, 0.1, -0.3))),
+        ),
+    }
+
+
+@pytest.fixture(scope="session", params=KINDS)
+def specimen(request: pytest.FixtureRequest, specimens: dict[str, Specimen]) -> Specimen:
+    return specimens[request.param]
+
+
+@pytest.fixture(scope="session", params=["random", "another", "skewed"])
+def exact(request: pytest.FixtureRequest, specimens: dict[str, Specimen]) -> Specimen:
+    """A specimen of which files can hold everything: no drag by strips."""
+    return specimens[request.param]
+
+
+EXPORTERS: dict[str, Callable[[dict[str, Any]], Any]] = {
+    "sdf": lambda options: SdfExporter(SdfOptions(**options)),
+    "uuv": lambda options: UuvExporter(UuvOptions(**options)),
+    "urdf": lambda options: UrdfExporter(UrdfOptions(**options)),
+    "mjcf": lambda options: MjcfExporter(MjcfOptions(**options)),
+}
+
+
+@pytest.fixture(scope="session")
+def export(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """Export a specimen; return the folder. The same export is made once."""
+    done: dict[Any, tuple[Specimen, Path]] = {}
+
+    def make(format: str, specimen: Specimen, **options: Any) -> Path:
+        key = (format, id(specimen), tuple(sorted(options.items())))
+        if key not in done:
+            exporter = EXPORTERS[format](options)
+            folder = tmp_path_factory.mktemp(format) / f"agent{exporter.suffix}"
+            exporter.write(specimen, folder)
+            # With the specimen, whose identity must not pass to another.
+            done[key] = specimen, folder
+        return done[key][1]
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def requires_program() -> Callable[[str], str]:
+    """Path of a program; without it the test is skipped, but fails where CI is set."""
+
+    def find(name: str) -> str:
+        path = shutil.which(name)
+        if path is None and os.environ.get("CI"):
+            pytest.fail(f"{name} is not installed, and CI must not skip what needs it")
+        if path is None:
+            pytest.skip(f"{name} is not installed")
+        return path
+
+    return find
+
+
+@dataclass(frozen=True)
+class State:
+    """A rigid body somewhere: rotation R (body to world), velocity of the COG (world), angular velocity (body)."""
+
+    R: np.ndarray
+    velocity: np.ndarray
+    omega: np.ndarray
+
+
+@pytest.fixture(scope="session")
+def random_states() -> Callable[[int], list[State]]:
+    def make(count: int) -> list[State]:
+        rng = np.random.default_rng(17)
+        found = []
+        for _ in range(count):
+            R = np.array(rotation_from_quaternion(*rng.normal(size=4)))
+            found.append(State(R, rng.uniform(-1.5, 1.5, 3), rng.uniform(-8, 8, 3)))
+        return found
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def our_accelerations() -> Callable[[Specimen, State], np.ndarray]:
+    """Acceleration of the COG (in body axes) and of rotation, (6,), by driftform, clear of any wall."""
+
+    def solve(specimen: Specimen, state: State) -> np.ndarray:
+        model = flight_model(specimen.agent, specimen.scenario)
+        R, omega, cog = state.R, state.omega, specimen.agent.mass.cog
+        rows = tuple(tuple(row) for row in R.tolist())
+        position = np.array([4.0, 0.0, 0.0])
+        velocity = state.velocity - R @ np.cross(omega, cog)
+        a, alpha = accelerations(
+            0.0, tuple(position), rows, tuple(velocity.tolist()), tuple(omega.tolist()), model
+        )
+        at_cog = R.T @ np.array(a) + np.cross(alpha, cog) + np.cross(omega, np.cross(omega, cog))
+        return np.concatenate((at_cog, alpha))
+
+    return solve
+
+
+@pytest.fixture(scope="session")
+def inertia_of() -> Callable[[Any], np.ndarray]:
+    """The inertia of an element or of attributes: ixx, ixy, ..., (3, 3)."""
+
+    def read(get: Callable[[str], str]) -> np.ndarray:
+        entries = {
+            (i, j): float(get(f"i{'xyz'[min(i, j)]}{'xyz'[max(i, j)]}")) for i in range(3) for j in range(3)
+        }
+        return np.array([[entries[i, j] for j in range(3)] for i in range(3)])
+
+    return read
+
+
+@pytest.fixture(scope="session")
+def still() -> Callable[[Specimen], Specimen]:
+    """The same agent in open water that is at rest."""
+
+    def make(specimen: Specimen) -> Specimen:
+        release = specimen.scenario.release.model_copy(update={"velocity": "rest"})
+        return replace(
+            specimen, scenario=Scenario(flow=UniformFlow(speed=0.0), release=release, fluid=Fluid())
+        )
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def model_of() -> Callable[[Path, str], ET.Element]:
+    """The agent's model in an SDF file."""
+
+    def read(path: Path, name: str) -> ET.Element:
+        found = ET.parse(path).getroot().find(f".//model[@name='{name}']")
+        assert found is not None
+        return found
+
+    return read

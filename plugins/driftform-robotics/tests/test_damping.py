@@ -1,0 +1,87 @@
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from driftform.drag import drag_of
+from driftform.dynamics.terminal import terminal_speeds
+from driftform.interfaces import Specimen
+from driftform.scenario import Fluid
+from driftform.testing.bodies import cylinder_body
+from driftform.types import Agent, Coefficients, MassProperties
+from driftform_robotics.models.damping import (
+    SLOWEST,
+    linear_damping,
+    quadratic_damping,
+    quadratic_wrench,
+    reference_speed,
+)
+
+
+@pytest.fixture
+def cylinder() -> Agent:
+    """20 cm long, 2 cm thick, its COG 3 cm ahead of its middle."""
+    body = cylinder_body(0.2, 0.01)
+    mass = MassProperties(0.08, np.array([0.03, 0, 0]), 1e-4 * np.eye(3), 6.28e-5, np.zeros(3))
+    return Agent(body, mass, Coefficients(0.01 * np.eye(6), drag=drag_of(body, Fluid().viscosity)))
+
+
+def test_it_is_the_drag_by_strips_along_each_axis_alone(cylinder: Agent) -> None:
+    fluid, speed = Fluid(), 0.4
+    D = quadratic_damping(cylinder, fluid, speed)
+    for j in range(6):
+        nu = np.zeros(6)
+        nu[j] = speed if j < 3 else speed / 0.1
+        both = (quadratic_wrench(cylinder, fluid, nu) - quadratic_wrench(cylinder, fluid, -nu)) / 2
+        np.testing.assert_allclose(-D @ (np.abs(nu) * nu), both, rtol=1e-9, atol=1e-12)
+
+
+def test_across_it_is_the_cylinders_textbook_drag(cylinder: Agent) -> None:
+    """1/2 rho C_d(Re) d L times White's factor for 10 diameters, at its middle, 3 cm behind the COG."""
+    fluid, speed = Fluid(), 0.4
+    D = quadratic_damping(cylinder, fluid, speed)
+    reynolds = speed * 0.02 / fluid.viscosity
+    expected = 0.5 * fluid.density * (1 + 10 * reynolds ** (-2 / 3)) * 0.82 / 1.20 * 0.02 * 0.2
+    assert D[1, 1] == pytest.approx(expected, rel=1e-6)
+    assert D[2, 2] == pytest.approx(expected, rel=1e-6)
+    assert D[5, 1] == pytest.approx(-0.03 * expected, rel=1e-6)
+    assert D[4, 2] == pytest.approx(0.03 * expected, rel=1e-6)
+
+
+def test_damping_by_matrices_about_the_centre_of_gravity_stays_as_it_is(
+    specimens: dict[str, Specimen],
+) -> None:
+    agent = specimens["skewed"].agent
+    D = quadratic_damping(agent, Fluid(), 0.3)
+    np.testing.assert_allclose(D, agent.coefficients.quadratic_damping, rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(linear_damping(agent), agent.coefficients.linear_damping, rtol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_it_takes_energy_however_the_agent_moves_across_and_turns(cylinder: Agent, seed: int) -> None:
+    """The columns are added up, which the strips' drag is not: still no motion may gain by it."""
+    rng = np.random.default_rng(seed)
+    D = quadratic_damping(cylinder, Fluid(), 0.4)
+    for _ in range(200):
+        nu = rng.normal(size=6) * [1, 1, 1, 10, 10, 10]
+        assert nu @ D @ (np.abs(nu) * nu) > 0
+
+
+def test_the_speed_of_reference_is_that_of_rising_and_never_nothing(cylinder: Agent) -> None:
+    fluid = Fluid()
+    net = (fluid.density * cylinder.mass.volume - cylinder.mass.mass) * fluid.gravity
+    _, across = terminal_speeds(cylinder.coefficients.drag, net, True, fluid.density, fluid.viscosity)
+    assert reference_speed(cylinder, fluid) == across > SLOWEST
+    neutral = replace(cylinder, mass=replace(cylinder.mass, mass=fluid.density * cylinder.mass.volume))
+    assert reference_speed(neutral, fluid) == SLOWEST
+
+
+def test_files_say_that_drag_was_simplified_and_at_what_speed(
+    specimens: dict[str, Specimen], export: Callable
+) -> None:
+    for format, name in (("sdf", "model.sdf"), ("uuv", "urdf/agent.xacro"), ("mjcf", "agent.xml")):
+        text = (export(format, specimens["dragged"], drag_speed=0.25) / name).read_text(encoding="utf-8")
+        assert "motion along one axis at 0.25 m/s" in text
+        text = (export(format, specimens["random"]) / name).read_text(encoding="utf-8")
+        assert "motion along one axis" not in text

@@ -1,0 +1,69 @@
+"""Drake's parser, which reads SDF up to 1.12 with the elements of its specification, and refuses others."""
+
+import logging
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from driftform.interfaces import Specimen
+
+parsing = pytest.importorskip("pydrake.multibody.parsing", reason="Drake has no wheel for this machine")
+
+UNSUPPORTED = {"cast_shadows", "gravity", "light", "physics", "plugin", "scene", "transparency"}
+"""Sound elements that Drake has no use for."""
+
+
+def parse(path: Path, package: Path | None = None) -> tuple[float, np.ndarray, np.ndarray]:
+    """Mass, COG and inertia about it of the agent's link, as Drake has them."""
+    from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+    from pydrake.systems.framework import DiagramBuilder
+
+    plant, _ = AddMultibodyPlantSceneGraph(DiagramBuilder(), 0.0)
+    parser = parsing.Parser(plant)
+    if package is not None:
+        parser.package_map().AddPackageXml(str(package / "package.xml"))
+    parser.AddModels(str(path))
+    plant.Finalize()
+    body = plant.GetBodyByName("base_link")
+    inertia = body.default_spatial_inertia().Shift(body.default_com()).CalcRotationalInertia()
+    return body.default_mass(), body.default_com(), inertia.CopyToFullMatrix3()
+
+
+@pytest.mark.parametrize("name", ["model.sdf", "world.sdf"])
+def test_it_reads_the_mass_the_centre_and_the_inertia(
+    name: str, specimen: Specimen, export: Callable, caplog: pytest.LogCaptureFixture
+) -> None:
+    with caplog.at_level(logging.WARNING):
+        mass, cog, inertia = parse(export("sdf", specimen) / name)
+    expected = specimen.agent.mass
+    assert mass == pytest.approx(expected.mass, rel=1e-10)
+    np.testing.assert_allclose(cog, 0, atol=1e-15)
+    np.testing.assert_allclose(inertia, expected.inertia, rtol=1e-9, atol=1e-9 * expected.inertia.max())
+    ignored = {re.search(r"unsupported SDFormat element in \w+: (\w+)", r.message) for r in caplog.records}
+    assert None not in ignored, caplog.text
+    assert {match[1] for match in ignored} <= UNSUPPORTED
+
+
+@pytest.mark.parametrize("tag", ["mass", "ixx", "fluid_added_mass", "collision", "uri", "frame"])
+def test_a_misspelt_tag_is_refused(tag: str, specimens: dict[str, Specimen], export: Callable) -> None:
+    folder = export("sdf", specimens["random"])
+    text = (folder / "model.sdf").read_text(encoding="utf-8")
+    wrong = folder / f"misspelt-{tag}.sdf"
+    wrong.write_text(re.sub(rf"(</?){tag}\b", rf"\1{tag}x", text), encoding="utf-8")
+    try:
+        with pytest.raises(RuntimeError, match=f"{tag}x"):
+            parse(wrong)
+    finally:
+        wrong.unlink()
+
+
+def test_it_reads_the_urdf(specimen: Specimen, export: Callable) -> None:
+    folder = export("urdf", specimen)
+    mass, cog, inertia = parse(folder / "agent.urdf", folder)
+    expected = specimen.agent.mass
+    assert mass == pytest.approx(expected.mass, rel=1e-10)
+    np.testing.assert_allclose(cog, 0, atol=1e-15)
+    np.testing.assert_allclose(inertia, expected.inertia, rtol=1e-9, atol=1e-9 * expected.inertia.max())

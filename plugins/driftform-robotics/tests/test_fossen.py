@@ -1,0 +1,301 @@
+"""The UUV simulator and gz-sim as their sources tell them, fed with the exported files, against our accelerations.
+
+Both are written here from the simulators' own code, in their frames and signs, and share nothing with driftform.
+"""
+
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from driftform.dynamics.inertia import largest_added_mass_ratio
+from driftform.interfaces import Specimen
+from driftform.types import Coefficients
+
+T = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
+
+
+def skew(a: np.ndarray) -> np.ndarray:
+    return np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
+
+
+def coriolis(M: np.ndarray, nu: np.ndarray) -> np.ndarray:
+    """Fossen 2011, eq. 6.43, as both simulators build it."""
+    ab = M @ nu
+    return np.block([[np.zeros((3, 3)), -skew(ab[:3])], [-skew(ab[:3]), -skew(ab[3:])]])
+
+
+def numbers(text: str | None) -> np.ndarray:
+    return np.array((text or "").split(), dtype=float)
+
+
+class UuvSimulator:
+    """``HMFossen::ApplyHydrodynamicForces`` and ``BuoyantObject::ApplyBuoyancyForce`` with the newest acceleration.
+
+    The simulator takes the acceleration of the step before, smoothed; where it converges, this is what it goes to.
+    """
+
+    def __init__(self, folder: Path, inertia_of: Callable) -> None:
+        robot = ET.parse(folder / "urdf/agent.xacro").getroot()
+        inertial = robot.find("link/inertial")
+        assert numbers(inertial.find("origin").get("xyz")).tolist() == [0, 0, 0]
+        self.m = float(inertial.find("mass").get("value"))
+        self.I = inertia_of(inertial.find("inertia").get)
+        plugin = robot.find("gazebo/plugin[@name='uuv_plugin']")
+        self.density = float(plugin.findtext("fluid_density"))
+        link = plugin.find("link")
+        assert link.get("name") == robot.find("link").get("name") == "$(arg namespace)/base_link"
+        self.volume = float(link.findtext("volume"))
+        self.height = float(link.findtext("box/height"))
+        self.cob = numbers(link.findtext("center_of_buoyancy"))
+        model = link.find("hydrodynamic_model")
+        assert model.findtext("type") == "fossen"
+        self.Ma = numbers(model.findtext("added_mass")).reshape(6, 6)
+        self.DLin = numbers(model.findtext("linear_damping")).reshape(6, 6)
+        self.DNonLin = np.diag(numbers(model.findtext("quadratic_damping")))
+        world = ET.parse(folder / "worlds/pipe.world").getroot().find("world")
+        self.g = -numbers(world.findtext("gravity"))[2]
+        current = world.find("plugin[@name='underwater_current_plugin']/constant_current")
+        speed, horizontal, vertical = (
+            float(current.findtext(f"{tag}/mean"))
+            for tag in ("velocity", "horizontal_angle", "vertical_angle")
+        )
+        self.current = speed * np.array(
+            [
+                np.cos(horizontal) * np.cos(vertical),
+                np.sin(horizontal) * np.cos(vertical),
+                np.sin(vertical),
+            ]
+        )
+
+    def buoyancy(self, z: float) -> float:
+        volume = 0.0
+        if z + self.height / 2 > 0 and z < 0:
+            volume = self.volume * (abs(z) + self.height / 2) / self.height
+        elif z + self.height / 2 < 0:
+            volume = self.volume
+        return volume * self.density * self.g
+
+    def accelerations(self, R: np.ndarray, v: np.ndarray, w: np.ndarray, z: float) -> np.ndarray:
+        relative = R.T @ v - R.T @ self.current
+        velRel = T @ np.concatenate((relative, w))
+        D = -self.DLin - self.DNonLin * np.abs(velRel)
+        known = -D @ velRel - coriolis(self.Ma, velRel) @ velRel
+        # velRel' = T [a - w x relative; alpha], with a in body axes.
+        known += self.Ma @ T @ np.concatenate((np.cross(w, relative), np.zeros(3)))
+        wrench = T @ known
+        lift = R.T @ np.array([0, 0, self.buoyancy(z)])
+        wrench[:3] += lift + R.T @ np.array([0, 0, -self.m * self.g])
+        wrench[3:] += np.cross(self.cob, lift) - np.cross(w, self.I @ w)
+        own = np.block([[self.m * np.eye(3), np.zeros((3, 3))], [np.zeros((3, 3)), self.I]])
+        return np.linalg.solve(own + T @ self.Ma @ T, wrench)
+
+
+class GzSim:
+    """``Hydrodynamics::PreUpdate``, ``Buoyancy::PreUpdate`` and DART with a spatial inertia, of gz-sim of April 2026."""
+
+    def __init__(self, folder: Path, inertia_of: Callable) -> None:
+        world = ET.parse(folder / "world.sdf").getroot().find("world")
+        self.g = -numbers(world.findtext("gravity"))[2]
+        buoyancy = world.find("plugin[@name='gz::sim::systems::Buoyancy']")
+        self.density = float(buoyancy.findtext("uniform_fluid_density"))
+        name = buoyancy.findtext("enable")
+        model = world.find(f"model[@name='{name}']")
+        link = model.find("link")
+        inertial = link.find("inertial")
+        assert inertial.find("pose") is None and link.find("pose") is None
+        self.m = float(inertial.findtext("mass"))
+        self.I = inertia_of(inertial.find("inertia").findtext)
+        self.Ma = np.zeros((6, 6))
+        axes = "xyzpqr"
+        for element in inertial.find("fluid_added_mass"):
+            i, j = (axes.index(c) for c in element.tag)
+            self.Ma[i, j] = self.Ma[j, i] = float(element.text)
+        plugin = model.find("plugin[@name='gz::sim::systems::Hydrodynamics']")
+        assert plugin.findtext("link_name") == link.get("name")
+        self.current = numbers(plugin.findtext("default_current"))
+        forces, rates = "xyzkmn", "UVWPQR"
+        self.linear, self.quadratic = np.zeros((6, 6)), np.zeros((6, 6))
+        for element in plugin:
+            assert "Dot" not in str(element.tag), "added mass would count twice"
+            if (
+                not isinstance(element.tag, str)
+                or element.tag[0] not in forces
+                or len(element.tag) not in (2, 6)
+            ):
+                continue
+            i, j = forces.index(element.tag[0]), rates.index(element.tag[1])
+            (self.linear if len(element.tag) == 2 else self.quadratic)[i, j] = float(element.text)
+        self.volume, moment = 0.0, np.zeros(3)
+        for collision in link.findall("collision"):
+            assert collision.find("geometry/mesh") is not None
+            volume = unsigned_volume(folder / collision.findtext("geometry/mesh/uri"))
+            self.volume += volume
+            moment += volume * numbers(collision.findtext("pose"))[:3]
+        self.cob = moment / self.volume
+
+    def accelerations(self, R: np.ndarray, v: np.ndarray, w: np.ndarray) -> np.ndarray:
+        absolute = np.concatenate((R.T @ v, w))
+        state = np.concatenate((R.T @ (v - self.current), w))
+        D = -self.linear - self.quadratic * np.abs(state)
+        wrench = -(D @ state + coriolis(self.Ma, state) @ state - coriolis(self.Ma, absolute) @ absolute)
+        lift = R.T @ np.array([0, 0, self.density * self.volume * self.g])
+        wrench[:3] += lift + R.T @ np.array([0, 0, -self.m * self.g])
+        wrench[3:] += np.cross(self.cob, lift)
+        own = np.block([[self.m * np.eye(3), np.zeros((3, 3))], [np.zeros((3, 3)), self.I]])
+        total = own + self.Ma
+        # DART: G V' = F + ad*(V) G V, and V' is the derivative in the body frame: m (a - w x v).
+        momentum = total @ absolute
+        gyration = np.concatenate(
+            (
+                np.cross(momentum[:3], w),
+                np.cross(momentum[3:], w) + np.cross(momentum[:3], absolute[:3]),
+            )
+        )
+        rate = np.linalg.solve(total, wrench + gyration)
+        return rate + np.concatenate((np.cross(w, absolute[:3]), np.zeros(3)))
+
+
+def unsigned_volume(path: Path) -> float:
+    """``SubMesh::Volume`` of gz-common as it was released up to 2026: tetrahedra without their sign."""
+    lines = [line.split() for line in path.read_text(encoding="utf-8").splitlines()]
+    points = np.array([line[1:] for line in lines if line[0] == "v"], dtype=float)
+    corners = np.array([line[1:] for line in lines if line[0] == "f"], dtype=int) - 1
+    a, b, c = points[corners].transpose(1, 0, 2)
+    return float(np.abs(np.einsum("ij,ij->i", np.cross(a, b), c)).sum() / 6)
+
+
+def largest_deviation(found: list[np.ndarray], expected: list[np.ndarray]) -> float:
+    """Over forces and over moments apart, relative to the largest acceleration of each."""
+    a, b = np.array(found), np.array(expected)
+    return max(
+        np.abs(a[:, part] - b[:, part]).max() / np.abs(b[:, part]).max() for part in (slice(3), slice(3, 6))
+    )
+
+
+def test_the_uuv_simulators_law_gives_our_accelerations(
+    exact: Specimen,
+    export: Callable,
+    inertia_of: Callable,
+    random_states: Callable,
+    our_accelerations: Callable,
+) -> None:
+    simulator = UuvSimulator(export("uuv", exact), inertia_of)
+    states = random_states(50)
+    found = [simulator.accelerations(s.R, s.velocity, s.omega, -20.0) for s in states]
+    assert largest_deviation(found, [our_accelerations(exact, s) for s in states]) < 1e-6
+
+
+@pytest.mark.parametrize("name", ["random", "another"])
+def test_gazebos_law_gives_our_accelerations_in_water_at_rest(
+    name: str,
+    specimens: dict[str, Specimen],
+    export: Callable,
+    inertia_of: Callable,
+    random_states: Callable,
+    our_accelerations: Callable,
+    still: Callable,
+) -> None:
+    calm = still(specimens[name])
+    simulator = GzSim(export("sdf", calm), inertia_of)
+    states = random_states(50)
+    found = [simulator.accelerations(s.R, s.velocity, s.omega) for s in states]
+    # Vertices of the meshes have nine digits.
+    assert largest_deviation(found, [our_accelerations(calm, s) for s in states]) < 1e-6
+
+
+def test_in_a_current_gazebo_lacks_the_inertia_of_water_that_turns_past_the_body(
+    specimens: dict[str, Specimen],
+    export: Callable,
+    inertia_of: Callable,
+    random_states: Callable,
+    our_accelerations: Callable,
+) -> None:
+    """What docs/robotics.md says of gz-sim: -M_A (w x u) is missing, and nothing else."""
+    specimen = specimens["random"]
+    simulator = GzSim(export("sdf", specimen), inertia_of)
+    total = simulator.Ma + np.diag([simulator.m] * 3 + [0] * 3)
+    total[3:, 3:] += simulator.I
+    states, found = random_states(20), []
+    for s in states:
+        turning = np.concatenate((np.cross(s.omega, s.R.T @ simulator.current), np.zeros(3)))
+        lacking = np.linalg.solve(total, -simulator.Ma @ turning)
+        found.append(simulator.accelerations(s.R, s.velocity, s.omega) + lacking)
+    expected = [our_accelerations(specimen, s) for s in states]
+    assert largest_deviation(found, expected) < 1e-6
+    without = [simulator.accelerations(s.R, s.velocity, s.omega) for s in states]
+    assert largest_deviation(without, expected) > 1e-3
+
+
+def test_the_whole_pipe_is_below_the_uuv_simulators_surface(
+    specimens: dict[str, Specimen], export: Callable
+) -> None:
+    folder = export("uuv", specimens["random"])
+    world = ET.parse(folder / "worlds/pipe.world").getroot().find("world")
+    pipe = numbers(world.findtext("model[@name='pipe']/link/pose"))
+    assert pipe[2] + 1.0 < 0
+    args = (
+        ET.parse(folder / "launch/start.launch").getroot().find(".//node[@name='spawn']").get("args").split()
+    )
+    place = {key: float(args[args.index(key) + 1]) for key in ("-x", "-y", "-z", "-R", "-P", "-Y")}
+    cog = specimens["random"].agent.mass.cog
+    assert place["-z"] == pytest.approx(pipe[2])
+    assert place["-x"] == pytest.approx(cog[0])
+
+
+def test_a_pipe_that_would_stand_out_of_the_water_is_told_of(
+    specimens: dict[str, Specimen], export: Callable
+) -> None:
+    folder = export("uuv", specimens["random"], depth=0.5)
+    assert "stands 0.5 m out of the water" in (folder / "urdf/agent.xacro").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("share", [0.97, 1.03])
+def test_a_warning_tells_whether_lagged_added_mass_diverges(
+    share: float, specimens: dict[str, Specimen], export: Callable, inertia_of: Callable
+) -> None:
+    """The simulator's own filter, with the exported matrices: it diverges where the export says so, and only there."""
+    specimen = specimens["random"]
+    agent = specimen.agent
+    ratio = largest_added_mass_ratio(agent.mass, agent.coefficients)
+    scale = share * 17 / 3 / ratio
+    coefficients = Coefficients(scale * agent.coefficients.added_mass, agent.coefficients.origin)
+    heavy = replace(specimen, agent=replace(agent, coefficients=coefficients))
+    folder = export("uuv", heavy)
+    simulator = UuvSimulator(folder, inertia_of)
+    own = np.diag([simulator.m] * 3 + [0.0] * 3)
+    own[3:, 3:] = simulator.I
+    filtered, push = np.zeros(6), np.ones(6)
+    for _ in range(2000):
+        newest = np.linalg.solve(own, push - simulator.Ma @ filtered)
+        filtered = 0.7 * filtered + 0.3 * newest
+    settled = np.linalg.solve(own + simulator.Ma, push)
+    diverges = bool(np.abs(filtered - settled).max() > np.abs(settled).max())
+    assert diverges == (share > 1)
+    assert ("UNSTABLE" in (folder / "urdf/agent.xacro").read_text(encoding="utf-8")) == diverges
+
+
+def test_every_file_that_the_package_names_is_there(specimens: dict[str, Specimen], export: Callable) -> None:
+    folder = export("uuv", specimens["another"])
+    name = ET.parse(folder / "package.xml").getroot().findtext("name")
+    assert re.fullmatch(r"[a-z][a-z0-9_]*", name)
+    named = set()
+    for path in folder.rglob("*"):
+        if path.suffix in (".launch", ".xacro", ".world"):
+            named |= set(re.findall(r"\$\(find an_other_2\)/([\w/.]+)", path.read_text(encoding="utf-8")))
+    assert {"worlds/pipe.world", "urdf/agent.xacro", "meshes/hull.obj"} <= named
+    assert [path for path in sorted(named) if not (folder / path).is_file()] == []
+    assert f"project({name})" in (folder / "CMakeLists.txt").read_text(encoding="utf-8")
+
+
+def test_the_release_launch_sets_the_speed_of_the_release(
+    specimens: dict[str, Specimen], export: Callable
+) -> None:
+    node = ET.parse(export("uuv", specimens["skewed"]) / "launch/release.launch").getroot().find("node")
+    assert "twist: {linear: {x: 0.2, y: 0.1, z: -0.3}}" in node.get("args")
+    half = np.deg2rad(-15)
+    assert f"y: {np.sin(half):.12g}, z: 0, w: {np.cos(half):.12g}" in node.get("args")

@@ -1,0 +1,126 @@
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given
+from hypothesis import strategies as st
+
+from driftform.geometry import solid_of_revolution
+from driftform.interfaces import Specimen
+from driftform.scenario import Segment
+from driftform_robotics.models.meshes import Mesh, convex_pieces, revolved, tube
+from driftform_robotics.models.pipe import PLANKS, bore_of
+from driftform_robotics.models.xml import angles
+
+profiles = st.lists(st.tuples(st.floats(0.0, 0.02), st.floats(0.002, 0.05)), min_size=2, max_size=12).filter(
+    lambda steps: sum(step for step, _ in steps[1:]) > 1e-3
+)
+
+
+def contour_of(steps: list[tuple[float, float]]) -> np.ndarray:
+    x = np.concatenate(([0.0], np.cumsum([step for step, _ in steps[1:]])))
+    r = [radius for _, radius in steps]
+    return np.array([(x[0], 0.0), *zip(x, r, strict=True), (x[-1], 0.0)])
+
+
+def as_trimesh(mesh: Mesh) -> trimesh.Trimesh:
+    return trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
+
+
+@given(profiles)
+def test_a_revolved_meridian_has_the_volume_and_the_centroid_of_the_closed_form(
+    steps: list[tuple[float, float]],
+) -> None:
+    contour = contour_of(steps)
+    expected = solid_of_revolution(contour)
+    mesh = as_trimesh(revolved(contour))
+    assert mesh.is_watertight
+    assert mesh.volume == pytest.approx(expected.volume, rel=1e-9)
+    assert mesh.center_mass[0] == pytest.approx(expected.centroid, abs=1e-9)
+
+
+@given(profiles)
+def test_pieces_are_convex_closed_and_together_the_hull(steps: list[tuple[float, float]]) -> None:
+    contour = contour_of(steps)
+    expected = solid_of_revolution(contour)
+    pieces = convex_pieces(contour, segments=12)
+    for piece in pieces:
+        mesh = as_trimesh(piece.mesh)
+        assert mesh.is_watertight
+        assert mesh.volume == pytest.approx(piece.volume, rel=1e-7)
+        assert mesh.volume == pytest.approx(mesh.convex_hull.volume, rel=1e-6)
+        # About its own centroid.
+        assert abs(mesh.center_mass[0]) < 1e-8
+    assert sum(p.volume for p in pieces) == pytest.approx(expected.volume, rel=1e-7)
+    assert sum(p.volume * p.x for p in pieces) == pytest.approx(expected.first, abs=1e-7 * expected.volume)
+
+
+def test_a_convex_body_stays_in_one_piece() -> None:
+    angle = np.linspace(np.pi, 0, 40)
+    contour = np.column_stack((0.05 * np.cos(angle), 0.02 * np.sin(angle)))
+    contour[[0, -1], 1] = 0
+    assert len(convex_pieces(contour)) == 1
+
+
+def test_a_contour_that_folds_back_stays_in_one_piece() -> None:
+    contour = np.array(
+        [(0, 0), (0.0, 0.02), (0.03, 0.02), (0.02, 0.01), (0.05, 0.01), (0.05, 0)], dtype=float
+    )
+    (piece,) = convex_pieces(contour)
+    assert piece.volume == pytest.approx(solid_of_revolution(contour).volume)
+
+
+def test_the_exported_hull_is_the_body_that_flies(specimen: Specimen, export: Callable) -> None:
+    mass = specimen.agent.mass
+    moments = solid_of_revolution(specimen.agent.body.outer)
+    for format in ("sdf", "uuv", "urdf", "mjcf"):
+        mesh = trimesh.load_mesh(export(format, specimen) / "meshes/hull.obj")
+        assert mesh.is_watertight
+        assert mesh.volume == pytest.approx(moments.volume, rel=1e-6)
+        np.testing.assert_allclose(mesh.center_mass, np.array([moments.centroid, 0, 0]) - mass.cog, atol=1e-7)
+
+
+def test_a_tube_holds_the_material_of_its_wall() -> None:
+    mesh = as_trimesh(tube(9.0, 1.0, 0.02))
+    assert mesh.is_watertight
+    assert mesh.volume == pytest.approx(np.pi * (1.02**2 - 1) * 9.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("end", [(9.0, 0.0, 0.0), (0.0, 0.0, 2.0), (1.0, -2.0, 0.5)])
+def test_planks_are_the_wall_of_the_bore(end: tuple[float, float, float]) -> None:
+    """Their inner faces lie on the bore to within 0.05 % of its radius, next to one another, wherever it points."""
+    start = (0.3, 0.1, -0.2)
+    bore = bore_of(Segment(start=start, end=tuple(np.add(start, end)), radius=0.5))
+    axis = np.array(end) / np.linalg.norm(end)
+    np.testing.assert_allclose(bore.rotation.T @ bore.rotation, np.eye(3), atol=1e-12)
+    assert np.linalg.det(bore.rotation) == pytest.approx(1)
+    np.testing.assert_allclose(bore.rotation[:, 0], axis, atol=1e-12)
+    np.testing.assert_allclose(bore.position, np.array(start) + np.array(end) / 2)
+    assert bore.length == pytest.approx(np.linalg.norm(end))
+    planks = bore.planks()
+    assert len(planks) == PLANKS
+    for plank in planks:
+        assert np.linalg.det(plank.rotation) == pytest.approx(1)
+        for side in (-0.5, 0.5):
+            inner = plank.position + plank.rotation @ (plank.size * (0.0, 0.0, -0.5))
+            edge = plank.rotation @ np.array([0.0, side, 0.0]) * 2 * np.pi * 0.5 / PLANKS
+            assert np.linalg.norm(inner + edge) == pytest.approx(0.5, rel=1.5e-3)
+            assert np.linalg.norm(inner) == pytest.approx(0.5, rel=1.5e-3)
+    assert {round(float(plank.size[0]), 9) for plank in planks} == {round(bore.length, 9)}
+
+
+@given(st.floats(-3.1, 3.1), st.floats(-np.pi / 2, np.pi / 2), st.floats(-3.1, 3.1))
+def test_angles_make_the_rotation_that_they_came_from(roll: float, pitch: float, yaw: float) -> None:
+    def about(axis: int, angle: float) -> np.ndarray:
+        c, s = np.cos(angle), np.sin(angle)
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        R = np.eye(3)
+        R[i, i], R[i, j], R[j, i], R[j, j] = c, -s, s, c
+        return R
+
+    def matrix(r: float, p: float, y: float) -> np.ndarray:
+        return about(2, y) @ about(1, p) @ about(0, r)
+
+    R = matrix(roll, pitch, yaw)
+    np.testing.assert_allclose(matrix(*angles(R)), R, atol=1e-7)

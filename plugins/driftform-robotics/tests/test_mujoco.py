@@ -1,0 +1,204 @@
+"""MuJoCo itself: what it makes of the files, and the forces that it computes from them."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+from driftform.dynamics.inertia import added_mass_at
+from driftform.dynamics.rotations import matrix_from_quaternion
+from driftform.interfaces import Specimen
+from driftform.scenario import Scenario
+from driftform.testing.agents import Spheroid
+from driftform.types import Agent, Coefficients
+from driftform_robotics.models.damping import quadratic_wrench
+from driftform_robotics.models.ellipsoid import added_mass_factors
+
+
+def inertia_of_body(model: Any, body: int) -> np.ndarray:
+    """About its COG, in the body's axes: MuJoCo keeps it along principal ones."""
+    axes = matrix_from_quaternion(model.body_iquat[body])
+    return np.asarray(axes @ np.diag(model.body_inertia[body]) @ axes.T)
+
+
+def load(path: Path) -> tuple[Any, Any]:
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    if model.nkey:
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def fluid_forces(path: Path, state: Any) -> np.ndarray:
+    """Force and torque about the COG, body axes, that MuJoCo's fluid puts on the agent."""
+    model, data = load(path)
+    data.qpos[3:7] = quaternion(state.R)
+    data.qvel[:3], data.qvel[3:] = state.velocity, state.omega
+    mujoco.mj_forward(model, data)
+    force = np.array(data.qfrc_fluid)
+    # A free joint's first three rates are along the world's axes, the others along the body's.
+    return np.concatenate((state.R.T @ force[:3], force[3:]))
+
+
+def quaternion(R: np.ndarray) -> np.ndarray:
+    found = np.zeros(4)
+    mujoco.mju_mat2Quat(found, R.ravel())
+    return found
+
+
+@pytest.mark.parametrize("name", ["agent.xml", "scene.xml"])
+def test_it_reads_the_mass_the_centre_and_the_inertia(
+    name: str, specimen: Specimen, export: Callable
+) -> None:
+    model, _ = load(export("mjcf", specimen) / name)
+    expected = specimen.agent.mass
+    assert model.body_mass[1] == pytest.approx(expected.mass, rel=1e-10)
+    np.testing.assert_allclose(model.body_ipos[1], 0, atol=1e-15)
+    np.testing.assert_allclose(
+        inertia_of_body(model, 1), expected.inertia, rtol=1e-8, atol=1e-8 * expected.inertia.max()
+    )
+    assert model.body_mass[2] < 1e-8 * expected.mass
+
+
+def test_it_reads_the_urdf_as_a_body_that_floats(specimen: Specimen, export: Callable) -> None:
+    model, _ = load(export("urdf", specimen) / "agent.urdf")
+    expected = specimen.agent.mass
+    assert model.nv == 6
+    assert model.body_mass.sum() == pytest.approx(expected.mass, rel=1e-10)
+    np.testing.assert_allclose(model.body_ipos[-1], 0, atol=1e-15)
+    np.testing.assert_allclose(
+        inertia_of_body(model, model.nbody - 1),
+        expected.inertia,
+        rtol=1e-8,
+        atol=1e-8 * expected.inertia.max(),
+    )
+
+
+def test_without_a_floating_joint_it_welds_the_urdf_to_the_world(
+    specimens: dict[str, Specimen], export: Callable
+) -> None:
+    model, _ = load(export("urdf", specimens["random"], floating=False) / "agent.urdf")
+    assert model.nv == 0
+
+
+def test_the_agent_is_released_where_and_as_fast_as_in_the_scenario(
+    specimen: Specimen, export: Callable
+) -> None:
+    model, data = load(export("mjcf", specimen) / "agent.xml")
+    release = specimen.scenario.release
+    core = data.site("core").xpos
+    np.testing.assert_allclose(core, release.position, atol=1e-12)
+    expected = specimen.scenario.current() if release.velocity == "current" else release.velocity
+    np.testing.assert_allclose(data.qvel, [*expected, 0, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(model.opt.wind, specimen.scenario.current(), atol=1e-12)
+
+
+def test_weight_and_buoyancy_act_where_they_do(specimen: Specimen, export: Callable) -> None:
+    """The moment of buoyancy rights the agent, which compensated gravity at the COG alone would not."""
+    _, data = load(export("mjcf", specimen) / "agent.xml")
+    mass, fluid = specimen.agent.mass, specimen.scenario.fluid
+    R = matrix_from_quaternion(specimen.scenario.release_quaternion())
+    lift = np.array([0, 0, fluid.density * mass.volume * fluid.gravity])
+    moment = np.cross(mass.cob - mass.cog, R.T @ lift)
+    np.testing.assert_allclose(data.qfrc_gravcomp[:3], lift, rtol=1e-9)
+    np.testing.assert_allclose(data.qfrc_gravcomp[3:], moment, rtol=1e-7, atol=1e-9 * np.abs(moment).max())
+
+
+@pytest.mark.parametrize("name", ["random", "another"])
+def test_coriolis_forces_of_added_mass_are_ours_but_for_the_turning(
+    name: str, specimens: dict[str, Specimen], export: Callable, random_states: Callable
+) -> None:
+    """Munk's moment and what goes with it: -C_A(nu_r) nu_r with the matrix that the ellipsoid was fitted to.
+
+    MuJoCo's integrals are a quadrature, which is 1 % off.
+    """
+    specimen = specimens[name]
+    added = added_mass_at(specimen.agent.coefficients, specimen.agent.mass.cog)
+    folder = export("mjcf", specimen)
+    model, _ = load(folder / "agent.xml")
+    centre = model.geom("water").pos[0]
+    for state in random_states(10):
+        slow = replace(state, omega=np.zeros(3))
+        nu = slow.R.T @ (slow.velocity - specimen.scenario.current())
+        momentum, turning = added[:3, :3] @ nu, added[3:, :3] @ nu
+        expected = np.concatenate((np.zeros(3), np.cross(momentum, nu)))
+        assert (
+            np.abs(turning - np.cross([centre, 0, 0], momentum)).max() < 0.01 * np.abs(turning).max() + 1e-12
+        )
+        found = fluid_forces(folder / "agent.xml", slow)
+        np.testing.assert_allclose(found[3:], expected[3:], atol=0.02 * np.abs(expected[3:]).max())
+        np.testing.assert_allclose(found[:3], 0, atol=1e-9)
+
+
+def test_added_mass_has_no_inertia_there(specimens: dict[str, Specimen], export: Callable) -> None:
+    """What the comment in the file says that MuJoCo leaves out."""
+    specimen = specimens["another"]
+    _, data = load(export("mjcf", specimen) / "agent.xml")
+    mass, fluid = specimen.agent.mass, specimen.scenario.fluid
+    net = (fluid.density * mass.volume / mass.mass - 1) * fluid.gravity
+    np.testing.assert_allclose(data.qacc[:3], [0, 0, net], atol=1e-6 * abs(net))
+    assert "leaves out the inertia of added mass" in (export("mjcf", specimen) / "agent.xml").read_text(
+        encoding="utf-8"
+    )
+
+
+@pytest.mark.parametrize("axis", [0, 2, 4])
+def test_drag_along_one_axis_is_ours_at_the_speed_of_reference(
+    axis: int, specimens: dict[str, Specimen], export: Callable, random_states: Callable
+) -> None:
+    specimen = specimens["dragged"]
+    calm = replace(
+        specimen,
+        scenario=specimen.scenario.model_copy(update={"flow": type(specimen.scenario.flow)(speed=0.0)}),
+    )
+    speed = 0.3
+    folder = export("mjcf", calm, drag_speed=speed)
+    nu = np.zeros(6)
+    nu[axis] = speed if axis < 3 else 2 * speed / specimen.agent.body.length
+    state = replace(random_states(1)[0], R=np.eye(3), velocity=nu[:3], omega=nu[3:])
+    found = fluid_forces(folder / "agent.xml", state)[axis]
+    fluid = specimen.scenario.fluid
+    ours = [quadratic_wrench(specimen.agent, fluid, sign * nu)[axis] * sign for sign in (1, -1)]
+    if axis == 0:
+        # Coefficients may not be negative: along the axis it can only be too much.
+        assert found <= 0.999 * np.mean(ours)
+    else:
+        # Turning, the ellipsoid's centre moves, and is dragged, besides.
+        assert found == pytest.approx(np.mean(ours), rel=1e-6 if axis == 2 else 0.7)
+
+
+def test_the_agent_stays_in_the_pipe(specimens: dict[str, Specimen], export: Callable) -> None:
+    """Three seconds of a buoyant agent: it rises to the wall, and the planks hold it."""
+    specimen = specimens["another"]
+    model, data = load(export("mjcf", specimen, step=0.002) / "scene.xml")
+    touched = False
+    for _ in range(1500):
+        mujoco.mj_step(model, data)
+        touched = touched or data.ncon > 0
+    assert touched
+    assert np.isfinite(data.qpos).all()
+    assert np.hypot(*data.site("core").xpos[1:]) < 1.0
+
+
+def test_a_spheroid_gets_its_own_ellipsoid(export: Callable) -> None:
+    """The fit gives back the body where that is an ellipsoid already."""
+    agent = Spheroid(0.06, 0.01).agent()
+    model, _ = load(export("mjcf", Specimen("spheroid", agent, Scenario())) / "agent.xml")
+    np.testing.assert_allclose(model.geom("water").size, [0.06, 0.01, 0.01], rtol=1e-6)
+
+
+@pytest.mark.parametrize("ratio", [0.02, 0.3, 1.0, 3.0, 50.0])
+def test_the_fit_gives_back_any_spheroid_flat_ones_too(ratio: float, export: Callable) -> None:
+    k1, k2 = added_mass_factors(ratio)
+    base = Spheroid(0.06, 0.01).agent()
+    b = 0.06 * ratio
+    displaced = 1024 * 4 / 3 * np.pi * 0.06 * b * b
+    added = displaced * np.diag([k1, k2, k2, 0, 1e-3, 1e-3])
+    agent: Agent = replace(base, coefficients=Coefficients(added))
+    model, _ = load(export("mjcf", Specimen("spheroid", agent, Scenario())) / "agent.xml")
+    np.testing.assert_allclose(model.geom("water").size, [0.06, b, b], rtol=1e-6)

@@ -1,0 +1,195 @@
+"""How a run's standing looks: lines of text anywhere, and a table that fits the terminal."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import TYPE_CHECKING
+
+from driftform.cli.standing import Pace, Standing, TargetStanding
+
+if TYPE_CHECKING:
+    from rich.console import Console, ConsoleOptions, OverflowMethod, RenderableType, RenderResult
+    from rich.measure import Measurement
+    from rich.table import Table
+
+BARS = "▁▂▃▄▅▆▇█"
+PLAIN_BARS = "_.-:=+*#"
+"""The same where the terminal knows ASCII alone."""
+
+DECADES = (10.0, 1e6)
+"""Least and largest ratio that a curve spans: a little progress does not look like a lot, and zero has a place."""
+
+REFRESH = 4.0
+"""Frames a second."""
+
+PAGE = 5.0
+"""How long some of the targets are shown where there is no room for all, s."""
+
+_AROUND = 8
+"""Lines of a display that are not of a target."""
+
+_ROOM_FOR_CURVES = 72
+"""Columns of a terminal below which there are numbers alone."""
+
+
+def duration(seconds: float) -> str:
+    """A time in the two units that matter.
+
+    >>> duration(7.4), duration(200), duration(7500), duration(266400)
+    ('7 s', '3 min 20 s', '2 h 05 min', '3 d 2 h')
+    """
+    whole = round(seconds)
+    minutes, hours, days = whole // 60, whole // 3600, whole // 86400
+    if not minutes:
+        return f"{whole} s"
+    if not hours:
+        return f"{minutes} min {whole % 60:02d} s"
+    return f"{hours} h {minutes % 60:02d} min" if not days else f"{days} d {hours % 24} h"
+
+
+def sparkline(errors: Sequence[float | None], lowest: float, highest: float, bars: str = BARS) -> str:
+    """Errors as bars on a logarithmic scale from ``lowest`` to ``highest``; spaces where there is none.
+
+    >>> sparkline([None, 100, 30, 10, 3, 1], 1, 100)
+    ' █▆▅▃▁'
+    """
+    low, span = math.log(lowest), math.log(highest / lowest)
+    top = len(bars) - 1
+    shares = [None if e is None else (math.log(max(e, lowest)) - low) / span for e in errors]
+    return "".join(" " if s is None else bars[min(top, math.floor(s * top + 0.5))] for s in shares)
+
+
+def pace_text(standing: Standing, pace: Pace) -> str:
+    """How fast the run is and when it will be over, as far as that is known."""
+    recent, overall = pace.recent(standing.done), pace.overall(standing.done)
+    if recent is None or overall is None:
+        return ""
+    speed = (
+        f"{recent:.3g}/s" if 0.9 < recent / overall < 1.1 else f"{recent:.3g}/s now, {overall:.3g}/s overall"
+    )
+    left = standing.budget - standing.done
+    return f"{speed}, {duration(left / recent)} left" if left > 0 else speed
+
+
+def line(standing: Standing, pace: Pace) -> str:
+    """Where a run stands, in one line."""
+    best = "  ".join(f"{name} {target.best:.2f}" for name, target in standing.targets.items())
+    facts = ", ".join(filter(None, (pace_text(standing, pace), failures(standing.failed))))
+    return f"{standing.done}/{standing.budget} evaluations{f', {facts}' if facts else ''}: {best}"
+
+
+def failures(count: int) -> str:
+    """How many evaluations failed, in words; nothing where none did."""
+    return f"{count} failed" if count else ""
+
+
+@dataclass(frozen=True)
+class View:
+    """A run's standing as a table of its targets, a bar, and lines below, for a console of any size.
+
+    ``facts`` are told in one line, those that are empty left out; ``footer`` is the last line. With ``fits`` it is no
+    higher than the terminal: targets that find no room take turns.
+    """
+
+    standing: Standing
+    pace: Pace
+    facts: tuple[str, ...]
+    footer: str
+    fits: bool = True
+
+    def __rich_console__(self, console: "Console", options: "ConsoleOptions") -> "RenderResult":
+        from rich.text import Text
+
+        count = len(self.standing.targets)
+        first, last = self._shown(console.size.height)
+        shown = f"targets {first + 1} to {last} of {count}" if last - first < count else ""
+        rows = list(islice(self.standing.targets.items(), first, last))
+        yield self._table(rows, options)
+        yield Text("")
+        yield self._bar(min(40, max(10, options.max_width - 40)))
+        yield Text(", ".join(filter(None, (*self.facts, shown))))
+        if self.footer:
+            yield Text(self.footer, style="dim", no_wrap=True, overflow=_overflow(options))
+
+    def _shown(self, height: int) -> tuple[int, int]:
+        """Which targets are shown now: the first, and the one behind the last."""
+        count, room = len(self.standing.targets), max(1, height - _AROUND)
+        if not self.fits or count <= room:
+            return 0, count
+        pages = -(-count // room)
+        page = int(self.pace.elapsed / PAGE) % pages
+        return page * room, min(count, (page + 1) * room)
+
+    def _table(self, rows: "Sequence[tuple[str, TargetStanding]]", options: "ConsoleOptions") -> "Table":
+        from rich import box
+        from rich.table import Table
+        from rich.text import Text
+
+        table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
+        widest = options.max_width // 6 if self.fits else None
+        table.add_column("\ntarget", no_wrap=True, overflow=_overflow(options), max_width=widest)
+        for title in ("best\nfitness %", "its\nerror %", "\nevaluation", "last gen.\nmean %", "\nfailed"):
+            table.add_column(title, justify="right", no_wrap=True, overflow=_overflow(options))
+        columns = zip(*(_cells(name, target) for name, target in rows), strict=True)
+        # One cell for a whole column: many cells would take several times as long to draw.
+        cells: list[RenderableType] = [Text("\n".join(column)) for column in columns]
+        if options.max_width >= _ROOM_FOR_CURVES:
+            # The one column that gives way where there is little room.
+            table.add_column("best error\n(log scale)")
+            cells.append(Curves(tuple(target for _, target in rows), self.standing.extent))
+        table.add_row(*cells)
+        return table
+
+    def _bar(self, width: int) -> "Table":
+        from rich.progress_bar import ProgressBar
+        from rich.table import Table
+        from rich.text import Text
+
+        # A bar ends no line: side by side with its text in a grid.
+        grid = Table.grid(padding=(0, 2))
+        done, budget = self.standing.done, self.standing.budget
+        bar = ProgressBar(total=budget, completed=done, width=width)
+        grid.add_row(bar, Text(f"{done} of {budget} evaluations"))
+        return grid
+
+
+def _overflow(options: "ConsoleOptions") -> "OverflowMethod":
+    """How text is cut: rich's ellipsis is no ASCII."""
+    return "crop" if options.ascii_only else "ellipsis"
+
+
+def _cells(name: str, target: TargetStanding) -> tuple[str, ...]:
+    mean = "" if target.mean is None else f"{target.mean:.2f}"
+    failed = str(target.failed or "")
+    if target.index < 0:
+        return name, "", "", "", mean, failed
+    return name, f"{target.best:.3f}", f"{100 - target.best:.3f}", str(target.index), mean, failed
+
+
+@dataclass(frozen=True)
+class Curves:
+    """The best error of targets along the run, each on a scale of its own, as wide as there is room."""
+
+    targets: tuple[TargetStanding, ...]
+    evaluations: int
+
+    narrowest = 8
+    widest = 48
+
+    def __rich_console__(self, console: "Console", options: "ConsoleOptions") -> "RenderResult":
+        from rich.text import Text
+
+        bars = PLAIN_BARS if options.ascii_only else BARS
+        width = min(options.max_width, self.widest)
+        yield Text("\n".join(self._curve(target, width, bars) for target in self.targets))
+
+    def _curve(self, target: TargetStanding, width: int, bars: str) -> str:
+        highest = target.first or 1.0
+        lowest = max(highest / DECADES[1], min(highest / DECADES[0], 100 - target.best))
+        return sparkline(target.errors(width, self.evaluations), lowest, highest, bars)
+
+    def __rich_measure__(self, console: "Console", options: "ConsoleOptions") -> "Measurement":
+        from rich.measure import Measurement
+
+        return Measurement(self.narrowest, min(self.widest, options.max_width))

@@ -1,0 +1,82 @@
+"""``driftform reproduce``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from driftform.cli.options import ExecutorName, Json, Scheduler, Settings, Simulator, Workers
+
+
+def reproduce(
+    repeats: Annotated[
+        int,
+        typer.Option("--repeats", min=1, max=1000, help="Repeats of each search, with seeds of their own."),
+    ] = 10,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the first repeat.")] = 1,
+    workers: Workers = None,
+    executor: ExecutorName = None,
+    scheduler: Scheduler = None,
+    simulator: Simulator = None,
+    out: Annotated[
+        Path, typer.Option("--out", metavar="DIR", help="Directory for runs, tables and figures.")
+    ] = Path("reproduction"),
+    settings: Settings = None,
+    json: Json = False,
+) -> None:
+    """Repeat the paper's experiment beside random search, and lay its figures beside ours.
+
+    50 flights for each of ten targets and each repeat, then the best agents flown again. Interrupted or killed, the
+    same command goes on where it stopped; the same seed gives the same tables.
+    """
+    import time
+
+    from driftform.cli.executors import chosen_executor
+    from driftform.cli.output import print_json
+    from driftform.cli.progress import counter
+    from driftform.files import make_directory, write_text
+    from driftform.reproduction.repeats import STRATEGIES, carry_out, result_of, study_of
+    from driftform.reproduction.report import refly, results_document, results_markdown, write_figures
+
+    started = time.perf_counter()
+    seeds = range(seed, seed + repeats)
+    studies = {(s, n): study_of(s, n, simulator, settings or ()) for s in STRATEGIES for n in seeds}
+    first = next(iter(studies.values()))
+    make_directory(out)
+    runs = {key: out / "runs" / f"{key[0]}-{key[1]}" for key in studies}
+    try:
+        with chosen_executor(first, executor, scheduler, workers) as place, counter("flights") as progress:
+            total, done = sum(study.evaluations for study in studies.values()), 0
+            for key, study in studies.items():
+
+                def on_record(_: object) -> None:
+                    nonlocal done
+                    done += 1
+                    progress(done, total)
+
+                carry_out(runs[key], study, place, on_record)
+    except KeyboardInterrupt:
+        typer.echo(f"stopped; the same command goes on: driftform reproduce --out {out}", err=True)
+        raise typer.Exit(130) from None
+    found = {s: result_of(s, [(n, runs[s, n]) for n in seeds]) for s in STRATEGIES}
+    again = refly(first, found["paper"])
+    figures = write_figures(out / "figures", first, found, again)
+    seconds = time.perf_counter() - started
+    markdown = results_markdown(first.scenario, found, again)
+    write_text(out / "results.md", markdown)
+    if json:
+        print_json(
+            {
+                **results_document(first.scenario, found, again),
+                "seconds": seconds,
+                "results": str(out / "results.md"),
+                "figures": [str(path) for path in figures],
+                "runs": [str(path) for path in runs.values()],
+            }
+        )
+        return
+    print(markdown)
+    print(f"{sum(study.evaluations for study in studies.values())} flights, {seconds:.0f} s")
+    print(f"tables:  {out}/results.md")
+    print(f"figures: {out}/figures/ ({', '.join(path.name for path in figures)})")
+    print(f"runs:    {out}/runs/ ({len(runs)}: each opens with the other commands)")

@@ -1,0 +1,27 @@
+"""Evaluations in this process."""
+
+from collections.abc import Iterator, Sequence
+
+from driftform.execution.jobs import Job, Outcome, evaluated, task_size
+from driftform.pipeline import Pipeline
+
+
+class InProcess:
+    """Evaluates in this process, one task at a time: for a handful of genomes, and for debugging."""
+
+    def __init__(self, pipeline: Pipeline) -> None:
+        self._pipeline = pipeline
+        self._seconds: float | None = None
+
+    def evaluate(self, jobs: Sequence[Job]) -> Iterator[list[Outcome]]:
+        """Yield the outcomes task by task."""
+        start = 0
+        while start < len(jobs):
+            size = task_size(len(jobs) - start, 1, self._seconds)
+            outcomes = evaluated(self._pipeline, jobs[start : start + size])
+            self._seconds = outcomes[0][1].seconds
+            start += size
+            yield outcomes
+
+    def close(self) -> None:
+        """Nothing to end."""

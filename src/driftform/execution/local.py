@@ -1,0 +1,126 @@
+"""Evaluations in worker processes on this machine, which may crash without taking the run with them."""
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from functools import cache
+from multiprocessing.connection import wait as wait_for_any
+from typing import TYPE_CHECKING, Any
+
+from driftform.execution.jobs import Job, Outcome, evaluated
+from driftform.execution.lanes import Lane, Lanes
+from driftform.pipeline import Pipeline
+from driftform.study import Document, load_study
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
+
+
+class LocalProcesses(Lanes):
+    """Evaluates in worker processes on this machine, each a lane of its own."""
+
+    def __init__(self, document: Mapping[str, Any], workers: int) -> None:
+        super().__init__([_Process(document) for _ in range(workers)])
+
+
+class _Process(Lane):
+    """One worker process; it is started when there is work, and again where it died."""
+
+    processes = 1
+
+    def __init__(self, document: Mapping[str, Any]) -> None:
+        super().__init__(len(document["targets"]))
+        self._document = dict(document)
+        self._pool: _Pool | None = None
+
+    def submit(self, batch: Sequence[Job]) -> "Future[list[Outcome]]":
+        if self._pool is None:
+            self._pool = _Pool(self._document)
+        try:
+            return self._pool.submit(batch)
+        except BrokenProcessPool:
+            # It died while it waited for work.
+            self.close()
+            return self.submit(batch)
+
+    def deaths(self, error: BaseException) -> int:
+        if not isinstance(error, BrokenProcessPool):
+            return 0
+        self.close()
+        return 1
+
+    def close(self) -> None:
+        if self._pool is not None:
+            self._pool.close()
+            self._pool = None
+
+
+class _Pool:
+    """A worker process that ends at once when it is told to, or when this process ends."""
+
+    def __init__(self, document: Mapping[str, Any]) -> None:
+        # Spawned, not forked: the libraries behind the simulators keep threads and global state.
+        context = multiprocessing.get_context("spawn")
+        # Nothing is ever sent: closing this end is the message.
+        ended, self._end = context.Pipe(duplex=False)
+        self._ended = ended
+        self._executor = ProcessPoolExecutor(
+            1, mp_context=context, initializer=_start, initargs=(dict(document), ended)
+        )
+
+    def submit(self, batch: Sequence[Job]) -> "Future[list[Outcome]]":
+        with interrupts_held_back():
+            return self._executor.submit(_work, batch)
+
+    def close(self) -> None:
+        self._end.close()
+        self._executor.shutdown(wait=True, cancel_futures=True)
+        self._ended.close()
+
+
+@contextmanager
+def interrupts_held_back() -> Iterator[None]:
+    """Worker processes that start meanwhile do not see Ctrl-C: it is the coordinator's to handle.
+
+    They inherit the mask, so that not even one that is still importing answers with a traceback.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+_document: Mapping[str, Any]
+
+
+def _start(document: Mapping[str, Any], ended: "Connection[Any, Any]") -> None:
+    global _document  # noqa: PLW0603 - a worker process has one study
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_coordinator, args=(ended,), daemon=True).start()
+    _document = document
+
+
+def _end_with_coordinator(ended: "Connection[Any, Any]") -> None:
+    """A coordinator that is killed cannot say so, and one that stops does not wait for long flights."""
+    parent = multiprocessing.parent_process()
+    wait_for_any([ended, *([parent.sentinel] if parent is not None else [])])
+    os._exit(1)
+
+
+@cache
+def _pipeline() -> Pipeline:
+    # Made by the first task and not before: what goes wrong is then the task's error, and not a process that died.
+    return load_study(Document("the study", _document)).pipeline()
+
+
+def _work(batch: Sequence[Job]) -> list[Outcome]:
+    return evaluated(_pipeline(), batch)

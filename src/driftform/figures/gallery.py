@@ -1,0 +1,148 @@
+"""Bodies side by side at one scale: the gallery of what a study evolved."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from xml.etree import ElementTree as ET
+
+from driftform.figures import svg
+from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading
+from driftform.figures.layout import nice_below, shorten, text_width, write
+from driftform.figures.style import GRID, INK, MUTED, SERIES, tint
+from driftform.types import Agent, Trajectory
+
+WIDTH, MARGIN = 900.0, 22.0
+COLUMNS = 5
+TALLEST = 150.0
+GAP, NARROWEST = 24.0, 132.0
+
+
+@dataclass(frozen=True, eq=False)
+class Flight:
+    """The best flight for a target: ``name`` is the target's, ``error_percent`` is 100 (1 - fitness)."""
+
+    name: str
+    agent: Agent
+    trajectory: Trajectory
+    error_percent: float
+
+
+def gallery_svg(flights: Sequence[Flight], title: str, told: str) -> str:
+    """Return the bodies of flights as SVG, at one scale, fore end to the right; ``told`` stands below the title."""
+    rows, px_per_m = arranged(flights)
+    top = 130.0
+    root = svg.document(
+        WIDTH,
+        top + sum(row.height for row in rows) + 2,
+        title,
+        f"Bodies of revolution at one scale: {', '.join(f.name for f in flights) or 'none'}. {told}",
+    )
+    write(root, MARGIN, 36, shorten(title, 20, WIDTH - 2 * MARGIN, bold=True), 20, bold=True)
+    write(root, MARGIN, 58, told, 12, MUTED)
+    draw_gallery(root, rows, px_per_m, top)
+    return svg.render(root)
+
+
+def colours_of(flights: Sequence[Flight]) -> list[str]:
+    """A colour for each flight."""
+    return [SERIES[i % len(SERIES)] for i in range(len(flights))]
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """Some bodies side by side: each with its colour and its cell's width, the tallest, and the row; px."""
+
+    cells: list[tuple[Flight, str, float]]
+    tallest: float
+    height: float
+
+
+def arranged(flights: Sequence[Flight]) -> tuple[list[Row], float]:
+    """Return the rows of the gallery, and the px for a metre, the same in all of them."""
+    if not flights:
+        return [], 1.0
+    bodies = [flight.agent.body for flight in flights]
+    pairs = list(zip(flights, colours_of(flights), strict=True))
+    split = [pairs[first : first + COLUMNS] for first in range(0, len(pairs), COLUMNS)]
+    inner = WIDTH - 2 * MARGIN
+
+    def cells(row: list[tuple[Flight, str]], px_per_m: float) -> list[float]:
+        return [max(f.agent.body.length * px_per_m + GAP, NARROWEST) for f, _ in row]
+
+    # The largest scale at which every row fits: widths only grow with it, so bisection finds it.
+    low, high = 0.0, TALLEST / max(body.max_diameter for body in bodies)
+    for _ in range(50):
+        middle = (low + high) / 2
+        fits = all(sum(cells(row, middle)) <= inner for row in split)
+        low, high = (middle, high) if fits else (low, middle)
+    rows = []
+    for row in split:
+        widths = cells(row, low)
+        # A short last row keeps to the left, in cells like those above it.
+        spare = (inner - sum(widths)) / len(row) if len(row) == COLUMNS else 0.0
+        tallest = max(f.agent.body.max_diameter for f, _ in row) * low
+        rows.append(
+            Row([(f, c, w + spare) for (f, c), w in zip(row, widths, strict=True)], tallest, tallest + 66)
+        )
+    return rows, low
+
+
+def draw_gallery(root: ET.Element, rows: list[Row], px_per_m: float, top: float) -> None:
+    """Draw the rows from ``top`` (px) down, with a line above that has a scale bar."""
+    if not rows:
+        return
+    svg.add(root, "line", x1=MARGIN, y1=top - 38, x2=WIDTH - MARGIN, y2=top - 38, stroke=GRID)
+    write(root, MARGIN, top - 14, "The bodies, to one scale, fore end to the right", 12, MUTED)
+    bar = nice_below(110 / px_per_m)
+    end, base = WIDTH - MARGIN, top - 12
+    ticks = [(end - bar * px_per_m, base - 4), (end - bar * px_per_m, base), (end, base), (end, base - 4)]
+    svg.add(
+        root, "path", class_="scale-bar", d=svg.polyline(ticks), fill="none", stroke=INK, stroke_width=1.2
+    )
+    middle = end - bar * px_per_m / 2
+    write(root, middle, base - 6, f"{1000 * bar:g} mm", 11, MUTED, "middle", class_="scale-bar-label")
+
+    for row in rows:
+        x = MARGIN
+        for flight, colour, cell in row.cells:
+            x += cell / 2
+            body = flight.agent.body
+            _draw_body(root, flight, colour, Placement.centred(body, x, top + 12 + row.tallest / 2, px_per_m))
+            base = top + row.tallest + 36
+            name = shorten(flight.name, 13, cell - 84, bold=True)
+            error = f"{flight.error_percent:.2f} %"
+            # The name, in the colour of its line, and the error stand as one centred group.
+            group = [20.0, text_width(name, 13, bold=True) + 4, text_width(error, 12)]
+            left = x - sum(group) / 2
+            svg.add(
+                root,
+                "line",
+                x1=left,
+                y1=base - 4.5,
+                x2=left + 12,
+                y2=base - 4.5,
+                stroke=colour,
+                stroke_width=3.5,
+                stroke_linecap="round",
+            )
+            write(root, left + group[0], base, name, 13, INK, bold=True)
+            write(root, left + group[0] + group[1], base, error, 12, MUTED)
+            x += cell / 2
+        top += row.height
+
+
+def _draw_body(root: ET.Element, flight: Flight, colour: str, place: Placement) -> None:
+    body = flight.agent.body
+    draw_shading(root, body, place, colour, below=1, bands=6)
+    draw_rims(root, body, place, tint(colour, 0.5), 0.5, below=1)
+    svg.add(
+        root,
+        "path",
+        class_="outline",
+        d=svg.polyline(place.to_page(closed_outline(body.outer)), closed=True),
+        fill="none",
+        stroke=colour,
+        stroke_width=1.1,
+        stroke_linejoin="round",
+    )
+    radius = max(1.5, body.core.radius * place.px_per_m)
+    svg.add(root, "circle", class_="core", cx=place.x, cy=place.y, r=radius, fill=colour)

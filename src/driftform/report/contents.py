@@ -1,0 +1,198 @@
+"""A run -> all that its page tells: the best agents, their flights, and the pictures."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from driftform.agent_file import StoredAgent
+from driftform.dynamics.path import closest_approach
+from driftform.errors import WorkFailedError
+from driftform.figures.gallery import Flight
+from driftform.figures.overview import overview_svg
+from driftform.figures.projection import positions, simplify
+from driftform.figures.reach import reach_svg
+from driftform.figures.section import section_svg
+from driftform.figures.style import SERIES
+from driftform.figures.trend import Trend, trend_svg
+from driftform.reach import Cells, reach_of
+from driftform.run_directory import best_agent, check_run
+from driftform.scenario import Scenario
+from driftform.store import Store
+from driftform.study import Document, Study, load_study
+from driftform.types import Agent, FloatArray, Trajectory
+
+SAMPLES = 240
+"""Most moments of a flight that a page holds."""
+
+EXACT = 5e-5
+"""What a page may leave out of a contour, m."""
+
+STEPS = 60
+"""Points of a trend."""
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """The best agent for one target: its evaluation's ``index``, and how near it comes (``distance`` in m at ``t`` s)."""
+
+    target: str
+    index: int
+    fitness: float
+    distance: float
+    t: float
+    stored: StoredAgent
+    agent: Agent
+    flight: Trajectory
+
+    @property
+    def error_percent(self) -> float:
+        """Error, % of the farthest distance in the pipe."""
+        return 100 - self.fitness
+
+
+@dataclass(frozen=True, eq=False)
+class Contents:
+    """What the page of a run tells.
+
+    ``seconds`` is what all evaluations took together on the machines that made them.
+    """
+
+    name: str
+    study: Study
+    evaluations: int
+    failed: int
+    seconds: float
+    entries: tuple[Entry, ...]
+    figures: Mapping[str, str]
+    sections: Sequence[str]
+
+    @property
+    def scenario(self) -> Scenario:
+        """Where the agents fly."""
+        return self.study.scenario
+
+
+def contents_of(directory: Path) -> Contents:
+    """Read a run, finished or not.
+
+    Raises
+    ------
+    InputError
+        where the directory holds no run, or a damaged one.
+    WorkFailedError
+        where no evaluation succeeded yet.
+    """
+    database = check_run(directory)
+    with Store.open(database, read_only=True) as store:
+        study = load_study(Document(str(database), store.study()))
+        targets = study.scenario.target_names
+        pipeline = study.pipeline()
+        entries = []
+        for target in targets:
+            stored = best_agent(study, store, target)
+            if stored is None:
+                raise WorkFailedError(
+                    f"{directory}: has no evaluation that did not fail; there is nothing to report"
+                )
+            index = stored.result["evaluation"]
+            flight = store.record(index, targets).evaluation.trajectory
+            assert flight is not None
+            point = np.array([study.scenario.targets[target]])
+            distance, t = closest_approach(flight, point)
+            agent = pipeline.agent(stored.genome)
+            entries.append(
+                Entry(
+                    target,
+                    index,
+                    stored.result["fitness"],
+                    float(distance[0]),
+                    float(t[0]),
+                    stored,
+                    agent,
+                    flight,
+                )
+            )
+        title = str(study.document.get("title", ""))
+        flights = [Flight(e.target, e.agent, e.flight, e.error_percent) for e in entries]
+        figures = {
+            "Flights and bodies": overview_svg(flights, study.scenario, title),
+            "Search": trend_svg(_trends(store, targets), "Best fitness so far", _strategy(study)),
+            "Reach": reach_svg(reach_of(store.flights(), Cells.of(study.scenario)), study.scenario, title),
+        }
+        return Contents(
+            directory.resolve().name,
+            study,
+            store.count(),
+            store.failed(),
+            store.seconds(),
+            tuple(entries),
+            figures,
+            [section_svg(e.agent, e.target, study.scenario) for e in entries],
+        )
+
+
+def _strategy(study: Study) -> str:
+    return str(study.document.get("strategy", {}).get("use", "search"))
+
+
+def _trends(store: Store, targets: Sequence[str]) -> list[Trend]:
+    """The best fitness of a run for each target, over all of its flights."""
+    fitness = np.array([brief.fitness for brief in store.briefs(targets)]).reshape(-1, len(targets))
+    best = np.maximum.accumulate(fitness, axis=0)
+    at = np.unique(np.linspace(1, len(best), min(STEPS, len(best))).astype(int))
+    none = np.zeros((0, len(at)))
+    return [
+        Trend(target, at.astype(np.float64), best[None, at - 1, number], none)
+        for number, target in enumerate(targets)
+    ]
+
+
+def viewer_data(contents: Contents) -> dict[str, Any]:
+    """What the page's viewer draws: agents, flights, pipe and targets; SI units, rounded to what can be seen."""
+    scenario = contents.scenario
+    rows = scenario.pipe.array()
+    ends = np.vstack([rows[:, :3], rows[:, 3:6]])
+    low, high = ends.min(axis=0), ends.max(axis=0)
+    radius = float(rows[:, 6].max())
+    length = float(np.linalg.norm(high - low))
+    longest = max(entry.agent.body.length for entry in contents.entries)
+    return {
+        "agents": [_agent(entry, SERIES[i % len(SERIES)]) for i, entry in enumerate(contents.entries)],
+        "pipe": [{"start": _rounded(r[:3]), "end": _rounded(r[3:6]), "radius": float(r[6])} for r in rows],
+        "targets": [{"name": name, "position": list(point)} for name, point in scenario.targets.items()],
+        "water": scenario.fluid.water_level,
+        "centre": _rounded((low + high) / 2),
+        "extent": [_rounded(low[:2] - radius), _rounded(high[:2] + radius)],
+        "length": length,
+        "size": radius,
+        # Agents are many times smaller than their pipe: drawn as long as its radius they can be seen.
+        "magnification": max(1.0, round(radius / longest, 1)),
+    }
+
+
+def _agent(entry: Entry, colour: str) -> dict[str, Any]:
+    body, flight = entry.agent.body, entry.flight
+    # Evenly in time, and the moment of the closest approach among them.
+    t = np.unique(np.append(np.linspace(flight.t[0], flight.t[-1], SAMPLES - 1), entry.t))
+    nearest = np.clip(np.searchsorted(flight.t, t), 0, len(flight.t) - 1)
+    return {
+        "target": entry.target,
+        "colour": colour,
+        "outer": _rounded(simplify(body.outer, EXACT), 6),
+        "cavity": _rounded(simplify(body.cavity, EXACT), 6) if len(body.cavity) else [],
+        "joints": _rounded(body.joints, 6),
+        "core": body.core.radius,
+        "closest": round(entry.t, 4),
+        "flight": {
+            "t": _rounded(t, 4),
+            "position": _rounded(positions(flight, t), 4),
+            "quaternion": _rounded(flight.quaternion[nearest], 4),
+        },
+    }
+
+
+def _rounded(values: FloatArray, digits: int = 6) -> Any:
+    return np.round(values, digits).tolist()

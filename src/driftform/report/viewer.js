@@ -1,0 +1,475 @@
+"use strict";
+// A body of revolution and its flight, drawn by WebGL without any library. World: x downstream, z up; lengths in m.
+
+const ROUND = 48;
+
+const shaders = {
+  vertex: `
+    attribute vec3 place, normal;
+    uniform mat4 camera, pose;
+    varying vec3 shown, facing, there;
+    void main() {
+      shown = place;
+      facing = mat3(pose) * normal;
+      there = (pose * vec4(place, 1.0)).xyz;
+      gl_Position = camera * vec4(there, 1.0);
+    }`,
+  fragment: `
+    precision mediump float;
+    uniform vec4 colour;
+    uniform vec3 eye;
+    uniform float cut, lit;
+    varying vec3 shown, facing, there;
+    void main() {
+      if (cut > 0.5 && shown.y < 0.0) discard;
+      vec3 view = normalize(eye - there);
+      vec3 n = normalize(facing);
+      // A wall has two sides, and both are lit.
+      if (dot(n, view) < 0.0) n = -n;
+      float light = 0.55 + 0.45 * max(0.0, dot(n, normalize(view + vec3(0.0, 0.0, 1.2))))
+        + 0.12 * pow(max(0.0, dot(n, view)), 8.0);
+      gl_FragColor = vec4(mix(colour.rgb, min(vec3(1.0), colour.rgb * light), lit), colour.a);
+    }`,
+};
+
+// Vectors and matrices: column-major, as WebGL takes them.
+const sub = (a, b) => a.map((v, i) => v - b[i]);
+const dot = (a, b) => a.reduce((sum, v, i) => sum + v * b[i], 0);
+const scaled = (a, f) => a.map((v) => v * f);
+const unit = (a) => scaled(a, 1 / (Math.hypot(...a) || 1));
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const identity = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
+
+function product(a, b) {
+  const c = new Array(16).fill(0);
+  for (let i = 0; i < 4; i++)
+    for (let j = 0; j < 4; j++) for (let k = 0; k < 4; k++) c[4 * j + i] += a[4 * k + i] * b[4 * j + k];
+  return c;
+}
+
+function perspective(angle, aspect, near, far) {
+  const f = 1 / Math.tan(angle / 2);
+  const d = near - far;
+  return [f / aspect, 0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) / d, -1, 0, 0, (2 * far * near) / d, 0];
+}
+
+function seenFrom(eye, centre) {
+  const back = unit(sub(eye, centre));
+  const right = unit(cross([0, 0, 1], back));
+  const up = cross(back, right);
+  return [
+    right[0], up[0], back[0], 0, right[1], up[1], back[1], 0, right[2], up[2], back[2], 0,
+    -dot(right, eye), -dot(up, eye), -dot(back, eye), 1,
+  ];
+}
+
+// Where a body lies: rotated by the quaternion (w, x, y, z), body to world, magnified, and moved.
+function posed([w, x, y, z], place, size) {
+  const s = size;
+  return [
+    s * (1 - 2 * (y * y + z * z)), s * 2 * (x * y + w * z), s * 2 * (x * z - w * y), 0,
+    s * 2 * (x * y - w * z), s * (1 - 2 * (x * x + z * z)), s * 2 * (y * z + w * x), 0,
+    s * 2 * (x * z + w * y), s * 2 * (y * z - w * x), s * (1 - 2 * (x * x + y * y)), 0,
+    ...place, 1,
+  ];
+}
+
+// Meshes: {places, normals} of triangles, or of lines where there are no normals.
+function revolved(profile, inward) {
+  const places = [], normals = [];
+  for (let i = 0; i + 1 < profile.length; i++) {
+    const [[x0, r0], [x1, r1]] = [profile[i], profile[i + 1]];
+    const slant = Math.hypot(x1 - x0, r1 - r0);
+    if (slant < 1e-9) continue;
+    const [nx, nr] = [-(r1 - r0) / slant, (x1 - x0) / slant];
+    for (let k = 0; k < ROUND; k++) {
+      const corner = (j) => [Math.cos((2 * Math.PI * j) / ROUND), Math.sin((2 * Math.PI * j) / ROUND)];
+      const [[c0, s0], [c1, s1]] = [corner(k), corner(k + 1)];
+      const at = (x, r, c, s) => [x, r * c, r * s];
+      const out = (c, s) => scaled([nx, nr * c, nr * s], inward ? -1 : 1);
+      const quad = [
+        [at(x0, r0, c0, s0), out(c0, s0)], [at(x1, r1, c0, s0), out(c0, s0)], [at(x1, r1, c1, s1), out(c1, s1)],
+        [at(x0, r0, c0, s0), out(c0, s0)], [at(x1, r1, c1, s1), out(c1, s1)], [at(x0, r0, c1, s1), out(c1, s1)],
+      ];
+      for (const [p, n] of quad) { places.push(...p); normals.push(...n); }
+    }
+  }
+  return { places, normals };
+}
+
+function radiusAt(profile, x) {
+  for (let i = 0; i + 1 < profile.length; i++) {
+    const [[x0, r0], [x1, r1]] = [profile[i], profile[i + 1]];
+    if (x0 <= x && x <= x1 && x1 > x0) return r0 + ((r1 - r0) * (x - x0)) / (x1 - x0);
+  }
+  return 0;
+}
+
+// What a cut through the axis shows of the hull's material, in the plane y = 0, above the axis and below.
+function section(outer, cavity) {
+  const nudge = 1e-7;
+  const stations = [...new Set([...outer, ...cavity].flatMap(([x]) => [x - nudge, x + nudge]))].sort((a, b) => a - b);
+  const places = [], normals = [];
+  for (let i = 0; i + 1 < stations.length; i++) {
+    const [x0, x1] = [stations[i], stations[i + 1]];
+    const [a0, a1, b0, b1] = [radiusAt(outer, x0), radiusAt(outer, x1), radiusAt(cavity, x0), radiusAt(cavity, x1)];
+    if (a0 <= 0 && a1 <= 0) continue;
+    for (const side of [1, -1]) {
+      const corners = [[x0, b0], [x1, b1], [x1, a1], [x0, b0], [x1, a1], [x0, a0]];
+      for (const [x, r] of corners) { places.push(x, 0, side * r); normals.push(0, -1, 0); }
+    }
+  }
+  return { places, normals };
+}
+
+function ball(radius) {
+  const half = [...Array(17)].map((_, i) => {
+    const angle = Math.PI * (1 - i / 16);
+    return [radius * Math.cos(angle), radius * Math.sin(angle)];
+  });
+  return revolved(half, false);
+}
+
+function rings(profile, stations) {
+  const places = [];
+  for (const x of stations) {
+    const r = 1.001 * radiusAt(profile, x);
+    for (let k = 0; k < ROUND; k++)
+      for (const j of [k, k + 1]) {
+        const angle = (2 * Math.PI * j) / ROUND;
+        places.push(x, r * Math.cos(angle), r * Math.sin(angle));
+      }
+  }
+  return { places };
+}
+
+// A tube along a path, so that it is as thick as it looks right.
+function tube(path, radius) {
+  const places = [], normals = [];
+  const sides = 6;
+  for (let i = 0; i + 1 < path.length; i++) {
+    const along = unit(sub(path[i + 1], path[i]));
+    const aside = unit(cross(along, Math.abs(along[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
+    const other = cross(along, aside);
+    const around = (k) => {
+      const angle = (2 * Math.PI * k) / sides;
+      return aside.map((v, j) => v * Math.cos(angle) + other[j] * Math.sin(angle));
+    };
+    for (let k = 0; k < sides; k++) {
+      const [n0, n1] = [around(k), around(k + 1)];
+      const corner = (p, n) => p.map((v, j) => v + radius * n[j]);
+      const quad = [
+        [path[i], n0], [path[i + 1], n0], [path[i + 1], n1], [path[i], n0], [path[i + 1], n1], [path[i], n1],
+      ];
+      for (const [p, n] of quad) { places.push(...corner(p, n)); normals.push(...n); }
+    }
+  }
+  return { places, normals };
+}
+
+// The bore of a pipe as lines: rings, and straight lines along it.
+function bore(segments) {
+  const places = [];
+  for (const { start, end, radius } of segments) {
+    const axis = sub(end, start);
+    const length = Math.hypot(...axis);
+    const along = unit(axis);
+    const aside = unit(cross(along, Math.abs(along[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
+    const up = cross(aside, along);
+    const at = (x, angle) =>
+      start.map((v, j) => v + x * along[j] + radius * (Math.cos(angle) * aside[j] + Math.sin(angle) * up[j]));
+    const count = Math.max(1, Math.round(length / radius));
+    for (let i = 0; i <= count; i++)
+      for (let k = 0; k < ROUND; k++)
+        for (const j of [k, k + 1]) places.push(...at((length * i) / count, (2 * Math.PI * j) / ROUND));
+    for (let k = 0; k < 8; k++) for (const x of [0, length]) places.push(...at(x, (2 * Math.PI * k) / 8));
+  }
+  return { places };
+}
+
+// A picture on a canvas that turns and zooms; `scene` returns what is to be drawn.
+class View {
+  constructor(canvas, scene, camera) {
+    this.canvas = canvas;
+    this.scene = scene;
+    this.home = camera;
+    this.camera = { ...camera };
+    this.gl = canvas.getContext("webgl", { antialias: true, preserveDrawingBuffer: true });
+    if (!this.gl) {
+      canvas.replaceWith(Object.assign(document.createElement("p"), {
+        className: "missing", textContent: "This browser shows no 3-D pictures (WebGL); all else on this page works.",
+      }));
+      return;
+    }
+    this.program = this.built();
+    this.listen();
+    new ResizeObserver(() => this.draw()).observe(canvas);
+  }
+
+  built() {
+    const gl = this.gl;
+    const program = gl.createProgram();
+    for (const [kind, source] of [[gl.VERTEX_SHADER, shaders.vertex], [gl.FRAGMENT_SHADER, shaders.fragment]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, source);
+      gl.compileShader(shader);
+      gl.attachShader(program, shader);
+    }
+    gl.bindAttribLocation(program, 0, "place");
+    gl.bindAttribLocation(program, 1, "normal");
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+    return program;
+  }
+
+  uploaded(mesh) {
+    const gl = this.gl;
+    if (mesh.view === this) return mesh;
+    const load = (values) => {
+      const buffer = gl.createBuffer();
+      gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+      gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(values), gl.STATIC_DRAW);
+      return buffer;
+    };
+    mesh.buffers = [load(mesh.places), mesh.normals && load(mesh.normals)];
+    mesh.view = this;
+    return mesh;
+  }
+
+  listen() {
+    const canvas = this.canvas;
+    let held = null;
+    canvas.addEventListener("pointerdown", (event) => {
+      held = [event.clientX, event.clientY];
+      canvas.setPointerCapture(event.pointerId);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      if (!held) return;
+      this.turn((event.clientX - held[0]) * 0.01, (event.clientY - held[1]) * 0.01);
+      held = [event.clientX, event.clientY];
+    });
+    for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => (held = null));
+    canvas.addEventListener("wheel", (event) => {
+      // The page goes on scrolling unless the picture was chosen.
+      if (document.activeElement !== canvas) return;
+      event.preventDefault();
+      this.zoom(Math.exp(event.deltaY * 0.001));
+    }, { passive: false });
+    canvas.addEventListener("keydown", (event) => {
+      const act = {
+        ArrowLeft: () => this.turn(-0.1, 0), ArrowRight: () => this.turn(0.1, 0),
+        ArrowUp: () => this.turn(0, -0.1), ArrowDown: () => this.turn(0, 0.1),
+        "+": () => this.zoom(0.9), "=": () => this.zoom(0.9), "-": () => this.zoom(1 / 0.9), Home: () => this.reset(),
+      }[event.key];
+      if (act) { event.preventDefault(); act(); }
+    });
+  }
+
+  turn(yaw, pitch) {
+    this.camera.yaw -= yaw;
+    this.camera.pitch = Math.min(1.5, Math.max(-1.5, this.camera.pitch + pitch));
+    this.draw();
+  }
+
+  zoom(factor) {
+    this.camera.distance = Math.min(4, Math.max(0.15, (this.camera.distance / this.home.distance) * factor)) * this.home.distance;
+    this.draw();
+  }
+
+  reset() {
+    this.camera = { ...this.home };
+    this.draw();
+  }
+
+  draw() {
+    const gl = this.gl;
+    if (!gl) return;
+    const dense = Math.min(2, window.devicePixelRatio || 1);
+    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight].map((v) => Math.max(1, Math.round(v * dense)));
+    if (this.canvas.width !== width || this.canvas.height !== height) {
+      this.canvas.width = width;
+      this.canvas.height = height;
+    }
+    const { items, centre, size } = this.scene();
+    const { yaw, pitch, distance } = this.camera;
+    const angle = 0.5;
+    // The scene is as wide as the picture, but no taller than half of it.
+    const far = (distance * size) / (2 * Math.tan(angle / 2) * Math.min(width / height, 3));
+    const eye = centre.map((v, i) => v + far * [Math.sin(yaw) * Math.cos(pitch), -Math.cos(yaw) * Math.cos(pitch), Math.sin(pitch)][i]);
+    const camera = product(perspective(angle, width / height, 0.02 * far, 4 * far + 4 * size), seenFrom(eye, centre));
+    gl.viewport(0, 0, width, height);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.enable(gl.DEPTH_TEST);
+    gl.enable(gl.BLEND);
+    gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    gl.useProgram(this.program);
+    const uniform = (name) => gl.getUniformLocation(this.program, name);
+    gl.uniformMatrix4fv(uniform("camera"), false, camera);
+    gl.uniform3fv(uniform("eye"), eye);
+    for (const { mesh, pose = identity, colour, cut = false } of items) {
+      if (!mesh.places.length) continue;
+      const { buffers } = this.uploaded(mesh);
+      gl.uniformMatrix4fv(uniform("pose"), false, pose);
+      gl.uniform4fv(uniform("colour"), colour);
+      gl.uniform1f(uniform("cut"), cut ? 1 : 0);
+      gl.uniform1f(uniform("lit"), buffers[1] ? 1 : 0);
+      gl.bindBuffer(gl.ARRAY_BUFFER, buffers[0]);
+      gl.enableVertexAttribArray(0);
+      gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
+      if (buffers[1]) {
+        gl.bindBuffer(gl.ARRAY_BUFFER, buffers[1]);
+        gl.enableVertexAttribArray(1);
+        gl.vertexAttribPointer(1, 3, gl.FLOAT, false, 0, 0);
+      } else {
+        gl.disableVertexAttribArray(1);
+        gl.vertexAttrib3f(1, 0, 0, 1);
+      }
+      gl.drawArrays(buffers[1] ? gl.TRIANGLES : gl.LINES, 0, mesh.places.length / 3);
+    }
+  }
+}
+
+function colourOf(name, alpha = 1) {
+  const text = getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  return [1, 3, 5].map((i) => parseInt(text.slice(i, i + 2), 16) / 255).concat(alpha);
+}
+
+const hex = (text) => [1, 3, 5].map((i) => parseInt(text.slice(i, i + 2), 16) / 255).concat(1);
+
+function start() {
+  const data = JSON.parse(document.getElementById("data").textContent);
+  const find = (id) => document.getElementById(id);
+  const slider = find("time");
+  let chosen = 0;
+  const cut = find("cut");
+  const meshes = new Map();
+
+  // The meshes of an agent are made when it is first looked at.
+  const made = () => {
+    if (!meshes.has(chosen)) {
+      const agent = data.agents[chosen];
+      const path = agent.flight.position;
+      meshes.set(chosen, {
+        outer: revolved(agent.outer, false), cavity: revolved(agent.cavity, true), core: ball(agent.core),
+        section: section(agent.outer, agent.cavity), joints: rings(agent.outer, agent.joints),
+        flown: { outer: revolved(agent.outer, false) }, tube: tube(path, 0.012 * data.size),
+      });
+    }
+    return meshes.get(chosen);
+  };
+
+  const atTime = () => {
+    const { t, position, quaternion } = data.agents[chosen].flight;
+    const time = (slider.value / slider.max) * t[t.length - 1];
+    let i = t.findIndex((value) => value >= time);
+    i = Math.min(Math.max(i < 0 ? t.length - 1 : i, 1), t.length - 1);
+    if (t.length < 2) return { time: 0, place: position[0], attitude: quaternion[0] };
+    const u = (time - t[i - 1]) / (t[i] - t[i - 1] || 1);
+    const place = position[i].map((v, j) => position[i - 1][j] + u * (v - position[i - 1][j]));
+    const sign = dot(quaternion[i], quaternion[i - 1]) < 0 ? -1 : 1;
+    const attitude = unit(quaternion[i].map((v, j) => quaternion[i - 1][j] * (1 - u) + sign * u * v));
+    return { time, place, attitude };
+  };
+
+  const agentScene = () => {
+    const agent = data.agents[chosen];
+    const { outer, cavity, core, section: faces, joints } = made();
+    const [first, last] = [agent.outer[0][0], agent.outer[agent.outer.length - 1][0]];
+    const items = [
+      { mesh: core, colour: colourOf("--core") },
+      { mesh: outer, colour: hex(agent.colour), cut: cut.checked },
+      { mesh: joints, colour: colourOf("--line", 0.35), cut: cut.checked },
+    ];
+    if (cut.checked)
+      items.push({ mesh: cavity, colour: colourOf("--inside"), cut: true }, { mesh: faces, colour: colourOf("--material") });
+    return { items, centre: [(first + last) / 2, 0, 0], size: last - first };
+  };
+
+  const pipe = bore(data.pipe);
+  const mark = ball(0.045 * data.size);
+  const surface = data.water === null ? null : level(data);
+  const flightScene = () => {
+    const { flown, tube: path } = made();
+    const { place, attitude } = atTime();
+    const agent = data.agents[chosen];
+    const items = [
+      { mesh: path, colour: hex(agent.colour) },
+      { mesh: flown.outer, pose: posed(attitude, place, data.magnification), colour: hex(agent.colour) },
+      ...data.targets.map((target) => ({
+        mesh: target.mesh ?? (target.mesh = { ...mark }), pose: posed([1, 0, 0, 0], target.position, 1),
+        colour: target.name === agent.target ? colourOf("--target") : colourOf("--other"),
+      })),
+      { mesh: pipe, colour: colourOf("--line", 0.4) },
+    ];
+    if (surface) items.push({ mesh: surface, colour: colourOf("--water", 0.3) });
+    return { items, centre: data.centre, size: data.length };
+  };
+
+  const agentView = new View(find("agent-view"), agentScene, { yaw: 0.45, pitch: 0.35, distance: 1.25 });
+  const flightView = new View(find("flight-view"), flightScene, { yaw: 0.28, pitch: 0.22, distance: 1.18 });
+
+  const told = () => {
+    const { time, place, attitude: [w, x, y, z] } = atTime();
+    const agent = data.agents[chosen];
+    const target = data.targets.find(({ name }) => name === agent.target);
+    const gap = Math.hypot(...sub(place, target.position));
+    const nose = (180 / Math.PI) * Math.asin(Math.max(-1, Math.min(1, 2 * (x * z - w * y))));
+    const said = `${time.toFixed(2)} s: x ${place[0].toFixed(2)} m, z ${place[2].toFixed(2)} m, nose ${Math.abs(nose).toFixed(0)}° ` +
+      `${nose < 0 ? "down" : "up"}, ${gap < 1 ? `${(1000 * gap).toFixed(0)} mm` : `${gap.toFixed(2)} m`} from ${agent.target}`;
+    find("told").textContent = said;
+    slider.setAttribute("aria-valuetext", said);
+  };
+  const drawFlight = () => { told(); flightView.draw(); };
+
+  const choose = (number) => {
+    chosen = number;
+    find("agent-name").textContent = data.agents[chosen].target;
+    for (const button of document.querySelectorAll("[data-agent]"))
+      button.setAttribute("aria-pressed", String(Number(button.dataset.agent) === chosen));
+    // The moment of the closest approach is what one wants to see first.
+    const { t } = data.agents[chosen].flight;
+    slider.value = Math.round((slider.max * data.agents[chosen].closest) / (t[t.length - 1] || 1));
+    agentView.draw();
+    drawFlight();
+  };
+  for (const button of document.querySelectorAll("[data-agent]"))
+    button.addEventListener("click", () => choose(Number(button.dataset.agent)));
+  slider.addEventListener("input", drawFlight);
+  cut.addEventListener("change", () => agentView.draw());
+  for (const [id, view] of [["agent", agentView], ["flight", flightView]])
+    for (const [name, act] of [["in", () => view.zoom(0.8)], ["out", () => view.zoom(1.25)], ["home", () => view.reset()]])
+      find(`${id}-${name}`).addEventListener("click", act);
+
+  const play = find("play");
+  let playing = null;
+  const stop = () => { playing = null; play.textContent = "Play"; };
+  const step = (now) => {
+    if (playing === null) return;
+    const { t } = data.agents[chosen].flight;
+    const next = Number(slider.value) + ((now - playing) / 1000 / t[t.length - 1]) * slider.max;
+    playing = now;
+    slider.value = next;
+    drawFlight();
+    if (next >= slider.max) stop();
+    else requestAnimationFrame(step);
+  };
+  play.addEventListener("click", () => {
+    if (playing !== null) { stop(); return; }
+    if (Number(slider.value) >= slider.max) slider.value = 0;
+    playing = performance.now();
+    play.textContent = "Pause";
+    requestAnimationFrame(step);
+  });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { agentView.draw(); flightView.draw(); });
+  choose(0);
+}
+
+// The free surface, over the box that the pipe lies in.
+function level(data) {
+  const [[x0, y0], [x1, y1]] = data.extent;
+  const corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y0], [x1, y1], [x0, y1]];
+  return { places: corners.flatMap(([x, y]) => [x, y, data.water]), normals: corners.flatMap(() => [0, 0, 1]) };
+}
+
+document.addEventListener("DOMContentLoaded", start);

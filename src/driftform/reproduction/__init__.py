@@ -1,0 +1,1 @@
+"""The paper's experiment, repeated, and its tables and figures made of our own flights."""

@@ -1,0 +1,179 @@
+"""The paper's experiment: its search repeated over seeds, beside random search with the same budget.
+
+Each repeat is a run of its own, in a directory of its own, so that what is interrupted goes on where it stopped.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import tomli_w
+
+from driftform.evolution import Executor, evolve
+from driftform.pipeline import Pipeline
+from driftform.run_directory import DATABASE, check_run, locked, write_inputs
+from driftform.scenario import Scenario, TurbulentFlow
+from driftform.store import Record, Store
+from driftform.study import Document, Study, load_study
+from driftform.types import FloatArray, Genome, Trajectory
+
+STRATEGIES = ("paper", "random")
+"""The paper's search, and the baseline that it is held against."""
+
+PER_TARGET = 50
+"""Flights for each target in a repeat: five generations of ten."""
+
+GENERATION = 10
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """What the repeats of one strategy came to.
+
+    Attributes
+    ----------
+    strategy
+        its name.
+    fitness
+        the best fitness (%) after each flight of a target's own budget, (repeats, targets, flights).
+    best
+        the genome of the best flight for each target over all repeats, with the repeat's seed and the evaluation.
+    shared
+        the best fitness for each target over all flights of a repeat, also those of other targets,
+        (repeats, targets).
+    failed
+        flights that failed.
+    """
+
+    strategy: str
+    fitness: FloatArray
+    best: tuple[tuple[Genome, int, int], ...]
+    shared: FloatArray
+    failed: int
+
+    @property
+    def error(self) -> FloatArray:
+        """Error (%) at the end of each target's budget, (repeats, targets)."""
+        return np.asarray(100 - self.fitness[:, :, -1])
+
+
+def study_of(strategy: str, seed: int, simulator: str | None = None, settings: Sequence[str] = ()) -> Study:
+    """Return the study of one repeat."""
+    return load_study(
+        "pipe-inspection",
+        settings,
+        use={"strategy": strategy, "simulator": simulator},
+        run={"seed": seed, "evaluations": None},
+    )
+
+
+def carry_out(directory: Path, study: Study, executor: Executor, on_record: Callable[[Record], None]) -> None:
+    """Run one repeat in its directory, or what is left of it.
+
+    Raises
+    ------
+    InputError
+        where the directory holds a run of another study, or another process works on it.
+    """
+    directory.mkdir(parents=True, exist_ok=True)
+    with locked(directory):
+        if not (directory / DATABASE).is_file():
+            write_inputs(directory, study, tomli_w.dumps(dict(study.document)))
+            # Interrupted at this very moment, there is none, and not half of one.
+            part = directory / f".{DATABASE}.part"
+            part.unlink(missing_ok=True)
+            Store.create(part, dict(study.document)).close()
+            part.replace(directory / DATABASE)
+        with Store.open(directory / DATABASE) as store:
+            stored = load_study(Document(str(directory / DATABASE), store.study()))
+            _check_same(directory, study, stored)
+            evolve(study, store, executor, on_record)
+
+
+def _check_same(directory: Path, study: Study, stored: Study) -> None:
+    from driftform.errors import InputError
+
+    if study.document != stored.document:
+        differing = sorted(
+            key
+            for key in {*study.document, *stored.document}
+            if study.document.get(key) != stored.document.get(key)
+        )
+        raise InputError(
+            f"{directory}: holds a run with other settings ({', '.join(differing)}); choose another --out"
+        )
+
+
+def result_of(strategy: str, runs: Sequence[tuple[int, Path]]) -> Search:
+    """Read what the repeats of a strategy came to; ``runs`` are seeds and directories.
+
+    A flight counts for the target that its population worked for; where a strategy has no populations, as many
+    flights as one would have had, one target after the other.
+    """
+    rows, shared, failed = [], [], 0
+    best: dict[int, tuple[float, Genome, int, int]] = {}
+    for seed, directory in runs:
+        with _opened(directory) as (study, store):
+            targets = study.scenario.target_names
+            records = list(store.records(targets))
+            failed += store.failed()
+        values = np.array([record.evaluation.fitness for record in records])
+        shared.append(values.max(axis=0))
+        row = []
+        for number, target in enumerate(targets):
+            own = [r for r in records if r.candidate.target == target]
+            own = own or records[number * PER_TARGET : (number + 1) * PER_TARGET]
+            fitness = np.array([r.evaluation.fitness[number] for r in own[:PER_TARGET]])
+            row.append(np.maximum.accumulate(fitness))
+            top = int(np.argmax(fitness))
+            if number not in best or fitness[top] > best[number][0]:
+                best[number] = (float(fitness[top]), own[top].candidate.genome, seed, own[top].index)
+        rows.append(row)
+    ordered = tuple(best[number][1:] for number in sorted(best))
+    return Search(strategy, np.array(rows), ordered, np.array(shared), failed)
+
+
+@contextmanager
+def _opened(directory: Path) -> Iterator[tuple[Study, Store]]:
+    database = check_run(directory)
+    with Store.open(database, read_only=True) as store:
+        yield load_study(Document(str(database), store.study())), store
+
+
+@dataclass(frozen=True, eq=False)
+class Reflown:
+    """The best agents, flown again and again, one of them for each target.
+
+    ``flights`` of each target, and the fitness (%) of all for that target, (targets, repeats).
+    """
+
+    flights: tuple[tuple[Trajectory, ...], ...]
+    fitness: FloatArray
+
+    @property
+    def deviation(self) -> FloatArray:
+        """Standard deviation of the fitness, %, (targets,): exactly zero where all flights are the same."""
+        return np.asarray((self.fitness - self.fitness[:, :1]).std(axis=1))
+
+
+def reflown(pipeline: Pipeline, genomes: Sequence[Genome], scenarios: Sequence[Scenario]) -> Reflown:
+    """Fly the best agent of each target once through each of ``scenarios``."""
+    flights, fitness = [], []
+    for number, genome in enumerate(genomes):
+        agent = pipeline.agent(genome)
+        flown = pipeline.fly([agent] * len(scenarios), scenarios)
+        flights.append(tuple(flown))
+        scores = [
+            0.0 if f.end.failed else float(pipeline.fitness.score(f, s)[number])
+            for f, s in zip(flown, scenarios, strict=True)
+        ]
+        fitness.append(scores)
+    return Reflown(tuple(flights), np.array(fitness))
+
+
+def turbulent(scenario: Scenario, seeds: Sequence[int]) -> list[Scenario]:
+    """Return the scenario with the turbulent flow of the same bulk speed, with gusts of each seed."""
+    flows = [TurbulentFlow(speed=scenario.flow.speed, seed=seed) for seed in seeds]
+    return [scenario.model_copy(update={"flow": flow}) for flow in flows]

@@ -1,0 +1,191 @@
+"""Conditions that an agent may meet instead of those it was designed for, and what its fitness comes to under them.
+
+The conditions of a run are a small design of experiments: a Latin hypercube over all that varies, the same for every
+agent, so that agents are compared under equal conditions.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from driftform.scenario import Robustness, Scenario, TurbulentFlow
+from driftform.types import Body, Evaluation, FloatArray
+
+FARTHEST = 3.0
+"""Standard deviations at which a distribution is cut off: what is farther out would be noticed and not used."""
+
+NARROWEST = 0.98
+"""Share of the bore's radius that a disturbed release stays within."""
+
+
+@dataclass(frozen=True)
+class Condition:
+    """How one flight differs from what the scenario says.
+
+    Attributes
+    ----------
+    across
+        offset of the point of release along the two normals of :func:`normals`, m.
+    pitch, yaw
+        offsets of the attitude at the release, rad.
+    current, density
+        factors on the water's speed and density.
+    mass
+        factor on the density of the hull's material.
+    wall
+        how much thicker the wall was printed, m.
+    gusts
+        seed of the gusts.
+    """
+
+    across: tuple[float, float]
+    pitch: float
+    yaw: float
+    current: float
+    density: float
+    mass: float
+    wall: float
+    gusts: int
+
+
+def conditions(robustness: Robustness, seed: int) -> tuple[Condition, ...]:
+    """Return the conditions that a run with this seed tries its finalists under.
+
+    Latin hypercube (McKay, Beckman and Conover 1979, Technometrics 21(2)): each of n conditions has its own of n
+    equally likely intervals of every quantity. All are normal, cut off at :data:`FARTHEST` deviations.
+    """
+    if not robustness.conditions:
+        return ()
+    from scipy.stats import qmc, truncnorm
+
+    rng = np.random.default_rng((seed, robustness.conditions))
+    shares = qmc.LatinHypercube(8, rng=rng).random(robustness.conditions)
+    drawn = truncnorm.ppf(shares, -FARTHEST, FARTHEST) * [
+        *(robustness.position, robustness.position),
+        *np.deg2rad([robustness.angle_deg, robustness.angle_deg]),
+        *(robustness.current, robustness.density, robustness.mass, robustness.wall),
+    ]
+    gusts = rng.integers(2**32, size=robustness.conditions)
+    return tuple(
+        Condition((x[0], x[1]), x[2], x[3], 1 + x[4], 1 + x[5], 1 + x[6], x[7], int(seed))
+        for x, seed in zip(drawn.tolist(), gusts, strict=True)
+    )
+
+
+def scenario_under(condition: Condition, scenario: Scenario) -> Scenario:
+    """Return the surroundings as they are under a condition."""
+    flow = scenario.flow.model_copy(update={"speed": scenario.flow.speed * condition.current})
+    if isinstance(flow, TurbulentFlow):
+        flow = flow.model_copy(update={"seed": condition.gusts})
+    release = scenario.release.model_copy(
+        update={
+            "position": _moved(scenario, condition.across),
+            "pitch_deg": scenario.release.pitch_deg + float(np.rad2deg(condition.pitch)),
+            "yaw_deg": scenario.release.yaw_deg + float(np.rad2deg(condition.yaw)),
+        }
+    )
+    fluid = scenario.fluid.model_copy(update={"density": scenario.fluid.density * condition.density})
+    return scenario.model_copy(update={"flow": flow, "release": release, "fluid": fluid})
+
+
+def body_under(condition: Condition, body: Body) -> Body:
+    """Return the body as it is printed under a condition.
+
+    A wall that is thicker by d weighs (1 + d / wall) times as much, to the first order; its outside stays.
+    """
+    thicker = max(0.0, 1 + condition.wall / body.wall) if body.wall else 1.0
+    return replace(body, hull_density=body.hull_density * condition.mass * thicker)
+
+
+def robust_fitness(fitness: FloatArray, robustness: Robustness) -> FloatArray:
+    """Return what fitness under many conditions, (conditions, targets), comes to, (targets,).
+
+    Its mean, its smallest value, or the value that a share ``quantile`` of the conditions falls short of.
+    """
+    if robustness.score == "mean":
+        return np.asarray(fitness.mean(axis=0))
+    lowest = 0.0 if robustness.score == "worst" else robustness.quantile
+    return np.asarray(np.quantile(fitness, lowest, axis=0))
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """Fitness of one agent over disturbed conditions.
+
+    Attributes
+    ----------
+    count, failed
+        flights in all, and those that failed: their fitness is zero.
+    mean, tenth, worst
+        the mean, the value that one condition in ten falls short of, and the smallest, (targets,) each.
+    """
+
+    count: int
+    failed: int
+    mean: FloatArray
+    tenth: FloatArray
+    worst: FloatArray
+
+    def document(self, targets: Sequence[str]) -> dict[str, Any]:
+        """What a JSON document holds of it."""
+        values = zip(targets, self.mean, self.tenth, self.worst, strict=True)
+        return {
+            "conditions": self.count,
+            "failed": self.failed,
+            "targets": {
+                name: {"mean": float(m), "quantile_10": float(q), "worst": float(w)}
+                for name, m, q, w in values
+            },
+        }
+
+    def told(self) -> str:
+        """How many flights it is of, in one line."""
+        failed = f", {self.failed} of them failed" if self.failed else ""
+        return f"disturbed flights: {self.count}{failed}; see [robustness] in the scenario for what varies"
+
+
+def spread_of(evaluations: Sequence[Evaluation]) -> Spread:
+    """Return the spread of an agent's evaluations under disturbed conditions, one at least."""
+    fitness = np.array([evaluation.fitness for evaluation in evaluations])
+    return Spread(
+        len(evaluations),
+        sum(evaluation.failure is not None for evaluation in evaluations),
+        fitness.mean(axis=0),
+        np.quantile(fitness, 0.1, axis=0),
+        fitness.min(axis=0),
+    )
+
+
+def finalists(fitness: FloatArray, count: int) -> list[int]:
+    """Return the rows that are among the ``count`` best for any target, of fitness (n, targets), in their order."""
+    # A stable sort keeps the earlier of equals.
+    best = np.argsort(-fitness, axis=0, kind="stable")[:count]
+    return sorted(set(best.ravel().tolist()))
+
+
+def normals(direction: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return two unit vectors across a direction, (3,) each: one as level as can be, and the one upward from it.
+
+    >>> [[float(v) for v in n] for n in normals(np.array([1.0, 0.0, 0.0]))]
+    [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    """
+    up = np.array([0.0, 0.0, 1.0]) if abs(direction[2]) < 0.9 else np.array([-1.0, 0.0, 0.0])
+    level = np.cross(up, direction)
+    level /= np.linalg.norm(level)
+    return level, np.asarray(np.cross(direction, level))
+
+
+def _moved(scenario: Scenario, across: Sequence[float]) -> tuple[float, float, float]:
+    """The point of release, moved, but no farther than the bore allows."""
+    start = np.array(scenario.release.position)
+    level, up = normals(scenario.direction())
+    offset = across[0] * level + across[1] * up
+    while scenario.pipe.segments and not scenario.pipe.holds(tuple(start + offset / NARROWEST)):
+        offset *= 0.5
+        if np.linalg.norm(offset) < 1e-6:
+            offset = np.zeros(3)
+            break
+    x, y, z = (start + offset).tolist()
+    return x, y, z

@@ -1,0 +1,101 @@
+"""What a printed agent weighs: masses along the axis, put together to mass, centre of gravity and inertia."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from driftform.geometry import solid_of_revolution
+from driftform.types import Agent, Body, MassProperties
+
+
+@dataclass(frozen=True)
+class Lump:
+    """A mass on the axis.
+
+    Attributes
+    ----------
+    mass
+        kg.
+    x
+        of its centre in the body frame, m.
+    axial, transverse
+        its own inertia about the axis, and across it through its centre, kg m2.
+    """
+
+    mass: float
+    x: float
+    axial: float = 0.0
+    transverse: float = 0.0
+
+
+def hull_lump(body: Body, mass: float | None = None, x: float | None = None) -> Lump:
+    """The hull, as its material gives it, or with another ``mass`` (kg) and centre ``x`` (m).
+
+    Its inertia goes with the mass: the material is taken to be spread as it was.
+    """
+    solid = solid_of_revolution(body.outer) - solid_of_revolution(body.cavity)
+    mass = solid.volume * body.hull_density if mass is None else mass
+    share = mass / solid.volume
+    return Lump(
+        mass=mass,
+        x=solid.centroid if x is None else x,
+        axial=share * solid.polar,
+        transverse=share * (solid.transverse - solid.volume * solid.centroid**2),
+    )
+
+
+def core_lump(body: Body) -> Lump:
+    """The core: a homogeneous sphere at the origin."""
+    return ball(body.core.mass, 0.0, body.core.radius)
+
+
+def ball(mass: float, x: float, radius: float) -> Lump:
+    """A homogeneous sphere: 2/5 m R^2 about any axis through its centre."""
+    inertia = 0.4 * mass * radius**2
+    return Lump(mass, x, inertia, inertia)
+
+
+def together(lumps: Iterable[Lump], like: MassProperties) -> MassProperties:
+    """Lumps as one body (Steiner), which displaces what ``like`` does.
+
+    Raises
+    ------
+    ValueError
+        where their mass is not above zero.
+    """
+    lumps = list(lumps)
+    mass = sum(lump.mass for lump in lumps)
+    if not mass > 0:
+        raise ValueError(f"a body needs a mass above 0, not {mass:g} kg")
+    x = sum(lump.mass * lump.x for lump in lumps) / mass
+    axial = sum(lump.axial for lump in lumps)
+    transverse = sum(lump.transverse + lump.mass * (lump.x - x) ** 2 for lump in lumps)
+    return replace(
+        like, mass=mass, cog=np.array([x, 0.0, 0.0]), inertia=np.diag([axial, transverse, transverse])
+    )
+
+
+def printed_hull(body: Body, mass: float, x: float | None = None) -> Lump:
+    """The hull of a printed agent that weighs ``mass`` (kg) with its core.
+
+    ``x`` is the centre of gravity of both (m); without it the hull's is where its material has it.
+
+    Raises
+    ------
+    ValueError
+        where nothing, or less, is left for the hull.
+    """
+    hull = mass - body.core.mass
+    if not hull > 0:
+        raise ValueError(f"{mass:g} kg is no more than the core's {body.core.mass:g} kg alone")
+    return hull_lump(body, hull, None if x is None else mass * x / hull)
+
+
+def weighed(agent: Agent, mass: float, x: float | None = None) -> Agent:
+    """The agent as it flies if it weighs ``mass`` (kg), its centre of gravity at ``x`` (m); see :func:`printed_hull`.
+
+    Its shape, and so its coefficients, are what they were.
+    """
+    lumps = (printed_hull(agent.body, mass, x), core_lump(agent.body))
+    return replace(agent, mass=together(lumps, agent.mass))

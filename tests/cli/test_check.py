@@ -1,0 +1,153 @@
+"""``driftform check``: agents and files, exit codes, and what it knows of whose file it is."""
+
+import json
+import shutil
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Call = Callable[..., Any]
+Refused = Callable[..., str]
+
+WORD = "addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB"
+OTHER = "addB-tiltn-1-M-moveB"
+
+
+def lines(result: Any) -> dict[str, dict[str, str]]:
+    document = json.loads(result.stdout)
+    assert document["printable"] is (result.exit_code == 0)
+    return {line["check"]: line for line in document["lines"]}
+
+
+def exported(call: Call, format: str = "stl") -> Path:
+    result = call("export", WORD, "--format", format, "--json")
+    assert result.exit_code == 0, result.stderr
+    return Path(json.loads(result.stdout)["files"][0]["path"])
+
+
+def agent_file(call: Call, word: str, path: Path) -> Path:
+    """The agent of a word as an agent.json."""
+    if not Path("sampled").exists():
+        assert call("sample", "--count", 1, "--out", "sampled").exit_code == 0
+    document = json.loads(Path("sampled/agent-0001.json").read_text())
+    document["genome"]["symbols"] = ["C", *word.split("-")] if not word.startswith("C") else word.split("-")
+    path.write_text(json.dumps(document))
+    return path
+
+
+def test_a_sound_agent_is_printable(call: Call, tmp_path: Path) -> None:
+    result = call("check", WORD, "--no-programs", "--json")
+    assert result.exit_code == 0, result.stderr
+    found = lines(result)
+    assert found["mass"]["state"] == found["shells"]["state"] == found["wall"]["state"] == "pass"
+    assert "3.1 lines of 0.4 mm" in found["wall"]["detail"]
+    assert found["prusa-slicer"] == {
+        "check": "prusa-slicer",
+        "part": "",
+        "state": "skipped",
+        "detail": "not asked, by --no-programs",
+    }
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_line_that_fails_is_exit_code_1_and_named_in_the_verdict(call: Call) -> None:
+    result = call("check", WORD, "--no-programs", "--bed", "10,10,10", "--nozzle", "0.8")
+    assert result.exit_code == 1
+    verdict = result.stdout.splitlines()[-1]
+    assert verdict.startswith("not printable as it is, for bed: ") and "1 fail" in verdict
+    shouted = [line for line in result.stdout.splitlines() if line.startswith("FAIL")]
+    assert len(shouted) == 1 and "bed" in shouted[0]
+    assert any(
+        line.startswith("warn") and "lines of the 0.8 mm nozzle" in line
+        for line in result.stdout.splitlines()
+    )
+    assert "\x1b" not in result.stdout
+
+
+def test_a_file_has_no_mass_to_compare_with_until_its_agent_is_named(call: Call) -> None:
+    path = exported(call)
+    assert lines(call("check", path, "--no-programs", "--json"))["mass"]["state"] == "skipped"
+    named = lines(call("check", path, "--agent", WORD, "--no-programs", "--json"))
+    assert named["mass"]["state"] == "pass"
+    wrong = call("check", path, "--agent", OTHER, "--no-programs", "--json")
+    assert wrong.exit_code == 1
+    assert [check for check, line in lines(wrong).items() if line["state"] == "fail"] == ["mass"]
+
+
+def test_the_agent_beside_a_file_is_its_own(call: Call) -> None:
+    path = exported(call)
+    agent_file(call, WORD, path.with_name("agent.json"))
+    assert lines(call("check", path, "--no-programs", "--json"))["mass"]["state"] == "pass"
+    agent_file(call, OTHER, path.with_name("agent.json"))
+    assert call("check", path, "--no-programs").exit_code == 1
+
+
+def test_the_agent_attached_to_a_3mf_comes_before_the_one_beside_it(call: Call, tmp_path: Path) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    mesh = trimesh.load_mesh(exported(call))
+    vertices = "".join('<vertex x="{}" y="{}" z="{}"/>'.format(*v) for v in mesh.vertices)
+    triangles = "".join('<triangle v1="{}" v2="{}" v3="{}"/>'.format(*f) for f in mesh.faces)
+    model = (
+        '<model xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources><object id="1"><mesh>'
+        f"<vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh></object></resources>"
+        '<build><item objectid="1"/></build></model>'
+    )
+    start = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+    path = tmp_path / "hull.3mf"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("3D/3dmodel.model", model)
+        archive.writestr(
+            "_rels/.rels",
+            f'<Relationships><Relationship Target="/3D/3dmodel.model" Type="{start}"/></Relationships>',
+        )
+        archive.writestr("Metadata/agent.json", agent_file(call, WORD, tmp_path / "own.json").read_text())
+    agent_file(call, OTHER, tmp_path / "agent.json")
+    assert lines(call("check", path, "--no-programs", "--json"))["mass"]["state"] == "pass"
+
+
+def test_openscad_renders_the_source_of_an_agent(call: Call) -> None:
+    if shutil.which("openscad") is None:
+        pytest.skip("openscad is not installed")
+    found = lines(call("check", WORD, "--set", "checker.prusa-slicer.timeout=0.001", "--json"))
+    assert found["openscad"]["state"] == "pass" and "its source renders to" in found["openscad"]["detail"]
+    # Options of a checker are those of its table: this one gave up at once, and says so.
+    assert any("did not end within 0.001 s" in line["detail"] for line in found.values()) or (
+        found["prusa-slicer mesh"]["detail"] == "prusa-slicer is not on PATH"
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("hull.stl",), "AGENT 'hull.stl'"),
+        ((WORD, "--format", "slt"), "--format slt: no exporter is named 'slt'; did you mean 'stl'?"),
+        ((WORD, "--bed", "250"), "--bed 250: should be three lengths in mm, such as 250,210,210"),
+        ((WORD, "--bed", "1,2,-3"), "above 0"),
+        ((WORD, "--bed", "1,2,nan"), "above 0"),
+        ((WORD, "--nozzle", "0"), "--nozzle 0"),
+        ((WORD, "--agent", OTHER), "goes with a FILE"),
+        ((WORD, "--set", "checker.mesh.tolerence=1"), "did you mean 'tolerance'?"),
+        ((WORD, "--set", "checker.mash.tolerance=1"), "did you mean 'mesh'?"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(refused: Refused, arguments: tuple[str, ...], message: str) -> None:
+    assert message in refused("check", *arguments)
+
+
+@pytest.mark.parametrize("name", ["note.txt", "empty.stl", "archive.3mf"])
+def test_a_file_that_is_none_to_print_is_refused(refused: Refused, tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_bytes(b"")
+    assert name in refused("check", name)
+
+
+def test_without_any_checker_nothing_is_called_printable(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    from driftform.registry import Registry
+
+    seam = Registry.seam
+    monkeypatch.setattr(Registry, "seam", lambda self, name: [] if name == "checker" else seam(self, name))
+    result = call("check", WORD)
+    assert result.exit_code == 1
+    assert "no checker is installed" in result.stderr and "printable" not in result.stdout

@@ -1,0 +1,326 @@
+"""Where a run stands, counted in any order, and a table of it that fits any terminal."""
+
+import io
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rich.console import Console
+
+from driftform.cli.display import BARS, PAGE, PLAIN_BARS, View, duration, line, pace_text, sparkline
+from driftform.cli.standing import STEPS, Pace, Standing, TargetStanding
+
+Evaluated = tuple[int, int, str, bool, list[float]]
+
+fitness = st.floats(0, 100)
+
+
+@st.composite
+def runs(draw: st.DrawFn) -> list[Evaluated]:
+    """Evaluations of a run for the targets A and B, in order: index, generation, population, failed, fitness."""
+    size = draw(st.integers(1, 6))
+    count = draw(st.integers(1, 40))
+    return [
+        (
+            index,
+            index // size,
+            draw(st.sampled_from(["A", "B", ""])),
+            draw(st.booleans()),
+            [draw(fitness), draw(fitness)],
+        )
+        for index in range(count)
+    ]
+
+
+def standing_of(evaluations: list[Evaluated]) -> Standing:
+    standing = Standing(("A", "B"), 100)
+    for evaluation in evaluations:
+        standing.add(*evaluation)
+    return standing
+
+
+def summary(standing: Standing) -> list[Any]:
+    return [
+        (
+            t.best,
+            t.index,
+            t.generation,
+            t.failed,
+            t.mean and pytest.approx(t.mean),
+            t.errors(7, standing.extent),
+        )
+        for t in standing.targets.values()
+    ]
+
+
+@given(runs(), st.randoms(use_true_random=False))
+def test_the_order_in_which_evaluations_come_does_not_matter(run: list[Evaluated], random: Any) -> None:
+    shuffled = list(run)
+    random.shuffle(shuffled)
+    assert summary(standing_of(shuffled)) == summary(standing_of(run))
+
+
+@given(runs())
+def test_a_standing_is_what_a_look_at_all_evaluations_finds(run: list[Evaluated]) -> None:
+    standing = standing_of(run)
+    assert standing.done == len(run) == standing.extent
+    assert standing.failed == sum(failed for *_, failed, _ in run)
+    for place, (name, target) in enumerate(standing.targets.items()):
+        sound = [(row[-1][place], -row[0]) for row in run if not row[3]]
+        assert (target.best, -target.index) == max(sound, default=(0.0, 1))
+        own = [row for row in run if row[2] in (name, "")]
+        assert target.failed == sum(row[3] for row in own)
+        assert target.generation == max((row[1] for row in own), default=-1)
+        newest = [row[-1][place] for row in own if row[1] == target.generation and not row[3]]
+        assert target.mean == (pytest.approx(sum(newest) / len(newest)) if newest else None)
+
+
+@given(runs(), st.integers(1, 60))
+def test_a_curve_is_the_best_error_so_far_at_the_end_of_each_part(run: list[Evaluated], columns: int) -> None:
+    standing = standing_of(run)
+    for place, target in enumerate(standing.targets.values()):
+        expected = []
+        for column in range(1, columns + 1):
+            last = -(-column * len(run) // columns)
+            errors = [100 - row[-1][place] for row in run[:last] if not row[3]]
+            expected.append(min(errors, default=None))
+        assert target.errors(columns, len(run)) == expected
+
+
+def test_a_long_run_of_small_improvements_takes_little_memory_and_keeps_its_shape() -> None:
+    target = TargetStanding()
+    count = 20_000
+    for index in range(count):
+        target.score(index, 100 * (index + 1) / count)
+    assert len(target._steps) <= STEPS
+    for column, error in enumerate(target.errors(40, count), start=1):
+        # Improvements that lie close together were joined: a curve is late by less than half a column.
+        assert error == pytest.approx(100 - 100 * column / 40, abs=100 / 80)
+    assert target.errors(40, count)[-1] == 0
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [
+        *((0, "0 s"), (59.4, "59 s"), (59.6, "1 min 00 s"), (200, "3 min 20 s")),
+        *((3599.7, "1 h 00 min"), (7500, "2 h 05 min"), (86399, "23 h 59 min"), (266_400, "3 d 2 h")),
+    ],
+)
+def test_a_duration_is_told_in_the_two_units_that_matter(seconds: float, text: str) -> None:
+    assert duration(seconds) == text
+
+
+def test_a_sparkline_is_logarithmic_and_blank_where_nothing_is_known() -> None:
+    # Eight bars over seven decades: one for each.
+    errors = [None, *(10.0**-n for n in range(8))]
+    assert sparkline(errors, 1e-7, 1) == " " + BARS[::-1]
+    assert sparkline([1.0, 0.0], 1e-7, 1) == "█▁"
+    assert sparkline([1.0, 1e-7], 1e-7, 1, PLAIN_BARS) == "#_"
+
+
+class Clock:
+    """A clock that goes when it is told to."""
+
+    def __init__(self) -> None:
+        self.now = 1000.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+def test_the_pace_of_now_forgets_how_slow_the_beginning_was() -> None:
+    clock = Clock()
+    pace = Pace(0, clock)
+    assert pace.recent(0) is None
+    clock.now += 100  # The equations of motion are compiled.
+    for done in range(1, 601):
+        clock.now += 0.1
+        pace.mark(done)
+    assert pace.overall(600) == pytest.approx(600 / 160)
+    assert pace.recent(600) == pytest.approx(10, rel=0.05)
+    assert pace.elapsed == pytest.approx(160)
+
+
+def test_what_was_stored_before_says_nothing_of_the_pace() -> None:
+    clock = Clock()
+    pace = Pace(500, clock)
+    clock.now += 2
+    for done in (100, 500):
+        pace.mark(done)
+        assert pace.overall(done) is pace.recent(done) is None
+    clock.now += 2
+    pace.mark(510)
+    assert pace.overall(510) == pytest.approx(2.5)
+
+
+def test_a_rate_of_now_needs_more_than_a_few_evaluations() -> None:
+    clock = Clock()
+    pace = Pace(0, clock)
+    for done in (1, 2, 3, 4):
+        clock.now += 60
+        pace.mark(done)
+    assert pace.recent(4) == pace.overall(4) == pytest.approx(1 / 60)
+
+
+def test_time_left_is_that_of_the_present_pace() -> None:
+    clock = Clock()
+    standing, pace = Standing(("A",), 1000), Pace(0, clock)
+    assert pace_text(standing, pace) == ""
+    for index in range(400):
+        standing.add(index, 0, "", False, [50.0])
+    clock.now += 40
+    pace.mark(400)
+    assert pace_text(standing, pace) == "10/s, 1 min 00 s left"
+    assert line(standing, pace) == "400/1000 evaluations, 10/s, 1 min 00 s left: A 50.00"
+
+
+def shown(view: View, width: int, height: int, encoding: str = "utf-8") -> list[str]:
+    file = io.TextIOWrapper(io.BytesIO(), encoding=encoding)
+    console = Console(file=file, width=width, height=height, force_terminal=True, color_system=None)
+    console.print(view)
+    file.seek(0)
+    return file.read().splitlines()
+
+
+def a_view(targets: int, clock: Clock | None = None, fits: bool = True, evaluations: int = 300) -> View:
+    names = [f"TP{n}" for n in range(1, targets + 1)]
+    names[-1] = "the-far-end-of-the-pipe-behind-the-second-valve"
+    standing = Standing(names, 1000)
+    for index in range(evaluations):
+        scores = [100 - 60 / (1 + index / 10) for _ in names]
+        standing.add(index, index // 50, "", index % 17 == 0, scores)
+    pace = Pace(0, clock or Clock())
+    return View(
+        standing, pace, ("running", "12/s, 58 s left", "elapsed 25 s"), "runs/pipe-1: Ctrl-C stops", fits
+    )
+
+
+@pytest.mark.parametrize("evaluations", [0, 300])
+@pytest.mark.parametrize("targets", [1, 10, 40])
+@pytest.mark.parametrize(("width", "height"), [(80, 24), (120, 30), (60, 12), (200, 60)])
+def test_the_display_fits_the_terminal(targets: int, width: int, height: int, evaluations: int) -> None:
+    lines = shown(a_view(targets, evaluations=evaluations), width, height)
+    # One line is left, for the cursor.
+    assert len(lines) < height
+    assert max(map(len, lines)) <= width
+    text = "\n".join(lines)
+    assert f"{evaluations} of 1000 evaluations" in text
+    assert "12/s, 58 s left" in text
+    assert lines[-1] == "runs/pipe-1: Ctrl-C stops"
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.integers(1, 50), st.integers(56, 140), st.integers(10, 60))
+def test_no_terminal_is_too_small_or_too_large(targets: int, width: int, height: int) -> None:
+    lines = shown(a_view(targets, evaluations=40), width, height)
+    assert len(lines) <= height
+    assert max(map(len, lines)) <= width
+
+
+@pytest.mark.parametrize("width", [80, 120])
+def test_numbers_are_whole_and_the_curve_falls(width: int) -> None:
+    lines = shown(a_view(3), width, 24)
+    [row] = [line for line in lines if line.startswith("TP1 ")]
+    cells = row.split()
+    # The last sound evaluation is the best: 60 / (1 + 29.9) percent off.
+    error = 60 / (1 + 299 / 10)
+    assert cells[1:4] == [f"{100 - error:.3f}", f"{error:.3f}", "299"]
+    assert cells[5] == "18"
+    curve = cells[6]
+    assert len(curve) >= width // 6
+    assert curve[0] > curve[-1] == BARS[0]
+    assert list(curve) == sorted(curve, reverse=True)
+    heads = " ".join(lines[:2])
+    assert all(word in heads for word in ("target", "evaluation", "mean %", "failed", "best error"))
+
+
+def test_targets_that_find_no_room_take_turns() -> None:
+    clock = Clock()
+    view = a_view(40, clock)
+    seen: set[str] = set()
+    for _ in range(3):
+        lines = shown(view, 80, 24)
+        seen |= {found[1] for text in lines if (found := re.match(r"(TP\d+|the-far-end\S*)", text))}
+        assert any(re.search(r"targets \d+ to \d+ of 40", text) for text in lines)
+        clock.now += PAGE
+    assert len(seen) == 40
+
+
+def test_printed_once_all_targets_are_there_with_their_whole_names() -> None:
+    text = "\n".join(shown(a_view(40, fits=False), 120, 24))
+    assert "the-far-end-of-the-pipe-behind-the-second-valve" in text
+    assert all(f"TP{n} " in text for n in range(1, 40))
+
+
+def test_where_the_terminal_knows_ascii_alone_the_display_is_ascii() -> None:
+    text = "\n".join(shown(a_view(3), 80, 24, "ascii"))
+    assert text.isascii()
+    assert re.search(r"[#*+=:.-]{3}_", text)
+
+
+def test_names_of_targets_are_no_markup() -> None:
+    standing = Standing(("[red]A[/red]",), 10)
+    text = "\n".join(shown(View(standing, Pace(0), (), ""), 80, 24))
+    assert "[red]A[/red]" in text
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a pseudo-terminal")
+def test_on_a_terminal_the_run_is_shown_live_and_ctrl_c_leaves_the_command_that_goes_on(
+    fake_plugin: Path, tmp_path: Path
+) -> None:
+    import pty
+
+    ours, theirs = pty.openpty()
+    args = ("evolve", "--target", "TP1", "--seed", "1", "--simulator", "fake", "--evaluations", "5000")
+    process = subprocess.Popen(
+        [
+            sys.executable,
+            "-c",
+            "from driftform.cli import main; main()",
+            *args,
+            "--workers",
+            "1",
+            "--out",
+            "run",
+        ],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(fake_plugin), "COLUMNS": "90", "LINES": "24", "TERM": "xterm"},
+        stdin=theirs,
+        stdout=theirs,
+        stderr=theirs,
+    )
+    os.close(theirs)
+    seen = read_until(ours, lambda text: bool(re.search(r"[1-9]\d* of 5000 evaluations", text)))
+    assert "log scale" in seen
+    assert "run: Ctrl-C stops, 'driftform resume' goes on" in seen
+    process.send_signal(signal.SIGINT)
+    rest = read_until(ours, lambda text: "go on with" in text and process.poll() is not None)
+    os.close(ours)
+    assert process.returncode == 130
+    assert "Traceback" not in seen + rest
+    last = rest.rstrip().splitlines()[-1]
+    assert re.search(r"stopped after \d+ of 5000 evaluations; go on with: driftform resume run", last)
+
+
+def read_until(terminal: int, condition: Callable[[str], bool], seconds: float = 60.0) -> str:
+    """What a terminal shows until a condition holds, or nobody writes to it any more."""
+    os.set_blocking(terminal, False)
+    text, end = "", time.monotonic() + seconds
+    while not condition(text):
+        assert time.monotonic() < end, f"it did not happen in time: {text[-2000:]}"
+        try:
+            text += os.read(terminal, 65536).decode("utf-8", "replace")
+        except BlockingIOError:
+            time.sleep(0.02)
+        except OSError:
+            return text
+    return text

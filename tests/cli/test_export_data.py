@@ -1,0 +1,341 @@
+"""A run as tables: whole, the same in both formats, and read by pandas and polars."""
+
+import json
+import shutil
+import sqlite3
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import polars as pl
+import pytest
+
+from driftform import table_files, tables
+from driftform.store import Record, Store
+from driftform.study import Document, load_study
+
+FORMATS = ("csv", "parquet")
+READERS = {
+    # By default pandas reads numbers of CSV files fast and inexactly.
+    "csv": {"pandas": partial(pd.read_csv, float_precision="round_trip"), "polars": pl.read_csv},
+    "parquet": {"pandas": pd.read_parquet, "polars": pl.read_parquet},
+}
+TARGETS = ("TP1", "TP7")
+
+
+@pytest.fixture(scope="module")
+def exported(
+    finished_run: tuple[Path, object], run: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory
+) -> Path:
+    """A folder with the tables of a small real run, in a directory for each format."""
+    folder = tmp_path_factory.mktemp("tables")
+    for name in FORMATS:
+        args = ("--format", name, "--out", folder / name, "--trajectories", "--json")
+        result = run("export-data", finished_run[0], *args, cwd=folder)
+        assert result.returncode == 0, result.stderr
+        document = json.loads(result.stdout)
+        assert [file["table"] for file in document["files"]] == ["evaluations", "trajectories"]
+        assert all(Path(file["path"]).is_file() for file in document["files"])
+        assert document["files"][0]["rows"] == 20
+        assert result.stderr.splitlines()[-1] == "20/20 flights"
+    return folder
+
+
+def read(folder: Path, format: str, table: str = "evaluations") -> tuple[pd.DataFrame, pl.DataFrame]:
+    path = folder / format / f"{table}.{format}"
+    return READERS[format]["pandas"](path), READERS[format]["polars"](path)
+
+
+def stored(directory: Path) -> list[Record]:
+    with Store.open(directory / "run.db", read_only=True) as store:
+        return list(store.records(TARGETS))
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_evaluations_are_those_of_the_run(
+    exported: Path, finished_run: tuple[Path, object], format: str
+) -> None:
+    records = stored(finished_run[0])
+    for frame in read(exported, format):
+        assert list(frame["evaluation"]) == list(range(20))
+        assert list(frame["population"]) == [r.candidate.target for r in records]
+        assert list(frame["seconds"]) == [r.evaluation.seconds for r in records]
+        assert list(frame["seed"]) == [r.seed for r in records]
+        assert list(frame["end"]) == [str(r.evaluation.trajectory.end) for r in records]
+        assert list(frame["duration"]) == [float(r.evaluation.trajectory.t[-1]) for r in records]
+        for place, target in enumerate(TARGETS):
+            assert list(frame[f"fitness_{target}"]) == [float(r.evaluation.fitness[place]) for r in records]
+    for name in ("contact", "energy_drift", "error"):
+        told = [getattr(r.evaluation.trajectory, name) for r in records]
+        in_pandas, in_polars = (frame[name] for frame in read(exported, format))
+        assert in_polars.to_list() == told
+        np.testing.assert_array_equal(in_pandas, np.array(told, dtype=float))
+    # Nothing that failed: no value, and not the word "None".
+    in_pandas, in_polars = read(exported, format)
+    assert in_pandas["failure"].isna().all()
+    assert in_polars["failure"].null_count() == 20
+
+
+def test_a_genome_reads_back_and_its_body_is_as_inspect_tells(
+    exported: Path, finished_run: tuple[Path, object], call: Callable[..., Any]
+) -> None:
+    _, frame = read(exported, "parquet")
+    records = stored(finished_run[0])
+    study = load_study(str(finished_run[0] / "resolved.toml"))
+    grammar = study.plugin("grammar")
+    assert [grammar.parse(text) for text in frame["genome"]] == [r.candidate.genome for r in records]
+    agent = finished_run[0] / "best" / "TP7" / "agent.json"
+    index = json.loads(agent.read_text())["result"]["evaluation"]
+    told = json.loads(call("inspect", agent, "--json").stdout)
+    row = frame.row(index, named=True)
+    assert row["modules"] == len(told["modules"])
+    for name in ("length", "max_diameter", "mass", "volume", "net_buoyancy"):
+        assert row[name] == told[name]
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_samples_are_those_that_are_stored_bit_by_bit(
+    exported: Path, finished_run: tuple[Path, object], format: str
+) -> None:
+    records = stored(finished_run[0])
+    for frame in read(exported, format, "trajectories"):
+        assert list(frame.columns) == [column.name for column in tables.SAMPLE_COLUMNS]
+        flights = [r.evaluation.trajectory for r in records]
+        np.testing.assert_array_equal(frame["evaluation"], np.repeat(range(20), [len(f.t) for f in flights]))
+        whole = np.concatenate(
+            [np.column_stack([f.t, f.position, f.quaternion, f.velocity]) for f in flights]
+        )
+        found = np.column_stack([np.asarray(frame[name]) for name in frame.columns[1:]])
+        np.testing.assert_array_equal(found.astype(np.float32), whole.astype(np.float32))
+
+
+def test_both_formats_hold_the_same(exported: Path) -> None:
+    csv, parquet = (read(exported, format)[1] for format in FORMATS)
+    assert csv.columns == parquet.columns
+    for name in csv.columns:
+        if name == "parents":
+            assert [json.loads(text) for text in csv[name]] == parquet[name].to_list()
+        else:
+            assert csv[name].to_list() == parquet[name].to_list()
+
+
+def test_every_column_has_a_meaning_and_every_quantity_its_unit(exported: Path) -> None:
+    from pyarrow import parquet
+
+    for table in ("evaluations", "trajectories"):
+        schema = parquet.read_schema(exported / "parquet" / f"{table}.parquet")
+        told = json.loads((exported / "csv" / "columns.json").read_text())["tables"][table]
+        assert list(told) == schema.names
+        for field in schema:
+            metadata = {key.decode(): value.decode() for key, value in field.metadata.items()}
+            assert metadata == told[field.name]
+            assert metadata["meaning"]
+    assert told["surge"]["unit"] == "m/s" and told["yaw_rate"]["unit"] == "rad/s" and told["qw"]["unit"] == ""
+    evaluations = json.loads((exported / "parquet" / "columns.json").read_text())["tables"]["evaluations"]
+    assert (evaluations["mass"]["unit"], evaluations["fitness_TP7"]["unit"]) == ("kg", "%")
+
+
+def failing(directory: Path, index: int) -> None:
+    """As if an evaluation had come to no flight, for a reason that is hard to write."""
+    connection = sqlite3.connect(directory / "run.db")
+    nothing = ", ".join(
+        f"{name} = NULL" for name in ("ended", "duration", "contact", "energy_drift", "error", "trajectory")
+    )
+    connection.execute(
+        f"UPDATE evaluation SET failure = ?, {nothing} WHERE id = ?",
+        ('it said "no",\nand sank; zürich', index),
+    )
+    connection.execute("UPDATE score SET fitness = 0 WHERE evaluation = ?", (index,))
+    connection.commit()
+    connection.close()
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_a_failure_keeps_its_reason_its_zero_fitness_and_its_body(
+    run_copy: Path, call: Callable[..., Any], format: str
+) -> None:
+    failing(run_copy, 7)
+    assert call("export-data", "run", "--format", format, "--trajectories").exit_code == 0
+    in_pandas, in_polars = (
+        READERS[format][name](f"run/data/evaluations.{format}") for name in ("pandas", "polars")
+    )
+    row = in_polars.row(7, named=True)
+    assert row["failure"] == in_pandas["failure"][7] == 'it said "no",\nand sank; zürich'
+    assert row["end"] is row["duration"] is row["contact"] is None
+    assert row["fitness_TP1"] == 0 and row["mass"] > 0
+    samples = READERS[format]["polars"](f"run/data/trajectories.{format}")
+    assert set(samples["evaluation"]) == set(range(20)) - {7}
+
+
+def test_a_genome_that_has_no_body_is_a_row_without_one(
+    run_copy: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with Store.open(run_copy / "run.db", read_only=True) as store:
+        study = load_study(Document("run", store.study()))
+        [record] = store.records(TARGETS, 0, 1)
+
+    class Refusing(type(study.plugin("builder"))):  # type: ignore[misc]
+        def build(self, morphology):
+            raise ValueError("too many modules")
+
+    from driftform.study import Study
+
+    plugin = Study.plugin
+    monkeypatch.setattr(
+        Study,
+        "plugin",
+        lambda self, seam: Refusing(plugin(self, seam).options) if seam == "builder" else plugin(self, seam),
+    )
+    [batch] = tables.evaluation_batches(study, [record])
+    assert batch["modules"] == batch["mass"] == batch["net_buoyancy"] == [None]
+    assert batch["fitness_TP1"] == [float(record.evaluation.fitness[0])]
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_tables_are_written_in_batches_that_fit_into_memory(
+    run_copy: Path, call: Callable[..., Any], exported: Path, monkeypatch: pytest.MonkeyPatch, format: str
+) -> None:
+    monkeypatch.setattr(tables, "ROWS", 6)
+    monkeypatch.setattr(tables, "SAMPLES", 2000)
+    sizes: list[int] = []
+    write = table_files.FORMATS[format]
+
+    def watching(path: Path, columns: Any, batches: Any) -> int:
+        def each() -> Any:
+            for batch in batches:
+                sizes.append(len(batch["evaluation"]))
+                yield batch
+
+        return write(path, columns, each())
+
+    monkeypatch.setitem(table_files.FORMATS, format, watching)
+    assert call("export-data", "run", "--format", format, "--trajectories").exit_code == 0
+    assert sizes[:4] == [6, 6, 6, 2]
+    longest = max(len(r.evaluation.trajectory.t) for r in stored(run_copy))
+    assert len(sizes) > 8
+    assert all(2000 <= size < 2000 + longest for size in sizes[4:-1])
+    for table in ("evaluations", "trajectories"):
+        name = f"{table}.{format}"
+        found, expected = (
+            READERS[format]["polars"](f / name) for f in (run_copy / "data", exported / format)
+        )
+        assert found.equals(expected)
+
+
+def test_a_row_group_for_each_batch(
+    run_copy: Path, call: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from pyarrow import parquet
+
+    monkeypatch.setattr(tables, "ROWS", 6)
+    assert call("export-data", "run", "--format", "parquet").exit_code == 0
+    assert parquet.ParquetFile("run/data/evaluations.parquet").num_row_groups == 4
+
+
+def test_the_folder_of_the_run_is_written_anew_and_holds_nothing_older(
+    run_copy: Path, call: Callable[..., Any]
+) -> None:
+    folder = run_copy / "data"
+    assert call("export-data", "run", "--format", "parquet", "--trajectories").exit_code == 0
+    (folder / "notes.txt").write_text("mine")
+    result = call("export-data", "run")
+    assert result.exit_code == 0
+    assert {path.name for path in folder.iterdir()} == {"evaluations.csv", "columns.json", "notes.txt"}
+    assert result.stdout.splitlines() == [
+        "run/data/evaluations.csv: 20 rows",
+        "run/data/columns.json: unit and meaning of each column",
+    ]
+    assert [path.name for path in run_copy.iterdir() if path.name.endswith(".part")] == []
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, OSError("no space left")])
+def test_interrupted_or_failed_it_leaves_what_was_there(
+    run_copy: Path, call: Callable[..., Any], monkeypatch: pytest.MonkeyPatch, error: Any
+) -> None:
+    assert call("export-data", "run").exit_code == 0
+    before = {path: path.read_bytes() for path in run_copy.rglob("*") if path.is_file()}
+
+    def stopping(path: Path, columns: Any, batches: Any) -> int:
+        path.write_text("half")
+        raise error
+
+    monkeypatch.setitem(table_files.FORMATS, "csv", stopping)
+    for args in ((), ("--out", "elsewhere")):
+        result = call("export-data", "run", *args)
+        assert result.exit_code == (130 if error is KeyboardInterrupt else 1)
+        assert result.stdout == ""
+        assert {path: path.read_bytes() for path in run_copy.rglob("*") if path.is_file()} == before
+        assert [path.name for path in run_copy.parent.iterdir()] == ["run"]
+
+
+def test_a_run_that_goes_on_gives_what_it_has_and_both_tables_agree(
+    run_copy: Path, call: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with Store.open(run_copy / "run.db") as writer:
+        study, late = writer.study(), writer.record(19, TARGETS)
+    connection = sqlite3.connect(run_copy / "run.db")
+    connection.execute("DELETE FROM score WHERE evaluation IN (3, 19)")
+    connection.execute("DELETE FROM evaluation WHERE id IN (3, 19)")
+    connection.commit()
+    connection.close()
+    write = table_files.FORMATS["csv"]
+    with Store.open(run_copy / "run.db") as writer:
+
+        def while_another_writes(path: Path, columns: Any, batches: Any) -> int:
+            rows = write(path, columns, batches)
+            if path.name == "evaluations.csv":
+                writer.add([late], TARGETS)
+            return rows
+
+        monkeypatch.setitem(table_files.FORMATS, "csv", while_another_writes)
+        result = call("export-data", "run", "--trajectories", "--json")
+        assert result.exit_code == 0, result.stderr
+        assert writer.count() == 19
+        assert writer.study() == study
+    expected = sorted(set(range(19)) - {3})
+    assert list(pl.read_csv("run/data/evaluations.csv")["evaluation"]) == expected
+    assert sorted(set(pl.read_csv("run/data/trajectories.csv")["evaluation"])) == expected
+
+
+def test_without_pyarrow_parquet_says_what_to_install_before_anything_is_done(
+    run_copy: Path, call: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(table_files, "find_spec", lambda name: None)
+    result = call("export-data", "run", "--format", "parquet")
+    assert result.exit_code == 1
+    [line] = result.stderr.splitlines()
+    assert "pip install 'driftform[parquet]'" in line and "--format csv" in line
+    assert not (run_copy / "data").exists()
+    assert call("export-data", "run", "--format", "csv").exit_code == 0
+
+
+def test_bad_input_is_told_in_one_line(run_copy: Path, refused: Callable[..., str], tmp_path: Path) -> None:
+    shutil.copy(run_copy / "study.toml", tmp_path / "a-file")
+    assert refused("export-data", "run", "--format", "xlsx").endswith("known: csv, parquet")
+    assert refused("export-data", "run", "--format", "parqet").endswith("did you mean 'parquet'?")
+    assert refused("export-data", "nowhere") == "error: nowhere: no such run directory"
+    assert "it is not a run directory" in refused("export-data", ".")
+    assert "expected a run directory" in refused("export-data", "a-file")
+    assert refused("export-data", "run", "--out", "a-file") == "error: a-file is a file; choose another --out"
+    assert "not an empty directory" in refused("export-data", "run", "--out", "run/best")
+    assert "choose another --out" in refused("export-data", "run", "--out", "a-file/below")
+
+
+@pytest.mark.parametrize(
+    "harm",
+    [
+        "UPDATE evaluation SET trajectory = x'0011'",
+        "UPDATE score SET fitness = 'abc'",
+        "UPDATE evaluation SET symbols = '{'",
+        "UPDATE evaluation SET ended = 'x'",
+    ],
+)
+def test_a_damaged_run_gives_no_tables(run_copy: Path, refused: Callable[..., str], harm: str) -> None:
+    connection = sqlite3.connect(run_copy / "run.db")
+    connection.execute(harm)
+    connection.commit()
+    connection.close()
+    assert "is damaged" in refused("export-data", "run", "--trajectories")

@@ -1,0 +1,151 @@
+"""``driftform pick``: the agent whose flight passes closest to any point."""
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from driftform.agent_file import read_agent
+from driftform.dynamics.path import closest_approach
+from driftform.run_directory import locked
+from driftform.store import Record, Store
+from driftform.types import Candidate, Evaluation, Genome
+
+ANYWHERE = ("4.2", "0", "-0.35")
+
+
+@pytest.fixture(scope="module")
+def flights(finished_run) -> dict[int, Any]:
+    with Store.open(finished_run[0] / "run.db", read_only=True) as store:
+        return dict(store.flights())
+
+
+def test_it_finds_what_a_search_through_all_flights_finds(call, run_copy: Path, flights) -> None:
+    result = call("pick", run_copy, *ANYWHERE, "--json")
+    told = json.loads(result.stdout)
+    point = np.array([[float(value) for value in ANYWHERE]])
+    distances = {index: closest_approach(flight, point)[0][0] for index, flight in flights.items()}
+    best = min(distances, key=distances.__getitem__)
+    assert told["evaluation"] == best
+    assert told["distance"] == distances[best]
+    assert told["point"] == [4.2, 0.0, -0.35]
+
+
+def test_at_a_target_it_finds_the_best_for_that_target(call, run_copy: Path, finished_run) -> None:
+    told = json.loads(finished_run[1].stdout)["targets"]["TP7"]
+    picked = json.loads(call("pick", run_copy, "5.5", "0.0", "-0.4", "--json").stdout)
+    assert picked["distance"] == pytest.approx(told["distance"], abs=1e-9)
+    assert read_agent(Path(picked["agent"])).genome == read_agent(run_copy / "best/TP7/agent.json").genome
+
+
+def test_the_agent_serves_other_commands_and_flies_past_the_point_again(call, run_copy: Path) -> None:
+    picked = json.loads(call("pick", run_copy, *ANYWHERE, "--json").stdout)
+    place = ", ".join(ANYWHERE).replace("0,", "0.0,")
+    flown = call("simulate", picked["agent"], "--set", f"targets={{here=[{place}]}}", "--json")
+    assert flown.exit_code == 0, flown.output
+    here = json.loads(flown.stdout)["closest"]["here"]
+    # The stored flight is thinned to single precision.
+    assert here["distance"] == pytest.approx(picked["distance"], abs=1e-4)
+    assert here["t"] == pytest.approx(picked["t"], abs=1e-3)
+
+
+def test_it_tells_the_flight_the_distance_and_the_file(call, run_copy: Path) -> None:
+    result = call("pick", run_copy, *ANYWHERE)
+    assert result.exit_code == 0
+    path = run_copy / "picks" / "4.2_0_-0.35" / "agent.json"
+    known = read_agent(path).result
+    first, second = result.stdout.splitlines()
+    assert f"evaluation {known['evaluation']} passes closest to (4.2, 0, -0.35) m" in first
+    assert f"{1000 * known['distance']:.1f} mm" in first
+    assert second == f"agent: {path}"
+
+
+def test_it_writes_where_it_is_told_to(call, run_copy: Path, tmp_path: Path) -> None:
+    told = json.loads(call("pick", run_copy, *ANYWHERE, "--out", tmp_path / "mine", "--json").stdout)
+    assert told["agent"] == str(tmp_path / "mine" / "agent.json")
+    assert not (run_copy / "picks").exists()
+
+
+@pytest.mark.parametrize("z", ["-0.9", "-9e-1", "-.9"])
+def test_a_negative_coordinate_is_no_option(call, run_copy: Path, z: str) -> None:
+    told = json.loads(call("pick", run_copy, "4.0", "-0.0", z, "--json").stdout)
+    assert told["point"][2] == -0.9
+
+
+def test_options_may_stand_before_the_coordinates(call, run_copy: Path) -> None:
+    assert json.loads(call("pick", "--json", run_copy, "4", "0", "-.9").stdout)["point"] == [4.0, 0.0, -0.9]
+
+
+def test_the_database_is_left_as_it_is_also_where_another_process_works_on_the_run(
+    call, run_copy: Path
+) -> None:
+    before = (run_copy / "run.db").read_bytes()
+    with locked(run_copy):
+        assert call("pick", run_copy, *ANYWHERE).exit_code == 0
+    assert (run_copy / "run.db").read_bytes() == before
+
+
+def test_what_a_writer_has_just_stored_is_found(call, run_copy: Path, flights) -> None:
+    # The writer keeps its log: what it adds is not in the file itself yet.
+    with Store.open(run_copy / "run.db") as writer:
+        last = writer.record(19, ("TP1", "TP7"))
+        agent = last.candidate.genome
+        flight = flights[19]
+        aside = type(flight)(
+            flight.t,
+            flight.position * (1, 1, 0.5) + np.array([0, 0.3, 0]),
+            flight.quaternion,
+            flight.velocity,
+            flight.end,
+        )
+        writer.add([Record(20, Candidate(agent), Evaluation(agent, np.zeros(2), aside))], ("TP1", "TP7"))
+        x, y, z = (float(value) for value in aside.position[len(aside.t) // 2])
+        result = call("pick", run_copy, x, y, z, "--json")
+        assert result.exit_code == 0, result.output
+    told = json.loads(result.stdout)
+    assert told["evaluation"] == 20
+    assert told["distance"] < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("point", "told"),
+    [
+        (
+            ("4", "0", "-1.2"),
+            "X Y Z = 4 0 -1.2 lies outside the pipe, which leads from [0.0, 0.0, 0.0] to [9.0, ",
+        ),
+        (("-0.5", "0", "0"), "lies outside the pipe"),
+        (("nan", "0", "0"), "X Y Z = nan 0 0: should be three finite numbers"),
+        (("4", "0", "inf"), "should be three finite numbers"),
+        (("4", "0", "up"), "Invalid value for 'Z'"),
+        (("4", "0"), "Missing argument 'Z'"),
+        (("4", "0", "0", "--jsn"), "--jsn"),
+    ],
+)
+def test_a_point_that_is_none_is_refused(
+    refused: Callable[..., str], run_copy: Path, point: tuple[str, ...], told: str
+) -> None:
+    assert told in refused("pick", run_copy, *point)
+
+
+def test_what_is_no_run_is_refused(refused: Callable[..., str], tmp_path: Path) -> None:
+    assert "no such run directory" in refused("pick", tmp_path / "nowhere", *ANYWHERE)
+
+
+def test_a_run_without_a_sound_flight_has_nothing_to_pick(
+    refused: Callable[..., str], run_copy: Path, tmp_path: Path
+) -> None:
+    with Store.open(run_copy / "run.db") as store:
+        document = store.study()
+    shutil.rmtree(run_copy)
+    run_copy.mkdir()
+    genome = Genome("lsystem", ())
+    with Store.create(run_copy / "run.db", document) as store:
+        failed = Evaluation.failed(genome, 2, "it broke")
+        store.add([Record(0, Candidate(genome), failed)], ("TP1", "TP7"))
+    line = refused("pick", run_copy, *ANYWHERE)
+    assert "has no evaluation yet that did not fail" in line and "driftform resume" in line

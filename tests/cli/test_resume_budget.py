@@ -1,0 +1,157 @@
+"""A run that is given a larger budget ends as one that had it from the start."""
+
+import json
+import shutil
+import sqlite3
+import subprocess
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from driftform.evolution import evolve
+from driftform.execution import InProcess
+from driftform.store import Store
+from driftform.study import load_study
+
+Program = Callable[..., subprocess.CompletedProcess[str]]
+Rows = Callable[[Path], list[tuple[Any, ...]]]
+
+STUDY = ("--target", "TP1", "--target", "TP8", "--seed", 5, "--simulator", "fake", "--workers", 1)
+
+
+def budgets(directory: Path) -> tuple[int, int]:
+    """What the database and resolved.toml say of the budget."""
+    resolved = tomllib.loads((directory / "resolved.toml").read_text())
+    with Store.open(directory / "run.db", read_only=True) as store:
+        return store.study()["run"]["evaluations"], resolved["run"]["evaluations"]
+
+
+def set_budget(directory: Path, evaluations: int) -> None:
+    """As if the run had been stopped on its way to a larger budget."""
+    with Store.open(directory / "run.db") as store:
+        study = store.study()
+        store.replace_study({**study, "run": {**study["run"], "evaluations": evaluations}})
+
+
+@pytest.mark.usefixtures("fakes")
+@pytest.mark.parametrize("strategy", ["paper", "random"])
+@pytest.mark.parametrize("first", [1, 47, 60], ids=["one", "within a generation", "between generations"])
+def test_more_evaluations_are_those_of_a_run_that_had_them_from_the_start(
+    tmp_path: Path, rows: Rows, strategy: str, first: int
+) -> None:
+    def to(evaluations: int, store: Store) -> None:
+        study = load_study(
+            use={"simulator": "fake", "strategy": strategy},
+            targets=["TP1", "TP6"],
+            run={"seed": 3, "evaluations": evaluations},
+        )
+        evolve(study, store, InProcess(study.pipeline()))
+
+    for name, parts in (("whole", (120,)), ("parts", (first, 120))):
+        (tmp_path / name).mkdir()
+        with Store.create(tmp_path / name / "run.db", {}) as store:
+            for evaluations in parts:
+                to(evaluations, store)
+                assert store.count() == evaluations
+    assert rows(tmp_path / "parts") == rows(tmp_path / "whole")
+
+
+@pytest.fixture(scope="module")
+def sixty(run: Program, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A finished run; not to be changed."""
+    cwd = tmp_path_factory.mktemp("sixty")
+    result = run("evolve", *STUDY, "--evaluations", 60, "--out", "run", cwd=cwd)
+    assert result.returncode == 0, result.stderr
+    return cwd / "run"
+
+
+@pytest.fixture(scope="module")
+def more(run: Program, sixty: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """The same with twice the budget, and what was told of the second half; not to be changed."""
+    cwd = tmp_path_factory.mktemp("more")
+    shutil.copytree(sixty, cwd / "run")
+    result = run("resume", "run", "--evaluations", 120, "--workers", 1, "--json", cwd=cwd)
+    assert result.returncode == 0, result.stderr
+    assert json.loads(result.stdout)["evaluations"] == 120
+    return cwd / "run", result.stderr
+
+
+@pytest.fixture
+def copy(sixty: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(sixty, tmp_path / "run"))
+
+
+def test_resumed_with_twice_the_budget_all_files_are_those_of_a_run_that_had_it(
+    run: Program, rows: Rows, more: tuple[Path, str], tmp_path: Path
+) -> None:
+    result = run("evolve", *STUDY, "--evaluations", 120, "--out", "whole", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    whole, resumed = tmp_path / "whole", more[0]
+    assert rows(resumed) == rows(whole)
+    assert len(rows(whole)) == 120 * 3
+    for name in ("resolved.toml", "study.toml", "best/TP8/agent.json", "figures/overview.svg"):
+        assert (resumed / name).read_bytes() == (whole / name).read_bytes()
+
+
+def test_the_larger_budget_stays_with_the_run(sixty: Path, more: tuple[Path, str], tmp_path: Path) -> None:
+    assert budgets(sixty) == (60, 60)
+    assert budgets(more[0]) == (120, 120)
+
+
+def test_what_was_stored_before_is_not_told_again(more: tuple[Path, str]) -> None:
+    starts = [line.split()[0] for line in more[1].splitlines()]
+    assert starts == ["80/120", "100/120", "120/120"]
+
+
+def test_a_run_that_stopped_early_may_be_given_less(
+    run: Program, rows: Rows, copy: Path, more: tuple[Path, str]
+) -> None:
+    set_budget(copy, 500)
+    result = run("resume", "run", "--evaluations", 80, "--workers", 1, cwd=copy.parent)
+    assert result.returncode == 0, result.stderr
+    assert budgets(copy) == (80, 80)
+    evaluations = [row for row in rows(more[0]) if len(row) > 3 and row[0] < 80]
+    assert [row for row in rows(copy) if len(row) > 3] == evaluations
+
+
+def test_a_crash_between_database_and_resolved_study_is_made_good(
+    call: Callable[..., Any], copy: Path, fakes: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from driftform import run_directory
+
+    def crashing(*_: object) -> None:
+        raise OSError("the power went")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(run_directory, "write_resolved", crashing)
+        assert call("resume", "run", "--evaluations", 61, "--workers", 1).exit_code == 1
+    assert budgets(copy) == (61, 60)
+    result = call("resume", "run", "--workers", 1, "--json")
+    assert json.loads(result.stdout)["evaluations"] == 61
+    assert budgets(copy) == (61, 61)
+
+
+def test_less_than_is_there_is_refused_and_the_run_is_left_as_it_was(
+    copy: Path, fakes: None, refused: Callable[..., str]
+) -> None:
+    line = refused("resume", "run", "--evaluations", 59)
+    assert line == "error: --evaluations 59 is less than run holds already; give at least 60"
+
+
+def test_what_counts_is_the_last_evaluation_and_not_how_many_there_are(
+    copy: Path, fakes: None, refused: Callable[..., str]
+) -> None:
+    connection = sqlite3.connect(copy / "run.db")
+    connection.execute("DELETE FROM score WHERE evaluation BETWEEN 5 AND 57")
+    connection.execute("DELETE FROM evaluation WHERE id BETWEEN 5 AND 57")
+    connection.commit()
+    connection.close()
+    assert refused("resume", "run", "--evaluations", 20).endswith("give at least 60")
+
+
+@pytest.mark.parametrize("value", ["0", "-3", "many", "1.5"])
+def test_a_budget_that_is_none_is_refused(copy: Path, refused: Callable[..., str], value: str) -> None:
+    assert "--evaluations" in refused("resume", "run", "--evaluations", value)

@@ -1,0 +1,155 @@
+"""``driftform trim``: what is told is what then flies, and what makes no sense is refused."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from driftform.types import WrittenFile
+
+Call = Callable[..., Any]
+Refused = Callable[..., str]
+
+WORD = "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB-addB-tiltp-2-L-moveB"
+NEUTRAL = ("--set", "builder.core_mass=0.02507")
+"""With this core it weighs about what it displaces: it flies far before it touches a wall."""
+
+
+def told(call: Call, *arguments: object) -> dict[str, Any]:
+    result = call("trim", WORD, *NEUTRAL, *arguments, "--simulator", "native", "--json")
+    assert result.exit_code == 0, result.stderr
+    found: dict[str, Any] = json.loads(result.stdout)
+    return found
+
+
+def simulated(call: Call, *arguments: object) -> dict[str, float]:
+    result = call("simulate", WORD, *NEUTRAL, *arguments, "--simulator", "native", "--json")
+    assert result.exit_code == 0, result.stderr
+    found: dict[str, float] = json.loads(result.stdout)["fitness"]
+    return found
+
+
+def test_a_light_print_is_trimmed_to_fly_as_simulated(call: Call) -> None:
+    facts = told(call, "--printed-mass", 0.0305)
+    assert facts["ballast_mass"] == pytest.approx(facts["simulated_mass"] - 0.0305)
+    moment = facts["simulated_mass"] * facts["simulated_cog"] - 0.0305 * facts["printed_cog"]
+    assert facts["ballast_x"] == pytest.approx(moment / facts["ballast_mass"])
+    assert facts["simulated"] == pytest.approx(simulated(call), abs=1e-9)
+    # The ball is not where the material was, so that the inertia is another.
+    assert facts["trimmed"] == pytest.approx(facts["simulated"], abs=0.2)
+    off = {
+        name: max(abs(facts[name][t] - f) for t, f in facts["simulated"].items())
+        for name in ("trimmed", "untrimmed")
+    }
+    assert off["untrimmed"] > 50 * off["trimmed"]
+    assert sum(piece["mass"] for piece in facts["pieces"]) == pytest.approx(facts["ballast_mass"])
+    assert facts["residual_moment"] == pytest.approx(0, abs=1e-9)
+    assert facts["buoyancy"] is None and facts["cog_source"] == "hull"
+
+
+def test_untrimmed_it_flies_as_a_hull_of_that_density(call: Call) -> None:
+    facts = told(call, "--printed-mass", 0.0325)
+    hull = facts["simulated_mass"] - 0.02507
+    density = 1050.0 * (0.0325 - 0.02507) / hull
+    other = simulated(call, "--set", f"builder.hull_density={density!r}")
+    # 0.2 mm of some 8 m: after a wall, rounding grows to that.
+    assert facts["untrimmed"] == pytest.approx(other, abs=2e-3)
+
+
+def test_a_heavy_print_is_told_how_much_lighter_it_has_to_be(call: Call) -> None:
+    facts = told(call, "--printed-mass", 0.0325)
+    excess = 0.0325 - facts["simulated_mass"]
+    assert facts["ballast_mass"] == pytest.approx(-excess)
+    assert facts["pieces"] == [] and facts["residual_moment"] is None
+    # Foam carries what it displaces less its own weight.
+    foam = facts["buoyancy"]
+    assert foam["volume"] * (1024.0 - foam["density"]) == pytest.approx(excess, rel=0.03)
+    assert foam["hull_excess"] == pytest.approx(excess / (0.0325 - 0.02507))
+    text = call("trim", WORD, *NEUTRAL, "--printed-mass", 0.0325, "--simulator", "native").stdout
+    assert "too heavy by" in text and "cm3 of foam" in text
+
+
+def test_what_balances_elsewhere_by_too_much_is_told_by_how_much_it_stays_off(call: Call) -> None:
+    facts = told(call, "--printed-mass", 0.0312, "--printed-cog", 0.004)
+    aft = facts["aft_end"]
+    assert facts["ballast_x"] < aft
+    [piece] = facts["pieces"]
+    assert aft < piece["start"] < piece["end"]
+    off = facts["ballast_mass"] * (piece["x"] - facts["ballast_x"])
+    assert facts["residual_moment"] == pytest.approx(off, rel=1e-6)
+    text = call(
+        "trim", WORD, *NEUTRAL, "--printed-mass", 0.0312, "--printed-cog", 0.004, "--simulator", "native"
+    ).stdout
+    assert "it cannot lie there" in text
+
+
+def test_every_target_has_a_line_and_every_flight_an_end(call: Call) -> None:
+    lines = call(
+        "trim", WORD, *NEUTRAL, "--printed-mass", 0.0305, "--simulator", "native"
+    ).stdout.splitlines()
+    assert sum(line.startswith("TP") for line in lines) == 10
+    assert [line.split()[0] for line in lines[-3:]] == ["simulated", "untrimmed", "trimmed"]
+    assert any("there is room for it:" in line for line in lines)
+
+
+@pytest.fixture
+def kit_of_34_grams(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An exporter that accounts for its kit so: 34 g with the core, 5 mm fore of its centre."""
+    from driftform.registry import registry
+
+    def write(self: Any, specimen: Any, path: Path) -> tuple[WrittenFile, ...]:
+        assert self.options.kit
+        balance = [{"of": "simulated"}, {"of": "printed", "mass_kg": 0.034, "cog_mm": 5.0}]
+        return (WrittenFile("stl", str(path), {"kit": {"balance": balance}}),)
+
+    monkeypatch.setattr(registry().find("exporter", "stl"), "write", write)
+
+
+@pytest.mark.usefixtures("kit_of_34_grams")
+def test_a_kit_is_trimmed_by_what_its_parts_should_weigh(call: Call) -> None:
+    facts = told(call, "--kit")
+    assert (facts["printed_mass"], facts["printed_cog"], facts["cog_source"]) == (
+        0.034,
+        pytest.approx(0.005),
+        "kit",
+    )
+    assert facts["ballast_mass"] == pytest.approx(facts["simulated_mass"] - 0.034)
+
+
+def test_the_parts_of_a_real_kit_are_accounted_for(call: Call) -> None:
+    facts = told(call, "--kit")
+    files = json.loads(
+        call("export", WORD, *NEUTRAL, "--set", "exporter.stl.kit=true", "--out", "kit", "--json").stdout
+    )["files"]
+    assert len(files) == 2
+    assert facts["printed_mass"] == pytest.approx(0.02507 + sum(file["mass_kg"] for file in files), rel=1e-5)
+    assert facts["ballast_mass"] < 0
+
+
+@pytest.mark.usefixtures("kit_of_34_grams")
+def test_a_kit_that_was_weighed_balances_where_its_parts_do(call: Call) -> None:
+    facts = told(call, "--kit", "--printed-mass", 0.030)
+    core, hull = 0.02507, 0.034 * 0.005 / (0.034 - 0.02507)
+    assert facts["printed_cog"] == pytest.approx((0.030 - core) * hull / 0.030)
+    measured = told(call, "--kit", "--printed-mass", 0.030, "--printed-cog", 0.001)
+    assert (measured["printed_cog"], measured["cog_source"]) == (pytest.approx(0.001), "measured")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--printed-mass", "71.2"), "is in kg"),
+        (("--printed-mass", "0.05"), "with its core in"),
+        (("--printed-mass", "nan"), "with its core in"),
+        (("--printed-mass", "0.056", "--printed-cog", "12"), "lies outside the body"),
+        (("--printed-mass", "0.0501", "--printed-cog", "0.02"), "the hull alone would balance"),
+        (("--printed-mass", "0.055", "--ballast-density", "0"), "--ballast-density 0"),
+        (("--printed-mass", "0.055", "--ballast-density", "900"), "no more than the water's"),
+        ((), "--printed-mass is missing"),
+        (("--kit", "--printed-cog", "0.001"), "--printed-mass is missing"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(refused: Refused, arguments: tuple[str, ...], message: str) -> None:
+    assert message in refused("trim", WORD, *arguments, "--simulator", "native")

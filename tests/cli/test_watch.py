@@ -1,0 +1,330 @@
+"""Looking on at a run: what is told is true, and the run does not notice."""
+
+import json
+import re
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from driftform.cli.watch import Onlooker
+from driftform.errors import InputError
+from driftform.run_directory import is_worked_on, locked
+from driftform.store import Brief, Record, Store
+from driftform.types import Candidate, Evaluation, Genome
+
+Start = Callable[..., subprocess.Popen[str]]
+Program = Callable[..., subprocess.CompletedProcess[str]]
+
+EVALUATIONS = 36
+STUDY = (
+    "--target",
+    "TP1",
+    "--target",
+    "TP8",
+    "--evaluations",
+    EVALUATIONS,
+    "--seed",
+    5,
+    "--simulator",
+    "fake",
+)
+
+
+def look(directory: Path) -> Onlooker:
+    onlooker = Onlooker(directory, directory / "run.db")
+    onlooker.look()
+    return onlooker
+
+
+def wait_until(condition: Callable[[], bool], seconds: float = 60.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not happen in time"
+        time.sleep(0.02)
+
+
+def add(store: Store, *indices: int) -> None:
+    genome = Genome("g", ())
+    fitness = {i: np.array([50.0 if i > 4 else 10.0 * i]) for i in indices}
+    store.add([Record(i, Candidate(genome), Evaluation(genome, fitness[i])) for i in indices], ("A",))
+
+
+def brief_store(path: Path, count: int, budget: int = 1000) -> Store:
+    """The open database of a run for one target that has some evaluations."""
+    store = Store.create(path, {"targets": {"A": [1, 0, 0]}, "run": {"evaluations": budget}})
+    add(store, *range(count))
+    return store
+
+
+@pytest.fixture
+def going(start: Start, tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
+    """A run of one worker that has some evaluations, and is not at its end."""
+    slow = ("--set", "simulator.pause=0.25", "--workers", 1, "--out", "run")
+    with start("evolve", *STUDY, *slow, cwd=tmp_path) as process:
+        try:
+            wait_until(lambda: evaluations(tmp_path / "run") >= 5)
+            yield process
+        finally:
+            process.kill()
+
+
+def evaluations(directory: Path) -> int:
+    """How many an onlooker sees; none where the run has not begun."""
+    try:
+        return look(directory).standing.done
+    except InputError:
+        return 0
+
+
+def test_a_run_is_followed_to_its_end_while_others_come_and_go(start: Start, tmp_path: Path) -> None:
+    (tmp_path / "run").mkdir()
+    with ExitStack() as stack:
+        with locked(tmp_path / "run"), brief_store(tmp_path / "run" / "run.db", 5, budget=8) as store:
+            stays, leaves = (
+                stack.enter_context(start("watch", "run", "--interval", 0.1, cwd=tmp_path)) for _ in range(2)
+            )
+            for process in (stays, leaves):
+                assert process.stdout is not None
+                assert process.stdout.readline().startswith("5/8 evaluations: A ")
+            # To look away is no failure.
+            leaves.send_signal(signal.SIGINT)
+            out, err = leaves.communicate(timeout=60)
+            assert (leaves.returncode, out, err) == (0, "", "")
+            for index in (5, 7, 6):
+                add(store, index)
+                assert stays.stdout is not None
+                line = stays.stdout.readline()
+                assert re.match(rf"{store.count()}/8 evaluations, \S+/s(, .* left)?: A 50\.00$", line), line
+        out, err = stays.communicate(timeout=60)
+    assert (stays.returncode, err) == (0, "")
+    assert out == "finished: 8 evaluations (0 failed), best agents in run/best/\n"
+
+
+def test_a_run_that_was_killed_has_stopped_and_its_log_is_left_to_whoever_resumes_it(
+    going: subprocess.Popen[str], run: Program, tmp_path: Path
+) -> None:
+    going.kill()
+    going.wait()
+    before = sorted(path.name for path in (tmp_path / "run").glob("run.db*"))
+    assert "run.db-wal" in before
+    result = run("watch", "run", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    done = look(tmp_path / "run").standing.done
+    assert (
+        result.stdout
+        == f"stopped after {done} of {EVALUATIONS} evaluations; go on with: driftform resume run\n"
+    )
+    assert sorted(path.name for path in (tmp_path / "run").glob("run.db*")) == before
+
+
+def test_what_is_told_of_a_finished_run_is_what_the_run_told(
+    finished_run: tuple[Path, subprocess.CompletedProcess[str]], call: Callable[..., Any]
+) -> None:
+    directory, told = finished_run
+    result = call("watch", directory, "--json")
+    assert result.exit_code == 0, result.stderr
+    document, expected = json.loads(result.stdout), json.loads(told.stdout)
+    assert (document["state"], document["evaluations"], document["budget"]) == ("finished", 20, 20)
+    with Store.open(directory / "run.db", read_only=True) as store:
+        for name, target in document["targets"].items():
+            best = expected["targets"][name]
+            assert (target["evaluation"], target["fitness"]) == store.best(name)
+            assert (target["fitness"], target["error_percent"]) == (best["fitness"], best["error_percent"])
+            # One generation of ten for each target.
+            own = [r for r in store.records((name,)) if r.candidate.target == name]
+            assert target["mean_fitness"] == pytest.approx(
+                sum(float(r.evaluation.fitness[0]) for r in own) / 10
+            )
+            assert target["generation"] == 0
+
+
+def test_once_is_a_table_and_nothing_in_the_run_has_changed(run_copy: Path, call: Callable[..., Any]) -> None:
+    before = {path: (path.stat().st_mtime_ns, path.stat().st_size) for path in run_copy.rglob("*")}
+    result = call("watch", run_copy, "--once")
+    assert result.exit_code == 0, result.stderr
+    assert [line.split()[0] for line in result.stdout.splitlines()[3:5]] == ["TP1", "TP7"]
+    assert "20 of 20 evaluations" in result.stdout
+    assert {path: (path.stat().st_mtime_ns, path.stat().st_size) for path in run_copy.rglob("*")} == before
+
+
+def test_a_run_is_watched_without_the_plugins_that_it_needs(run_copy: Path, call: Callable[..., Any]) -> None:
+    with Store.open(run_copy / "run.db") as store:
+        study = store.study()
+        store.replace_study({**study, "simulator": {"use": "nowhere-installed"}})
+    assert call("resume", run_copy).exit_code == 2
+    assert call("watch", run_copy, "--once").exit_code == 0
+
+
+def test_nothing_is_read_twice_but_what_lies_behind_a_gap(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read: list[int] = []
+    original = Store.briefs
+
+    def counting(self: Store, targets: list[str], first: int = 0) -> Iterator[Brief]:
+        for brief in original(self, targets, first):
+            read.append(brief.index)
+            yield brief
+
+    monkeypatch.setattr(Store, "briefs", counting)
+    with brief_store(tmp_path / "run.db", 500) as store:
+        onlooker = look(tmp_path)
+        assert len(read) == 500
+        read.clear()
+        onlooker.look()
+        assert read == []
+        add(store, 500, 503)
+        onlooker.look()
+        assert read == [500, 503]
+        read.clear()
+        add(store, 502, 501)
+        onlooker.look()
+        assert read == [501, 502, 503]
+        read.clear()
+        onlooker.look()
+        assert read == []
+        assert onlooker.standing.done == 504 == store.count()
+
+
+def test_a_larger_budget_shows_while_one_looks_on(tmp_path: Path) -> None:
+    with brief_store(tmp_path / "run.db", 5) as store, locked(tmp_path):
+        onlooker = look(tmp_path)
+        assert (onlooker.state, onlooker.standing.budget) == ("running", 1000)
+        store.replace_study({**store.study(), "run": {"evaluations": 5}})
+        onlooker.look()
+        assert (onlooker.state, onlooker.standing.budget) == ("writing the best agents", 5)
+    onlooker.look()
+    assert onlooker.state == "finished"
+
+
+def test_a_writer_that_begins_is_never_refused_for_those_who_look_whether_it_has(tmp_path: Path) -> None:
+    (tmp_path / ".lock").touch()
+    over = threading.Event()
+
+    def asking() -> None:
+        while not over.is_set():
+            is_worked_on(tmp_path)
+
+    onlookers = [threading.Thread(target=asking) for _ in range(2)]
+    for thread in onlookers:
+        thread.start()
+    try:
+        for _ in range(50):
+            with locked(tmp_path):
+                pass
+    finally:
+        over.set()
+        for thread in onlookers:
+            thread.join()
+
+
+def test_whether_a_run_is_worked_on(tmp_path: Path) -> None:
+    assert not is_worked_on(tmp_path)
+    assert list(tmp_path.iterdir()) == []
+    with locked(tmp_path):
+        assert is_worked_on(tmp_path)
+        assert is_worked_on(tmp_path)
+        with pytest.raises(InputError, match="another driftform process"), locked(tmp_path):
+            pass
+    assert not is_worked_on(tmp_path)
+
+
+def test_a_writer_ends_and_begins_as_it_likes_while_others_read(tmp_path: Path) -> None:
+    brief_store(tmp_path / "run.db", 100).close()
+    over = threading.Event()
+    looks: list[int] = []
+    trouble: list[Exception] = []
+
+    def looking() -> None:
+        while not over.is_set():
+            try:
+                looks.append(look(tmp_path).standing.done)
+            except Exception as error:
+                trouble.append(error)
+
+    onlooker = threading.Thread(target=looking)
+    onlooker.start()
+    try:
+        for index in range(100, 120):
+            with Store.open(tmp_path / "run.db") as store:
+                began = time.monotonic()
+                add(store, index)
+            assert time.monotonic() - began < 4
+    finally:
+        over.set()
+        onlooker.join()
+    assert trouble == []
+    assert looks and looks == sorted(looks)
+    assert look(tmp_path).standing.done == 120
+
+
+@pytest.mark.parametrize(
+    ("harm", "told"),
+    [
+        ("UPDATE meta SET value = '{}'", "is damaged: its study has no targets, or no budget"),
+        ("""UPDATE meta SET value = '{"targets": {"A": 1}, "run": 3}'""", "is damaged"),
+        ("DELETE FROM meta", "is damaged"),
+        ("DELETE FROM score WHERE evaluation = 3", "is damaged"),
+        ("UPDATE score SET fitness = 'x'", "is damaged"),
+        ("DROP TABLE score", "is damaged"),
+        ("PRAGMA user_version = 99", "is of format 99"),
+    ],
+)
+def test_a_damaged_run_is_refused_in_one_line(
+    run_copy: Path, refused: Callable[..., str], harm: str, told: str
+) -> None:
+    connection = sqlite3.connect(run_copy / "run.db")
+    connection.execute(harm)
+    connection.commit()
+    connection.close()
+    line = refused("watch", "run", "--once")
+    assert line.startswith("error: run/run.db: ")
+    assert told in line
+
+
+def test_what_is_no_run_is_refused_in_one_line(
+    refused: Callable[..., str], finished_run: tuple[Path, object], tmp_path: Path
+) -> None:
+    assert refused("watch", "nowhere") == "error: nowhere: no such run directory"
+    assert "holds no run.db" in refused("watch", ".")
+    shutil.copy(finished_run[0] / "study.toml", tmp_path)
+    assert "is a file, expected a run directory" in refused("watch", "study.toml")
+    assert "--interval" in refused("watch", finished_run[0], "--interval", 0)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a pseudo-terminal")
+def test_on_a_terminal_the_last_picture_stays(finished_run: tuple[Path, object]) -> None:
+    import os
+    import pty
+
+    ours, theirs = pty.openpty()
+    code = "from driftform.cli import main; main()"
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, "watch", str(finished_run[0])],
+        env=os.environ | {"COLUMNS": "100", "LINES": "24", "TERM": "xterm"},
+        stdin=theirs,
+        stdout=theirs,
+        stderr=theirs,
+    )
+    os.close(theirs)
+    text = b""
+    try:
+        while block := os.read(ours, 65536):
+            text += block
+    except OSError:
+        pass  # Nobody writes any more.
+    os.close(ours)
+    assert process.wait(timeout=20) == 0
+    assert b"TP7" in text and b"20 of 20 evaluations" in text
+    assert b"finished: 20 evaluations" in text

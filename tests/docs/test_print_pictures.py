@@ -1,0 +1,86 @@
+"""The pictures of docs/printing.md: five agents as drawings, and their kits on the bed. ``UPDATE_DOCS=1`` draws them anew."""
+
+import os
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from driftform.figures.section import section_svg
+from driftform.interfaces import Specimen
+from driftform.study import load_study
+from driftform.types import FloatArray
+
+BOTH_SIDES = (
+    "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB-addB-tiltn-2-L-moveB-addB-tiltp-2-L-moveN"
+)
+
+# How each is made: a word, or the genome of that number among random ones, and the settings of its study.
+AGENTS: dict[str, tuple[str | int, tuple[str, ...]]] = {
+    "both-sides": (BOTH_SIDES, ()),
+    "float": (1, ()),
+    "sinker": (0, ()),
+    "one-sided": (56, ("grammar.occupied=skip",)),
+    "bell": (31, ("grammar.occupied=skip", "grammar.tilt_reference=neighbour")),
+}
+
+
+def specimen(name: str) -> Specimen:
+    source, settings = AGENTS[name]
+    study = load_study(settings=settings, run={"seed": 0})
+    pipeline, rng = study.pipeline(), np.random.default_rng(3)
+    if isinstance(source, str):
+        genome = pipeline.grammar.parse(source)
+    else:
+        genome = [pipeline.grammar.random(rng) for _ in range(source + 1)][source]
+    return Specimen(name, pipeline.agent(genome), pipeline.scenario)
+
+
+def plate(name: str) -> bytes:
+    from driftform_frusta.exporters.threemf import ThreeMfExporter, ThreeMfOptions
+
+    return ThreeMfExporter(ThreeMfOptions(kit=True)).plate_picture(specimen(name))
+
+
+def pixels(png: bytes) -> FloatArray:
+    """A picture of our own making, as numbers."""
+    import struct
+    import zlib
+
+    width, height = struct.unpack(">II", png[16:24])
+    (length,) = struct.unpack(">I", png[33:37])
+    rows = np.frombuffer(zlib.decompress(png[41 : 41 + length]), np.uint8).reshape(height, 1 + 3 * width)
+    return np.cumsum(rows[:, 1:], axis=0, dtype=np.uint8).astype(np.float64)
+
+
+@pytest.mark.parametrize("name", AGENTS)
+def test_drawings_are_up_to_date(docs: Path, name: str) -> None:
+    path, drawn = docs / "images" / f"section-{name}.svg", section_svg(*_titled(name))
+    if os.environ.get("UPDATE_DOCS") == "1":
+        path.write_text(drawn, encoding="utf-8")
+    kept = path.read_text(encoding="utf-8")
+    number = re.compile(r"-?\d+(?:\.\d+)?")
+    assert number.sub("#", kept) == number.sub("#", drawn)
+    # Other machines round other digits.
+    values = [np.array([float(v) for v in number.findall(text)]) for text in (kept, drawn)]
+    assert np.abs(values[0] - values[1]).max() < 0.02
+
+
+def _titled(name: str):  # type: ignore[no-untyped-def]
+    shown = specimen(name)
+    return shown.agent, name.replace("-", " ").capitalize(), shown.scenario
+
+
+@pytest.mark.parametrize("name", AGENTS)
+def test_plates_are_up_to_date(docs: Path, name: str) -> None:
+    path, drawn = docs / "images" / f"plate-{name}.png", plate(name)
+    if os.environ.get("UPDATE_DOCS") == "1":
+        path.write_bytes(drawn)
+    assert np.abs(pixels(path.read_bytes()) - pixels(drawn)).mean() < 0.5
+
+
+def test_the_page_shows_each_of_them(pages: dict[str, str]) -> None:
+    for name in AGENTS:
+        assert f"(images/section-{name}.svg)" in pages["printing.md"]
+        assert f"(images/plate-{name}.png)" in pages["printing.md"]

@@ -1,0 +1,120 @@
+"""Where a body floats: against Archimedes, in words and on the page."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from driftform.figures.bodies import Placement
+from driftform.figures.section import section_svg
+from driftform.figures.surface import rest_of, surface_of
+from driftform.scenario import Fluid, Scenario
+
+DENSITY = 1000.0
+RADIUS, LENGTH = 0.02, 0.2
+
+
+def water(**options):
+    return Scenario(fluid=Fluid(density=DENSITY, **options))
+
+
+@pytest.fixture
+def tube(make_agent):
+    """A cylinder from x = -0.1 m to 0.1 m, of a given share of the water's density, its COG where it is asked for."""
+
+    def make(share, cog=0.0):
+        agent = make_agent(LENGTH / 2, LENGTH / 2, [RADIUS] * 5)
+        mass = share * DENSITY * agent.mass.volume
+        inertia = mass * np.diag([RADIUS**2 / 2, LENGTH**2 / 12, LENGTH**2 / 12])
+        properties = replace(agent.mass, mass=mass, cog=[cog, 0, 0], cob=[0, 0, 0], inertia=inertia)
+        return replace(agent, mass=properties)
+
+    return make
+
+
+def test_a_long_log_of_half_the_density_floats_level_with_its_axis_in_the_surface(tube):
+    rest = rest_of(tube(0.5), water())
+    assert rest.pitch == pytest.approx(0, abs=0.02)
+    assert rest.height == pytest.approx(0, abs=1e-4)
+    assert "float level, 50 % of it under water" in rest.text
+
+
+@pytest.mark.parametrize(("cog", "nose"), [(-0.08, "nose up"), (0.08, "nose down")])
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.8])
+def test_a_float_with_a_weight_at_one_end_stands_upright_as_deep_as_archimedes_says(tube, share, cog, nose):
+    rest = rest_of(tube(share, cog), water())
+    assert f"upright, {nose}, {100 * share:.0f} %" in rest.text
+    # The heavy end is below; of the length, that share is under water.
+    draft = LENGTH / 2 - rest.height
+    assert draft == pytest.approx(share * LENGTH, abs=2e-3)
+
+
+def test_a_body_heavier_than_water_sinks_and_hangs_by_its_centre_of_buoyancy(tube):
+    assert rest_of(tube(1.2, 0.05), water()).text == "Sinks, and hangs upright, nose down."
+    assert rest_of(tube(1.2, -0.05), water()).text == "Sinks, and hangs upright, nose up."
+    assert rest_of(tube(1.2), water()).text == "Sinks, and hangs in any attitude."
+    assert rest_of(tube(1.2, 0.05), water()).height is None
+
+
+def test_whether_there_is_a_surface_at_all_is_said(tube):
+    assert rest_of(tube(0.5), water()).text.startswith("Rises; on a surface it would float")
+    assert rest_of(tube(0.5), water(water_level=0.3)).text.startswith("Water line: it floats")
+
+
+def test_without_gravity_nothing_floats(tube):
+    assert rest_of(tube(0.5), water(gravity=0.0)) is None
+
+
+@pytest.mark.parametrize(("pitch", "height"), [(0.0, 0.005), (0.5, -0.01), (-1.2, 0.01), (np.pi / 2, 0.03)])
+def test_points_of_the_line_are_in_the_surface_and_those_of_the_water_below_it(tube, pitch, height):
+    body, place = tube(0.5).body, Placement(300, 200, 1000)
+    surface = surface_of(pitch, height, body, place, 10)
+
+    def above(points):
+        x, z = (np.array(points) - (300, 200)).T / 1000 * np.array([[1], [-1]])
+        return height - x * np.sin(pitch) + z * np.cos(pitch)
+
+    assert above(surface.line) == pytest.approx([0, 0], abs=1e-12)
+    assert (above(surface.wet) <= 1e-12).all()
+    assert above(surface.line + 5 * surface.up) == pytest.approx([0.005, 0.005])
+
+
+def test_a_surface_that_passes_the_body_by_is_not_drawn(tube):
+    assert surface_of(0.0, 1.0, tube(0.5).body, Placement(300, 200, 1000), 10) is None
+
+
+def test_the_water_line_is_drawn_where_the_body_floats(read, points, tube):
+    picture = read(section_svg(tube(0.4, 0.08), "", water()))
+    outline, line = points(picture.one("outline")), points(picture.one("water-line"))
+    left, right = outline[:, 0].min(), outline[:, 0].max()
+    # Nose down, so the fore part is wet: 40 % of the length from the right.
+    assert (right - line[:, 0]) / (right - left) == pytest.approx([0.4, 0.4], abs=0.01)
+    wet = points(picture.one("water"))
+    assert wet[:, 0].max() > right and wet[:, 0].min() == pytest.approx(line[:, 0].min(), abs=0.02)
+
+
+def test_a_heavy_body_has_no_water_line_and_says_so(read, tube):
+    picture = read(section_svg(tube(1.2, 0.05), "", water()))
+    assert picture.all("water-line") == picture.all("water") == []
+    assert picture.one("rest").text == "Sinks, and hangs upright, nose down."
+
+
+def test_net_buoyancy_is_that_of_the_scenario_s_water(read, tube):
+    agent = tube(0.5)
+    newtons = 0.5 * DENSITY * agent.mass.volume * 9.81
+    assert f"+{newtons:.3g} N" in read(section_svg(agent, "", water())).texts
+    assert any(
+        "N" in text and text.startswith("−") for text in read(section_svg(tube(1.2), "", water())).texts
+    )
+    assert not any(text.endswith(" N") for text in read(section_svg(agent)).texts)
+
+
+@settings(deadline=None, max_examples=12)
+@given(data=st.data(), level=st.sampled_from([None, 0.1]), title=st.text(max_size=80))
+def test_any_body_in_water_gives_a_picture_that_keeps_to_its_page(read, agents, data, level, title):
+    scenario = Scenario(fluid=Fluid(water_level=level))
+    picture = read(section_svg(data.draw(agents), title, scenario))
+    assert picture.outside() == []
+    assert picture.overlapping_texts() == []

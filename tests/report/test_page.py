@@ -1,0 +1,190 @@
+"""The page of a run, as its readers have it: from disk, in a browser, without a network."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from driftform.report.contents import contents_of, viewer_data
+from driftform.report.page import page_html
+
+PIXELS = """
+const view = document.getElementById(arguments[0]);
+const copy = document.createElement("canvas");
+copy.width = view.width; copy.height = view.height;
+const context = copy.getContext("2d");
+context.drawImage(view, 0, 0);
+const { data } = context.getImageData(0, 0, view.width, view.height);
+let shown = 0, sum = 0;
+for (let i = 0; i < data.length; i += 4) {
+  if (data[i + 3] > 0) { shown++; sum = (sum * 31 + data[i] + 7 * data[i + 1] + 13 * data[i + 2] + i) % 1000000007; }
+}
+return [shown / (data.length / 4), sum];
+"""
+
+
+@pytest.fixture
+def page(browser, run_with_page):
+    """The page, opened anew, 1400 px wide, in light colours."""
+    look(browser, 1400)
+    browser.get_log("browser")
+    browser.get((run_with_page / "report.html").as_uri())
+    return browser
+
+
+def look(browser, width, scheme="light"):
+    size = {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": False}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    feature = {"name": "prefers-color-scheme", "value": scheme}
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [feature]})
+
+
+def pixels(page, view):
+    """Share of a canvas that something is drawn on, and a number that any change of it changes."""
+    share, digest = page.execute_script(PIXELS, view)
+    return share, digest
+
+
+def test_the_page_opens_without_a_network_and_without_a_word_on_the_console(page):
+    page.get_log("performance")
+    page.refresh()
+    asked = [
+        json.loads(entry["message"])["message"]["params"]["request"]["url"]
+        for entry in page.get_log("performance")
+        if json.loads(entry["message"])["message"]["method"] == "Network.requestWillBeSent"
+    ]
+    assert asked and all(url.startswith(("file:", "data:")) for url in asked)
+    assert page.get_log("browser") == []
+
+
+@pytest.mark.parametrize("view", ["agent-view", "flight-view"])
+def test_something_is_drawn_and_no_more_than_there_is_room_for(page, view):
+    share, _ = pixels(page, view)
+    assert 0.005 < share < 0.6
+
+
+def test_scrubbing_moves_the_agent(page):
+    before = pixels(page, "flight-view")
+    told = page.find_element("id", "told").text
+    page.execute_script(
+        "const t = document.getElementById('time'); t.value = 900; t.dispatchEvent(new Event('input'));"
+    )
+    assert pixels(page, "flight-view") != before
+    assert page.find_element("id", "told").text != told
+
+
+def test_the_slider_is_moved_by_the_keyboard_too(page):
+    from selenium.webdriver import Keys
+
+    slider = page.find_element("id", "time")
+    told = page.find_element("id", "told").text
+    slider.send_keys(Keys.ARROW_RIGHT * 30)
+    assert page.find_element("id", "told").text != told
+    assert slider.get_attribute("aria-valuetext") == page.find_element("id", "told").text
+
+
+def test_what_is_told_of_the_closest_approach_is_what_the_run_has(page, run_with_page):
+    contents = contents_of(run_with_page)
+    for number, entry in enumerate(contents.entries[:3]):
+        page.find_elements("css selector", "[data-agent]")[number].click()
+        found = re.search(r"([\d.]+) (mm|m) from (\S+)$", page.find_element("id", "told").text)
+        distance = float(found[1]) / (1000 if found[2] == "mm" else 1)
+        assert found[3] == entry.target
+        # The slider has a thousand steps: 9 mm of the way.
+        assert distance == pytest.approx(entry.distance, abs=0.01)
+
+
+def test_cutting_open_turning_and_choosing_change_the_picture(page):
+    from selenium.webdriver import Keys
+
+    seen = [pixels(page, "agent-view")]
+    page.find_element("id", "cut").click()
+    seen.append(pixels(page, "agent-view"))
+    page.find_element("id", "agent-view").send_keys(Keys.ARROW_LEFT)
+    seen.append(pixels(page, "agent-view"))
+    page.find_element("id", "agent-in").click()
+    seen.append(pixels(page, "agent-view"))
+    page.find_elements("css selector", "[data-agent]")[4].click()
+    seen.append(pixels(page, "agent-view"))
+    assert len({digest for _, digest in seen}) == len(seen)
+    page.find_element("id", "agent-home").click()
+    page.find_elements("css selector", "[data-agent]")[0].click()
+    page.find_element("id", "cut").click()
+    assert pixels(page, "agent-view") == seen[0]
+    assert page.get_log("browser") == []
+
+
+@pytest.mark.parametrize("width", [390, 1400])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nothing_overflows_on_a_phone_or_on_a_desk(page, width, scheme):
+    look(page, width, scheme)
+    page.refresh()
+    wide = page.execute_script("return [document.documentElement.scrollWidth, window.innerWidth]")
+    assert wide[0] <= wide[1] == width
+    assert page.get_log("browser") == []
+
+
+def test_dark_readers_get_a_dark_page(page):
+    def brightness():
+        colour = page.execute_script("return getComputedStyle(document.body).backgroundColor")
+        return sum(int(value) for value in re.findall(r"\d+", colour)[:3])
+
+    light = brightness()
+    look(page, 1400, "dark")
+    assert light > 600
+    assert brightness() < 150
+
+
+def test_all_that_can_be_used_can_be_reached_by_the_keyboard(page):
+    focusable = page.execute_script(
+        "return [...document.querySelectorAll('button, input, canvas, summary')]"
+        ".map((e) => [e.id || e.textContent, e.tabIndex, e.getAttribute('aria-label') || e.textContent || e.labels?.[0]?.textContent])"
+    )
+    assert len(focusable) > 15
+    for name, index, label in focusable:
+        assert index == 0, name
+        assert label.strip(), name
+
+
+def test_a_page_of_ten_agents_is_small(run_with_page):
+    assert (run_with_page / "report.html").stat().st_size < 2_000_000
+
+
+def test_the_viewer_has_the_flights_as_they_were_flown(run_with_page):
+    contents = contents_of(run_with_page)
+    for entry, agent in zip(contents.entries, viewer_data(contents)["agents"], strict=True):
+        t, position = np.array(agent["flight"]["t"]), np.array(agent["flight"]["position"])
+        straight = np.column_stack([np.interp(entry.flight.t, t, p) for p in position.T])
+        # Between 240 moments a flight at 1 m/s goes 4 cm: drawn straight, it cuts a corner at a wall by a quarter.
+        assert np.abs(straight - entry.flight.position).max() < 0.01
+        assert np.linalg.norm(position[t == agent["closest"]] - contents.scenario.targets[entry.target]) == (
+            pytest.approx(entry.distance, abs=2e-4)
+        )
+
+
+def test_names_of_others_cannot_write_the_page(run_with_page):
+    contents = contents_of(run_with_page)
+    document = {**contents.study.document, "title": "</script><script>alert(1)</script>"}
+    evil = page_html(
+        type(contents)(
+            **{
+                **contents.__dict__,
+                "study": type(contents.study)(document, contents.scenario, contents.study.run),
+            }
+        )
+    )
+    assert "<script>alert" not in evil
+
+
+def test_the_command_says_where_the_page_is(run, run_with_page, tmp_path):
+    out = tmp_path / "pages" / "mine.html"
+    document = json.loads(run("report", run_with_page, "--out", out, "--json", cwd=tmp_path).stdout)
+    assert Path(document["report"]) == out and out.stat().st_size == document["bytes"]
+
+
+def test_a_directory_that_is_no_run_is_told_in_one_line(run, tmp_path):
+    result = run("report", tmp_path, cwd=tmp_path)
+    assert result.returncode == 2
+    assert result.stderr == f"error: {tmp_path} holds no run.db: it is not a run directory\n"

@@ -1,0 +1,155 @@
+"""How much of the pipe do the strategies reach, and how close does a run come to points that were no targets?
+
+``FLIGHTS=2000 pytest -m slow -s tests/studies/test_atlas.py`` takes fewer than the page tells of.
+"""
+
+import json
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from driftform.dynamics.path import closest_approach
+from driftform.evolution import evolve
+from driftform.execution import LocalProcesses
+from driftform.reach import Cells, Reach
+from driftform.registry import registry
+from driftform.store import Store
+from driftform.study import load_study
+
+pytestmark = pytest.mark.slow
+
+FLIGHTS = 20_000
+SHORTER = 4
+"""A second run of atlas, and the strategies other than it and random search, get this many times fewer flights."""
+
+MILESTONES = (500, 1000, 2000, 5000, 20_000)
+"""Numbers of flights after which the cells are counted."""
+
+POINTS = 100
+NEAR = 0.05
+"""m."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lit:
+    """What one run reaches: cells at each milestone, and how close it comes to each of the points (m)."""
+
+    strategy: str
+    seed: int
+    directory: Path
+    milestones: dict[int, int]
+    reach: Reach
+    distances: np.ndarray
+
+    @property
+    def near(self) -> int:
+        return int(np.count_nonzero(self.distances <= NEAR))
+
+
+def random_points(scenario) -> np.ndarray:
+    """Points of the pipe's section y = 0, each as likely as any: no flight from the axis leaves that plane."""
+    [pipe] = scenario.pipe.segments
+    rng = np.random.default_rng(2026)
+    x = rng.uniform(pipe.start[0], pipe.end[0], POINTS)
+    z = rng.uniform(-pipe.radius, pipe.radius, POINTS)
+    return np.column_stack([x, np.zeros(POINTS), z])
+
+
+def lit(folder: Path, strategy: str, seed: int, flights: int) -> Lit:
+    study = load_study(
+        "pipe-inspection",
+        use={"simulator": "native", "strategy": strategy},
+        run={"seed": seed, "evaluations": flights},
+    )
+    directory = folder / f"{strategy}-{seed}"
+    directory.mkdir()
+    executor = LocalProcesses(study.document, 2)
+    points = random_points(study.scenario)
+    reach, milestones = Reach(Cells.of(study.scenario)), {}
+    distances = np.full(POINTS, np.inf)
+    with Store.create(directory / "run.db", dict(study.document)) as store:
+        try:
+            evolve(study, store, executor)
+        finally:
+            executor.close()
+        for index, flight in store.flights():
+            for milestone in MILESTONES:
+                if index >= milestone and milestone not in milestones:
+                    milestones[milestone] = int(np.count_nonzero(reach.reached))
+            reach.add(index, flight)
+            distances = np.minimum(distances, closest_approach(flight, points)[0])
+    milestones[flights] = int(np.count_nonzero(reach.reached))
+    return Lit(strategy, seed, directory, milestones, reach, distances)
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory) -> list[Lit]:
+    folder = tmp_path_factory.mktemp("lit")
+    flights = int(os.environ.get("FLIGHTS", FLIGHTS))
+    names = {row.name for row in registry().contributions() if row.seam == "strategy" and row.available}
+    others = sorted(names - {"atlas", "random"})
+    whole = [lit(folder, name, 1, flights) for name in ("atlas", "random")]
+    return whole + [
+        lit(folder, name, 2 if name == "atlas" else 1, flights // SHORTER) for name in ("atlas", *others)
+    ]
+
+
+def missed_text(points: np.ndarray, missed: np.ndarray) -> str:
+    return ", ".join(f"({x:.2f}, {z:.2f})" for x, _, z in points[missed]) or "none"
+
+
+def test_the_atlas_lights_what_any_strategy_ever_reached_and_points_that_were_no_targets(
+    runs: list[Lit], publish: Callable[..., None]
+) -> None:
+    cells = runs[0].reach.cells
+    ever = np.any([run.reach.reached for run in runs], axis=0)
+    everything = int(np.count_nonzero(ever))
+    scenario = load_study("pipe-inspection", run={"seed": 0}).scenario
+    points = random_points(scenario)
+    counts = [milestone for milestone in MILESTONES if any(milestone in run.milestones for run in runs)]
+    lines = [
+        f"Any of these runs crosses {everything} of {cells.count} cells; shares are of those {everything}.",
+        "",
+        "| strategy | seed | "
+        + " | ".join(f"{count} flights" for count in counts)
+        + " | within 5 cm | within 1 cm |",
+        "|---|---|" + "---|" * (len(counts) + 2),
+    ]
+    for run in runs:
+        shares = [
+            f"{100 * run.milestones[count] / everything:.1f} %" if count in run.milestones else ""
+            for count in counts
+        ]
+        tight = int(np.count_nonzero(run.distances <= 0.01))
+        lines.append(
+            f"| {run.strategy} | {run.seed} | "
+            + " | ".join(shares)
+            + f" | {run.near} of {POINTS} | {tight} of {POINTS} |"
+        )
+    dark = cells.centres()[~ever]
+    lines += [
+        "",
+        f"No run crosses the other {len(dark)} cells: their middles lie up to {dark[:, 0].max():.2f} m from the inlet."
+        if len(dark)
+        else "Every cell is crossed.",
+        f"Points farther than 5 cm from every flight of `atlas` (seed 1), as (x, z): "
+        f"{missed_text(points, runs[0].distances > NEAR)}.",
+    ]
+    publish("the atlas", lines)
+    for run in runs:
+        if run.strategy == "atlas":
+            assert np.count_nonzero(run.reach.reached) >= 0.95 * everything
+            assert run.near >= 90
+
+
+def test_pick_finds_the_flight_that_a_search_through_all_of_them_finds(runs: list[Lit], call) -> None:
+    run = runs[0]
+    scenario = load_study("pipe-inspection", run={"seed": 0}).scenario
+    for (x, y, z), expected in list(zip(random_points(scenario), run.distances, strict=True))[:3]:
+        result = call("pick", run.directory, float(x), float(y), float(z), "--json")
+        assert result.exit_code == 0, result.output
+        assert json.loads(result.stdout)["distance"] == pytest.approx(expected, abs=1e-12)
