@@ -36,7 +36,7 @@ def study(fakes: None) -> Study:
 
 
 def job(study: Study) -> Job:
-    return 0, study.plugin("grammar").random(np.random.default_rng(1))
+    return Job(0, study.plugin("grammar").random(np.random.default_rng(1)))
 
 
 def test_a_run_on_a_cluster_is_the_run_of_one_process(
@@ -57,7 +57,7 @@ def test_a_worker_flies_one_genome_at_a_time_however_many_threads_it_has(
     study = load_study(
         None, ["simulator.pause=0.05"], use={"simulator": "fake"}, targets=["TP1"], run={"seed": 1}
     )
-    jobs = [(index, job(study)[1]) for index in range(20)]
+    jobs = [Job(index, job(study).genome) for index in range(20)]
     with dask_scheduler() as (address, _), dask("worker", address, "--nthreads", 4, cwd=tmp_path) as worker:
         with closing(Cluster.joined(study.document, address)) as executor:
             list(executor.evaluate(jobs[:1]))

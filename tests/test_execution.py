@@ -42,7 +42,7 @@ def study_of(**options: Any) -> Study:
 def jobs() -> list[Job]:
     grammar = load_study().plugin("grammar")
     rng = np.random.default_rng(5)
-    return [(10 + index, grammar.random(rng)) for index in range(COUNT)]
+    return [Job(10 + index, grammar.random(rng)) for index in range(COUNT)]
 
 
 @pytest.fixture(params=["local", "dask"])
@@ -96,15 +96,15 @@ def test_workers_find_what_this_process_finds(jobs: list[Job], make: Make) -> No
         there = told(executor.evaluate(jobs))
         again = told(executor.evaluate(jobs[:3]))
         assert told(executor.evaluate([])) == {}
-    assert sorted(here) == [index for index, _ in jobs]
+    assert sorted(here) == [job.index for job in jobs]
     assert_same(here, there)
-    assert_same({index: here[index] for index, _ in jobs[:3]}, again)
+    assert_same({job.index: here[job.index] for job in jobs[:3]}, again)
 
 
 def test_a_genome_that_raises_is_a_failure_of_its_own(jobs: list[Job]) -> None:
     sound = told(InProcess(study_of().pipeline()).evaluate(jobs))
     outcomes = told(InProcess(study_of(fail=0.3).pipeline()).evaluate(jobs))
-    guilty = {index for index, genome in jobs if number(genome) > 0.7}
+    guilty = {job.index for job in jobs if number(job.genome) > 0.7}
     assert 0 < len(guilty) < COUNT
     for index, evaluation in outcomes.items():
         if index in guilty:
@@ -118,7 +118,7 @@ def test_a_genome_that_kills_its_process_fails_and_all_others_are_evaluated(
     jobs: list[Job], make: Make
 ) -> None:
     sound = told(InProcess(study_of().pipeline()).evaluate(jobs))
-    guilty = {index for index, genome in jobs if number(genome) < 0.08}
+    guilty = {job.index for job in jobs if number(job.genome) < 0.08}
     assert 0 < len(guilty) < COUNT / 3
     with closing(make(study_of(die=0.08))) as executor:
         outcomes = told(executor.evaluate(jobs))
@@ -156,7 +156,7 @@ def test_a_worker_that_is_killed_from_outside_costs_nothing(
         again = told(executor.evaluate(jobs[:2]))
     sound = told(InProcess(study.pipeline()).evaluate(jobs))
     assert_same(found, sound)
-    assert_same(again, {index: sound[index] for index, _ in jobs[:2]})
+    assert_same(again, {job.index: sound[job.index] for job in jobs[:2]})
 
 
 def test_closed_in_the_middle_it_does_not_wait_and_leaves_no_process(jobs: list[Job]) -> None:
@@ -200,11 +200,11 @@ class Pretended(Lane):
 
     def under_way(self) -> list[list[int]]:
         """The evaluations of each task that is not done."""
-        return [[index for index, _ in batch] for future, batch in self._tasks if not future.done()]
+        return [[job.index for job in batch] for future, batch in self._tasks if not future.done()]
 
     def finish(self) -> None:
         future, batch = next((f, b) for f, b in self._tasks if not f.done())
-        future.set_result([(index, Evaluation(genome, np.zeros(1))) for index, genome in batch])
+        future.set_result([(job.index, Evaluation(job.genome, np.zeros(1))) for job in batch])
 
     def die(self) -> None:
         for future in self.running:
@@ -212,7 +212,7 @@ class Pretended(Lane):
 
 
 def numbered(count: int) -> deque[Job]:
-    return deque((index, Genome("g", (str(index),))) for index in range(count))
+    return deque(Job(index, Genome("g", (str(index),))) for index in range(count))
 
 
 def test_a_process_has_a_task_ready_beside_the_one_under_way() -> None:

@@ -1,8 +1,10 @@
 """What goes into a run's database comes out again, and a strategy cannot tell a resumed run from a live one."""
 
 import math
+import pickle
 import sqlite3
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +14,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from driftform.errors import InputError, WorkFailedError
-from driftform.packed_flight import SAMPLE_GAP, PackedFlight, compact, decoded, encoded, packed
+from driftform.packed_flight import SAMPLE_GAP, compact, decoded, encoded, packed, trust
+from driftform.scenario import evaluation_seed
 from driftform.store import Record, Store
 from driftform.types import Candidate, End, Evaluation, Genome, Trajectory
 
@@ -196,6 +199,55 @@ def test_an_evaluation_is_written_once(store: Store) -> None:
     assert store.record(0, TARGETS).evaluation.fitness.tolist() == [1.0, 2.0]
 
 
+def test_of_what_is_added_together_all_is_written_or_nothing(store: Store) -> None:
+    store.add([evaluated(index, 1.0, 2.0) for index in range(3)], TARGETS)
+    with pytest.raises(WorkFailedError, match="evaluation 4 cannot be written"):
+        store.add([evaluated(3, 1.0, 2.0), evaluated(4, float("nan"), 2.0), evaluated(5, 1.0, 2.0)], TARGETS)
+    assert [record.index for record in store.records(TARGETS)] == [0, 1, 2]
+    store.add([evaluated(3, 1.0, 2.0)], TARGETS)
+    assert store.count() == 4
+
+
+def test_a_full_disk_is_told_and_what_was_there_stays(store: Store) -> None:
+    store.add([evaluated(0, 1.0, 2.0)], TARGETS)
+    pages = store._connection.execute("PRAGMA page_count").fetchone()[0]
+    store._connection.execute(f"PRAGMA max_page_count = {pages}")
+    with pytest.raises(WorkFailedError, match=r"cannot be written: database or disk is full; .* is safe"):
+        store.add([evaluated(index, 1.0, 2.0) for index in range(1, 500)], TARGETS)
+    assert store.count() == 1
+
+
+def test_the_seed_of_an_evaluation_reads_back(store: Store) -> None:
+    seeds = [evaluation_seed(7, index) for index in range(3)]
+    assert len(set(seeds)) == 3
+    store.add([replace(evaluated(i, 1.0, 2.0), seed=seed) for i, seed in enumerate(seeds)], TARGETS)
+    assert [record.seed for record in store.records(TARGETS)] == seeds
+
+
+def test_a_file_that_could_not_be_begun_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(TypeError):
+        Store.create(tmp_path / "run.db", {"no JSON": object()})
+    assert list(tmp_path.iterdir()) == []
+
+
+@given(trajectories())
+def test_a_packed_flight_is_the_one_that_reads_back_and_travels_as_bytes(flight: Trajectory) -> None:
+    once = packed(flight)
+    assert packed(once) is once
+    travelled = pickle.loads(pickle.dumps(once))
+    assert "position" not in vars(travelled)
+    assert (travelled.blob, travelled.duration) == (encoded(flight), once.t[-1])
+    back = decoded(encoded(flight), flight.end, **trust(flight))
+    for name in (*COLUMNS, "end", "contact", "energy_drift", "error"):
+        assert np.array_equal(getattr(travelled, name), getattr(back, name))
+    for name in COLUMNS:
+        assert not getattr(travelled, name).flags.writeable
+    shifted = replace(travelled, t=travelled.t + 1.0)
+    assert packed(shifted).t[0] == 1.0
+    with pytest.raises(AttributeError, match="colour"):
+        _ = travelled.colour
+
+
 def test_a_part_of_the_records_is_read_by_index(store: Store) -> None:
     for index in range(5):
         store.add([evaluated(index, index, 0.0)], TARGETS)
@@ -244,8 +296,9 @@ def test_an_existing_file_is_never_made_anew(store: Store, tmp_path: Path) -> No
 
 
 def test_where_nothing_can_be_written_it_says_so(tmp_path: Path) -> None:
-    with pytest.raises(WorkFailedError, match="cannot be opened"):
-        Store.create(tmp_path / "gone" / "run.db", {})
+    (tmp_path / "file").touch()
+    with pytest.raises(WorkFailedError, match="cannot be written"):
+        Store.create(tmp_path / "file" / "run.db", {})
     with pytest.raises(InputError, match="no such file"):
         Store.open(tmp_path / "run.db")
 

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from driftform.errors import InputError
 from driftform.layers import builtin_scenarios
+from driftform.scenario import evaluation_seed
 from driftform.study import Document, load_study
 
 BASE = 'base = "pipe-inspection"\n'
@@ -207,6 +208,6 @@ def test_the_water_main_is_the_same_pipe_with_what_the_paper_leaves_out():
     assert pipeline.hydrodynamics.name == "panels"
     assert agent.coefficients.drag is not None
     # Two evaluations of one genome meet gusts of their own.
-    first, second = pipeline.evaluate([genome, genome], [0, 1])
+    first, second = pipeline.evaluate([genome, genome], [evaluation_seed(1, 0), evaluation_seed(1, 1)])
     assert first.failure is None and second.failure is None
     assert not np.array_equal(first.fitness, second.fitness)

@@ -1,11 +1,11 @@
-"""driftform's own entry point: the strategies and the fitness of the paper, through the same hooks as any plugin."""
+"""driftform's own entry point: what is in the paper, and flights as tables, through the same hooks as any plugin."""
 
 from typing import TYPE_CHECKING, Any
 
 from driftform import hookimpl
 
 if TYPE_CHECKING:
-    from driftform.interfaces import Fitness, Strategy
+    from driftform.interfaces import Fitness, Recorder, Strategy
 
 
 @hookimpl
@@ -14,6 +14,14 @@ def driftform_fitness() -> "type[Fitness[Any]]":
     from driftform.fitness import ClosestApproach
 
     return ClosestApproach
+
+
+@hookimpl
+def driftform_recorder() -> "list[type[Recorder[Any]]]":
+    """A flight as a table."""
+    from driftform.recorders import CsvRecorder, ParquetRecorder
+
+    return [CsvRecorder, ParquetRecorder]
 
 
 @hookimpl

@@ -1,16 +1,16 @@
 """The ask/tell loop over a stored run, and what a run leaves behind."""
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 
 from driftform.agent_file import agent_document, write_agent
 from driftform.dynamics.path import closest_approach
 from driftform.errors import DriftformError, InputError, WorkFailedError
-from driftform.execution import Job, Outcome
+from driftform.execution import Executor, Job
 from driftform.figures.gallery import Flight
 from driftform.figures.overview import overview_svg
 from driftform.figures.reach import reach_svg
@@ -25,19 +25,12 @@ from driftform.study import Study
 from driftform.types import Evaluation
 
 
-class Executor(Protocol):
-    """Where evaluations run."""
-
-    def evaluate(self, jobs: Sequence[Job]) -> Iterable[Sequence[Outcome]]:
-        """Yield an outcome for each job, in any order, as many at a time as there are."""
-
-
 @dataclass(frozen=True)
 class Best:
     """The best of a run for one target.
 
-    ``index`` of its evaluation, its ``fitness``, the ``distance`` (m) of its closest approach, its files, and
-    what could not be written of them.
+    ``index`` of its evaluation, its ``fitness``, the ``distance`` (m) of its closest approach, its files, what could
+    not be written of them, and what it came to under disturbed conditions, empty where there were none.
     """
 
     target: str
@@ -47,6 +40,7 @@ class Best:
     agent: Path
     files: tuple[Path, ...] = ()
     problems: tuple[str, ...] = ()
+    robust: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def error_percent(self) -> float:
@@ -91,7 +85,11 @@ def evolve(
                 )
             outcomes[record.index] = record.evaluation
             on_record(record)
-        missing = [(first + i, c.genome) for i, c in enumerate(candidates) if first + i not in outcomes]
+        missing = [
+            Job(index, candidate.genome, evaluation_seed(study.seed, index))
+            for index, candidate in enumerate(candidates, first)
+            if index not in outcomes
+        ]
         for arrived in executor.evaluate(missing):
             records = [
                 Record(i, candidates[i - first], scored(evaluation, targets), evaluation_seed(study.seed, i))
@@ -159,7 +157,16 @@ def write_best(directory: Path, study: Study, store: Store) -> tuple[list[Best],
             else:
                 files.extend(Path(file.path) for file in written)
         results.append(
-            Best(target, index, fitness, float(distance[0]), files[0], tuple(files), tuple(problems))
+            Best(
+                target,
+                index,
+                fitness,
+                float(distance[0]),
+                files[0],
+                tuple(files),
+                tuple(problems),
+                stored.result.get("robust", {}),
+            )
         )
         flights.append(Flight(target, agent, flight, results[-1].error_percent))
     overview = directory / "figures" / "overview.svg"

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
         Grammar,
         Hydrodynamics,
         PhenotypeBuilder,
+        Recorder,
         Renderer,
         Simulator,
         Strategy,
@@ -61,6 +62,11 @@ def driftform_strategy() -> "OneOrMore[Strategy[Any]]":  # type: ignore[empty-bo
 @hookspec
 def driftform_exporter() -> "OneOrMore[Exporter[Any]]":  # type: ignore[empty-body]
     """Agent -> a file for a printer, a slicer or another program."""
+
+
+@hookspec
+def driftform_recorder() -> "OneOrMore[Recorder[Any]]":  # type: ignore[empty-body]
+    """Agent and its flight -> files of samples for other programs."""
 
 
 @hookspec

@@ -293,6 +293,29 @@ class Renderer(Plugin[OptionsT_co]):
         """
 
 
+class Recorder(Plugin[OptionsT_co]):
+    """Agent and its flight -> samples for other programs. ``name`` is what ``--format`` says.
+
+    ``suffix`` ends the name of the file; as with an exporter, one without a dot is that of a folder of files. The
+    same flight gives the same content.
+    """
+
+    suffix: ClassVar[str]
+
+    @abstractmethod
+    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        """Write the samples of a flight through the specimen's scenario, and tell what each file holds.
+
+        A flight may have a single sample, and may have ended by a failure: what there is of it is written. Files
+        appear whole or not at all.
+
+        Raises
+        ------
+        WorkFailedError
+            where it cannot be written this way; the message gives the reason.
+        """
+
+
 @dataclass(frozen=True)
 class Printer:
     """What a part is to be printed with.
@@ -364,6 +387,7 @@ SEAMS: dict[str, type[Plugin[Any]]] = {
     "fitness": Fitness,
     "strategy": Strategy,
     "exporter": Exporter,
+    "recorder": Recorder,
     "renderer": Renderer,
     "checker": Checker,
 }

@@ -6,7 +6,7 @@ Each source is a layer, laid over those before it; an error names the one that h
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib import resources
+from importlib import metadata, resources
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,9 @@ from driftform.toml_lines import key_lines, line_of
 
 REPLACED = ("targets",)
 """Tables that a study file states anew instead of adding to those of its base; ``--set targets.name=...`` adds."""
+
+SCENARIOS = "driftform.scenarios"
+"""The package of driftform's own scenario files, and the group of entry points by which plugins bring theirs."""
 
 
 @dataclass(frozen=True)
@@ -58,13 +61,23 @@ def dotted(path: KeyPath) -> str:
 
 
 def builtin_scenarios() -> dict[str, str]:
-    """Text of the built-in scenario files, by name."""
-    folder = resources.files("driftform.scenarios")
-    return {
-        entry.name.removesuffix(".toml"): entry.read_text(encoding="utf-8")
-        for entry in sorted(folder.iterdir(), key=lambda e: e.name)
-        if entry.name.endswith(".toml")
-    }
+    """Text of the scenario files of driftform and of its plugins, by name.
+
+    A plugin brings a package of them by an entry point of the group ``driftform.scenarios``. Of two files that have
+    one name, driftform's own counts, or that of the entry point whose name is the first.
+    """
+    points = metadata.entry_points(group=SCENARIOS)
+    found: dict[str, str] = {}
+    for package in (SCENARIOS, *(point.value for point in sorted(points, key=lambda p: p.name))):
+        try:
+            folder = resources.files(package)
+        except ImportError:
+            # What is wrong with a plugin is told by 'driftform plugins', and must not stand in the way of others.
+            continue
+        for entry in sorted(folder.iterdir(), key=lambda e: e.name):
+            if entry.name.endswith(".toml"):
+                found.setdefault(entry.name.removesuffix(".toml"), entry.read_text(encoding="utf-8"))
+    return found
 
 
 def file_layers(source: str, above: tuple[str, ...] = (), named_by: str = "") -> list[Layer]:

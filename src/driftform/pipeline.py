@@ -56,21 +56,19 @@ class Pipeline:
     def evaluate(
         self,
         genomes: Sequence[Genome],
-        indices: Sequence[int] | None = None,
+        seeds: Sequence[int | None] | None = None,
         disturbed: Sequence[int | None] | None = None,
     ) -> list[Evaluation]:
         """Genomes -> evaluations, in their order; one flight scores every target.
 
-        Whatever goes wrong with a genome is its recorded outcome, and no other genome's. ``indices`` are those of
-        the evaluations in a run, which decide the gusts that each meets; without them all meet the scenario's own.
-        Where ``disturbed`` has a number and no ``None``, that one of :attr:`conditions` is met instead.
+        Whatever goes wrong with a genome is its recorded outcome, and no other genome's. ``seeds`` are those of the
+        gusts that each meets, the scenario's own where there is none. Where ``disturbed`` has a number and no
+        ``None``, that one of :attr:`conditions` is met instead.
         """
         started = time.perf_counter()
         targets = len(self.scenario.targets)
         under = [None if c is None else self.conditions[c] for c in disturbed or [None] * len(genomes)]
-        scenarios = [self.scenario] * len(genomes)
-        if indices is not None:
-            scenarios = [self.scenario.of_evaluation(self.seed, index) for index in indices]
+        scenarios = [self.scenario.with_gusts(seed) for seed in seeds or [None] * len(genomes)]
         scenarios = [
             usual if condition is None else scenario_under(condition, usual)
             for usual, condition in zip(scenarios, under, strict=True)

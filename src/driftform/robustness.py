@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from driftform.scenario import Robustness, Scenario, TurbulentFlow
-from driftform.types import Body, Evaluation, FloatArray
+from driftform.types import Body, FloatArray
 
 FARTHEST = 3.0
 """Standard deviations at which a distribution is cut off: what is farther out would be noticed and not used."""
@@ -146,15 +146,10 @@ class Spread:
         return f"disturbed flights: {self.count}{failed}; see [robustness] in the scenario for what varies"
 
 
-def spread_of(evaluations: Sequence[Evaluation]) -> Spread:
-    """Return the spread of an agent's evaluations under disturbed conditions, one at least."""
-    fitness = np.array([evaluation.fitness for evaluation in evaluations])
+def spread_of(fitness: FloatArray, failed: int) -> Spread:
+    """Return the spread of an agent's fitness (conditions, targets), of which some flights ``failed``."""
     return Spread(
-        len(evaluations),
-        sum(evaluation.failure is not None for evaluation in evaluations),
-        fitness.mean(axis=0),
-        np.quantile(fitness, 0.1, axis=0),
-        fitness.min(axis=0),
+        len(fitness), failed, fitness.mean(axis=0), np.quantile(fitness, 0.1, axis=0), fitness.min(axis=0)
     )
 
 

@@ -23,6 +23,7 @@ from driftform import __version__
 from driftform.agent_file import StoredAgent
 from driftform.errors import InputError
 from driftform.files import write_text, write_whole
+from driftform.finalists import winner
 from driftform.registry import registry
 from driftform.store import Store
 from driftform.study import Study
@@ -131,14 +132,26 @@ def check_run(directory: Path) -> Path:
 
 
 def best_agent(study: Study, store: Store, target: str) -> StoredAgent | None:
-    """The best agent of a run for a target, named after it; ``None`` where no evaluation is sound yet."""
-    best = store.best(target)
+    """The best agent of a run for a target, named after it; ``None`` where no evaluation is sound yet.
+
+    Where finalists were flown under disturbed conditions it is the one that won then.
+    """
+    best, last_round = store.best(target), winner(study, store, target)
     if best is None:
         return None
     index, fitness = best
-    genome = store.record(index, study.scenario.target_names).evaluation.genome
-    result = {"target": target, "fitness": fitness, "error_percent": 100 - fitness, "evaluation": index}
-    return StoredAgent(target, genome, study.environment(index), result)
+    record = store.record(index if last_round is None else last_round.index, study.scenario.target_names)
+    result: dict[str, Any] = {
+        "target": target,
+        "fitness": fitness,
+        "error_percent": 100 - fitness,
+        "evaluation": index,
+    }
+    if last_round is not None:
+        fitness = float(record.evaluation.fitness[study.scenario.target_names.index(target)])
+        result |= {"fitness": fitness, "error_percent": 100 - fitness, "evaluation": last_round.index}
+        result["robust"] = last_round.document()
+    return StoredAgent(target, record.candidate.genome, study.environment(record.index), result)
 
 
 def write_inputs(directory: Path, study: Study, source: str) -> None:

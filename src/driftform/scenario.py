@@ -297,10 +297,13 @@ class Scenario(Table):
 
     def of_evaluation(self, seed: int, index: int) -> "Scenario":
         """The scenario as evaluation ``index`` of a run with this seed meets it: with gusts of its own."""
-        if not isinstance(self.flow, TurbulentFlow):
+        return self.with_gusts(evaluation_seed(seed, index))
+
+    def with_gusts(self, seed: int | None) -> "Scenario":
+        """The scenario with the gusts of a seed, where its flow has any; ``None`` for its own."""
+        if seed is None or not isinstance(self.flow, TurbulentFlow):
             return self
-        gusts = evaluation_seed(seed, index)
-        return self.model_copy(update={"flow": self.flow.model_copy(update={"seed": gusts})})
+        return self.model_copy(update={"flow": self.flow.model_copy(update={"seed": seed})})
 
     def release_quaternion(self) -> FloatArray:
         """Attitude of the released agent, (4,): turned about y by the pitch angle, then about z by the yaw angle."""

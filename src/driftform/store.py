@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 
 from driftform.errors import InputError, WorkFailedError
+from driftform.files import write_whole
 from driftform.packed_flight import decoded, packed, trust
-from driftform.types import Candidate, End, Evaluation, Genome, Trajectory
+from driftform.types import Candidate, End, Evaluation, FloatArray, Genome, Trajectory
 
 APPLICATION_ID = 0x64726674
 SCHEMA_VERSION = 3
@@ -49,6 +50,14 @@ CREATE TABLE score (
     target TEXT NOT NULL,
     fitness REAL NOT NULL,
     PRIMARY KEY (target, evaluation)
+) WITHOUT ROWID;
+CREATE TABLE disturbed (
+    evaluation INTEGER NOT NULL REFERENCES evaluation (id),
+    condition INTEGER NOT NULL,  -- number of the disturbed condition, see robustness.conditions()
+    target TEXT NOT NULL,
+    fitness REAL NOT NULL,
+    failure TEXT,
+    PRIMARY KEY (target, evaluation, condition)
 ) WITHOUT ROWID;
 """
 
@@ -96,6 +105,16 @@ class Brief:
     fitness: tuple[float, ...]
 
 
+@dataclass(frozen=True, eq=False)
+class Disturbed:
+    """What one flight of an evaluation's agent under a disturbed condition scored, (targets,)."""
+
+    evaluation: int
+    condition: int
+    fitness: FloatArray
+    failure: str | None = None
+
+
 class Store:
     """The open database of one run; one writer, any number of readers."""
 
@@ -117,18 +136,13 @@ class Store:
         """
         if path.exists():
             raise InputError(f"{path} exists already: resume that run, or choose another --out")
-        connection = _connect(path)
         try:
+            # In place in one step: whoever is killed meanwhile leaves no file that is not a run.
+            write_whole(path, lambda part: _write_empty(part, study))
+            connection = _connect(path)
             connection.execute("PRAGMA journal_mode = WAL")
             connection.execute("PRAGMA synchronous = FULL")
-            with _transaction(connection):
-                connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
-                connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
-                for statement in _SCHEMA.split(";\n"):
-                    connection.execute(statement)
-                connection.execute("INSERT INTO meta VALUES ('study', ?)", (json.dumps(study),))
-        except sqlite3.Error as error:
-            connection.close()
+        except (sqlite3.Error, OSError) as error:
             raise WorkFailedError(f"{path}: cannot be written: {error}") from None
         return cls(connection, path)
 
@@ -249,6 +263,42 @@ class Store:
                 f"{self._path}: evaluations {first} to {last} {_UNWRITTEN.format(error)}"
             ) from None
 
+    def add_disturbed(self, flights: Sequence[Disturbed], targets: Sequence[str]) -> None:
+        """Write what flights under disturbed conditions scored, all or none.
+
+        Raises
+        ------
+        WorkFailedError
+            where they cannot be written.
+        """
+        rows = [
+            (flight.evaluation, flight.condition, target, float(value), flight.failure)
+            for flight in flights
+            for target, value in zip(targets, flight.fitness, strict=True)
+        ]
+        try:
+            with _transaction(self._connection):
+                self._connection.executemany("INSERT INTO disturbed VALUES (?, ?, ?, ?, ?)", rows)
+        except sqlite3.Error as error:
+            raise WorkFailedError(f"{self._path}: disturbed flights {_UNWRITTEN.format(error)}") from None
+
+    def disturbed_done(self) -> set[tuple[int, int]]:
+        """The evaluations and conditions that were flown disturbed."""
+        with self._reading():
+            return set(self._connection.execute("SELECT DISTINCT evaluation, condition FROM disturbed"))
+
+    def disturbed(self, target: str) -> list[tuple[int, FloatArray, int]]:
+        """For each finalist its evaluation, its fitness under every condition flown, (n,), and how many flights failed."""
+        query = "SELECT evaluation, fitness, failure IS NOT NULL FROM disturbed WHERE target = ? ORDER BY evaluation, condition"
+        found: dict[int, list[tuple[float, bool]]] = {}
+        with self._reading():
+            for index, fitness, failed in self._connection.execute(query, (target,)):
+                found.setdefault(index, []).append((float(fitness), bool(failed)))
+        return [
+            (index, np.array([fitness for fitness, _ in rows]), sum(failed for _, failed in rows))
+            for index, rows in found.items()
+        ]
+
     def count(self) -> int:
         """How many evaluations there are."""
         return int(self._scalar("SELECT COUNT(*) FROM evaluation"))
@@ -356,6 +406,16 @@ class Store:
         return Record(
             index, Candidate(genome, tuple(json.loads(parents)), generation, population), evaluation, seed
         )
+
+
+def _write_empty(path: Path, study: Mapping[str, Any]) -> None:
+    """Write a run without evaluations."""
+    with closing(sqlite3.connect(path, isolation_level=None)) as connection, _transaction(connection):
+        connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+        connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
+        for statement in _SCHEMA.split(";\n"):
+            connection.execute(statement)
+        connection.execute("INSERT INTO meta VALUES ('study', ?)", (json.dumps(study),))
 
 
 def _row(record: Record) -> tuple[Any, ...]:

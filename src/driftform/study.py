@@ -1,9 +1,9 @@
 """What to evolve: a TOML document -> scenario, plugins with their options, seed and budget; all checked.
 
 A study file holds the scenario's tables (``[pipe]``, ``[flow]``, ``[targets]`` ...), a table for each seam
-(``[simulator] use = "exudyn"``, the rest being that plugin's options), one for each exporter, renderer or checker whose options
-differ from their defaults (``[exporter.stl]``), and ``[run]``. With ``base`` it starts from another file, or from a
-built-in scenario, and says only what differs. Built-in scenarios are study files.
+(``[simulator] use = "exudyn"``, the rest being that plugin's options), one for each exporter, recorder, renderer or
+checker whose options differ from their defaults (``[exporter.stl]``), and ``[run]``. With ``base`` it starts from
+another file, or from a built-in scenario, and says only what differs. Built-in scenarios are study files.
 """
 
 import secrets
@@ -16,7 +16,7 @@ from pydantic import ValidationError
 
 from driftform.complaints import complaints
 from driftform.errors import InputError, did_you_mean
-from driftform.interfaces import SEAMS, Checker, Exporter, Renderer, SearchSpace, Strategy
+from driftform.interfaces import SEAMS, Checker, Exporter, Recorder, Renderer, SearchSpace, Strategy
 from driftform.layers import Layer, file_layers, merged, setting, source_of
 from driftform.options import Table, option
 from driftform.pipeline import Pipeline
@@ -25,7 +25,7 @@ from driftform.scenario import Scenario
 
 DEFAULT = "pipe-inspection"
 
-NAMED = ("exporter", "renderer", "checker")
+NAMED = ("exporter", "recorder", "renderer", "checker")
 """The seams whose plugins are asked for by name: a study holds no more than their options."""
 
 SELECTED = tuple(seam for seam in SEAMS if seam not in NAMED)
@@ -99,6 +99,11 @@ class Study:
         """Make an exporter with the options of its table ``[exporter.<name>]``, if there is one."""
         exporter: Exporter[Any] = self._named("exporter", name)
         return exporter
+
+    def recorder(self, name: str) -> Recorder[Any]:
+        """Make a recorder with the options of its table ``[recorder.<name>]``, if there is one."""
+        recorder: Recorder[Any] = self._named("recorder", name)
+        return recorder
 
     def renderer(self, name: str) -> Renderer[Any]:
         """Make a renderer with the options of its table ``[renderer.<name>]``, if there is one."""

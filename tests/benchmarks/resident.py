@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from driftform.execution import InProcess
+from driftform.execution import InProcess, Job
 from driftform.study import load_study
 
 WARM_UP = 200
@@ -25,7 +25,7 @@ def main(use: str, count: int) -> None:
     genomes = (grammar.random(rng) for _ in range(WARM_UP + count))
     first = most = now = 0
     for index, genome in enumerate(genomes):
-        list(executor.evaluate([(index, genome)]))
+        list(executor.evaluate([Job(index, genome)]))
         if index + 1 >= WARM_UP and index % 50 == 49:
             now = resident()
             first, most = first or now, max(most, now)

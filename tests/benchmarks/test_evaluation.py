@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from driftform.dynamics.model import flight_model
-from driftform.execution import InProcess, LocalProcesses
+from driftform.execution import InProcess, Job, LocalProcesses
 from driftform.geometry import mass_properties
 from driftform.packed_flight import encoded
 from driftform.study import load_study
@@ -70,7 +70,7 @@ def test_evaluations_per_second_with_two_workers(publish, count_of):
     for use in SIMULATORS:
         study = load_study(use={"simulator": use}, run={"seed": 1})
         grammar, rng = study.plugin("grammar"), np.random.default_rng(1)
-        jobs = [(index, grammar.random(rng)) for index in range(count)]
+        jobs = [Job(index, grammar.random(rng)) for index in range(count)]
 
         alone, few = InProcess(study.pipeline()), jobs[: max(20, count // 25)]
         list(alone.evaluate(few[:2]))

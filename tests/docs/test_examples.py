@@ -196,6 +196,7 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "export": ["export", f"{run}:TP1", "--format", "stl,scad", "--out", f"{here}/parts"],
         "check": ["check", WORD, "--no-programs"],
         "trim": ["trim", WORD, "--printed-mass", "0.0515", "--simulator", "native"],
+        "report": ["report", str(run)],
         "plugins list": ["plugins", "list"],
         "plugins show": ["plugins", "show", "paper"],
         "scenarios list": ["scenarios", "list"],

@@ -163,18 +163,19 @@ def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
 
 
 def test_constants_of_the_contact_are_as_told(pages: dict[str, str]) -> None:
-    from driftform.dynamics import contact
+    from driftform.dynamics import bore, contact
 
     section = pages["dataflow.md"].partition("## Contact with the wall")[2]
     assert f"min(1, d / {1000 * contact.ONSET:g} mm)" in section
-    assert f"below about {contact.BLUNT:g}" in section
+    assert f"below about {bore.BLUNT:g}" in section
 
 
 def test_constants_of_runs_are_as_told(pages: dict[str, str]) -> None:
     from driftform import execution, packed_flight
 
     assert f"samples at least {packed_flight.SAMPLE_GAP:g} s apart" in " ".join(pages["dataflow.md"].split())
-    assert f"Tasks of at most {execution.BATCH} genomes" in pages["dataflow.md"]
+    assert f"each of at most {execution.BATCH} genomes" in pages["dataflow.md"]
+    assert f"A task holds at most {execution.BATCH} genomes" in pages["running.md"]
     assert execution.ATTEMPTS == 2 and "whose process dies twice" in pages["dataflow.md"]
 
 

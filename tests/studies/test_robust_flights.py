@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from driftform.geometry.slices import slices
-from driftform.scenario import Scenario
+from driftform.scenario import Scenario, evaluation_seed
 from driftform.study import load_study
 from driftform.testing.simulator import apart, positions_at
 from driftform.types import Agent, Drag, End, Trajectory
@@ -151,7 +151,7 @@ def test_no_flight_of_a_random_agent_fails_unseen(occupied, count_of, workers, s
         if name not in WITH_DRAG:
             # What a run would store of them.
             for flown in failed[:LOOKED_AT]:
-                [evaluation] = pipeline.evaluate([flown.agent.genome], [flown.index])
+                [evaluation] = pipeline.evaluate([flown.agent.genome], [evaluation_seed(SEED, flown.index)])
                 if evaluation.failure is None or evaluation.fitness.any():
                     found.append(f"{occupied}, {name}, agent {flown.index} is no failed evaluation")
         errors, unknown = true_errors(sound, settings, workers)

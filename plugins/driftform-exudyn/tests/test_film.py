@@ -18,7 +18,7 @@ from driftform_exudyn import encoder
 from driftform_exudyn.film import ExudynRenderer, FilmOptions
 from driftform_exudyn.follow import FollowView
 from driftform_exudyn.headless import uninterrupted
-from driftform_exudyn.motion import Pose, attitudes, frame_times, poses
+from driftform_exudyn.motion import Pose, poses
 from driftform_exudyn.scene import Scene
 from driftform_exudyn.shapes import ball, line
 from driftform_exudyn.side import SideView
@@ -189,24 +189,6 @@ def test_seen_from_close_by_the_pipe_passes(agent):
 
 
 # Which moments are shown.
-
-
-def test_frames_are_a_step_apart_and_the_end_is_one_of_them():
-    assert frame_times(1.0, 0.3) == pytest.approx([0, 0.3, 0.6, 0.9, 1.0])
-    assert frame_times(0.9, 0.3) == pytest.approx([0, 0.3, 0.6, 0.9])
-    assert frame_times(0.0, 0.3) == pytest.approx([0.0])
-
-
-def test_between_samples_it_turns_steadily_the_short_way_round():
-    flight = drift(1.0, turn=1.2)
-    coarse = replace(
-        flight, t=flight.t[::20], position=flight.position[::20], quaternion=flight.quaternion[::20] * [[1], [-1]],
-        velocity=flight.velocity[::20],
-    )  # fmt: skip
-    found = attitudes(coarse, np.array([0.0, 0.25, 0.5, 1.0]))
-    half = 1.2 * np.array([0.0, 0.25, 0.5, 1.0]) / 2
-    wanted = np.column_stack([np.cos(half), 0 * half, np.sin(half), 0 * half])
-    assert np.abs(np.einsum("ij,ij->i", found, wanted)) == pytest.approx(1.0)
 
 
 def test_samples_are_met_and_the_path_between_them_is_the_one_that_fitness_measures():

@@ -9,11 +9,11 @@ import pytest
 from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.files import write_whole
 from driftform.interfaces import Renderer
+from driftform.motion import attitudes, even_times
 from driftform.options import Table
 from driftform.testing import RendererContract
 from driftform.types import WrittenFile
 from driftform_exudyn.encoder import encode
-from driftform_exudyn.motion import attitudes, frame_times
 
 TICKS = itertools.count()
 
@@ -28,7 +28,7 @@ class Sketch(Renderer):
 
     def film(self, agent, flight, scenario, path, progress):
         self.check(path)
-        t = frame_times(float(flight.t[-1]), 1 / self.rate)
+        t = even_times(float(flight.t[-1]), 1 / self.rate)
 
         def images():
             for done, when in enumerate(t, start=1):

@@ -294,11 +294,12 @@ def test_the_g_code_of_prusa_slicer_lays_as_much_filament_as_the_solids_hold(
     occupied, kit, tmp_path, requires_program
 ):
     slicer = requires_program("prusa-slicer")
+    # Sealed hulls are too tall for most printers, so these have one that is not.
+    bed = (0.25, 0.21, 0.21 if kit else 0.4)
     for specimen in specimens(occupied, 3):
         gcode = tmp_path / "plate.gcode"
-        for file in export(ThreeMfExporter, specimen, tmp_path, kit=kit, bed=(0.25, 0.21, 0.21)):
-            if not file.facts["fits_bed"]:
-                continue
+        for file in export(ThreeMfExporter, specimen, tmp_path, kit=kit, bed=bed):
+            assert file.facts["fits_bed"]
             command = [slicer, "--export-gcode", "--dont-arrange", "--filament-density", "1.05"]
             command += ["--layer-height", "0.2", "--perimeters", "3", "--fill-density", "15%"]
             command += ["--bed-shape", "0x0,250x0,250x210,0x210", "--max-print-height", "400"]

@@ -2,7 +2,7 @@
 
 import math
 from functools import cache
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
@@ -103,7 +103,7 @@ class Assembled:
         places = joint.z + joint.side * np.linspace(-0.4, 0.4 - joint.lap, 5)
         return [
             self.slice(index, low, high).min_gap(self.slice(index + 1, low, high), 5.0)
-            for low, high in zip(places[:-1], places[1:], strict=True)
+            for low, high in pairwise(places)
         ]
 
 
@@ -289,7 +289,7 @@ def test_a_part_is_cut_no_oftener_than_the_bed_asks_for():
     ],
 )
 def test_what_cannot_be_made_is_refused_with_its_reason(body, options, why):
-    with pytest.raises(WorkFailedError, match="no kit can be made|no sleeve|no hole") as refused:
+    with pytest.raises(WorkFailedError, match=r"no kit can be made|no sleeve|no hole") as refused:
         parts_of(body, PartOptions(kit=True, **options))
     assert why in str(refused.value)
     assert "\n" not in str(refused.value)
@@ -320,7 +320,9 @@ def test_an_o_ring_is_squeezed_between_its_groove_and_the_bore():
     made = check_sleeve(cylinder(0.02, 0.03), o_ring=0.0015, sleeve=0.0019)
     joint = made.kit.core_joint.joint
     middle = joint.z - joint.side * (joint.lap / 2 - 0.3)
-    radii = np.hypot(*np.asarray(made.slice(1, middle - 0.05, middle + 0.05).to_mesh64().vert_properties)[:, :2].T)
+    radii = np.hypot(
+        *np.asarray(made.slice(1, middle - 0.05, middle + 0.05).to_mesh64().vert_properties)[:, :2].T
+    )
     bottom = radii.max() / area_factor(64)
     # 80 % of the cord lies between the bore of 18.75 mm and the bottom of the groove.
     assert 18.75 - bottom == pytest.approx(0.8 * 1.5, abs=0.01)

@@ -25,7 +25,9 @@ def look_at(folder: Path, occupied: str, seed: int, kit: bool) -> None:
     volume = written.facts["volume_mm3"] * 1e-9 if kit else hull_volume(agent.body)
     job = PrintJob((Path(written.path),), specimen=specimen, volume=volume)
     found = list(MeshChecker(MeshOptions()).check(job))
-    amiss = [f for f in found if f.check in OURS and f.state is not State.PASS]
+    # A rabbet is cut out of the wall's thickness: it has one line of the nozzle, and that is told.
+    allowed = {"wall": State.WARN} if kit else {}
+    amiss = [f for f in found if f.check in OURS and f.state not in (State.PASS, allowed.get(f.check))]
     assert amiss == []
     assert Counter(f.check for f in found)["mass"] == 1
 

@@ -1,8 +1,10 @@
 """DART, the engine of Gazebo, with the numbers of the SDF file, against our own flights."""
 
+import os
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +17,9 @@ from driftform.study import Study
 from driftform.testing.simulator import positions_at
 from driftform.types import Coefficients
 
-dart = pytest.importorskip("dartpy", reason="DART has no wheel for this machine")
+if not os.environ.get("CI"):
+    pytest.importorskip("dartpy", reason="DART has no wheel for this machine")
+dart = import_module("dartpy")
 
 
 def spatial(inertial: ET.Element, inertia_of: Callable) -> np.ndarray:

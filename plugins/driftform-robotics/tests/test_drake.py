@@ -1,8 +1,10 @@
 """Drake's parser, which reads SDF up to 1.12 with the elements of its specification, and refuses others."""
 
 import logging
+import os
 import re
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +12,9 @@ import pytest
 
 from driftform.interfaces import Specimen
 
-parsing = pytest.importorskip("pydrake.multibody.parsing", reason="Drake has no wheel for this machine")
+if not os.environ.get("CI"):
+    pytest.importorskip("pydrake", reason="Drake has no wheel for this machine")
+parsing = import_module("pydrake.multibody.parsing")
 
 UNSUPPORTED = {"cast_shadows", "gravity", "light", "physics", "plugin", "scene", "transparency"}
 """Sound elements that Drake has no use for."""
@@ -32,7 +36,7 @@ def parse(path: Path, package: Path | None = None) -> tuple[float, np.ndarray, n
     return body.default_mass(), body.default_com(), inertia.CopyToFullMatrix3()
 
 
-@pytest.mark.parametrize("name", ["model.sdf", "world.sdf"])
+@pytest.mark.parametrize("name", ["model.sdf", "world.sdf", "drift.sdf"])
 def test_it_reads_the_mass_the_centre_and_the_inertia(
     name: str, specimen: Specimen, export: Callable, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -42,7 +46,10 @@ def test_it_reads_the_mass_the_centre_and_the_inertia(
     assert mass == pytest.approx(expected.mass, rel=1e-10)
     np.testing.assert_allclose(cog, 0, atol=1e-15)
     np.testing.assert_allclose(inertia, expected.inertia, rtol=1e-9, atol=1e-9 * expected.inertia.max())
-    ignored = {re.search(r"unsupported SDFormat element in \w+: (\w+)", r.message) for r in caplog.records}
+    ignored = {
+        re.search(r"nsupported (?:value for )?SDFormat element (?:in \w+: )?(\w+)", r.message)
+        for r in caplog.records
+    }
     assert None not in ignored, caplog.text
     assert {match[1] for match in ignored} <= UNSUPPORTED
 

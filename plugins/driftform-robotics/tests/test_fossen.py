@@ -11,10 +11,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
 
 from driftform.dynamics.inertia import largest_added_mass_ratio
 from driftform.interfaces import Specimen
+from driftform.scenario import Flight, Fluid, Scenario
+from driftform.study import Study
+from driftform.testing.simulator import positions_at
 from driftform.types import Coefficients
+from driftform_robotics.models.sdf import SdfExporter, SdfOptions
 
 T = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
 
@@ -96,10 +102,16 @@ class UuvSimulator:
 
 
 class GzSim:
-    """``Hydrodynamics::PreUpdate``, ``Buoyancy::PreUpdate`` and DART with a spatial inertia, of gz-sim of April 2026."""
+    """``Hydrodynamics::PreUpdate``, ``Buoyancy::PreUpdate`` and DART with a spatial inertia, of gz-sim of April 2026.
 
-    def __init__(self, folder: Path, inertia_of: Callable) -> None:
-        world = ET.parse(folder / "world.sdf").getroot().find("world")
+    Before that it did not have what ``corrects`` switches off.
+    """
+
+    corrects = True
+
+    def __init__(self, path: Path, inertia_of: Callable) -> None:
+        folder = path.parent
+        world = ET.parse(path).getroot().find("world")
         self.g = -numbers(world.findtext("gravity"))[2]
         buoyancy = world.find("plugin[@name='gz::sim::systems::Buoyancy']")
         self.density = float(buoyancy.findtext("uniform_fluid_density"))
@@ -142,7 +154,9 @@ class GzSim:
         absolute = np.concatenate((R.T @ v, w))
         state = np.concatenate((R.T @ (v - self.current), w))
         D = -self.linear - self.quadratic * np.abs(state)
-        wrench = -(D @ state + coriolis(self.Ma, state) @ state - coriolis(self.Ma, absolute) @ absolute)
+        wrench = -D @ state
+        if self.corrects:
+            wrench -= coriolis(self.Ma, state) @ state - coriolis(self.Ma, absolute) @ absolute
         lift = R.T @ np.array([0, 0, self.density * self.volume * self.g])
         wrench[:3] += lift + R.T @ np.array([0, 0, -self.m * self.g])
         wrench[3:] += np.cross(self.cob, lift)
@@ -201,7 +215,7 @@ def test_gazebos_law_gives_our_accelerations_in_water_at_rest(
     still: Callable,
 ) -> None:
     calm = still(specimens[name])
-    simulator = GzSim(export("sdf", calm), inertia_of)
+    simulator = GzSim(export("sdf", calm) / "world.sdf", inertia_of)
     states = random_states(50)
     found = [simulator.accelerations(s.R, s.velocity, s.omega) for s in states]
     # Vertices of the meshes have nine digits.
@@ -217,7 +231,7 @@ def test_in_a_current_gazebo_lacks_the_inertia_of_water_that_turns_past_the_body
 ) -> None:
     """What docs/robotics.md says of gz-sim: -M_A (w x u) is missing, and nothing else."""
     specimen = specimens["random"]
-    simulator = GzSim(export("sdf", specimen), inertia_of)
+    simulator = GzSim(export("sdf", specimen) / "world.sdf", inertia_of)
     total = simulator.Ma + np.diag([simulator.m] * 3 + [0] * 3)
     total[3:, 3:] += simulator.I
     states, found = random_states(20), []
@@ -231,19 +245,97 @@ def test_in_a_current_gazebo_lacks_the_inertia_of_water_that_turns_past_the_body
     assert largest_deviation(without, expected) > 1e-3
 
 
+def flight_by_gazebo(
+    simulator: GzSim, cog: np.ndarray, velocity: np.ndarray, times: np.ndarray
+) -> np.ndarray:
+    """Places of the core's centre, released level at the origin, by Gazebo's law integrated exactly, (k, 3)."""
+
+    def rate(_: float, y: np.ndarray) -> np.ndarray:
+        turn, w = Rotation.from_quat(y[3:7]), y[10:]
+        R = turn.as_matrix()
+        found = simulator.accelerations(R, y[7:10], w)
+        x, s = y[3:6], y[6]
+        spin = 0.5 * np.array([*(s * w + np.cross(x, w)), -x @ w])
+        return np.concatenate((y[7:10], spin, R @ found[:3], found[3:]))
+
+    start = np.concatenate((cog, [0, 0, 0, 1], velocity, np.zeros(3)))
+    solution = solve_ivp(rate, (0, times[-1]), start, t_eval=times, rtol=1e-8, atol=1e-10)
+    return np.array([y[:3] - Rotation.from_quat(y[3:7]).as_matrix() @ cog for y in solution.y.T])
+
+
+@pytest.mark.slow
+def test_how_far_gazebo_is_off_in_a_current(study: Study, tmp_path: Path, inertia_of: Callable) -> None:
+    """The numbers of docs/robotics.md: nearly neutral random agents in 1 m/s."""
+    pipeline, times = study.pipeline(), np.array([1.0, 3.0])
+    current = np.array([1.0, 0.0, 0.0])
+    offs: dict[str, list[np.ndarray]] = {"corrected": [], "uncorrected": [], "drift": []}
+    for seed in range(12):
+        agent = pipeline.agent(pipeline.grammar.random(np.random.default_rng(seed)))
+        density = 1.004 * agent.mass.mass / agent.mass.volume
+        added = density / study.scenario.fluid.density * agent.coefficients.added_mass
+        agent = replace(agent, coefficients=Coefficients(added, agent.coefficients.origin))
+        scenario = Scenario(fluid=Fluid(density=density), flight=Flight(horizon=3.0))
+        assert np.array_equal(scenario.current(), current)
+        folder = tmp_path / f"{seed}-sdf"
+        SdfExporter(SdfOptions()).write(Specimen("agent", agent, scenario), folder)
+        ours = positions_at(pipeline.simulator.simulate(agent, scenario), times)
+        world, drift = (GzSim(folder / name, inertia_of) for name in ("world.sdf", "drift.sdf"))
+        cog = agent.mass.cog
+        flights = {
+            "corrected": flight_by_gazebo(world, cog, current, times),
+            "drift": flight_by_gazebo(drift, cog, 0 * current, times) + times[:, None] * current,
+        }
+        world.corrects = False
+        flights["uncorrected"] = flight_by_gazebo(world, cog, current, times)
+        for name, path in flights.items():
+            offs[name].append(np.linalg.norm(path - ours, axis=1))
+    medians = {name: np.median(found, axis=0) for name, found in offs.items()}
+    np.testing.assert_allclose(medians["corrected"], [0.6, 1.8], rtol=0.1)
+    np.testing.assert_allclose(medians["uncorrected"], [0.15, 0.4], rtol=0.1)
+    assert np.max(offs["drift"]) < 1e-3
+
+
+@pytest.mark.parametrize("name", ["random", "another"])
+def test_seen_from_the_water_gazebo_is_exact_in_a_current_too(
+    name: str,
+    specimens: dict[str, Specimen],
+    export: Callable,
+    inertia_of: Callable,
+    random_states: Callable,
+    our_accelerations: Callable,
+) -> None:
+    specimen = specimens[name]
+    current = specimen.scenario.current()
+    assert current.any()
+    folder = export("sdf", specimen)
+    simulator = GzSim(folder / "drift.sdf", inertia_of)
+    states = random_states(50)
+    found = [simulator.accelerations(s.R, s.velocity - current, s.omega) for s in states]
+    assert largest_deviation(found, [our_accelerations(specimen, s) for s in states]) < 1e-6
+    world = ET.parse(folder / "drift.sdf").getroot().find("world")
+    for model in ("pipe", "targets"):
+        assert world.find(f"model[@name='{model}']/static") is None
+        control = world.find(f"model[@name='{model}']/plugin[@name='gz::sim::systems::VelocityControl']")
+        np.testing.assert_allclose(numbers(control.findtext("initial_linear")), -current)
+    # Released with the current, the agent is at rest in the water, and needs no push.
+    assert not (folder / "push_drift.sh").exists()
+
+
 def test_the_whole_pipe_is_below_the_uuv_simulators_surface(
     specimens: dict[str, Specimen], export: Callable
 ) -> None:
     folder = export("uuv", specimens["random"])
     world = ET.parse(folder / "worlds/pipe.world").getroot().find("world")
-    pipe = numbers(world.findtext("model[@name='pipe']/link/pose"))
-    assert pipe[2] + 1.0 < 0
+    planks = [numbers(e.findtext("pose")) for e in world.findall("model[@name='pipe']/link/collision")]
+    heights = np.array(planks)[:, 2]
+    assert heights.max() < 0
+    middle = (heights.max() + heights.min()) / 2
     args = (
         ET.parse(folder / "launch/start.launch").getroot().find(".//node[@name='spawn']").get("args").split()
     )
     place = {key: float(args[args.index(key) + 1]) for key in ("-x", "-y", "-z", "-R", "-P", "-Y")}
     cog = specimens["random"].agent.mass.cog
-    assert place["-z"] == pytest.approx(pipe[2])
+    assert place["-z"] == pytest.approx(middle)
     assert place["-x"] == pytest.approx(cog[0])
 
 

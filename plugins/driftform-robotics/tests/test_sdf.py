@@ -79,7 +79,7 @@ def test_the_release_gives_body_and_water_the_momentum_of_their_speed(
     specimens: dict[str, Specimen], export: Callable
 ) -> None:
     specimen = specimens["skewed"]
-    text = (export("sdf", specimen, step=0.002) / "release.sh").read_text(encoding="utf-8")
+    text = (export("sdf", specimen, step=0.002) / "push.sh").read_text(encoding="utf-8")
     force, torque = (
         np.array([float(v) for v in re.search(rf"{what}: {{x: (.*), y: (.*), z: (.*)}}", text).groups()])
         for what in ("force", "torque")
@@ -97,8 +97,8 @@ def test_an_agent_that_is_released_at_rest_needs_no_release(
     specimens: dict[str, Specimen], export: Callable, still: Callable
 ) -> None:
     folder = export("sdf", still(specimens["random"]))
-    assert not (folder / "release.sh").exists()
-    assert "release.sh" not in (folder / "world.sdf").read_text(encoding="utf-8")
+    assert not (folder / "push.sh").exists()
+    assert "push.sh" not in (folder / "world.sdf").read_text(encoding="utf-8")
 
 
 def test_at_a_free_surface_spheres_displace_what_the_hull_does(

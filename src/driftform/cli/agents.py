@@ -13,7 +13,7 @@ from driftform.pipeline import Pipeline
 from driftform.run_directory import DATABASE, best_agent, check_run, resume_command
 from driftform.store import Store
 from driftform.study import Document, Study, load_study
-from driftform.types import Agent
+from driftform.types import Agent, Trajectory
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +29,20 @@ class Opened:
     def specimen(self) -> Specimen:
         """The agent as exporters receive it."""
         return Specimen(self.name, self.agent, self.study.scenario, agent_document(self.stored))
+
+    def fly(self) -> Trajectory:
+        """The agent's flight through its scenario.
+
+        Raises
+        ------
+        WorkFailedError
+            where there is none; a flight that ended by a failure is one.
+        """
+        try:
+            [flight] = self.pipeline.fly([self.agent])
+        except (ArithmeticError, RuntimeError) as error:
+            raise WorkFailedError(f"{self.name}: cannot be flown: {type(error).__name__}: {error}") from None
+        return flight
 
 
 def open_agent(

@@ -15,6 +15,7 @@ from driftform.cli import (
     evolve,
     export,
     export_data,
+    export_flight,
     inspect,
     pick,
     plugins,
@@ -120,6 +121,7 @@ app.command("simulate")(simulate.simulate)
 app.command("inspect")(inspect.inspect)
 app.command("pick", context_settings=pick.NUMBERS)(pick.pick)
 app.command("export")(export.export)
+app.command("export-flight")(export_flight.export_flight)
 app.command("check")(check.check)
 app.command("trim")(trim.trim)
 app.add_typer(plugins.app, name="plugins")

@@ -10,6 +10,7 @@ from driftform.cli.options import (
     Hydrodynamics,
     Json,
     OutDirectory,
+    Robust,
     Scheduler,
     Settings,
     Simulator,
@@ -17,7 +18,8 @@ from driftform.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from driftform.evolution import Best, Executor
+    from driftform.evolution import Best
+    from driftform.execution import Executor
     from driftform.store import Store
     from driftform.study import Study
 
@@ -40,6 +42,7 @@ def evolve(
         int | None,
         typer.Option("--seed", min=0, help="Seed of all randomness; drawn and recorded by default."),
     ] = None,
+    robust: Robust = None,
     workers: Workers = None,
     executor: ExecutorName = None,
     scheduler: Scheduler = None,
@@ -54,6 +57,9 @@ def evolve(
     Writes a run directory: the study, every evaluation, and the best agent of each target with its mesh. Same
     seed, same result, whatever the workers and wherever they are. Interrupted or killed, it goes on with
     'driftform resume'.
+
+    With --robust the best of the run are flown again, each time a little different from what was planned, and the
+    best agent of a target is the one that does best then.
     """
     from driftform.cli.executors import chosen_executor
     from driftform.files import make_directory
@@ -62,9 +68,10 @@ def evolve(
     from driftform.store import Store
     from driftform.study import load_study
 
+    disturbed = () if robust is None else (f"robustness.conditions={robust}",)
     checked = load_study(
         study,
-        settings or (),
+        (*(settings or ()), *disturbed),
         targets=target or (),
         use={"strategy": strategy, "simulator": simulator, "hydrodynamics": hydrodynamics},
         run={"seed": seed, "evaluations": evaluations},
@@ -88,15 +95,18 @@ def carry_out(directory: Path, study: "Study", store: "Store", executor: "Execut
     """Run the loop to the end of the budget, write what it found, and report."""
     import time
 
-    from driftform.cli.progress import Progress
+    from driftform.cli.progress import Progress, counter
     from driftform.evolution import evolve as run_loop
     from driftform.evolution import write_best, write_reach
     from driftform.execution import LostError
+    from driftform.finalists import fly_finalists
 
     started = time.perf_counter()
     try:
         with Progress(study, directory, store.count()) as progress:
             run_loop(study, store, executor, progress.record, progress.generation)
+        with counter("disturbed flights") as on_flights:
+            fly_finalists(study, store, executor, on_flights)
         results, overview = write_best(directory, study, store)
         reach = write_reach(directory, study, store)
     except KeyboardInterrupt:
@@ -122,6 +132,7 @@ def carry_out(directory: Path, study: "Study", store: "Store", executor: "Execut
                         "fitness": best.fitness,
                         "error_percent": best.error_percent,
                         "distance": best.distance,
+                        "robust": best.robust,
                         "agent": str(best.agent),
                         "files": [str(path) for path in best.files],
                     }
@@ -157,20 +168,23 @@ def _print_results(
 ) -> None:
     from driftform.cli.output import print_table
 
+    has_spread = any(best.robust for best in results)
+    spread = ("disturbed: mean", "worst") if has_spread else ()
     print_table(
-        ("target", "x m", "y m", "z m", "fitness %", "error % of d_max", "closest mm", "agent"),
+        ("target", "x m", "y m", "z m", "fitness %", "error % of d_max", *spread, "closest mm", "agent"),
         (
             (
                 best.target,
                 *(f"{c:g}" for c in study.scenario.targets[best.target]),
                 f"{best.fitness:.3f}",
                 f"{best.error_percent:.3f}",
+                *(f"{100 - best.robust[key]:.3f}" for key in ("mean", "worst") if best.robust),
                 f"{1000 * best.distance:.1f}",
                 str(best.agent),
             )
             for best in results
         ),
-        right=(1, 2, 3, 4, 5, 6),
+        right=(1, 2, 3, 4, 5, 6, 7, 8) if has_spread else (1, 2, 3, 4, 5, 6),
     )
     names = ", ".join(path.name for path in results[0].files) if results else ""
     print(f"{store.count()} evaluations ({store.failed()} failed) in {seconds:.1f} s, seed {study.seed}")

@@ -5,7 +5,7 @@ from contextlib import closing, contextmanager
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from driftform.evolution import Executor
+    from driftform.execution import Executor
     from driftform.execution.lanes import Lanes
     from driftform.study import Study
 

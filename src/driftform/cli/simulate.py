@@ -58,10 +58,7 @@ def simulate(
     environment = opened.study.scenario
     camera = None if film is None else _camera(opened, renderer, film)
     folder = make_directory(out or Path("flights") / opened.name)
-    try:
-        [flight] = opened.pipeline.fly([opened.agent])
-    except (ArithmeticError, RuntimeError) as error:
-        raise WorkFailedError(f"{opened.name}: cannot be flown: {type(error).__name__}: {error}") from None
+    flight = opened.fly()
     if flight.end.failed:
         raise WorkFailedError(f"{opened.name}: the flight ended after {flight.t[-1]:.3g} s: {flight.end}")
     fitness = opened.pipeline.fitness.score(flight, environment)
@@ -130,6 +127,8 @@ def simulate(
 
 def _spread(opened: "Opened") -> "Spread | None":
     """Fitness over the disturbed conditions of the scenario, ``None`` where it has none."""
+    import numpy as np
+
     from driftform.cli.progress import counter
     from driftform.robustness import spread_of
 
@@ -141,7 +140,8 @@ def _spread(opened: "Opened") -> "Spread | None":
         for number in range(count):
             evaluations += opened.pipeline.evaluate([opened.stored.genome], disturbed=[number])
             progress(len(evaluations), count)
-    return spread_of(evaluations)
+    fitness = np.array([evaluation.fitness for evaluation in evaluations])
+    return spread_of(fitness, sum(evaluation.failure is not None for evaluation in evaluations))
 
 
 def _camera(opened: "Opened", name: str, film: Path) -> "RendererPlugin[Any]":

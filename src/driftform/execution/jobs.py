@@ -1,17 +1,39 @@
 """What an executor takes and gives, and how many genomes make one task."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
 
 from driftform.errors import WorkFailedError
 from driftform.packed_flight import compact
 from driftform.pipeline import Pipeline
 from driftform.types import Evaluation, Genome
 
-Job = tuple[int, Genome]
-"""Index of the evaluation in the run, and what is to be evaluated."""
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """What is to be evaluated.
+
+    ``index`` says which of the jobs an outcome belongs to. ``seed`` is that of the gusts, ``None`` for those of the
+    scenario; ``condition`` is the number of a disturbed condition, ``None`` for none.
+    """
+
+    index: int
+    genome: Genome
+    seed: int | None = None
+    condition: int | None = None
+
 
 Outcome = tuple[int, Evaluation]
+
+
+class Executor(Protocol):
+    """Where evaluations run."""
+
+    def evaluate(self, jobs: Sequence[Job]) -> Iterable[Sequence[Outcome]]:
+        """Yield an outcome for each job, in any order, as many at a time as there are."""
+
 
 ATTEMPTS = 2
 """A genome whose process dies this often, alone in it, is recorded as failed."""
@@ -35,8 +57,10 @@ class LostError(WorkFailedError):
 
 def evaluated(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:
     """Evaluate the genomes of one task, as a run keeps them."""
-    indices, genomes = zip(*batch, strict=True)
-    return list(zip(indices, map(compact, pipeline.evaluate(genomes, indices)), strict=True))
+    evaluations = pipeline.evaluate(
+        [job.genome for job in batch], [job.seed for job in batch], [job.condition for job in batch]
+    )
+    return [(job.index, compact(evaluation)) for job, evaluation in zip(batch, evaluations, strict=True)]
 
 
 def task_size(waiting: int, processes: int, seconds: float | None) -> int:

@@ -100,12 +100,13 @@ class Lane(ABC):
         self._running[self.submit(batch)] = batch
 
     def _judged(self, job: Job, died: int) -> list[Outcome]:
-        index, genome = job
-        self._deaths[index] += died
-        if self._deaths[index] < ATTEMPTS:
+        self._deaths[job.index] += died
+        if self._deaths[job.index] < ATTEMPTS:
             self._suspects.appendleft(job)
             return []
-        return [(index, Evaluation.failed(genome, self._targets, f"its process died {ATTEMPTS} times"))]
+        return [
+            (job.index, Evaluation.failed(job.genome, self._targets, f"its process died {ATTEMPTS} times"))
+        ]
 
 
 class Lanes:

@@ -15,8 +15,10 @@ from driftform.figures.overview import overview_svg
 from driftform.figures.projection import positions, simplify
 from driftform.figures.reach import reach_svg
 from driftform.figures.section import section_svg
+from driftform.figures.strip import Strip, strip_svg
 from driftform.figures.style import SERIES
 from driftform.figures.trend import Trend, trend_svg
+from driftform.finalists import winner
 from driftform.reach import Cells, reach_of
 from driftform.run_directory import best_agent, check_run
 from driftform.scenario import Scenario
@@ -122,6 +124,14 @@ def contents_of(directory: Path) -> Contents:
             "Search": trend_svg(_trends(store, targets), "Best fitness so far", _strategy(study)),
             "Reach": reach_svg(reach_of(store.flights(), Cells.of(study.scenario)), study.scenario, title),
         }
+        strips = [
+            Strip(e.target, e.error_percent, 100 - won.flights)
+            for e in entries
+            if (won := winner(study, store, e.target)) is not None
+        ]
+        if strips:
+            told = f"{len(strips[0].errors)} flights of each best agent, each a little different from what was planned"
+            figures["Robustness"] = strip_svg(strips, "Under disturbed conditions", told)
         return Contents(
             directory.resolve().name,
             study,

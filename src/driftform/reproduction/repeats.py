@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import tomli_w
 
-from driftform.evolution import Executor, evolve
+from driftform.evolution import evolve
+from driftform.execution import Executor
 from driftform.pipeline import Pipeline
 from driftform.run_directory import DATABASE, check_run, locked, write_inputs
 from driftform.scenario import Scenario, TurbulentFlow
@@ -81,11 +82,7 @@ def carry_out(directory: Path, study: Study, executor: Executor, on_record: Call
     with locked(directory):
         if not (directory / DATABASE).is_file():
             write_inputs(directory, study, tomli_w.dumps(dict(study.document)))
-            # Interrupted at this very moment, there is none, and not half of one.
-            part = directory / f".{DATABASE}.part"
-            part.unlink(missing_ok=True)
-            Store.create(part, dict(study.document)).close()
-            part.replace(directory / DATABASE)
+            Store.create(directory / DATABASE, dict(study.document)).close()
         with Store.open(directory / DATABASE) as store:
             stored = load_study(Document(str(directory / DATABASE), store.study()))
             _check_same(directory, study, stored)

@@ -27,6 +27,7 @@ _CONTRACTS = (
     "fitness",
     "strategy",
     "exporter",
+    "recorder",
     "renderer",
     "checker",
 )
@@ -40,6 +41,7 @@ from driftform.testing.exporter import ExporterContract  # noqa: E402
 from driftform.testing.fitness import FitnessContract  # noqa: E402
 from driftform.testing.grammar import GrammarContract  # noqa: E402
 from driftform.testing.hydrodynamics import HydrodynamicsContract  # noqa: E402
+from driftform.testing.recorder import RecorderContract  # noqa: E402
 from driftform.testing.renderer import RendererContract  # noqa: E402
 from driftform.testing.simulator import SimulatorContract  # noqa: E402
 from driftform.testing.strategy import StrategyContract  # noqa: E402
@@ -51,6 +53,7 @@ __all__ = [
     "FitnessContract",
     "GrammarContract",
     "HydrodynamicsContract",
+    "RecorderContract",
     "RendererContract",
     "SimulatorContract",
     "StrategyContract",

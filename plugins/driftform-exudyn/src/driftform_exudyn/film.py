@@ -9,12 +9,12 @@ import numpy as np
 from driftform.errors import WorkFailedError
 from driftform.files import write_whole
 from driftform.interfaces import Renderer
+from driftform.motion import even_times
 from driftform.options import Table, option
 from driftform.scenario import Scenario
 from driftform.types import Agent, Trajectory, WrittenFile
 from driftform_exudyn.encoder import SUFFIXES, encode, ffmpeg
 from driftform_exudyn.follow import FollowView
-from driftform_exudyn.motion import frame_times
 from driftform_exudyn.scene import Scene
 from driftform_exudyn.side import SideView, wanted_height
 from driftform_exudyn.stage import Image
@@ -70,7 +70,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
         """Make the film. Facts: ``frames``, ``seconds`` of the film, ``size_px``."""
         self.check(path)
         size, fps = [self.options.width, self.options.height], self.options.fps
-        t = frame_times(float(flight.t[-1]), self.options.speed / fps)
+        t = even_times(float(flight.t[-1]), self.options.speed / fps)
         letters = min(24.0, max(8.0, size[0] / 64), min(size) / 16)
         scene = Scene(agent, flight, scenario, t, letters)
 

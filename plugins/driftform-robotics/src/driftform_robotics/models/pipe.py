@@ -9,7 +9,7 @@ from driftform.types import FloatArray
 from driftform_robotics.models.meshes import Mesh, tube
 
 PLANKS = 64
-"""Planks around the bore: their faces lie within 0.04 % of its radius from the circle."""
+"""Planks around the bore: their faces lie within 0.08 % of its radius from the circle."""
 
 WALL = 0.02
 """Thickness of the wall over the radius of the bore."""

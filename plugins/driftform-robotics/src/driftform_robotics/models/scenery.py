@@ -1,6 +1,7 @@
 """What SDF worlds have around the agent: light, the pipe and its targets."""
 
 import xml.etree.ElementTree as ET
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -40,38 +41,39 @@ def _material(visual: ET.Element, colour: str) -> None:
     add(material, "diffuse", colour)
 
 
-def add_pipe(world: ET.Element, scenario: Scenario, offset: FloatArray, meshes: list[str]) -> None:
-    """Append the pipe, moved by ``offset`` (m).
+def add_pipe(
+    world: ET.Element, scenario: Scenario, offset: FloatArray, meshes: list[str]
+) -> ET.Element | None:
+    """Append the pipe, moved by ``offset`` (m), and return its model; none in open water.
 
     Its wall collides as planks. It looks like ``meshes``, one for each segment, or without any like the planks.
     """
     if not scenario.pipe.segments:
-        return
+        return None
     model = add(world, "model", name="pipe")
-    add(model, "static", "true")
+    link = add(model, "link", name="wall")
+    note(
+        link,
+        ["The wall is a ring of planks: a mesh of it would be taken for its convex hull, which is solid."],
+    )
     for index, segment in enumerate(scenario.pipe.segments):
         bore = bore_of(segment)
-        link = add(model, "link", name=f"segment_{index}")
-        add(link, "pose", pose(bore.position + offset, bore.rotation))
-        note(
-            link,
-            [
-                "The wall is a ring of planks: a mesh of it would be taken for its convex hull, which is solid."
-            ],
-        )
         if meshes:
-            visual = add(link, "visual", name="wall")
+            visual = add(link, "visual", name=f"segment_{index}")
+            add(visual, "pose", pose(bore.position + offset, bore.rotation))
             _glassy(visual)
             add_mesh(visual, meshes[index])
         for k, plank in enumerate(bore.planks()):
-            shapes = [add(link, "collision", name=f"plank_{k}")]
+            shapes = [add(link, "collision", name=f"plank_{index}_{k}")]
             add_friction(shapes[0], scenario.contact.friction)
             if not meshes:
-                shapes.append(add(link, "visual", name=f"wall_{k}"))
+                shapes.append(add(link, "visual", name=f"segment_{index}_{k}"))
                 _glassy(shapes[1])
             for shape in shapes:
-                add(shape, "pose", pose(plank.position, plank.rotation))
+                place = bore.position + offset + bore.rotation @ plank.position
+                add(shape, "pose", pose(place, bore.rotation @ plank.rotation))
                 add(add(add(shape, "geometry"), "box"), "size", numbers(plank.size))
+    return model
 
 
 def _glassy(visual: ET.Element) -> None:
@@ -80,16 +82,23 @@ def _glassy(visual: ET.Element) -> None:
     _material(visual, _GLASS)
 
 
-def add_targets(world: ET.Element, scenario: Scenario, offset: FloatArray) -> None:
-    """Append the targets as marks that nothing collides with, moved by ``offset`` (m)."""
+def add_targets(world: ET.Element, scenario: Scenario, offset: FloatArray) -> ET.Element | None:
+    """Append the targets as marks that nothing collides with, moved by ``offset`` (m), and return their model."""
     if not scenario.targets:
-        return
+        return None
     radius = 0.02 * min((segment.radius for segment in scenario.pipe.segments), default=1.0)
     model = add(world, "model", name="targets")
-    add(model, "static", "true")
     link = add(model, "link", name="marks")
     for name, place in scenario.targets.items():
         visual = add(link, "visual", name=name)
         add(visual, "pose", pose(np.array(place) + offset))
         _material(visual, _RED)
         add(add(add(visual, "geometry"), "sphere"), "radius", number(radius))
+    return model
+
+
+def fix(models: Iterable[ET.Element | None]) -> None:
+    """Make models stand still."""
+    for model in models:
+        if model is not None:
+            add(model, "static", "true")

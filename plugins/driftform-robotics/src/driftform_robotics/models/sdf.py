@@ -5,7 +5,7 @@ What Gazebo does with these numbers is told by its sources: gz-sim, ``src/system
 """
 
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement
 from pathlib import Path
 from typing import ClassVar, Literal
@@ -15,6 +15,7 @@ import numpy as np
 from driftform.geometry.slices import slices
 from driftform.interfaces import Exporter, Specimen
 from driftform.options import Table, option
+from driftform.scenario import UniformFlow
 from driftform.types import FloatArray, WrittenFile
 from driftform_robotics.models.folder import (
     HULL,
@@ -36,11 +37,12 @@ from driftform_robotics.models.link import (
 )
 from driftform_robotics.models.meshes import Piece, obj_text
 from driftform_robotics.models.pipe import bore_of
-from driftform_robotics.models.scenery import add_friction, add_light, add_mesh, add_pipe, add_targets
+from driftform_robotics.models.scenery import add_friction, add_light, add_mesh, add_pipe, add_targets, fix
 from driftform_robotics.models.xml import add, document, fields, identifier, note, number, numbers, pose
 
 WORLD = "driftform"
 LINK = "base_link"
+PUSH, PUSH_DRIFT = "push.sh", "push_drift.sh"
 
 _FORCES, _RATES = "xyzkmn", "UVWPQR"
 _SDF_AXES = "xyzpqr"
@@ -80,8 +82,10 @@ _GAZEBO = {
 class SdfExporter(Exporter[SdfOptions]):
     """A model for Gazebo and a world around it: pipe, water, current and buoyancy, ready for `gz sim world.sdf`.
 
-    The link's origin is the centre of gravity. The added mass is `<fluid_added_mass>`, which DART, Gazebo's usual
-    engine, solves together with the mass. The hull collides, and displaces water, as closed convex pieces.
+    In a current there is `drift.sdf` besides, where the pipe moves past water at rest: what Gazebo does with added
+    mass is exact there, and is not in a current. The link's origin is the centre of gravity. The added mass is
+    `<fluid_added_mass>`, which DART, Gazebo's usual engine, solves together with the mass. The hull collides, and
+    displaces water, as closed convex pieces.
     """
 
     name = "sdf"
@@ -89,8 +93,10 @@ class SdfExporter(Exporter[SdfOptions]):
     Options: ClassVar[type[Table]] = SdfOptions
 
     def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
-        """Write ``world.sdf``, ``model.sdf`` with its ``model.config``, meshes, and ``release.sh`` for an agent that
-        is released with a speed.
+        """Write ``world.sdf``, ``model.sdf`` with its ``model.config``, and meshes.
+
+        There is ``push.sh`` too for an agent that is released with a speed, and in a current ``drift.sdf``: the
+        same world in the frame of the water, with a pipe that moves.
 
         Facts: ``mass_kg``, ``cog_mm`` and ``cob_mm`` along the axis from the core's centre, ``volume_mm3``,
         ``added_over_own_mass``, and what to ``beware`` of, if anything.
@@ -104,24 +110,45 @@ class SdfExporter(Exporter[SdfOptions]):
         gazebo, title = _GAZEBO[self.options.gazebo], identifier(specimen.name)
         pieces = pieces_of(body)
         link = link_of(specimen, self.options.drag_speed)
-        beware = _beware(specimen, link, pieces, gazebo)
+        beware = _beware(specimen, link, pieces, gazebo, PUSH)
 
         alone = ET.Element("sdf", version=gazebo.sdf)
         _add_model(alone, title, specimen, link, pieces, gazebo, beware)
         pipes = [bore_of(segment).mesh() for segment in scenario.pipe.segments]
+        step = self.options.step
         files = {
-            "world.sdf": document(_world(specimen, link, pieces, gazebo, self.options.step, beware)),
+            "world.sdf": document(_world(specimen, link, pieces, gazebo, step, beware)),
             "model.sdf": document(alone),
             "model.config": document(_config(title, specimen.name, gazebo)),
             **hull_files(body, specimen.agent.mass.cog, pieces),
             **({PIPE: obj_text(pipes[0])} if pipes else {}),
         }
         if link.velocity.any():
-            files["release.sh"] = _release(title, link, gazebo, self.options.step)
+            files[PUSH] = _push(title, link, gazebo, step)
+        if scenario.current().any():
+            drifting = _seen_from_the_water(specimen)
+            adrift = link_of(drifting, self.options.drag_speed)
+            told = _beware(drifting, adrift, pieces, gazebo, PUSH_DRIFT)
+            world = _world(drifting, adrift, pieces, gazebo, step, told, -scenario.current())
+            files["drift.sdf"] = document(world)
+            if adrift.velocity.any():
+                files[PUSH_DRIFT] = _push(title, adrift, gazebo, step)
         return save(self.name, path, files, facts_of(link, beware))
 
 
-def _beware(specimen: Specimen, link: Link, pieces: list[Piece], gazebo: _Gazebo) -> list[str]:
+def _seen_from_the_water(specimen: Specimen) -> Specimen:
+    """The same in the frame of the water, where the pipe moves and the current does not: motion is the same there."""
+    scenario = specimen.scenario
+    released = link_of(specimen).velocity - scenario.current()
+    x, y, z = released.tolist()
+    calm = {
+        "flow": UniformFlow(speed=0.0),
+        "release": scenario.release.model_copy(update={"velocity": (x, y, z)}),
+    }
+    return replace(specimen, scenario=scenario.model_copy(update=calm))
+
+
+def _beware(specimen: Specimen, link: Link, pieces: list[Piece], gazebo: _Gazebo, push: str) -> list[str]:
     scenario = specimen.scenario
     found = lost_by_folding(specimen.agent.body) + lost_by_a_uniform_current(scenario) + lost_by_damping(link)
     solid = sum(piece.volume for piece in pieces)
@@ -135,10 +162,11 @@ def _beware(specimen: Specimen, link: Link, pieces: list[Piece], gazebo: _Gazebo
     elif scenario.current().any():
         found.append(
             "In a current Gazebo lacks the force -M_A (w x u) on an agent that turns, u being the current in body "
-            "axes; gz-sim before April 2026 takes Munk's moment with the speed over ground. Water at rest is exact."
+            "axes; gz-sim before April 2026 takes the Coriolis forces of added mass with the speed over ground. "
+            "drift.sdf is the same world seen from the water, where neither matters."
         )
     if link.velocity.any():
-        found.append("Run release.sh before you press play: SDF has no place for the speed of the release.")
+        found.append(f"Run {push} before you press play: SDF has no place for the speed of the release.")
     return found
 
 
@@ -161,8 +189,15 @@ def _plugin(parent: ET.Element, gazebo: _Gazebo, system: str, name: str) -> ET.E
 
 
 def _world(
-    specimen: Specimen, link: Link, pieces: list[Piece], gazebo: _Gazebo, step: float, beware: list[str]
+    specimen: Specimen,
+    link: Link,
+    pieces: list[Piece],
+    gazebo: _Gazebo,
+    step: float,
+    beware: list[str],
+    passing: FloatArray | None = None,
 ) -> ET.Element:
+    """A world; ``passing`` is the velocity (m/s) with which the pipe moves past the water, none where it stands."""
     scenario = specimen.scenario
     fluid = scenario.fluid
     root = ET.Element("sdf", version=gazebo.sdf)
@@ -191,10 +226,31 @@ def _world(
     add(scene, "background", "0.7 0.8 0.9 1")
     add(scene, "shadows", "false")
     add_light(world)
-    add_pipe(world, scenario, np.zeros(3), [PIPE] * len(scenario.pipe.segments))
-    add_targets(world, scenario, np.zeros(3))
+    pipe = add_pipe(world, scenario, np.zeros(3), [PIPE] * len(scenario.pipe.segments))
+    around = [pipe, add_targets(world, scenario, np.zeros(3))]
+    if passing is None:
+        fix(around)
+    else:
+        _move(around, passing, gazebo)
     _add_model(world, title, specimen, link, pieces, gazebo, beware, pose(link.position, link.rotation))
     return root
+
+
+def _move(models: list[ET.Element | None], velocity: FloatArray, gazebo: _Gazebo) -> None:
+    """Make models move with a velocity that nothing changes: they are heavy, and Gazebo sets it in every step."""
+    for model in models:
+        if model is None:
+            continue
+        link = model.find("link")
+        assert link is not None
+        add(link, "gravity", "false")
+        inertial = add(link, "inertial")
+        add(inertial, "mass", "1e6")
+        inertia = add(inertial, "inertia")
+        for axis in "xyz":
+            add(inertia, f"i{axis}{axis}", "1e6")
+        control = _plugin(model, gazebo, "velocity-control", "VelocityControl")
+        add(control, "initial_linear", numbers(velocity))
 
 
 def _add_model(
@@ -286,7 +342,7 @@ def _entries(matrix: FloatArray) -> list[tuple[int, int]]:
     return [(int(i), int(j)) for i, j in found]
 
 
-def _release(title: str, link: Link, gazebo: _Gazebo, step: float) -> str:
+def _push(title: str, link: Link, gazebo: _Gazebo, step: float) -> str:
     """A script that gives the agent, and the water it moves, the momentum of the release within one step."""
     force = link.momentum / step
 

@@ -27,7 +27,7 @@ from driftform_robotics.models.link import (
     lost_by_folding,
 )
 from driftform_robotics.models.meshes import Piece
-from driftform_robotics.models.scenery import add_light, add_pipe, add_targets
+from driftform_robotics.models.scenery import add_light, add_pipe, add_targets, fix
 from driftform_robotics.models.urdf import add_link, package_files
 from driftform_robotics.models.xml import add, angles, document, fields, identifier, note, number, numbers
 
@@ -188,8 +188,7 @@ def _world(scenario: Scenario, offset: FloatArray, step: float, beware: list[str
     add(scene, "background", "0.7 0.8 0.9 1")
     add(scene, "shadows", "false")
     add_light(world)
-    add_pipe(world, scenario, offset, [])
-    add_targets(world, scenario, offset)
+    fix([add_pipe(world, scenario, offset, []), add_targets(world, scenario, offset)])
     _add_current(world, scenario.current())
     return root
 

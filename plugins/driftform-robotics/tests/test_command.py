@@ -1,0 +1,53 @@
+"""The command line, for formats that are folders."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from driftform.cli.app import app
+
+WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
+
+
+def export(folder: Path, *more: str) -> str:
+    words = ["export", WORD, "--format", "sdf,uuv,urdf,mjcf", "--out", str(folder), *more]
+    result = CliRunner().invoke(app, words)
+    assert result.exit_code == 0, result.stderr
+    return result.stdout
+
+
+def test_it_tells_of_the_file_to_open_and_counts_the_others(tmp_path: Path) -> None:
+    lines = export(tmp_path).splitlines()
+    assert len(lines) == 8
+    assert [line.partition(":")[0].rpartition("/")[2] for line in lines[:4]] == [
+        "world.sdf",
+        "start.launch",
+        "agent.urdf",
+        "scene.xml",
+    ]
+    for line, suffix in zip(lines[4:], ("sdf", "uuv", "urdf", "mjcf"), strict=True):
+        folder, _, count = line.partition(": ")
+        assert folder.endswith(f"-{suffix}")
+        assert count == f"{sum(path.is_file() for path in Path(folder).rglob('*'))} files"
+
+
+def test_with_json_it_tells_of_all(tmp_path: Path) -> None:
+    files = json.loads(export(tmp_path, "--json"))["files"]
+    assert sorted(file["path"] for file in files) == sorted(
+        str(p) for p in tmp_path.rglob("*") if p.is_file()
+    )
+    assert [file["format"] for file in files if "mass_kg" in file] == ["sdf", "uuv", "urdf", "mjcf"]
+
+
+@pytest.mark.parametrize(
+    "setting", ["exporter.sdf.gazebo=classic", "exporter.uuv.depth=-1", "exporter.mjcf.step=0"]
+)
+def test_an_option_that_cannot_be_is_one_line_and_nothing_is_written(tmp_path: Path, setting: str) -> None:
+    words = ["export", WORD, "--format", "sdf,uuv,mjcf", "--out", str(tmp_path / "out"), "--set", setting]
+    result = CliRunner().invoke(app, words)
+    assert result.exit_code == 2
+    assert len(result.stderr.strip().splitlines()) == 1
+    assert setting.partition("=")[0] in result.stderr
+    assert not (tmp_path / "out").exists() or not list((tmp_path / "out").iterdir())

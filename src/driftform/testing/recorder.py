@@ -1,0 +1,118 @@
+"""What every recorder must do."""
+
+import pickle
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from driftform.errors import DriftformError
+from driftform.geometry import mass_properties
+from driftform.interfaces import Recorder, Specimen
+from driftform.scenario import Pipe, Scenario, Segment
+from driftform.testing.bodies import hollow_body
+from driftform.testing.renderer import drift
+from driftform.types import Agent, Coefficients, End, Trajectory
+
+
+class RecorderContract:
+    """Inherit, and say how the recorder is made::
+
+    class TestMyRecorder(RecorderContract):
+        def plugin(self) -> MyRecorder:
+            return MyRecorder(MyOptions())
+    """
+
+    def plugin(self) -> Recorder[Any]:
+        """Return the recorder to be tested."""
+        raise NotImplementedError
+
+    def specimen(self) -> Specimen:
+        """Return whose flight it is: a capped hollow tube, without a genome, in a pipe with a target."""
+        body = hollow_body()
+        agent = Agent(body, mass_properties(body), Coefficients(0.01 * np.eye(6)))
+        segment = Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0)
+        scenario = Scenario(pipe=Pipe(segments=(segment,)), targets={"leak": (0.1, 0.0, -1.0)})
+        return Specimen("agent", agent, scenario)
+
+    def record(self, path: Path, flight: Trajectory | None = None, scenario: Scenario | None = None) -> Path:
+        """Record a flight, by default one that drifts and pitches; return the file or the folder."""
+        specimen = self.specimen()
+        if scenario is not None:
+            specimen = replace(specimen, scenario=scenario)
+        path = path / f"agent{self.plugin().suffix}"
+        written = self.plugin().write(specimen, drift() if flight is None else flight, path)
+        assert written
+        for file in written:
+            found = Path(file.path)
+            assert file.format == self.plugin().name
+            assert found.is_file() and found.stat().st_size > 0
+            assert found == path or path in found.parents
+        return path
+
+    def test_files_are_where_they_were_asked_for_and_nothing_else(self, tmp_path: Path) -> None:
+        """Each that is told of is there and holds something; there is none that is not told of."""
+        path = self.record(tmp_path)
+        assert list(tmp_path.iterdir()) == [path]
+        written = self.plugin().write(self.specimen(), drift(), path)
+        assert _files(tmp_path) == sorted(Path(file.path) for file in written)
+
+    def test_the_same_flight_gives_the_same_content(self, tmp_path: Path) -> None:
+        """Also from a recorder that was sent to another process, and over files that were there before."""
+        first = self.record(tmp_path / "first")
+        sizes = [(p.relative_to(first), p.stat().st_size) for p in _files(first)]
+        for old in _files(first):
+            old.write_bytes(b"old " * 100_000)
+        self.record(tmp_path / "first")
+        assert [(p.relative_to(first), p.stat().st_size) for p in _files(first)] == sizes
+        copy: Recorder[Any] = pickle.loads(pickle.dumps(self.plugin()))
+        second = tmp_path / "second" / first.name
+        copy.write(self.specimen(), drift(), second)
+        assert [(p.relative_to(second), p.read_bytes()) for p in _files(second)] == [
+            (p.relative_to(first), p.read_bytes()) for p in _files(first)
+        ]
+
+    def test_a_flight_of_one_sample_is_recorded_too(self, tmp_path: Path) -> None:
+        """It ended as it began."""
+        whole = drift()
+        start = (whole.t[:1], whole.position[:1], whole.quaternion[:1], whole.velocity[:1])
+        self.record(tmp_path, Trajectory(*start, End.INLET))
+
+    @pytest.mark.parametrize("end", [end for end in End if end.failed])
+    def test_a_flight_that_failed_is_recorded_too(self, end: End, tmp_path: Path) -> None:
+        """What there is of it is what one wants to look at."""
+        self.record(tmp_path, replace(drift(), end=end))
+
+    def test_a_flight_in_open_water_is_recorded_too(self, tmp_path: Path) -> None:
+        """There is no pipe, and there are no targets."""
+        self.record(tmp_path, scenario=Scenario())
+
+    def test_another_flight_gives_other_content(self, tmp_path: Path) -> None:
+        """One that turns the other way is told from the first by what is in the files, not only by their names."""
+        contents = []
+        for turn in (1.0, -1.0):
+            path = self.record(tmp_path / str(turn), drift(turn=turn))
+            contents.append([file.read_bytes() for file in _files(path)])
+        assert contents[0] != contents[1]
+
+    def test_what_cannot_be_written_leaves_nothing_behind(self, tmp_path: Path) -> None:
+        """Where a folder stands in the place of a file, or a file in that of a folder; no half of a file remains."""
+        path = tmp_path / f"agent{self.plugin().suffix}"
+        is_file = self.record(tmp_path / "sound").is_file()
+        blocked = tmp_path / "blocked" / path.name
+        blocked.parent.mkdir()
+        if is_file:
+            blocked.mkdir()
+        else:
+            blocked.write_text("in the way")
+        with pytest.raises((DriftformError, OSError)):
+            self.record(blocked.parent)
+        assert list(blocked.parent.iterdir()) == [blocked]
+        assert blocked.is_file() or not list(blocked.iterdir())
+
+
+def _files(path: Path) -> list[Path]:
+    """The file, or all of a folder."""
+    return [path] if path.is_file() else sorted(found for found in path.rglob("*") if found.is_file())

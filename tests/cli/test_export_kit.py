@@ -1,0 +1,88 @@
+"""``export --kit``: files for each part, the balance of the kit, and clear lines where there can be none."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import trimesh
+
+LONG = "addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addB-tiltn-1-L-moveB-addB-tiltn-1-L-moveB"
+"""Straight ahead of the core, narrower behind it."""
+
+Call = Callable[..., Any]
+
+
+def files(call: Call, *arguments: str) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = json.loads(call("export", LONG, *arguments, "--json").stdout)["files"]
+    return found
+
+
+def test_each_part_gets_a_file_and_each_file_tells_of_the_kit(call: Call, tmp_path: Path) -> None:
+    aft, fore = files(call, "--kit", "--out", str(tmp_path))
+    assert aft["path"].endswith("-aft-shell.stl") and fore["path"].endswith("-fore-shell.stl")
+    assert aft["kit"] == fore["kit"]
+    assert aft["kit"]["joint"]["kind"] == "sleeve"
+    for told, part in zip((aft, fore), aft["kit"]["parts"], strict=True):
+        mesh = trimesh.load_mesh(told["path"])
+        assert mesh.is_watertight
+        assert mesh.extents[2] == pytest.approx(part["height_mm"], rel=1e-5)
+        assert 1e-9 * mesh.volume * 1050 == pytest.approx(part["mass_kg"], rel=1e-5)
+
+
+def test_the_balance_of_what_is_printed_is_told_beside_what_was_simulated(call: Call, tmp_path: Path) -> None:
+    kit = files(call, "--kit", "--out", str(tmp_path))[0]["kit"]
+    inspected = json.loads(call("inspect", LONG, "--json").stdout)
+    simulated, printed = kit["balance"]
+    assert simulated["mass_kg"] == pytest.approx(inspected["mass"])
+    assert simulated["net_buoyancy_n"] == pytest.approx(inspected["net_buoyancy"])
+    assert printed["mass_kg"] > simulated["mass_kg"]
+    assert printed["net_buoyancy_n"] < simulated["net_buoyancy_n"]
+
+
+def test_the_table_is_printed_once_for_all_files(call: Call, tmp_path: Path) -> None:
+    out = call("export", LONG, "--kit", "--format", "stl,3mf,glb", "--out", str(tmp_path)).stdout
+    assert out.count("\n    simulated ") == out.count("\n    printed ") == 1
+    assert "aft shell" in out and "net_buoyancy_n" in out and "fore of the core's equator" in out
+
+
+def test_a_small_bed_makes_more_parts(call: Call, tmp_path: Path) -> None:
+    few = files(call, "--kit", "--bed", "220,220,250", "--out", str(tmp_path / "a"))
+    assert len(few) == 2
+    word = LONG + "-addB-tiltn-0-L-moveB" * 6
+    told = call("export", word, "--kit", "--bed", "220,220,60", "--out", str(tmp_path / "b"), "--json")
+    parts = json.loads(told.stdout)["files"]
+    assert len(parts) == 3
+    assert all(part["size_mm"][2] <= 60 for part in parts)
+
+
+def test_an_option_is_given_to_every_format(call: Call, tmp_path: Path) -> None:
+    told = files(call, "--kit", "--format", "stl,ply", "--option", "joint=rabbet", "--out", str(tmp_path))
+    assert len(told) == 4
+    assert {file["kit"]["joint"]["kind"] for file in told} == {"rabbet"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--kit", "--format", "svg"), "--kit: exporter 'svg' has no option 'kit'; 3mf, glb, obj, ply, scad"),
+        (("--kit", "--bed", "220,220"), "--bed 220,220: should be three lengths in mm, such as 250,210,210"),
+        (("--kit", "--bed", "220,220,0"), "--bed 220,220,0: should be three lengths in mm above 0"),
+        (("--option", "jiont=rabbet"), "exporter 'stl' has no option 'jiont'; did you mean 'joint'?"),
+        (("--option", "joint"), "--option joint: expected key=value, such as joint=rabbet"),
+        (("--kit", "--option", "joint=screw"), "exporter.stl.joint = 'screw': should be"),
+        (("--kit", "--option", "o_ring=0.0015"), "needs a sleeve of 0.0014 m or more, not 0.0012"),
+    ],
+)
+def test_what_makes_no_sense_is_one_line(
+    refused: Callable[..., str], arguments: tuple[str, ...], message: str
+) -> None:
+    assert message in refused("export", LONG, *arguments, "--out", "parts")
+
+
+def test_a_kit_that_cannot_be_made_leaves_no_file(call: Call, tmp_path: Path) -> None:
+    result = call("export", LONG, "--kit", "--bed", "15,15,15", "--out", str(tmp_path))
+    assert result.exit_code == 1
+    assert result.stderr.startswith("error: no kit can be made: the hull is")
+    assert not list(tmp_path.iterdir())
