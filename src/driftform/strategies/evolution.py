@@ -74,7 +74,7 @@ class _Flown:
     index: int
     genome: Genome
     family: "_Family"
-    early: tuple[float, float, float] | None
+    early: tuple[float, ...] | None
 
 
 @dataclass(eq=False)
@@ -89,15 +89,15 @@ class _Family:
 
     time: float = 0.0
     members: deque[_Flown] = field(default_factory=lambda: deque(maxlen=MEMBERS))
-    moved: dict[Change, tuple[float, float, float]] = field(default_factory=dict)
+    moved: dict[Change, tuple[float, ...]] = field(default_factory=dict)
 
     def learn(self, change: Change, parent: _Flown, child: _Flown) -> None:
         """Remember what a change did, and that undoing it does the opposite."""
         if parent.early is None or child.early is None:
             return
-        x, y, z = np.subtract(child.early, parent.early).tolist()
-        self.moved[change] = x, y, z
-        self.moved[Change(change.place, change.new, change.old)] = -x, -y, -z
+        moved = np.subtract(child.early, parent.early)
+        self.moved[change] = tuple(moved.tolist())
+        self.moved[Change(change.place, change.new, change.old)] = tuple((-moved).tolist())
 
     def guesses(self, aim: _Flown, doubt: float) -> Iterator[tuple[_Flown, Change]]:
         """Yield members and changes that should come near the early path of ``aim``, the surest first.
@@ -271,7 +271,7 @@ def _change(parent: Genome, child: Genome, place: int) -> Change | None:
     return change if change.applied(parent) == child else None
 
 
-def place_at(flight: Trajectory, time: float) -> tuple[float, float, float]:
+def place_at(flight: Trajectory, time: float) -> tuple[float, ...]:
     """Return the position at a time (s), m; the last one after the end."""
     after = min(int(np.searchsorted(flight.t, time)), len(flight.t) - 1)
     before = max(after - 1, 0)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 from driftform import hookimpl
 
 if TYPE_CHECKING:
-    from driftform.interfaces import Exporter
+    from driftform.interfaces import Exporter, Fitness, Recorder
 
 
 @hookimpl
@@ -17,3 +17,19 @@ def driftform_exporter() -> "list[type[Exporter[Any]]]":
     from driftform_robotics.models.uuv import UuvExporter
 
     return [MjcfExporter, SdfExporter, UrdfExporter, UuvExporter]
+
+
+@hookimpl
+def driftform_fitness() -> "type[Fitness[Any]]":
+    """What a chemical sensor sees of the plume of a leak."""
+    from driftform_robotics.leak import Leak
+
+    return Leak
+
+
+@hookimpl
+def driftform_recorder() -> "list[type[Recorder[Any]]]":
+    """Flights for Foxglove and RViz."""
+    from driftform_robotics.recording.recorders import McapRecorder, Rosbag2Recorder
+
+    return [McapRecorder, Rosbag2Recorder]

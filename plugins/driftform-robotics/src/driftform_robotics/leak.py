@@ -1,0 +1,77 @@
+"""How much a chemical sensor on the agent sees of each leak."""
+
+import numpy as np
+
+from driftform.dynamics.rotations import matrix_from_quaternion
+from driftform.interfaces import Fitness
+from driftform.motion import resampled
+from driftform.options import Table, option
+from driftform.scenario import Scenario, Vector
+from driftform.types import FloatArray, Trajectory
+from driftform_robotics.plume import Plume, plume_of
+
+
+class LeakOptions(Table):
+    """What leaks, how it spreads, and what the sensor makes of it."""
+
+    rate: float = option(0.001, "what comes in at each leak", "kg/s", gt=0)
+    diffusivity: float | None = option(
+        None, "turbulent diffusivity across the pipe; by default that of its wall friction", "m2/s", gt=0
+    )
+    threshold: float = option(
+        2.5e-5, "concentration at which the sensor tells of the leak half the time", "kg/m3", gt=0
+    )
+    sensor: Vector = option((0.0, 0.0, 0.0), "where the sensor is in the body", "m")
+    interval: float = option(0.02, "time between two readings of the sensor", "s", gt=0, le=1)
+
+
+class Leak(Fitness[LeakOptions]):
+    """How long the agent is in the plume of each leak, in percent of the time that the water itself is.
+
+    Every target is a leak: at the place of the wall nearest to it. A reading of the concentration C counts
+    C / (C + threshold): almost nothing far from the plume, a half at its edge, one deep inside, so that an agent that
+    just misses the plume is better than one that stays far away. The fitness is the sum over the flight, over the time
+    that water takes from the leak to the end of the pipe; what is more than that is 100.
+    """
+
+    name = "leak"
+    Options = LeakOptions
+
+    def score(self, trajectory: Trajectory, scenario: Scenario) -> FloatArray:
+        """Return the fitness for each target, 0 to 100, (targets,).
+
+        Raises
+        ------
+        ValueError
+            where the scenario's water carries no plume.
+        """
+        t, readings = self._readings(trajectory, scenario)
+        seen = [
+            np.trapezoid(C / (C + self.options.threshold), t) * plume.speed / max(plume.length, 1e-9)
+            for plume, C in readings
+        ]
+        return np.clip(100 * np.array(seen, dtype=np.float64), 0.0, 100.0)
+
+    def seconds_in_plume(self, trajectory: Trajectory, scenario: Scenario) -> FloatArray:
+        """Return for each leak how long the sensor reads more than the threshold, s, (targets,)."""
+        t, readings = self._readings(trajectory, scenario)
+        inside = [np.trapezoid(C > self.options.threshold, t) for _, C in readings]
+        return np.array(inside, dtype=np.float64)
+
+    def _readings(
+        self, trajectory: Trajectory, scenario: Scenario
+    ) -> tuple[FloatArray, list[tuple[Plume, FloatArray]]]:
+        """Times of the readings, s, and for each leak its plume and what is read of it, kg/m3."""
+        flight = resampled(trajectory, 1 / self.options.interval)
+        places = sensor_places(flight, self.options.sensor)
+        plumes = [
+            plume_of(scenario, point, self.options.rate, self.options.diffusivity)
+            for point in scenario.targets.values()
+        ]
+        return flight.t, [(plume, plume.concentration(places)) for plume in plumes]
+
+
+def sensor_places(flight: Trajectory, sensor: Vector) -> FloatArray:
+    """Return where a point of the body (m) is at each sample, world frame, m, (k, 3)."""
+    turned = matrix_from_quaternion(flight.quaternion) @ np.array(sensor)
+    return np.asarray(flight.position + turned, dtype=np.float64)

@@ -1,0 +1,232 @@
+"""The plume of a leak: concentration downstream of a point of the pipe's wall, in closed form.
+
+What enters at the wall of a bore of radius R at the rate Q is carried along by the water at the speed U and spread
+across the bore with the turbulent diffusivity K. Along the axis the current outruns all spreading (U x / K is some
+thousands), so that x / U acts as time, and the concentration is that of an instant line source in a disc whose rim
+lets nothing through. With tau = K x / (U R^2), and r and phi the polar coordinates of the bore, phi from the leak:
+
+    C / (Q / (U pi R^2)) = 1 + sum of e_m cos(m phi) J_m(k r / R) / J_m(k) / (1 - m^2 / k^2) exp(-k^2 tau)
+
+over all m and the positive roots k of J_m'(k) = 0, with e_0 = 1 and e_m = 2: Green's function of the disc (Carslaw and
+Jaeger, Conduction of Heat in Solids, second edition, 1959, chapter 14) with the source on its rim. It holds everywhere
+downstream and conserves mass at every cross-section, but near the leak it takes too many terms. There the wall is almost flat, and reflects: the unbounded
+plume Q / (4 pi K x) exp(-U s^2 / (4 K x)) at the distance s across the flow counts twice, and the curvature of the
+wall, of which the first order is known in closed form too, adds a few percent.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from driftform.dynamics.flow import KARMAN, friction_factor
+from driftform.scenario import LogLawFlow, Scenario, Segment, TurbulentFlow, Vector
+from driftform.types import FloatArray
+
+NEAR = 0.003
+"""The tau up to which the formula for the neighbourhood of the leak is used: both agree there within 0.1 % of the peak."""
+
+NEGLIGIBLE = 20.0
+"""Terms below exp(-20) are left out."""
+
+FAR = 40.0
+"""Where the unbounded plume has fallen to exp(-40) of its middle, there is nothing of it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plume:
+    """A leak and what spreads it.
+
+    Attributes
+    ----------
+    leak
+        where it is on the wall, world frame, m, (3,).
+    axis
+        unit vector downstream, world frame, (3,).
+    outward
+        unit vector across the bore, from its axis towards the leak, world frame, (3,).
+    radius
+        of the bore, m.
+    length
+        from the leak to the end of the pipe downstream, m.
+    speed
+        mean speed of the water, m/s.
+    diffusivity
+        turbulent diffusivity across the bore, m2/s.
+    rate
+        of what enters, kg/s.
+    """
+
+    leak: FloatArray
+    axis: FloatArray
+    outward: FloatArray
+    radius: float
+    length: float
+    speed: float
+    diffusivity: float
+    rate: float
+
+    @property
+    def mixed(self) -> float:
+        """Concentration where it has spread evenly, Q / (U A), kg/m3."""
+        return float(self.rate / (self.speed * np.pi * self.radius**2))
+
+    def concentration(self, points: FloatArray) -> FloatArray:
+        """Return the concentration at points of the world (n, 3), kg/m3, (n,): none upstream of the leak.
+
+        A point in the wall has that of the wall's surface.
+        """
+        centre = self.leak - self.radius * self.outward
+        off = points - centre
+        x = off @ self.axis
+        y = off @ self.outward
+        z = off @ np.cross(self.axis, self.outward)
+        r, phi = np.minimum(np.hypot(y, z) / self.radius, 1.0), np.arctan2(z, y)
+        tau = self.diffusivity * x / (self.speed * self.radius**2)
+        return self.mixed * spread(tau, r, phi)
+
+
+def spread(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
+    """Return the concentration over that of an even mixture, for a source on the rim of a disc of radius 1, (n,).
+
+    Parameters
+    ----------
+    tau
+        dimensionless time K x / (U R^2) since the release, (n,); 0 before it.
+    r, phi
+        polar coordinates, r up to 1, phi (rad) from the source, (n,).
+    """
+    found = np.zeros(np.shape(tau))
+    square = 1 + r * r - 2 * r * np.cos(phi)
+    # At once at the source itself there is no finite answer; that of a moment later is large enough.
+    tau = np.where(tau > 0, np.maximum(tau, 1e-9), 0.0)
+    reached = (tau > 0) & (square < 4 * FAR * tau)
+    near, far = reached & (tau < NEAR), reached & (tau >= NEAR)
+    found[near] = near_spread(tau[near], r[near], phi[near])
+    found[far] = far_spread(tau[far], r[far], phi[far])
+    return found
+
+
+def near_spread(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
+    """Return the same near the source, to first order in the curvature of the wall.
+
+    With the depth d = 1 - r below the wall and the arc phi, z = d / (2 sqrt(tau)) and eta = phi / sqrt(tau), twice the
+    unbounded plume, exp(-s^2 / (4 tau)) / (2 pi tau), solves the equation up to this order but for its slope at the
+    curved wall. What makes up for that, and keeps the mass, is
+
+        sqrt(pi tau) / 2 (eta^2 i2erfc(z) + erfc(z) - 2 i2erfc(z)) exp(-eta^2 / 4) / (2 pi tau)
+
+    with the iterated integral i2erfc of the complementary error function.
+    """
+    from scipy.special import erfc
+
+    square = 1 + r * r - 2 * r * np.cos(phi)
+    z, eta = (1 - r) / (2 * np.sqrt(tau)), phi / np.sqrt(tau)
+    plane = np.exp(-square / (4 * tau))
+    whole = erfc(z)
+    twice = ((1 + 2 * z * z) * whole - 2 / np.sqrt(np.pi) * z * np.exp(-z * z)) / 4
+    bent = np.exp(-eta * eta / 4) * np.sqrt(np.pi * tau) / 2 * (eta * eta * twice + whole - 2 * twice)
+    # A disc of radius 1 has the area pi.
+    return np.asarray((plane + bent) / (2 * tau), dtype=np.float64)
+
+
+def far_spread(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
+    """Return the same by the series, without the terms that are negligible at each point."""
+    from scipy.special import jv
+
+    found = np.ones(np.shape(tau))
+    if not len(tau):
+        return found
+    order, root, weight = _modes(min(NEAR, float(tau.min())))
+    # From the latest time to the earliest, which needs the most terms.
+    for i in np.argsort(-tau):
+        count = int(np.searchsorted(root, np.sqrt(NEGLIGIBLE / tau[i])))
+        m, k = order[:count], root[:count]
+        terms = weight[:count] * np.exp(-k * k * tau[i]) * np.cos(m * phi[i]) * jv(m, k * r[i])
+        found[i] += terms.sum()
+    # Where there is almost nothing, rounding may leave less than nothing.
+    return np.maximum(found, 0.0)
+
+
+@lru_cache(maxsize=4)
+def _modes(tau: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Orders m, roots k of J_m'(k) = 0, and factors e_m / (J_m(k) (1 - m^2 / k^2)) that count from ``tau`` on.
+
+    They are in the order of their roots.
+    """
+    from scipy.special import jnp_zeros, jv
+
+    largest = np.sqrt(NEGLIGIBLE / tau)
+    orders, roots = [], []
+    # The first root of J_m' is larger than m, and two roots are about pi apart.
+    for m in range(int(largest) + 1):
+        k = jnp_zeros(m, int((largest - m) / np.pi) + 2)
+        roots.append(k[k < largest])
+        orders.append(np.full(len(roots[-1]), float(m)))
+    m, k = np.concatenate(orders), np.concatenate(roots)
+    by_root = np.argsort(k)
+    m, k = m[by_root], k[by_root]
+    return m, k, np.where(m == 0, 1.0, 2.0) / (jv(m, k) * (1 - (m / k) ** 2))
+
+
+def eddy_diffusivity(scenario: Scenario) -> float:
+    """Return the turbulent diffusivity across a pipe, m2/s: kappa u* R / 6.
+
+    By Reynolds' analogy what mixes momentum mixes all else: shear stress u*^2 r / R over the slope u* / (kappa y) of
+    the logarithmic law is kappa u* y (1 - y / R), and kappa u* R / 6 is its mean over the bore (as kappa u* d / 6 is
+    over the depth d of a channel: Elder, J. Fluid Mech. 5, 1959; Fischer et al., Mixing in Inland and Coastal Waters,
+    1979, chapter 5). The friction velocity u* is that of the pipe's friction factor.
+    """
+    segment, flow = scenario.pipe.segments[0], scenario.flow
+    speed, radius = abs(flow.speed), segment.radius
+    roughness = flow.roughness if isinstance(flow, LogLawFlow | TurbulentFlow) else 0.0
+    # Below 4000 the flow would be laminar.
+    reynolds = max(4e3, 2 * radius * speed / scenario.fluid.viscosity)
+    friction_velocity = speed * np.sqrt(friction_factor(reynolds, roughness / (2 * radius)) / 8)
+    return float(KARMAN * friction_velocity * radius / 6)
+
+
+def plume_of(scenario: Scenario, point: Vector, rate: float, diffusivity: float | None = None) -> Plume:
+    """Return the plume of a leak at the place of the wall that is nearest to ``point`` (world frame, m).
+
+    A point on the pipe's axis stands for the wall below it, or beside it where the pipe is upright. The rate is in
+    kg/s, the diffusivity in m2/s; without one it is that of the pipe's turbulence, :func:`eddy_diffusivity`.
+
+    Raises
+    ------
+    ValueError
+        where there is no pipe, or its water stands still.
+    """
+    if not scenario.pipe.segments:
+        raise ValueError("a leak needs a pipe, and open water has none")
+    if scenario.flow.speed == 0:
+        raise ValueError("the water stands still: it carries no plume")
+    segment = scenario.pipe.segments[0]
+    start, axis, length = _frame(segment)
+    along = float(axis @ (np.array(point) - start))
+    outward = np.array(point) - start - along * axis
+    if np.linalg.norm(outward) < 1e-9 * segment.radius:
+        down = np.array([0.0, 0.0, -1.0])
+        outward = down - (axis @ down) * axis
+        if np.linalg.norm(outward) < 1e-9:
+            outward = np.array([0.0, 1.0, 0.0]) - axis[1] * axis
+    outward = outward / np.linalg.norm(outward)
+    leak = start + along * axis + segment.radius * outward
+    # Water that runs back carries it back.
+    forward = scenario.flow.speed > 0
+    return Plume(
+        leak,
+        axis if forward else -axis,
+        outward,
+        segment.radius,
+        length - along if forward else along,
+        abs(scenario.flow.speed),
+        eddy_diffusivity(scenario) if diffusivity is None else diffusivity,
+        rate,
+    )
+
+
+def _frame(segment: Segment) -> tuple[FloatArray, FloatArray, float]:
+    start, end = np.array(segment.start), np.array(segment.end)
+    length = float(np.linalg.norm(end - start))
+    return start, (end - start) / length, length

@@ -1,0 +1,45 @@
+"""The paper's experiment from end to end, with both simulators, as docs/results.md tells of it.
+
+``UPDATE_DOCS=1 pytest -m slow -s tests/studies/test_reproduction.py`` writes the page and its pictures anew.
+"""
+
+import json
+import os
+import shutil
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytestmark = pytest.mark.slow
+
+DOCS = Path(__file__).parents[2] / "docs"
+WITHIN = {"native": 30.0, "exudyn": 180.0}
+"""Seconds on two processors; the paper took 20 hours for half as many flights."""
+
+
+@pytest.mark.parametrize("simulator", ["native", "exudyn"])
+def test_the_experiment_is_repeated_and_told(
+    simulator: str, start: Any, publish: Callable[[str, Sequence[str]], None], tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    began = time.monotonic()
+    process = start(
+        "reproduce", "--simulator", simulator, "--workers", "2", "--out", out, "--json", cwd=tmp_path
+    )
+    printed, told = process.communicate(timeout=3600)
+    seconds = time.monotonic() - began
+    assert process.returncode == 0, told
+    document = json.loads(printed)
+    assert document["failed"] == {"paper": 0, "random": 0}
+    print(f"\n{simulator}: 10 000 flights and the rest in {seconds:.0f} s")
+    if simulator == "exudyn":
+        publish("reproduction", Path(document["results"]).read_text().splitlines())
+        if os.environ.get("UPDATE_DOCS") == "1":
+            for path in map(Path, document["figures"]):
+                if path.suffix == ".svg":
+                    shutil.copy(path, DOCS / "images" / f"reproduction-{path.name}")
+    publish(f"reproduction with {simulator}", [f"{simulator}: {seconds:.0f} s"])
+    assert seconds <= WITHIN[simulator]
