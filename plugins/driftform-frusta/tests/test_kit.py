@@ -241,6 +241,24 @@ def test_a_sleeve_has_the_lap_the_thickness_and_the_gap_that_were_asked_for():
     assert made.solids[1].bounding_box()[2] == pytest.approx(made.lift - 8.0, abs=1e-4)
 
 
+@pytest.mark.parametrize("clearance", [0.0001, 0.0002, 0.0004])
+def test_a_rabbet_shares_the_wall_between_two_steps(clearance):
+    made = check(agent("ss", "ss"), joint="rabbet", clearance=clearance)
+    joint = made.kit.core_joint.joint
+    step = (1.25 - 1e3 * clearance) / 2
+    at = joint.z - joint.side * joint.lap / 2
+    steps = []
+    for index in (0, 1):
+        section = made.slice(index, at - 0.1, at + 0.1)
+        radii = np.hypot(*np.asarray(section.to_mesh64().vert_properties)[:, :2].T) / area_factor(64)
+        steps.append((radii.min(), radii.max()))
+    (low, middle), (above, high) = sorted(steps)
+    # The core's room is a polyline of 2.5 degrees, up to three thousandths of a millimetre inside its circle.
+    assert (low, high) == pytest.approx((10.2, 11.45), abs=0.01)
+    assert middle - low == pytest.approx(step, abs=0.01)
+    assert high - above == pytest.approx(step, abs=0.01)
+
+
 def test_a_wide_hull_has_a_cone_on_either_side_that_the_core_sits_on():
     made = check(cylinder(0.03, 0.04))
     assert len(made.kit.seats) == 2

@@ -143,6 +143,7 @@ def test_a_flow_that_is_not_uniform_is_told_of_and_becomes_its_mean(
     swirling = replace(specimens["random"], scenario=Scenario.model_validate(document))
     for format, name in (
         ("sdf", "world.sdf"),
+        ("sdf", "drift.sdf"),
         ("uuv", "worlds/pipe.world"),
         ("mjcf", "agent.xml"),
     ):

@@ -55,7 +55,8 @@ class Leak(Fitness[LeakOptions]):
     def seconds_in_plume(self, trajectory: Trajectory, scenario: Scenario) -> FloatArray:
         """Return for each leak how long the sensor reads more than the threshold, s, (targets,)."""
         t, readings = self._readings(trajectory, scenario)
-        inside = [np.trapezoid(C > self.options.threshold, t) for _, C in readings]
+        threshold = self.options.threshold
+        inside = [np.trapezoid(np.where(threshold < C, 1.0, 0.0), t) for _, C in readings]
         return np.array(inside, dtype=np.float64)
 
     def _readings(

@@ -29,8 +29,8 @@ NEAR = 0.003
 NEGLIGIBLE = 20.0
 """Terms below exp(-20) are left out."""
 
-FAR = 40.0
-"""Where the unbounded plume has fallen to exp(-40) of its middle, there is nothing of it."""
+FAR = 25.0
+"""Where the unbounded plume has fallen to exp(-25) of its middle, there is nothing of it."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -65,7 +65,7 @@ def core_joint(hull: Hull, options: KitOptions) -> CoreJoint:
 
 
 def _sleeve_beside_core(hull: Hull, options: KitOptions) -> Joint | None:
-    need = min(hull.core + MM * options.clearance, float(hull.bore_radius(0.0))) - _ROUNDING
+    need = hull.room(MM * options.clearance) - _ROUNDING
     reach = {side: _reach(hull, side, need) for side in (1, -1)}
     for away in np.arange(0.0, max(reach.values()), STEP).tolist():
         fitting = [

@@ -68,6 +68,10 @@ class Hull:
         )
         return radius
 
+    def room(self, gap: float) -> float:
+        """Radius that the core needs: with a gap all round, where the hull itself leaves one."""
+        return min(self.core + gap, float(self.bore_radius(0.0)))
+
     @cached_property
     def material(self) -> CrossSection:
         """The hull itself."""

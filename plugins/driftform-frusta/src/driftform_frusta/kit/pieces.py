@@ -123,7 +123,7 @@ def _joined(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[CrossSect
     """The sections of the parts, without seats."""
     bounds = [-FAR, *(joint.z for joint in joints), FAR]
     sections = [hull.material ^ slab(low, high) for low, high in pairwise(bounds)]
-    core = disc(hull.core + gap)
+    core = disc(hull.room(gap))
     for index, joint in enumerate(joints):
         made = fit(hull, joint)
         plug, socket = (index + 1, index) if joint.side > 0 else (index, index + 1)

@@ -128,7 +128,7 @@ class SdfExporter(Exporter[SdfOptions]):
         if scenario.current().any():
             drifting = _seen_from_the_water(specimen)
             adrift = link_of(drifting, self.options.drag_speed)
-            told = _beware(drifting, adrift, pieces, gazebo, PUSH_DRIFT)
+            told = lost_by_a_uniform_current(scenario) + _beware(drifting, adrift, pieces, gazebo, PUSH_DRIFT)
             world = _world(drifting, adrift, pieces, gazebo, step, told, -scenario.current())
             files["drift.sdf"] = document(world)
             if adrift.velocity.any():

@@ -1,0 +1,1 @@
+"""Scenarios that need this plugin: TOML files, addressed by their name."""

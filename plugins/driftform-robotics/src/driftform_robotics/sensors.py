@@ -1,0 +1,93 @@
+"""What sensors on an agent would read along its flight: plain functions of the samples.
+
+All act at one ``point`` of the body (m, body frame). Noise is none of their business: see :func:`noisy`.
+"""
+
+import numpy as np
+
+from driftform.dynamics.model import touching_rims
+from driftform.dynamics.rotations import matrix_from_quaternion
+from driftform.motion import acceleration_at
+from driftform.scenario import Fluid, Pipe, Scenario
+from driftform.types import Body, FloatArray, Trajectory
+
+ATMOSPHERE = 101_325.0
+"""Pressure at the surface, Pa (standard atmosphere, ISO 2533)."""
+
+
+def places(flight: Trajectory, point: FloatArray) -> FloatArray:
+    """Return where a point of the body is at each sample, world frame, m, (k, 3)."""
+    return np.asarray(flight.position + matrix_from_quaternion(flight.quaternion) @ point, dtype=np.float64)
+
+
+def surface_height(scenario: Scenario) -> float:
+    """Return the height where the pressure is that of the atmosphere, world frame, m.
+
+    It is that of the free surface; where the pipe is full, that of its highest point at the inlet, as if a manhole
+    stood open there; in open water without a surface, that of the origin.
+    """
+    if scenario.fluid.water_level is not None:
+        return scenario.fluid.water_level
+    if not scenario.pipe.segments:
+        return 0.0
+    segment = scenario.pipe.segments[0]
+    # The end disc is tilted as much as the pipe: its rim rises by the radius times the cosine of the slope.
+    slope = scenario.direction()[2]
+    return float(segment.start[2] + segment.radius * np.sqrt(1 - slope**2))
+
+
+def pressure(heights: FloatArray, surface: float, fluid: Fluid, atmosphere: float = ATMOSPHERE) -> FloatArray:
+    """Return the absolute hydrostatic pressure p = p0 + rho g (surface - z), Pa, (k,).
+
+    Above the surface it is that of the air. The pressure that the current's speed or the wall's friction adds is left
+    out: rho U^2 / 2 is as much as 5 cm of water at 1 m/s.
+    """
+    return np.asarray(
+        atmosphere + fluid.density * fluid.gravity * np.maximum(surface - heights, 0.0), dtype=np.float64
+    )
+
+
+def specific_force(
+    flight: Trajectory, accelerations: FloatArray, point: FloatArray, gravity: float
+) -> FloatArray:
+    """Return what an accelerometer at a point of the body reads, R^T (a - g), in body axes, m/s2, (k, 3).
+
+    At rest it reads g upward, and in free fall nothing. ``accelerations`` (k, 6) are those of the equations of motion
+    (:func:`driftform.motion.accelerations_along`), carried over to the point with the body's turning.
+    """
+    up = matrix_from_quaternion(flight.quaternion)[:, 2]
+    return np.asarray(acceleration_at(flight, accelerations, point) + gravity * up, dtype=np.float64)
+
+
+def wall_distance(points: FloatArray, pipe: Pipe) -> FloatArray:
+    """Return how far points (k, 3) are from the wall of the pipe's bore, m, (k,), negative in the wall."""
+    segment = pipe.segments[0]
+    start, end = np.array(segment.start), np.array(segment.end)
+    axis = (end - start) / np.linalg.norm(end - start)
+    off = points - start
+    across = off - np.outer(off @ axis, axis)
+    return np.asarray(segment.radius - np.linalg.norm(across, axis=1), dtype=np.float64)
+
+
+def clearance(flight: Trajectory, body: Body, pipe: Pipe, angles: int = 256) -> FloatArray:
+    """Return the smallest distance of the hull from the wall at each sample, m, (k,), negative where it presses in.
+
+    The bore is convex, so that one of the rims that :func:`driftform.dynamics.model.touching_rims` finds is nearest.
+    Each is looked at from ``angles`` sides: a rim of radius r appears too far by r (1 - cos(pi / angles)) at most,
+    that is 0.01 % of r.
+    """
+    around = np.arange(angles) * (2 * np.pi / angles)
+    circle = np.stack([0 * around, np.cos(around), np.sin(around)], axis=1)
+    R = matrix_from_quaternion(flight.quaternion)
+    nearest = np.full(len(flight.t), np.inf)
+    for x, r in touching_rims(body):
+        rim = np.array([x, 0.0, 0.0]) + r * circle
+        points = flight.position[:, None] + rim @ np.swapaxes(R, 1, 2)
+        gaps = wall_distance(points.reshape(-1, 3), pipe).reshape(len(R), -1)
+        nearest = np.minimum(nearest, gaps.min(axis=1))
+    return nearest
+
+
+def noisy(values: FloatArray, deviation: float, rng: np.random.Generator) -> FloatArray:
+    """Return readings with white Gaussian noise of a standard deviation; with none they are the same."""
+    return np.asarray(values + deviation * rng.standard_normal(values.shape), dtype=np.float64)
