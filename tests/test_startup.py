@@ -3,7 +3,18 @@
 import subprocess
 import sys
 
-HEAVY = ("numpy", "numba", "pydantic", "scipy", "exudyn", "trimesh", "manifold3d", "rich.live", "sqlite3")
+HEAVY = (
+    "numpy",
+    "numba",
+    "pydantic",
+    "scipy",
+    "exudyn",
+    "trimesh",
+    "manifold3d",
+    "rich.live",
+    "sqlite3",
+    "distributed",
+)
 
 
 def modules_after(statement: str) -> set[str]:

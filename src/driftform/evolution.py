@@ -85,15 +85,16 @@ def evolve(
                 )
             outcomes[record.index] = record.evaluation
             on_record(record)
-        missing = [
-            Job(index, candidate.genome, evaluation_seed(study.seed, index))
-            for index, candidate in enumerate(candidates, first)
+        seeds = {
+            index: evaluation_seed(study.seed, index)
+            for index in range(first, first + len(candidates))
             if index not in outcomes
-        ]
+        }
+        missing = [Job(index, candidates[index - first].genome, seed) for index, seed in seeds.items()]
         for arrived in executor.evaluate(missing):
             records = [
-                Record(i, candidates[i - first], scored(evaluation, targets), evaluation_seed(study.seed, i))
-                for i, evaluation in arrived
+                Record(index, candidates[index - first], scored(evaluation, targets), seeds[index])
+                for index, evaluation in arrived
             ]
             store.add(records, targets)
             # What is stored counts, and nothing else does.

@@ -115,6 +115,20 @@ class Study:
         checker: Checker[Any] = self._named("checker", name)
         return checker
 
+    def __repr__(self) -> str:
+        """A line: the document fills a screen, and is there to be asked for."""
+        title = self.document.get("title", "a study")
+        return f"<Study {title}: {len(self.scenario.targets)} targets, seed {self.seed}>"
+
+    def _repr_html_(self) -> str:
+        from driftform.notebook import table
+
+        plugins = [(seam, self.document[seam]["use"]) for seam in SELECTED if seam in self.document]
+        targets = [(name, *(f"{c:g}" for c in point)) for name, point in self.scenario.targets.items()]
+        return table(("step", "plugin"), plugins, repr(self)[1:-1]) + table(
+            ("target", "x m", "y m", "z m"), targets
+        )
+
     def _named(self, seam: str, name: str) -> Any:
         return registry().create(seam, name, self.document.get(seam, {}).get(name, {}))
 

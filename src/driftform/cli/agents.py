@@ -58,8 +58,25 @@ def open_agent(
     InputError
         where there is none; the message says what was looked for.
     """
-    stored = _stored(text, scenario)
-    label = _short(text)
+    return build_stored(_stored(text, scenario), _short(text), scenario, settings, use)
+
+
+def build_stored(
+    stored: StoredAgent,
+    label: str,
+    scenario: str | None = None,
+    settings: Sequence[str] = (),
+    use: Mapping[str, str | None] | None = None,
+) -> Opened:
+    """Build an agent in its environment, or in another; ``label`` names it in errors.
+
+    Raises
+    ------
+    InputError
+        where the environment is not sound, or the genome does not belong to it.
+    WorkFailedError
+        where it makes no body.
+    """
     source: str | Document = Document(label, stored.environment)
     if scenario is not None:
         # The agent stays what it is; only its surroundings change.

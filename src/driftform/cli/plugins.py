@@ -1,12 +1,13 @@
 """``driftform plugins``."""
 
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from driftform.cli.options import Json
 
-app = typer.Typer(help="What is installed, and its options.", invoke_without_command=True)
+app = typer.Typer(help="What is installed, its options, and a start for your own.", invoke_without_command=True)
 
 
 @app.callback()
@@ -69,3 +70,66 @@ def show(
             print_table(columns, ([str(option[c]) for c in columns] for option in entry["options"]))
         else:
             print("It has no options.")
+
+
+@app.command("new")
+def new(
+    name: Annotated[
+        str,
+        typer.Argument(
+            metavar="NAME", help="Name of the distribution, such as driftform-dwell.", show_default=False
+        ),
+    ],
+    seam: Annotated[
+        str,
+        typer.Option("--seam", metavar="SEAM", help="What it is to bring, such as fitness.", show_default=False),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Directory for the files; by default NAME."),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Write a plugin of your own to start from: a small distribution that installs, works, and passes its tests."""
+    import shlex
+
+    from driftform.cli.output import print_json
+    from driftform.errors import InputError
+    from driftform.files import write_folder, write_text
+    from driftform.scaffold import files_of, names_of, uses_of
+
+    names = names_of(name, seam)
+    folder = out if out is not None else Path(names.distribution)
+    if folder.is_dir() and any(folder.iterdir()):
+        raise InputError(f"{folder} is not an empty directory; choose another --out")
+    files = files_of(names, seam)
+    with write_folder(folder) as part:
+        for path, text in files.items():
+            write_text(part / path, text)
+    following = [
+        f"cd {shlex.quote(str(folder))}",
+        'pip install -e ".[test]"',
+        "pytest",
+        f"driftform plugins show {names.plugin}",
+        "driftform scenarios check study.toml",
+        *uses_of(names, seam),
+    ]
+    if json:
+        print_json(
+            {
+                "distribution": names.distribution,
+                "package": names.package,
+                "plugin": names.plugin,
+                "seam": seam,
+                "folder": str(folder),
+                "files": [str(folder / path) for path in files],
+                "next": following,
+            }
+        )
+        return
+    print(f"{names.distribution}: a {seam} '{names.plugin}', to be changed")
+    for path in files:
+        print(f"  {folder / path}")
+    print("next:")
+    for line in following:
+        print(f"  {line}")

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.interfaces import Fitness
 from driftform.motion import resampled
 from driftform.options import Table, option
 from driftform.scenario import Scenario, Vector
 from driftform.types import FloatArray, Trajectory
 from driftform_robotics.plume import Plume, plume_of
+from driftform_robotics.sensors import places
 
 
 class LeakOptions(Table):
@@ -22,7 +22,7 @@ class LeakOptions(Table):
         2.5e-5, "concentration at which the sensor tells of the leak half the time", "kg/m3", gt=0
     )
     sensor: Vector = option((0.0, 0.0, 0.0), "where the sensor is in the body", "m")
-    interval: float = option(0.02, "time between two readings of the sensor", "s", gt=0, le=1)
+    interval: float = option(0.05, "time between two readings of the sensor", "s", gt=0, le=1)
 
 
 class Leak(Fitness[LeakOptions]):
@@ -64,15 +64,9 @@ class Leak(Fitness[LeakOptions]):
     ) -> tuple[FloatArray, list[tuple[Plume, FloatArray]]]:
         """Times of the readings, s, and for each leak its plume and what is read of it, kg/m3."""
         flight = resampled(trajectory, 1 / self.options.interval)
-        places = sensor_places(flight, self.options.sensor)
+        where = places(flight, np.array(self.options.sensor))
         plumes = [
             plume_of(scenario, point, self.options.rate, self.options.diffusivity)
             for point in scenario.targets.values()
         ]
-        return flight.t, [(plume, plume.concentration(places)) for plume in plumes]
-
-
-def sensor_places(flight: Trajectory, sensor: Vector) -> FloatArray:
-    """Return where a point of the body (m) is at each sample, world frame, m, (k, 3)."""
-    turned = matrix_from_quaternion(flight.quaternion) @ np.array(sensor)
-    return np.asarray(flight.position + turned, dtype=np.float64)
+        return flight.t, [(plume, plume.concentration(where)) for plume in plumes]

@@ -7,8 +7,6 @@ The forces are those of MuJoCo's documentation, "Computation: fluid forces, elli
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.special import elliprd
 
 from driftform_robotics.models.link import Link
 
@@ -54,6 +52,8 @@ def _lamb(ratio: float) -> tuple[float, float]:
     Lamb, Hydrodynamics (6th ed.), section 114: alpha_0 = a b^2 int_0^inf dl / ((a^2 + l)^(3/2) (b^2 + l)), which is
     2/3 a b^2 R_D(b^2, b^2, a^2) by Carlson's integral (DLMF 19.16.5); the three sum to 2.
     """
+    from scipy.special import elliprd
+
     s = ratio * ratio
     alpha = 2 / 3 * s * float(elliprd(s, s, 1.0))
     return alpha, (2 - alpha) / 2
@@ -74,6 +74,8 @@ def ellipsoid_of(link: Link, density: float) -> Ellipsoid:
 
     Its drag is that of the link along each axis alone, as far as positive coefficients can give it.
     """
+    from scipy.optimize import brentq
+
     along, across = float(link.added_mass[0, 0]), float(link.added_mass[1, 1])
 
     def excess(log_ratio: float) -> float:

@@ -1,0 +1,70 @@
+"""Topics -> a bag of ROS 2: a folder with the messages and ``metadata.yaml``."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from heapq import merge
+from pathlib import Path
+from typing import Any, Literal
+
+from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+
+from driftform_robotics.recording.messages import Messages, full_name
+from driftform_robotics.recording.topics import Topic
+
+Storage = Literal["sqlite3", "mcap"]
+
+VERSION: Literal[8] = 8
+"""Of the metadata: what Humble and all later releases read."""
+
+
+def write_bag(
+    folder: Path, topics: Sequence[Topic], ros: Messages, storage: Storage, notes: Mapping[str, str]
+) -> dict[str, int]:
+    """Write a bag into a folder that is not there yet; return how many messages each topic has.
+
+    Messages are in the order of their times, and where these are the same in that of ``topics``.
+    """
+    counts = dict.fromkeys((topic.name for topic in topics), 0)
+    writer = Writer(folder, version=VERSION, storage_plugin=StoragePlugin[storage.upper()])
+    if storage == "mcap":
+        writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+    for key, text in notes.items():
+        writer.set_custom_data(key, text)
+    with writer:
+        connections = [
+            writer.add_connection(
+                topic.name,
+                full_name(topic.kind),
+                typestore=ros.store,
+                offered_qos_profiles=[_quality(topic.latched)],
+            )
+            for topic in topics
+        ]
+        streams = [_numbered(place, topic) for place, topic in enumerate(topics)]
+        for stamp, place, message in merge(*streams, key=lambda item: item[:2]):
+            topic = topics[place]
+            writer.write(connections[place], stamp, ros.encoded(topic.kind, message))
+            counts[topic.name] += 1
+    return counts
+
+
+def _numbered(place: int, topic: Topic) -> Iterator[tuple[int, int, Any]]:
+    """Time, place of the topic, and message."""
+    for stamp, message in topic.messages():
+        yield stamp, place, message
+
+
+def _quality(latched: bool) -> Qos:
+    """Reliable; a latched topic keeps its last message for whoever comes later."""
+    forever = QosTime(2_147_483_647, 4_294_967_295)
+    return Qos(
+        QosHistory.KEEP_LAST,
+        1 if latched else 10,
+        QosReliability.RELIABLE,
+        QosDurability.TRANSIENT_LOCAL if latched else QosDurability.VOLATILE,
+        forever,
+        forever,
+        QosLiveliness.AUTOMATIC,
+        forever,
+        avoid_ros_namespace_conventions=False,
+    )

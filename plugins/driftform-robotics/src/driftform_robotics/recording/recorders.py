@@ -1,0 +1,88 @@
+"""Flights for Foxglove and RViz, as one MCAP file or as a bag of ROS 2."""
+
+import json
+import shutil
+from pathlib import Path
+
+from driftform.files import write_folder, write_whole
+from driftform.interfaces import Recorder, Specimen
+from driftform.options import option
+from driftform.types import Trajectory, WrittenFile
+from driftform_robotics.recording.bag import Storage, write_bag
+from driftform_robotics.recording.topics import FlightOptions, FlightTopics
+
+
+class McapRecorder(Recorder[FlightOptions]):
+    """A flight as one MCAP file with messages of ROS 2, for Foxglove and whatever reads MCAP.
+
+    Transforms, odometry, the net force and torque, markers of the pipe, the targets and the agent, and what sensors on
+    the agent would read. No ROS is needed to write it.
+    """
+
+    name = "mcap"
+    suffix = ".mcap"
+    Options = FlightOptions
+
+    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        """Write the file."""
+        facts: dict[str, object] = {}
+
+        def write(part: Path) -> None:
+            # An MCAP file is what a bag with that storage has in its folder; it holds the folder's name.
+            scratch = part.with_name(f"{part.name}.bag")
+            bag = scratch / path.stem
+            try:
+                facts.update(_write(bag, specimen, flight, self.options, "mcap"))
+                (bag / f"{bag.name}.mcap").replace(part)
+            finally:
+                shutil.rmtree(scratch, ignore_errors=True)
+
+        write_whole(path, write)
+        return (WrittenFile(self.name, str(path), dict(facts)),)
+
+
+class Rosbag2Options(FlightOptions):
+    """What a bag's messages hold, and how they are stored."""
+
+    storage: Storage = option(
+        "sqlite3", "what every release of ROS 2 reads, or mcap, the default of ROS 2 since Iron"
+    )
+
+
+class Rosbag2Recorder(Recorder[Rosbag2Options]):
+    """A flight as a bag of ROS 2, for ``ros2 bag play``, RViz and Foxglove: a folder with its metadata.
+
+    It holds the messages that ``mcap`` has, too. No ROS is needed to write it.
+    """
+
+    name = "rosbag2"
+    suffix = "-rosbag2"
+    Options = Rosbag2Options
+
+    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        """Write the folder."""
+        with write_folder(path) as part:
+            # The writer makes a folder of its own, and names the file with the messages after it.
+            bag = part / path.name
+            facts = _write(bag, specimen, flight, self.options, self.options.storage)
+            for file in bag.iterdir():
+                file.replace(part / file.name)
+            bag.rmdir()
+            names = sorted(file.name for file in part.iterdir())
+        return tuple(
+            WrittenFile(self.name, str(path / name), facts if name == "metadata.yaml" else {})
+            for name in names
+        )
+
+
+def _write(
+    folder: Path, specimen: Specimen, flight: Trajectory, options: FlightOptions, storage: Storage
+) -> dict[str, object]:
+    found = FlightTopics(specimen, flight, options)
+    notes = {"agent": specimen.name, "end": str(flight.end), "document": json.dumps(specimen.document)}
+    counts = write_bag(folder, found.topics(), found.ros, storage, notes)
+    return {
+        "messages": sum(counts.values()),
+        "duration": float(flight.t[-1]),
+        "topics": counts,
+    }

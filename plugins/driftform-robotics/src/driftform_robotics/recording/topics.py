@@ -1,0 +1,352 @@
+"""A flight as topics: which messages there are, in which frames, and when."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+
+from driftform.dynamics.rotations import quaternion_from_rotation_vector
+from driftform.interfaces import Specimen
+from driftform.motion import accelerations_along, net_wrench
+from driftform.options import Table, option
+from driftform.scenario import Vector
+from driftform.types import FloatArray, Trajectory
+from driftform_robotics import sensors
+from driftform_robotics.models.meshes import revolved
+from driftform_robotics.plume import Plume, plume_of
+from driftform_robotics.recording.messages import SECOND, Messages, Release
+
+WORLD = "world"
+
+ON_WALL = 0.01
+"""A target that is so near to the wall, relative to the bore's radius, is a leak."""
+
+SEGMENTS = 24
+"""Corners of the agent's circles in its marker."""
+
+GREY, ORANGE, VERMILLION = (0.6, 0.65, 0.7, 0.15), (0.9, 0.6, 0.0, 1.0), (0.84, 0.37, 0.0, 0.9)
+
+
+class FlightOptions(Table):
+    """What a flight's messages hold."""
+
+    release: Release = option("jazzy", "release of ROS 2 whose message definitions are used")
+    namespace: str = option(
+        "agent", "of topics and frames", "", min_length=1, pattern=r"^[A-Za-z][A-Za-z0-9_]*$"
+    )
+    start: float = option(
+        1.0,
+        "time of the release on the clock of the file; 0 would mean 'the latest' to tf",
+        "s",
+        ge=0,
+        le=4e9,
+    )
+    sensor: Vector = option((0.0, 0.0, 0.0), "where the sensors are in the body", "m")
+    leak_rate: float = option(0.001, "what comes in at each target that lies on the wall", "kg/s", gt=0)
+    diffusivity: float | None = option(
+        None, "turbulent diffusivity across the pipe; by default that of its wall friction", "m2/s", gt=0
+    )
+    atmosphere: float = option(sensors.ATMOSPHERE, "pressure at the surface", "Pa", ge=0)
+    acceleration_noise: float = option(0.0, "standard deviation of an accelerometer's reading", "m/s2", ge=0)
+    rate_noise: float = option(0.0, "standard deviation of a gyroscope's reading", "rad/s", ge=0)
+    pressure_noise: float = option(0.0, "standard deviation of a reading of the pressure", "Pa", ge=0)
+    distance_noise: float = option(0.0, "standard deviation of a distance", "m", ge=0)
+    concentration_noise: float = option(0.0, "standard deviation of a concentration", "kg/m3", ge=0)
+    seed: int = option(0, "seed of the noise", ge=0)
+
+
+@dataclass(frozen=True, eq=False)
+class Topic:
+    """A topic: its ``name``, the ``kind`` of its messages, and what gives them with their times in ns.
+
+    Messages of a ``latched`` topic are told to whoever comes later, too.
+    """
+
+    name: str
+    kind: str
+    messages: Callable[[], Iterator[tuple[int, Any]]]
+    latched: bool = False
+
+
+class FlightTopics:
+    """All topics of one flight."""
+
+    def __init__(self, specimen: Specimen, flight: Trajectory, options: FlightOptions) -> None:
+        self.specimen, self.flight, self.options = specimen, flight, options
+        self.ros = Messages(options.release)
+        self.stamps = [round(options.start * SECOND) + round(float(t) * SECOND) for t in flight.t]
+        self.base = f"{options.namespace}/base_link"
+
+    def topics(self) -> list[Topic]:
+        """The topics that there is anything to tell on."""
+        name = self.options.namespace
+        found = [
+            Topic("/tf_static", "tf2_msgs/TFMessage", self._tf_static, latched=True),
+            Topic("/tf", "tf2_msgs/TFMessage", self._tf),
+            Topic("/markers", "visualization_msgs/MarkerArray", self._markers, latched=True),
+            Topic(f"/{name}/path", "nav_msgs/Path", self._path, latched=True),
+            Topic(f"/{name}/odom", "nav_msgs/Odometry", self._odometry),
+            Topic(f"/{name}/wrench", "geometry_msgs/WrenchStamped", self._wrenches),
+            Topic(f"/{name}/imu", "sensor_msgs/Imu", self._imu),
+            Topic(f"/{name}/pressure", "sensor_msgs/FluidPressure", self._pressures),
+        ]
+        if self.specimen.scenario.pipe.segments:
+            found += [
+                Topic(f"/{name}/range", "sensor_msgs/Range", self._ranges),
+                Topic(f"/{name}/clearance", "std_msgs/Float64", self._clearances),
+            ]
+        if self.plumes:
+            found.append(Topic(f"/{name}/concentration", "std_msgs/Float64", self._concentrations))
+        return found
+
+    @cached_property
+    def accelerations(self) -> FloatArray:
+        """Those of the equations of motion, (k, 6)."""
+        return accelerations_along(self.flight, self.specimen.agent, self.specimen.scenario)
+
+    @cached_property
+    def places(self) -> FloatArray:
+        """Where the sensors are, world frame, m, (k, 3)."""
+        return sensors.places(self.flight, np.array(self.options.sensor))
+
+    @cached_property
+    def plumes(self) -> list[Plume]:
+        """Those of the targets on the wall; none where the water stands still."""
+        scenario = self.specimen.scenario
+        if not scenario.targets or scenario.flow.speed == 0:
+            return []
+        gaps = sensors.wall_distance(scenario.target_array(), scenario.pipe)
+        on_wall = gaps < ON_WALL * scenario.pipe.segments[0].radius
+        return [
+            plume_of(scenario, point, self.options.leak_rate, self.options.diffusivity)
+            for point, leaks in zip(scenario.targets.values(), on_wall, strict=True)
+            if leaks
+        ]
+
+    def _noise(self, sensor: int) -> np.random.Generator:
+        # Each sensor has its own noise, whichever others there are.
+        return np.random.default_rng((self.options.seed, sensor))
+
+    def _transform(self, stamp: int, parent: str, child: str, place: FloatArray, turned: FloatArray) -> Any:
+        transform = self.ros.new(
+            "geometry_msgs/Transform",
+            translation=self.ros.vector(place),
+            rotation=self.ros.quaternion(turned),
+        )
+        return self.ros.new(
+            "geometry_msgs/TransformStamped",
+            header=self.ros.header(stamp, parent),
+            child_frame_id=child,
+            transform=transform,
+        )
+
+    def _tf(self) -> Iterator[tuple[int, Any]]:
+        samples = zip(self.stamps, self.flight.position, self.flight.quaternion, strict=True)
+        for stamp, place, turned in samples:
+            moved = self._transform(stamp, WORLD, self.base, place, turned)
+            yield stamp, self.ros.new("tf2_msgs/TFMessage", transforms=[moved])
+
+    def _tf_static(self) -> Iterator[tuple[int, Any]]:
+        mass, straight = self.specimen.agent.mass, np.array([1.0, 0.0, 0.0, 0.0])
+        points = {"cog": mass.cog, "cob": mass.cob, "sensors": np.array(self.options.sensor)}
+        fixed = [
+            self._transform(self.stamps[0], self.base, f"{self.options.namespace}/{name}", point, straight)
+            for name, point in points.items()
+        ]
+        yield self.stamps[0], self.ros.new("tf2_msgs/TFMessage", transforms=fixed)
+
+    def _odometry(self) -> Iterator[tuple[int, Any]]:
+        flight = self.flight
+        samples = zip(self.stamps, flight.position, flight.quaternion, flight.velocity, strict=True)
+        for stamp, place, turned, velocity in samples:
+            twist = self.ros.new(
+                "geometry_msgs/Twist",
+                linear=self.ros.vector(velocity[:3]),
+                angular=self.ros.vector(velocity[3:]),
+            )
+            yield (
+                stamp,
+                self.ros.new(
+                    "nav_msgs/Odometry",
+                    header=self.ros.header(stamp, WORLD),
+                    child_frame_id=self.base,
+                    pose=self.ros.new("geometry_msgs/PoseWithCovariance", pose=self.ros.pose(place, turned)),
+                    twist=self.ros.new("geometry_msgs/TwistWithCovariance", twist=twist),
+                ),
+            )
+
+    def _path(self) -> Iterator[tuple[int, Any]]:
+        poses = [
+            self.ros.new(
+                "geometry_msgs/PoseStamped",
+                header=self.ros.header(stamp, WORLD),
+                pose=self.ros.pose(place, turned),
+            )
+            for stamp, place, turned in zip(
+                self.stamps, self.flight.position, self.flight.quaternion, strict=True
+            )
+        ]
+        header = self.ros.header(self.stamps[0], WORLD)
+        yield self.stamps[0], self.ros.new("nav_msgs/Path", header=header, poses=poses)
+
+    def _wrenches(self) -> Iterator[tuple[int, Any]]:
+        found = net_wrench(self.flight, self.accelerations, self.specimen.agent.mass)
+        for stamp, values in zip(self.stamps, found, strict=True):
+            wrench = self.ros.new(
+                "geometry_msgs/Wrench",
+                force=self.ros.vector(values[:3]),
+                torque=self.ros.vector(values[3:]),
+            )
+            header = self.ros.header(stamp, f"{self.options.namespace}/cog")
+            yield stamp, self.ros.new("geometry_msgs/WrenchStamped", header=header, wrench=wrench)
+
+    def _imu(self) -> Iterator[tuple[int, Any]]:
+        options, rng = self.options, self._noise(0)
+        gravity = self.specimen.scenario.fluid.gravity
+        force = sensors.specific_force(self.flight, self.accelerations, np.array(options.sensor), gravity)
+        force = sensors.noisy(force, options.acceleration_noise, rng)
+        rates = sensors.noisy(self.flight.velocity[:, 3:], options.rate_noise, rng)
+        covariances = {
+            "linear_acceleration_covariance": (options.acceleration_noise**2 * np.eye(3)).ravel(),
+            "angular_velocity_covariance": (options.rate_noise**2 * np.eye(3)).ravel(),
+        }
+        for stamp, turned, f, w in zip(self.stamps, self.flight.quaternion, force, rates, strict=True):
+            yield (
+                stamp,
+                self.ros.new(
+                    "sensor_msgs/Imu",
+                    header=self._at_sensors(stamp),
+                    orientation=self.ros.quaternion(turned),
+                    angular_velocity=self.ros.vector(w),
+                    linear_acceleration=self.ros.vector(f),
+                    **covariances,
+                ),
+            )
+
+    def _pressures(self) -> Iterator[tuple[int, Any]]:
+        scenario, options = self.specimen.scenario, self.options
+        surface = sensors.surface_height(scenario)
+        found = sensors.pressure(self.places[:, 2], surface, scenario.fluid, options.atmosphere)
+        for stamp, value in zip(
+            self.stamps, sensors.noisy(found, options.pressure_noise, self._noise(1)), strict=True
+        ):
+            yield (
+                stamp,
+                self.ros.new(
+                    "sensor_msgs/FluidPressure",
+                    header=self._at_sensors(stamp),
+                    fluid_pressure=float(value),
+                    variance=options.pressure_noise**2,
+                ),
+            )
+
+    def _ranges(self) -> Iterator[tuple[int, Any]]:
+        pipe, options = self.specimen.scenario.pipe, self.options
+        found = np.maximum(sensors.wall_distance(self.places, pipe), 0.0)
+        for stamp, value in zip(
+            self.stamps, sensors.noisy(found, options.distance_noise, self._noise(2)), strict=True
+        ):
+            yield (
+                stamp,
+                self.ros.new(
+                    "sensor_msgs/Range",
+                    header=self._at_sensors(stamp),
+                    # In all directions: the distance of the nearest point of the wall.
+                    field_of_view=2 * np.pi,
+                    max_range=pipe.segments[0].radius,
+                    range=float(value),
+                    variance=options.distance_noise**2,
+                ),
+            )
+
+    def _clearances(self) -> Iterator[tuple[int, Any]]:
+        body, pipe = self.specimen.agent.body, self.specimen.scenario.pipe
+        return self._numbers(sensors.clearance(self.flight, body, pipe), self.options.distance_noise, 3)
+
+    def _concentrations(self) -> Iterator[tuple[int, Any]]:
+        found = sum((p.concentration(self.places) for p in self.plumes), np.zeros(len(self.places)))
+        return self._numbers(found, self.options.concentration_noise, 4)
+
+    def _numbers(self, values: FloatArray, noise: float, sensor: int) -> Iterator[tuple[int, Any]]:
+        readings = sensors.noisy(values, noise, self._noise(sensor))
+        for stamp, value in zip(self.stamps, readings, strict=True):
+            yield stamp, self.ros.new("std_msgs/Float64", data=float(value))
+
+    def _at_sensors(self, stamp: int) -> Any:
+        return self.ros.header(stamp, f"{self.options.namespace}/sensors")
+
+    def _markers(self) -> Iterator[tuple[int, Any]]:
+        scenario, stamp = self.specimen.scenario, self.stamps[0]
+        found = []
+        for segment in scenario.pipe.segments:
+            start, end = np.array(segment.start), np.array(segment.end)
+            pose = self.ros.pose((start + end) / 2, _from_z(end - start))
+            size = np.array([2 * segment.radius, 2 * segment.radius, np.linalg.norm(end - start)])
+            found.append(self._marker(stamp, "pipe", "CYLINDER", GREY, pose=pose, size=size))
+        straight = np.array([1.0, 0.0, 0.0, 0.0])
+        for name, point in scenario.targets.items():
+            size = np.full(3, 0.05 * scenario.pipe.segments[0].radius)
+            pose = self.ros.pose(np.array(point), straight)
+            found.append(self._marker(stamp, "targets", "SPHERE", VERMILLION, pose=pose, size=size))
+            above = self.ros.pose(np.add(point, [0.0, 0.0, 1.2 * size[2]]), straight)
+            found.append(
+                self._marker(stamp, "names", "TEXT_VIEW_FACING", VERMILLION, pose=above, size=size, text=name)
+            )
+        mesh = revolved(self.specimen.agent.body.outer, SEGMENTS)
+        corners = [
+            self.ros.vector(corner, "geometry_msgs/Point") for corner in mesh.vertices[mesh.triangles.ravel()]
+        ]
+        found.append(
+            self._marker(
+                stamp,
+                "agent",
+                "TRIANGLE_LIST",
+                ORANGE,
+                pose=self.ros.pose(np.zeros(3), straight),
+                size=np.ones(3),
+                frame=self.base,
+                points=corners,
+            )
+        )
+        for number, marker in enumerate(found):
+            marker.id = number
+        yield stamp, self.ros.new("visualization_msgs/MarkerArray", markers=found)
+
+    def _marker(
+        self,
+        stamp: int,
+        group: str,
+        shape: Literal["CYLINDER", "SPHERE", "TEXT_VIEW_FACING", "TRIANGLE_LIST"],
+        colour: tuple[float, float, float, float],
+        *,
+        pose: Any,
+        size: FloatArray,
+        frame: str = WORLD,
+        **more: Any,
+    ) -> Any:
+        r, g, b, a = colour
+        kind = self.ros.store.types["visualization_msgs/msg/Marker"]
+        return self.ros.new(
+            "visualization_msgs/Marker",
+            header=self.ros.header(stamp, frame),
+            ns=group,
+            type=getattr(kind, shape),
+            action=kind.ADD,
+            pose=pose,
+            scale=self.ros.vector(size),
+            color=self.ros.new("std_msgs/ColorRGBA", r=r, g=g, b=b, a=a),
+            frame_locked=True,
+            **more,
+        )
+
+
+def _from_z(direction: FloatArray) -> FloatArray:
+    """The quaternion that turns z, the axis of a cylinder, into a direction, (4,)."""
+    axis = direction / np.linalg.norm(direction)
+    across = np.array([-axis[1], axis[0], 0.0])
+    sine = np.linalg.norm(across)
+    angle = np.arctan2(sine, axis[2])
+    turn = angle * across / sine if sine > 0 else np.array([angle, 0.0, 0.0])
+    return quaternion_from_rotation_vector(turn[None])[0]

@@ -1,0 +1,107 @@
+"""Sensors read what closed forms say: weightless in free fall, g at rest, rho g h under water."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from driftform.geometry import mass_properties
+from driftform.motion import accelerations_along
+from driftform.scenario import Fluid, Pipe, Scenario, Segment, UniformFlow
+from driftform.testing.bodies import cylinder_body, hollow_body
+from driftform.testing.renderer import drift
+from driftform.types import Agent, Coefficients, Trajectory
+from driftform_robotics import sensors
+
+PIPE = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0),))
+ORIGIN = np.zeros(3)
+
+
+@pytest.fixture
+def agent() -> Agent:
+    body = hollow_body()
+    return Agent(body, mass_properties(body), Coefficients(np.zeros((6, 6))))
+
+
+def pitched(angle: float) -> np.ndarray:
+    return np.array([np.cos(angle / 2), 0.0, np.sin(angle / 2), 0.0])
+
+
+def at(position: tuple[float, float, float], angle: float = 0.0) -> Trajectory:
+    """A flight of one sample, at rest."""
+    return Trajectory(np.zeros(1), np.array([position]), pitched(angle)[None], np.zeros((1, 6)), drift().end)
+
+
+def test_in_free_fall_an_accelerometer_at_the_centre_of_gravity_reads_nothing(agent: Agent) -> None:
+    vacuum = Scenario(flow=UniformFlow(speed=0.0), fluid=Fluid(density=1e-12))
+    flight = drift()
+    found = sensors.specific_force(
+        flight, accelerations_along(flight, agent, vacuum), agent.mass.cog, vacuum.fluid.gravity
+    )
+    assert np.abs(found).max() < 1e-9
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4, -1.2, np.pi / 2])
+def test_at_rest_it_reads_gravity_upward(agent: Agent, angle: float) -> None:
+    flight = at((1.0, 0.0, 0.0), angle)
+    found = sensors.specific_force(flight, np.zeros((1, 6)), ORIGIN, 9.81)
+    # Nose down by a pitch angle, the upward direction is behind.
+    assert found[0] == pytest.approx([-9.81 * np.sin(angle), 0.0, 9.81 * np.cos(angle)])
+
+
+def test_away_from_the_centre_of_a_turn_it_reads_the_centripetal_acceleration(agent: Agent) -> None:
+    flight = drift(turn=1.0)
+    rate = flight.velocity[0, 4]
+    none = np.zeros((len(flight.t), 6))
+    found = sensors.specific_force(flight, none, np.array([0.0, 0.0, 0.3]), 0.0)
+    assert found == pytest.approx(np.tile([0.0, 0.0, -0.3 * rate**2], (len(flight.t), 1)))
+
+
+def test_a_neutral_body_at_rest_in_water_reads_gravity(agent: Agent) -> None:
+    neutral = replace(agent, mass=replace(agent.mass, cob=agent.mass.cog))
+    density = agent.mass.mass / agent.mass.volume
+    scenario = Scenario(flow=UniformFlow(speed=0.0), fluid=Fluid(density=density))
+    flight = at((0.0, 0.0, 0.0))
+    moved_by = accelerations_along(flight, neutral, scenario)
+    found = sensors.specific_force(flight, moved_by, ORIGIN, 9.81)
+    assert found[0] == pytest.approx([0, 0, 9.81])
+
+
+def test_pressure_grows_by_an_atmosphere_in_ten_metres_of_fresh_water() -> None:
+    fresh = Fluid(density=999.1)
+    found = sensors.pressure(np.array([2.0, 0.0, -10.0]), 0.0, fresh)
+    assert found == pytest.approx([101_325, 101_325, 101_325 + 999.1 * 9.81 * 10])
+    assert found[2] / found[0] == pytest.approx(2.0, abs=0.05)
+
+
+def test_the_surface_is_the_water_level_or_the_top_of_the_pipe() -> None:
+    assert sensors.surface_height(Scenario(pipe=PIPE)) == 1.0
+    level = Scenario(pipe=PIPE, fluid=Fluid(water_level=0.4))
+    assert sensors.surface_height(level) == 0.4
+    assert sensors.surface_height(Scenario()) == 0.0
+    steep = Segment(start=(0.0, 0.0, 0.0), end=(3.0, 0.0, 4.0), radius=1.0)
+    assert sensors.surface_height(Scenario(pipe=Pipe(segments=(steep,)))) == pytest.approx(0.6)
+
+
+def test_distance_is_that_of_the_nearest_point_of_the_wall() -> None:
+    points = np.array([[1.0, 0.0, 0.0], [2.0, 0.0, -0.9], [3.0, 0.6, 0.8], [4.0, 0.0, 1.1]])
+    assert sensors.wall_distance(points, PIPE) == pytest.approx([1.0, 0.1, 0.0, -0.1])
+
+
+def test_clearance_of_a_cylinder_along_the_pipe_and_across_it() -> None:
+    cylinder = cylinder_body(0.4, 0.1)
+    along = sensors.clearance(at((1.0, 0.0, -0.5)), cylinder, PIPE)
+    assert along == pytest.approx([0.4])
+    # Upright in the middle, the rims at z = 0.2 and -0.2 reach farthest from the axis at y = 0.1.
+    across = sensors.clearance(at((1.0, 0.0, 0.0), np.pi / 2), cylinder, PIPE)
+    assert across == pytest.approx([1 - np.hypot(0.2, 0.1)], abs=2e-5)
+
+
+def test_a_sensor_is_where_it_is_mounted() -> None:
+    flight = at((1.0, 0.2, -0.3), np.pi / 2)
+    assert sensors.places(flight, np.array([0.1, 0.0, 0.0]))[0] == pytest.approx([1.0, 0.2, -0.4])
+
+
+def test_without_noise_readings_are_the_same() -> None:
+    values, rng = np.arange(5.0), np.random.default_rng(0)
+    assert np.array_equal(sensors.noisy(values, 0.0, rng), values)

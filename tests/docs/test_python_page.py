@@ -1,0 +1,81 @@
+"""The examples of docs/python.md, one after the other, and the notebook that goes with it."""
+
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import nbformat
+import pytest
+
+PAGE = "python.md"
+NOTEBOOK = Path(__file__).parents[2] / "docs" / "notebooks" / "first-steps.ipynb"
+
+
+@pytest.fixture(scope="module")
+def printed(
+    tmp_path_factory: pytest.TempPathFactory, blocks: list[Any]
+) -> Iterator[tuple[Path, dict[str, str]]]:
+    """The directory in which the examples ran, and what each printed."""
+    from contextlib import redirect_stdout
+    from io import StringIO
+
+    folder = tmp_path_factory.mktemp("python")
+    out: dict[str, str] = {}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        for block in (b for b in blocks if b.page == PAGE and b.language == "python"):
+            stream = StringIO()
+            with redirect_stdout(stream):
+                exec(compile("\n" * block.line + block.text, PAGE, "exec"), {"__name__": "__docs__"})
+            out[block.file] = stream.getvalue()
+        yield folder, out
+
+
+def test_the_first_example_ends_with_a_mesh(printed: tuple[Path, dict[str, str]]) -> None:
+    folder, out = printed
+    assert "passes TP3 by" in out["first.py"]
+    assert (folder / "parts" / "tp3.stl").stat().st_size > 84
+    assert (folder / "runs" / "first" / "best" / "TP7" / "agent.json").is_file()
+
+
+def test_ten_lines_are_enough(blocks: list[Any]) -> None:
+    [block] = [b for b in blocks if b.page == PAGE and b.file == "first.py"]
+    assert len([line for line in block.text.splitlines() if line]) <= 10
+
+
+def test_a_wrong_key_is_told_in_the_example(printed: tuple[Path, dict[str, str]]) -> None:
+    assert printed[1]["study.py"].startswith("0.8 m/s, 500 evaluations\n")
+    assert "did you mean 'speed'?" in printed[1]["study.py"]
+
+
+def test_a_run_is_opened_and_tabled(printed: tuple[Path, dict[str, str]]) -> None:
+    out = printed[1]["run.py"]
+    assert "TP3:" in out and "TP7:" in out and "fitness_TP3" in out
+
+
+def test_agents_are_flown_and_written(printed: tuple[Path, dict[str, str]]) -> None:
+    folder, out = printed
+    assert out["agents.py"].count(" m/s: ") == 3
+    assert (folder / "parts" / "by_hand.scad").is_file()
+
+
+def test_the_notebook_is_stored_without_outputs() -> None:
+    notebook = nbformat.read(NOTEBOOK, as_version=4)
+    assert all(c.outputs == [] and c.execution_count is None for c in notebook.cells if c.cell_type == "code")
+
+
+def test_the_notebook_runs_and_shows_pictures(tmp_path: Path) -> None:
+    with warnings.catch_warnings():
+        # The packages of Jupyter announce to each other what they will change.
+        warnings.simplefilter("ignore", DeprecationWarning)
+        from nbclient import NotebookClient
+
+    notebook = nbformat.read(NOTEBOOK, as_version=4)
+    NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
+    shown = [output.data for output in outputs if output.output_type == "execute_result"]
+    assert sum("text/html" in data for data in shown) == 4
+    assert sum("image/svg+xml" in data for data in shown) == 2
+    assert shown[-1]["text/plain"] == "['tp3.stl']"
+    assert [output for output in outputs if output.output_type == "error"] == []

@@ -1,0 +1,266 @@
+"""driftform as a notebook uses it."""
+
+import re
+import subprocess
+import sys
+from base64 import b64decode
+from collections.abc import Callable
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import driftform as df
+from driftform.agent_file import agent_document, read_agent
+from driftform.api import Run
+from driftform.cli.app import app
+from driftform.errors import InputError
+from driftform.study import Study
+
+WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
+
+
+def small(**run: int) -> Study:
+    return df.load_study(
+        "pipe-inspection",
+        targets=["TP3", "TP7"],
+        use={"simulator": "native"},
+        run={"seed": 1, "evaluations": 20, **run},
+    )
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    return df.evolve(small(), tmp_path_factory.mktemp("api") / "run", progress=False)
+
+
+def pictures(html: str) -> list[ET.Element]:
+    found = re.findall(r"data:image/svg\+xml;base64,([A-Za-z0-9+/=]+)", html)
+    return [ET.fromstring(b64decode(data)) for data in found]
+
+
+def cells(html: str) -> list[list[str]]:
+    """The rows of all tables of a piece of HTML, which must be well formed."""
+    body = re.sub(r"<img [^>]*>", "", html)
+    return [["".join(td.itertext()) for td in tr] for tr in ET.fromstring(f"<div>{body}</div>").iter("tr")]
+
+
+def test_the_package_offers_what_it_names_and_nothing_else() -> None:
+    assert {"agent", "evolve", "load_study", "open_run"} <= set(dir(df))
+    assert all(getattr(df, name) is not None for name in df.__all__)
+    with pytest.raises(AttributeError, match="evolv"):
+        df.evolv  # noqa: B018
+
+
+def test_a_name_is_imported_when_it_is_asked_for_and_not_before() -> None:
+    code = (
+        "import sys, driftform as df; a = 'numpy' in sys.modules; df.agent; print(a, 'numpy' in sys.modules)"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert out.split() == ["False", "True"]
+
+
+def test_evolve_leaves_the_run_that_the_command_leaves(run: Run, tmp_path: Path) -> None:
+    words = ["--target", "TP3", "--target", "TP7", "--simulator", "native", "--evaluations", "20"]
+    result = CliRunner().invoke(
+        app, ["evolve", *words, "--seed", "1", "--workers", "1", "--out", str(tmp_path / "run")]
+    )
+    assert result.exit_code == 0, result.stderr
+    for target in run:
+        ours, theirs = (p / "best" / target / "agent.json" for p in (run.path, tmp_path / "run"))
+        assert agent_document(read_agent(ours)) == agent_document(read_agent(theirs))
+    names = {str(p.relative_to(run.path)) for p in run.path.rglob("*") if p.is_file()}
+    theirs_names = {
+        str(p.relative_to(tmp_path / "run")) for p in (tmp_path / "run").rglob("*") if p.is_file()
+    }
+    assert {n for n in names if "run.db-" not in n} == {n for n in theirs_names if "run.db-" not in n}
+
+
+def test_a_finished_run_is_returned_without_flying(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    from driftform.pipeline import Pipeline
+
+    def refuse(*_: object) -> None:
+        raise AssertionError("flown again")
+
+    monkeypatch.setattr(Pipeline, "evaluate", refuse)
+    assert df.evolve(small(), run.path, progress=False).best() == run.best()
+
+
+def test_an_interrupted_run_goes_on_to_the_same_end(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from driftform.pipeline import Pipeline
+
+    evaluate: Callable[..., object] = Pipeline.evaluate
+    calls = 0
+
+    def stop_at_the_third(*args: object, **kwargs: object) -> object:
+        nonlocal calls
+        calls += 1
+        if calls == 3:
+            raise KeyboardInterrupt
+        return evaluate(*args, **kwargs)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Pipeline, "evaluate", stop_at_the_third)
+        with pytest.raises(KeyboardInterrupt):
+            df.evolve(small(), tmp_path / "run", progress=False)
+    assert 0 < len(df.open_run(tmp_path / "run").evaluations()["genome"]) < 20
+    assert df.evolve(small(), tmp_path / "run", progress=False).best() == run.best()
+
+
+def test_progress_goes_to_stderr(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    df.evolve(small(evaluations=2), tmp_path / "run")
+    out, err = capsys.readouterr()
+    assert out == "" and "2/2 evaluations" in err
+
+
+def test_another_study_is_kept_out_of_a_run(run: Run) -> None:
+    with pytest.raises(InputError, match="holds a run with other settings"):
+        df.evolve(small(seed=2), run.path, progress=False)
+
+
+def test_nothing_is_written_where_something_else_is(tmp_path: Path) -> None:
+    (tmp_path / "thesis.tex").write_text("mine")
+    with pytest.raises(InputError, match="is not empty"):
+        df.evolve(small(), tmp_path)
+    assert [p.name for p in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+@pytest.mark.parametrize("workers", [0, -1])
+def test_no_workers_are_refused(workers: int, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=f"workers = {workers}"):
+        df.evolve(small(), tmp_path / "run", workers=workers)
+    assert not (tmp_path / "run").exists()
+
+
+def test_what_cannot_be_written_is_warned_of_and_the_run_is_there(tmp_path: Path) -> None:
+    from driftform.errors import WorkFailedError
+
+    class Broken:
+        suffix = ".x"
+
+        def write(self, *_: object) -> None:
+            raise WorkFailedError("no such shape")
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Study, "exporter", lambda *_: Broken())
+        with pytest.warns(UserWarning, match=r"agent\.x: not written: no such shape"):
+            run = df.evolve(small(evaluations=2), tmp_path / "run", progress=False)
+    assert set(run.best()) == {"TP3", "TP7"}
+
+
+def test_a_run_is_a_mapping_of_targets(run: Run) -> None:
+    assert list(run) == ["TP3", "TP7"] and len(run) == 2
+    assert "TP3" in run and "TP9" not in run and run.get("TP9") is None
+    with pytest.raises(KeyError) as told:
+        run["TP33"]
+    assert isinstance(told.value, InputError)
+    assert str(told.value).endswith("has no target 'TP33'; did you mean 'TP3'?")
+
+
+def test_the_best_is_the_largest_fitness_of_the_table(run: Run) -> None:
+    columns = run.evaluations()
+    assert {len(values) for values in columns.values()} == {20}
+    for target, found in run.best().items():
+        fitness = columns[f"fitness_{target}"]
+        assert found["fitness"] == max(fitness) and found["evaluation"] == int(np.argmax(fitness))
+        assert run[target].genome == columns["genome"][found["evaluation"]]
+
+
+def test_a_directory_without_a_run_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="is not a run directory"):
+        df.open_run(tmp_path)
+
+
+def test_an_agent_flies_again_as_in_its_run(run: Run) -> None:
+    best = run["TP7"]
+    flight = best.simulate()
+    assert flight.fitness["TP7"] == pytest.approx(best.result["fitness"], abs=1e-9)
+    # Equation 25: fitness falls linearly to zero at the farthest distance in the pipe.
+    d_max = best.scenario.pipe.farthest_distance(np.array(best.scenario.targets["TP7"]))
+    assert flight.closest["TP7"] == pytest.approx(d_max * (1 - flight.fitness["TP7"] / 100), rel=1e-6)
+    assert str(flight.end) in repr(flight)
+
+
+def test_a_flight_as_columns_is_its_trajectory(run: Run) -> None:
+    flight = run["TP3"].simulate()
+    columns = flight.columns()
+    path = np.column_stack([columns[axis] for axis in "xyz"])
+    assert np.array_equal(path, flight.trajectory.position)
+    assert np.array_equal(columns["t"], flight.trajectory.t)
+
+
+def test_other_surroundings_add_up_and_leave_the_agent_as_it_is() -> None:
+    agent = df.agent(WORD, use={"simulator": "native"})
+    other = agent.under("flow.speed=0.8").under("fluid.density=1025")
+    assert (other.scenario.flow.speed, other.scenario.fluid.density) == (0.8, 1025)
+    assert (agent.scenario.flow.speed, other.result, other.genome) == (1.0, {}, agent.genome)
+    gained = 1025 - agent.scenario.fluid.density
+    lift = gained * agent.mass.volume * agent.scenario.fluid.gravity
+    assert other.net_buoyancy == pytest.approx(agent.net_buoyancy + lift)
+
+
+def test_a_written_agent_holds_the_surroundings_it_was_put_in(tmp_path: Path) -> None:
+    agent = df.agent(WORD).under("fluid.density=1025")
+    [path] = agent.export("3mf", tmp_path / "new" / "word.3mf")
+    import json
+    import zipfile
+
+    document = json.loads(zipfile.ZipFile(path).read("Metadata/agent.json"))
+    assert document["environment"]["fluid"]["density"] == 1025
+
+
+def test_an_unknown_setting_or_format_is_told_in_one_line() -> None:
+    agent = df.agent(WORD)
+    with pytest.raises(InputError, match="did you mean 'speed'"):
+        agent.under("flow.sped=1")
+    with pytest.raises(InputError, match="did you mean 'stl'"):
+        agent.export("stll")
+
+
+def test_facts_are_those_that_inspect_tells() -> None:
+    agent = df.agent(WORD, use={"simulator": "native"})
+    facts = agent.inspect()
+    assert facts["mass"] == agent.mass.mass and facts["length"] == agent.length
+    assert facts["net_buoyancy"] == pytest.approx(agent.net_buoyancy)
+    assert facts["max_diameter"] == agent.max_diameter
+    assert len(facts["modules"]) == 3 and "3 modules" in repr(agent)
+
+
+def test_an_agent_shows_its_section(run: Run) -> None:
+    best = run["TP3"]
+    [drawing] = pictures(best._repr_html_())
+    assert drawing.tag.endswith("svg")
+    assert ET.tostring(drawing) == ET.tostring(ET.fromstring(best._repr_svg_()))
+    assert any(best.name in text for text in drawing.itertext())
+
+
+def test_a_run_shows_its_overview_and_its_targets(run: Run) -> None:
+    html = run._repr_html_()
+    assert len(pictures(html)) == 1
+    header, *rows = cells(html)
+    assert header[0] == "target" and [row[0] for row in rows] == ["TP3", "TP7"]
+    for row in rows:
+        assert float(row[2]) == pytest.approx(run.best()[row[0]]["fitness"], abs=1e-3)
+
+
+def test_a_flight_shows_its_path_and_what_it_scores(run: Run) -> None:
+    flight = run["TP3"].simulate()
+    html = flight._repr_html_()
+    assert len(pictures(html)) == 1
+    assert [row[0] for row in cells(html)[1:]] == ["TP3", "TP7"]
+
+
+def test_a_study_shows_its_plugins_and_targets_and_fits_a_line() -> None:
+    study = small()
+    rows = cells(study._repr_html_())
+    assert ["simulator", "native"] in rows and ["TP3", "3", "0", "-0.7"] in rows
+    assert "\n" not in repr(study) and len(repr(study)) < 120 and "seed 1" in repr(study)
+
+
+def test_names_of_others_are_text_in_html() -> None:
+    study = df.load_study("pipe-inspection", ['title="<script>alert(1)</script>"'], run={"seed": 1})
+    assert "<script>" not in study._repr_html_()
