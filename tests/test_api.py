@@ -152,6 +152,22 @@ def test_what_cannot_be_written_is_warned_of_and_the_run_is_there(tmp_path: Path
     assert set(run.best()) == {"TP3", "TP7"}
 
 
+def test_a_script_needs_no_guard_for_its_workers(run: Run, tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import driftform as df\n"
+        "study = df.load_study('pipe-inspection', targets=['TP3', 'TP7'], use={'simulator': 'native'},\n"
+        "                      run={'seed': 1, 'evaluations': 20})\n"
+        "print(df.evolve(study, 'run', workers=2, progress=False).best())\n"
+        "print(__file__)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, script], cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False
+    )
+    assert done.stderr == ""
+    assert done.stdout.splitlines() == [str(run.best()), str(script)]
+
+
 def test_a_run_is_a_mapping_of_targets(run: Run) -> None:
     assert list(run) == ["TP3", "TP7"] and len(run) == 2
     assert "TP3" in run and "TP9" not in run and run.get("TP9") is None

@@ -298,8 +298,7 @@ def evolve(
     directory
         where the run is written; see ``docs/dataflow.md`` for its files.
     workers
-        processes. With more than one, a script needs ``if __name__ == "__main__":``, because they import it; a notebook
-        does not. The result does not depend on it.
+        processes; the result does not depend on it.
     progress
         tell on stderr how far it is.
 

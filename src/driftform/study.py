@@ -116,7 +116,7 @@ class Study:
         return checker
 
     def __repr__(self) -> str:
-        """A line: the document fills a screen, and is there to be asked for."""
+        # The document fills a screen, and is there to be asked for.
         title = self.document.get("title", "a study")
         return f"<Study {title}: {len(self.scenario.targets)} targets, seed {self.seed}>"
 

@@ -8,7 +8,9 @@ from typing import Any
 import pytest
 import trimesh
 
-LONG = "addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addB-tiltn-1-L-moveB-addB-tiltn-1-L-moveB"
+LONG = (
+    "addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addB-tiltn-1-L-moveB-addB-tiltn-1-L-moveB"
+)
 """Straight ahead of the core, narrower behind it."""
 
 Call = Callable[..., Any]

@@ -60,7 +60,7 @@ def panel(root: ET.Element, title: str, left: float, top: float) -> None:
     if kit.hull.core > middle - SPAN:
         add(root, "path", d=polyline(at(*ball.T), closed=True), fill=tint(MUTED, 0.25))
     for index, piece in enumerate(kit.pieces):
-        for ring in _within(piece.rings[0], clip + (middle, 0.0)):
+        for ring in _within(piece.rings[0], clip + np.array([middle, 0.0])):
             add(root, "path", d=polyline(at(ring[:, 0], ring[:, 1]), closed=True), fill=colour_of(index))
     add(root, "path", d=f"M{left} {axis:g}H{left + WIDTH:g}", stroke=MUTED, stroke_dasharray="12 3 2 3")
     add(root, "text", title, x=left, y=top - 12, font_size=13, fill=INK)

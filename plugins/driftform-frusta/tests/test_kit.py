@@ -334,6 +334,8 @@ def test_what_cannot_be_made_is_refused_with_its_reason(body, options, why):
     [
         ([], "no cavity"),
         ([[-0.03, 0], [-0.03, 0.01875], [0.03, 0.01875], [0.03, 0]], "touches the outer contour"),
+        ([[-0.02, 0], [-0.02, 0.009], [0.02, 0.009], [0.02, 0]], "core of 10 mm radius does not fit"),
+        ([[0.001, 0], [0.001, 0.018], [0.02, 0.018], [0.02, 0]], "core of 10 mm radius does not fit"),
         ([[-0.02, 0], [0.02, 0.015], [-0.02, 0.018], [0.02, 0]], "folds back"),
     ],
 )

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from driftform.interfaces import Grammar
 from driftform.types import Genome
 from driftform_lsystem import driftform_grammar
 from driftform_lsystem.grammar import LSystemGrammar
@@ -120,6 +121,14 @@ def test_mutation_at_rate_one_flips_every_symbol_but_the_core():
         mutant = GRAMMAR.mutate(genome, rng, 1.0)
         same = [new for new, old in zip(mutant.symbols, genome.symbols, strict=True) if new == old]
         assert same == [symbol for symbol in genome.symbols if symbol == "C"]
+
+
+@given(seed=SEEDS, rate=st.floats(0, 1))
+def test_to_mutate_is_to_flip_one_symbol_after_the_other(seed, rate):
+    genome = GRAMMAR.random(rng_of(seed))
+    one, other = rng_of(seed), rng_of(seed)
+    assert GRAMMAR.mutate(genome, one, rate) == Grammar.mutate(GRAMMAR, genome, other, rate)
+    assert one.random() == other.random()
 
 
 @given(seed=SEEDS)

@@ -60,7 +60,7 @@ def test_nothing_goes_through_the_wall() -> None:
             assert abs(at_wall) < 0.01 * steepest
 
 
-@pytest.mark.parametrize("tau", [0.001, 0.002, NEAR])
+@pytest.mark.parametrize("tau", [0.002, NEAR])
 def test_near_the_leak_the_closed_form_and_the_series_are_the_same(tau: float) -> None:
     deviation = np.sqrt(2 * tau)
     down, along = (grid.ravel() for grid in np.meshgrid(np.arange(0, 2.5, 0.25), np.arange(0, 2.5, 0.25)))

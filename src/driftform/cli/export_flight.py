@@ -20,13 +20,13 @@ def export_flight(
     simulator: Simulator = None,
     hydrodynamics: Hydrodynamics = None,
     rate_hz: Annotated[
-        float | None,
+        float,
         typer.Option(
             "--rate-hz",
             metavar="HZ",
-            help="Samples for each second of the flight; by default those of the simulator.",
+            help="Samples for each second of the flight; 0 for those of the simulator.",
         ),
-    ] = None,
+    ] = 100.0,
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="DIR", help="Directory for the files; by default flights/AGENT."),
@@ -50,14 +50,14 @@ def export_flight(
             registry().find("recorder", name)
         except InputError as error:
             raise InputError(f"--format {name}: {error}") from None
-    if rate_hz is not None and not 0 < rate_hz <= MOST:
-        raise InputError(f"--rate-hz {rate_hz:g}: should be more than 0, and at most {MOST:g}")
+    if not 0 <= rate_hz <= MOST:
+        raise InputError(f"--rate-hz {rate_hz:g}: should be from 0 to {MOST:g}")
     opened = open_agent(
         agent, scenario, settings or (), {"simulator": simulator, "hydrodynamics": hydrodynamics}
     )
     folder = make_directory(out or Path("flights") / opened.name)
     flight = opened.fly()
-    if rate_hz is not None:
+    if rate_hz:
         flight = resampled(flight, rate_hz)
     specimen = opened.specimen()
     written = []

@@ -6,7 +6,9 @@ import typer
 
 from driftform.cli.options import Json
 
-app = typer.Typer(help="The built-in scenarios, as TOML to copy.", invoke_without_command=True)
+app = typer.Typer(
+    help="The built-in scenarios, as TOML to copy, and a look at your own.", invoke_without_command=True
+)
 
 
 @app.callback()
@@ -58,3 +60,50 @@ def show(
         print_json({"name": name, "scenario": tomllib.loads(texts[name])})
     else:
         print(texts[name], end="")
+
+
+@app.command("check")
+def check(
+    file: Annotated[
+        str,
+        typer.Argument(
+            metavar="FILE", help="Study file, or the name of a built-in scenario.", show_default=False
+        ),
+    ],
+    json: Json = False,
+) -> None:
+    """Check a study without running it: tell all that is wrong with it, or else what it holds."""
+    from driftform.cli.output import print_json
+    from driftform.study import NAMED, SELECTED, load_study
+
+    study = load_study(file)
+    document, scenario = study.document, study.scenario
+    found = {
+        "file": file,
+        "title": document.get("title", ""),
+        "targets": dict(scenario.targets),
+        "pipe": len(scenario.pipe.segments),
+        "flow": scenario.flow.kind,
+        "plugins": {seam: document[seam]["use"] for seam in SELECTED},
+        "options": {seam: list(document[seam]) for seam in NAMED},
+        "evaluations": study.evaluations,
+        "formats": list(study.run.formats),
+    }
+    if json:
+        print_json(found)
+        return
+    print(f"{file} is sound" + (f": {found['title']}" if found["title"] else ""))
+    targets = f"{len(scenario.targets)}: {', '.join(scenario.targets)}" if scenario.targets else "none"
+    segments = f"{found['pipe']} segment{'s' * (found['pipe'] != 1)}" if found["pipe"] else "none: open water"
+    rows = {
+        "targets": targets,
+        "pipe": segments,
+        "flow": found["flow"],
+        **found["plugins"],
+        **{seam: f"options of {', '.join(names)}" for seam, names in found["options"].items() if names},
+        "evaluations": str(study.evaluations),
+        "files": ", ".join(study.run.formats),
+    }
+    width = max(map(len, rows))
+    for name, value in rows.items():
+        print(f"  {name:{width}}  {value}")

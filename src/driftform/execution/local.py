@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
@@ -74,7 +75,7 @@ class _Pool:
         )
 
     def submit(self, batch: Sequence[Job]) -> "Future[list[Outcome]]":
-        with interrupts_held_back():
+        with interrupts_held_back(), script_left_out():
             return self._executor.submit(_work, batch)
 
     def close(self) -> None:
@@ -97,6 +98,21 @@ def interrupts_held_back() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def script_left_out() -> Iterator[None]:
+    """Worker processes that start meanwhile do not import the script that asks for them: they need nothing of it.
+
+    One without ``if __name__ == "__main__":`` would ask again in each of them.
+    """
+    names = vars(sys.modules["__main__"])
+    kept = {name: names.pop(name) for name in ("__spec__", "__file__") if name in names}
+    names["__spec__"] = None
+    try:
+        yield
+    finally:
+        names.update(kept)
 
 
 _document: Mapping[str, Any]

@@ -48,11 +48,22 @@ class LSystemGrammar(Grammar[LSystemOptions]):
         """
         self._check(genome)
         symbols = list(genome.symbols)
-        place = PLACE.get(symbols[index])
-        if place is None:
-            return genome
-        others = [symbol for symbol in QUINTUPLE[place] if symbol != symbols[index]]
-        symbols[index] = others[rng.integers(len(others))]
+        _flip(symbols, index, rng)
+        return self._genome(symbols)
+
+    def mutate(self, genome: Genome, rng: np.random.Generator, rate: float) -> Genome:
+        """Return the genome with each symbol flipped with probability ``rate``.
+
+        Raises
+        ------
+        ValueError
+            where the genome is not one of this grammar.
+        """
+        # As the base class has it, but checked once and not for every flip: it is most of what a strategy costs.
+        self._check(genome)
+        symbols = list(genome.symbols)
+        for index in np.flatnonzero(rng.random(len(symbols)) < rate).tolist():
+            _flip(symbols, index, rng)
         return self._genome(symbols)
 
     def crossover(self, a: Genome, b: Genome, rng: np.random.Generator) -> tuple[Genome, Genome]:
@@ -127,3 +138,11 @@ class LSystemGrammar(Grammar[LSystemOptions]):
         fault = checking.fault(genome.symbols)
         if fault is not None:
             raise ValueError(fault)
+
+
+def _flip(symbols: list[str], index: int, rng: np.random.Generator) -> None:
+    """Change one symbol to another of its class, in place; the core's letter has no other."""
+    place = PLACE.get(symbols[index])
+    if place is not None:
+        others = [symbol for symbol in QUINTUPLE[place] if symbol != symbols[index]]
+        symbols[index] = others[rng.integers(len(others))]

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from manifold3d import CrossSection, FillRule, JoinType
 
 from driftform.errors import WorkFailedError
-from driftform.geometry import Moments, solid_of_revolution
+from driftform.geometry import Moments, distance_from, solid_of_revolution
 from driftform.types import Body, FloatArray
 from driftform_frusta.csg import Point
 
@@ -98,6 +98,12 @@ def hull_of(body: Body) -> Hull:
         if (np.diff(contour[:, 0]) < 0).any():
             raise WorkFailedError(f"no kit can be made: the hull's {what} folds back along the axis")
         contours.append(MM * contour)
+    room = float(distance_from(np.zeros((1, 2)), body.cavity)[0])
+    if room < body.core.radius or not body.cavity[0, 0] < 0 < body.cavity[-1, 0]:
+        raise WorkFailedError(
+            f"no kit can be made: a core of {MM * body.core.radius:g} mm radius does not fit into the hull's cavity, which "
+            f"comes as near as {MM * room:.2f} mm to its centre"
+        )
     skin, bore = contours
     return Hull(
         outer=_both_sides(skin),

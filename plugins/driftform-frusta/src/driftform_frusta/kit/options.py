@@ -21,11 +21,15 @@ _Length = Annotated[float, Field(gt=0, le=10, strict=True)]
 
 
 class KitOptions(Table):
-    """A hull in parts that take the core; each option is of effect with ``kit`` only."""
+    """A hull in parts that take the core; the other options say how, where ``kit`` is true."""
 
     kit: bool = option(False, "cut the hull into parts that take the core and are joined again")
     clearance: float = option(
-        0.0002, "gap between parts that fit into each other, and between seat and core", "m", ge=0.00005, le=0.002
+        0.0002,
+        "gap between parts that fit into each other, and between seat and core",
+        "m",
+        ge=0.00005,
+        le=0.002,
     )
     joint: Literal["auto", "sleeve", "rabbet"] = option(
         "auto",
@@ -33,9 +37,9 @@ class KitOptions(Table):
         "the core's equator where the core leaves no room for it; 'rabbet', a step in the thickness of the wall, at "
         "the equator; 'auto': a sleeve where there is room for one",
     )
-    sleeve: float = option(0.0012, "thickness of a sleeve", "m", gt=0, le=0.01)
+    sleeve: float = option(0.0012, "thickness of a sleeve", "m", ge=0.0004, le=0.01)
     lap: float = option(
-        0.006, "length of a sleeve in the other part; a rabbet has half of it", "m", gt=0, le=0.05
+        0.006, "length of a sleeve in the other part; a rabbet has half of it", "m", ge=0.002, le=0.05
     )
     o_ring: float = option(
         0.0,

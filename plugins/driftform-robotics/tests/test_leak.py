@@ -1,0 +1,146 @@
+"""The fitness of what a chemical sensor sees, and the search for a leak by it."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from driftform.errors import InputError
+from driftform.interfaces import Fitness
+from driftform.scenario import Pipe, Scenario, Segment, UniformFlow
+from driftform.study import Study, load_study
+from driftform.testing import FitnessContract
+from driftform.testing.fitness import straight_flight
+from driftform.types import Trajectory
+from driftform_robotics.leak import Leak, LeakOptions
+from driftform_robotics.plume import plume_of
+
+PIPE = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(16.0, 0.0, 0.0), radius=0.5),))
+
+
+def scenario(*leaks: tuple[float, float, float], speed: float = 1.0) -> Scenario:
+    targets = {f"L{i}": leak for i, leak in enumerate(leaks)}
+    return Scenario(pipe=PIPE, targets=targets, flow=UniformFlow(speed=speed))
+
+
+def along(y: float, z: float, seconds: float = 16.0) -> Trajectory:
+    return straight_flight((0.0, y, z), (16.0, y, z), np.linspace(0, seconds, 41))
+
+
+class TestLeakContract(FitnessContract):
+    def plugin(self) -> Fitness[Any]:
+        return Leak(LeakOptions())
+
+
+def test_drifting_along_the_leaking_wall_is_almost_perfect() -> None:
+    """With a sensor of a threshold far below what is there, each reading counts one."""
+    leak = Leak(LeakOptions(threshold=1e-9))
+    [score] = leak.score(along(0.49, 0.0), scenario((2.0, 0.5, 0.0)))
+    assert score == pytest.approx(100, abs=1)
+
+
+def test_a_reading_at_the_threshold_counts_half() -> None:
+    """An agent that stays where the concentration is C, while the water takes 14 s to the end of the pipe."""
+    there, surroundings = (5.0, 0.3, 0.1), scenario((2.0, 0.5, 0.0))
+    C = plume_of(surroundings, (2.0, 0.5, 0.0), 0.001).concentration(np.array([there]))[0]
+    still = straight_flight(there, there, np.linspace(0, 7.0, 8))
+    for share, expected in ((1.0, 25.0), (3.0, 37.5), (1 / 3, 12.5)):
+        leak = Leak(LeakOptions(threshold=C / share))
+        assert leak.score(still, surroundings) == pytest.approx([expected], rel=1e-6)
+
+
+def test_nearer_to_the_plume_is_better_also_outside_of_it() -> None:
+    leak, surroundings = Leak(LeakOptions()), scenario((2.0, 0.5, 0.0))
+    scores = [leak.score(along(0.0, z), surroundings)[0] for z in (0.48, 0.4, 0.3, 0.2, 0.1, 0.0)]
+    assert scores == sorted(scores) and len(set(scores)) == len(scores)
+    assert 0 < scores[0] < 0.5 * scores[-1]
+
+
+def test_every_leak_has_a_plume_of_its_own() -> None:
+    leak = Leak(LeakOptions())
+    both = scenario((2.0, 0.5, 0.0), (2.0, -0.5, 0.0))
+    left, right = leak.score(along(0.4, 0.0), both)
+    assert left > 2 * right
+    assert leak.score(along(-0.4, 0.0), both) == pytest.approx([right, left])
+
+
+def test_the_sensor_is_where_it_is_mounted() -> None:
+    surroundings = scenario((2.0, 0.5, 0.0))
+    at_side = Leak(LeakOptions(sensor=(0.0, 0.2, 0.0))).score(along(0.1, 0.0), surroundings)
+    assert at_side == pytest.approx(Leak(LeakOptions()).score(along(0.3, 0.0), surroundings))
+
+
+def test_who_stays_longer_sees_more_but_never_more_than_all() -> None:
+    leak, surroundings = Leak(LeakOptions()), scenario((2.0, 0.5, 0.0))
+    slow = leak.score(along(0.4, 0.0, seconds=20.0), surroundings)
+    assert slow > leak.score(along(0.4, 0.0), surroundings)
+    assert leak.score(along(0.4, 0.0, seconds=100.0), surroundings) == [100.0]
+
+
+def test_seconds_in_the_plume_are_those_above_the_threshold() -> None:
+    """Along the wall at the leak's height the concentration falls with the distance: it is in it from there on."""
+    surroundings = scenario((2.0, 0.5, 0.0))
+    plume = plume_of(surroundings, (2.0, 0.5, 0.0), 0.001)
+    C = plume.concentration(np.array([[9.0, 0.5, 0.0]]))[0]
+    leak = Leak(LeakOptions(threshold=C))
+    assert leak.seconds_in_plume(along(0.5, 0.0), surroundings) == pytest.approx([7.0], abs=0.06)
+
+
+def test_the_result_hardly_depends_on_how_often_the_sensor_is_read() -> None:
+    surroundings = scenario((2.0, 0.5, 0.0))
+    often, seldom = (
+        Leak(LeakOptions(interval=interval)).score(along(0.35, 0.1), surroundings)
+        for interval in (0.01, 0.05)
+    )
+    assert often == pytest.approx(seldom, rel=2e-3)
+
+
+def test_still_water_is_a_reason_and_no_score() -> None:
+    with pytest.raises(ValueError, match="stands still"):
+        Leak(LeakOptions()).score(along(0.0, 0.0), scenario((2.0, 0.5, 0.0), speed=0.0))
+
+
+def test_a_wrong_option_is_told_with_its_line(tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text('base = "leak-search"\n[fitness]\nthreshhold = 1e-5\n')
+    with pytest.raises(InputError, match=r"own\.toml:3: .*did you mean 'threshold'"):
+        load_study(str(path))
+
+
+def searched(seed: int, evaluations: int) -> tuple[float, np.ndarray]:
+    """Seconds in the plume of the agent that ``leak-search`` evolves, and of random ones of another seed."""
+    study = load_study("leak-search", run={"seed": seed, "evaluations": evaluations})
+    pipeline, strategy = study.pipeline(), study.strategy()
+    best, flown = (-1.0, None), 0
+    while flown < study.evaluations:
+        genomes = [candidate.genome for candidate in strategy.ask(study.evaluations - flown)]
+        outcomes = pipeline.evaluate(genomes, range(flown, flown + len(genomes)))
+        strategy.tell(flown, outcomes)
+        flown += len(genomes)
+        best = max([best, *((float(o.fitness[0]), o.genome) for o in outcomes)], key=lambda pair: pair[0])
+    rng = np.random.default_rng(1000 + seed)
+    random = [pipeline.grammar.random(rng) for _ in range(max(40, evaluations // 3))]
+    return seconds(study, [best[1]])[0], seconds(study, random)
+
+
+def seconds(study: Study, genomes: list[Any]) -> np.ndarray:
+    pipeline = study.pipeline()
+    flights = pipeline.fly([pipeline.agent(genome) for genome in genomes])
+    leak = pipeline.fitness
+    assert isinstance(leak, Leak)
+    return np.array([leak.seconds_in_plume(flight, study.scenario)[0] for flight in flights])
+
+
+def test_leak_search_finds_an_agent_that_is_in_the_plume_twice_as_long_as_others() -> None:
+    evolved, random = searched(3, 60)
+    assert np.median(random) > 0.5
+    assert evolved > 2 * np.median(random)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_leak_search_does_so_whatever_the_seed(seed: int) -> None:
+    evolved, random = searched(seed, 300)
+    assert np.median(random) > 0.5
+    assert evolved > 4 * np.median(random)
