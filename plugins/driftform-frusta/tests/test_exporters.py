@@ -21,7 +21,7 @@ from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.stl import StlExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
 from driftform_frusta.solid import to_manifold
-from driftform_frusta.stl import is_closed, signed_volume, surface_area, weld, write_binary_stl
+from driftform_frusta.stl import binary_stl, is_closed, signed_volume, surface_area, weld
 
 EACH = pytest.mark.parametrize(
     "exporter", [StlExporter, ScadExporter, GlbExporter, ObjExporter, PlyExporter, ThreeMfExporter]
@@ -256,11 +256,9 @@ def test_an_existing_file_is_replaced_whole_and_identically(exporter, wavy_body,
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_an_stl_file_is_laid_out_as_the_format_says(tmp_path):
+def test_an_stl_file_is_laid_out_as_the_format_says():
     vertices, triangles = box_mesh()
-    path = tmp_path / "box.stl"
-    write_binary_stl(path, vertices, triangles)
-    data = path.read_bytes()
+    data = binary_stl(vertices, triangles)
     assert len(data) == 84 + 50 * 12
     assert not data.startswith(b"solid")
     assert b"driftform" in data[:80]
@@ -274,12 +272,11 @@ def test_an_stl_file_is_laid_out_as_the_format_says(tmp_path):
     assert (np.einsum("ij,ij->i", normal, corners.mean(axis=1) - [0.5, 1, 1.5]) > 0).all()
 
 
-def test_coordinates_that_are_not_finite_are_never_written(tmp_path):
+def test_coordinates_that_are_not_finite_are_never_written():
     vertices, triangles = box_mesh()
     vertices[0, 0] = np.nan
     with pytest.raises(ValueError, match="not finite"):
-        write_binary_stl(tmp_path / "box.stl", vertices, triangles)
-    assert list(tmp_path.iterdir()) == []
+        binary_stl(vertices, triangles)
 
 
 def test_volume_and_surface_of_a_box_are_those_of_the_formulas():

@@ -4,12 +4,9 @@ An STL file holds loose triangles in single precision; a reader joins them again
 is the mesh after rounding and welding that must be closed, and that is the one to check and to write.
 """
 
-from pathlib import Path
-
 import numpy as np
 import numpy.typing as npt
 
-from driftform.files import write_whole
 from driftform.types import FloatArray
 
 # A reader that finds "solid" at the beginning takes the file for the text form of STL.
@@ -84,13 +81,11 @@ def surface_area(vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> float:
     return float(np.linalg.norm(_doubled_areas(_corners(vertices, triangles)), axis=1).sum() / 2)
 
 
-def write_binary_stl(path: Path, vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> None:
-    """Write a mesh as a little-endian binary STL file; normals follow from the triangles.
+def binary_stl(vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> bytes:
+    """Return a mesh as a little-endian binary STL file; normals follow from the triangles.
 
     Parameters
     ----------
-    path
-        the file; an existing one is replaced once the new one is complete.
     vertices
         mm, (n, 3); written in single precision.
     triangles
@@ -100,8 +95,6 @@ def write_binary_stl(path: Path, vertices: npt.ArrayLike, triangles: npt.ArrayLi
     ------
     ValueError
         where a coordinate is not finite.
-    OSError
-        where the file cannot be written; then there is none, or the former one still.
     """
     corners = _corners(np.asarray(vertices, dtype=np.float32), triangles)
     if not np.isfinite(corners).all():
@@ -111,8 +104,7 @@ def write_binary_stl(path: Path, vertices: npt.ArrayLike, triangles: npt.ArrayLi
     facets = np.zeros(len(corners), dtype=_FACET)
     facets["normal"] = np.divide(normals, size, out=np.zeros_like(normals), where=size > 0)
     facets["corners"] = corners
-    data = _HEADER + np.uint32(len(facets)).astype("<u4").tobytes() + facets.tobytes()
-    write_whole(path, lambda part: part.write_bytes(data))
+    return _HEADER + len(facets).to_bytes(4, "little") + facets.tobytes()
 
 
 def _corners(vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> FloatArray:

@@ -6,19 +6,14 @@ Specification: Khronos Group, "glTF 2.0 Specification" (ISO/IEC 12113:2022), sec
 import json
 import struct
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 
-from driftform.interfaces import Exporter, Specimen
-from driftform.options import Table
-from driftform.types import WrittenFile
+from driftform.types import FloatArray
 from driftform_frusta.colours import colour_of, linear
-from driftform_frusta.exporters.common import facts_of_all, save
-from driftform_frusta.kit.accounting import kit_facts
-from driftform_frusta.mesh import Mesh, mesh_of
-from driftform_frusta.parts import PartOptions, parts_of
+from driftform_frusta.exporters.meshes import JoinedFile
+from driftform_frusta.mesh import Mesh
 
 FRAME = 1e-3 * np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 """From the printed frame, mm with z up, to that of glTF, m with y up: a turn by -90 degrees about x."""
@@ -28,29 +23,16 @@ _ARRAY_BUFFER, _ELEMENT_ARRAY_BUFFER = 34962, 34963
 _JSON_CHUNK, _BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 
 
-class GlbExporter(Exporter[PartOptions]):
+class GlbExporter(JoinedFile):
     """The hull as GLB (glTF 2.0) in metres with y up, a named node for each part, where it is in the hull."""
 
     name = "glb"
     suffix = ".glb"
-    Options: ClassVar[type[Table]] = PartOptions
+    frame: ClassVar[FloatArray | None] = FRAME
 
-    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
-        """Write the scene; facts as those of ``stl``, or their sums and the ``parts``.
-
-        Raises
-        ------
-        WorkFailedError
-            where the body has no closed printable solid, or the file cannot be written.
-        """
-        body = specimen.agent.body
-        parts = parts_of(body, self.options)
-        meshes = {part.name: mesh_of(part.solid, part.name, FRAME) for part in parts}
-        save(path, glb_bytes(specimen.name, meshes))
-        triangles = sum(len(mesh.triangles) for mesh in meshes.values())
-        facts = facts_of_all(parts, body) | {"triangles": triangles, "watertight": True}
-        facts |= kit_facts(specimen, self.options)
-        return (WrittenFile(self.name, str(path), facts),)
+    def encode(self, title: str, meshes: Mapping[str, Mesh]) -> bytes:
+        """Return the scene."""
+        return glb_bytes(title, meshes)
 
 
 def glb_bytes(title: str, meshes: Mapping[str, Mesh]) -> bytes:

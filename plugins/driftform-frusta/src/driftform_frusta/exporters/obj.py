@@ -4,41 +4,20 @@ Format: Wavefront Technologies, "Object Files (.obj)", Advanced Visualizer manua
 """
 
 from collections.abc import Mapping
-from pathlib import Path
-from typing import ClassVar
 
-from driftform.interfaces import Exporter, Specimen
-from driftform.options import Table
-from driftform.types import WrittenFile
-from driftform_frusta.exporters.common import facts_of_all, save
-from driftform_frusta.kit.accounting import kit_facts
-from driftform_frusta.mesh import Mesh, mesh_of
-from driftform_frusta.parts import PartOptions, parts_of
+from driftform_frusta.exporters.meshes import JoinedFile
+from driftform_frusta.mesh import Mesh
 
 
-class ObjExporter(Exporter[PartOptions]):
+class ObjExporter(JoinedFile):
     """The hull as an OBJ mesh in mm, a group for each part, where it is in the assembled hull; without colours."""
 
     name = "obj"
     suffix = ".obj"
-    Options: ClassVar[type[Table]] = PartOptions
 
-    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
-        """Write the mesh; facts as those of ``stl``, or their sums and the ``parts``.
-
-        Raises
-        ------
-        WorkFailedError
-            where the body has no closed printable solid, or the file cannot be written.
-        """
-        body = specimen.agent.body
-        parts = parts_of(body, self.options)
-        meshes = {part.name: mesh_of(part.solid, part.name) for part in parts}
-        save(path, obj_text(meshes))
-        triangles = sum(len(mesh.triangles) for mesh in meshes.values())
-        facts = facts_of_all(parts, body) | {"triangles": triangles, "watertight": True}
-        facts |= kit_facts(specimen, self.options)
-        return (WrittenFile(self.name, str(path), facts),)
+    def encode(self, title: str, meshes: Mapping[str, Mesh]) -> str:
+        """Return the groups; OBJ has no place for a title."""
+        return obj_text(meshes)
 
 
 def obj_text(meshes: Mapping[str, Mesh]) -> str:

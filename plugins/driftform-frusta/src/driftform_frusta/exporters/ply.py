@@ -3,48 +3,23 @@
 Format: G. Turk, "The PLY Polygon File Format" (1994); binary, little-endian.
 """
 
-from pathlib import Path
-from typing import ClassVar
-
 import numpy as np
 
-from driftform.interfaces import Exporter, Specimen
-from driftform.options import Table
-from driftform.types import WrittenFile
-from driftform_frusta.exporters.common import facts_of_part, path_of_part, save
-from driftform_frusta.kit.accounting import kit_facts
-from driftform_frusta.mesh import Mesh, mesh_of
-from driftform_frusta.parts import PartOptions, parts_of
+from driftform_frusta.exporters.meshes import PartFiles
+from driftform_frusta.mesh import Mesh
 
 _FACE = np.dtype([("count", "u1"), ("corners", "<i4", (3,))])
 
 
-class PlyExporter(Exporter[PartOptions]):
+class PlyExporter(PartFiles):
     """The hull as a binary PLY mesh, in mm, standing as STL does; of several parts each has a file."""
 
     name = "ply"
     suffix = ".ply"
-    Options: ClassVar[type[Table]] = PartOptions
 
-    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
-        """Write the meshes; facts as those of ``stl``.
-
-        Raises
-        ------
-        WorkFailedError
-            where the body has no closed printable solid, or a file cannot be written.
-        """
-        body = specimen.agent.body
-        parts = parts_of(body, self.options)
-        meshes = [mesh_of(part.on_bed(), part.name) for part in parts]
-        written = []
-        for part, mesh in zip(parts, meshes, strict=True):
-            target = path_of_part(path, part, parts)
-            save(target, ply_bytes(mesh))
-            facts = facts_of_part(part, body) | {"triangles": len(mesh.triangles), "watertight": True}
-            facts |= kit_facts(specimen, self.options)
-            written.append(WrittenFile(self.name, str(target), facts))
-        return tuple(written)
+    def encode(self, mesh: Mesh) -> bytes:
+        """Return the mesh with its vertices shared."""
+        return ply_bytes(mesh)
 
 
 def ply_bytes(mesh: Mesh) -> bytes:

@@ -1,0 +1,79 @@
+"""What exporters of meshes have in common: only how a mesh becomes bytes is a format's own."""
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, ClassVar
+
+from driftform.interfaces import Exporter, Specimen
+from driftform.options import Table
+from driftform.types import FloatArray, WrittenFile
+from driftform_frusta.exporters.common import facts_of_all, facts_of_part, path_of_part, save
+from driftform_frusta.kit.accounting import kit_facts
+from driftform_frusta.mesh import Mesh, mesh_of
+from driftform_frusta.parts import PartOptions, parts_of
+
+
+class PartFiles(Exporter[PartOptions]):
+    """A format that holds one solid: of several parts each has a file, and stands as it is printed."""
+
+    Options: ClassVar[type[Table]] = PartOptions
+
+    @abstractmethod
+    def encode(self, mesh: Mesh) -> bytes:
+        """Return a mesh in mm as a file."""
+
+    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
+        """Write the meshes, checked after rounding to the single precision that files have.
+
+        Facts: those of every solid (``volume_mm3`` and ``mass_kg``, ``size_mm``, ``shells``), its ``triangles``,
+        and ``watertight``.
+
+        Raises
+        ------
+        WorkFailedError
+            where the body has no closed printable solid, or a file cannot be written.
+        """
+        body = specimen.agent.body
+        parts = parts_of(body, self.options)
+        # All are made before the first is written: what cannot be printed leaves no files.
+        meshes = [mesh_of(part.on_bed(), part.name) for part in parts]
+        written = []
+        for part, mesh in zip(parts, meshes, strict=True):
+            target = path_of_part(path, part, parts)
+            save(target, self.encode(mesh))
+            facts = facts_of_part(part, body) | {"triangles": len(mesh.triangles), "watertight": True}
+            facts |= kit_facts(specimen, self.options)
+            written.append(WrittenFile(self.name, str(target), facts))
+        return tuple(written)
+
+
+class JoinedFile(Exporter[PartOptions]):
+    """A format that holds all parts, where they are in the hull; ``frame`` takes points in mm to its own."""
+
+    Options: ClassVar[type[Table]] = PartOptions
+    frame: ClassVar[FloatArray | None] = None
+
+    @abstractmethod
+    def encode(self, title: str, meshes: Mapping[str, Mesh]) -> bytes | str:
+        """Return meshes by the names of their parts as a file."""
+
+    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
+        """Write the file; facts as those of ``stl``, or their sums and the ``parts``.
+
+        Raises
+        ------
+        WorkFailedError
+            where the body has no closed printable solid, or the file cannot be written.
+        """
+        body = specimen.agent.body
+        parts = parts_of(body, self.options)
+        meshes = {part.name: mesh_of(part.solid, part.name, self.frame) for part in parts}
+        save(path, self.encode(specimen.name, meshes))
+        triangles = sum(len(mesh.triangles) for mesh in meshes.values())
+        facts: dict[str, Any] = {"triangles": triangles, "watertight": True}
+        return (
+            WrittenFile(
+                self.name, str(path), facts_of_all(parts, body) | facts | kit_facts(specimen, self.options)
+            ),
+        )
