@@ -44,6 +44,18 @@ def fakes(fake_plugin: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 @pytest.fixture(scope="session")
+def uv() -> str:
+    """The installer that plugins are installed by."""
+    # ``uv run`` tells where it is; otherwise it is looked for on the path.
+    found = os.environ.get("UV") or shutil.which("uv")
+    if found is None and os.environ.get("CI"):
+        pytest.fail("uv is not installed, and CI must not skip what needs it")
+    if found is None:
+        pytest.skip("uv is not installed")
+    return found
+
+
+@pytest.fixture(scope="session")
 def start(fake_plugin: Path) -> Callable[..., subprocess.Popen[str]]:
     """Start the installed program."""
 

@@ -252,8 +252,18 @@ def test_alone_and_dead_too_often_a_genome_has_failed() -> None:
         lane.die()
     [(index, evaluation)] = lane.collect()
     assert (index, evaluation.failure) == (0, "its process died 2 times")
+    # The next one starts with a clean sheet, and so does a genome of another run with the same index.
+    for found in ([], [(1, None)]):
+        lane.take(waiting, 2)
+        assert lane.under_way() == [[1]]
+        lane.finish() if found else lane.die()
+        assert [(index, evaluation.failure) for index, evaluation in lane.collect()] == found
+    lane.take(numbered(2), 2)
+    lane.die()
+    assert lane.collect() == []
     lane.take(waiting, 2)
-    assert lane.under_way() == [[1]]
+    lane.die()
+    assert lane.collect() == []
 
 
 def test_what_no_death_explains_is_raised() -> None:

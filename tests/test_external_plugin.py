@@ -3,7 +3,6 @@
 import csv
 import json
 import os
-import shutil
 import subprocess
 import sys
 import sysconfig
@@ -119,14 +118,8 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def site(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def site(source: Path, uv: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A directory that the plugin is installed into."""
-    # ``uv run`` tells where it is; otherwise it is looked for on the path.
-    uv = os.environ.get("UV") or shutil.which("uv")
-    if uv is None and os.environ.get("CI"):
-        pytest.fail("uv is not installed, and CI must not skip what needs it")
-    if uv is None:
-        pytest.skip("uv is not installed")
     target = tmp_path_factory.mktemp("site")
     command = [
         uv,

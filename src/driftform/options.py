@@ -1,6 +1,7 @@
 """The options of a plugin: a pydantic model whose every field tells its unit and what it does."""
 
-from typing import Any
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -36,16 +37,31 @@ def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
     rows = []
     for name, field in model.model_fields.items():
         extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
-        annotation = field.annotation
         rows.append(
             {
                 "option": name,
-                "type": annotation.__name__
-                if isinstance(annotation, type)
-                else str(annotation).replace("typing.", ""),
-                "default": field.get_default(call_default_factory=True),
+                "type": _type_text(field.annotation),
+                "default": "required"
+                if field.is_required()
+                else field.get_default(call_default_factory=True),
                 "unit": extra.get("unit", ""),
                 "help": field.description or "",
             }
         )
     return rows
+
+
+def _type_text(annotation: Any) -> str:
+    """A type as a person writes it: ``float``, ``'first' or 'last'``, ``[float, float, float]``."""
+    origin, arguments = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        return _type_text(arguments[0])
+    if origin is Literal:
+        return " or ".join(map(repr, arguments))
+    if origin in (Union, UnionType):
+        return " or ".join("none" if part is NoneType else _type_text(part) for part in arguments)
+    if origin is tuple and arguments[1:] == (Ellipsis,):
+        return f"list of {_type_text(arguments[0])}"
+    if origin is tuple:
+        return f"[{', '.join(map(_type_text, arguments))}]"
+    return str(getattr(annotation, "__name__", annotation))

@@ -1,8 +1,8 @@
 """Flights as tables, for pandas, polars and spreadsheets: one row for each sample."""
 
+from abc import abstractmethod
 from dataclasses import replace
 from pathlib import Path
-from typing import ClassVar
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from driftform.files import write_whole
 from driftform.interfaces import Recorder, Specimen
 from driftform.motion import accelerations_along, net_wrench
 from driftform.options import Table
-from driftform.table_files import Write, check_format, write_csv, write_parquet
+from driftform.table_files import check_format, write_csv, write_parquet
 from driftform.tables import SAMPLE_COLUMNS, Batch, Column
 from driftform.types import Trajectory, WrittenFile
 
@@ -34,8 +34,6 @@ class TableRecorder(Recorder[Table]):
     gravity: weight, buoyancy, the wall's push and all forces of the water together.
     """
 
-    to_file: ClassVar[Write]
-
     def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         """Write the table."""
         check_format(self.name)
@@ -44,9 +42,13 @@ class TableRecorder(Recorder[Table]):
         parts = (flight.t, flight.position, flight.quaternion, flight.velocity, wrench)
         names = [column.name for column in COLUMNS]
         batch: Batch = dict(zip(names, np.column_stack(parts).T, strict=True))
-        write_whole(path, lambda part: type(self).to_file(part, COLUMNS, [batch]))
+        write_whole(path, lambda part: self.write_table(part, batch))
         facts = {"samples": len(flight.t), "duration": float(flight.t[-1]), "columns": len(COLUMNS)}
         return (WrittenFile(self.name, str(path), facts),)
+
+    @abstractmethod
+    def write_table(self, path: Path, rows: Batch) -> None:
+        """Write the table of :data:`COLUMNS`."""
 
 
 class CsvRecorder(TableRecorder):
@@ -54,7 +56,10 @@ class CsvRecorder(TableRecorder):
 
     name = "csv"
     suffix = ".csv"
-    to_file = staticmethod(write_csv)
+
+    def write_table(self, path: Path, rows: Batch) -> None:
+        """Write it as CSV."""
+        write_csv(path, COLUMNS, [rows])
 
 
 class ParquetRecorder(TableRecorder):
@@ -62,4 +67,7 @@ class ParquetRecorder(TableRecorder):
 
     name = "parquet"
     suffix = ".parquet"
-    to_file = staticmethod(write_parquet)
+
+    def write_table(self, path: Path, rows: Batch) -> None:
+        """Write it as Parquet."""
+        write_parquet(path, COLUMNS, [rows])

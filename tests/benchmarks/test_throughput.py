@@ -6,23 +6,26 @@ machinery does.
 """
 
 import os
+import pickle
 import re
 import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, closing
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, cycle
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from driftform.execution import Job
+from driftform.evolution import evolve
+from driftform.execution import InProcess, Job, Outcome
 from driftform.execution.cluster import Cluster
-from driftform.study import load_study
+from driftform.store import Store
+from driftform.study import Study, load_study
 
 pytestmark = [
     pytest.mark.slow,
@@ -31,10 +34,53 @@ pytestmark = [
 
 MEGABYTES = 500
 OVERHEAD = 0.3
-"""CPU time of the coordinator for an evaluation, at most, ms."""
+"""CPU time of store and strategy for an evaluation, at most, ms."""
+
+GROUP = 8
+"""Evaluations in a commit; with two workers there are rather more."""
 
 TICK = 1 / os.sysconf("SC_CLK_TCK")
 LINE = re.compile(r"(\d+)/\d+ evaluations")
+
+
+class Replayed:
+    """Outcomes as workers send them, again and again: what is left of a run when its flights cost nothing."""
+
+    def __init__(self, study: Study, count: int = 400) -> None:
+        grammar, rng = study.plugin("grammar"), np.random.default_rng(1)
+        jobs = [Job(index, grammar.random(rng)) for index in range(count)]
+        outcomes = list(chain.from_iterable(InProcess(study.pipeline()).evaluate(jobs)))
+        self._sent = cycle([pickle.dumps(outcomes[i : i + GROUP]) for i in range(0, count, GROUP)])
+
+    def evaluate(self, jobs: Sequence[Job]) -> Iterator[list[Outcome]]:
+        for start in range(0, len(jobs), GROUP):
+            group = jobs[start : start + GROUP]
+            outcomes = pickle.loads(next(self._sent))
+            yield [(job.index, evaluation) for job, (_, evaluation) in zip(group, outcomes, strict=False)]
+
+
+def test_what_store_and_strategy_take_for_an_evaluation(publish: Callable[..., None], tmp_path: Path) -> None:
+    count = 4000
+    lines = [
+        "| strategy | unpickled, stored, told and asked, ms CPU each | bytes from a worker |",
+        "|---|---|---|",
+    ]
+    taken = {}
+    for strategy in ("random", "paper"):
+        use = {"simulator": "native", "strategy": strategy}
+        study = load_study(use=use, run={"seed": 1, "evaluations": count})
+        replayed, times = Replayed(study), []
+        for attempt in range(3):
+            with Store.create(tmp_path / f"{strategy}-{attempt}.db", dict(study.document)) as store:
+                began = time.process_time()
+                evolve(study, store, replayed)
+                times.append(1e3 * (time.process_time() - began) / count)
+        taken[strategy] = min(times)
+        size = sum(len(next(replayed._sent)) for _ in range(50)) / (50 * GROUP)
+        lines.append(f"| {strategy} | {taken[strategy]:.3f} | {size:.0f} |")
+    lines += ["", f"The best of three runs of {count} evaluations, {GROUP} to a commit."]
+    publish("overhead", lines)
+    assert max(taken.values()) < OVERHEAD
 
 
 @dataclass(frozen=True)
@@ -108,17 +154,15 @@ def test_a_long_run_neither_slows_down_nor_grows(
         overhead = 1e3 * each(whole, "coordinator")
         by_wall = each(begin, "wall") / each(end, "wall")
         by_cpu = each(begin, "cpu") / each(end, "cpu")
-        found[strategy] = (most, overhead, by_cpu)
+        found[strategy] = (most, by_cpu)
         lines.append(
             f"| {simulator} | {strategy} | {count} | {1 / each(whole, 'wall'):.0f} | {by_wall:.3f} | {by_cpu:.3f} "
             f"| {overhead:.3f} | {most:.0f} |"
         )
     publish("throughput", lines)
-    for most, overhead, _ in found.values():
-        assert most < MEGABYTES
-        assert overhead < OVERHEAD
+    assert max(most for most, _ in found.values()) < MEGABYTES
     # A search that gets better flies other agents than it began with, and those take their own time.
-    assert found["random"][2] > 0.9
+    assert found["random"][1] > 0.9
 
 
 def part(told: list[Mark], first: int, last: int) -> tuple[Mark, Mark]:

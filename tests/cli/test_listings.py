@@ -6,11 +6,13 @@ import sys
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import pytest
+from pydantic import Field
 
 import driftform
+from driftform.options import Table, describe, option
 
 Call = Callable[..., Any]
 
@@ -67,6 +69,47 @@ def test_the_options_of_a_plugin_are_shown_with_default_and_unit(call: Call) -> 
 
 def test_a_plugin_without_options_says_so(call: Call) -> None:
     assert "It has no options." in call("plugins", "show", "closest-approach").stdout
+
+
+def test_types_are_written_as_people_write_them_and_a_default_that_is_missing_is_told() -> None:
+    class Needy(Table):
+        genome: str = option(..., "the genome to try")
+        box: tuple[Annotated[float, Field(gt=0)], float] = option((1.0, 2.0), "width and height", "m")
+        names: tuple[str, ...] = option((), "names of all")
+        way: Literal["up", "down"] | None = option(None, "where to")
+
+    assert [(row["option"], row["type"], row["default"]) for row in describe(Needy)] == [
+        ("genome", "str", "required"),
+        ("box", "[float, float]", (1.0, 2.0)),
+        ("names", "list of str", ()),
+        ("way", "'up' or 'down' or none", None),
+    ]
+
+
+def test_a_sound_study_is_told_by_what_it_holds(call: Call) -> None:
+    lines = ['base = "pipe-inspection"', "[targets]", "leak = [1, 0, 0]", "[exporter.stl]", "segments = 32"]
+    Path("mine.toml").write_text("\n".join(lines))
+    told = json.loads(call("scenarios", "check", "mine.toml", "--json").stdout)
+    assert told["targets"] == {"leak": [1, 0, 0]}
+    assert (told["pipe"], told["flow"], told["evaluations"]) == (1, "uniform", 50)
+    assert told["plugins"]["strategy"] == "paper"
+    assert told["options"] == {"exporter": ["stl"], "recorder": [], "renderer": [], "checker": []}
+    text = call("scenarios", "check", "mine.toml").stdout
+    assert text.startswith("mine.toml is sound")
+    assert "1: leak" in text
+    assert sorted(path.name for path in Path().iterdir()) == ["mine.toml"]
+
+
+def test_all_that_is_wrong_with_a_study_is_told_with_its_line(call: Call) -> None:
+    lines = ['base = "pipe-inspection"', "[flow]", "sped = 1", "[fitness]", 'use = "closest"']
+    Path("mine.toml").write_text("\n".join(lines))
+    for more in ((), ("--json",)):
+        result = call("scenarios", "check", "mine.toml", *more)
+        assert (result.exit_code, result.stdout) == (2, "")
+        assert result.stderr.splitlines() == [
+            "error: mine.toml:3: unknown key 'sped' in [flow]; did you mean 'speed'?",
+            "error: mine.toml:5: no fitness is named 'closest'; did you mean 'closest-approach'?",
+        ]
 
 
 def test_scenarios_are_listed_and_shown_as_toml_to_copy(call: Call) -> None:

@@ -194,13 +194,16 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "simulate": ["simulate", f"{run}:TP1", "--out", f"{here}/flight"],
         "inspect": ["inspect", f"{run}:TP1", "--compare"],
         "export": ["export", f"{run}:TP1", "--format", "stl,scad", "--out", f"{here}/parts"],
+        "export-flight": ["export-flight", WORD, "--simulator", "native", "--out", f"{here}/samples"],
         "check": ["check", WORD, "--no-programs"],
         "trim": ["trim", WORD, "--printed-mass", "0.0515", "--simulator", "native"],
         "report": ["report", str(run)],
         "plugins list": ["plugins", "list"],
         "plugins show": ["plugins", "show", "paper"],
+        "plugins new": ["plugins", "new", "driftform-try", "--seam", "fitness", "--out", f"{here}/try"],
         "scenarios list": ["scenarios", "list"],
         "scenarios show": ["scenarios", "show", "pipe-inspection"],
+        "scenarios check": ["scenarios", "check", "pipe-inspection"],
     }
     found: dict[str, Any] = {}
     for name, words in lines.items():

@@ -79,3 +79,10 @@ def test_the_notebook_runs_and_shows_pictures(tmp_path: Path) -> None:
     assert sum("image/svg+xml" in data for data in shown) == 2
     assert shown[-1]["text/plain"] == "['tp3.stl']"
     assert [output for output in outputs if output.output_type == "error"] == []
+
+
+def test_every_function_of_the_package_is_on_the_page(pages: dict[str, str]) -> None:
+    import driftform
+
+    functions = set(driftform.__all__) - {"__version__", "hookimpl"}
+    assert [name for name in functions if f"df.{name}(" not in pages[PAGE]] == []

@@ -152,7 +152,7 @@ def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
                 not found
                 or found[1] not in tables
                 or found[1] == "targets"
-                or found[2] in ("py", "db", "toml")
+                or found[2] in ("py", "db", "toml", "svg")
             ):
                 continue
             if found[2] not in tables[found[1]] and found[2] != "use":

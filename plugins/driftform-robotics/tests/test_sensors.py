@@ -105,9 +105,9 @@ def test_clearance_is_that_of_the_nearest_of_many_points_on_the_rims() -> None:
     turned /= np.linalg.norm(turned, axis=1, keepdims=True)
     position = np.column_stack([rng.uniform(1, 8, count), rng.uniform(-0.4, 0.4, (count, 2))])
     flight = Trajectory(np.arange(count) / 10, position, turned, np.zeros((count, 6)), drift().end)
-    around = np.linspace(0, 2 * np.pi, 4001)
+    around, offset = np.linspace(0, 2 * np.pi, 4001), np.array([0.25, 0.0, 0.0])
     rim = np.column_stack([0 * around, 0.15 * np.cos(around), 0.15 * np.sin(around)])
-    points = np.concatenate([rim + (0.25, 0, 0), rim - (0.25, 0, 0)])
+    points = np.concatenate([rim + offset, rim - offset])
     nearest = [
         sensors.wall_distance(place + points @ R.T, PIPE).min()
         for place, R in zip(position, matrix_from_quaternion(turned), strict=True)

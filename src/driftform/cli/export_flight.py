@@ -60,9 +60,12 @@ def export_flight(
     if rate_hz:
         flight = resampled(flight, rate_hz)
     specimen = opened.specimen()
-    written = []
-    for recorder in [opened.study.recorder(name) for name in names]:
-        written += recorder.write(specimen, flight, folder / f"{opened.name}{recorder.suffix}")
+    recorders = [opened.study.recorder(name) for name in names]
+    written = [
+        file
+        for recorder in recorders
+        for file in recorder.write(specimen, flight, folder / f"{opened.name}{recorder.suffix}")
+    ]
     if json:
         print_json(
             {

@@ -7,7 +7,9 @@ import typer
 
 from driftform.cli.options import Json
 
-app = typer.Typer(help="What is installed, its options, and a start for your own.", invoke_without_command=True)
+app = typer.Typer(
+    help="What is installed, its options, and a start for your own.", invoke_without_command=True
+)
 
 
 @app.callback()
@@ -82,7 +84,9 @@ def new(
     ],
     seam: Annotated[
         str,
-        typer.Option("--seam", metavar="SEAM", help="What it is to bring, such as fitness.", show_default=False),
+        typer.Option(
+            "--seam", metavar="SEAM", help="What it is to bring, such as fitness.", show_default=False
+        ),
     ],
     out: Annotated[
         Path | None,

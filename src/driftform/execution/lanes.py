@@ -5,7 +5,7 @@ a whole cluster. Lanes do not disturb each other.
 """
 
 from abc import ABC, abstractmethod
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 
@@ -30,8 +30,8 @@ class Lane(ABC):
         self._targets = targets
         self._running: dict[Future[list[Outcome]], Sequence[Job]] = {}
         self._suspects: deque[Job] = deque()
-        self._deaths: Counter[int] = Counter()
         self._is_trial = False
+        self._deaths = 0  # of the genome on trial
 
     @property
     @abstractmethod
@@ -87,6 +87,7 @@ class Lane(ABC):
             error = self.error(future)
             if error is None:
                 outcomes += future.result()
+                self._deaths = 0
             elif not (died := self.deaths(error)):
                 raise error
             elif self._is_trial:
@@ -100,10 +101,11 @@ class Lane(ABC):
         self._running[self.submit(batch)] = batch
 
     def _judged(self, job: Job, died: int) -> list[Outcome]:
-        self._deaths[job.index] += died
-        if self._deaths[job.index] < ATTEMPTS:
+        self._deaths += died
+        if self._deaths < ATTEMPTS:
             self._suspects.appendleft(job)
             return []
+        self._deaths = 0
         return [
             (job.index, Evaluation.failed(job.genome, self._targets, f"its process died {ATTEMPTS} times"))
         ]

@@ -107,7 +107,7 @@ def script_left_out() -> Iterator[None]:
     One without ``if __name__ == "__main__":`` would ask again in each of them.
     """
     names = vars(sys.modules["__main__"])
-    kept = {name: names.pop(name) for name in ("__spec__", "__file__") if name in names}
+    kept: dict[str, Any] = {name: names.pop(name) for name in ("__spec__", "__file__") if name in names}
     names["__spec__"] = None
     try:
         yield

@@ -85,7 +85,9 @@ def names_of(name: str, seam: str) -> Names:
     if keyword.iskeyword(package) or package in sys.stdlib_module_names or util.find_spec(package):
         raise InputError(f"a module '{package}' is there already; did you mean 'driftform-{distribution}'?")
     if hasattr(interfaces, names.class_name) or hasattr(interfaces, names.options_name):
-        raise InputError(f"'{name}' would make a class with the name of one of driftform's; choose another name")
+        raise InputError(
+            f"'{name}' would make a class with the name of one of driftform's; choose another name"
+        )
     for row in registry().seam(seam):
         if row.name == plugin:
             raise InputError(
@@ -107,7 +109,9 @@ def files_of(names: Names, seam: str) -> dict[str, str]:
         "interface": SEAMS[seam].__name__,
         "summary": about["summary"],
         "table": f"{seam}.{names.plugin}" if seam in NAMED else seam,
-        "dependencies": ", ".join(f'"{line}"' for line in (f"driftform>={__version__}", *about["dependencies"])),
+        "dependencies": ", ".join(
+            f'"{line}"' for line in (f"driftform>={__version__}", *about["dependencies"])
+        ),
         "word": WORD,
     }
     study = _template(seam, "study.toml.txt").substitute(words)

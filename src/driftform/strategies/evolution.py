@@ -2,53 +2,52 @@
 
 from collections import deque
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import islice
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from driftform.interfaces import SearchSpace, Strategy
 from driftform.options import Table, option
-from driftform.types import Candidate, Evaluation, Genome, Trajectory
+from driftform.types import Candidate, Evaluation, FloatArray, Genome, Trajectory
 
 MEMBERS = 256
 """Flights that a family remembers, the latest ones."""
 
 NEAREST = 64
-"""Members of a family, and changes of symbols, that are considered for one aimed child: the nearest, the smallest."""
+"""Members of a family, and changes of symbols, that are combined: the nearest, and those that did least."""
 
 GUESSES = 512
-"""Combinations of those that are looked at before none is found new."""
+"""Combinations that are looked at before it is given up to find a new one among them."""
 
-TRIES = 8
-"""Changes of symbols that are drawn before a child may differ by one more."""
+DRAWS = 4
+"""Changes of symbols that are drawn before a child differs by one more."""
 
 REMEMBERED = 200_000
-"""Hashes of genomes and bodies that are kept, so that a body is not flown twice."""
+"""Hashes of genomes and bodies that are kept, so that no body flies twice."""
+
+UNTRIED = True
+
+Place: TypeAlias = tuple[float, float, float]
 
 
 class EvolutionOptions(Table):
     """Options of the evolution."""
 
-    random: int = option(30, "random genomes that it begins with", "", gt=0)
-    batch: int = option(20, "children asked for at once", "", gt=0)
-    elites: int = option(3, "best flights of each target that its children descend from or aim at", "", gt=0)
-    explore: float = option(
-        0.5, "share of the children with a change of symbol that their family never tried", "", ge=0, le=1
-    )
+    random: int = option(30, "random genomes to begin with", "", gt=0)
+    batch: int = option(10, "children asked for at once", "", gt=0)
+    elites: int = option(5, "best flights of each target that its children descend from or aim at", "", gt=0)
+    explore: float = option(0.5, "share of the children that try out a change of symbol", "", ge=0, le=1)
     pressure: float = option(
-        2.0, "targets are worked for in proportion to this power of their error", "", ge=0, le=10
+        2.0, "a target gets children in proportion to this power of its error", "", ge=0, le=10
     )
     early: float = option(
-        0.125,
-        "share of a flight after which paths are compared, before walls blur what a change did",
-        "",
-        gt=0,
-        le=1,
+        0.125, "share of a flight after which paths are compared, before walls blur what a change did", "", gt=0, le=1
     )
     doubt: float = option(
-        0.3, "share of what a change did that it is expected to do otherwise next time", "", ge=0
+        0.3, "how far off a guess is thought to be, relative to what the change did before", "", ge=0, le=10
     )
 
 
@@ -58,6 +57,10 @@ class Change(NamedTuple):
     place: int
     old: str
     new: str
+
+    def undone(self) -> "Change":
+        """The way back."""
+        return Change(self.place, self.new, self.old)
 
     def applied(self, genome: Genome) -> Genome | None:
         """Return the genome with the change made, ``None`` where it has another symbol there."""
@@ -69,61 +72,20 @@ class Change(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _Flown:
-    """A flight: its evaluation's index, its genome's family, and where it was early on, m, (3,)."""
+    """A flight: the index of its evaluation, its family, and where it was early on, m, (3,)."""
 
     index: int
     genome: Genome
-    family: "_Family"
-    early: tuple[float, ...] | None
-
-
-@dataclass(eq=False)
-class _Family:
-    """The descendants of one random genome, and how far each change of a symbol moved the early path of one.
-
-    Attributes
-    ----------
-    time
-        at which early paths are compared, s.
-    """
-
-    time: float = 0.0
-    members: deque[_Flown] = field(default_factory=lambda: deque(maxlen=MEMBERS))
-    moved: dict[Change, tuple[float, ...]] = field(default_factory=dict)
-
-    def learn(self, change: Change, parent: _Flown, child: _Flown) -> None:
-        """Remember what a change did, and that undoing it does the opposite."""
-        if parent.early is None or child.early is None:
-            return
-        moved = np.subtract(child.early, parent.early)
-        self.moved[change] = tuple(moved.tolist())
-        self.moved[Change(change.place, change.new, change.old)] = tuple((-moved).tolist())
-
-    def guesses(self, aim: _Flown, doubt: float) -> Iterator[tuple[_Flown, Change]]:
-        """Yield members and changes that should come near the early path of ``aim``, the surest first.
-
-        A child is guessed to be where its parent was, plus what the change did before; ``doubt`` is how far off
-        that is, relative to what it did.
-        """
-        if aim.early is None or not self.moved:
-            return
-        members, changes = list(self.members), list(self.moved)
-        away = np.array([member.early for member in members]) - aim.early
-        moved = np.array(list(self.moved.values()))
-        size = np.sqrt((moved**2).sum(axis=1))
-        near, small = np.argsort((away**2).sum(axis=1))[:NEAREST], np.argsort(size)[:NEAREST]
-        miss = np.sqrt(((away[near, None] + moved[small]) ** 2).sum(axis=2)) + doubt * size[small]
-        for guess in np.argsort(miss, axis=None)[:GUESSES].tolist():
-            row, column = divmod(guess, len(small))
-            yield members[near[row]], changes[small[column]]
+    family: "deque[_Flown]"
+    early: Place | None
 
 
 @dataclass(frozen=True, eq=False)
 class _Asked:
-    """A candidate, the hash of its body, and how it differs from its parent, where that is by one symbol."""
+    """A candidate, the hash of its body, and how it came of its parent, where that was one change of a symbol."""
 
     candidate: Candidate
-    body: int
+    body: int | None
     parent: _Flown | None = None
     change: Change | None = None
 
@@ -132,12 +94,11 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
     """One symbol at a time, chosen by what it did to an earlier flight.
 
     After some random genomes, every child differs by one symbol from a genome that was flown. Each target keeps its
-    best flights, its elites, and gets children in proportion to the square of its error. One half of them explore:
-    an elite with a change of symbol that its family, the descendants of one random genome, never tried. The other
-    half are aimed. A family remembers how far each change moved the early path of a member, an eighth of the flight
-    after the release, and takes it to do about the same to every other member. Of all its members and all these changes
-    it flies the one that should come nearest to the early path of an elite, and errors of earlier guesses are put
-    right by the next. A body that was flown is not flown again.
+    best flights, its elites, and gets children in proportion to the square of its error. Half of them explore: an
+    elite with a change of symbol that was never tried. The other half are aimed. How far a change moved the early
+    path, an eighth of the flight after the release, is taken for what it does to any genome; of all that descend from
+    the same random genome as an elite, and all changes, the two are combined that should come nearest to the elite's
+    early path. Where the guess was wrong, the child is one more to start from. No body flies twice.
     """
 
     name = "evolution"
@@ -146,132 +107,164 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
     def __init__(self, options: EvolutionOptions, space: SearchSpace) -> None:
         super().__init__(options, space)
         self._elites: list[list[tuple[float, _Flown]]] = [[] for _ in space.targets]
+        self._moved: dict[Change, Place] = {}
+        self._time: float | None = None
+        self._known: dict[int, None] = {}
         self._generation = 0
         self._asked: list[_Asked] = []
-        self._known: dict[int, None] = {}
+        self._asked_bodies: set[int] = set()
+        self._guesses: dict[int, Iterator[tuple[_Flown, Change]]] = {}
+        self._small: tuple[list[Change], FloatArray, FloatArray] | None = None
 
     def ask(self, limit: int) -> list[Candidate]:
         """Return random genomes until one has flown with any success, and children after that."""
-        batch: list[_Asked] = []
-        bodies: set[int] = set()
+        self._asked_bodies.clear()
+        self._guesses.clear()
+        self._small = None
         if any(self._elites):
-            guesses: dict[int, Iterator[tuple[_Flown, Change]]] = {}
-            for number in self._worked_for():
-                batch.append(self._child(number, bodies, guesses))
+            batch = [self._child(number) for number in self._worked_for()]
         else:
-            while len(batch) < self.options.random:
-                batch.append(self._random(bodies))
+            batch = [self._random() for _ in range(self.options.random)]
         self._asked = batch[:limit]
         return [asked.candidate for asked in self._asked]
 
     def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
         """Learn from each flight what its change of symbol did, and whether it is one of the best."""
+        if self._time is None:
+            durations = [e.trajectory.t[-1] for e in evaluations if e.trajectory and e.failure is None]
+            self._time = self.options.early * float(np.median(durations)) if durations else None
         for index, (asked, evaluation) in enumerate(zip(self._asked, evaluations, strict=True), first):
-            self._remember(asked.body)
-            self._remember(hash(asked.candidate.genome))
+            self._remember(hash(asked.candidate.genome), asked.body)
             if evaluation.failure is None:
-                self._take(index, asked, evaluation)
+                self._learn(index, asked, evaluation)
         self._generation += 1
 
-    def _take(self, index: int, asked: _Asked, evaluation: Evaluation) -> None:
-        flight, parent = evaluation.trajectory, asked.parent
-        if parent is not None:
-            family = parent.family
-        else:
-            family = _Family(self.options.early * flight.t[-1] if flight else 0.0)
-        early = place_at(flight, family.time) if flight else None
+    def _learn(self, index: int, asked: _Asked, evaluation: Evaluation) -> None:
+        parent, flight = asked.parent, evaluation.trajectory
+        early = place_at(flight, self._time) if flight is not None and self._time is not None else None
+        family: deque[_Flown] = parent.family if parent else deque(maxlen=MEMBERS)
         flown = _Flown(index, evaluation.genome, family, early)
         if early is not None:
-            family.members.append(flown)
-        if parent is not None and asked.change is not None:
-            family.learn(asked.change, parent, flown)
+            family.append(flown)
+            if parent and parent.early and asked.change:
+                x, y, z = (after - before for after, before in zip(early, parent.early, strict=True))
+                self._moved[asked.change] = x, y, z
+                self._moved[asked.change.undone()] = -x, -y, -z
         for elites, fitness in zip(self._elites, evaluation.fitness.tolist(), strict=True):
-            if fitness > 0:
+            if fitness > (elites[-1][0] if len(elites) == self.options.elites else 0):
                 elites.append((fitness, flown))
                 elites.sort(key=lambda elite: -elite[0])
                 del elites[self.options.elites :]
 
     def _worked_for(self) -> list[int]:
-        """Draw the targets of the next batch."""
+        """Draw the targets that the next batch works for."""
         errors = np.array([100 - elites[0][0] if elites else 100.0 for elites in self._elites])
         weights = errors**self.options.pressure
         chance = weights / weights.sum() if weights.any() else None
-        return [int(i) for i in self.space.rng.choice(len(errors), size=self.options.batch, p=chance)]
+        numbers: list[int] = self.space.rng.choice(len(errors), size=self.options.batch, p=chance).tolist()
+        return numbers
 
-    def _child(
-        self, number: int, bodies: set[int], guesses: dict[int, Iterator[tuple[_Flown, Change]]]
-    ) -> _Asked:
+    def _child(self, number: int) -> _Asked:
         rng, elites, target = self.space.rng, self._elites[number], self.space.targets[number]
         if not elites:
-            return self._random(bodies)
-        # The best every other time, the next one every fourth.
-        elite = elites[min(int(rng.geometric(0.5)), len(elites)) - 1][1]
-        if rng.random() >= self.options.explore:
-            if elite.index not in guesses:
-                guesses[elite.index] = elite.family.guesses(elite, self.options.doubt)
-            for parent, change in guesses[elite.index]:
-                genome = change.applied(parent.genome)
-                if genome is not None and (body := self._new_body(genome, bodies)) is not None:
-                    candidate = Candidate(genome, (parent.index,), self._generation, target)
-                    return _Asked(candidate, body, parent, change)
-        return self._explored(elite, target, bodies)
+            return self._random()
+        # The best every other time, the next one every fourth, and so on.
+        _, elite = elites[min(int(rng.geometric(0.5)), len(elites)) - 1]
+        aimed = rng.random() >= self.options.explore
+        return (self._aimed(elite, target) if aimed else None) or self._explored(elite, target)
 
-    def _explored(self, elite: _Flown, target: str, bodies: set[int]) -> _Asked:
-        rng, grammar = self.space.rng, self.space.grammar
-        parent = elite.genome
-        for attempt in range(1, 8 * TRIES):
+    def _explored(self, elite: _Flown, target: str) -> _Asked:
+        """An elite with a change that was never tried; with one more where such are hard to find."""
+        rng, grammar, parent = self.space.rng, self.space.grammar, elite.genome
+        for draw in range(1, 8 * DRAWS + 1):
             if not parent.symbols:
                 break
             place = int(rng.integers(len(parent.symbols)))
             genome = grammar.flip(parent, place, rng)
             change = _change(parent, genome, place) if parent is elite.genome else None
-            if change in elite.family.moved or (body := self._new_body(genome, bodies)) is None:
-                if attempt % TRIES == 0:
-                    parent = genome
-                continue
-            candidate = Candidate(genome, (elite.index,), self._generation, target)
-            return _Asked(candidate, body, elite, change)
-        return self._random(bodies)
+            if (not UNTRIED or change not in self._moved) and (body := self._new_body(genome)) is not None:
+                return _Asked(self._candidate(genome, target, elite), body, elite, change)
+            if draw % DRAWS == 0:
+                parent = genome
+        return self._random()
 
-    def _random(self, bodies: set[int]) -> _Asked:
-        rng, grammar = self.space.rng, self.space.grammar
-        for _ in range(TRIES):
-            genome = grammar.random(rng)
-            body = self._new_body(genome, bodies)
+    def _aimed(self, elite: _Flown, target: str) -> _Asked | None:
+        """A member of the family and a change that should come nearest to the elite's early path, if there are any."""
+        if elite.index not in self._guesses:
+            self._guesses[elite.index] = self._nearest(elite)
+        for parent, change in self._guesses[elite.index]:
+            genome = change.applied(parent.genome)
+            if genome is not None and (body := self._new_body(genome)) is not None:
+                return _Asked(self._candidate(genome, target, parent), body, parent, change)
+        return None
+
+    def _nearest(self, elite: _Flown) -> Iterator[tuple[_Flown, Change]]:
+        """Yield members of the elite's family and changes, those first that should come nearest to its early path."""
+        if elite.early is None or not self._moved:
+            return
+        changes, moved, size = self._smallest()
+        members = list(elite.family)
+        away = np.array([member.early for member in members]) - elite.early
+        near = least((away**2).sum(axis=1), NEAREST)
+        miss = np.sqrt(((away[near, None] + moved) ** 2).sum(axis=2)) + self.options.doubt * size
+        for guess in least(miss.ravel(), GUESSES).tolist():
+            row, column = divmod(guess, len(changes))
+            yield members[near[row]], changes[column]
+
+    def _smallest(self) -> tuple[list[Change], FloatArray, FloatArray]:
+        """The changes that moved the early path least, how they moved it, m, (n, 3), and how far, (n,)."""
+        if self._small is None:
+            changes, moved = list(self._moved), np.array(list(self._moved.values()))
+            size = np.sqrt((moved**2).sum(axis=1))
+            first = least(size, NEAREST)
+            self._small = [changes[i] for i in first.tolist()], moved[first], size[first]
+        return self._small
+
+    def _random(self) -> _Asked:
+        for _ in range(DRAWS):
+            genome = self.space.grammar.random(self.space.rng)
+            body = self._new_body(genome)
             if body is not None:
                 break
-        return _Asked(Candidate(genome, (), self._generation), body or 0)
+        return _Asked(Candidate(genome, (), self._generation), body)
 
-    def _new_body(self, genome: Genome, bodies: set[int]) -> int | None:
-        """Return the hash of the body that a genome grows into, ``None`` where that was flown or is asked for."""
+    def _candidate(self, genome: Genome, target: str, parent: _Flown) -> Candidate:
+        return Candidate(genome, (parent.index,), self._generation, target)
+
+    def _new_body(self, genome: Genome) -> int | None:
+        """Return the hash of the body that a genome grows into, ``None`` where that has flown or is about to."""
         name = hash(genome)
         if name in self._known:
             return None
         try:
             body = hash(self.space.grammar.express(genome))
         except ValueError:
-            body = None  # Not every grammar lets each symbol stand beside any other.
-        if body is None or body in self._known:
+            # Not in every grammar may each symbol stand beside any other.
             self._remember(name)
             return None
-        if body in bodies:
+        if body in self._known:
+            self._remember(name)
             return None
-        bodies.add(body)
+        if body in self._asked_bodies:
+            return None
+        self._asked_bodies.add(body)
         return body
 
-    def _remember(self, known: int) -> None:
-        self._known[known] = None
+    def _remember(self, *hashes: int | None) -> None:
+        self._known.update(dict.fromkeys(known for known in hashes if known is not None))
         if len(self._known) > REMEMBERED:
             self._known = dict.fromkeys(islice(self._known, REMEMBERED // 2, None))
 
 
 def _change(parent: Genome, child: Genome, place: int) -> Change | None:
     """The change that made a child of its parent, ``None`` where it was more than the symbol at ``place``."""
-    change = Change(place, parent.symbols[place], child.symbols[place] if place < len(child.symbols) else "")
+    if len(parent.symbols) != len(child.symbols):
+        return None
+    change = Change(place, parent.symbols[place], child.symbols[place])
     return change if change.applied(parent) == child else None
 
 
-def place_at(flight: Trajectory, time: float) -> tuple[float, ...]:
+def place_at(flight: Trajectory, time: float) -> Place:
     """Return the position at a time (s), m; the last one after the end."""
     after = min(int(np.searchsorted(flight.t, time)), len(flight.t) - 1)
     before = max(after - 1, 0)
@@ -279,3 +272,15 @@ def place_at(flight: Trajectory, time: float) -> tuple[float, ...]:
     share = min(1.0, (time - flight.t[before]) / gap) if gap > 0 else 1.0
     x, y, z = (flight.position[before] + share * (flight.position[after] - flight.position[before])).tolist()
     return x, y, z
+
+
+def least(values: FloatArray, count: int) -> npt.NDArray[np.intp]:
+    """Return where the least values are, in their order, at most ``count``.
+
+    >>> least(np.array([3.0, 1.0, 2.0]), 2)
+    array([1, 2])
+    """
+    if len(values) > count:
+        chosen = np.argpartition(values, count - 1)[:count]
+        return chosen[np.argsort(values[chosen])]
+    return np.argsort(values)

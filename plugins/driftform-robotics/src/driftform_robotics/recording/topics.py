@@ -327,7 +327,7 @@ class FlightTopics:
         **more: Any,
     ) -> Any:
         r, g, b, a = colour
-        kind = self.ros.store.types["visualization_msgs/msg/Marker"]
+        kind: Any = self.ros.store.types["visualization_msgs/msg/Marker"]
         return self.ros.new(
             "visualization_msgs/Marker",
             header=self.ros.header(stamp, frame),
@@ -349,4 +349,4 @@ def _from_z(direction: FloatArray) -> FloatArray:
     sine = np.linalg.norm(across)
     angle = np.arctan2(sine, axis[2])
     turn = angle * across / sine if sine > 0 else np.array([angle, 0.0, 0.0])
-    return quaternion_from_rotation_vector(turn[None])[0]
+    return np.asarray(quaternion_from_rotation_vector(turn[None])[0], dtype=np.float64)

@@ -1,0 +1,68 @@
+"""The site of the docs is built with warnings as errors, and holds every page."""
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The site, built from a copy: a build in the tree would leave files there."""
+    folder = tmp_path_factory.mktemp("site")
+    for name in ("docs", "docs_site", "src"):
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "mkdocs.yml", folder)
+    done = subprocess.run(
+        [sys.executable, "-m", "zensical", "build", "--strict"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder / "site"
+
+
+def text_of(site: Path, page: str) -> str:
+    return (site / page / "index.html").read_text(encoding="utf-8")
+
+
+def test_every_page_is_in_the_navigation(pages: dict[str, str]) -> None:
+    nav = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").partition("\nnav:\n")[2]
+    listed = re.findall(r": (\S+\.md)$", nav, re.MULTILINE)
+    assert sorted(listed) == sorted(pages)
+
+
+def test_the_site_has_every_page(site: Path, pages: dict[str, str]) -> None:
+    for name in pages:
+        page = site / (Path(name).stem if name != "index.md" else "") / "index.html"
+        assert page.is_file(), name
+
+
+def test_pictures_are_there(site: Path) -> None:
+    for page in site.rglob("index.html"):
+        for source in re.findall(r'<img[^>]* src="([^"]+)"', page.read_text(encoding="utf-8")):
+            assert (page.parent / source).exists(), f"{page}: {source}"
+
+
+def test_fenced_blocks_are_blocks_and_show_their_file(site: Path) -> None:
+    assert not [page for page in site.rglob("index.html") if "```" in page.read_text(encoding="utf-8")]
+    assert "src/driftform_dwell/dwell.py</span>" in text_of(site, "write-a-plugin")
+
+
+def test_the_reference_holds_what_the_package_offers(site: Path) -> None:
+    import driftform
+    from driftform import api
+
+    reference = text_of(site, "reference")
+    for name in {*driftform.__all__, *api.__all__} - {"__version__", "hookimpl"}:
+        assert f'id="driftform.api.{name}"' in reference or f'id="driftform.study.{name}"' in reference, name
+    assert "Distance of the closest approach to each target, m." in reference
+    assert not re.search(r":(class|func|mod|meth):", reference)

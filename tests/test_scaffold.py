@@ -1,0 +1,243 @@
+"""``driftform plugins new``: what it writes for each seam installs, works, and passes its own tests."""
+
+import json
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tomllib
+import xml.etree.ElementTree as ET
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from driftform.interfaces import SEAMS
+from driftform.scaffold import files_of, names_of, scaffolds
+
+Call = Callable[..., Any]
+
+ROOT = Path(__file__).parents[1]
+FLYING = {"simulator"}
+"""Seams whose contract flies for half a minute."""
+
+
+def write(folder: Path, seam: str) -> Path:
+    """Write the scaffold of a seam."""
+    for path, text in files_of(names_of(f"driftform-try-{seam}", seam), seam).items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_text(text)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with each scaffold, and ``site``, where all are installed as far as ``importlib.metadata`` can tell."""
+    folder = tmp_path_factory.mktemp("scaffolds")
+    # Tests are then named by their path from here, whoever is the first.
+    (folder / "pytest.ini").write_text("[pytest]\n")
+    for seam in SEAMS:
+        source = write(folder / seam, seam)
+        project = tomllib.loads((source / "pyproject.toml").read_text())["project"]
+        (point,) = project["entry-points"]["driftform"].items()
+        shutil.copytree(source / "src", folder / "site", dirs_exist_ok=True)
+        info = folder / "site" / f"{point[1]}-{project['version']}.dist-info"
+        info.mkdir()
+        head = f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
+        (info / "METADATA").write_text(head)
+        (info / "entry_points.txt").write_text("[driftform]\n{} = {}\n".format(*point))
+    return folder
+
+
+def python(installed: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, *map(str, arguments)],
+        cwd=installed,
+        env=os.environ | {"PYTHONPATH": str(installed / "site"), "PYTHONDONTWRITEBYTECODE": "1"},
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+
+
+@pytest.fixture(scope="module")
+def outcomes(installed: Path) -> dict[str, list[str]]:
+    """What became of the tests of each quick seam: ``passed``, ``skipped`` or the message of a failure."""
+    tests = [installed / seam / "tests" / f"test_{seam}.py" for seam in SEAMS if seam not in FLYING]
+    options = ("-q", "-p", "no:cacheprovider", "--import-mode=importlib", "-W", "error", "--junitxml=out.xml")
+    done = python(installed, "-m", "pytest", *options, *tests)
+    assert (installed / "out.xml").exists(), done.stdout + done.stderr
+    found: dict[str, list[str]] = {seam: [] for seam in SEAMS}
+    for case in ET.parse(installed / "out.xml").iter("testcase"):
+        names = case.attrib["classname"].split(".")
+        (seam,) = [name.removeprefix("test_") for name in names if name.startswith("test_")]
+        found[seam].append(" ".join(f"{part.tag} {part.get('message')}" for part in case) or "passed")
+    return found
+
+
+def test_every_seam_has_a_scaffold() -> None:
+    assert set(scaffolds()) == set(SEAMS)
+
+
+@pytest.mark.parametrize("seam", [seam for seam in SEAMS if seam not in FLYING])
+def test_a_scaffold_passes_its_contract_and_its_own_tests(seam: str, outcomes: dict[str, list[str]]) -> None:
+    assert len(outcomes[seam]) > 5
+    assert [outcome for outcome in outcomes[seam] if outcome != "passed"] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seam", sorted(FLYING))
+def test_a_scaffold_that_flies_passes_its_tests_too(seam: str, installed: Path) -> None:
+    options = ("-q", "-p", "no:cacheprovider", "-W", "error")
+    done = python(installed, "-m", "pytest", *options, installed / seam)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_each_is_found_with_its_options_and_its_study_selects_it(installed: Path) -> None:
+    code = """if True:
+    import json, sys
+    from driftform.interfaces import SEAMS
+    from driftform.options import describe
+    from driftform.registry import registry
+    from driftform.study import load_study
+    for seam in SEAMS:
+        study = load_study(f"{seam}/study.toml")
+        study.pipeline(), study.strategy()
+        row = [row for row in registry().seam(seam) if row.name == f"try-{seam}"][0]
+        table = study.document[seam]
+        options = table if table.get("use") == row.name else table[row.name]
+        print(json.dumps([seam, row.state, row.distribution, describe(row.cls.Options), options]))
+    """
+    done = python(installed, "-c", code)
+    assert done.returncode == 0, done.stderr
+    rows = [json.loads(line) for line in done.stdout.splitlines()]
+    assert [row[0] for row in rows] == list(SEAMS)
+    for seam, state, distribution, described, options in rows:
+        assert (state, distribution) == ("ok", f"driftform-try-{seam}")
+        assert all(option["help"] for option in described)
+        changed = [o["option"] for o in described if options[o["option"]] != o["default"]]
+        assert changed, f"the study of {seam} shows no option"
+
+
+@pytest.mark.parametrize("seam", ["exporter", "recorder"])
+def test_the_command_that_its_readme_tells_makes_a_file(seam: str, installed: Path, tmp_path: Path) -> None:
+    readme = (installed / seam / "README.md").read_text()
+    (line,) = [line for line in readme.splitlines() if line.startswith("$ driftform export")]
+    words = [str(installed / seam / w) if w == "study.toml" else w for w in shlex.split(line)[2:]]
+    done = python(installed, "-c", "from driftform.cli import main; main()", *words, "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert [path.stat().st_size > 0 for path in tmp_path.iterdir()] == [True]
+
+
+# The command.
+
+
+def test_it_tells_the_files_and_what_to_do_next(call: Call, tmp_path: Path) -> None:
+    told = json.loads(call("plugins", "new", "driftform-dwell", "--seam", "fitness", "--json").stdout)
+    assert sorted(map(Path, told["files"])) == sorted(
+        path.relative_to(tmp_path) for path in (tmp_path / "driftform-dwell").rglob("*") if path.is_file()
+    )
+    assert (told["plugin"], told["package"]) == ("dwell", "driftform_dwell")
+    assert told["next"][:3] == ["cd driftform-dwell", 'pip install -e ".[test]"', "pytest"]
+    text = call("plugins", "new", "driftform-linger", "--seam", "fitness", "--out", "else where").stdout
+    assert "cd 'else where'" in text
+    assert (tmp_path / "else where" / "pyproject.toml").is_file()
+
+
+def test_nothing_is_left_to_fill_in(tmp_path: Path) -> None:
+    for seam in SEAMS:
+        for path, text in files_of(names_of("dwell", seam), seam).items():
+            prompts = text.replace("\n$ ", "\n") if path == "README.md" else text
+            assert "$" not in prompts, f"{seam}: {path}"
+
+
+@pytest.mark.parametrize(
+    "words", [["format", "--check"], ["check", "--select", "E,F,W,I,N,UP,B,SIM,PTH,RUF"]]
+)
+def test_what_it_writes_is_formatted_and_clean(words: list[str], installed: Path) -> None:
+    ruff = [sys.executable, "-m", "ruff", *words, "--isolated", "--no-cache", "--line-length", "110", "."]
+    for seam in SEAMS:
+        # From the distribution's own folder: ruff looks there for which package is the first party.
+        done = subprocess.run(ruff, cwd=installed / seam, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("My Fitness", "did you mean 'my-fitness'?"),
+        ("!", "such as driftform-dwell"),
+        ("../evil", "did you mean 'evil'?"),
+        ("dwell-", "did you mean 'dwell'?"),
+        ("ümlaut", "is no name of a distribution"),
+        ("numpy", "did you mean 'driftform-numpy'?"),
+        ("class", "did you mean 'driftform-class'?"),
+        ("json", "did you mean 'driftform-json'?"),
+        ("driftform-3d", "begin with a letter"),
+        ("driftform-closest-approach", "is there already, from driftform"),
+        ("x" * 61, "longer than 60"),
+    ],
+)
+def test_a_name_that_will_not_do_is_refused(name: str, told: str, refused: Callable[..., str]) -> None:
+    assert told in refused("plugins", "new", name, "--seam", "fitness")
+
+
+def test_a_class_of_driftforms_own_is_not_hidden(refused: Callable[..., str]) -> None:
+    assert "one of driftform's" in refused("plugins", "new", "driftform-phenotype", "--seam", "builder")
+    told = refused("plugins", "new", "driftform-hydrodynamics", "--seam", "hydrodynamics")
+    assert "one of driftform's" in told
+
+
+def test_names_are_normalised(call: Call, tmp_path: Path) -> None:
+    call("plugins", "new", "Driftform_Long.Dwell", "--seam", "fitness")
+    project = tomllib.loads((tmp_path / "driftform-long-dwell" / "pyproject.toml").read_text())["project"]
+    assert project["name"] == "driftform-long-dwell"
+    assert project["entry-points"]["driftform"] == {"long-dwell": "driftform_long_dwell"}
+    assert "class LongDwellFitness" in next(tmp_path.rglob("fitness.py")).read_text()
+
+
+def test_an_unknown_seam_is_refused(refused: Callable[..., str]) -> None:
+    assert "did you mean 'fitness'?" in refused("plugins", "new", "driftform-dwell", "--seam", "fitnes")
+
+
+def test_what_is_there_stays_as_it_is(refused: Callable[..., str], tmp_path: Path) -> None:
+    (tmp_path / "driftform-dwell").mkdir()
+    (tmp_path / "driftform-dwell" / "mine.txt").write_text("mine")
+    assert "not an empty directory" in refused("plugins", "new", "driftform-dwell", "--seam", "fitness")
+    (tmp_path / "file").write_text("mine")
+    told = refused("plugins", "new", "driftform-dwell", "--seam", "fitness", "--out", "file")
+    assert "it is a file" in told
+
+
+# Installed for real.
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory, uv: str) -> Path:
+    folder = tmp_path_factory.mktemp("wheel")
+    command = [uv, "build", "--wheel", "--out-dir", folder, ROOT]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    return next(folder.glob("*.whl"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seam", SEAMS)
+def test_a_scaffold_installs_in_an_empty_environment_and_passes_there(
+    seam: str, wheel: Path, uv: str, tmp_path: Path
+) -> None:
+    source, venv = write(tmp_path / "source", seam), tmp_path / "venv"
+    interpreter = venv / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+    clean = {key: value for key, value in os.environ.items() if key not in ("PYTHONPATH", "VIRTUAL_ENV")}
+    for command in (
+        [uv, "venv", "--python", sys.executable, venv],
+        [uv, "pip", "install", "--python", interpreter, wheel, f"{source}[test]"],
+        [interpreter, "-m", "pytest", "-q", "-W", "error"],
+    ):
+        done = subprocess.run(
+            command, cwd=source, env=clean, capture_output=True, text=True, timeout=600, check=False
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
