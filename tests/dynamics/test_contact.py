@@ -284,9 +284,7 @@ def test_a_pipe_in_two_pieces_pushes_like_a_whole_one(pose, coplanar, velocity, 
         R = np.column_stack([ahead, side, np.cross(ahead, side)])
     rims = [(x, r, 900.0, 20.0), (x - 0.3 * r, 0.8 * r, 700.0, 15.0), (-x, 0.5 * r, 500.0, 10.0)]
     pieces = np.array([[*start, *downstream, 4.0, size], [*(start + 4 * downstream), *downstream, 5.0, size]])
-    whole, parts = (
-        force_on(position, velocity, omega, R, rims, lines, friction) for lines in (pipe, pieces)
-    )
+    whole, parts = (force_on(position, velocity, omega, R, rims, lines, friction) for lines in (pipe, pieces))
     # What the first look at a rim calls clear, but its second look would not, is deeper by less than a micrometre.
     assert whole == pytest.approx(parts, rel=1e-5, abs=1e-5)
 

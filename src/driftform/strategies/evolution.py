@@ -44,7 +44,11 @@ class EvolutionOptions(Table):
         2.0, "a target gets children in proportion to this power of its error", "", ge=0, le=10
     )
     early: float = option(
-        0.125, "share of a flight after which paths are compared, before walls blur what a change did", "", gt=0, le=1
+        0.125,
+        "share of a flight after which paths are compared, before walls blur what a change did",
+        "",
+        gt=0,
+        le=1,
     )
     doubt: float = option(
         0.3, "how far off a guess is thought to be, relative to what the change did before", "", ge=0, le=10
