@@ -26,9 +26,10 @@ def driftform_recorder() -> "list[type[Recorder[Any]]]":
 
 @hookimpl
 def driftform_strategy() -> "list[type[Strategy[Any]]]":
-    """The paper's genetic algorithm, the random search it has to beat, and a map of all that can be reached."""
+    """The paper's genetic algorithm, random search, one that is far better, and a map of all that can be reached."""
     from driftform.strategies.atlas import AtlasStrategy
+    from driftform.strategies.evolution import EvolutionStrategy
     from driftform.strategies.paper import PaperStrategy
     from driftform.strategies.random import RandomStrategy
 
-    return [AtlasStrategy, PaperStrategy, RandomStrategy]
+    return [AtlasStrategy, EvolutionStrategy, PaperStrategy, RandomStrategy]

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -193,7 +194,10 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "sample": ["sample", "--count", "1", "--out", f"{here}/agents"],
         "simulate": ["simulate", f"{run}:TP1", "--out", f"{here}/flight"],
         "inspect": ["inspect", f"{run}:TP1", "--compare"],
-        "export": ["export", f"{run}:TP1", "--format", "stl,scad", "--out", f"{here}/parts"],
+        "export": [
+            *("export", f"{run}:TP1", "--format", "stl,scad", "--out", f"{here}/parts"),
+            *("--kit", "--option", "drain=0.003"),
+        ],
         "export-flight": ["export-flight", WORD, "--simulator", "native", "--out", f"{here}/samples"],
         "check": ["check", WORD, "--no-programs"],
         "trim": ["trim", WORD, "--printed-mass", "0.0515", "--simulator", "native"],
@@ -222,7 +226,7 @@ def documented() -> dict[str, list[str]]:
             name = line.removeprefix("<!-- part: ").removesuffix(" -->")
         table = line.startswith("|") and (table or line.startswith("| JSON field"))
         if table and line.startswith("| `"):
-            found.setdefault(name, []).append(line.split("`")[1])
+            found.setdefault(name, []).extend(re.findall("`([^`]+)`", line.split("|")[1]))
     return found
 
 

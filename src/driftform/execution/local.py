@@ -80,6 +80,9 @@ class _Pool:
 
     def close(self) -> None:
         self._end.close()
+        # One that is still importing listens to nobody yet, and has nothing to lose.
+        for process in list((getattr(self._executor, "_processes", None) or {}).values()):
+            process.kill()
         self._executor.shutdown(wait=True, cancel_futures=True)
         self._ended.close()
 

@@ -23,12 +23,10 @@ GUESSES = 512
 """Combinations that are looked at before it is given up to find a new one among them."""
 
 DRAWS = 4
-"""Changes of symbols that are drawn before a child differs by one more."""
+"""Changes of symbols, or random genomes, that are drawn before it is given up to find a new one."""
 
 REMEMBERED = 200_000
 """Hashes of genomes and bodies that are kept, so that no body flies twice."""
-
-UNTRIED = True
 
 Place: TypeAlias = tuple[float, float, float]
 
@@ -51,7 +49,7 @@ class EvolutionOptions(Table):
         le=1,
     )
     doubt: float = option(
-        0.3, "how far off a guess is thought to be, relative to what the change did before", "", ge=0, le=10
+        0.1, "how far off a guess is thought to be, relative to what the change did before", "", ge=0, le=10
     )
 
 
@@ -118,12 +116,14 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         self._asked: list[_Asked] = []
         self._asked_bodies: set[int] = set()
         self._guesses: dict[int, Iterator[tuple[_Flown, Change]]] = {}
+        self._families: dict[int, tuple[list[_Flown], FloatArray]] = {}
         self._small: tuple[list[Change], FloatArray, FloatArray] | None = None
 
     def ask(self, limit: int) -> list[Candidate]:
         """Return random genomes until one has flown with any success, and children after that."""
         self._asked_bodies.clear()
         self._guesses.clear()
+        self._families.clear()
         self._small = None
         if any(self._elites):
             batch = [self._child(number) for number in self._worked_for()]
@@ -147,7 +147,7 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         parent, flight = asked.parent, evaluation.trajectory
         early = place_at(flight, self._time) if flight is not None and self._time is not None else None
         family: deque[_Flown] = parent.family if parent else deque(maxlen=MEMBERS)
-        flown = _Flown(index, evaluation.genome, family, early)
+        flown = _Flown(index, asked.candidate.genome, family, early)
         if early is not None:
             family.append(flown)
             if parent and parent.early and asked.change:
@@ -174,23 +174,21 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
             return self._random()
         # The best every other time, the next one every fourth, and so on.
         _, elite = elites[min(int(rng.geometric(0.5)), len(elites)) - 1]
-        aimed = rng.random() >= self.options.explore
-        return (self._aimed(elite, target) if aimed else None) or self._explored(elite, target)
+        ways = (self._explored, self._aimed)
+        first, second = ways if rng.random() < self.options.explore else ways[::-1]
+        return first(elite, target) or second(elite, target) or self._random()
 
-    def _explored(self, elite: _Flown, target: str) -> _Asked:
-        """An elite with a change that was never tried; with one more where such are hard to find."""
-        rng, grammar, parent = self.space.rng, self.space.grammar, elite.genome
-        for draw in range(1, 8 * DRAWS + 1):
+    def _explored(self, elite: _Flown, target: str) -> _Asked | None:
+        """An elite with a change that was never tried, ``None`` where such are hard to find."""
+        rng, parent = self.space.rng, elite.genome
+        for place in rng.integers(max(1, len(parent.symbols)), size=DRAWS).tolist():
             if not parent.symbols:
                 break
-            place = int(rng.integers(len(parent.symbols)))
-            genome = grammar.flip(parent, place, rng)
-            change = _change(parent, genome, place) if parent is elite.genome else None
-            if (not UNTRIED or change not in self._moved) and (body := self._new_body(genome)) is not None:
+            genome = self.space.grammar.flip(parent, place, rng)
+            change = _change(parent, genome, place)
+            if change not in self._moved and (body := self._new_body(genome)) is not None:
                 return _Asked(self._candidate(genome, target, elite), body, elite, change)
-            if draw % DRAWS == 0:
-                parent = genome
-        return self._random()
+        return None
 
     def _aimed(self, elite: _Flown, target: str) -> _Asked | None:
         """A member of the family and a change that should come nearest to the elite's early path, if there are any."""
@@ -207,13 +205,22 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         if elite.early is None or not self._moved:
             return
         changes, moved, size = self._smallest()
-        members = list(elite.family)
-        away = np.array([member.early for member in members]) - elite.early
-        near = least((away**2).sum(axis=1), NEAREST)
-        miss = np.sqrt(((away[near, None] + moved) ** 2).sum(axis=2)) + self.options.doubt * size
+        members = self._family_of(elite)
+        away = members[1] - elite.early
+        near = least(np.einsum("ij,ij->i", away, away), NEAREST)
+        off = away[near, None] + moved
+        miss = np.sqrt(np.einsum("ijk,ijk->ij", off, off)) + self.options.doubt * size
         for guess in least(miss.ravel(), GUESSES).tolist():
             row, column = divmod(guess, len(changes))
-            yield members[near[row]], changes[column]
+            yield members[0][near[row]], changes[column]
+
+    def _family_of(self, elite: _Flown) -> tuple[list[_Flown], FloatArray]:
+        """The members of the elite's family, and where they were early on, m, (n, 3)."""
+        key = id(elite.family)
+        if key not in self._families:
+            members = list(elite.family)
+            self._families[key] = members, np.array([member.early for member in members])
+        return self._families[key]
 
     def _smallest(self) -> tuple[list[Change], FloatArray, FloatArray]:
         """The changes that moved the early path least, how they moved it, m, (n, 3), and how far, (n,)."""
