@@ -96,6 +96,8 @@ def _draw_panel(root: ET.Element, trend: Trend, box: Box, low: float) -> None:
         x = place(np.array([value]), np.array([low]))[0, 0]
         svg.add(root, "line", x1=x, y1=box.bottom, x2=x, y2=box.bottom + 4, stroke=MUTED)
         write(root, x, box.bottom + 17, signed(value, 0), 11, MUTED, "middle")
+    write(root, box.right, box.bottom + 31, "flights", 11, MUTED, "end")
+    write(root, box.left - 7, box.top - 8, "%", 11, MUTED, "end")
     write(
         root, box.left, box.top - 8, shorten(trend.name, 12, box.right - box.left, bold=True), 12, bold=True
     )
