@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 from numba import njit
+from numba.core import cgutils
+from numba.extending import intrinsic
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -33,3 +35,15 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     else:
         cache_file._source_stamp = (cache_file._source_stamp, _DIGEST)
     return dispatcher
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def borrowed(_: Any, array: Any) -> Any:
+    """The same array, which kernels do not count references to."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        view = context.make_array(signature.return_type)(context, builder, arguments[0])
+        view.meminfo = cgutils.get_null_value(view.meminfo.type)
+        return view._getvalue()
+
+    return array(array), generate

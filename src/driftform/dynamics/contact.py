@@ -173,9 +173,28 @@ def _coplanar_push(
     line, vectors = axis_line(position, axis, pipe), basis(position, axis, pipe)
     off = math.sqrt(line[0])
     normal, tilted = times(1.0 / off, vectors[0]), times(1.0 / off, vectors[2])
-    s = line[1] / off
+    force, torque, share = coplanar_force(rims, line[1] / off, line[3] - off, dot(normal, v), dot(tilted, w))
+    return (times(-force, normal), times(-torque, tilted)), share
+
+
+@compiled
+def coplanar_force(
+    rims: FloatArray, s: float, gap: float, speed: float, turning: float
+) -> tuple[float, float, float]:
+    """Return what rims with one normal n press against the wall: force (N), torque (N m), and their share.
+
+    Parameters
+    ----------
+    rims
+        of :class:`driftform.dynamics.model.FlightModel`.
+    s
+        a'.n, of the body's axis a'.
+    gap
+        from the body's origin to the wall, along n, m.
+    speed, turning
+        of the body's origin along n, m/s, and of the body about a' x n, rad/s.
+    """
     outward = 1.0 / blunt(s)
-    gap, speed, turning = line[3] - off, dot(normal, v), dot(tilted, w)
     total, force, torque = 0.0, 0.0, 0.0
     for k in range(rims.shape[0]):
         x, k_r = rims[k, 0], outward * rims[k, 1]
@@ -188,7 +207,7 @@ def _coplanar_push(
         force += pressed
         torque += pressed * along
     share = 1.0 / math.sqrt(total) if total > 0.0 else 0.0
-    return (times(-share * force, normal), times(-share * torque, tilted)), share
+    return share * force, share * torque, share
 
 
 @compiled

@@ -25,12 +25,9 @@ from driftform.dynamics.model import (
     packed,
     unpacked,
 )
-from driftform.dynamics.path import at, cubic_between, hermite_coefficients
-from driftform.dynamics.rotations import (
-    matrix_from_quaternion,
-    rotation_from_quaternion,
-)
-from driftform.dynamics.vectors import Vector, dot, minus, to_body
+from driftform.dynamics.path import at, cubic_between, rate_at
+from driftform.dynamics.rotations import quaternion_rate, rotation_from_quaternion
+from driftform.dynamics.vectors import Vector, dot, minus, times, to_body
 from driftform.scenario import Scenario
 from driftform.types import End, FloatArray, Trajectory
 
@@ -113,27 +110,21 @@ def finished_flight(
     A flight that stopped before the horizon for no other reason ends as non-finite, and one whose estimated
     ``error`` (m) is more than ``accepted`` as not converged.
     """
-    finite = np.isfinite(samples).all(axis=1)
-    sound = len(samples) if finite.all() else int(np.argmin(finite))
-    later = np.concatenate([[True], np.diff(samples[:sound, 0]) > 0])
-    rows = np.ascontiguousarray(samples[:sound][later])
-    end = _ending(rows, sound < len(samples), len(samples) > step_limit, model, horizon)
+    rows, broken = _sound(np.ascontiguousarray(samples))
+    end = _ending(rows, broken, len(samples) > step_limit, model, horizon)
     if not end.failed and error is not None and not error <= accepted:
         end = End.NOT_CONVERGED
     values = packed(model)
     touched = _first_touch(rows, values)
     contact, drift = _contact_time(rows, values, touched), _energy_drift(rows, values, touched)
-    if len(rows) > 1 and has_left((rows[-1, 1], rows[-1, 2], rows[-1, 3]), model.pipe):
-        rows = _cut_at_outlet(rows, model.pipe)
+    if len(rows) > 1 and len(model.pipe) > 0:
+        _cut_at_outlet(rows[-2], rows[-1], model.pipe)
         contact = None if contact is not None and contact > rows[-1, 0] else contact
-    quaternion = rows[:, 4:8]
-    R = matrix_from_quaternion(quaternion)
-    velocity = np.concatenate([np.einsum("kji,kj->ki", R, rows[:, 8:11]), rows[:, 11:]], axis=1)
     return Trajectory(
         rows[:, 0],
         rows[:, 1:4],
-        quaternion,
-        velocity,
+        rows[:, 4:8],
+        _body_velocity(rows),
         end,
         contact=contact,
         energy_drift=None if np.isnan(drift) else float(drift),
@@ -152,42 +143,74 @@ def _ending(rows: FloatArray, broken: bool, too_long: bool, model: FlightModel, 
     return End.STEP_LIMIT if too_long else End.NON_FINITE
 
 
-def _cut_at_outlet(rows: FloatArray, pipe: FloatArray) -> FloatArray:
-    """Replace the last sample by one on the outlet's plane, where it lies past that.
+@compiled
+def _sound(samples: FloatArray) -> tuple[FloatArray, bool]:
+    """Return the samples up to the first that is not finite, each later than the one before; and if there is one."""
+    rows, count = np.empty(samples.shape), 0
+    for k in range(samples.shape[0]):
+        if not is_finite(samples[k]):
+            return rows[:count].copy(), True
+        if count == 0 or samples[k, 0] > rows[count - 1, 0]:
+            for j in range(SAMPLE):
+                rows[count, j] = samples[k, j]
+            count += 1
+    return rows[:count].copy(), False
 
-    Between the last two samples position and quaternion are cubics through values and rates at both, and the
-    velocities their derivatives.
+
+@compiled
+def _cut_at_outlet(before: FloatArray, after: FloatArray, pipe: FloatArray) -> None:
+    """Move a sample back to the outlet's plane, where it lies past that and the one ``before`` does not.
+
+    Between the two, position and quaternion are cubics through values and rates at both, and the velocities their
+    derivatives.
     """
-    before, after = rows[-2], rows[-1]
-    if past_outlet((after[1], after[2], after[3]), pipe) < 0:
-        return rows
-    pose = rows[-2:, 1:8].copy()
-    pose[1, 3:] *= np.sign(pose[0, 3:] @ pose[1, 3:] or 1.0)
-    rates = np.column_stack([rows[-2:, 8:11], _quaternion_rate(pose[:, 3:], rows[-2:, 11:])])
-    curve = hermite_coefficients(rows[-2:, 0], pose, rates)[0]
-    along = curve[:, :3] @ pipe[-1, 3:6]
-    along[0] -= pipe[-1, :3] @ pipe[-1, 3:6] + pipe[-1, 6]
-    roots = np.roots(along[::-1])
-    inside = roots[(np.abs(roots.imag) < 1e-9) & (roots.real > 0) & (roots.real <= 1 + 1e-9)].real
-    u, h = float(inside.min()) if inside.size else 1.0, after[0] - before[0]
-    there = u ** np.arange(4) @ curve
-    moving = np.array([0.0, 1.0, 2 * u, 3 * u * u]) @ curve / h
-    quaternion = there[3:] / np.linalg.norm(there[3:])
-    w, x, y, z = quaternion
+    if past_outlet(position_of(after), pipe) < 0.0:
+        return
+    h = after[0] - before[0]
+    path = cubic_between(position_of(before), velocity_of(before), position_of(after), velocity_of(after), h)
+    low, u = 0.0, 1.0
+    for _ in range(60):
+        middle = 0.5 * (low + u)
+        if past_outlet(at(path, middle), pipe) < 0.0:
+            low = middle
+        else:
+            u = middle
+    start, end = _turning(before), _turning(after)
+    square, sign = 0.0, 0.0
+    for j in range(4, 8):
+        sign += before[j] * after[j]
+    sign = 1.0 if sign >= 0.0 else -1.0
+    q, rate = np.empty(4), np.empty(4)
+    for j in range(4):
+        p, v = (before[4 + j], 0.0, 0.0), (start[j], 0.0, 0.0)
+        curve = cubic_between(p, v, (sign * after[4 + j], 0.0, 0.0), (sign * end[j], 0.0, 0.0), h)
+        q[j], rate[j] = at(curve, u)[0], rate_at(curve, u)[0] / h
+        square += q[j] * q[j]
+    after[0] = before[0] + u * h
+    after[1], after[2], after[3] = at(path, u)
+    after[8], after[9], after[10] = times(1.0 / h, rate_at(path, u))
+    for j in range(4):
+        after[4 + j] = q[j] / math.sqrt(square)
     # 2 q* q' has the angular velocity in its vector part.
-    back = np.array([[-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]])
-    spin = 2 * back @ moving[3:] / np.linalg.norm(there[3:])
-    last = np.concatenate([[before[0] + u * h], there[:3], quaternion, moving[:3], spin])
-    return np.vstack([rows[:-1], last])
+    after[11] = 2.0 * (q[0] * rate[1] - q[1] * rate[0] + q[3] * rate[2] - q[2] * rate[3]) / square
+    after[12] = 2.0 * (q[0] * rate[2] - q[2] * rate[0] + q[1] * rate[3] - q[3] * rate[1]) / square
+    after[13] = 2.0 * (q[0] * rate[3] - q[3] * rate[0] + q[2] * rate[1] - q[1] * rate[2]) / square
 
 
-def _quaternion_rate(quaternion: FloatArray, omega: FloatArray) -> FloatArray:
-    """Return q' = q (0, omega) / 2 for quaternions (k, 4) and angular velocities in the body frame (k, 3)."""
-    w, x, y, z = quaternion.T
-    p, q, r = omega.T
-    return 0.5 * np.column_stack(
-        [-x * p - y * q - z * r, w * p + y * r - z * q, w * q + z * p - x * r, w * r + x * q - y * p]
-    )
+@compiled
+def _turning(row: FloatArray) -> tuple[float, float, float, float]:
+    return quaternion_rate(row[4], row[5], row[6], row[7], row[11], row[12], row[13])
+
+
+@compiled
+def _body_velocity(rows: FloatArray) -> FloatArray:
+    """Return linear and angular velocity of raw samples (k, 14), in the body frame, (k, 6)."""
+    out = np.empty((rows.shape[0], 6))
+    for k in range(rows.shape[0]):
+        out[k, 0], out[k, 1], out[k, 2] = to_body(_attitude(rows[k]), velocity_of(rows[k]))
+        for j in range(3):
+            out[k, 3 + j] = rows[k, 11 + j]
+    return out
 
 
 def _contact_time(rows: FloatArray, values: FloatArray, touched: int) -> float | None:

@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from driftform.dynamics.compiled import compiled
+from driftform.dynamics.path import at, cubic_between, rate_at
 from driftform.dynamics.vectors import ZERO, Rotation, Vector, dot, minus, plus, times
 from driftform.scenario import DevelopingFlow, LogLawFlow, PowerLawFlow, Scenario, TurbulentFlow, UniformFlow
 from driftform.types import FloatArray
@@ -166,14 +167,9 @@ def _in_segment(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector, float,
 @compiled
 def _spline(a: FloatArray, b: FloatArray, step: float, u: float) -> tuple[Vector, Vector]:
     """Return value and slope of the gusts' spline at the share ``u`` of a time step from row ``a`` to row ``b``."""
-    p, q = (a[0], a[1], a[2]), (b[0], b[1], b[2])
-    m, n = (step * a[3], step * a[4], step * a[5]), (step * b[3], step * b[4], step * b[5])
-    moved = minus(q, p)
-    square = minus(minus(times(3.0, moved), times(2.0, m)), n)
-    cube = minus(plus(m, n), times(2.0, moved))
-    value = plus(p, times(u, plus(m, times(u, plus(square, times(u, cube))))))
-    slope = plus(m, times(u, plus(times(2.0, square), times(3.0 * u, cube))))
-    return value, times(1.0 / step, slope)
+    p, v, q, w = (a[0], a[1], a[2]), (a[3], a[4], a[5]), (b[0], b[1], b[2]), (b[3], b[4], b[5])
+    curve = cubic_between(p, v, q, w, step)
+    return at(curve, u), times(1.0 / step, rate_at(curve, u))
 
 
 @compiled

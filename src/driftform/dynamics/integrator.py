@@ -5,6 +5,8 @@ kinks and are stiff, DOPRI5 does. Both errors are controlled step by step. An er
 flight to grow in, from collision to collision, so the tolerance of a step grows with time. What a whole flight is off
 is not told by its steps: it is estimated as its distance from a second one with ten times the tolerance. Where that
 is more than asked for, the tolerance is tightened, again and again.
+
+A motion that stays in the vertical plane is integrated there: the same steps, of seven numbers instead of thirteen.
 """
 
 import math
@@ -12,13 +14,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.dynamics.compiled import compiled
+from driftform.dynamics.compiled import borrowed, compiled
 from driftform.dynamics.contact import is_far
 from driftform.dynamics.equations import accelerations
 from driftform.dynamics.flight import SAMPLE, has_left, is_finite, position_of, velocity_of
 from driftform.dynamics.model import REACH, FlightModel, packed, unpacked
 from driftform.dynamics.path import at, cubic_between
-from driftform.dynamics.rotations import rotation_from_quaternion
+from driftform.dynamics.plane import PLACES, plane_model, slope_in_plane, stays_in_plane
+from driftform.dynamics.rotations import quaternion_rate, rotation_from_quaternion
 from driftform.dynamics.tableaus import DOP853, DOPRI5, Pair
 from driftform.dynamics.vectors import dot, minus
 from driftform.types import FloatArray
@@ -42,6 +45,9 @@ SMOOTH = 1e-2
 """Share of the tolerance that is granted to smooth motion, which costs little: what error there is comes of contact."""
 
 FIRST_STEP = 1e-3
+
+LEAST = math.log(1e-4)
+"""Logarithm of the error over tolerance of a step, below which the next one's length does not ask for it."""
 
 
 @dataclass(frozen=True)
@@ -112,9 +118,11 @@ def _converged(
     smooth: Pair,
     stiff: Pair,
 ) -> tuple[FloatArray, float, float]:
-    coarse = _flown(values, start, horizon, GAIN * tolerance, max_step, step_limit, smooth, stiff)
+    model, work = unpacked(values), np.empty((smooth.b.shape[0] + 3) * STATE)
+    pairs = _borrowed(smooth), _borrowed(stiff)
+    coarse = _flown(model, start, horizon, GAIN * tolerance, max_step, step_limit, pairs, work)
     while True:
-        fine = _flown(values, start, horizon, tolerance, max_step, step_limit, smooth, stiff)
+        fine = _flown(model, start, horizon, tolerance, max_step, step_limit, pairs, work)
         error = greatest_distance(coarse, fine)
         if error <= accepted or tolerance / GAIN < tightest:
             return fine, error, tolerance
@@ -157,24 +165,43 @@ def greatest_distance(a: FloatArray, b: FloatArray) -> float:
 
 
 @compiled
+def _borrowed(pair: Pair) -> Pair:
+    return Pair(
+        borrowed(pair.a),
+        borrowed(pair.b),
+        borrowed(pair.c),
+        borrowed(pair.error),
+        borrowed(pair.second),
+        pair.power,
+    )
+
+
+@compiled
 def _flown(
-    values: FloatArray,
+    model: FlightModel,
     start: FloatArray,
     horizon: float,
     tolerance: float,
     max_step: float,
     step_limit: int,
-    smooth: Pair,
-    stiff: Pair,
+    pairs: tuple[Pair, Pair],
+    work: FloatArray,
 ) -> FloatArray:
-    """Return the release and the end of every step, (k, 14), up to the first that is past the outlet."""
-    model = unpacked(values)
+    """Return the release and the end of every step, (k, 14), up to the first that is past the outlet.
+
+    ``pairs`` are those for smooth and for stiff motion, ``work`` is room for two states and the slopes of a step.
+    """
     samples = np.empty((256, SAMPLE))
-    slopes = np.empty((smooth.b.shape[0] + 1, STATE))
-    y, new = np.empty(STATE), np.empty(STATE)
-    _copy(start, y)
-    t, h, earlier, count = 0.0, min(FIRST_STEP, horizon), 1e-4, 0
-    slope(t, y, model, slopes[0])
+    plane, places = np.empty(0), np.arange(STATE)
+    if stays_in_plane(start, model):
+        plane, places = plane_model(model), np.array(PLACES)
+    size = places.shape[0]
+    room = borrowed(work)[: (pairs[0].b.shape[0] + 3) * size]
+    y, new, slopes = room[:size], room[size : 2 * size], room[2 * size :].reshape(-1, size)
+    for i in range(size):
+        y[i] = start[places[i]]
+    t, h, earlier, count = 0.0, min(FIRST_STEP, horizon), LEAST, 0
+    _rate(t, y, model, plane, slopes[0])
     while True:
         if count == samples.shape[0]:
             longer = np.empty((2 * count, SAMPLE))
@@ -182,19 +209,20 @@ def _flown(
                 _copy(samples[k], longer[k])
             samples = longer
         samples[count, 0] = t
-        for j in range(STATE):
-            samples[count, 1 + j] = y[j]
+        _copy(start, samples[count, 1:])
+        for i in range(places.shape[0]):
+            samples[count, 1 + places[i]] = y[i]
+        position = position_of(samples[count])
         count += 1
-        position = (y[0], y[1], y[2])
         if not is_finite(y) or t >= horizon or count > step_limit or has_left(position, model.pipe):
             break
-        pair, sharp = stiff, tolerance * min(LOOSEST, math.exp(GROWTH * t))
+        pair, sharp = pairs[1], tolerance * min(LOOSEST, math.exp(GROWTH * t))
         if is_far(position, model.table[REACH], model.pipe):
-            pair, sharp = smooth, SMOOTH * sharp
+            pair, sharp = pairs[0], SMOOTH * sharp
         h = min(h, max_step)
         while True:
             h = min(h, horizon - t)
-            error = _step(t, h, y, new, slopes, pair, model, sharp)
+            error = _step(t, h, y, new, slopes, pair, model, plane, sharp)
             if error <= 1.0:
                 break
             h *= max(0.2, 0.9 * error ** (-1.0 / pair.power)) if math.isfinite(error) else 0.2
@@ -205,8 +233,9 @@ def _flown(
         _copy(new, y)
         _copy(slopes[pair.b.shape[0]], slopes[0])
         # Gustafsson's controller: it looks at the step before too, and so has few steps rejected.
-        h *= min(5.0, max(0.2, 0.9 * max(error, 1e-8) ** (-0.7 / pair.power) * earlier ** (0.4 / pair.power)))
-        earlier = max(error, 1e-4)
+        now = math.log(max(error, 1e-8))
+        h *= min(5.0, max(0.2, 0.9 * math.exp((0.4 * earlier - 0.7 * now) / pair.power)))
+        earlier = max(now, LEAST)
     return samples[:count]
 
 
@@ -226,25 +255,29 @@ def _step(
     slopes: FloatArray,
     pair: Pair,
     model: FlightModel,
+    plane: FloatArray,
     tolerance: float,
 ) -> float:
     """Fill ``new`` with the state after ``h``, ``slopes`` with those of all stages; return error over tolerance."""
     stages = pair.b.shape[0]
     for s in range(1, stages + 1):
         last = s == stages
-        for j in range(STATE):
-            new[j] = y[j]
+        _copy(y, new)
         for k in range(s):
             share = h * (pair.b[k] if last else pair.a[s, k])
-            for j in range(STATE):
+            for j in range(y.shape[0]):
                 new[j] += share * slopes[k, j]
-        slope(t + (1.0 if last else pair.c[s]) * h, new, model, slopes[s])
+        _rate(t + (1.0 if last else pair.c[s]) * h, new, model, plane, slopes[s])
     first = _weighed(pair.error, slopes, y, new, tolerance)
-    second = _weighed(pair.second, slopes, y, new, tolerance)
+    second = _weighed(pair.second, slopes, y, new, tolerance) if pair.second.shape[0] > 0 else 0.0
     # The quaternion's length is no part of the motion.
-    length = math.sqrt(new[3] ** 2 + new[4] ** 2 + new[5] ** 2 + new[6] ** 2)
-    for j in range(3, 7):
-        new[j] /= length
+    begin, end = (2, 4) if plane.shape[0] > 0 else (3, 7)
+    square = 0.0
+    for j in range(begin, end):
+        square += new[j] * new[j]
+    for j in range(begin, end):
+        new[j] /= math.sqrt(square)
+    # Numbers that a motion in the plane leaves alone have no error, and count as they would in space.
     if second > 0.0:
         return float(h * first / math.sqrt((first + 0.01 * second) * STATE))
     return float(h * math.sqrt(first / STATE))
@@ -256,7 +289,7 @@ def _weighed(
 ) -> float:
     """Return the sum over all coordinates of ((weighted sum of slopes) / (tolerance (1 + |value|)))^2."""
     total = 0.0
-    for j in range(STATE):
+    for j in range(y.shape[0]):
         e = 0.0
         for k in range(weights.shape[0]):
             e += weights[k] * slopes[k, j]
@@ -265,17 +298,21 @@ def _weighed(
 
 
 @compiled
+def _rate(t: float, y: FloatArray, model: FlightModel, plane: FloatArray, out: FloatArray) -> None:
+    """Fill ``out`` with the rate of a state in space (13,), or in the plane where there is a model of that (7,)."""
+    if plane.shape[0] > 0:
+        slope_in_plane(y, plane, model.rims, out)
+    else:
+        slope(t, y, model, out)
+
+
+@compiled
 def slope(t: float, y: FloatArray, model: FlightModel, out: FloatArray) -> None:
     """Fill ``out`` (13,) with the rate of the state ``y`` (13,)."""
-    w, x, yy, z = y[3], y[4], y[5], y[6]
     p, q, r = y[10], y[11], y[12]
-    a, alpha = accelerations(
-        t, (y[0], y[1], y[2]), rotation_from_quaternion(w, x, yy, z), (y[7], y[8], y[9]), (p, q, r), model
-    )
+    R = rotation_from_quaternion(y[3], y[4], y[5], y[6])
+    a, alpha = accelerations(t, (y[0], y[1], y[2]), R, (y[7], y[8], y[9]), (p, q, r), model)
     out[0], out[1], out[2] = y[7], y[8], y[9]
-    out[3] = -0.5 * (x * p + yy * q + z * r)
-    out[4] = 0.5 * (w * p + yy * r - z * q)
-    out[5] = 0.5 * (w * q + z * p - x * r)
-    out[6] = 0.5 * (w * r + x * q - yy * p)
+    out[3], out[4], out[5], out[6] = quaternion_rate(y[3], y[4], y[5], y[6], p, q, r)
     out[7], out[8], out[9] = a
     out[10], out[11], out[12] = alpha

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from driftform.dynamics.compiled import compiled
+from driftform.dynamics.compiled import borrowed, compiled
 from driftform.dynamics.flow import UNIFORM, flow_array, gust_array
 from driftform.dynamics.inertia import added_mass_at, rigid_body_mass
 from driftform.geometry.slices import slices
@@ -108,6 +108,7 @@ def packed(model: FlightModel) -> FloatArray:
 @compiled
 def unpacked(values: FloatArray) -> FlightModel:
     """Return the model whose arrays :func:`packed` has put into one; they share its memory."""
+    values = borrowed(values)
     rims = 7 + 6 * int(values[0])
     pipe = rims + 6 * int(values[1])
     flow = pipe + 8 * int(values[2])

@@ -152,13 +152,20 @@ def at(cubic: Cubic, u: float) -> Vector:
 
 
 @compiled
+def rate_at(cubic: Cubic, u: float) -> Vector:
+    """Return the slope of a cubic at u, for a unit of u."""
+    _, b, c, d = cubic
+    return plus(b, times(u, plus(times(2.0, c), times(3.0 * u, d))))
+
+
+@compiled
 def foot(cubic: Cubic, point: Vector, u: float) -> tuple[float, float]:
     """Return the distance of the foot of the perpendicular, or of an end, and its u: Newton's method from ``u``."""
-    _, b, c, d = cubic
+    _, _, c, d = cubic
     best, best_u = _distance(at(cubic, u), point), u
     for _ in range(20):
         offset = minus(at(cubic, u), point)
-        first = plus(b, times(u, plus(times(2.0, c), times(3.0 * u, d))))
+        first = rate_at(cubic, u)
         second = plus(times(2.0, c), times(6.0 * u, d))
         speed = dot(first, first)
         curvature = speed + dot(offset, second)

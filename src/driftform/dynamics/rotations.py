@@ -36,6 +36,19 @@ def rotation_from_quaternion(w: float, x: float, y: float, z: float) -> Rotation
     )
 
 
+@compiled
+def quaternion_rate(
+    w: float, x: float, y: float, z: float, p: float, q: float, r: float
+) -> tuple[float, float, float, float]:
+    """Return q' = q (0, omega) / 2 of a quaternion that turns with omega = (p, q, r), rad/s in the body frame."""
+    return (
+        -0.5 * (x * p + y * q + z * r),
+        0.5 * (w * p + y * r - z * q),
+        0.5 * (w * q + z * p - x * r),
+        0.5 * (w * r + x * q - y * p),
+    )
+
+
 def quaternion_from_rotation_vector(vector: FloatArray) -> FloatArray:
     """Return the quaternions (w, x, y, z) of rotation vectors (k, 3), (k, 4)."""
     half = np.linalg.norm(vector, axis=1, keepdims=True) / 2
