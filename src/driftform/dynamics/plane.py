@@ -38,6 +38,12 @@ from driftform.types import FloatArray
 PLACES = (0, 2, 3, 5, 7, 9, 11)
 """Places of what changes in a state of 13 numbers: x, z, the quaternion's w and y, the velocities along x and z, q."""
 
+# Places in the array of a plane's model. Symmetric 3x3 matrices of surge, heave and pitch: rows from the diagonal on.
+INERTIA, RESPONSE = 0, 6
+NET_WEIGHT, HANGING, TRIM = 12, 13, 14
+STREAM = 15
+RADIUS, NEAR = 17, 18
+ACROSS, INLET = 19, 21
 NUMBERS = 23
 
 
@@ -69,26 +75,30 @@ def stays_in_plane(start: FloatArray, model: FlightModel) -> bool:
 
 @compiled
 def plane_model(model: FlightModel) -> FloatArray:
-    """Return all numbers that :func:`slope_in_plane` reads but the rims, (23,)."""
+    """Return what :func:`slope_in_plane` reads beside the rims, (23,).
+
+    Total mass and its inverse; weight less buoyancy (N), their moments about the origin by heights and by lengths along
+    the body (N m); the water's velocity (x, z); the bore's radius, and how far from its axis the wall begins to be near
+    (m); in the world, the unit vector across the bore and a point on its axis (x, z each).
+    """
     table, out = model.table, np.zeros(NUMBERS)
-    place = 0
+    place = INERTIA
     for first in (MASS, INVERSE):
         for i in range(0, 6, 2):
             for j in range(i, 6, 2):
                 out[place] = table[first + i, j]
                 place += 1
     weight, lift = table[BODY_MASS] * table[GRAVITY], table[DISPLACED_MASS] * table[GRAVITY]
-    out[12] = weight - lift
-    out[13] = weight * table[COG, 2] - lift * table[COB, 2]
-    out[14] = weight * table[COG, 0] - lift * table[COB, 0]
-    out[15], out[16] = table[CURRENT, 0], table[CURRENT, 2]
-    out[17] = math.inf
+    out[NET_WEIGHT] = weight - lift
+    out[HANGING] = weight * table[COG, 2] - lift * table[COB, 2]
+    out[TRIM] = weight * table[COG, 0] - lift * table[COB, 0]
+    out[STREAM], out[STREAM + 1] = table[CURRENT, 0], table[CURRENT, 2]
+    out[NEAR] = math.inf
     if model.pipe.shape[0] == 1:
-        # Across the bore runs (-e_z, e_x).
         pipe = model.pipe[0]
-        out[17], out[18] = pipe[7], pipe[7] - table[REACH]
-        out[19], out[20] = -pipe[5], pipe[3]
-        out[21], out[22] = pipe[0], pipe[2]
+        out[RADIUS], out[NEAR] = pipe[7], pipe[7] - table[REACH]
+        out[ACROSS], out[ACROSS + 1] = -pipe[5], pipe[3]
+        out[INLET], out[INLET + 1] = pipe[0], pipe[2]
     return out
 
 
@@ -102,24 +112,25 @@ def slope_in_plane(y: FloatArray, plane: FloatArray, rims: FloatArray, out: Floa
     # The body's axis is (c, -s) in the world, its z axis (s, c).
     double = 2.0 / (w * w + h * h)
     c, s = 1.0 - double * h * h, double * w * h
-    along, upward = y[4] - plane[15], y[5] - plane[16]
+    along, upward = y[4] - plane[STREAM], y[5] - plane[STREAM + 1]
     u, v = c * along - s * upward, s * along + c * upward
-    X, Z, N = plane[12] * s, -plane[12] * c, plane[13] * s + plane[14] * c
-    off = plane[19] * (y[0] - plane[21]) + plane[20] * (y[1] - plane[22])
-    if abs(off) >= plane[18] and plane[17] < math.inf:
+    X, Z = plane[NET_WEIGHT] * s, -plane[NET_WEIGHT] * c
+    N = plane[HANGING] * s + plane[TRIM] * c
+    off = plane[ACROSS] * (y[0] - plane[INLET]) + plane[ACROSS + 1] * (y[1] - plane[INLET + 1])
+    if abs(off) >= plane[NEAR]:
         side = 1.0 if off > 0.0 else -1.0
-        n_x, n_z = side * plane[19], side * plane[20]
+        n_x, n_z = side * plane[ACROSS], side * plane[ACROSS + 1]
         tilt, upright = c * n_x - s * n_z, s * n_x + c * n_z
-        speed = n_x * y[4] + n_z * y[5]
+        gap, speed = plane[RADIUS] - side * off, n_x * y[4] + n_z * y[5]
         # The axis times the normal is -upright along y.
-        force, torque, _ = coplanar_force(rims, tilt, plane[17] - side * off, speed, -upright * q)
+        force, torque, _ = coplanar_force(rims, tilt, gap, speed, -upright * q)
         X, Z, N = X - force * tilt, Z - force * upright, N + torque * upright
-    P_x = plane[0] * u + plane[1] * v + plane[2] * q
-    P_z = plane[1] * u + plane[3] * v + plane[4] * q
+    P_x = plane[INERTIA] * u + plane[INERTIA + 1] * v + plane[INERTIA + 2] * q
+    P_z = plane[INERTIA + 1] * u + plane[INERTIA + 3] * v + plane[INERTIA + 4] * q
     X, Z, N = X - P_z * q, Z + P_x * q, N + P_z * u - P_x * v
-    a_x = plane[6] * X + plane[7] * Z + plane[8] * N + q * v
-    a_z = plane[7] * X + plane[9] * Z + plane[10] * N - q * u
+    a_x = plane[RESPONSE] * X + plane[RESPONSE + 1] * Z + plane[RESPONSE + 2] * N + q * v
+    a_z = plane[RESPONSE + 1] * X + plane[RESPONSE + 3] * Z + plane[RESPONSE + 4] * N - q * u
     out[0], out[1] = y[4], y[5]
     out[2], out[3] = -0.5 * h * q, 0.5 * w * q
     out[4], out[5] = c * a_x + s * a_z, c * a_z - s * a_x
-    out[6] = plane[8] * X + plane[10] * Z + plane[11] * N
+    out[6] = plane[RESPONSE + 2] * X + plane[RESPONSE + 4] * Z + plane[RESPONSE + 5] * N
