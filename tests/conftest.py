@@ -8,6 +8,7 @@ import subprocess
 import sys
 import sysconfig
 import time
+import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
@@ -53,6 +54,53 @@ def uv() -> str:
     if found is None:
         pytest.skip("uv is not installed")
     return found
+
+
+@pytest.fixture(scope="session")
+def outside(uv: str) -> Callable[..., str]:
+    """Run a program as if there were no virtual environment of the tests; gives what it printed on stdout."""
+
+    def done(*words: object, cwd: Path) -> str:
+        environment = {k: v for k, v in os.environ.items() if k not in ("VIRTUAL_ENV", "PYTHONPATH")}
+        ended = subprocess.run(
+            [*map(str, words)],
+            cwd=cwd,
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=600,
+            check=False,
+        )
+        assert ended.returncode == 0, ended.stdout + ended.stderr
+        return ended.stdout
+
+    return done
+
+
+@pytest.fixture(scope="session")
+def dist(uv: str, outside: Callable[..., str], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A directory with the wheels and sdists of all distributions; a wheel is built from its sdist."""
+    folder = tmp_path_factory.mktemp("dist")
+    outside(uv, "build", "--all-packages", "--out-dir", folder, cwd=DOCS.parent)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def new_environment(
+    uv: str, outside: Callable[..., str], tmp_path_factory: pytest.TempPathFactory
+) -> Callable[..., Path]:
+    """Make an environment of some distributions and what they need, and nothing else; gives where its programs are."""
+    project = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))
+    dated = project["tool"]["uv"]["exclude-newer"]
+
+    def made(*distributions: object) -> Path:
+        folder = tmp_path_factory.mktemp("elsewhere")
+        outside(uv, "venv", "--python", sys.executable, "env", cwd=folder)
+        chosen = ("--python", folder / "env", "--exclude-newer", dated)
+        outside(uv, "pip", "install", *chosen, *distributions, cwd=folder)
+        return folder / "env" / ("Scripts" if os.name == "nt" else "bin")
+
+    return made
 
 
 @pytest.fixture(scope="session")

@@ -1,12 +1,10 @@
 """What would be published: every distribution builds, says what it is, and works outside the repository."""
 
 import json
-import os
-import subprocess
-import sys
 import tarfile
 import tomllib
 import zipfile
+from collections.abc import Callable
 from email import message_from_string
 from email.message import Message
 from pathlib import Path
@@ -16,7 +14,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PROJECTS = [ROOT, *sorted(path.parent for path in (ROOT / "plugins").glob("*/pyproject.toml"))]
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.installs
 
 
 def project(folder: Path) -> dict[str, str]:
@@ -24,44 +22,10 @@ def project(folder: Path) -> dict[str, str]:
     return table
 
 
-def uv(*words: object, cwd: Path) -> str:
-    """Run uv outside the virtual environment of the tests."""
-    environment = {k: v for k, v in os.environ.items() if k not in ("VIRTUAL_ENV", "PYTHONPATH")}
-    done = subprocess.run(
-        ["uv", *map(str, words)], cwd=cwd, env=environment, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
-
-
 @pytest.fixture(scope="module")
-def dist(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A directory with all wheels and sdists; a wheel is built from its sdist."""
-    folder = tmp_path_factory.mktemp("dist")
-    uv("build", "--all-packages", "--out-dir", folder, cwd=ROOT)
-    return folder
-
-
-@pytest.fixture(scope="module")
-def installed(dist: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The programs of an environment that has the wheels and what they need, and nothing else."""
-    folder = tmp_path_factory.mktemp("elsewhere")
-    uv("venv", "--python", sys.executable, "env", cwd=folder)
-    dated = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["uv"][
-        "exclude-newer"
-    ]
-    bin_ = folder / "env" / ("Scripts" if os.name == "nt" else "bin")
-    uv(
-        "pip",
-        "install",
-        "--python",
-        folder / "env",
-        "--exclude-newer",
-        dated,
-        *dist.glob("*.whl"),
-        cwd=folder,
-    )
-    return bin_
+def installed(dist: Path, new_environment: Callable[..., Path]) -> Path:
+    """The programs of an environment that has the wheels."""
+    return new_environment(*dist.glob("*.whl"))
 
 
 def file_of(dist: Path, name: str, end: str) -> Path:
@@ -100,30 +64,16 @@ def test_wheels_and_sdists_hold_the_licence_and_say_that_they_are_typed(folder: 
     assert not [n for n in names if n.startswith("tests/") or "__pycache__" in n]
 
 
-def test_it_evolves_outside_the_repository(installed: Path, tmp_path: Path) -> None:
+def test_it_evolves_outside_the_repository(
+    installed: Path, outside: Callable[..., str], tmp_path: Path
+) -> None:
     words = ["evolve", "--simulator", "native", "--evaluations", "4", "--seed", "1", "--workers", "2"]
-    done = subprocess.run(
-        [installed / "driftform", *words, "--out", "run", "--json"],
-        cwd=tmp_path,
-        env={k: v for k, v in os.environ.items() if k != "PYTHONPATH"},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
+    told = json.loads(outside(installed / "driftform", *words, "--out", "run", "--json", cwd=tmp_path))
     assert told["evaluations"] == 4 and told["failed"] == 0
     assert (tmp_path / "run" / "best" / "TP1" / "agent.stl").stat().st_size > 84
 
 
-def test_every_plugin_is_found_there(installed: Path, tmp_path: Path) -> None:
-    out = subprocess.run(
-        [installed / "driftform", "plugins", "list", "--json"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout
-    rows = json.loads(out)["plugins"]
+def test_every_plugin_is_found_there(installed: Path, outside: Callable[..., str], tmp_path: Path) -> None:
+    rows = json.loads(outside(installed / "driftform", "plugins", "list", "--json", cwd=tmp_path))["plugins"]
     assert {row["distribution"] for row in rows} == {project(folder)["name"] for folder in PROJECTS}
     assert {row["state"] for row in rows} == {"ok"}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from driftform.cli.agents import Opened, open_agent
+from driftform.agents import Opened, open_agent
 from driftform.geometry import hull_mass
 from driftform.reflight import GRAM, flown, gram_sensitivity
 

@@ -1,5 +1,6 @@
 """What is installed, and what is wrong with it; plugins are real ``.dist-info`` directories on the path."""
 
+import importlib.util
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -185,6 +186,22 @@ def test_a_module_that_cannot_be_imported_is_a_row_that_says_so(install):
     assert row(found, "ext_syntax").state.startswith("unavailable: SyntaxError")
     with pytest.raises(InputError, match="unavailable: No module named"):
         found.find("fitness", "ext_rotten")
+
+
+@pytest.mark.parametrize(
+    ("seam", "plugin", "module"),
+    [
+        ("simulator", "exudyn", "exudyn"),
+        ("renderer", "exudyn", "exudyn"),
+        ("recorder", "robotics", "rosbags"),
+        ("strategy", "ribs", "ribs"),
+    ],
+)
+def test_what_a_plugin_imports_only_for_its_work_is_missed_all_the_same(seam, plugin, module, monkeypatch):
+    found = importlib.util.find_spec
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == module else found(name))
+    [broken] = [row for row in Registry().seam(seam) if not row.available]
+    assert (broken.name, broken.state) == (plugin, f"unavailable: No module named '{module}'")
 
 
 def test_a_class_that_leaves_out_a_method_is_a_row_that_names_it(install):

@@ -19,9 +19,8 @@ from driftform.scaffold import files_of, names_of, scaffolds
 
 Call = Callable[..., Any]
 
-ROOT = Path(__file__).parents[1]
 FLYING = {"simulator"}
-"""Seams whose contract flies for half a minute."""
+"""Seams whose contract flies for half a minute: it does so where the scaffold is installed."""
 
 
 def write(folder: Path, seam: str) -> Path:
@@ -86,14 +85,6 @@ def test_every_seam_has_a_scaffold() -> None:
 def test_a_scaffold_passes_its_contract_and_its_own_tests(seam: str, outcomes: dict[str, list[str]]) -> None:
     assert len(outcomes[seam]) > 5
     assert [outcome for outcome in outcomes[seam] if outcome != "passed"] == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seam", sorted(FLYING))
-def test_a_scaffold_that_flies_passes_its_tests_too(seam: str, installed: Path) -> None:
-    options = ("-q", "-p", "no:cacheprovider", "-W", "error")
-    done = python(installed, "-m", "pytest", *options, installed / seam)
-    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_each_is_found_with_its_options_and_its_study_selects_it(installed: Path) -> None:
@@ -216,28 +207,30 @@ def test_what_is_there_stays_as_it_is(refused: Callable[..., str], tmp_path: Pat
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory, uv: str) -> Path:
-    folder = tmp_path_factory.mktemp("wheel")
-    command = [uv, "build", "--wheel", "--out-dir", folder, ROOT]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
-    assert done.returncode == 0, done.stderr
-    return next(folder.glob("*.whl"))
+def environment(
+    dist: Path, new_environment: Callable[..., Path], tmp_path_factory: pytest.TempPathFactory
+) -> tuple[Path, Path]:
+    """The sources of all scaffolds, and the programs of an environment that has them and driftform alone."""
+    folder = tmp_path_factory.mktemp("sources")
+    [driftform] = dist.glob("driftform-[0-9]*.whl")
+    return folder, new_environment(driftform, *(f"{write(folder / seam, seam)}[test]" for seam in SEAMS))
 
 
-@pytest.mark.slow
+@pytest.mark.installs
 @pytest.mark.parametrize("seam", SEAMS)
 def test_a_scaffold_installs_in_an_empty_environment_and_passes_there(
-    seam: str, wheel: Path, uv: str, tmp_path: Path
+    seam: str, environment: tuple[Path, Path], outside: Call
 ) -> None:
-    source, venv = write(tmp_path / "source", seam), tmp_path / "venv"
-    interpreter = venv / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
-    clean = {key: value for key, value in os.environ.items() if key not in ("PYTHONPATH", "VIRTUAL_ENV")}
-    for command in (
-        [uv, "venv", "--python", sys.executable, venv],
-        [uv, "pip", "install", "--python", interpreter, wheel, f"{source}[test]"],
-        [interpreter, "-m", "pytest", "-q", "-W", "error"],
-    ):
-        done = subprocess.run(
-            command, cwd=source, env=clean, capture_output=True, text=True, timeout=600, check=False
-        )
-        assert done.returncode == 0, done.stdout + done.stderr
+    folder, programs = environment
+    assert " passed" in outside(programs / "python", "-m", "pytest", "-W", "error", cwd=folder / seam)
+
+
+@pytest.mark.installs
+def test_all_scaffolds_are_found_where_they_are_installed(
+    environment: tuple[Path, Path], outside: Call
+) -> None:
+    folder, programs = environment
+    rows = json.loads(outside(programs / "driftform", "plugins", "list", "--json", cwd=folder))["plugins"]
+    found = {row["distribution"]: row for row in rows if row["distribution"] != "driftform"}
+    assert {name: row["seam"] for name, row in found.items()} == {f"driftform-try-{s}": s for s in SEAMS}
+    assert {row["state"] for row in rows} == {"ok"}

@@ -14,9 +14,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from driftform.cli.agents import Opened, build_stored, open_agent
-from driftform.cli.inspect import body_facts
-from driftform.cli.progress import counter
+from driftform.agents import Opened, build_stored, open_agent
+from driftform.body_facts import body_facts
+from driftform.columns import FLIGHT_COLUMNS
 from driftform.dynamics.path import closest_approach
 from driftform.errors import InputError, WorkFailedError, did_you_mean
 from driftform.evolution import write_best, write_reach
@@ -26,8 +26,9 @@ from driftform.figures.section import section_svg
 from driftform.files import make_directory
 from driftform.finalists import fly_finalists
 from driftform.notebook import picture, table
+from driftform.progress import counter
 from driftform.reproduction.repeats import carry_out
-from driftform.run_directory import DATABASE, FLIGHT_COLUMNS, best_agent, check_new, check_run, locked
+from driftform.run_directory import DATABASE, best_agent, check_new, check_run, locked
 from driftform.scenario import Scenario
 from driftform.store import Record, Store
 from driftform.study import Document, Study, load_study
@@ -228,6 +229,13 @@ class Run(Mapping[str, Design]):
     """A run on disk: the best agent of each target, by the target's name.
 
     It tells what was stored at the time of asking; ask again while another process goes on with the run.
+
+    Attributes
+    ----------
+    path
+        of its directory.
+    study
+        what was asked for: scenario, plugins and their options, seed and budget.
     """
 
     def __init__(self, path: Path) -> None:

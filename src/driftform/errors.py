@@ -8,6 +8,7 @@ class DriftformError(Exception):
     """Base of the errors that a user sees without a traceback: each argument is one thing wrong, told in one line."""
 
     exit_code = 1
+    """What the program ends with."""
 
     def __str__(self) -> str:
         return "\n".join(str(line) for line in self.args)

@@ -17,6 +17,7 @@ from driftform.figures.reach import reach_svg
 from driftform.figures.section import section_svg
 from driftform.files import write_text
 from driftform.interfaces import Specimen
+from driftform.progress import watched
 from driftform.reach import Cells, reach_of
 from driftform.run_directory import best_agent, write_trajectory
 from driftform.scenario import evaluation_seed
@@ -29,8 +30,24 @@ from driftform.types import Evaluation
 class Best:
     """The best of a run for one target.
 
-    ``index`` of its evaluation, its ``fitness``, the ``distance`` (m) of its closest approach, its files, what could
-    not be written of them, and what it came to under disturbed conditions, empty where there were none.
+    Attributes
+    ----------
+    target
+        its name.
+    index
+        of the evaluation.
+    fitness
+        for that target, %.
+    distance
+        of its closest approach, m.
+    agent
+        path of its ``agent.json``.
+    files
+        paths of whatever else was written.
+    problems
+        what could not be written, one line for each.
+    robust
+        what it came to under disturbed conditions, empty where there were none.
     """
 
     target: str
@@ -184,6 +201,6 @@ def write_reach(directory: Path, study: Study, store: Store) -> Path:
         where a stored flight is damaged.
     """
     path = directory / "figures" / "reach.svg"
-    reach = reach_of(store.flights(), Cells.of(study.scenario))
+    reach = reach_of(watched(store.flights(), store.flown(), "flights"), Cells.of(study.scenario))
     write_text(path, reach_svg(reach, study.scenario, str(study.document.get("title", ""))))
     return path

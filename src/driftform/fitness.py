@@ -4,7 +4,6 @@ from functools import lru_cache
 
 import numpy as np
 
-from driftform.dynamics.path import closest_approach
 from driftform.interfaces import Fitness
 from driftform.options import Table
 from driftform.scenario import Pipe, Scenario, Vector
@@ -23,6 +22,8 @@ class ClosestApproach(Fitness[Table]):
 
     def score(self, trajectory: Trajectory, scenario: Scenario) -> FloatArray:
         """Return the fitness for each target, 0 to 100, (targets,)."""
+        from driftform.dynamics.path import closest_approach
+
         d_min, _ = closest_approach(trajectory, scenario.target_array())
         d_max = _farthest(scenario.pipe, tuple(scenario.targets.values()))
         return np.asarray(np.maximum(0.0, 100 * (1 - d_min / d_max)), dtype=np.float64)

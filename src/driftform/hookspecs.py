@@ -25,8 +25,10 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 OneOrMore = type[T] | Sequence[type[T]]
+"""What a hook returns."""
 
 hookspec = pluggy.HookspecMarker("driftform")
+"""Marks a function of this module as the specification of a hook."""
 
 
 @hookspec
@@ -71,7 +73,7 @@ def driftform_recorder() -> "OneOrMore[Recorder[Any]]":  # type: ignore[empty-bo
 
 @hookspec
 def driftform_renderer() -> "OneOrMore[Renderer[Any]]":  # type: ignore[empty-body]
-    """Agent and its flight -> a film."""
+    """Agent and its flight -> a film, or a still."""
 
 
 @hookspec

@@ -34,10 +34,11 @@ OptionsT_co = TypeVar("OptionsT_co", bound=Table, covariant=True)
 
 
 class Plugin(ABC, Generic[OptionsT_co]):
-    """What all seams share: a name, a model of options, and the options of this instance."""
+    """What all seams share: a ``name``, a model of options, and the ``options`` of this instance."""
 
     name: ClassVar[str]
     Options: ClassVar[type[Table]] = Table
+    """The model; :class:`Table` itself for none."""
 
     def __init__(self, options: OptionsT_co) -> None:
         self.options = options
@@ -186,6 +187,7 @@ class Strategy(Plugin[OptionsT_co]):
     """
 
     evaluations_per_target: ClassVar[int] = 50
+    """The budget of a run that names none."""
 
     def __init__(self, options: OptionsT_co, space: SearchSpace) -> None:
         super().__init__(options)
@@ -254,9 +256,11 @@ class Renderer(Plugin[OptionsT_co]):
     """Agent and its flight -> a film. ``suffixes`` are the ends that a film's file name may have, in small letters.
 
     The suffix decides the format. A film appears whole or not at all, and the same flight gives the same frames.
+    A renderer that can make a still too, one picture of a flight, says so by its ``stills``, the ends of their names.
     """
 
     suffixes: ClassVar[tuple[str, ...]]
+    stills: ClassVar[tuple[str, ...]] = ()
 
     def check(self, path: Path) -> None:
         """Refuse a film that cannot be made, before anything is flown for it.
@@ -291,6 +295,36 @@ class Renderer(Plugin[OptionsT_co]):
         InputError, WorkFailedError
             as :meth:`check`; and where the film cannot be made or written.
         """
+
+    def check_still(self, path: Path) -> None:
+        """Refuse a still that cannot be made, before anything is flown for it.
+
+        Raises
+        ------
+        InputError
+            where the suffix is none of ``stills``.
+        WorkFailedError
+            where something is missing; the message says how to get it.
+        """
+        if not self.stills:
+            raise InputError(f"{path}: '{self.name}' makes films, and no stills")
+        if path.suffix.lower() not in self.stills:
+            raise InputError(f"{path}: a still by '{self.name}' ends in {' or '.join(self.stills)}")
+
+    def still(
+        self, agent: Agent, flight: Trajectory, scenario: Scenario, path: Path, at: float
+    ) -> WrittenFile:
+        """Make a picture of the agent ``at`` a time of its flight, s from its beginning, and tell what it holds.
+
+        Where there are ``stills``, override it. A still appears whole or not at all.
+
+        Raises
+        ------
+        InputError, WorkFailedError
+            as :meth:`check_still`; and where the still cannot be made or written.
+        """
+        self.check_still(path)
+        raise NotImplementedError(f"{type(self).__name__} has stills, and does not say how one is made")
 
 
 class Recorder(Plugin[OptionsT_co]):

@@ -10,6 +10,7 @@ class Table(BaseModel):
     """A table of a study file: unknown keys are errors, values are checked and frozen."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    """Of pydantic; numbers are finite."""
 
 
 def option(default: Any, help: str, unit: str = "", **constraints: Any) -> Any:

@@ -16,7 +16,25 @@ from driftform.types import Agent, Evaluation, Genome, Morphology, Trajectory
 
 @dataclass(frozen=True, eq=False)
 class Pipeline:
-    """One plugin for each step, the scenario that the agents fly in, and the seed of what is random about it."""
+    """One plugin for each step, the scenario that the agents fly in, and the seed of what is random about it.
+
+    Attributes
+    ----------
+    scenario
+        what agents fly in.
+    grammar
+        genome -> morphology.
+    builder
+        morphology -> body.
+    hydrodynamics
+        body -> coefficients.
+    simulator
+        agent in the scenario -> trajectory.
+    fitness
+        trajectory -> a number for each target.
+    seed
+        of what is random about the flights of a run, such as their gusts.
+    """
 
     scenario: Scenario
     grammar: Grammar[Any]

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from driftform.dynamics.crossing import cross
-from driftform.dynamics.path import closest_approach, world_velocity
 from driftform.errors import InputError
 from driftform.scenario import Scenario, Segment, Vector
 from driftform.types import FloatArray, Trajectory
@@ -111,6 +109,9 @@ class Cells:
         The path between samples is their cubic Hermite curve. It is cut where it crosses the sides of cells; the
         distance is that of the nearest point of the parts inside a cell.
         """
+        from driftform.dynamics.crossing import cross
+        from driftform.dynamics.path import world_velocity
+
         place = self._scaled(trajectory.position, offset=True)
         nearest = np.full(self.count, np.inf)
         if len(trajectory.t) == 1:
@@ -193,6 +194,8 @@ class Pass:
 
 def closest_pass(flights: Iterable[tuple[int, Trajectory]], point: Vector) -> Pass | None:
     """Return the closest of all flights to a point of the world, the earliest of equals; ``None`` without any."""
+    from driftform.dynamics.path import closest_approach
+
     best: Pass | None = None
     points = np.array([point], dtype=np.float64)
     for evaluation, flight in flights:

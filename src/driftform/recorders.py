@@ -6,12 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
+from driftform.columns import SAMPLE_COLUMNS, Batch, Column
 from driftform.files import write_whole
 from driftform.interfaces import Recorder, Specimen
-from driftform.motion import accelerations_along, net_wrench
 from driftform.options import Table
 from driftform.table_files import check_format, write_csv, write_parquet
-from driftform.tables import SAMPLE_COLUMNS, Batch, Column
 from driftform.types import Trajectory, WrittenFile
 
 WRENCH_COLUMNS = (
@@ -36,6 +35,8 @@ class TableRecorder(Recorder[Table]):
 
     def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         """Write the table."""
+        from driftform.motion import accelerations_along, net_wrench
+
         check_format(self.name)
         moved_by = accelerations_along(flight, specimen.agent, specimen.scenario)
         wrench = net_wrench(flight, moved_by, specimen.agent.mass)

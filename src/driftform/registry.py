@@ -6,7 +6,7 @@ What is broken stays a row that says why; only asking for it is an error.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib import metadata
+from importlib import metadata, util
 from typing import Any
 
 import pluggy
@@ -22,8 +22,18 @@ GROUP = "driftform"
 class Contribution:
     """One class that a distribution brings to a seam, or the reason why it cannot.
 
-    ``name`` is that of the class, or of the entry point where the class could not be had; ``seam`` is then empty
-    if not even the hooks could be read.
+    Attributes
+    ----------
+    seam
+        of the class; empty where not even the hooks could be read.
+    name
+        of the class, or of the entry point where the class could not be had.
+    distribution, version
+        what brings it.
+    state
+        ``"ok"``, or why it cannot be used.
+    cls
+        the class, ``None`` where it could not be had.
     """
 
     seam: str
@@ -133,6 +143,18 @@ class Registry:
 def registry() -> Registry:
     """The plugins of this process, looked for once."""
     return Registry()
+
+
+def require(module: str) -> None:
+    """Look for a module that a plugin imports only where it is used, so that what cannot be used is not offered.
+
+    Raises
+    ------
+    ModuleNotFoundError
+        where it is not installed.
+    """
+    if util.find_spec(module) is None:
+        raise ModuleNotFoundError(f"No module named '{module}'", name=module)
 
 
 def _classes(returned: Any, interface: type[Plugin[Any]]) -> list[type[Plugin[Any]]]:

@@ -21,6 +21,7 @@ from filelock import FileLock, Timeout
 
 from driftform import __version__
 from driftform.agent_file import StoredAgent
+from driftform.columns import FLIGHT_COLUMNS
 from driftform.errors import InputError
 from driftform.files import write_text, write_whole
 from driftform.finalists import winner
@@ -30,13 +31,7 @@ from driftform.study import Study
 from driftform.types import Trajectory
 
 DATABASE = "run.db"
-
-FLIGHT_COLUMNS = (
-    *("t", "x", "y", "z"),
-    *("qw", "qx", "qy", "qz"),
-    *("surge", "sway", "heave", "roll_rate", "pitch_rate", "yaw_rate"),
-)
-"""A flight as a table: time, position, quaternion and velocity, as in a Trajectory."""
+"""Name of the file with all that a run has found."""
 
 _LOCK = ".lock"
 _PATIENCE = 0.2

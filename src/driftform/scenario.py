@@ -10,6 +10,7 @@ from driftform.options import Table, option
 from driftform.types import FloatArray
 
 Number: TypeAlias = Annotated[float, Field(strict=True)]
+"""A number, and no text that reads as one."""
 
 Vector: TypeAlias = tuple[Number, Number, Number]
 """A vector of the world frame."""

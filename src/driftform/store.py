@@ -21,7 +21,10 @@ from driftform.packed_flight import decoded, packed, trust
 from driftform.types import Candidate, End, Evaluation, FloatArray, Genome, Trajectory
 
 APPLICATION_ID = 0x64726674
+"""In the header of a file of SQLite: by it a database is known as one of ours."""
+
 SCHEMA_VERSION = 3
+"""Of the tables; a database of another version is refused."""
 
 _SCHEMA = """
 CREATE TABLE meta (
@@ -83,7 +86,19 @@ _NEXT_STEP = "restore a copy of it, or start a new run"
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """One stored evaluation: its index in the run, what was asked, the outcome, and the seed that it was flown with."""
+    """One stored evaluation.
+
+    Attributes
+    ----------
+    index
+        in the run, from 0.
+    candidate
+        what was asked for.
+    evaluation
+        what came of it.
+    seed
+        of what was random about it.
+    """
 
     index: int
     candidate: Candidate
@@ -95,7 +110,18 @@ class Record:
 class Brief:
     """What is small of a stored evaluation: not its genome, nor its flight.
 
-    ``population`` is the target that its population works for, ``""`` for all; ``fitness`` is one for each target.
+    Attributes
+    ----------
+    index
+        in the run, from 0.
+    generation
+        from 0.
+    population
+        target that its population works for, ``""`` for all.
+    failed
+        whether it has no flight that counts.
+    fitness
+        for each target, %.
     """
 
     index: int
@@ -107,7 +133,19 @@ class Brief:
 
 @dataclass(frozen=True, eq=False)
 class Disturbed:
-    """What one flight of an evaluation's agent under a disturbed condition scored, (targets,)."""
+    """What one flight of an evaluation's agent under a disturbed condition scored.
+
+    Attributes
+    ----------
+    evaluation
+        index of the evaluation.
+    condition
+        number of the condition, from 0.
+    fitness
+        for each target, %, (targets,).
+    failure
+        what went wrong, ``None`` for nothing.
+    """
 
     evaluation: int
     condition: int
@@ -306,6 +344,10 @@ class Store:
     def failed(self) -> int:
         """How many of them failed."""
         return int(self._scalar("SELECT COUNT(*) FROM evaluation WHERE failure IS NOT NULL"))
+
+    def flown(self) -> int:
+        """How many of them have a flight: those that did not fail."""
+        return self.count() - self.failed()
 
     def seconds(self) -> float:
         """What all evaluations took together, s."""

@@ -24,6 +24,7 @@ from driftform.registry import registry
 from driftform.scenario import Scenario
 
 DEFAULT = "pipe-inspection"
+"""The built-in scenario that is taken where none is named."""
 
 NAMED = ("exporter", "recorder", "renderer", "checker")
 """The seams whose plugins are asked for by name: a study holds no more than their options."""
@@ -145,7 +146,7 @@ class Study:
 
 @dataclass(frozen=True, eq=False)
 class Document:
-    """A study's document that was read from elsewhere than a TOML file; ``label`` names it in errors."""
+    """A study's document, ``data``, that was read from elsewhere than a TOML file; ``label`` names it in errors."""
 
     label: str
     data: Mapping[str, Any]

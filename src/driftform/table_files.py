@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from driftform.columns import Batch, Column
 from driftform.errors import WorkFailedError
-from driftform.tables import Batch, Column
 
 Write = Callable[[Path, Sequence[Column], Iterable[Batch]], int]
 """Writes a table to a path, and returns how many rows it has."""

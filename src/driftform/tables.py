@@ -5,92 +5,25 @@ Both have the column ``evaluation``, by which they are joined. SI units; frames 
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import islice
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from driftform.columns import BODY_COLUMNS, FLIGHT_COLUMNS, Batch, Column, evaluation_columns
 from driftform.geometry import mass_properties
 from driftform.interfaces import Grammar, PhenotypeBuilder
-from driftform.run_directory import FLIGHT_COLUMNS
 from driftform.scenario import Fluid
 from driftform.store import Record
 from driftform.study import Study
 from driftform.types import Genome
-
-Batch: TypeAlias = Mapping[str, list[Any] | npt.NDArray[Any]]
-"""Some rows of a table: values by column, all of one length; ``None`` where there is no value."""
 
 ROWS = 4096
 """Most evaluations in a batch."""
 
 SAMPLES = 200_000
 """A batch of samples is complete with the flight that reaches so many."""
-
-
-@dataclass(frozen=True)
-class Column:
-    """A column: its name, the kind of its values, its unit (empty for none), and what it means."""
-
-    name: str
-    kind: Literal["integer", "float", "single", "text", "integers"]
-    unit: str
-    meaning: str
-
-
-_OUTCOME = (
-    Column("evaluation", "integer", "", "index in the run, from 0"),
-    Column("generation", "integer", "", "counted from 0"),
-    Column("population", "text", "", "target that its population works for; empty where it works for all"),
-    Column("parents", "integers", "", "evaluations that it descends from; none for a random genome"),
-    Column("genome", "text", "", "the genome in one line"),
-    Column("failure", "text", "", "what went wrong; none for a sound evaluation"),
-    Column("end", "text", "", "why the flight ended"),
-    Column("duration", "float", "s", "of the flight"),
-    Column("contact", "float", "s", "when a wall was first touched; none where none was"),
-    Column(
-        "energy_drift", "float", "", "relative, up to the first contact; none where nothing conserves energy"
-    ),
-    Column("error", "float", "m", "estimated, of the position; none where it was not estimated"),
-    Column("seconds", "float", "s", "that the evaluation took"),
-    Column("seed", "integer", "", "of what was random about the evaluation, such as its gusts"),
-)
-
-_BODY = (
-    Column("modules", "integer", "", "how many there are"),
-    Column("length", "float", "m", "overall, along the axis"),
-    Column("max_diameter", "float", "m", "largest outer diameter"),
-    Column("mass", "float", "kg", "hull and core"),
-    Column("volume", "float", "m3", "displaced"),
-    Column("net_buoyancy", "float", "N", "buoyancy of the submerged body less its weight, up positive"),
-)
-
-_FLIGHT_UNITS = ("s", *("m",) * 3, *("",) * 4, *("m/s",) * 3, *("rad/s",) * 3)
-_FLIGHT_MEANINGS = (
-    "time",
-    *("of the core's centre, world frame",) * 3,
-    *("attitude, body to world",) * 4,
-    *("over ground, body frame",) * 6,
-)
-
-SAMPLE_COLUMNS = (
-    Column("evaluation", "integer", "", "whose flight it is"),
-    *(
-        Column(name, "single", unit, meaning)
-        for name, unit, meaning in zip(FLIGHT_COLUMNS, _FLIGHT_UNITS, _FLIGHT_MEANINGS, strict=True)
-    ),
-)
-"""The columns of the samples of flights, in single precision as they are stored."""
-
-
-def evaluation_columns(targets: Sequence[str]) -> tuple[Column, ...]:
-    """The columns of the evaluations: a fitness for each target beside what they have in common."""
-    fitness = (
-        Column(f"fitness_{t}", "float", "%", f"for {t}; 0 where the evaluation failed") for t in targets
-    )
-    return (*_OUTCOME, *_BODY, *fitness)
 
 
 def evaluation_batches(study: Study, records: Iterable[Record]) -> Iterator[Batch]:
@@ -138,7 +71,7 @@ def _body_facts(
         mass = mass_properties(body)
     except Exception:
         # A genome without a body is a failure of the run, recorded with its reason, and none of its table.
-        return (None,) * len(_BODY)
+        return (None,) * len(BODY_COLUMNS)
     net = (fluid.density * mass.volume - mass.mass) * fluid.gravity
     return (len(morphology.modules), body.length, body.max_diameter, mass.mass, mass.volume, net)
 

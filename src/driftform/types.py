@@ -21,6 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
+"""An array of double precision; docstrings tell its shape, unit and frame."""
 
 
 def frozen(values: npt.ArrayLike, shape: tuple[int | None, ...], what: str) -> FloatArray:
@@ -63,7 +64,7 @@ class Module:
 
 @dataclass(frozen=True)
 class Morphology:
-    """The modules on either side of the core, each side ordered from the core outward."""
+    """The modules on either side of the core, ``fore`` and ``aft``, each side ordered from the core outward."""
 
     fore: tuple[Module, ...] = ()
     aft: tuple[Module, ...] = ()
@@ -239,11 +240,17 @@ class End(StrEnum):
     """Why a flight ended."""
 
     OUTLET = "outlet"
+    """The core's centre is past the downstream end of the pipe."""
     INLET = "inlet"
+    """It is more than a radius upstream of the inlet."""
     HORIZON = "horizon"
+    """The longest duration of a flight is over."""
     NON_FINITE = "non-finite"
+    """It did not go on: position or velocity is no finite number any more."""
     STEP_LIMIT = "step limit"
+    """The simulator took more steps than it may."""
     NOT_CONVERGED = "not converged"
+    """The estimated error of the position is larger than what the simulator was asked for."""
 
     @property
     def failed(self) -> bool:
@@ -353,9 +360,13 @@ class State(StrEnum):
     """What a check came to."""
 
     PASS = "pass"
+    """It is as it should be."""
     WARN = "warn"
+    """It can be printed, and something is worth knowing."""
     FAIL = "fail"
+    """It cannot be printed, or is not what was simulated."""
     SKIPPED = "skipped"
+    """It could not be checked; the finding tells why."""
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from driftform_frusta.exporters.threemf import ThreeMfExporter
 from driftform_frusta.hull import hull
 from driftform_frusta.mesh import mesh_of
 from driftform_frusta.parts import PartOptions, parts_of
-from driftform_frusta.solid import to_manifold
+from driftform_frusta.solid import to_solid
 
 pytestmark = pytest.mark.slow
 
@@ -64,7 +64,7 @@ def test_files_for_printers(publish, specimens, tmp_path):
         return lambda specimen: made.write(specimen, tmp_path / f"agent{made.suffix}")
 
     def mesh(specimen):
-        return to_manifold(hull(specimen.agent.body), 96).to_mesh64()
+        return to_solid(hull(specimen.agent.body), 96)
 
     def checked(specimen):
         return mesh_of(parts_of(specimen.agent.body, PartOptions(segments=96))[0].on_bed())

@@ -14,6 +14,7 @@ import polars as pl
 import pytest
 
 from driftform import table_files, tables
+from driftform.columns import SAMPLE_COLUMNS
 from driftform.store import Record, Store
 from driftform.study import Document, load_study
 
@@ -102,7 +103,7 @@ def test_samples_are_those_that_are_stored_bit_by_bit(
 ) -> None:
     records = stored(finished_run[0])
     for frame in read(exported, format, "trajectories"):
-        assert list(frame.columns) == [column.name for column in tables.SAMPLE_COLUMNS]
+        assert list(frame.columns) == [column.name for column in SAMPLE_COLUMNS]
         flights = [r.evaluation.trajectory for r in records]
         np.testing.assert_array_equal(frame["evaluation"], np.repeat(range(20), [len(f.t) for f in flights]))
         whole = np.concatenate(

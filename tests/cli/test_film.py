@@ -1,7 +1,8 @@
-"""``driftform simulate --film``: what is told of a film, and what is refused before anything is flown."""
+"""``driftform simulate --film`` and ``--still``: what is told of them, and what is refused before anything is flown."""
 
 import json
 import signal
+import struct
 import subprocess
 import sys
 import time
@@ -110,3 +111,67 @@ def test_an_interrupted_film_leaves_nothing(
     assert process.returncode == 130
     assert err.splitlines()[-1] == "interrupted"
     assert list((tmp_path / "films").iterdir()) == []
+
+
+def still(path: Path) -> bytes:
+    """A picture that was made, and its size in pixels is 64 x 64."""
+    made = path.read_bytes()
+    assert made.startswith(b"\x89PNG") and made[16:24] == struct.pack(">II", 64, 64)
+    return made
+
+
+def test_a_still_is_made_where_it_is_wanted_and_told_of(call: Call, tmp_path: Path) -> None:
+    result = call("simulate", WORD, "--still", "stills/flight.png", *SMALL)
+    assert result.exit_code == 0, result.stderr
+    assert result.stdout.splitlines()[-1] == "still:      stills/flight.png"
+    still(tmp_path / "stills" / "flight.png")
+
+
+def test_by_default_a_still_is_of_the_closest_approach(call: Call, tmp_path: Path) -> None:
+    told = json.loads(call("simulate", WORD, "--still", "one.png", *SMALL, "--json").stdout)
+    assert told["still"] == "one.png"
+    closest = min(told["closest"].values(), key=lambda approach: approach["distance"])
+    for name, at in (("two.png", closest["t"]), ("three.png", closest["t"] / 2)):
+        call("simulate", WORD, "--still", name, "--still-at", repr(at), *SMALL)
+    one, two, three = (still(tmp_path / f"{name}.png") for name in ("one", "two", "three"))
+    assert one == two != three
+
+
+def test_a_still_needs_no_encoder(call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    assert call("simulate", WORD, "--still", "flight.png", *SMALL).exit_code == 0
+    still(tmp_path / "flight.png")
+
+
+def test_a_film_and_a_still_can_be_made_of_one_flight(call: Call, tmp_path: Path) -> None:
+    told = json.loads(call("simulate", WORD, "--film", "a.gif", "--still", "a.png", *SMALL, "--json").stdout)
+    assert (tmp_path / told["film"]).exists() and (tmp_path / told["still"]).exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "why"),
+    [
+        (("--still", "flight.jpg"), "--still flight.jpg: a still by 'exudyn' ends in .png"),
+        (("--still-at", "3"), "--still-at is the moment of a still: say --still FILE too"),
+        (("--still", "here.png"), "--still here.png: is a directory"),
+        (("--still", "flight.png", "--film", "flight.avi"), "--film flight.avi: a film by 'exudyn' ends in"),
+    ],
+)
+def test_a_still_that_cannot_be_made_is_refused_before_anything_is_flown(
+    refused: Refused, tmp_path: Path, options: tuple[str, ...], why: str
+) -> None:
+    (tmp_path / "here.png").mkdir()
+    assert why in refused("simulate", WORD, *options)
+    assert [path.name for path in tmp_path.iterdir()] == ["here.png"]
+
+
+@pytest.mark.parametrize("at", ["-1", "100", "nan"])
+def test_a_moment_that_the_flight_does_not_have_is_refused(refused: Refused, at: str, tmp_path: Path) -> None:
+    line = refused("simulate", WORD, "--still", "flight.png", "--still-at", at)
+    assert f"--still-at {at}: the flight goes from 0 to " in line
+    assert not (tmp_path / "flight.png").exists()
+
+
+@pytest.mark.usefixtures("fakes")
+def test_a_renderer_that_makes_no_stills_says_so(refused: Refused) -> None:
+    assert "'flip-book' makes films, and no stills" in refused(*FLIP_BOOK, "--still", "book.txt")

@@ -230,6 +230,8 @@ def plugins_page() -> str:
             endings = (getattr(row.cls, "suffix", ""), *getattr(row.cls, "suffixes", ()))
             if told := " or ".join(f"`{ending}`" for ending in endings if ending):
                 lines += ["", f"Its files end in {told}."]
+            if told := " or ".join(f"`{ending}`" for ending in getattr(row.cls, "stills", ())):
+                lines += ["", f"Its stills end in {told}."]
     return "\n".join(lines) + "\n"
 
 

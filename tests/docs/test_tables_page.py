@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from driftform import tables
 from driftform.cli.app import app
+from driftform.columns import SAMPLE_COLUMNS, evaluation_columns
 
 PAGE = "tables.md"
 
@@ -93,6 +93,6 @@ def test_units_are_as_told(shown: Callable[[str], Any]) -> None:
 
 
 def test_the_page_names_columns_that_are(blocks: list[Any], pages: dict[str, str]) -> None:
-    names = {c.name for c in (*tables.evaluation_columns(("TP7",)), *tables.SAMPLE_COLUMNS)}
+    names = {c.name for c in (*evaluation_columns(("TP7",)), *SAMPLE_COLUMNS)}
     assert {"failure", "parents", "evaluation", "fitness_TP7"} <= names
     assert "leave it out of a mean" in pages[PAGE]

@@ -139,6 +139,57 @@ def test_seen_from_close_by_the_fore_end_points_where_the_attitude_does(agent, p
     assert np.sign(np.where(np.abs(offset) < 4, 0, offset)) == pytest.approx(where)
 
 
+# What a still shows.
+
+
+LEVEL, UPRIGHT_POSE, ASLANT = 0.0, -np.pi / 2, 0.6
+
+
+def still_of(agent: Agent, flight, scenario: Scenario, at: float) -> Scene:
+    t = np.union1d(np.linspace(0, flight.t[-1], 9), at)
+    return Scene(agent, flight, scenario, t, letters=8.0, still=int(np.searchsorted(t, at)))
+
+
+def held(pitch: float):
+    """A flight with the same attitude all the way."""
+    flight = drift(0.8, turn=0.0)
+    half = np.full(len(flight.t), pitch / 2)
+    zero = 0 * half
+    velocity = np.column_stack([np.cos(2 * half), zero, np.sin(2 * half), zero, zero, zero])
+    quaternion = np.column_stack([np.cos(half), zero, np.sin(half), zero])
+    return replace(flight, quaternion=quaternion, velocity=velocity)
+
+
+@pytest.mark.parametrize("pitch", [LEVEL, UPRIGHT_POSE, ASLANT])
+def test_on_a_still_the_agent_is_as_large_as_fits_as_it_lies(agent, pitch):
+    seen = still_of(agent, held(pitch), Scenario(), 0.4)
+    image = FollowView(seen, (240, 160), rays=1).image(seen.still)
+    room = (np.abs(pixels(image, HULL) - (119.5, 79.5)).max(axis=0) + 0.5) / (120, 80)
+    # What is nearer than the axis looks larger, by less than 1.3.
+    assert 1 / 1.3 - 0.02 < room.max() < 0.98
+
+
+def test_a_still_shows_the_path_before_and_after_its_moment(agent):
+    seen = still_of(agent, held(UPRIGHT_POSE), Scenario(pipe=PIPE), 0.3)
+    image = SideView(seen, (240, 120), rays=1, captioned=False).image(seen.still)
+    # 0.8 m of a pipe of 1 m, which has a margin on either side.
+    assert 150 < np.ptp(pixels(image, NOSE)[:, 0]) < 200
+
+
+@pytest.mark.parametrize(("slow", "every"), [(10, 0.5), (1, 0.1)])
+def test_a_still_shows_the_agent_at_equal_intervals_and_says_at_which(agent, slow, every):
+    flight = held(LEVEL)
+    flight = replace(flight, t=flight.t * slow, position=flight.position * slow)
+    pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=(0.8 * slow, 0, 0), radius=0.1 * slow),))
+    seen = still_of(agent, flight, Scenario(pipe=pipe), 0.0)
+    view = SideView(seen, (480, 160), rays=1, captioned=False)
+    columns = np.unique(pixels(view.image(seen.still), HULL)[:, 0])
+    first = columns[np.append(True, np.diff(columns) > 2)]
+    assert len(first) == round(0.8 * slow / every) + 1
+    assert np.ptp(np.diff(first)) <= 2
+    assert any(shape.get("text", "").endswith(f"every {every:g} s") for shape in view._still)
+
+
 def test_seen_from_close_by_the_agent_stays_in_the_middle_and_is_as_large_as_fits(agent):
     view = FollowView(scene(agent), (240, 160), rays=1)
     for frame in (0, 4):

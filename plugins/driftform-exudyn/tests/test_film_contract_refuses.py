@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from driftform.dynamics.rotations import matrix_from_quaternion
+from driftform.figures.png import png_bytes
 from driftform.files import write_whole
 from driftform.interfaces import Renderer
 from driftform.motion import attitudes, even_times
@@ -23,6 +24,7 @@ class Sketch(Renderer):
 
     name = "sketch"
     suffixes = (".mp4", ".gif")
+    stills = (".png",)
     rate = 10.0
     columns = 80
 
@@ -36,6 +38,12 @@ class Sketch(Renderer):
                 progress(done, len(t))
 
         self.write(path, lambda part: encode(images(), images(), part, path.suffix, 10.0))
+        return WrittenFile(self.name, str(path))
+
+    def still(self, agent, flight, scenario, path, at):
+        self.check_still(path)
+        image = self.image(flight, at)
+        write_whole(path, lambda part: part.write_bytes(png_bytes(image)))
         return WrittenFile(self.name, str(path))
 
     def image(self, flight, when):
@@ -89,16 +97,41 @@ class Undemanding(Sketch):
     def check(self, path):
         pass
 
+    def check_still(self, path):
+        pass
+
+
+class Astray(Sketch):
+    def still(self, agent, flight, scenario, path, at):
+        return super().still(agent, flight, scenario, path.with_stem("elsewhere"), at)
+
+
+class Demanding(Sketch):
+    def still(self, agent, flight, scenario, path, at):
+        assert len(flight.t) > 1
+        return super().still(agent, flight, scenario, path, at)
+
 
 FAULTS: dict[type[Sketch], tuple[str, ...]] = {
-    Narrow: ("test_it_has_the_frames_and_the_size_that_were_asked_for",),
+    Narrow: (
+        "test_it_has_the_frames_and_the_size_that_were_asked_for",
+        "test_a_still_is_one_picture_where_it_was_asked_for",
+    ),
     Slow: ("test_it_has_the_frames_and_the_size_that_were_asked_for",),
-    Frozen: ("test_frames_differ_while_the_agent_moves",),
+    Frozen: ("test_frames_differ_while_the_agent_moves", "test_a_still_shows_the_moment_that_was_asked_for"),
     WithoutAttitude: ("test_attitude_is_seen",),
-    Changing: ("test_the_same_flight_gives_the_same_frames",),
+    Changing: (
+        "test_the_same_flight_gives_the_same_frames",
+        "test_a_still_shows_the_moment_that_was_asked_for",
+    ),
     Careless: ("test_an_interrupted_film_leaves_nothing_and_an_older_one_as_it_was",),
     Silent: ("test_progress_is_told_frame_by_frame",),
-    Undemanding: ("test_a_suffix_that_it_does_not_know_is_refused",),
+    Undemanding: (
+        "test_a_suffix_that_it_does_not_know_is_refused",
+        "test_a_suffix_that_no_still_of_it_has_is_refused",
+    ),
+    Astray: ("test_a_still_is_one_picture_where_it_was_asked_for",),
+    Demanding: ("test_a_still_needs_neither_a_path_nor_a_pipe",),
 }
 CASES = [(fault, test) for fault, tests in FAULTS.items() for test in tests]
 

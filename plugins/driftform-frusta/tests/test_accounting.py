@@ -27,8 +27,7 @@ def of_meshes(body, options):
     """Mass (kg), centre of gravity (m) and inertia about it (kg m2) of the parts' meshes and the core."""
     mass, first, second = body.core.mass, np.zeros(3), 0.2 * body.core.mass * body.core.radius**2 * np.eye(3)
     for part in parts_of(body, options):
-        mesh = part.solid.to_mesh64()
-        corners = 1e-3 * mesh.vert_properties[:, :3][mesh.tri_verts.astype(np.int64)]
+        corners = 1e-3 * part.solid.vertices[part.solid.triangles]
         corners = corners[:, :, [2, 0, 1]] + (body.outer[0, 0], 0.0, 0.0)
         sixth = np.linalg.det(corners) / 6
         total = corners.sum(axis=1)

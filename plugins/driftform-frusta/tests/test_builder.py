@@ -11,7 +11,7 @@ from driftform.geometry import hull_mass, hull_volume, mass_properties, solid_of
 from driftform.types import Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.hull import hull
-from driftform_frusta.solid import to_manifold
+from driftform_frusta.solid import to_solid
 
 WALL, DOME = 0.00125, 0.01145
 modules = st.builds(
@@ -191,8 +191,8 @@ def test_the_mesh_has_the_volume_centroid_and_inertia_of_the_closed_forms(morpho
 
 def mesh(body):
     """The mesh in m."""
-    solid = to_manifold(hull(body), 64).to_mesh64()
-    return np.asarray(solid.vert_properties)[:, :3] / 1000, np.asarray(solid.tri_verts)
+    solid = to_solid(hull(body), 64)
+    return solid.vertices / 1000, solid.triangles
 
 
 def mesh_moments(vertices, triangles):

@@ -18,7 +18,8 @@ from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.csg import Frustum, Revolve, Sphere, Translate
 from driftform_frusta.kit.pieces import kit_of
 from driftform_frusta.parts import PartOptions, parts_of
-from driftform_frusta.solid import area_factor, to_manifold
+from driftform_frusta.revolution import area_factor
+from driftform_frusta.solid import to_manifold
 from driftform_frusta.stl import is_closed, signed_volume, weld
 
 WALL = 1.25e-3
@@ -62,8 +63,7 @@ def agent(fore="", aft=""):
 
 def reread(solid):
     """The solid of the mesh that a file in single precision holds."""
-    mesh = solid.to_mesh64()
-    vertices, triangles = weld(mesh.vert_properties[:, :3], mesh.tri_verts)
+    vertices, triangles = weld(solid.vertices, solid.triangles)
     assert is_closed(triangles)
     assert signed_volume(vertices, triangles) > 0
     again = Manifold(Mesh64(vertices.astype(np.float64), triangles.astype(np.uint64)))
@@ -111,8 +111,8 @@ def check(body, **options):
     """What holds of every kit."""
     made = Assembled(body, **options)
     for part, solid in zip(made.parts, made.solids, strict=True):
-        assert part.shells == 1 == len(solid.decompose())
-        assert solid.volume() == pytest.approx(part.solid.volume(), rel=1e-5)
+        assert len(part.solid.shells) == 1 == len(solid.decompose())
+        assert solid.volume() == pytest.approx(part.solid.volume, rel=1e-5)
         assert (solid ^ made.core).volume() < NOTHING
     for one, other in combinations(made.solids, 2):
         assert (one ^ other).volume() < NOTHING
@@ -175,8 +175,7 @@ def test_the_core_is_held_where_it_was_simulated(body):
 
 def footing(solid):
     """Area on the bed, and area that leans out by more than 45 degrees above it, mm2."""
-    mesh = solid.to_mesh64()
-    corners = np.asarray(mesh.vert_properties)[:, :3][np.asarray(mesh.tri_verts, dtype=np.int64)]
+    corners = solid.vertices[solid.triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(normal, axis=1) / 2
     steep = normal[:, 2] < -math.sin(math.radians(45.5)) * 2 * area
@@ -189,7 +188,7 @@ def footing(solid):
 def test_a_part_stands_on_the_end_that_leaves_less_hanging_in_the_air(body):
     for part in parts_of(body, PartOptions(kit=True)):
         foot, hanging = footing(part.on_bed())
-        other_foot, other_hanging = footing(part.on_bed().rotate((180.0, 0.0, 0.0)))
+        other_foot, other_hanging = footing(part.on_bed().upside_down())
         assert hanging <= other_hanging + 1 or other_foot < 10
         assert foot > 10
 
@@ -286,7 +285,7 @@ def test_parts_that_are_too_high_are_cut_at_joints_of_modules_and_fit_the_bed_th
     assert names.index("aft shell") + 1 == names.index("fore shell")
     assert {"aft shell 2", "fore shell 2"} <= set(names)
     for part in made.parts:
-        low, high = np.reshape(part.on_bed().bounding_box(), (2, 3))
+        low, high = part.on_bed().bounds
         assert (high - low <= np.array([200, 200, 55]) + 1e-6).all()
     beside = [j.z for j in made.kit.joints if j is not made.kit.core_joint.joint]
     for z in beside:
@@ -297,7 +296,7 @@ def test_parts_that_are_too_high_are_cut_at_joints_of_modules_and_fit_the_bed_th
 def test_the_plug_of_a_part_counts_among_its_height(height):
     body = agent("s" * 14, "s" * 14)
     parts = parts_of(body, PartOptions(kit=True, bed=(0.2, 0.2, 1e-3 * height)))
-    heights = [np.ptp(np.reshape(part.on_bed().bounding_box(), (2, 3))[:, 2]) for part in parts]
+    heights = [np.ptp(part.on_bed().bounds[:, 2]) for part in parts]
     assert max(heights) <= height + 1e-6
     assert len(parts) >= 280 / height
 
@@ -388,10 +387,10 @@ def test_holes_on_the_axis_go_through_both_ends():
     closed = parts_of(agent("ss", "ss"), PartOptions(kit=True))
     made = Assembled(agent("ss", "ss"), drain=0.003)
     needle = to_manifold(Translate((0.0, 0.0, -1.0), Frustum(200.0, 1.45, 1.45)))
-    assert sum((part.solid ^ needle).volume() for part in closed) > 1
+    assert sum((part.solid.manifold() ^ needle).volume() for part in closed) > 1
     assert sum((solid ^ needle).volume() for solid in made.solids) < NOTHING
     for part, drained in zip(closed, made.solids, strict=True):
-        assert part.solid.volume() - drained.volume() == pytest.approx(math.pi * 1.5**2 * 1.25, rel=1e-3)
+        assert part.solid.volume - drained.volume() == pytest.approx(math.pi * 1.5**2 * 1.25, rel=1e-3)
 
 
 def test_a_kit_weighs_what_its_closed_form_says_whatever_the_segments():
@@ -404,7 +403,7 @@ def test_a_kit_weighs_what_its_closed_form_says_whatever_the_segments():
     )
     for segments in (16, 64, 96):
         parts = parts_of(body, PartOptions(kit=True, segments=segments))
-        assert sum(part.solid.volume() for part in parts) == pytest.approx(exact, rel=1e-6)
+        assert sum(part.solid.volume for part in parts) == pytest.approx(exact, rel=1e-6)
     assert exact > 1e9 * hull_volume(body)
 
 

@@ -6,11 +6,11 @@ import zlib
 import numpy as np
 import pytest
 
+from driftform.figures.png import png_bytes
 from driftform_frusta.csg import Box, Translate
 from driftform_frusta.mesh import mesh_of
 from driftform_frusta.picture import Shape, draw
-from driftform_frusta.png import png_bytes
-from driftform_frusta.solid import to_manifold
+from driftform_frusta.solid import to_solid
 
 RED, BLUE = "#ff0000", "#0000ff"
 BED = (100.0, 100.0)
@@ -18,7 +18,7 @@ BED = (100.0, 100.0)
 
 def shape(size, at, colour):
     corner = tuple(a - s / 2 for a, s in zip(at[:2], size[:2], strict=True))
-    mesh = mesh_of(to_manifold(Translate((*corner, at[2]), Box(size))))
+    mesh = mesh_of(to_solid(Translate((*corner, at[2]), Box(size))))
     return Shape(mesh.vertices.astype(float), mesh.triangles, colour)
 
 

@@ -23,8 +23,9 @@ from driftform_frusta.csg import (
     Union,
 )
 from driftform_frusta.hull import hull, hull_of_frustums
+from driftform_frusta.revolution import area_factor
 from driftform_frusta.scad import to_scad
-from driftform_frusta.solid import area_factor, sphere_factor, to_manifold
+from driftform_frusta.solid import sphere_factor, to_manifold, to_solid
 
 SEGMENTS = [3, 12, 13, 64, 1024]
 
@@ -76,17 +77,17 @@ def test_the_factors_on_radii_tend_to_one_with_the_square_of_the_segments():
 
 def test_a_revolved_section_has_the_volume_of_pappus_less_its_holes():
     ring = Revolve(((5, 0), (9, 0), (9, 6), (5, 6)), (((6, 1), (8, 1), (8, 3), (6, 3)),))
-    solid = to_manifold(ring)
-    assert solid.volume() == pytest.approx(2 * math.pi * (7 * 24 - 7 * 4), rel=1e-8)
-    assert len(solid.decompose()) == 2
+    solid = to_solid(ring)
+    assert solid.volume == pytest.approx(2 * math.pi * (7 * 24 - 7 * 4), rel=1e-8)
+    assert sorted(solid.shells) == pytest.approx([-2 * math.pi * 7 * 4, 2 * math.pi * 7 * 24], rel=1e-8)
 
 
 def test_the_sense_of_rotation_of_a_polygon_does_not_matter():
     outline = ((5, 0), (9, 0), (9, 6), (5, 6))
     hole = ((6, 1), (8, 1), (8, 3))
-    a = to_manifold(Revolve(outline, (hole,)))
-    b = to_manifold(Revolve(outline[::-1], (hole[::-1],)))
-    assert a.volume() == pytest.approx(b.volume(), rel=1e-12)
+    a = to_solid(Revolve(outline, (hole,)))
+    b = to_solid(Revolve(outline[::-1], (hole[::-1],)))
+    assert a.volume == pytest.approx(b.volume, rel=1e-12)
 
 
 def test_what_lies_beyond_the_axis_is_cut_off_before_revolving():
@@ -98,18 +99,19 @@ def test_what_lies_beyond_the_axis_is_cut_off_before_revolving():
 def test_the_mesh_of_a_hull_has_the_volume_of_the_closed_form(body):
     expected = hull_volume(body) * 1e9
     for segments in (12, 64):
-        assert to_manifold(hull(body), segments).volume() == pytest.approx(expected, rel=1e-6)
+        assert to_solid(hull(body), segments).volume == pytest.approx(expected, rel=1e-6)
         assert to_manifold(hull_of_frustums(body), segments).volume() == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_sealed_hull_has_an_outside_and_a_hollow_that_faces_inward(wavy_body):
-    volumes = [shell.volume() for shell in to_manifold(hull(wavy_body)).decompose()]
-    assert sorted(np.sign(volumes)) == [-1, 1]
+    solid = to_solid(hull(wavy_body))
+    assert sorted(np.sign(solid.shells)) == [-1, 1]
+    assert solid.pieces == 1
 
 
 def test_labels_have_no_effect_on_the_solid():
     plain, named = Sphere(3), Named("a ball", Sphere(3))
-    assert to_manifold(plain).volume() == to_manifold(named).volume()
+    assert to_solid(plain).volume == to_solid(named).volume
 
 
 def test_angles_are_degrees_about_fixed_x_then_y_then_z():
@@ -128,10 +130,10 @@ def test_angles_are_degrees_about_fixed_x_then_y_then_z():
 )
 def test_a_tree_without_a_solid_is_refused(nothing):
     with pytest.raises(WorkFailedError, match="empty or inside out"):
-        to_manifold(nothing)
+        to_solid(nothing)
 
 
-@pytest.mark.parametrize("interpret", [to_manifold, to_scad])
+@pytest.mark.parametrize("interpret", [to_solid, to_manifold, to_scad])
 def test_a_circle_of_fewer_than_three_segments_is_refused(interpret):
     with pytest.raises(ValueError, match="three segments"):
         interpret(Sphere(1), segments=2)

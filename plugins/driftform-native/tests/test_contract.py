@@ -1,5 +1,6 @@
 """The native backend keeps every promise of a simulator, alone and in threads."""
 
+from driftform.dynamics.integrator import Accuracy
 from driftform.testing import SimulatorContract
 from driftform_native.simulator import NativeOptions, NativeSimulator
 
@@ -25,3 +26,10 @@ class TestNativeInThreads(SimulatorContract):
 
     def plugin(self):
         return NativeSimulator(NativeOptions(threads=2))
+
+
+def test_it_is_as_accurate_by_default_as_the_integrator_is():
+    options, integrator = NativeOptions(), Accuracy()
+    assert options.accuracy == integrator.position
+    assert (options.tolerance, options.tightest) == (integrator.tolerance, integrator.tightest)
+    assert (options.max_step, options.step_limit) == (integrator.max_step, integrator.step_limit)

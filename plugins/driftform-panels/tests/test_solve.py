@@ -256,7 +256,7 @@ def test_a_contour_that_touches_itself_is_refused():
 def test_it_solves_with_one_thread_and_leaves_the_others_alone(monkeypatch):
     def threads():
         # Not those of a library that came later: scipy brings one of its own, which numpy does not use.
-        return [pool["num_threads"] for pool in module._LIBRARIES.info() if pool["user_api"] == "blas"]
+        return [pool["num_threads"] for pool in module._libraries().info() if pool["user_api"] == "blas"]
 
     before, during = threads(), []
     solver = np.linalg.solve

@@ -7,7 +7,6 @@ from contextlib import contextmanager
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
 
 from driftform import __version__
 from driftform.cli import (
@@ -28,13 +27,14 @@ from driftform.cli import (
     trim,
     watch,
 )
+from driftform.cli.help import Group
 from driftform.errors import DriftformError
 
 _UsageError: Any = typer.BadParameter.__mro__[1]
 """The base of what click says of options and arguments: newer typers bring a click of their own, without a name."""
 
 
-class Commands(TyperGroup):
+class Commands(Group):
     """Turns what went wrong with the user's input or work into a line on stderr and an exit code.
 
     0 done, 1 the work failed, 2 the input is wrong, 130 interrupted.
@@ -90,6 +90,9 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    # Rich takes as long to import as everything else, and to it [robustness] in a help text is markup.
+    rich_markup_mode=None,
+    context_settings={"max_content_width": 110},
     help="Evolve the shape of a passive underwater agent so that the current alone carries it to where it is needed.",
 )
 

@@ -11,7 +11,7 @@ import typer
 from driftform.cli.options import AGENT_HELP, Json, Settings
 
 if TYPE_CHECKING:
-    from driftform.cli.agents import Opened
+    from driftform.agents import Opened
     from driftform.interfaces import Printer, PrintJob
     from driftform.study import Study
     from driftform.types import Finding, WrittenFile
@@ -124,7 +124,7 @@ def _job(
 def _of_agent(
     text: str, format: str, settings: Sequence[str], printer: "Printer", kit: bool, folder: Path
 ) -> "tuple[PrintJob, Study]":
-    from driftform.cli.agents import open_agent
+    from driftform.agents import open_agent
     from driftform.errors import InputError
     from driftform.interfaces import PrintJob
     from driftform.registry import registry
@@ -146,7 +146,7 @@ def _of_agent(
 def _of_file(
     path: Path, agent: str | None, settings: Sequence[str], printer: "Printer", kit: bool, folder: Path
 ) -> "tuple[PrintJob, Study]":
-    from driftform.cli.agents import open_agent
+    from driftform.agents import open_agent
     from driftform.errors import InputError
     from driftform.files import is_file
     from driftform.interfaces import PrintJob

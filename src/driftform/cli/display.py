@@ -20,9 +20,6 @@ PLAIN_BARS = "_.-:=+*#"
 DECADES = (10.0, 1e6)
 """Least and largest ratio that a curve spans: a little progress does not look like a lot, and zero has a place."""
 
-REFRESH = 4.0
-"""Frames a second."""
-
 PAGE = 5.0
 """How long some of the targets are shown where there is no room for all, s."""
 

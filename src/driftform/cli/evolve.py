@@ -95,11 +95,12 @@ def carry_out(directory: Path, study: "Study", store: "Store", executor: "Execut
     """Run the loop to the end of the budget, write what it found, and report."""
     import time
 
-    from driftform.cli.progress import Progress, counter
+    from driftform.cli.progress import Progress
     from driftform.evolution import evolve as run_loop
     from driftform.evolution import write_best, write_reach
     from driftform.execution import LostError
     from driftform.finalists import fly_finalists
+    from driftform.progress import counter
 
     started = time.perf_counter()
     try:

@@ -39,7 +39,7 @@ def export(
     json: Json = False,
 ) -> None:
     """Write an agent's hull as files for printers and other programs; an older file of the name is replaced."""
-    from driftform.cli.agents import open_agent
+    from driftform.agents import open_agent
     from driftform.cli.kit import exporter_settings
     from driftform.cli.output import print_json
     from driftform.errors import InputError

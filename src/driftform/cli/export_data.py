@@ -70,15 +70,10 @@ def export_data(
 def _write(part: Path, study: "Study", store: "Store", format: str, trajectories: bool) -> dict[str, int]:
     """Write the tables and what their columns mean into a directory; return how many rows each has."""
     from driftform import __version__
-    from driftform.cli.progress import counter
+    from driftform.columns import SAMPLE_COLUMNS, evaluation_columns
+    from driftform.progress import counter
     from driftform.table_files import FORMATS
-    from driftform.tables import (
-        SAMPLE_COLUMNS,
-        described,
-        evaluation_batches,
-        evaluation_columns,
-        sample_batches,
-    )
+    from driftform.tables import described, evaluation_batches, sample_batches
 
     targets = study.scenario.target_names
     tables = {"evaluations": evaluation_columns(targets)}

@@ -35,7 +35,7 @@ def export_flight(
     json: Json = False,
 ) -> None:
     """Fly one agent, and write its flight for other programs, such as Foxglove, RViz or pandas; an older file is replaced."""
-    from driftform.cli.agents import open_agent
+    from driftform.agents import open_agent
     from driftform.cli.output import print_json
     from driftform.errors import InputError, WorkFailedError
     from driftform.files import make_directory

@@ -38,8 +38,24 @@ Film: TypeAlias = Annotated[
         help="Film of the flight to make; its suffix, such as .mp4 or .gif, decides the format.",
     ),
 ]
+Still: TypeAlias = Annotated[
+    Path | None,
+    typer.Option(
+        "--still",
+        metavar="FILE",
+        help="Picture of the flight to make, as a film has it; its suffix, such as .png, decides the format.",
+    ),
+]
+StillAt: TypeAlias = Annotated[
+    float | None,
+    typer.Option(
+        "--still-at",
+        metavar="SECONDS",
+        help="Moment of the still, from the release; by default that of the closest approach to any target.",
+    ),
+]
 Renderer: TypeAlias = Annotated[
-    str, typer.Option("--renderer", metavar="NAME", help="Renderer to make the film.")
+    str, typer.Option("--renderer", metavar="NAME", help="Renderer to make the film or the still.")
 ]
 Robust: TypeAlias = Annotated[
     int | None,

@@ -35,6 +35,7 @@ def pick(
     from driftform.cli.output import print_json
     from driftform.errors import InputError
     from driftform.files import make_directory
+    from driftform.progress import watched
     from driftform.reach import closest_pass
     from driftform.run_directory import check_run, resume_command
     from driftform.store import Store
@@ -45,7 +46,7 @@ def pick(
     with Store.open(database, read_only=True, check=False) as store:
         study = load_study(Document(str(database), store.study()))
         _check_point(point, study.scenario)
-        found = closest_pass(store.flights(), point)
+        found = closest_pass(watched(store.flights(), store.flown(), "flights"), point)
         if found is None:
             raise InputError(
                 f"{run} has no evaluation yet that did not fail; wait, or go on with it by: {resume_command(run)}"

@@ -5,10 +5,13 @@ from typing import Annotated, Any
 
 import typer
 
+from driftform.cli.help import Group
 from driftform.cli.options import Json
 
 app = typer.Typer(
-    help="What is installed, its options, and a start for your own.", invoke_without_command=True
+    cls=Group,
+    help="What is installed, its options, and a start for your own.",
+    invoke_without_command=True,
 )
 
 

@@ -1,13 +1,12 @@
-"""What long work shows while it goes on: live on a terminal, now and then a line elsewhere."""
+"""What a run shows while it goes on: live on a terminal, now and then a line elsewhere."""
 
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 
-from driftform.cli.display import REFRESH, View, duration, failures, line, pace_text
+from driftform.cli.display import View, duration, failures, line, pace_text
 from driftform.cli.standing import Pace, Standing
+from driftform.progress import REFRESH
 from driftform.store import Record
 from driftform.study import Study
 
@@ -70,27 +69,3 @@ class Progress:
         pace = pace_text(self._standing, self._pace)
         facts = (self._state(), pace, elapsed, failures(self._standing.failed))
         return View(self._standing, self._pace, facts, self._footer)
-
-
-@contextmanager
-def counter(what: str) -> Iterator[Callable[[int, int], None]]:
-    """Show on stderr how many of ``what`` are done: a bar on a terminal, a line for each tenth elsewhere.
-
-    Yields a function that takes the number of those that are done, and of all.
-    """
-    if not (sys.stdout.isatty() and sys.stderr.isatty()):
-        yield lambda done, total: _tell_tenths(done, total, what)
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
-    from rich.progress import Progress as Bar
-
-    columns = (BarColumn(), MofNCompleteColumn(), TextColumn(what), TimeRemainingColumn())
-    with Bar(*columns, console=Console(stderr=True), refresh_per_second=REFRESH, transient=True) as bar:
-        task = bar.add_task(what, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
-
-
-def _tell_tenths(done: int, total: int, what: str) -> None:
-    if 10 * done // total > 10 * (done - 1) // total:
-        print(f"{done}/{total} {what}", file=sys.stderr, flush=True)

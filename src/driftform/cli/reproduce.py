@@ -33,8 +33,8 @@ def reproduce(
 
     from driftform.cli.executors import chosen_executor
     from driftform.cli.output import print_json
-    from driftform.cli.progress import counter
     from driftform.files import make_directory, write_text
+    from driftform.progress import counter
     from driftform.reproduction.repeats import STRATEGIES, carry_out, result_of, study_of
     from driftform.reproduction.report import refly, results_document, results_markdown, write_figures
 

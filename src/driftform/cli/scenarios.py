@@ -4,10 +4,13 @@ from typing import Annotated
 
 import typer
 
+from driftform.cli.help import Group
 from driftform.cli.options import Json
 
 app = typer.Typer(
-    help="The built-in scenarios, as TOML to copy, and a look at your own.", invoke_without_command=True
+    cls=Group,
+    help="The built-in scenarios, as TOML to copy, and a look at your own.",
+    invoke_without_command=True,
 )
 
 

@@ -14,10 +14,13 @@ from driftform.cli.options import (
     ScenarioOption,
     Settings,
     Simulator,
+    Still,
+    StillAt,
 )
+from driftform.errors import InputError, WorkFailedError
 
 if TYPE_CHECKING:
-    from driftform.cli.agents import Opened
+    from driftform.agents import Opened
     from driftform.interfaces import Renderer as RendererPlugin
     from driftform.robustness import Spread
     from driftform.types import Evaluation, Trajectory
@@ -30,22 +33,23 @@ def simulate(
     hydrodynamics: Hydrodynamics = None,
     out: OutDirectory = None,
     film: Film = None,
+    still: Still = None,
+    still_at: StillAt = None,
     renderer: Renderer = "exudyn",
     robust: Robust = None,
     settings: Settings = None,
     json: Json = False,
 ) -> None:
-    """Fly one agent: how close it comes to each target, where and why it ends, a picture of its path, and a film if wanted.
+    """Fly one agent: how close it comes to each target, where and why it ends, a picture of its path, and a film or a still if wanted.
 
     With --robust it is flown many more times, each time a little different from what was planned.
     """
-    from driftform.cli.agents import open_agent
+    from driftform.agents import open_agent
     from driftform.cli.output import print_json, print_table
-    from driftform.cli.progress import counter
     from driftform.dynamics.path import closest_approach
-    from driftform.errors import WorkFailedError
     from driftform.figures.flight import flight_svg
     from driftform.files import make_directory, write_text
+    from driftform.progress import counter
     from driftform.run_directory import write_trajectory
 
     disturbed = () if robust is None else (f"robustness.conditions={robust}",)
@@ -56,17 +60,29 @@ def simulate(
         {"simulator": simulator, "hydrodynamics": hydrodynamics},
     )
     environment = opened.study.scenario
-    camera = None if film is None else _camera(opened, renderer, film)
-    folder = make_directory(out or Path("flights") / opened.name)
+    if still is None and still_at is not None:
+        raise InputError("--still-at is the moment of a still: say --still FILE too")
+    camera = None if film is None and still is None else _camera(opened, renderer, film, still)
     flight = opened.fly()
+    end = float(flight.t[-1])
+    if still_at is not None and not flight.end.failed and not 0 <= still_at <= end:
+        raise InputError(f"--still-at {still_at:g}: the flight goes from 0 to {end:.3f} s")
+    for option, path in (("--film", film), ("--still", still)):
+        if path is not None:
+            make_directory(path.parent, option)
+    folder = make_directory(out or Path("flights") / opened.name)
     if flight.end.failed:
-        raise WorkFailedError(f"{opened.name}: the flight ended after {flight.t[-1]:.3g} s: {flight.end}")
+        raise WorkFailedError(f"{opened.name}: the flight ended after {end:.3g} s: {flight.end}")
     fitness = opened.pipeline.fitness.score(flight, environment)
     distance, when = closest_approach(flight, environment.target_array())
 
     csv, svg = folder / "trajectory.csv", folder / "flight.svg"
     write_trajectory(csv, flight)
     write_text(svg, flight_svg(flight, environment, opened.name, opened.agent.body))
+    if camera is not None and still is not None:
+        closest = float(when[distance.argmin()]) if len(when) else end / 2
+        moment = closest if still_at is None else still_at
+        camera.still(opened.agent, flight, environment, still, moment)
     if camera is not None and film is not None:
         with counter("frames") as progress:
             camera.film(opened.agent, flight, environment, film, progress)
@@ -90,6 +106,7 @@ def simulate(
                 "trajectory": str(csv),
                 "picture": str(svg),
                 "film": None if film is None else str(film),
+                "still": None if still is None else str(still),
                 "robust": spread and spread.document(environment.target_names),
             }
         )
@@ -121,15 +138,16 @@ def simulate(
         print(spread.told())
     print(f"trajectory: {csv}")
     print(f"picture:    {svg}")
-    if film is not None:
-        print(f"film:       {film}")
+    for what, made in (("film: ", film), ("still:", still)):
+        if made is not None:
+            print(f"{what}      {made}")
 
 
 def _spread(opened: "Opened") -> "Spread | None":
     """Fitness over the disturbed conditions of the scenario, ``None`` where it has none."""
     import numpy as np
 
-    from driftform.cli.progress import counter
+    from driftform.progress import counter
     from driftform.robustness import spread_of
 
     count = len(opened.pipeline.conditions)
@@ -144,22 +162,24 @@ def _spread(opened: "Opened") -> "Spread | None":
     return spread_of(fitness, sum(evaluation.failure is not None for evaluation in evaluations))
 
 
-def _camera(opened: "Opened", name: str, film: Path) -> "RendererPlugin[Any]":
-    """The renderer, after all was refused of its film that can be before the flight."""
-    from driftform.errors import InputError
-    from driftform.files import is_directory, make_directory
+def _camera(opened: "Opened", name: str, film: Path | None, still: Path | None) -> "RendererPlugin[Any]":
+    """The renderer, after all was refused of its film and its still that can be before the flight."""
+    from driftform.files import is_directory
 
     try:
         renderer = opened.study.renderer(name)
     except InputError as error:
         raise InputError(f"--renderer {name}: {error}") from None
-    try:
-        renderer.check(film)
-    except InputError as error:
-        raise InputError(f"--film {error}") from None
-    if is_directory(film):
-        raise InputError(f"--film {film}: is a directory")
-    make_directory(film.parent, "--film")
+    asked = (("--film", film, renderer.check), ("--still", still, renderer.check_still))
+    for option, path, check in asked:
+        if path is None:
+            continue
+        try:
+            check(path)
+        except InputError as error:
+            raise InputError(f"{option} {error}") from None
+        if is_directory(path):
+            raise InputError(f"{option} {path}: is a directory")
     return renderer
 
 

@@ -7,8 +7,8 @@ import typer
 from driftform.cli.options import Agent, Hydrodynamics, Json, ScenarioOption, Settings, Simulator
 
 if TYPE_CHECKING:
+    from driftform.agents import Opened
     from driftform.ballast import Need, Piece
-    from driftform.cli.agents import Opened
     from driftform.reflight import Flown
     from driftform.types import Agent as BuiltAgent
 
@@ -55,8 +55,8 @@ def trim(
     json: Json = False,
 ) -> None:
     """Tell the ballast that makes a print fly as simulated, and where it would go without."""
+    from driftform.agents import open_agent
     from driftform.ballast import need
-    from driftform.cli.agents import open_agent
     from driftform.cli.output import print_json
     from driftform.reflight import flown
     from driftform.weighing import weighed

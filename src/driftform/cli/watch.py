@@ -5,9 +5,10 @@ from typing import Annotated, Any
 
 import typer
 
-from driftform.cli.display import REFRESH, View, failures, line, pace_text
+from driftform.cli.display import View, failures, line, pace_text
 from driftform.cli.options import Json
 from driftform.cli.standing import Pace, Standing
+from driftform.progress import REFRESH
 
 RUNNING, WRITING, FINISHED, STOPPED = "running", "writing the best agents", "finished", "stopped"
 

@@ -19,6 +19,7 @@ from driftform.figures.strip import Strip, strip_svg
 from driftform.figures.style import SERIES
 from driftform.figures.trend import Trend, trend_svg
 from driftform.finalists import winner
+from driftform.progress import watched
 from driftform.reach import Cells, reach_of
 from driftform.run_directory import best_agent, check_run
 from driftform.scenario import Scenario
@@ -119,10 +120,11 @@ def contents_of(directory: Path) -> Contents:
             )
         title = str(study.document.get("title", ""))
         flights = [Flight(e.target, e.agent, e.flight, e.error_percent) for e in entries]
+        seen = watched(store.flights(), store.flown(), "flights")
         figures = {
             "Flights and bodies": overview_svg(flights, study.scenario, title),
             "Search": trend_svg(_trends(store, targets), "Best fitness so far", _strategy(study)),
-            "Reach": reach_svg(reach_of(store.flights(), Cells.of(study.scenario)), study.scenario, title),
+            "Reach": reach_svg(reach_of(seen, Cells.of(study.scenario)), study.scenario, title),
         }
         strips = [
             Strip(e.target, e.error_percent, 100 - won.flights)

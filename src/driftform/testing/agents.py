@@ -53,6 +53,8 @@ class Spheroid:
     Added mass after Lamb, sections 114 and 115: k1 along the axis and k2 across it, both of the displaced mass,
     and k' of the moment of inertia that the displaced water would have.
 
+    Examples
+    --------
     >>> [round(k, 5) for k in Spheroid(0.06, 0.01).factors]
     [0.04518, 0.91712, 0.76231]
     """

@@ -13,6 +13,7 @@ from driftform.types import End, FloatArray, Trajectory
 TARGETS: dict[str, Vector] = {"near": (1.0, 0.0, -0.5), "middle": (4.0, 0.3, 0.2), "far": (8.5, 0.0, 0.4)}
 
 PIPE = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0),))
+"""A level one, 9 m long, of 1 m radius."""
 
 
 def straight_flight(start: Vector, end: Vector, times: FloatArray) -> Trajectory:

@@ -95,6 +95,11 @@ class RendererContract:
         flight = drift() if flight is None else flight
         return self.plugin().film(self.agent(), flight, self.scenario(), path, lambda done, total: None)
 
+    def still(self, path: Path, at: float = 0.2, flight: Trajectory | None = None) -> WrittenFile:
+        """Make a still of a flight, by default of the same."""
+        flight = drift() if flight is None else flight
+        return self.plugin().still(self.agent(), flight, self.scenario(), path, at)
+
     def test_a_film_is_where_it_was_asked_for_in_every_format(self, tmp_path: Path) -> None:
         """Each suffix gives a film that can be read, and nothing else is left beside it."""
         renderer = self.plugin()
@@ -199,3 +204,48 @@ class RendererContract:
         self.film(path)
         assert path.stat().st_size < 4_000_000
         assert len(self.read(path)) > 1
+
+    def test_a_still_is_one_picture_where_it_was_asked_for(self, tmp_path: Path) -> None:
+        """Each of ``stills`` gives a picture of the size of a film, and replaces an older one."""
+        renderer = self.plugin()
+        for suffix in renderer.stills:
+            path = tmp_path / suffix / f"still{suffix}"
+            path.parent.mkdir()
+            path.write_bytes(b"old " * 1_000_000)
+            renderer.check_still(path)
+            written = self.still(path)
+            assert Path(written.path) == path and written.format == renderer.name
+            assert list(path.parent.iterdir()) == [path]
+            assert self.read(path).shape == (1, self.size[1], self.size[0], 3)
+
+    def test_a_still_shows_the_moment_that_was_asked_for(self, tmp_path: Path) -> None:
+        """From the release to the end, each moment gives another picture, and always the same."""
+        for suffix in self.plugin().stills:
+            images = []
+            for name, at in (("release", 0.0), ("end", 0.4), ("again", 0.4)):
+                path = tmp_path / f"{name}{suffix}"
+                self.still(path, at)
+                images.append(self.read(path).astype(int))
+            assert np.abs(images[0] - images[1]).max() > 64
+            np.testing.assert_array_equal(images[1], images[2])
+
+    def test_a_still_needs_neither_a_path_nor_a_pipe(self, tmp_path: Path) -> None:
+        """It may be of a flight of one sample, and of one through open water."""
+        whole = drift()
+        short = Trajectory(
+            whole.t[:1], whole.position[:1], whole.quaternion[:1], whole.velocity[:1], End.INLET
+        )
+        for suffix in self.plugin().stills:
+            for name, flight, scenario in (("short", short, self.scenario()), ("open", whole, Scenario())):
+                path = tmp_path / f"{name}{suffix}"
+                self.plugin().still(self.agent(), flight, scenario, path, 0.0)
+                assert len(self.read(path)) == 1
+
+    @pytest.mark.parametrize("name", ["still.mkw", "still", "still.", ".png"])
+    def test_a_suffix_that_no_still_of_it_has_is_refused(self, name: str, tmp_path: Path) -> None:
+        """So is any where it makes no stills; nothing is written."""
+        with pytest.raises(InputError):
+            self.plugin().check_still(tmp_path / name)
+        with pytest.raises(InputError):
+            self.still(tmp_path / name)
+        assert list(tmp_path.iterdir()) == []

@@ -10,15 +10,19 @@ if TYPE_CHECKING:
 
 @hookimpl
 def driftform_simulator() -> "type[Simulator[Any]]":
-    """Flights integrated by Exudyn."""
+    """Flights integrated by Exudyn, which is looked for here and imported where a flight begins."""
+    from driftform.registry import require
     from driftform_exudyn.simulator import ExudynSimulator
 
+    require("exudyn")
     return ExudynSimulator
 
 
 @hookimpl
 def driftform_renderer() -> "type[Renderer[Any]]":
-    """Films by Exudyn's ray tracer."""
+    """Films and stills by Exudyn's ray tracer."""
+    from driftform.registry import require
     from driftform_exudyn.film import ExudynRenderer
 
+    require("exudyn")
     return ExudynRenderer

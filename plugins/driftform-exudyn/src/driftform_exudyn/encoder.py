@@ -5,10 +5,12 @@ import subprocess
 import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import IO
+from typing import IO, TYPE_CHECKING
 
 from driftform.errors import WorkFailedError
-from driftform_exudyn.stage import Image
+
+if TYPE_CHECKING:
+    from driftform_exudyn.stage import Image
 
 SUFFIXES = (".mp4", ".gif")
 """Of the formats that there are."""
@@ -40,7 +42,9 @@ def ffmpeg() -> str:
         ) from None
 
 
-def encode(images: Iterable[Image], samples: Iterable[Image], path: Path, suffix: str, fps: float) -> None:
+def encode(
+    images: "Iterable[Image]", samples: "Iterable[Image]", path: Path, suffix: str, fps: float
+) -> None:
     """Write images of one size as a film in the format of ``suffix``.
 
     ``samples`` are some of them. A format that has a palette gets it from these, because ffmpeg would keep the whole
@@ -62,7 +66,7 @@ def encode(images: Iterable[Image], samples: Iterable[Image], path: Path, suffix
         _run(images, fps, ("-i", palette, *_GIF, *film))
 
 
-def _run(images: Iterable[Image], fps: float, arguments: Sequence[str]) -> None:
+def _run(images: "Iterable[Image]", fps: float, arguments: Sequence[str]) -> None:
     images = iter(images)
     first = next(images)
     height, width, _ = first.shape
@@ -85,7 +89,7 @@ def _run(images: Iterable[Image], fps: float, arguments: Sequence[str]) -> None:
             )
 
 
-def _feed(pipe: IO[bytes], first: Image, others: Iterable[Image]) -> None:
+def _feed(pipe: IO[bytes], first: "Image", others: "Iterable[Image]") -> None:
     # Where ffmpeg gives up early, it says why itself.
     with contextlib.suppress(BrokenPipeError), pipe:
         pipe.write(first.tobytes())

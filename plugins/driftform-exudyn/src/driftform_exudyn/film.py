@@ -1,23 +1,25 @@
-"""A flight as a film, made by Exudyn's ray tracer."""
+"""A flight as a film or as a still, made by Exudyn's ray tracer."""
 
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from driftform.errors import WorkFailedError
 from driftform.files import write_whole
 from driftform.interfaces import Renderer
-from driftform.motion import even_times
 from driftform.options import Table, option
 from driftform.scenario import Scenario
 from driftform.types import Agent, Trajectory, WrittenFile
 from driftform_exudyn.encoder import SUFFIXES, encode, ffmpeg
-from driftform_exudyn.follow import FollowView
-from driftform_exudyn.scene import Scene
-from driftform_exudyn.side import SideView, wanted_height
-from driftform_exudyn.stage import Image
+
+if TYPE_CHECKING:
+    from driftform_exudyn.scene import Scene
+    from driftform_exudyn.stage import Image
+
+STEP = 0.04
+"""Spacing of the times that the path on a still is drawn through, s."""
 
 SAMPLES = 8
 """Frames that stand for all where the format of a film has a palette."""
@@ -45,13 +47,14 @@ class FilmOptions(Table):
 
 
 class ExudynRenderer(Renderer[FilmOptions]):
-    """A film by Exudyn's ray tracer, which needs no display; ffmpeg encodes it.
+    """A film or a still by Exudyn's ray tracer, which needs no display; ffmpeg encodes films.
 
     The agent's modules are in two shades, its fore end is blue; the pipe is cut open, with rings at equal distances.
     """
 
     name = "exudyn"
     suffixes = SUFFIXES
+    stills = (".png",)
     Options = FilmOptions
 
     def check(self, path: Path) -> None:
@@ -68,16 +71,18 @@ class ExudynRenderer(Renderer[FilmOptions]):
         progress: Callable[[int, int], None],
     ) -> WrittenFile:
         """Make the film. Facts: ``frames``, ``seconds`` of the film, ``size_px``."""
-        self.check(path)
-        size, fps = [self.options.width, self.options.height], self.options.fps
-        t = even_times(float(flight.t[-1]), self.options.speed / fps)
-        letters = min(24.0, max(8.0, size[0] / 64), min(size) / 16)
-        scene = Scene(agent, flight, scenario, t, letters)
+        from driftform.motion import even_times
+        from driftform_exudyn.scene import Scene
 
-        def images(frames: Iterable[int]) -> Iterator[Image]:
+        self.check(path)
+        size, fps = self._size, self.options.fps
+        t = even_times(float(flight.t[-1]), self.options.speed / fps)
+        scene = Scene(agent, flight, scenario, t, self._letters)
+
+        def images(frames: Iterable[int]) -> "Iterator[Image]":
             yield from map(self._camera(scene), frames)
 
-        def counted() -> Iterator[Image]:
+        def counted() -> "Iterator[Image]":
             for done, image in enumerate(images(range(len(t))), start=1):
                 yield image
                 progress(done, len(t))
@@ -86,14 +91,38 @@ class ExudynRenderer(Renderer[FilmOptions]):
             some = np.unique(np.linspace(0, len(t) - 1, SAMPLES).astype(int))
             encode(counted(), images(some), part, path.suffix.lower(), fps)
 
-        try:
-            write_whole(path, write)
-        except OSError as error:
-            raise WorkFailedError(f"cannot write {path}: {error.strerror or error}") from error
+        _save(path, write)
         return WrittenFile(self.name, str(path), {"frames": len(t), "seconds": len(t) / fps, "size_px": size})
 
-    def _camera(self, scene: Scene) -> Callable[[int], Image]:
+    def still(
+        self, agent: Agent, flight: Trajectory, scenario: Scenario, path: Path, at: float
+    ) -> WrittenFile:
+        """Make the still: from the side it has the agent at equal intervals too. Facts: ``t``, ``size_px``."""
+        from driftform.figures.png import png_bytes
+        from driftform.motion import even_times
+        from driftform_exudyn.scene import Scene
+
+        self.check_still(path)
+        t = np.union1d(even_times(float(flight.t[-1]), STEP), at)
+        moment = int(np.searchsorted(t, at))
+        picture = png_bytes(self._camera(Scene(agent, flight, scenario, t, self._letters, moment))(moment))
+        _save(path, lambda part: part.write_bytes(picture))
+        return WrittenFile(self.name, str(path), {"t": at, "size_px": self._size})
+
+    @property
+    def _size(self) -> list[int]:
+        return [self.options.width, self.options.height]
+
+    @property
+    def _letters(self) -> float:
+        """Height of letters, px."""
+        return min(24.0, max(8.0, self._size[0] / 64), min(self._size) / 16)
+
+    def _camera(self, scene: "Scene") -> "Callable[[int], Image]":
         """Return what makes the image of a frame; frames are asked for in their order."""
+        from driftform_exudyn.follow import FollowView
+        from driftform_exudyn.side import SideView, wanted_height
+
         width, height, rays = self.options.width, self.options.height, self.options.rays
         match self.options.view:
             case "follow":
@@ -105,3 +134,11 @@ class ExudynRenderer(Renderer[FilmOptions]):
         above = FollowView(scene, (width, height - low), rays)
         below = SideView(scene, (width, low), rays, captioned=False)
         return lambda frame: np.concatenate([above.image(frame), below.image(frame)])
+
+
+def _save(path: Path, write: Callable[[Path], object]) -> None:
+    """Write a file that appears whole or not at all."""
+    try:
+        write_whole(path, write)
+    except OSError as error:
+        raise WorkFailedError(f"cannot write {path}: {error.strerror or error}") from error

@@ -5,7 +5,7 @@ import numpy as np
 from driftform.figures.style import BLUE, INK
 from driftform.types import FloatArray
 from driftform_exudyn.hull import hull_shape
-from driftform_exudyn.scene import Scene
+from driftform_exudyn.scene import PER_FRAME, Scene
 from driftform_exudyn.shapes import Shape, line, text, thinned
 from driftform_exudyn.stage import Camera, Image, Stage
 from driftform_exudyn.surroundings import lattice, nice
@@ -27,15 +27,24 @@ class FollowView:
         self._scene, self._size = scene, size
         body = scene.agent.body
         self._middle = np.array([(body.outer[:, 0].min() + body.outer[:, 0].max()) / 2, 0.0, 0.0])
-        reach = float(np.linalg.norm(body.outer - self._middle[:2], axis=1).max())
         right, up, viewer = scene.axes
         towards = np.cos(ELEVATION) * viewer + np.sin(ELEVATION) * up
         axes = np.stack([right, np.cross(towards, right), towards])
-        room = 2 * ROOM * reach
+        room = 2 * ROOM * self._reach(axes)
         # From too close to a small body, a wide pipe would be all there is to see.
         widest = max((bore.radius for bore in scene.bores), default=0.0)
         self._camera = Camera(axes, min(size) / room, max(DISTANCE * room, widest / 2))
-        self._stage = Stage(hull_shape(body), self._camera, rays)
+        self._stage = Stage(hull_shape(body), self._camera, rays, scene.pen)
+
+    def _reach(self, axes: FloatArray) -> float:
+        """Half of what the body needs of the shorter side of the image, m: as it lies on a still, else however it lies."""
+        scene, outer = self._scene, self._scene.agent.body.outer - self._middle[:2]
+        if scene.still is None:
+            return float(np.linalg.norm(outer, axis=1).max())
+        # A ring about the axis is as high as its radius times what is seen of it from the side.
+        axis = axes[:2] @ scene.poses[scene.still].rotation[:, 0]
+        half = np.abs(outer[:, :1] * axis) + outer[:, 1:] * np.sqrt(1 - axis**2)
+        return float((half.max(axis=0) * min(self._size) / np.array(self._size)).max())
 
     def image(self, frame: int) -> Image:
         """Return a frame."""
@@ -62,8 +71,10 @@ class FollowView:
             shapes += lattice(scene.axes, behind, 2 * np.array([width, height]), nice(height / 2))
         shapes += scene.targets(0.03 * height, focus, near)
         flown = scene.flown(frame)
+        here = PER_FRAME * frame
         away = np.flatnonzero(np.linalg.norm(flown - focus, axis=1) > near)
-        close = flown[away[-1] + 1 if len(away) else 0 :]
+        first = away[away < here].max(initial=-1) + 1
+        close = flown[first : away[away > here].min(initial=len(flown))]
         return [*shapes, line(thinned(close, 3 / camera.px_per_m), BLUE)]
 
     def _caption(self, words: str, focus: FloatArray) -> Shape:

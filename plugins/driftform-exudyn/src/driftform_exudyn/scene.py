@@ -29,6 +29,8 @@ class Scene:
         time of each frame, s, (n,).
     letters
         height of letters, px.
+    still
+        the only frame that is seen of a still, which shows all of the path; none in a film.
     """
 
     agent: Agent
@@ -36,6 +38,12 @@ class Scene:
     scenario: Scenario
     t: FloatArray
     letters: float
+    still: int | None = None
+
+    @property
+    def pen(self) -> float:
+        """Width of lines, px: it goes with the letters."""
+        return max(2.0, 0.2 * self.letters)
 
     @cached_property
     def axes(self) -> FloatArray:
@@ -55,8 +63,8 @@ class Scene:
         return positions(self.flight, np.interp(between, frames, self.t))
 
     def flown(self, frame: int) -> FloatArray:
-        """The path up to a frame, (k, 3)."""
-        return self.path[: PER_FRAME * frame + 1]
+        """The path up to a frame, or all of it where that is a still, (k, 3)."""
+        return self.path if self.still is not None else self.path[: PER_FRAME * frame + 1]
 
     @cached_property
     def bores(self) -> list[Bore]:

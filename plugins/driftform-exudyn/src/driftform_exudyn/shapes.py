@@ -118,6 +118,12 @@ def placed(shape: Shape, scale: float, offset: npt.ArrayLike) -> Shape:
     return {**shape, **{key: (scale * shape[key].reshape(-1, 3) + offset).ravel() for key in found}}
 
 
+def turned(shape: Shape, rotation: FloatArray, position: FloatArray) -> Shape:
+    """Triangles of a body, with their normals, where it is and as it lies: ``rotation`` (3, 3) is body to world."""
+    points, normals = (shape[key].reshape(-1, 3) @ rotation.T for key in ("points", "normals"))
+    return {**shape, "points": (points + position).ravel(), "normals": normals.ravel()}
+
+
 def ball(centre: npt.ArrayLike, radius: float, colour: str) -> Shape:
     """A sphere."""
     angles = np.linspace(np.pi, 0, 13)

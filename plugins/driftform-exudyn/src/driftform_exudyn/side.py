@@ -5,13 +5,17 @@ import numpy as np
 from driftform.figures.style import BLUE, INK, MUTED
 from driftform.types import FloatArray
 from driftform_exudyn.hull import hull_shape
+from driftform_exudyn.motion import poses
 from driftform_exudyn.scene import Scene
-from driftform_exudyn.shapes import Shape, line, text, thinned
+from driftform_exudyn.shapes import Shape, line, text, thinned, turned
 from driftform_exudyn.stage import Camera, Image, Stage
 from driftform_exudyn.surroundings import THICKNESS, lattice, nice
 
 LEAST = 0.05
 """Length of the agent over the width of the image, above which it is not magnified."""
+
+EXPOSURES = 20
+"""Most intervals between which a still has the agent."""
 
 SMALL = 0.8
 """Size of the letters of distances and remarks, relative to the others."""
@@ -32,14 +36,15 @@ class SideView:
         # The margin below is another than that above.
         self._centre = ((self._low + self._high) / 2 - [0.0, (foot - edge) / 2 / scale, 0.0]) @ scene.axes
         body = scene.agent.body
-        length = max(body.length, body.max_diameter) * self._px_per_m
-        self._magnified = max(1.0, nice(LEAST * size[0] / length))
+        length = max(body.length, body.max_diameter)
+        self._magnified = max(1.0, nice(LEAST * size[0] / (length * self._px_per_m)))
+        self._drawn = self._magnified * length
         self._reach = self._magnified * float(np.linalg.norm(body.outer, axis=1).max())
         camera = Camera(scene.axes, self._px_per_m)
-        self._stage = Stage(hull_shape(body, self._magnified), camera, rays)
+        self._stage = Stage(hull_shape(body, self._magnified), camera, rays, scene.pen)
         self._still = self._surroundings()
-        self._kept = self._painted(0, np.zeros(2, dtype=int), self._size)
-        self._last = 0
+        self._last = scene.still or 0
+        self._kept = self._painted(self._last, np.zeros(2, dtype=int), self._size)
 
     def image(self, frame: int) -> Image:
         """Return a frame; frames are asked for in their order."""
@@ -64,11 +69,26 @@ class SideView:
         if not scene.bores:
             seen = self._size / px
             shapes += lattice(scene.axes, self._centre, seen, nice(float(seen[0]) / 9))
-        if self._magnified > 1:
+        drawn = [f"drawn {self._magnified:g} times its size"] if self._magnified > 1 else []
+        if scene.still is not None:
+            t = self._exposures()
+            drawn += [f"every {t[1]:g} s"] if len(t) > 1 else []
+            hull = hull_shape(scene.agent.body, self._magnified)
+            shapes += [turned(hull, pose.rotation, pose.position) for pose in poses(scene.flight, t)]
+        if drawn:
             above = np.array([self._low[0], self._high[1] + 0.4 * scene.letters / px, self._high[2]])
-            words = f"agent drawn {self._magnified:g} times its size"
-            shapes.append(text(above @ scene.axes, words, MUTED, size))
+            shapes.append(text(above @ scene.axes, f"agent {', '.join(drawn)}", MUTED, size))
         return shapes + scene.targets(0.3 * scene.letters / px, self._centre)
+
+    def _exposures(self) -> FloatArray:
+        """Times at which a still has the agent, s, from the release at equal intervals in which it gets out of its own way."""
+        scene, end = self._scene, float(self._scene.flight.t[-1])
+        length = float(np.linalg.norm(np.diff(scene.path, axis=0), axis=1).sum())
+        count = min(EXPOSURES, length / self._drawn)
+        if count < 1 or not end > 0:
+            return np.zeros(1)
+        step = 1 / nice(count / end)
+        return np.asarray(np.arange(np.floor(end / step + 1e-9) + 1) * step, dtype=np.float64)
 
     def _pixel(self, place: FloatArray) -> FloatArray:
         """Column and row of a place of the world, (2,)."""

@@ -43,8 +43,8 @@ class Stage:
     """A body before a camera, and whatever else is to be seen with it."""
 
     @uninterrupted()
-    def __init__(self, body: Shape, camera: Camera, rays: int) -> None:
-        """Put up the body; ``rays`` by ``rays`` of them make one pixel."""
+    def __init__(self, body: Shape, camera: Camera, rays: int, pen: float = 2.0) -> None:
+        """Put up the body; ``rays`` by ``rays`` of them make one pixel, and lines are ``pen`` px wide."""
         self._camera = camera
         self._scale = camera.px_per_m / UNIT
         # Exudyn drops lines that are nearer than the origin where there is perspective: all is moved away from it.
@@ -57,7 +57,7 @@ class Stage:
         self._others = self._mbs.AddObject(ground())
         self._mbs.Assemble()
         settings: Any = self._container.visualizationSettings
-        _set_up(settings, rays)
+        _set_up(settings, rays, pen)
         if self._away:
             # Close to a wide wall, a small body has all its triangles in few branches of a search tree of usual size.
             settings.raytracer.advanced.searchTreeFactor = 64
@@ -107,12 +107,12 @@ class Stage:
         return {**shape, "fontSize": 2 * shape["fontSize"]} if self._away and "fontSize" in shape else shape
 
 
-def _set_up(settings: Any, rays: int) -> None:
+def _set_up(settings: Any, rays: int, pen: float) -> None:
     """Show nothing but the shapes, lit from above the viewer's left shoulder."""
     settings.general.autoFitScene = False
     settings.view0.scene.drawCoordinateSystem = 0
     settings.view0.window.showComputationInfo = False
-    settings.openGL.lineWidth = 2
+    settings.openGL.lineWidth = pen
     settings.openGL.lightModelAmbient = [0.7, 0.7, 0.7, 1]
     settings.openGL.light1.enable = False
     light = settings.openGL.light0

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from manifold3d import Manifold
 
 from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
+from driftform_frusta.boundary import Solid
 from driftform_frusta.stl import is_closed, signed_volume, surface_area, weld
 
 
@@ -34,13 +34,13 @@ class Mesh:
     volume: float
 
 
-def mesh_of(solid: Manifold, what: str = "hull", frame: FloatArray | None = None) -> Mesh:
+def mesh_of(solid: Solid, what: str = "hull", frame: FloatArray | None = None) -> Mesh:
     """Return the mesh of a solid, rounded to single precision and checked after that.
 
     Parameters
     ----------
     solid
-        in mm.
+        what to take the mesh of, in mm.
     what
         what a message calls it.
     frame
@@ -51,13 +51,11 @@ def mesh_of(solid: Manifold, what: str = "hull", frame: FloatArray | None = None
     WorkFailedError
         where the rounded mesh is not closed, or its volume differs from the solid's by more than rounding explains.
     """
-    exact = solid.to_mesh64()
-    points: FloatArray = exact.vert_properties[:, :3]
-    expected = float(solid.volume())
+    points, expected = solid.vertices, solid.volume
     if frame is not None:
         points = points @ frame.T
         expected *= float(np.linalg.det(frame))
-    vertices, triangles = weld(points, exact.tri_verts)
+    vertices, triangles = weld(points, solid.triangles)
     if not is_closed(triangles):
         raise WorkFailedError(f"the mesh of the {what} does not stay closed in single precision")
     volume = signed_volume(vertices, triangles)

@@ -4,14 +4,14 @@ A mesh with its cavity turned inside out is closed and manifold too: only its vo
 """
 
 import numpy as np
-from manifold3d import Manifold
 
 from driftform.errors import WorkFailedError
 from driftform.geometry import distance_from, hull_volume
 from driftform.types import Body
+from driftform_frusta.boundary import Solid
 from driftform_frusta.csg import Node
 from driftform_frusta.hull import hull
-from driftform_frusta.solid import to_manifold
+from driftform_frusta.solid import to_solid
 
 MM3_PER_M3 = 1e9
 
@@ -22,11 +22,11 @@ _VOLUME_TOLERANCE = 1e-6
 _NO_WALL = 1e-6
 
 
-def printable_hull(body: Body, segments: int) -> tuple[Node, Manifold, int]:
-    """Return the hull's tree, its solid, and how many closed surfaces that has: the outside and each hollow.
+def printable_hull(body: Body, segments: int) -> tuple[Node, Solid]:
+    """Return the hull's tree and its solid.
 
-    The solid is checked: it is manifold, in one piece, and of the section's volume. A sealed hull has two
-    surfaces.
+    The solid is checked: it is in one piece, and of the section's volume. A sealed hull has two closed surfaces, the
+    outside and a hollow.
 
     Raises
     ------
@@ -34,14 +34,11 @@ def printable_hull(body: Body, segments: int) -> tuple[Node, Manifold, int]:
         where the body has no such solid; the message tells why.
     """
     tree = printable_section(body)
-    solid = to_manifold(tree, segments)
-    refuse_other_volume(solid.volume(), hull_volume(body), "hull")
-    # Surfaces of hollows face inward: their volume is negative.
-    shells = solid.decompose()
-    pieces = sum(shell.volume() > 0 for shell in shells)
-    if pieces != 1:
-        raise WorkFailedError(f"the hull falls into {pieces} pieces")
-    return tree, solid, len(shells)
+    solid = to_solid(tree, segments)
+    refuse_other_volume(solid.volume, hull_volume(body), "hull")
+    if solid.pieces != 1:
+        raise WorkFailedError(f"the hull falls into {solid.pieces} pieces")
+    return tree, solid
 
 
 def printable_section(body: Body) -> Node:

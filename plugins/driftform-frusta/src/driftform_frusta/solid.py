@@ -1,21 +1,15 @@
-"""CSG tree -> manifold3d solid.
-
-Circles become regular polygons. A regular N-gon in a circle of radius r has the area
-``N/2 sin(2 pi/N) r^2``, less than the circle's; every radius is therefore scaled by :func:`area_factor`, so
-that each cross-section normal to an axis of revolution has the circle's area and a mesh has the volume, and
-the mass, that the closed forms give. The price is corners that stand out of the circle, by 0.08 % of the
-radius at 64 segments.
-"""
+"""CSG tree -> solid: what is revolved is swept by :mod:`driftform_frusta.revolution`, and manifold3d does the rest."""
 
 import math
 from collections.abc import Iterable
 from typing import assert_never
 
 import numpy as np
-from manifold3d import CrossSection, Error, FillRule, Manifold, Mesh64, OpType
+from manifold3d import CrossSection, Error, FillRule, Manifold, OpType
 
 from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
+from driftform_frusta.boundary import Solid
 from driftform_frusta.csg import (
     Box,
     Difference,
@@ -32,15 +26,11 @@ from driftform_frusta.csg import (
     Union,
 )
 from driftform_frusta.lettering import STROKE, strokes
+from driftform_frusta.revolution import revolved
 
 # mm. Clipping leaves vertices some 1e-8 mm apart, which must go. With much more than this, vertices between
 # almost aligned frustums go too, and the volume of a 1.25 mm wall shifts by more than 1e-6 of itself.
 _SIMPLIFY = 1e-6
-
-
-def area_factor(segments: int) -> float:
-    """Return the factor on a radius that gives a polygon of ``segments`` corners its circle's area."""
-    return 1 / math.sqrt(segments / (2 * math.pi) * math.sin(2 * math.pi / segments))
 
 
 def half_segments(segments: int) -> int:
@@ -57,8 +47,8 @@ def sphere_factor(segments: int) -> float:
     return math.pow(math.cos(math.pi / (2 * half_segments(segments))), -2 / 3)
 
 
-def to_manifold(node: Node, segments: int = 64) -> Manifold:
-    """Return the solid of a tree as a mesh, mm.
+def to_solid(node: Node, segments: int = 64) -> Solid:
+    """Return the solid of a tree as a mesh.
 
     Parameters
     ----------
@@ -74,8 +64,21 @@ def to_manifold(node: Node, segments: int = 64) -> Manifold:
     WorkFailedError
         where the tree has no solid: the result is empty, inside out, or not manifold.
     """
-    if segments < 3:
-        raise ValueError(f"a circle needs three segments or more, not {segments}")
+    _refuse_too_few(segments)
+    match node:
+        case Named():
+            return to_solid(node.child, segments)
+        case Translate():
+            return to_solid(node.child, segments).moved(node.offset)
+        case Revolve():
+            return revolved(_profiles(node), segments)
+        case _:
+            return Solid.of(to_manifold(node, segments))
+
+
+def to_manifold(node: Node, segments: int = 64) -> Manifold:
+    """Return the same for manifold3d, which unites, cuts and measures solids; slower where all is revolved, mm."""
+    _refuse_too_few(segments)
     solid = _interpret(node, segments)
     if solid.status() != Error.NoError:
         raise WorkFailedError(f"the solid is not manifold: {solid.status().name}")
@@ -84,19 +87,24 @@ def to_manifold(node: Node, segments: int = 64) -> Manifold:
     return solid
 
 
+def _refuse_too_few(segments: int) -> None:
+    if segments < 3:
+        raise ValueError(f"a circle needs three segments or more, not {segments}")
+
+
 def _interpret(node: Node, segments: int) -> Manifold:
     def solids(nodes: Iterable[Node]) -> list[Manifold]:
         return [_interpret(n, segments) for n in nodes]
 
     match node:
         case Frustum():
-            solid = _revolved_line(_frustum_meridian(node), segments)
+            solid = revolved([_frustum_meridian(node)], segments).manifold()
         case Sphere():
-            solid = _revolved_line(_sphere_meridian(node.radius, segments), segments)
+            solid = revolved([_sphere_meridian(node.radius, segments)], segments).manifold()
         case Box():
             solid = Manifold.cube(node.size)
         case Revolve():
-            solid = _revolved_section(node, segments)
+            solid = revolved(_profiles(node), segments).manifold()
         case Text():
             solid = _letters(node).extrude(node.height)
         case Union():
@@ -144,47 +152,23 @@ def _sphere_meridian(radius: float, segments: int) -> FloatArray:
     return meridian
 
 
-def _revolved_line(meridian: FloatArray, segments: int) -> Manifold:
-    """Revolve a line of (r, z) that leaves the axis at its first point, going up, and comes back at its last.
-
-    The mesh is built here and not by revolving a cross-section, which would first be rounded to a grid: two
-    frustums that share a radius must share their vertices to the last bit.
-    """
-    angle = np.arange(segments) * (2 * np.pi / segments)
-    circle = area_factor(segments) * np.column_stack((np.cos(angle), np.sin(angle)))
-    radius, z = meridian[1:-1].T
-    rings = np.empty((len(radius), segments, 3))
-    rings[:, :, :2] = radius[:, None, None] * circle
-    rings[:, :, 2] = z[:, None]
-    poles = np.array([[0, 0, meridian[0, 1]], [0, 0, meridian[-1, 1]]])
-
-    index = np.arange(rings.shape[0] * segments).reshape(rings.shape[:2])
-    following = np.roll(index, -1, axis=1)
-    bottom, top = index.size, index.size + 1
-    faces = [
-        np.stack((np.full(segments, bottom), following[0], index[0]), axis=-1),
-        np.stack((np.full(segments, top), index[-1], following[-1]), axis=-1),
-        np.stack((index[:-1], following[:-1], following[1:]), axis=-1).reshape(-1, 3),
-        np.stack((index[:-1], following[1:], index[1:]), axis=-1).reshape(-1, 3),
-    ]
-    vertices = np.concatenate((rings.reshape(-1, 3), poles))
-    return Manifold(Mesh64(vert_properties=vertices, tri_verts=np.concatenate(faces).astype(np.uint64)))
-
-
-def _revolved_section(node: Revolve, segments: int) -> Manifold:
-    factor = area_factor(segments)
+def _profiles(node: Revolve) -> list[FloatArray]:
+    """The section less its holes, as polygons that do not cross: around matter counterclockwise, around holes not."""
 
     def section(polygon: tuple[Point, ...]) -> CrossSection:
         # Even-odd, as OpenSCAD does, so that the sense of rotation does not matter.
-        return CrossSection([np.array(polygon) * (factor, 1.0)], FillRule.EvenOdd)
+        return CrossSection([np.array(polygon)], FillRule.EvenOdd)
 
     result = section(node.outline)
     for hole in node.holes:
         result -= section(hole)
     if result.is_empty():
-        return Manifold()
-    # Revolving a section that crosses the axis gives a solid of the wrong genus.
+        return []
+    # What is revolved must not cross the axis.
     (r_min, z_min, r_max, z_max) = result.bounds()
     if r_min < 0:
         result ^= CrossSection.square((r_max, z_max - z_min)).translate((0.0, z_min))
-    return result.simplify(_SIMPLIFY).revolve(segments)
+    profiles: list[FloatArray] = result.simplify(_SIMPLIFY).to_polygons()
+    for profile in profiles:
+        profile[profile[:, 0] < _SIMPLIFY, 0] = 0
+    return profiles

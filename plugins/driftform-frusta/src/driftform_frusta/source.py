@@ -62,11 +62,11 @@ def source_of(specimen: Specimen, parts: Sequence[Part], segments: int) -> str:
     rows = []
     x = 0.0
     for part in parts:
-        bounds = part.solid.bounding_box()
-        radius = max(abs(bounds[0]), abs(bounds[3]))
+        low, high = part.solid.bounds
+        radius = max(abs(low[0]), abs(high[0]))
         x += radius
         turned = str(part.fore_down).lower()
-        rows.append(f'    ["{part.name}", {bounds[2]:.6f}, {bounds[5] - bounds[2]:.6f}, {turned}, {x:.3f}],')
+        rows.append(f'    ["{part.name}", {low[2]:.6f}, {high[2] - low[2]:.6f}, {turned}, {x:.3f}],')
         x += radius + GAP
     return _KIT.format(
         title=" ".join(specimen.name.split()),

@@ -2,39 +2,37 @@
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING
 
-from driftform.dynamics.flight import finished_flight, release_state
-from driftform.dynamics.integrator import Accuracy, Integrated, integrate
-from driftform.dynamics.model import FlightModel, flight_model
 from driftform.interfaces import Simulator
 from driftform.options import Table, option
 from driftform.scenario import Scenario
 from driftform.types import Agent, Trajectory
 
-DEFAULT = Accuracy()
+if TYPE_CHECKING:
+    from driftform.dynamics.integrator import Integrated
+    from driftform.dynamics.model import FlightModel
 
 
 class NativeOptions(Table):
     """Options of the native backend."""
 
     accuracy: float = option(
-        DEFAULT.position,
+        1e-3,
         "largest estimated error of the position; the tolerance is tightened until it is met",
         "m",
         gt=0,
     )
     tolerance: float = option(
-        DEFAULT.tolerance,
+        1e-6,
         "tolerance of a step, relative to 1 + |value| in every coordinate, to begin with",
         "SI",
         gt=0,
         le=1e-2,
     )
-    tightest: float = option(
-        DEFAULT.tightest, "tolerance below which a flight counts as not converged", "SI", gt=0
-    )
-    max_step: float = option(DEFAULT.max_step, "longest time step and gap between samples", "s", gt=0)
-    step_limit: int = option(DEFAULT.step_limit, "steps after which a flight counts as failed", "", gt=0)
+    tightest: float = option(1e-11, "tolerance below which a flight counts as not converged", "SI", gt=0)
+    max_step: float = option(0.05, "longest time step and gap between samples", "s", gt=0)
+    step_limit: int = option(200_000, "steps after which a flight counts as failed", "", gt=0)
     threads: int = option(
         1,
         "flights of a batch at the same time; the worker processes of a run share the machine already",
@@ -63,7 +61,12 @@ class NativeSimulator(Simulator[NativeOptions]):
             flown = list(pool.map(self._flown, agents, scenarios))
         return [self._finished(*flight) for flight in flown]
 
-    def _flown(self, agent: Agent, scenario: Scenario) -> tuple[FlightModel, Scenario, Integrated]:
+    def _flown(self, agent: Agent, scenario: Scenario) -> "tuple[FlightModel, Scenario, Integrated]":
+        # Compiled: here, and not above, or whoever asks for the names of plugins would load a compiler.
+        from driftform.dynamics.flight import release_state
+        from driftform.dynamics.integrator import Accuracy, integrate
+        from driftform.dynamics.model import flight_model
+
         options = self.options
         model = flight_model(agent, scenario)
         accuracy = Accuracy(
@@ -72,7 +75,9 @@ class NativeSimulator(Simulator[NativeOptions]):
         start = release_state(model, scenario)
         return model, scenario, integrate(model, start, scenario.flight.horizon, accuracy)
 
-    def _finished(self, model: FlightModel, scenario: Scenario, flown: Integrated) -> Trajectory:
+    def _finished(self, model: "FlightModel", scenario: Scenario, flown: "Integrated") -> Trajectory:
+        from driftform.dynamics.flight import finished_flight
+
         return finished_flight(
             flown.samples,
             model,

@@ -2,22 +2,23 @@
 
 import math
 from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-from threadpoolctl import ThreadpoolController
 
 from driftform.geometry import solid_of_revolution
 from driftform.interfaces import HydrodynamicsOptions
 from driftform.options import option
 from driftform.types import FloatArray
-from driftform_panels.kernels import equations
 from driftform_panels.meridian import Panels, panels
+
+if TYPE_CHECKING:
+    from threadpoolctl import ThreadpoolController
 
 THINNEST = 0.02
 """Thickness of a wall, relative to its panels, below which they cannot resolve it."""
-
-_LIBRARIES = ThreadpoolController()
 
 
 class PanelOptions(HydrodynamicsOptions):
@@ -121,6 +122,9 @@ def solve_panels(divided: Panels, origin: float = 0.0) -> PanelSolution:
     A_ij = - int phi_i n_j dS with the potential phi_i of motion i, where the integral over the circle is 2 pi r for
     m = 0 and pi r for m = 1 (Newman, Marine Hydrodynamics, section 4.14).
     """
+    # Compiled: here, and not above, or whoever asks for the names of plugins would load a compiler.
+    from driftform_panels.kernels import equations
+
     wall = divided.thinnest_wall()
     if wall < THINNEST:
         raise ValueError(
@@ -128,7 +132,7 @@ def solve_panels(divided: Panels, origin: float = 0.0) -> PanelSolution:
         )
     matrices, sides, (x, r, nx, nr) = equations(divided.x, divided.r, divided.lengths)
     # More than one thread makes systems of this size slower, by far where cores are busy.
-    with _LIBRARIES.limit(limits=1, user_api="blas"):
+    with _libraries().limit(limits=1, user_api="blas"):
         surge = np.linalg.solve(matrices[0], sides[:, 0])
         sway, yaw = np.linalg.solve(matrices[1], sides[:, 1:]).T
     across, turning = -np.pi * r * nr, -np.pi * r * (x * nr - r * nx)
@@ -146,3 +150,11 @@ def solve_panels(divided: Panels, origin: float = 0.0) -> PanelSolution:
             "the flow around this contour has no solution: does the contour cross or touch itself?"
         )
     return solution
+
+
+@cache
+def _libraries() -> "ThreadpoolController":
+    """The libraries of linear algebra, which take a while to be found."""
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()

@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from driftform.types import FloatArray
 from driftform_printability.parts import IntArray
@@ -84,6 +82,9 @@ def topology(triangles: IntArray) -> Topology:
 
 
 def _connected(a: IntArray, b: IntArray, count: int) -> IntArray:
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     graph = coo_array((np.ones(len(a), dtype=np.int8), (a, b)), shape=(count, count))
     _, labels = connected_components(graph, directed=False)
     return np.asarray(labels, dtype=np.int64)

@@ -11,10 +11,8 @@ if TYPE_CHECKING:
 @hookimpl
 def driftform_strategy() -> "type[Strategy[Any]]":
     """MAP-Elites with an archive of pyribs, which is looked for here and imported where a search begins."""
-    from importlib.util import find_spec
-
+    from driftform.registry import require
     from driftform_ribs.strategy import RibsStrategy
 
-    if find_spec("ribs") is None:
-        raise ModuleNotFoundError("No module named 'ribs'")
+    require("ribs")
     return RibsStrategy

@@ -1,14 +1,16 @@
 """How much a chemical sensor on the agent sees of each leak."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from driftform.interfaces import Fitness
-from driftform.motion import resampled
 from driftform.options import Table, option
 from driftform.scenario import Scenario, Vector
 from driftform.types import FloatArray, Trajectory
-from driftform_robotics.plume import Plume, plume_of
-from driftform_robotics.sensors import places
+
+if TYPE_CHECKING:
+    from driftform_robotics.plume import Plume
 
 
 class LeakOptions(Table):
@@ -61,8 +63,12 @@ class Leak(Fitness[LeakOptions]):
 
     def _readings(
         self, trajectory: Trajectory, scenario: Scenario
-    ) -> tuple[FloatArray, list[tuple[Plume, FloatArray]]]:
+    ) -> tuple[FloatArray, list[tuple["Plume", FloatArray]]]:
         """Times of the readings, s, and for each leak its plume and what is read of it, kg/m3."""
+        from driftform.motion import resampled
+        from driftform_robotics.plume import plume_of
+        from driftform_robotics.sensors import places
+
         flight = resampled(trajectory, 1 / self.options.interval)
         where = places(flight, np.array(self.options.sensor))
         plumes = [

@@ -10,10 +10,8 @@ from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.motion import acceleration_at
 from driftform.scenario import Fluid, Pipe, Scenario
 from driftform.types import Body, FloatArray, Trajectory
+from driftform_robotics.atmosphere import ATMOSPHERE
 from driftform_robotics.models.pipe import bore_of
-
-ATMOSPHERE = 101_325.0
-"""Pressure at the surface, Pa (standard atmosphere, ISO 2533)."""
 
 
 def places(flight: Trajectory, point: FloatArray) -> FloatArray:

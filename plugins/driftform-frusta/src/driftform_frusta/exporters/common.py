@@ -2,15 +2,16 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from driftform.errors import WorkFailedError
 from driftform.files import write_whole
 from driftform.types import Body
-from driftform_frusta.parts import Part
-from driftform_frusta.printable import MM3_PER_M3
+
+if TYPE_CHECKING:
+    from driftform_frusta.parts import Part
 
 
 def save(path: Path, data: bytes | str) -> None:
@@ -28,33 +29,36 @@ def save(path: Path, data: bytes | str) -> None:
         raise WorkFailedError(f"cannot write {path}: {error.strerror or error}") from error
 
 
-def path_of_part(path: Path, part: Part, parts: Sequence[Part]) -> Path:
+def path_of_part(path: Path, part: "Part", parts: "Sequence[Part]") -> Path:
     """Return the file of one part, in a format that holds one solid: ``agent-fore-shell.stl`` for ``agent.stl``."""
     if len(parts) == 1:
         return path
     return path.with_name(f"{path.stem}-{part.name.replace(' ', '-')}{path.suffix}")
 
 
-def facts_of_part(part: Part, body: Body) -> dict[str, Any]:
+def facts_of_part(part: "Part", body: Body) -> dict[str, Any]:
     """Facts of one part: ``volume_mm3``, ``mass_kg``, ``size_mm`` and ``shells``."""
-    volume = part.solid.volume()
-    bounds = np.array(part.solid.bounding_box())
+    from driftform_frusta.printable import MM3_PER_M3
+
+    volume = part.solid.volume
     return {
         "volume_mm3": volume,
         "mass_kg": volume / MM3_PER_M3 * body.hull_density,
-        "size_mm": (bounds[3:] - bounds[:3]).tolist(),
-        "shells": part.shells,
+        "size_mm": np.ptp(part.solid.bounds, axis=0).tolist(),
+        "shells": len(part.solid.shells),
     }
 
 
-def facts_of_all(parts: Sequence[Part], body: Body) -> dict[str, Any]:
+def facts_of_all(parts: "Sequence[Part]", body: Body) -> dict[str, Any]:
     """Facts of parts in one file: of the only one, or the sums and the ``parts`` by name."""
+    from driftform_frusta.printable import MM3_PER_M3
+
     if len(parts) == 1:
         return facts_of_part(parts[0], body)
-    volume = sum(part.solid.volume() for part in parts)
+    volume = sum(part.solid.volume for part in parts)
     return {
         "parts": [part.name for part in parts],
         "volume_mm3": volume,
         "mass_kg": volume / MM3_PER_M3 * body.hull_density,
-        "shells": sum(part.shells for part in parts),
+        "shells": sum(len(part.solid.shells) for part in parts),
     }

@@ -9,9 +9,8 @@ from driftform.interfaces import Exporter, Specimen
 from driftform.options import Table
 from driftform.types import FloatArray, WrittenFile
 from driftform_frusta.exporters.common import facts_of_all, facts_of_part, path_of_part, save
-from driftform_frusta.kit.accounting import kit_facts
+from driftform_frusta.kit.options import PartOptions
 from driftform_frusta.mesh import Mesh, mesh_of
-from driftform_frusta.parts import PartOptions, parts_of
 
 
 class PartFiles(Exporter[PartOptions]):
@@ -34,6 +33,9 @@ class PartFiles(Exporter[PartOptions]):
         WorkFailedError
             where the body has no closed printable solid, or a file cannot be written.
         """
+        from driftform_frusta.kit.accounting import kit_facts
+        from driftform_frusta.parts import parts_of
+
         body = specimen.agent.body
         parts = parts_of(body, self.options)
         # All are made before the first is written: what cannot be printed leaves no files.
@@ -66,6 +68,9 @@ class JoinedFile(Exporter[PartOptions]):
         WorkFailedError
             where the body has no closed printable solid, or the file cannot be written.
         """
+        from driftform_frusta.kit.accounting import kit_facts
+        from driftform_frusta.parts import parts_of
+
         body = specimen.agent.body
         parts = parts_of(body, self.options)
         meshes = {part.name: mesh_of(part.solid, part.name, self.frame) for part in parts}

@@ -7,9 +7,7 @@ from driftform.interfaces import Exporter, Specimen
 from driftform.options import Table
 from driftform.types import WrittenFile
 from driftform_frusta.exporters.common import facts_of_all, save
-from driftform_frusta.kit.accounting import kit_facts
-from driftform_frusta.parts import PartOptions, parts_of
-from driftform_frusta.source import source_of
+from driftform_frusta.kit.options import PartOptions
 
 
 class ScadExporter(Exporter[PartOptions]):
@@ -30,6 +28,10 @@ class ScadExporter(Exporter[PartOptions]):
         WorkFailedError
             where the body has no closed printable solid, or the file cannot be written.
         """
+        from driftform_frusta.kit.accounting import kit_facts
+        from driftform_frusta.parts import parts_of
+        from driftform_frusta.source import source_of
+
         parts = parts_of(specimen.agent.body, self.options)
         save(path, source_of(specimen, parts, self.options.segments))
         facts = facts_of_all(parts, specimen.agent.body) | kit_facts(specimen, self.options)

@@ -4,18 +4,18 @@ import re
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from driftform.errors import WorkFailedError
 from driftform.interfaces import Exporter, Specimen
 from driftform.options import Table
 from driftform.types import WrittenFile
-from driftform_frusta.brep import require_opencascade, to_brep, volume_of
 from driftform_frusta.colours import channels, colour_of
 from driftform_frusta.exporters.common import facts_of_all, save
-from driftform_frusta.kit.accounting import kit_facts
-from driftform_frusta.parts import Part, PartOptions, parts_of
-from driftform_frusta.printable import MM3_PER_M3
+from driftform_frusta.kit.options import PartOptions
+
+if TYPE_CHECKING:
+    from driftform_frusta.parts import Part
 
 _TOLERANCE = 1e-3
 """Between the exact solid and its mesh, relative, where letters are engraved: they are cut out of true circles here."""
@@ -42,12 +42,17 @@ class StepExporter(Exporter[PartOptions]):
         WorkFailedError
             where Open CASCADE is missing, the body has no closed printable solid, or the file cannot be written.
         """
+        from driftform_frusta.brep import require_opencascade, to_brep, volume_of
+        from driftform_frusta.kit.accounting import kit_facts
+        from driftform_frusta.parts import parts_of
+        from driftform_frusta.printable import MM3_PER_M3
+
         require_opencascade()
         body = specimen.agent.body
         parts = parts_of(body, self.options)
         shapes = [to_brep(part.tree) for part in parts]
         for part, shape in zip(parts, shapes, strict=True):
-            exact, meshed = volume_of(shape), part.solid.volume()
+            exact, meshed = volume_of(shape), part.solid.volume
             if abs(exact - meshed) > _TOLERANCE * meshed:
                 raise WorkFailedError(
                     f"the exact solid of the {part.name} has {exact:.3f} mm3, its mesh {meshed:.3f} mm3"
@@ -65,7 +70,7 @@ class StepExporter(Exporter[PartOptions]):
         return (WrittenFile(self.name, str(path), facts),)
 
 
-def step_text(title: str, parts: Sequence[Part], shapes: Sequence[Any]) -> str:
+def step_text(title: str, parts: "Sequence[Part]", shapes: Sequence[Any]) -> str:
     """Return shapes, with the names and colours of their parts, as the text of a STEP file."""
     from OCP.IFSelect import IFSelect_RetDone
     from OCP.Interface import Interface_Static

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from driftform.figures.section import section_svg
 from driftform.interfaces import Exporter, Specimen
 from driftform.options import Table
 from driftform.types import WrittenFile
@@ -23,5 +22,7 @@ class SvgExporter(Exporter[Table]):
         WorkFailedError
             where the file cannot be written.
         """
+        from driftform.figures.section import section_svg
+
         save(path, section_svg(specimen.agent, specimen.name, specimen.scenario))
         return (WrittenFile(self.name, str(path)),)

@@ -4,23 +4,24 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from driftform.figures.png import png_bytes
 from driftform.interfaces import Exporter, Specimen
 from driftform.options import Table, option
 from driftform.types import WrittenFile
 from driftform_frusta.colours import colour_of
 from driftform_frusta.exporters.common import facts_of_all, save
-from driftform_frusta.kit.accounting import kit_facts
+from driftform_frusta.kit.options import PartOptions
 from driftform_frusta.mesh import Mesh, mesh_of
-from driftform_frusta.parts import Part, PartOptions, parts_of
 from driftform_frusta.picture import Shape, draw
 from driftform_frusta.plate import arrange, fits
-from driftform_frusta.png import png_bytes
-from driftform_frusta.source import source_of
-from driftform_frusta.threemf import Item, Package, package_bytes
+
+if TYPE_CHECKING:
+    from driftform_frusta.parts import Part
+    from driftform_frusta.threemf import Package
 
 _MM = 1000.0
 
@@ -39,7 +40,7 @@ class ThreeMfOptions(PartOptions):
 class _Placed:
     """A part, its mesh as it stands on the bed, and where that goes, mm from the middle of its plate."""
 
-    part: Part
+    part: "Part"
     mesh: Mesh
     colour: str
     plate: int
@@ -72,6 +73,10 @@ class ThreeMfExporter(Exporter[ThreeMfOptions]):
         WorkFailedError
             where the body has no closed printable solid, or a file cannot be written.
         """
+        from driftform_frusta.parts import parts_of
+        from driftform_frusta.source import source_of
+        from driftform_frusta.threemf import package_bytes
+
         parts = parts_of(specimen.agent.body, self.options)
         placed = self._placed(parts)
         plates = 1 + max(p.plate for p in placed)
@@ -89,10 +94,12 @@ class ThreeMfExporter(Exporter[ThreeMfOptions]):
 
     def plate_picture(self, specimen: Specimen, width: int = 400, height: int = 300) -> bytes:
         """Return the picture of the first plate, a PNG file."""
+        from driftform_frusta.parts import parts_of
+
         placed = self._placed(parts_of(specimen.agent.body, self.options))
         return self._picture([p for p in placed if p.plate == 0], width, height)
 
-    def _placed(self, parts: Sequence[Part]) -> list[_Placed]:
+    def _placed(self, parts: "Sequence[Part]") -> list[_Placed]:
         meshes = [mesh_of(part.on_bed(), part.name) for part in parts]
         boxes = [(mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)) for mesh in meshes]
         sizes = [(float(high[0] - low[0]), float(high[1] - low[1])) for low, high in boxes]
@@ -119,10 +126,12 @@ class ThreeMfExporter(Exporter[ThreeMfOptions]):
 
     def _package(
         self, title: str, specimen: Specimen, placed: Sequence[_Placed], attachments: dict[str, str]
-    ) -> Package:
+    ) -> "Package":
+        from driftform_frusta.threemf import Item, Package
+
         o, body, mass = self.options, specimen.agent.body, specimen.agent.mass
         width, depth, _ = self._bed
-        grams = {p.part.name: 1e-6 * p.part.solid.volume() * body.hull_density for p in placed}
+        grams = {p.part.name: 1e-6 * p.part.solid.volume * body.hull_density for p in placed}
         weights = ", ".join(f"{name} {weight:.2f} g" for name, weight in grams.items())
         description = (
             f"Hull of a passive underwater agent, evolved by driftform. Printed mass: {weights}. As simulated, with its "
@@ -143,6 +152,8 @@ class ThreeMfExporter(Exporter[ThreeMfOptions]):
         return png_bytes(draw([p.shape() for p in placed], self._bed[:2], width, height))
 
     def _facts(self, specimen: Specimen, placed: Sequence[_Placed]) -> dict[str, Any]:
+        from driftform_frusta.kit.accounting import kit_facts
+
         facts = facts_of_all([p.part for p in placed], specimen.agent.body)
         facts["triangles"] = sum(len(p.mesh.triangles) for p in placed)
         sizes = [np.ptp(p.mesh.vertices, axis=0).tolist() for p in placed]

@@ -113,3 +113,9 @@ class KitOptions(Table):
                 f"not {self.lap:g}"
             )
         return self
+
+
+class PartOptions(KitOptions):
+    """What every exporter of meshes is asked for."""
+
+    segments: int = option(64, "corners of every circle of the mesh", ge=12, le=1024)

@@ -2,9 +2,7 @@
 
 import numpy as np
 
-from driftform.dynamics.drag import axial_drag, strip_drag
 from driftform.dynamics.inertia import shifted
-from driftform.dynamics.terminal import terminal_speeds
 from driftform.scenario import Fluid
 from driftform.types import Agent, FloatArray
 
@@ -20,6 +18,8 @@ def linear_damping(agent: Agent) -> FloatArray:
 
 def reference_speed(agent: Agent, fluid: Fluid) -> float:
     """Return the speed, m/s, at which an agent rises or sinks across its axis by its drag by strips."""
+    from driftform.dynamics.terminal import terminal_speeds
+
     drag, mass = agent.coefficients.drag, agent.mass
     if drag is None:
         return SLOWEST
@@ -52,6 +52,8 @@ def quadratic_wrench(agent: Agent, fluid: Fluid, nu: FloatArray) -> FloatArray:
 
     ``nu`` is the velocity of the centre of gravity relative to the water, and the angular velocity, in body axes, (6,).
     """
+    from driftform.dynamics.drag import axial_drag, strip_drag
+
     coefficients, cog = agent.coefficients, agent.mass.cog
     velocity, omega = nu[:3], nu[3:]
     wrench = np.zeros(6)

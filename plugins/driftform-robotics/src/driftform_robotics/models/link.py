@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.dynamics.inertia import added_mass_at, largest_added_mass_ratio
-from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.interfaces import Specimen
 from driftform.options import Table, option
 from driftform.scenario import Scenario, UniformFlow
@@ -68,6 +67,8 @@ class Link:
     @property
     def rotation(self) -> FloatArray:
         """Attitude at the release, body to world, (3, 3)."""
+        from driftform.dynamics.rotations import matrix_from_quaternion
+
         return matrix_from_quaternion(self.quaternion)
 
     @property
@@ -80,6 +81,8 @@ class Link:
 
 def link_of(specimen: Specimen, drag_speed: float | None = None) -> Link:
     """Return the link of a specimen, at its release."""
+    from driftform.dynamics.rotations import matrix_from_quaternion
+
     agent, scenario = specimen.agent, specimen.scenario
     mass = agent.mass
     speed = drag_speed or reference_speed(agent, scenario.fluid)

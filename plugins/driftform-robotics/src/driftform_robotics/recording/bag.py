@@ -9,9 +9,8 @@ from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, Qo
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
 from driftform_robotics.recording.messages import Messages, full_name
+from driftform_robotics.recording.options import Storage
 from driftform_robotics.recording.topics import Topic
-
-Storage = Literal["sqlite3", "mcap"]
 
 VERSION: Literal[8] = 8
 """Of the metadata: what Humble and all later releases read."""

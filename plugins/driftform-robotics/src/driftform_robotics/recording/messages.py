@@ -1,15 +1,14 @@
 """Messages of one release of ROS 2, made without ROS."""
 
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_typestore
 
 from driftform.types import FloatArray
-
-Release = Literal["humble", "iron", "jazzy", "kilted", "lyrical"]
+from driftform_robotics.recording.options import Release
 
 SECOND = 1_000_000_000
 """Nanoseconds."""

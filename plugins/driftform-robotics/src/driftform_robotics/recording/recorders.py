@@ -6,10 +6,8 @@ from pathlib import Path
 
 from driftform.files import write_folder, write_whole
 from driftform.interfaces import Recorder, Specimen
-from driftform.options import option
 from driftform.types import Trajectory, WrittenFile
-from driftform_robotics.recording.bag import Storage, write_bag
-from driftform_robotics.recording.topics import FlightOptions, FlightTopics
+from driftform_robotics.recording.options import FlightOptions, Rosbag2Options, Storage
 
 
 class McapRecorder(Recorder[FlightOptions]):
@@ -41,14 +39,6 @@ class McapRecorder(Recorder[FlightOptions]):
         return (WrittenFile(self.name, str(path), dict(facts)),)
 
 
-class Rosbag2Options(FlightOptions):
-    """What a bag's messages hold, and how they are stored."""
-
-    storage: Storage = option(
-        "sqlite3", "what every release of ROS 2 reads, or mcap, the default of ROS 2 since Iron"
-    )
-
-
 class Rosbag2Recorder(Recorder[Rosbag2Options]):
     """A flight as a bag of ROS 2, for ``ros2 bag play``, RViz and Foxglove: a folder with its metadata.
 
@@ -78,6 +68,9 @@ class Rosbag2Recorder(Recorder[Rosbag2Options]):
 def _write(
     folder: Path, specimen: Specimen, flight: Trajectory, options: FlightOptions, storage: Storage
 ) -> dict[str, object]:
+    from driftform_robotics.recording.bag import write_bag
+    from driftform_robotics.recording.topics import FlightTopics
+
     found = FlightTopics(specimen, flight, options)
     notes = {"agent": specimen.name, "end": str(flight.end), "document": json.dumps(specimen.document)}
     counts = write_bag(folder, found.topics(), found.ros, storage, notes)

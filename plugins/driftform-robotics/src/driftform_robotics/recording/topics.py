@@ -10,13 +10,12 @@ import numpy as np
 from driftform.dynamics.rotations import quaternion_from_rotation_vector
 from driftform.interfaces import Specimen
 from driftform.motion import accelerations_along, net_wrench
-from driftform.options import Table, option
-from driftform.scenario import Vector
 from driftform.types import FloatArray, Trajectory
 from driftform_robotics import sensors
 from driftform_robotics.models.meshes import revolved
 from driftform_robotics.plume import Plume, plume_of
-from driftform_robotics.recording.messages import SECOND, Messages, Release
+from driftform_robotics.recording.messages import SECOND, Messages
+from driftform_robotics.recording.options import FlightOptions
 
 WORLD = "world"
 
@@ -27,34 +26,6 @@ SEGMENTS = 24
 """Corners of the agent's circles in its marker."""
 
 GREY, ORANGE, VERMILLION = (0.6, 0.65, 0.7, 0.15), (0.9, 0.6, 0.0, 1.0), (0.84, 0.37, 0.0, 0.9)
-
-
-class FlightOptions(Table):
-    """What a flight's messages hold."""
-
-    release: Release = option("jazzy", "release of ROS 2 whose message definitions are used")
-    namespace: str = option(
-        "agent", "of topics and frames", "", min_length=1, pattern=r"^[A-Za-z][A-Za-z0-9_]*$"
-    )
-    start: float = option(
-        1.0,
-        "time of the release on the clock of the file; 0 would mean 'the latest' to tf",
-        "s",
-        ge=0,
-        le=4e9,
-    )
-    sensor: Vector = option((0.0, 0.0, 0.0), "where the sensors are in the body", "m")
-    leak_rate: float = option(0.001, "what comes in at each target that lies on the wall", "kg/s", gt=0)
-    diffusivity: float | None = option(
-        None, "turbulent diffusivity across the pipe; by default that of its wall friction", "m2/s", gt=0
-    )
-    atmosphere: float = option(sensors.ATMOSPHERE, "pressure at the surface", "Pa", ge=0)
-    acceleration_noise: float = option(0.0, "standard deviation of an accelerometer's reading", "m/s2", ge=0)
-    rate_noise: float = option(0.0, "standard deviation of a gyroscope's reading", "rad/s", ge=0)
-    pressure_noise: float = option(0.0, "standard deviation of a reading of the pressure", "Pa", ge=0)
-    distance_noise: float = option(0.0, "standard deviation of a distance", "m", ge=0)
-    concentration_noise: float = option(0.0, "standard deviation of a concentration", "kg/m3", ge=0)
-    seed: int = option(0, "seed of the noise", ge=0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""AGENT on the command line: an agent.json, RUN:TARGET, or the text of a genome."""
+"""An agent by what names it: the path of an agent.json, RUN:TARGET, or the text of a genome."""
 
 import hashlib
 from collections.abc import Mapping, Sequence
@@ -18,7 +18,7 @@ from driftform.types import Agent, Trajectory
 
 @dataclass(frozen=True, eq=False)
 class Opened:
-    """An agent of the command line, built: its ``name`` is safe for files, ``stored`` serves for an agent.json."""
+    """An agent, built: its ``name`` is safe for files, ``stored`` serves for an agent.json."""
 
     name: str
     stored: StoredAgent

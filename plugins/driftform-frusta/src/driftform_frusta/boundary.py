@@ -1,0 +1,85 @@
+"""A solid as the closed surfaces that bound it: triangles in double precision, mm."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from manifold3d import Error, Manifold, Mesh64
+
+from driftform.errors import WorkFailedError
+from driftform.types import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A solid that holds something.
+
+    Attributes
+    ----------
+    vertices
+        mm, (n, 3).
+    triangles
+        indices of their corners, counterclockwise seen from outside, (m, 3).
+    shells
+        volume inside each closed surface, mm3, (k,): negative for that of a hollow, which faces inward.
+
+    Raises
+    ------
+    WorkFailedError
+        where it holds nothing, or is inside out.
+    """
+
+    vertices: FloatArray
+    triangles: npt.NDArray[np.int64]
+    shells: FloatArray
+
+    def __post_init__(self) -> None:
+        """Refuse what holds nothing."""
+        if not self.volume > 0:
+            raise WorkFailedError(f"the solid is empty or inside out: its volume is {self.volume:g} mm3")
+
+    @classmethod
+    def of(cls, solid: Manifold) -> "Solid":
+        """What bounds a solid of manifold3d."""
+        mesh = solid.to_mesh64()
+        return cls(
+            np.asarray(mesh.vert_properties)[:, :3],
+            np.asarray(mesh.tri_verts, dtype=np.int64),
+            np.array([shell.volume() for shell in solid.decompose()]),
+        )
+
+    @property
+    def volume(self) -> float:
+        """Volume of what is solid, mm3."""
+        return float(self.shells.sum())
+
+    @property
+    def pieces(self) -> int:
+        """Number of solids that do not hang together: each has an outside, and any number of hollows."""
+        return int((self.shells > 0).sum())
+
+    @property
+    def bounds(self) -> FloatArray:
+        """Lowest and highest coordinates, (2, 3)."""
+        return np.stack((self.vertices.min(axis=0), self.vertices.max(axis=0)))
+
+    def moved(self, offset: npt.ArrayLike) -> "Solid":
+        """The solid moved by ``offset``, mm."""
+        return Solid(self.vertices + np.asarray(offset), self.triangles, self.shells)
+
+    def upside_down(self) -> "Solid":
+        """The solid turned by half a turn about the x axis."""
+        return Solid(self.vertices * np.array([1.0, -1.0, -1.0]), self.triangles, self.shells)
+
+    def manifold(self) -> Manifold:
+        """The solid for manifold3d, which unites, cuts and measures solids.
+
+        Raises
+        ------
+        WorkFailedError
+            where its surfaces are not closed.
+        """
+        solid = Manifold(Mesh64(vert_properties=self.vertices, tri_verts=self.triangles.astype(np.uint64)))
+        if solid.status() != Error.NoError:
+            raise WorkFailedError(f"the solid is not manifold: {solid.status().name}")
+        return solid

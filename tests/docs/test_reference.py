@@ -1,0 +1,158 @@
+"""docs/reference.md has every public name: what users are told to import is there, and says what it is."""
+
+import ast
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import griffe
+import pytest
+
+import driftform
+from driftform import api
+from driftform.interfaces import SEAMS
+from driftform.scaffold import files_of, names_of
+
+ROOT = Path(__file__).parents[2]
+FILES = sorted(file for folder in ("src", "plugins/*/src") for file in ROOT.glob(f"{folder}/**/*.py"))
+
+_SHOWN = re.compile(r"^::: (driftform\S*)\n((?: {4}.*\n)*)", re.MULTILINE)
+
+
+@pytest.fixture(scope="module")
+def package() -> Any:
+    """The modules of the package by name, as the site reads them: nothing is imported."""
+    return griffe.load("driftform", search_paths=[ROOT / "src"]).modules_collection
+
+
+@pytest.fixture(scope="module")
+def shown(pages: dict[str, str]) -> dict[str, list[str]]:
+    """The modules that the reference shows, each with the names that it is limited to; none for all that are public."""
+    return {
+        module: re.findall(r"^ +- (\w+)$", options, re.MULTILINE)
+        for module, options in _SHOWN.findall(pages["reference.md"])
+    }
+
+
+def imports(code: str) -> Iterator[tuple[str, str]]:
+    """Module and name of what a piece of Python imports of driftform itself."""
+    for node in ast.walk(ast.parse(code)):
+        if isinstance(node, ast.ImportFrom) and re.match(r"driftform(\.|$)", node.module or ""):
+            names = (alias.name for alias in node.names)
+            yield from ((str(node.module), name) for name in names if not name.startswith("__"))
+
+
+def undocumented(module: Any, only: Sequence[str]) -> Iterator[str]:
+    """The public names of a module, and of its classes, that nothing is told of; or a single name."""
+    if not module.is_module:
+        yield from () if module.docstring else (module.path,)
+        return
+    for name, member in members_of(module):
+        if only and name not in only:
+            continue
+        if not member.docstring:
+            yield f"{module.path}.{name}"
+        if member.is_class:
+            text = member.docstring.value if member.docstring else ""
+            inherited = {n for base in member.mro() for n in base.members}
+            for field, value in member.members.items():
+                # Options tell their help; what a class has of its base is told there.
+                told = (
+                    value.docstring
+                    or field in inherited
+                    or re.search(r"option\(|description=", str(getattr(value, "value", "")))
+                )
+                if not (field.startswith("_") or value.is_alias or told or re.search(rf"\b{field}\b", text)):
+                    yield f"{module.path}.{name}.{field}"
+
+
+def members_of(module: Any) -> Iterator[tuple[str, Any]]:
+    """The public names of a module by ``__all__`` where it has one, and otherwise what is defined in it."""
+    for name, member in module.members.items():
+        if member.is_alias:
+            if name in (module.exports or ()):
+                yield name, member.final_target
+        elif not (name.startswith("_") or member.is_module or is_type_variable(member)):
+            yield name, member
+
+
+def is_type_variable(member: Any) -> bool:
+    return member.is_attribute and str(member.value).startswith(("TypeVar(", "ParamSpec("))
+
+
+def test_every_public_name_of_the_reference_is_documented(package: Any, shown: dict[str, list[str]]) -> None:
+    assert len(shown) > 10
+    found = [name for module, only in shown.items() for name in undocumented(package[module], only)]
+    assert not found, "\n".join(found)
+
+
+def test_what_users_are_told_to_import_is_in_the_reference(
+    package: Any, shown: dict[str, list[str]], blocks: list[Any]
+) -> None:
+    used = {pair: f"imported by {b}" for b in blocks if b.language == "python" for pair in imports(b.text)}
+    for seam in SEAMS:
+        for path, text in files_of(names_of("driftform-try", seam), seam).items():
+            if path.endswith(".py"):
+                used |= dict.fromkeys(imports(text), f"imported by the {path} of a {seam}")
+    for module, names in (("driftform", driftform.__all__), ("driftform.api", api.__all__)):
+        used |= {(module, name): "it offers itself" for name in names if not name.startswith("__")}
+    missing = []
+    for (module, name), place in used.items():
+        # What the package offers is shown where it is defined.
+        home = "driftform.api" if module == "driftform" and name in api.__all__ else module
+        if f"{module}.{name}" in shown:
+            continue
+        only = shown.get(home)
+        public = dict(members_of(package[home])) if only is not None else {}
+        if name not in public or (only and name not in only):
+            missing.append(f"{module}.{name}: {place}")
+    assert not missing, "\n".join(missing)
+
+
+def test_the_site_shows_them_all(package: Any, shown: dict[str, list[str]], site: Path) -> None:
+    page = (site / "reference" / "index.html").read_text(encoding="utf-8")
+    names = [module for module in shown if not package[module].is_module]
+    for module in set(shown) - set(names):
+        names += [f"{module}.{name}" for name in shown[module] or dict(members_of(package[module]))]
+    assert [name for name in names if f'id="{name}"' not in page] == []
+
+
+def test_the_reference_limits_modules_to_names_that_there_are(
+    package: Any, shown: dict[str, list[str]]
+) -> None:
+    for module, only in shown.items():
+        assert set(only) <= set(package[module].members), module
+
+
+def test_every_public_module_class_and_function_has_a_docstring() -> None:
+    assert len(FILES) > 200
+    found = []
+    for file in FILES:
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+        path = file.relative_to(ROOT)
+        found += [str(path)] if not ast.get_docstring(tree) else []
+        found += [f"{path}: {name}" for name in bare(tree)]
+    assert not found, "\n".join(found)
+
+
+def bare(node: ast.Module | ast.ClassDef, inside: str = "") -> Iterator[str]:
+    """The public classes, functions and methods without a docstring."""
+    for part in node.body:
+        if isinstance(part, ast.ClassDef | ast.FunctionDef) and not part.name.startswith("_"):
+            if not ast.get_docstring(part):
+                yield f"{inside}{part.name}"
+            if isinstance(part, ast.ClassDef):
+                yield from bare(part, f"{inside}{part.name}.")
+
+
+def test_a_name_without_a_word_would_be_found(tmp_path: Path) -> None:
+    (tmp_path / "bad.py").write_text(
+        '"""A module."""\n\nLIMIT = 3\n\n\nclass Told:\n    """It has a ``length``."""\n\n'
+        "    length: float\n    width: float\n\n    def tell(self): ...\n\n\ndef untold(): ...\n"
+    )
+    module = griffe.load("bad", search_paths=[tmp_path])
+    assert sorted(undocumented(module, [])) == [
+        *("bad.LIMIT", "bad.Told.tell", "bad.Told.width", "bad.untold")
+    ]
+    assert list(bare(ast.parse((tmp_path / "bad.py").read_text()))) == ["Told.tell", "untold"]
