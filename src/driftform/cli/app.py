@@ -4,6 +4,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Annotated, Any
 
 import typer
@@ -27,7 +28,7 @@ from driftform.cli import (
     trim,
     watch,
 )
-from driftform.cli.help import Group
+from driftform.cli.help import Command, Group
 from driftform.errors import DriftformError
 
 _UsageError: Any = typer.BadParameter.__mro__[1]
@@ -113,19 +114,20 @@ def _options(
     pass
 
 
-app.command("evolve")(evolve.evolve)
-app.command("resume")(resume.resume)
-app.command("watch")(watch.watch)
-app.command("export-data")(export_data.export_data)
-app.command("report")(report.report)
-app.command("reproduce")(reproduce.reproduce)
-app.command("sample")(sample.sample)
-app.command("simulate")(simulate.simulate)
-app.command("inspect")(inspect.inspect)
-app.command("pick", context_settings=pick.NUMBERS)(pick.pick)
-app.command("export")(export.export)
-app.command("export-flight")(export_flight.export_flight)
-app.command("check")(check.check)
-app.command("trim")(trim.trim)
+command = partial(app.command, cls=Command)
+command("evolve")(evolve.evolve)
+command("resume")(resume.resume)
+command("watch")(watch.watch)
+command("export-data")(export_data.export_data)
+command("report")(report.report)
+command("reproduce")(reproduce.reproduce)
+command("sample")(sample.sample)
+command("simulate")(simulate.simulate)
+command("inspect")(inspect.inspect)
+command("pick", context_settings=pick.NUMBERS)(pick.pick)
+command("export")(export.export)
+command("export-flight")(export_flight.export_flight)
+command("check")(check.check)
+command("trim")(trim.trim)
 app.add_typer(plugins.app, name="plugins")
 app.add_typer(scenarios.app, name="scenarios")

@@ -36,11 +36,15 @@ def evolve(
     ] = None,
     evaluations: Annotated[
         int | None,
-        typer.Option("--evaluations", min=1, help="Flights in all; by default 50 for each target."),
+        typer.Option(
+            "--evaluations", metavar="N", min=1, help="Flights in all; by default 50 for each target."
+        ),
     ] = None,
     seed: Annotated[
         int | None,
-        typer.Option("--seed", min=0, help="Seed of all randomness; drawn and recorded by default."),
+        typer.Option(
+            "--seed", metavar="N", min=0, help="Seed of all randomness; drawn and recorded by default."
+        ),
     ] = None,
     robust: Robust = None,
     workers: Workers = None,

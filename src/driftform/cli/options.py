@@ -68,7 +68,10 @@ Robust: TypeAlias = Annotated[
     ),
 ]
 Workers: TypeAlias = Annotated[
-    int | None, typer.Option("--workers", min=1, help="Worker processes; by default one for each processor.")
+    int | None,
+    typer.Option(
+        "--workers", metavar="N", min=1, help="Worker processes; by default one for each processor."
+    ),
 ]
 ExecutorName: TypeAlias = Annotated[
     str | None,

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from driftform.cli.help import Group
+from driftform.cli.help import Command, Group
 from driftform.cli.options import Json
 
 app = typer.Typer(
@@ -21,7 +21,7 @@ def _default(ctx: typer.Context, json: Json = False) -> None:
         list_(json)
 
 
-@app.command("list")
+@app.command("list", cls=Command)
 def list_(json: Json = False) -> None:
     """List the plugins by seam, also those that cannot be used, with the reason."""
     from driftform.cli.output import print_json, print_table
@@ -35,7 +35,7 @@ def list_(json: Json = False) -> None:
         print_table(columns, ([row[c] for c in columns] for row in rows))
 
 
-@app.command("show")
+@app.command("show", cls=Command)
 def show(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a plugin.", show_default=False)],
     json: Json = False,
@@ -77,7 +77,7 @@ def show(
             print("It has no options.")
 
 
-@app.command("new")
+@app.command("new", cls=Command)
 def new(
     name: Annotated[
         str,

@@ -11,9 +11,11 @@ from driftform.cli.options import ExecutorName, Json, Scheduler, Settings, Simul
 def reproduce(
     repeats: Annotated[
         int,
-        typer.Option("--repeats", min=1, max=1000, help="Repeats of each search, with seeds of their own."),
+        typer.Option(
+            "--repeats", metavar="N", min=1, max=1000, help="Repeats of each search, with seeds of their own."
+        ),
     ] = 10,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the first repeat.")] = 1,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the first repeat.")] = 1,
     workers: Workers = None,
     executor: ExecutorName = None,
     scheduler: Scheduler = None,

@@ -17,6 +17,7 @@ def resume(
         int | None,
         typer.Option(
             "--evaluations",
+            metavar="N",
             min=1,
             help="Flights in all, those that the run has included; as before by default.",
         ),

@@ -12,8 +12,8 @@ def sample(
     out: Annotated[
         Path, typer.Option("--out", metavar="DIR", help="Directory for the agents.", show_default=False)
     ],
-    count: Annotated[int, typer.Option("--count", min=1, help="How many agents.")] = 10,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the randomness.")] = 0,
+    count: Annotated[int, typer.Option("--count", metavar="N", min=1, help="How many agents.")] = 10,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the randomness.")] = 0,
     scenario: Annotated[
         str | None,
         typer.Option("--scenario", metavar="NAME|FILE", help="Study that says how agents are made."),

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from driftform.cli.help import Group
+from driftform.cli.help import Command, Group
 from driftform.cli.options import Json
 
 app = typer.Typer(
@@ -20,7 +20,7 @@ def _default(ctx: typer.Context, json: Json = False) -> None:
         list_(json)
 
 
-@app.command("list")
+@app.command("list", cls=Command)
 def list_(json: Json = False) -> None:
     """List the built-in scenarios."""
     import tomllib
@@ -42,7 +42,7 @@ def list_(json: Json = False) -> None:
         )
 
 
-@app.command("show")
+@app.command("show", cls=Command)
 def show(
     name: Annotated[
         str, typer.Argument(metavar="NAME", help="Name of a built-in scenario.", show_default=False)
@@ -65,7 +65,7 @@ def show(
         print(texts[name], end="")
 
 
-@app.command("check")
+@app.command("check", cls=Command)
 def check(
     file: Annotated[
         str,
