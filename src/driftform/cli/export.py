@@ -1,6 +1,7 @@
 """``driftform export``."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -54,8 +55,11 @@ def export(
             registry().find("exporter", name)
         except InputError as error:
             raise InputError(f"--format {name}: {error}") from None
-    shared = exporter_settings(names, _shared(kit, bed, option or ()))
-    opened = open_agent(agent, settings=[*(settings or ()), *shared])
+    asked = _shared(kit, bed, option or ())
+    try:
+        opened = open_agent(agent, settings=[*(settings or ()), *exporter_settings(names, asked)])
+    except InputError as error:
+        raise InputError(*(_as_asked(line, names, asked) for line in error.args)) from None
     make_directory(out)
     exporters = [opened.study.exporter(name) for name in names]
     specimen = opened.specimen()
@@ -98,6 +102,13 @@ def _shared(kit: bool, bed: str | None, options: Sequence[str]) -> dict[str, tup
             raise InputError(f"--option {text}: expected key=value, such as joint=rabbet")
         found[key.strip()] = (value, f"--option {text}")
     return found
+
+
+def _as_asked(line: str, formats: Sequence[str], options: Mapping[str, tuple[str, str]]) -> str:
+    """A complaint about a setting of an exporter, as one about the option that it came from."""
+    for name, (key, (value, told)) in product(formats, options.items()):
+        line = line.replace(f"--set exporter.{name}.{key}={value}: ", f"{told}: ")
+    return line
 
 
 def _print_table(title: str, table: dict[str, Any]) -> None:

@@ -27,6 +27,9 @@ With Exudyn's own 0.9 every fourth step is rejected; the same error takes a fift
 TIGHTENING = 0.1
 """What the tolerance is multiplied by where a flight is not accurate enough."""
 
+REFERENCE = 0.2
+"""Share of the accuracy that the flight it is held against may be off, to begin with."""
+
 
 class ExudynOptions(Table):
     """Options of the Exudyn backend."""
@@ -61,7 +64,7 @@ class ExudynSimulator(Simulator[ExudynOptions]):
     depends on the pose.
 
     A flight's error is how far it is from one by another integrator, that of :mod:`driftform.dynamics.integrator`,
-    plus what that one's may be. The two share the equations and nothing else.
+    plus what that one's may be. The two share no more than the equations.
     """
 
     name = "exudyn"
@@ -76,15 +79,14 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         options, horizon = self.options, scenario.flight.horizon
         model = flight_model(agent, scenario)
         values, start = packed(model), release_state(model, scenario)
-        other = integrate(
-            model, start, horizon, Accuracy(options.accuracy / 2, step_limit=options.step_limit)
-        )
-        tolerance = options.tolerance
+        tolerance, share = options.tolerance, REFERENCE
         while True:
+            known = Accuracy(share * options.accuracy, step_limit=options.step_limit)
+            other = integrate(model, start, horizon, known)
             settings = self._settings(horizon, tolerance)
             samples = _integrated(values, start, settings, options.step_limit)
             error = other.error + greatest_distance(other.samples, samples)
-            tolerance *= TIGHTENING
+            tolerance, share = TIGHTENING * tolerance, TIGHTENING * share
             equal_steps = options.integrator != "DOPRI5"
             if error <= options.accuracy or equal_steps or tolerance < options.tightest:
                 return finished_flight(samples, model, horizon, options.step_limit, error, options.accuracy)
