@@ -93,7 +93,7 @@ class Cluster(Lanes):
                 client = distributed.Client(address, timeout=TIMEOUT, set_as_default=False)
         except Exception as error:
             raise InputError(
-                f"--scheduler {address}: no Dask scheduler answers there ({_told(error)}); "
+                f"--scheduler {address}: no Dask scheduler answers there{_told(error)}; "
                 "start one with 'dask scheduler', which prints its address"
             ) from None
         lane = _Workers(document, client, address)
@@ -234,10 +234,13 @@ async def _identity(distributed: Any, address: str) -> str:
 
 
 def _told(error: BaseException) -> str:
-    """What is at the bottom of an error, in one line."""
+    """What is at the bottom of an error, in brackets; nothing where it is only that nobody answers."""
     while isinstance(error.__cause__, Exception):
         error = error.__cause__
-    return (str(error).strip().splitlines() or [type(error).__name__])[0]
+    # Which of the two it is depends on how busy this machine is.
+    if isinstance(error, TimeoutError | ConnectionRefusedError):
+        return ""
+    return f" ({(str(error).strip().splitlines() or [type(error).__name__])[0]})"
 
 
 # What runs on a worker.
