@@ -92,8 +92,11 @@ class Cluster(Lanes):
             with interrupts_held_back():
                 client = distributed.Client(address, timeout=TIMEOUT, set_as_default=False)
         except Exception as error:
+            # Whether nobody answers or nobody in time is a matter of how busy this machine is.
+            silent = isinstance(_bottom(error), TimeoutError | ConnectionRefusedError)
+            why = "" if silent else f" ({_told(error)})"
             raise InputError(
-                f"--scheduler {address}: no Dask scheduler answers there{_told(error)}; "
+                f"--scheduler {address}: no Dask scheduler answers there{why}; "
                 "start one with 'dask scheduler', which prints its address"
             ) from None
         lane = _Workers(document, client, address)
@@ -234,13 +237,15 @@ async def _identity(distributed: Any, address: str) -> str:
 
 
 def _told(error: BaseException) -> str:
-    """What is at the bottom of an error, in brackets; nothing where it is only that nobody answers."""
+    """What is at the bottom of an error, in one line."""
+    error = _bottom(error)
+    return (str(error).strip().splitlines() or [type(error).__name__])[0]
+
+
+def _bottom(error: BaseException) -> BaseException:
     while isinstance(error.__cause__, Exception):
         error = error.__cause__
-    # Which of the two it is depends on how busy this machine is.
-    if isinstance(error, TimeoutError | ConnectionRefusedError):
-        return ""
-    return f" ({(str(error).strip().splitlines() or [type(error).__name__])[0]})"
+    return error
 
 
 # What runs on a worker.
