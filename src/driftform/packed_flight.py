@@ -76,22 +76,9 @@ def decoded(blob: bytes, end: End, **trust: float | None) -> Trajectory:
 
 def _columns(trajectory: Trajectory) -> npt.NDArray[np.float32]:
     """What is kept of a trajectory: t, position, quaternion and velocity of some samples, (14, k)."""
+    from driftform.dynamics.path import spaced
+
     # Thinned by the rounded times: what is kept once is kept whole when it comes here again.
-    kept = np.array(_thinned(trajectory.t.astype("<f4").tolist()))
+    kept = spaced(trajectory.t.astype("<f4").astype(np.float64), SAMPLE_GAP)
     flown = (trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity)
     return np.column_stack([samples.take(kept, axis=0) for samples in flown]).T.astype("<f4", order="C")
-
-
-def _thinned(t: list[float]) -> list[int]:
-    """Indices of samples at least the gap apart, among them the first and the last."""
-    kept, latest = [0], t[0]
-    for index, time in enumerate(t):
-        if time - latest >= SAMPLE_GAP:
-            kept.append(index)
-            latest = time
-    last = len(t) - 1
-    if kept[-1] != last:
-        if len(kept) > 1:
-            kept.pop()
-        kept.append(last)
-    return kept

@@ -1,12 +1,14 @@
 """Closest approach between samples."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
-from driftform.dynamics.path import closest_approach, hermite_coefficients, world_velocity
+from driftform.dynamics.path import closest_approach, hermite_coefficients, spaced, world_velocity
 from driftform.types import End, Trajectory
 
 
@@ -124,3 +126,16 @@ def test_body_velocities_are_turned_into_the_world():
     quarter = np.array([[np.sqrt(0.5), 0, np.sqrt(0.5), 0]])  # about y: body x points to -z
     path = Trajectory([0.0], np.zeros((1, 3)), quarter, [[2.0, 0, 0, 0, 0, 0]], End.HORIZON)
     assert world_velocity(path)[0] == pytest.approx([0, 0, -2], abs=1e-15)
+
+
+@given(st.lists(st.floats(1e-4, 0.1), max_size=60))
+def test_times_are_thinned_to_their_ends_and_what_lies_far_enough_apart(steps):
+    t = np.concatenate([[0.0], np.cumsum(steps)])
+    kept = spaced(t, 0.01)
+    assert (kept[0], kept[-1]) == (0, len(t) - 1)
+    if len(kept) > 2:
+        assert np.diff(t[kept]).min() >= 0.01
+    # No gap is longer than it must be.
+    for first, second in pairwise(kept[:-1]):
+        assert (t[first + 1 : second] - t[first] < 0.01).all()
+    assert spaced(t[kept], 0.01).tolist() == list(range(len(kept)))

@@ -3,6 +3,7 @@
 from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from driftform.dynamics.compiled import compiled
 from driftform.dynamics.rotations import rotation_from_quaternion
@@ -52,6 +53,22 @@ def closest_approach(trajectory: Trajectory, points: FloatArray) -> tuple[FloatA
         velocity = world_velocity(trajectory)
         _closest(trajectory.t, trajectory.position, velocity, np.ascontiguousarray(points), distances, times)
     return distances, times
+
+
+@compiled
+def spaced(t: FloatArray, gap: float) -> npt.NDArray[np.int64]:
+    """Return indices of times (k,) that are at least ``gap`` apart, among them the first and the last."""
+    kept, count = np.zeros(t.shape[0], dtype=np.int64), 1
+    for index in range(1, t.shape[0]):
+        if t[index] - t[kept[count - 1]] >= gap:
+            kept[count] = index
+            count += 1
+    last = t.shape[0] - 1
+    if kept[count - 1] != last:
+        # It takes the place of the one before, which may be too near.
+        count += count == 1
+        kept[count - 1] = last
+    return kept[:count]
 
 
 @compiled

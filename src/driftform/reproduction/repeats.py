@@ -114,19 +114,19 @@ def result_of(strategy: str, runs: Sequence[tuple[int, Path]]) -> Search:
     for seed, directory in runs:
         with _opened(directory) as (study, store):
             targets = study.scenario.target_names
-            records = list(store.records(targets))
+            briefs = list(store.briefs(targets))
             failed += store.failed()
-        values = np.array([record.evaluation.fitness for record in records])
-        shared.append(values.max(axis=0))
-        row = []
-        for number, target in enumerate(targets):
-            own = [r for r in records if r.candidate.target == target]
-            own = own or records[number * PER_TARGET : (number + 1) * PER_TARGET]
-            fitness = np.array([r.evaluation.fitness[number] for r in own[:PER_TARGET]])
-            row.append(np.maximum.accumulate(fitness))
-            top = int(np.argmax(fitness))
-            if number not in best or fitness[top] > best[number][0]:
-                best[number] = (float(fitness[top]), own[top].candidate.genome, seed, own[top].index)
+            shared.append(np.array([brief.fitness for brief in briefs]).max(axis=0))
+            row = []
+            for number, target in enumerate(targets):
+                own = [brief for brief in briefs if brief.population == target]
+                own = (own or briefs[number * PER_TARGET :])[:PER_TARGET]
+                fitness = np.array([brief.fitness[number] for brief in own])
+                row.append(np.maximum.accumulate(fitness))
+                top = int(np.argmax(fitness))
+                if number not in best or fitness[top] > best[number][0]:
+                    genome = store.record(own[top].index, targets).candidate.genome
+                    best[number] = (float(fitness[top]), genome, seed, own[top].index)
         rows.append(row)
     ordered = tuple(best[number][1:] for number in sorted(best))
     return Search(strategy, np.array(rows), ordered, np.array(shared), failed)
