@@ -40,11 +40,16 @@ def _tell_tenths(done: int, total: int, what: str) -> None:
 
 
 def watched(items: Iterable[T], total: int, what: str, patience: float = PATIENCE) -> Iterator[T]:
-    """Yield ``items``; where going through them takes longer than ``patience`` (s), show it as :func:`counter` does."""
+    """Yield ``items``; where going through them takes longer than ``patience`` (s), show it as :func:`counter` does.
+
+    The first does not count: with it, kernels may be compiled.
+    """
     began, tell = time.monotonic(), None
     with ExitStack() as shown:
         for done, item in enumerate(items, start=1):
             yield item
+            if done == 1:
+                began = time.monotonic()
             if tell is None and time.monotonic() - began > patience:
                 tell = shown.enter_context(counter(what))
             if tell is not None:
