@@ -164,7 +164,7 @@ def _cut_at_outlet(before: FloatArray, after: FloatArray, pipe: FloatArray) -> N
     Between the two, position and quaternion are cubics through values and rates at both, and the velocities their
     derivatives.
     """
-    if past_outlet(position_of(after), pipe) < 0.0:
+    if past_outlet(position_of(after), pipe) < 0.0 or past_outlet(position_of(before), pipe) >= 0.0:
         return
     h = after[0] - before[0]
     path = cubic_between(position_of(before), velocity_of(before), position_of(after), velocity_of(after), h)
