@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from driftform.dynamics.equations import accelerations, damping_wrench, fill_accelerations, surroundings
+from driftform.dynamics.equations import accelerations, damping_wrench, surroundings
 from driftform.dynamics.flow import water
-from driftform.dynamics.model import STEADY, flight_model, packed
+from driftform.dynamics.model import STEADY, flight_model
 from driftform.scenario import (
     Contact,
     DevelopingFlow,
@@ -124,20 +124,6 @@ def test_accelerations_are_those_of_fossens_matrices(seed):
     found = accelerated(flight_model(agent, scenario), R, rng.normal(size=3), velocity, omega)
     for half in (slice(0, 3), slice(3, 6)):
         assert found[half] == pytest.approx(expected[half], abs=1e-10 * np.linalg.norm(expected[half]))
-
-
-def test_accelerations_are_filled_into_an_array_from_a_rotation_vector():
-    rng = np.random.default_rng(1)
-    model = flight_model(
-        random_agent(rng, damped=True), scenario_of(TurbulentFlow(), level=0.1, friction=0.3)
-    )
-    turn, position, velocity, omega = rng.normal(size=(4, 3)) * [[1], [0.3], [1], [3]]
-    out = np.empty(6)
-    fill_accelerations(
-        1.3, np.concatenate([position, turn]), np.concatenate([velocity, omega]), packed(model), out
-    )
-    R = Rotation.from_rotvec(turn).as_matrix()
-    assert out == pytest.approx(accelerated(model, R, position, velocity, omega, 1.3), rel=1e-9)
 
 
 @given(vectors, vectors)

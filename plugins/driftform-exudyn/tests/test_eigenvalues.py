@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from driftform.dynamics.equations import fill_accelerations
-from driftform.dynamics.model import COB, COG, INVERSE, MASS, flight_model, packed
-from driftform.dynamics.rotations import matrix_from_quaternion, rotation_vector_from_quaternion
+from driftform.dynamics.coordinates import motion_of
+from driftform.dynamics.model import COB, COG, INVERSE, MASS, flight_model
+from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.dynamics.stability import stable_rest
 from driftform.study import load_study
 from driftform_exudyn.headless import exudyn, items
@@ -19,15 +19,15 @@ def exudyn_frequencies(model, height, pitch):
     Its mass matrix is that of world axes for the position and body axes for the rotation, so that stiffness is
     symmetric about a floating equilibrium, as Exudyn's solver expects.
     """
-    values = packed(model)
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     quaternion = np.array([math.cos(pitch / 2), 0.0, math.sin(pitch / 2), 0.0])
+    motion = motion_of(model, np.array([0.0, 0.0, height, *quaternion, *np.zeros(6)]))
     node = mbs.AddNode(
         items.NodeRigidBodyRotVecLG(
             referenceCoordinates=[0.0] * 6,
-            initialCoordinates=[0.0, 0.0, height, *rotation_vector_from_quaternion(quaternion)],
-            initialVelocities=[0.0] * 6,
+            initialCoordinates=motion.coordinates.tolist(),
+            initialVelocities=motion.rates.tolist(),
         )
     )
 
@@ -36,9 +36,7 @@ def exudyn_frequencies(model, height, pitch):
     mass = axes @ model.table[MASS : MASS + 6] @ axes.T
 
     def force(_, t, __, pose, speed):
-        out = np.empty(6)
-        fill_accelerations(t, np.array(pose), np.array(speed), values, out)
-        return mass @ out
+        return mass @ motion.accelerations(t, np.array(pose), np.array(speed), motion.values)
 
     mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=mass, forceUserFunction=force))
     mbs.Assemble()

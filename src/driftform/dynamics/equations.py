@@ -43,9 +43,7 @@ from driftform.dynamics.model import (
     VISCOSITY,
     WATER_LEVEL,
     FlightModel,
-    unpacked,
 )
-from driftform.dynamics.rotations import rotation_from_vector
 from driftform.dynamics.vectors import (
     ZERO,
     Rotation,
@@ -199,31 +197,3 @@ def accelerations(
     torque = plus(wrench[1], plus(cross(turning, omega), cross(momentum, moving)))
     v_dot, w_dot = _times(table[INVERSE:LINEAR], force, torque)
     return plus(to_world(R, plus(v_dot, cross(omega, moving))), change), w_dot
-
-
-@compiled
-def fill_accelerations(
-    t: float, pose: FloatArray, speed: FloatArray, model: FloatArray, out: FloatArray
-) -> None:
-    """Fill ``out`` (6,) with :func:`accelerations`, for callers that keep everything in arrays.
-
-    Parameters
-    ----------
-    pose
-        position in the world frame (m) and rotation vector body to world (rad), (6,).
-    speed
-        velocity in the world frame (m/s) and angular velocity in the body frame (rad/s), (6,).
-    model
-        of :func:`driftform.dynamics.model.packed`.
-    """
-    R = rotation_from_vector(pose[3], pose[4], pose[5])
-    a, alpha = accelerations(
-        t,
-        (pose[0], pose[1], pose[2]),
-        R,
-        (speed[0], speed[1], speed[2]),
-        (speed[3], speed[4], speed[5]),
-        unpacked(model),
-    )
-    out[0], out[1], out[2] = a
-    out[3], out[4], out[5] = alpha

@@ -50,24 +50,6 @@ def release_state(model: FlightModel, scenario: Scenario) -> FloatArray:
 
 
 @compiled
-def record(sample: FloatArray, t: float, pose: FloatArray, speed: FloatArray, model: FloatArray) -> bool:
-    """Fill one raw sample (14,), and return whether the flight goes on: it is finite and inside the pipe.
-
-    The arguments are those of :func:`driftform.dynamics.equations.fill_accelerations`.
-    """
-    x, y, z = pose[3], pose[4], pose[5]
-    half = 0.5 * math.sqrt(x * x + y * y + z * z)
-    scale = 0.5 * math.sin(half) / half if half > 1e-8 else 0.5
-    sample[0] = t
-    sample[4], sample[5], sample[6], sample[7] = math.cos(half), scale * x, scale * y, scale * z
-    for i in range(3):
-        sample[1 + i] = pose[i]
-        sample[8 + i] = speed[i]
-        sample[11 + i] = speed[3 + i]
-    return is_finite(sample) and not has_left((pose[0], pose[1], pose[2]), unpacked(model).pipe)
-
-
-@compiled
 def is_finite(values: FloatArray) -> bool:
     """True where all of the numbers (n,) are finite."""
     total = 0.0

@@ -11,6 +11,7 @@ X, Z and N are those of weight and buoyancy and of the wall.
 """
 
 import math
+from typing import TypeAlias
 
 import numpy as np
 
@@ -35,6 +36,9 @@ from driftform.dynamics.model import (
 )
 from driftform.types import FloatArray
 
+Point: TypeAlias = tuple[float, float]
+"""Components along x and z of the world, or two numbers like them."""
+
 PLACES = (0, 2, 3, 5, 7, 9, 11)
 """Places of what changes in a state of 13 numbers: x, z, the quaternion's w and y, the velocities along x and z, q."""
 
@@ -43,8 +47,8 @@ INERTIA, RESPONSE = 0, 6
 NET_WEIGHT, HANGING, TRIM = 12, 13, 14
 STREAM = 15
 RADIUS, NEAR = 17, 18
-ACROSS, INLET = 19, 21
-NUMBERS = 23
+ACROSS, INLET, LENGTH = 19, 21, 23
+NUMBERS = 24
 
 
 @compiled
@@ -75,11 +79,11 @@ def stays_in_plane(start: FloatArray, model: FlightModel) -> bool:
 
 @compiled
 def plane_model(model: FlightModel) -> FloatArray:
-    """Return what :func:`slope_in_plane` reads beside the rims, (23,).
+    """Return what :func:`accelerations_in_plane` reads beside the rims, (24,).
 
     Total mass and its inverse; weight less buoyancy (N), their moments about the origin by heights and by lengths along
     the body (N m); the water's velocity (x, z); the bore's radius, and how far from its axis the wall begins to be near
-    (m); in the world, the unit vector across the bore and a point on its axis (x, z each).
+    (m); in the world, the unit vector across the bore and a point on its axis (x, z each); the bore's length (m).
     """
     table, out = model.table, np.zeros(NUMBERS)
     place = INERTIA
@@ -93,12 +97,12 @@ def plane_model(model: FlightModel) -> FloatArray:
     out[HANGING] = weight * table[COG, 2] - lift * table[COB, 2]
     out[TRIM] = weight * table[COG, 0] - lift * table[COB, 0]
     out[STREAM], out[STREAM + 1] = table[CURRENT, 0], table[CURRENT, 2]
-    out[NEAR] = math.inf
+    out[NEAR] = out[LENGTH] = math.inf
     if model.pipe.shape[0] == 1:
         pipe = model.pipe[0]
         out[RADIUS], out[NEAR] = pipe[7], pipe[7] - table[REACH]
         out[ACROSS], out[ACROSS + 1] = -pipe[5], pipe[3]
-        out[INLET], out[INLET + 1] = pipe[0], pipe[2]
+        out[INLET], out[INLET + 1], out[LENGTH] = pipe[0], pipe[2], pipe[6]
     return out
 
 
@@ -109,19 +113,43 @@ def slope_in_plane(y: FloatArray, plane: FloatArray, rims: FloatArray, out: Floa
     ``plane`` is that of :func:`plane_model`, ``rims`` are those of its :class:`FlightModel`.
     """
     w, h, q = y[2], y[3], y[6]
-    # The body's axis is (c, -s) in the world, its z axis (s, c).
     double = 2.0 / (w * w + h * h)
-    c, s = 1.0 - double * h * h, double * w * h
-    along, upward = y[4] - plane[STREAM], y[5] - plane[STREAM + 1]
+    attitude = 1.0 - double * h * h, double * w * h
+    out[0], out[1] = y[4], y[5]
+    out[2], out[3] = -0.5 * h * q, 0.5 * w * q
+    out[4], out[5], out[6] = accelerations_in_plane((y[0], y[1]), attitude, (y[4], y[5]), q, plane, rims)
+
+
+@compiled
+def accelerations_in_plane(
+    position: Point, attitude: Point, velocity: Point, q: float, plane: FloatArray, rims: FloatArray
+) -> tuple[float, float, float]:
+    """Return the accelerations along x and z of the world (m/s2) and that of the pitch (rad/s2).
+
+    Parameters
+    ----------
+    position, velocity
+        along x and z of the world (m, m/s).
+    attitude
+        cosine and sine of the pitch: the body's axis is (cos, -sin) in the world, its z axis (sin, cos).
+    q
+        pitch rate (rad/s).
+    plane
+        of :func:`plane_model`.
+    rims
+        those of its :class:`FlightModel`.
+    """
+    c, s = attitude
+    along, upward = velocity[0] - plane[STREAM], velocity[1] - plane[STREAM + 1]
     u, v = c * along - s * upward, s * along + c * upward
     X, Z = plane[NET_WEIGHT] * s, -plane[NET_WEIGHT] * c
     N = plane[HANGING] * s + plane[TRIM] * c
-    off = plane[ACROSS] * (y[0] - plane[INLET]) + plane[ACROSS + 1] * (y[1] - plane[INLET + 1])
+    off = plane[ACROSS] * (position[0] - plane[INLET]) + plane[ACROSS + 1] * (position[1] - plane[INLET + 1])
     if abs(off) >= plane[NEAR]:
         side = 1.0 if off > 0.0 else -1.0
         n_x, n_z = side * plane[ACROSS], side * plane[ACROSS + 1]
         tilt, upright = c * n_x - s * n_z, s * n_x + c * n_z
-        gap, speed = plane[RADIUS] - side * off, n_x * y[4] + n_z * y[5]
+        gap, speed = plane[RADIUS] - side * off, n_x * velocity[0] + n_z * velocity[1]
         # The axis times the normal is -upright along y.
         force, torque, _ = coplanar_force(rims, tilt, gap, speed, -upright * q)
         X, Z, N = X - force * tilt, Z - force * upright, N + torque * upright
@@ -130,7 +158,13 @@ def slope_in_plane(y: FloatArray, plane: FloatArray, rims: FloatArray, out: Floa
     X, Z, N = X - P_z * q, Z + P_x * q, N + P_z * u - P_x * v
     a_x = plane[RESPONSE] * X + plane[RESPONSE + 1] * Z + plane[RESPONSE + 2] * N + q * v
     a_z = plane[RESPONSE + 1] * X + plane[RESPONSE + 3] * Z + plane[RESPONSE + 4] * N - q * u
-    out[0], out[1] = y[4], y[5]
-    out[2], out[3] = -0.5 * h * q, 0.5 * w * q
-    out[4], out[5] = c * a_x + s * a_z, c * a_z - s * a_x
-    out[6] = plane[RESPONSE + 2] * X + plane[RESPONSE + 4] * Z + plane[RESPONSE + 5] * N
+    alpha = plane[RESPONSE + 2] * X + plane[RESPONSE + 4] * Z + plane[RESPONSE + 5] * N
+    return c * a_x + s * a_z, c * a_z - s * a_x, alpha
+
+
+@compiled
+def outside(position: Point, plane: FloatArray) -> bool:
+    """Return what :func:`driftform.dynamics.flight.has_left` does of the position (x, z), m."""
+    x, z = position[0] - plane[INLET], position[1] - plane[INLET + 1]
+    along = plane[ACROSS + 1] * x - plane[ACROSS] * z
+    return bool(along >= plane[LENGTH] or along < -plane[RADIUS])

@@ -1,22 +1,12 @@
 """Flights integrated by Exudyn, with driftform's own equations of motion as the right-hand side."""
 
-import contextlib
 import math
 from typing import Any, Literal
-
-import numpy as np
 
 from driftform.interfaces import Simulator
 from driftform.options import Table, option
 from driftform.scenario import Scenario
-from driftform.types import Agent, FloatArray, Trajectory
-
-PATIENCE = 5_000
-"""Evaluations within one step after which it has failed.
-
-Halving the longest step down to the shortest takes some 300. Where forces are absurd, Exudyn's error control can
-go on for ever, trying longer and shorter steps in turn.
-"""
+from driftform.types import Agent, Trajectory
 
 SAFETY = 0.75
 """Share of the step that its error control takes for the longest possible.
@@ -41,7 +31,7 @@ class ExudynOptions(Table):
         1e-3, "largest estimated error of the position; the tolerance is tightened until it is met", "m", gt=0
     )
     tolerance: float = option(
-        3e-6,
+        4e-6,
         "relative and absolute tolerance of a step in every coordinate, to begin with (DOPRI5)",
         "SI",
         gt=0,
@@ -57,11 +47,12 @@ class ExudynOptions(Table):
 
 
 class ExudynSimulator(Simulator[ExudynOptions]):
-    """A free rigid body on a Lie-group node, so that no attitude is singular.
+    """Flights by Exudyn's explicit solvers.
 
-    Exudyn sees a unit mass matrix, and the force function returns accelerations: the 6x6 mass with its added mass
-    is inverted once, exactly, in the body frame, where it is constant. There is no lag and no mass matrix that
-    depends on the pose.
+    They see unit masses whose forces are accelerations: the 6x6 mass with its added mass is inverted once, exactly, in
+    the body frame, where it is constant. There is no lag and no mass matrix that depends on the pose. In space the mass
+    is a rigid body on a Lie-group node, so that no attitude is singular. A motion that stays in the vertical plane is
+    that of a point with the coordinates x, z and pitch.
 
     A flight's error is how far it is from one by another integrator, that of :mod:`driftform.dynamics.integrator`,
     plus what that one's may be. The two share no more than the equations.
@@ -72,19 +63,22 @@ class ExudynSimulator(Simulator[ExudynOptions]):
 
     def simulate(self, agent: Agent, scenario: Scenario) -> Trajectory:
         """Return the flight; it ends at the outlet, the horizon, or where it is no longer finite."""
+        from driftform.dynamics.coordinates import motion_of
         from driftform.dynamics.flight import finished_flight, release_state
         from driftform.dynamics.integrator import Accuracy, greatest_distance, integrate
-        from driftform.dynamics.model import flight_model, packed
+        from driftform.dynamics.model import flight_model
+        from driftform_exudyn.integration import integrated
 
         options, horizon = self.options, scenario.flight.horizon
         model = flight_model(agent, scenario)
-        values, start = packed(model), release_state(model, scenario)
+        start = release_state(model, scenario)
+        motion = motion_of(model, start)
         tolerance, share = options.tolerance, REFERENCE
         while True:
             known = Accuracy(share * options.accuracy, step_limit=options.step_limit)
             other = integrate(model, start, horizon, known)
             settings = self._settings(horizon, tolerance)
-            samples = _integrated(values, start, settings, options.step_limit)
+            samples = integrated(motion, settings, options.step_limit)
             error = other.error + greatest_distance(other.samples, samples)
             tolerance, share = TIGHTENING * tolerance, TIGHTENING * share
             equal_steps = options.integrator != "DOPRI5"
@@ -107,55 +101,3 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         integration.stepSizeSafety = SAFETY
         integration.explicit.computeEndOfStepAccelerations = False
         return settings
-
-
-def _integrated(model: FloatArray, start: FloatArray, settings: Any, limit: int) -> FloatArray:
-    """Return the raw samples of a flight, (k, 14): the release and the end of every step."""
-    from driftform.dynamics.equations import fill_accelerations
-    from driftform.dynamics.flight import SAMPLE, record
-    from driftform.dynamics.rotations import rotation_vector_from_quaternion
-    from driftform_exudyn.headless import exudyn, items
-
-    container = exudyn.SystemContainer()
-    mbs = container.AddSystem()
-    free_body: Any = items.NodeRigidBodyRotVecLG  # exudyn's items are partly typed, and not by what they take
-    unit_mass: Any = items.ObjectGenericODE2
-    node = mbs.AddNode(
-        free_body(
-            referenceCoordinates=[0.0] * 6,
-            initialCoordinates=[*start[:3], *rotation_vector_from_quaternion(start[3:7])],
-            initialVelocities=[*start[7:]],
-        )
-    )
-    out = np.zeros(6)
-    samples = np.empty((1024, SAMPLE))
-    count = tries = 0
-
-    def force(_: Any, t: float, *__: Any) -> FloatArray:
-        nonlocal tries
-        tries += 1
-        fill_accelerations(t, pose, speed, model, out)
-        if tries > PATIENCE:
-            out.fill(np.nan)
-        return out
-
-    def after_step(_: Any, t: float) -> bool:
-        nonlocal samples, count, tries
-        tries = 0
-        if count == len(samples):
-            samples = np.concatenate([samples, np.empty_like(samples)])
-        goes_on = record(samples[count], t, pose, speed, model)
-        count += 1
-        return goes_on and count <= limit
-
-    mbs.AddObject(unit_mass(nodeNumbers=[node], massMatrix=np.eye(6), forceUserFunction=force))
-    mbs.Assemble()
-    # Live views of the memory that the last Assemble laid out.
-    pose: Any = mbs.systemData.GetODE2Coordinates(copy=False)
-    speed: Any = mbs.systemData.GetODE2Coordinates_t(copy=False)
-    after_step(mbs, 0.0)
-    mbs.SetPostStepUserFunction(after_step)
-    # Exudyn raises where the error control cannot go on, and returns True after NaN: the samples tell.
-    with contextlib.suppress(exudyn.SolverError):
-        mbs.SolveDynamic(settings)
-    return samples[:count]

@@ -1,0 +1,85 @@
+"""Motions integrated by Exudyn: it holds coordinates and rates, and asks driftform's equations for accelerations.
+
+A motion in space is that of a unit mass on a rigid body's node, with a force function. One in the plane is that of a
+point mass in the space of its three coordinates, and the force is a load: Exudyn asks for that in a third of the time.
+"""
+
+import contextlib
+from typing import Any
+
+import numpy as np
+
+from driftform.dynamics.coordinates import Motion
+from driftform.dynamics.flight import SAMPLE
+from driftform.types import FloatArray
+from driftform_exudyn.headless import exudyn
+from driftform_exudyn.headless import items as typed_items
+
+items: Any = typed_items  # exudyn's items are partly typed, and not by what they take
+
+PATIENCE = 5_000
+"""Evaluations within one step after which it has failed.
+
+Halving the longest step down to the shortest takes some 300. Where forces are absurd, Exudyn's error control can
+go on for ever, trying longer and shorter steps in turn.
+"""
+
+
+def integrated(motion: Motion, settings: Any, limit: int) -> FloatArray:
+    """Return the raw samples of a flight, (k, 14): the release and the end of every step, at most ``limit``."""
+    container = exudyn.SystemContainer()
+    mbs = container.AddSystem()
+    accelerations, fill_sample, values = motion.accelerations, motion.fill_sample, motion.values
+    nowhere = (np.nan,) * len(motion.rates)
+    samples = np.empty((1024, SAMPLE))
+    count = tries = 0
+
+    def force(_: Any, t: float, *__: Any) -> tuple[float, ...]:
+        nonlocal tries
+        tries += 1
+        return accelerations(t, coordinates, rates, values) if tries <= PATIENCE else nowhere
+
+    def after_step(_: Any, t: float) -> bool:
+        nonlocal samples, count, tries
+        tries = 0
+        if count == len(samples):
+            samples = np.concatenate([samples, np.empty_like(samples)])
+        goes_on = fill_sample(samples[count], t, coordinates, rates, values)
+        count += 1
+        return goes_on and count <= limit
+
+    (_add_point if len(motion.rates) == 3 else _add_rigid_body)(mbs, motion, force)
+    mbs.Assemble()
+    # Live views of the memory that the last Assemble laid out.
+    coordinates: Any = mbs.systemData.GetODE2Coordinates(copy=False)
+    rates: Any = mbs.systemData.GetODE2Coordinates_t(copy=False)
+    after_step(mbs, 0.0)
+    mbs.SetPostStepUserFunction(after_step)
+    # Exudyn raises where the error control cannot go on, and returns True after NaN: the samples tell.
+    with contextlib.suppress(exudyn.SolverError):
+        mbs.SolveDynamic(settings)
+    return samples[:count]
+
+
+def _add_rigid_body(mbs: Any, motion: Motion, force: Any) -> None:
+    node = mbs.AddNode(
+        items.NodeRigidBodyRotVecLG(
+            referenceCoordinates=[0.0] * 6,
+            initialCoordinates=motion.coordinates.tolist(),
+            initialVelocities=motion.rates.tolist(),
+        )
+    )
+    mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=np.eye(6), forceUserFunction=force))
+
+
+def _add_point(mbs: Any, motion: Motion, force: Any) -> None:
+    node = mbs.AddNode(
+        items.NodePoint(
+            referenceCoordinates=[0.0] * 3,
+            initialCoordinates=motion.coordinates.tolist(),
+            initialVelocities=motion.rates.tolist(),
+        )
+    )
+    mbs.AddObject(items.MassPoint(mass=1.0, nodeNumber=node))
+    marker = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node))
+    mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVectorUserFunction=force))

@@ -1,0 +1,119 @@
+"""Motion as coordinates, their rates and accelerations: for integrators that hold it so, such as Exudyn's.
+
+In space the coordinates are the position and the rotation vector, body to world; their rates are the velocity in the
+world and the angular velocity in the body. In the vertical plane they are x, z and the pitch, whose rates are plain
+derivatives.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from driftform.dynamics.compiled import borrowed, compiled
+from driftform.dynamics.equations import accelerations
+from driftform.dynamics.flight import has_left, is_finite
+from driftform.dynamics.model import FlightModel, packed, unpacked
+from driftform.dynamics.plane import NUMBERS, accelerations_in_plane, outside, plane_model, stays_in_plane
+from driftform.dynamics.rotations import rotation_from_vector, rotation_vector_from_quaternion
+from driftform.types import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A motion in coordinates: where it starts, and the compiled functions that govern it.
+
+    Attributes
+    ----------
+    coordinates, rates
+        at the release, (6,) in space, (3,) in the vertical plane: SI units and radians.
+    values
+        numbers of the model, to be handed to both functions.
+    accelerations
+        rates of the rates, a tuple as long as they are, at ``(t, coordinates, rates, values)``.
+    fill_sample
+        fills a raw sample of :mod:`driftform.dynamics.flight`, (14,), its first argument, from those four; and
+        returns whether the flight goes on: it is finite and inside the pipe.
+    """
+
+    coordinates: FloatArray
+    rates: FloatArray
+    values: FloatArray
+    accelerations: Callable[[float, FloatArray, FloatArray, FloatArray], tuple[float, ...]]
+    fill_sample: Callable[[FloatArray, float, FloatArray, FloatArray, FloatArray], bool]
+
+
+def motion_of(model: FlightModel, start: FloatArray) -> Motion:
+    """Return the motion from the state ``start`` (13,): in the vertical plane where it stays there, else in space."""
+    if stays_in_plane(start, model):
+        pitch = 2.0 * math.atan2(start[5], start[3])
+        return Motion(
+            np.array([start[0], start[2], pitch]),
+            start[[7, 9, 11]],
+            np.concatenate([plane_model(model), model.rims.ravel()]),
+            _accelerations_in_plane,
+            _fill_sample_in_plane,
+        )
+    return Motion(
+        np.concatenate([start[:3], rotation_vector_from_quaternion(start[3:7])]),
+        start[7:],
+        packed(model),
+        _accelerations_in_space,
+        _fill_sample_in_space,
+    )
+
+
+@compiled
+def _accelerations_in_space(
+    t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
+) -> tuple[float, float, float, float, float, float]:
+    R = rotation_from_vector(coordinates[3], coordinates[4], coordinates[5])
+    a, alpha = accelerations(
+        t,
+        (coordinates[0], coordinates[1], coordinates[2]),
+        R,
+        (rates[0], rates[1], rates[2]),
+        (rates[3], rates[4], rates[5]),
+        unpacked(values),
+    )
+    return a[0], a[1], a[2], alpha[0], alpha[1], alpha[2]
+
+
+@compiled
+def _fill_sample_in_space(
+    sample: FloatArray, t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
+) -> bool:
+    x, y, z = coordinates[3], coordinates[4], coordinates[5]
+    half = 0.5 * math.sqrt(x * x + y * y + z * z)
+    scale = 0.5 * math.sin(half) / half if half > 1e-8 else 0.5
+    sample[0] = t
+    sample[4], sample[5], sample[6], sample[7] = math.cos(half), scale * x, scale * y, scale * z
+    for i in range(3):
+        sample[1 + i] = coordinates[i]
+        sample[8 + i] = rates[i]
+        sample[11 + i] = rates[3 + i]
+    position = (coordinates[0], coordinates[1], coordinates[2])
+    return is_finite(sample) and not has_left(position, unpacked(values).pipe)
+
+
+@compiled
+def _accelerations_in_plane(
+    t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
+) -> tuple[float, float, float]:
+    plane = borrowed(values)
+    attitude = math.cos(coordinates[2]), math.sin(coordinates[2])
+    velocity, rims = (rates[0], rates[1]), plane[NUMBERS:].reshape(-1, 6)
+    return accelerations_in_plane((coordinates[0], coordinates[1]), attitude, velocity, rates[2], plane, rims)
+
+
+@compiled
+def _fill_sample_in_plane(
+    sample: FloatArray, t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
+) -> bool:
+    for i in range(sample.shape[0]):
+        sample[i] = 0.0
+    sample[0], sample[1], sample[3] = t, coordinates[0], coordinates[1]
+    sample[4], sample[6] = math.cos(0.5 * coordinates[2]), math.sin(0.5 * coordinates[2])
+    sample[8], sample[10], sample[12] = rates[0], rates[1], rates[2]
+    return is_finite(sample) and not outside((coordinates[0], coordinates[1]), borrowed(values))
