@@ -17,7 +17,7 @@ With Exudyn's own 0.9 every fourth step is rejected; the same error takes a fift
 TIGHTENING = 0.1
 """What the tolerance is multiplied by where a flight is not accurate enough."""
 
-REFERENCE = 0.2
+REFERENCE = 0.4
 """Share of the accuracy that the flight it is held against may be off, to begin with."""
 
 
