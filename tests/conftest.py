@@ -1,4 +1,4 @@
-"""What tests share: the program, a plugin that does harm, finished runs, and the tables of docs."""
+"""What tests share: the program, a plugin that does harm, finished runs, the tables of docs, and how many to take."""
 
 import json
 import os
@@ -42,6 +42,12 @@ def fakes(fake_plugin: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     yield
     registry.cache_clear()
     sys.modules.pop("driftform_fake", None)
+
+
+@pytest.fixture
+def count_of() -> Callable[[str, int], int]:
+    """How many of something to take: what the environment says (``AGENTS=20 pytest ...``), or what the page tells."""
+    return lambda name, usual: int(os.environ.get(name, usual))
 
 
 @pytest.fixture(scope="session")

@@ -1,17 +1,10 @@
-"""What studies and benchmarks share: how many to take, and how long it takes."""
+"""What the benchmarks share: how long something takes."""
 
-import os
 import time
 from collections.abc import Callable, Iterable
 from typing import Any
 
 import pytest
-
-
-@pytest.fixture
-def count_of() -> Callable[[str, int], int]:
-    """How many of something to take: what the environment says (``AGENTS=20 pytest ...``), or what the page tells."""
-    return lambda name, usual: int(os.environ.get(name, usual))
 
 
 @pytest.fixture

@@ -76,7 +76,7 @@ def blocks() -> list[Block]:
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The site, built from a copy: a build in the tree would leave files there."""
     folder = tmp_path_factory.mktemp("site")
-    for name in ("docs", "docs_site", "src"):
+    for name in ("docs", "src"):
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "mkdocs.yml", folder)
     done = subprocess.run(

@@ -22,6 +22,11 @@ def test_the_site_has_every_page(site: Path, pages: dict[str, str]) -> None:
         assert page.is_file(), name
 
 
+def test_the_tools_that_build_it_are_not_published(site: Path) -> None:
+    assert (ROOT / "docs" / "extensions").is_dir()
+    assert not list(site.rglob("*.py"))
+
+
 def test_pictures_are_there(site: Path) -> None:
     for page in site.rglob("index.html"):
         for source in re.findall(r'<img[^>]* src="([^"]+)"', page.read_text(encoding="utf-8")):

@@ -3,8 +3,6 @@
 import multiprocessing
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
-from pathlib import Path
-from runpy import run_path
 
 import numpy as np
 import pytest
@@ -13,9 +11,6 @@ from driftform.scenario import Scenario
 from driftform.testing.simulator import apart, positions_at
 from driftform.types import Agent
 from driftform_native.simulator import NativeOptions, NativeSimulator
-
-# The fixture of the benchmarks: with the import mode "importlib" one folder's conftest is no module of another's.
-count_of = run_path(str(Path(__file__).parents[1] / "benchmarks" / "conftest.py"))["count_of"]
 
 NUDGE = 1e-8
 """m."""

@@ -48,7 +48,7 @@ def integrated(motion: Motion, settings: Any, limit: int) -> FloatArray:
         count += 1
         return goes_on and count <= limit
 
-    (_add_point if len(motion.rates) == 3 else _add_rigid_body)(mbs, motion, force)
+    _add_mass(mbs, motion, force)
     mbs.Assemble()
     # Live views of the memory that the last Assemble laid out.
     coordinates: Any = mbs.systemData.GetODE2Coordinates(copy=False)
@@ -61,25 +61,20 @@ def integrated(motion: Motion, settings: Any, limit: int) -> FloatArray:
     return samples[:count]
 
 
-def _add_rigid_body(mbs: Any, motion: Motion, force: Any) -> None:
+def _add_mass(mbs: Any, motion: Motion, force: Any) -> None:
+    in_plane = len(motion.rates) == 3
     node = mbs.AddNode(
-        items.NodeRigidBodyRotVecLG(
-            referenceCoordinates=[0.0] * 6,
+        (items.NodePoint if in_plane else items.NodeRigidBodyRotVecLG)(
+            referenceCoordinates=[0.0] * len(motion.rates),
             initialCoordinates=motion.coordinates.tolist(),
             initialVelocities=motion.rates.tolist(),
         )
     )
-    mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=np.eye(6), forceUserFunction=force))
-
-
-def _add_point(mbs: Any, motion: Motion, force: Any) -> None:
-    node = mbs.AddNode(
-        items.NodePoint(
-            referenceCoordinates=[0.0] * 3,
-            initialCoordinates=motion.coordinates.tolist(),
-            initialVelocities=motion.rates.tolist(),
+    if in_plane:
+        mbs.AddObject(items.MassPoint(mass=1.0, nodeNumber=node))
+        marker = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node))
+        mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVectorUserFunction=force))
+    else:
+        mbs.AddObject(
+            items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=np.eye(6), forceUserFunction=force)
         )
-    )
-    mbs.AddObject(items.MassPoint(mass=1.0, nodeNumber=node))
-    marker = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node))
-    mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVectorUserFunction=force))
