@@ -1,18 +1,11 @@
 """Flights integrated by Exudyn, with driftform's own equations of motion as the right-hand side."""
 
-import math
-from typing import Any, Literal
+from typing import Literal
 
 from driftform.interfaces import Simulator
 from driftform.options import Table, option
 from driftform.scenario import Scenario
 from driftform.types import Agent, Trajectory
-
-SAFETY = 0.75
-"""Share of the step that its error control takes for the longest possible.
-
-With Exudyn's own 0.9 every fourth step is rejected; the same error takes a fifth more evaluations then.
-"""
 
 TIGHTENING = 0.1
 """What the tolerance is multiplied by where a flight is not accurate enough."""
@@ -67,7 +60,7 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         from driftform.dynamics.flight import finished_flight, release_state
         from driftform.dynamics.integrator import Accuracy, greatest_distance, integrate
         from driftform.dynamics.model import flight_model
-        from driftform_exudyn.integration import integrated
+        from driftform_exudyn.integration import integrated, settings_for
 
         options, horizon = self.options, scenario.flight.horizon
         model = flight_model(agent, scenario)
@@ -77,27 +70,10 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         while True:
             known = Accuracy(share * options.accuracy, step_limit=options.step_limit)
             other = integrate(model, start, horizon, known)
-            settings = self._settings(horizon, tolerance)
+            settings = settings_for(options.integrator, horizon, tolerance, options.max_step)
             samples = integrated(motion, settings, options.step_limit)
             error = other.error + greatest_distance(other.samples, samples)
             tolerance, share = TIGHTENING * tolerance, TIGHTENING * share
             equal_steps = options.integrator != "DOPRI5"
             if error <= options.accuracy or equal_steps or tolerance < options.tightest:
                 return finished_flight(samples, model, horizon, options.step_limit, error, options.accuracy)
-
-    def _settings(self, horizon: float, tolerance: float) -> Any:
-        from driftform_exudyn.headless import exudyn
-
-        settings = exudyn.SimulationSettings()
-        settings.solution.file.write = False
-        integration = settings.timeIntegration
-        integration.endTime = horizon
-        integration.numberOfSteps = max(1, math.ceil(horizon / self.options.max_step))
-        integration.verboseMode = 0
-        integration.solverType = getattr(exudyn.DynamicSolverType, self.options.integrator)
-        integration.absoluteTolerance = tolerance
-        integration.relativeTolerance = tolerance
-        integration.minimumStepSize = 1e-10
-        integration.stepSizeSafety = SAFETY
-        integration.explicit.computeEndOfStepAccelerations = False
-        return settings

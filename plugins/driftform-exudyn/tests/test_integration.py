@@ -1,0 +1,43 @@
+"""Exudyn integrates a motion in the plane as a point, and one in space as a rigid body: both are the same flight."""
+
+import numpy as np
+import pytest
+
+from driftform.dynamics.coordinates import motion_of
+from driftform.dynamics.flight import release_state
+from driftform.dynamics.integrator import greatest_distance
+from driftform.dynamics.model import DAMPED, flight_model
+from driftform.study import load_study
+from driftform_exudyn.integration import integrated, settings_for
+
+PIPELINE = load_study().pipeline()
+SETTINGS = settings_for("DOPRI5", horizon=2.0, tolerance=1e-8, max_step=0.05)
+
+
+def motions(seed):
+    """A motion in the plane, and the same in space."""
+    agent, scenario = PIPELINE.agent(PIPELINE.grammar.random(np.random.default_rng(seed))), PIPELINE.scenario
+    model = flight_model(agent, scenario)
+    # Damping whose every coefficient is zero: it changes nothing but that the motion is integrated in space.
+    damped = model._replace(table=model.table.copy())
+    damped.table[DAMPED] = 1.0
+    start = release_state(model, scenario)
+    return [motion_of(m, start) for m in (model, damped)]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_flight_is_the_same_in_the_plane_and_in_space(seed):
+    in_plane, in_space = motions(seed)
+    assert (len(in_plane.rates), len(in_space.rates)) == (3, 6)
+    here, there = (integrated(motion, SETTINGS, 10_000) for motion in (in_plane, in_space))
+    assert here[-1, 0] == there[-1, 0] == 2.0
+    assert greatest_distance(here, there) < 1e-5
+    assert not here[:, [2, 5, 7, 9, 11, 13]].any()
+    # In space nothing holds it in the plane but the equations.
+    assert np.abs(there[:, [2, 5, 7, 9, 11, 13]]).max() < 1e-12
+
+
+@pytest.mark.parametrize("which", ["plane", "space"])
+def test_the_step_limit_ends_a_flight(which):
+    motion = motions(1)[which == "space"]
+    assert len(integrated(motion, SETTINGS, 17)) == 18
