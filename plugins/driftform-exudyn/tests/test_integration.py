@@ -1,5 +1,7 @@
 """Exudyn integrates a motion in the plane as a point, and one in space as a rigid body: both are the same flight."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -35,6 +37,21 @@ def test_a_flight_is_the_same_in_the_plane_and_in_space(seed):
     assert not here[:, [2, 5, 7, 9, 11, 13]].any()
     # In space nothing holds it in the plane but the equations.
     assert np.abs(there[:, [2, 5, 7, 9, 11, 13]]).max() < 1e-12
+
+
+@pytest.mark.parametrize("which", ["plane", "space"])
+@pytest.mark.parametrize("function", ["accelerations", "fill_sample"])
+def test_an_interruption_stops_a_flight_as_it_stops_anything(which, function):
+    motion = motions(1)[which == "space"]
+    calls = iter(range(100))
+
+    def interrupted(*arguments):
+        if next(calls) == 50:
+            raise KeyboardInterrupt
+        return getattr(motion, function)(*arguments)
+
+    with pytest.raises(KeyboardInterrupt):
+        integrated(replace(motion, **{function: interrupted}), SETTINGS, 10_000)
 
 
 @pytest.mark.parametrize("which", ["plane", "space"])

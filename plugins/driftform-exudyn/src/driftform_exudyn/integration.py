@@ -84,7 +84,11 @@ def integrated(motion: Motion, settings: Any, limit: int) -> FloatArray:
     mbs.SetPostStepUserFunction(after_step)
     # Exudyn raises where the error control cannot go on, and returns True after NaN: the samples tell.
     with contextlib.suppress(exudyn.SolverError):
-        mbs.SolveDynamic(settings)
+        try:
+            mbs.SolveDynamic(settings)
+        except exudyn.ModelError as error:
+            # An interruption reaches whatever Python runs, which are mostly the functions that Exudyn calls.
+            raise error.__cause__ or error from None
     return samples[:count]
 
 
