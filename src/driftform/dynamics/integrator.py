@@ -73,7 +73,7 @@ class Accuracy:
 
     position: float = 1e-3
     tolerance: float = 1e-6
-    tightest: float = 1e-11
+    tightest: float = 1e-12
     max_step: float = 0.05
     step_limit: int = 200_000
 

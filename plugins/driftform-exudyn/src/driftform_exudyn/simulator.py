@@ -29,7 +29,7 @@ class ExudynOptions(Table):
         "SI",
         gt=0,
     )
-    tightest: float = option(1e-9, "tolerance below which a flight counts as not converged", "SI", gt=0)
+    tightest: float = option(1e-11, "tolerance below which a flight counts as not converged", "SI", gt=0)
     max_step: float = option(
         0.05,
         "longest time step and gap between samples; RK67 and RK44 take every step of this length",

@@ -30,7 +30,7 @@ class NativeOptions(Table):
         gt=0,
         le=1e-2,
     )
-    tightest: float = option(1e-11, "tolerance below which a flight counts as not converged", "SI", gt=0)
+    tightest: float = option(1e-12, "tolerance below which a flight counts as not converged", "SI", gt=0)
     max_step: float = option(0.05, "longest time step and gap between samples", "s", gt=0)
     step_limit: int = option(200_000, "steps after which a flight counts as failed", "", gt=0)
     threads: int = option(
