@@ -228,6 +228,8 @@ def _distributed(option: str) -> Any:
 
 async def _identity(distributed: Any, address: str) -> str:
     """What answers at an address, such as "Scheduler"."""
+    # Connecting looks up a name that nobody knows again and again, until the time is over.
+    await asyncio.to_thread(distributed.comm.resolve_address, address)
     security = distributed.Security().get_connection_args("client")
     comm = await distributed.comm.connect(address, TIMEOUT / 2, **security)
     try:
