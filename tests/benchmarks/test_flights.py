@@ -25,7 +25,7 @@ TRIM = 0.004
 """Largest net buoyancy of a trimmed agent, relative to its displacement."""
 
 TOLERANCE = 1e-6
-"""Of the peer, and of Exudyn to begin with."""
+"""Of the peer."""
 
 
 @njit
@@ -184,7 +184,7 @@ def test_what_a_flight_costs_and_how_exact_it_is(kind, pipelines, publish, count
         "",
         f"{count} agents {kind}, each the best of three. The exact flights are known to {1e3 * doubt:.1g} mm. SciPy "
         f"and the plain steps integrate the compiled motion in space, SciPy with a tolerance of {TOLERANCE:g}; the "
-        f"native backend knows that these flights stay in the vertical plane. MuJoCo takes its usual steps of 2 ms "
+        f"two backends know that these flights stay in the vertical plane. MuJoCo takes its usual steps of 2 ms "
         f"for 9 s.",
     ]
     publish(f"flights {kind}", lines)
