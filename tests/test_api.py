@@ -13,10 +13,10 @@ import pytest
 from typer.testing import CliRunner
 
 import driftform as df
-from driftform.agent_file import agent_document, read_agent
 from driftform.api import Run
 from driftform.cli.app import app
 from driftform.errors import InputError
+from driftform.runs.agent_file import agent_document, read_agent
 from driftform.study import Study
 
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
+from driftform.builtin.closest_approach import ClosestApproach
 from driftform.errors import InputError
-from driftform.fitness import ClosestApproach
 from driftform.interfaces import SEAMS
 from driftform.registry import Contribution, Registry, registry
 

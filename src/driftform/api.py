@@ -14,26 +14,26 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from driftform.agents import Opened, build_stored, open_agent
-from driftform.body_facts import body_facts
-from driftform.columns import FLIGHT_COLUMNS
-from driftform.dynamics.path import closest_approach
+from driftform.agents.inspection import body_facts
+from driftform.agents.opening import Opened, build_stored, open_agent
 from driftform.errors import InputError, WorkFailedError, did_you_mean
-from driftform.evolution import write_best, write_reach
 from driftform.execution import Executor, InProcess, LocalProcesses
 from driftform.figures.flight import flight_svg
 from driftform.figures.section import section_svg
-from driftform.files import make_directory
-from driftform.finalists import fly_finalists
-from driftform.notebook import picture, table
-from driftform.progress import counter
 from driftform.reproduction.repeats import carry_out
-from driftform.run_directory import DATABASE, best_agent, check_new, check_run, locked
+from driftform.runs.directory import DATABASE, best_agent, check_new, check_run, locked
+from driftform.runs.finalists import fly_finalists
+from driftform.runs.results import write_best, write_reach
+from driftform.runs.store import Record, Store
+from driftform.runs.tables import evaluation_batches
 from driftform.scenario import Scenario
-from driftform.store import Record, Store
 from driftform.study import Document, Study, load_study
-from driftform.tables import evaluation_batches
+from driftform.tables.columns import FLIGHT_COLUMNS
+from driftform.trajectory.path import closest_approach
 from driftform.types import Agent, Coefficients, End, FloatArray, MassProperties, Trajectory
+from driftform.util.files import make_directory
+from driftform.util.notebook import picture, table
+from driftform.util.progress import counter
 
 __all__ = ["Design", "Flight", "NoTargetError", "Run", "agent", "evolve", "load_study", "open_run"]
 

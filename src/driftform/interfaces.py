@@ -7,7 +7,7 @@ other state, so that they can be rebuilt in any worker process; a strategy is th
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Generic, Literal, TypeVar
 
@@ -127,17 +127,8 @@ class Hydrodynamics(Plugin[HydrodynamicsOptionsT_co]):
     def coefficients(self, body: Body, fluid: Fluid) -> Coefficients:
         """Return added mass and damping; the added mass is symmetric and positive semi-definite.
 
-        Drag by strips is no concern of a model: :meth:`with_drag` adds it where the options ask for it.
+        Drag by strips is not part of a model: the pipeline adds it where ``options.drag`` asks for it.
         """
-
-    def with_drag(self, body: Body, fluid: Fluid) -> Coefficients:
-        """Return the coefficients, with the drag that the options ask for: what an agent flies with."""
-        from driftform.drag import drag_of
-
-        found = self.coefficients(body, fluid)
-        if self.options.drag == "none":
-            return found
-        return replace(found, drag=drag_of(body, fluid.viscosity))
 
 
 class Simulator(Plugin[OptionsT_co]):

@@ -9,8 +9,8 @@ from typing import Any
 
 from driftform.geometry import mass_properties
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
-from driftform.robustness import Condition, body_under, conditions, scenario_under
 from driftform.scenario import Scenario
+from driftform.scenario.disturbances import Condition, body_under, conditions, scenario_under
 from driftform.types import Agent, Evaluation, Genome, Morphology, Trajectory
 
 
@@ -55,7 +55,11 @@ class Pipeline:
         body, scenario = self.builder.build(morphology), self.scenario
         if condition is not None:
             body, scenario = body_under(condition, body), scenario_under(condition, scenario)
-        coefficients = self.hydrodynamics.with_drag(body, scenario.fluid)
+        coefficients = self.hydrodynamics.coefficients(body, scenario.fluid)
+        if self.hydrodynamics.options.drag == "strips":
+            from driftform.hydrodynamics.drag import drag_of
+
+            coefficients = replace(coefficients, drag=drag_of(body, scenario.fluid.viscosity))
         return Agent(body, mass_properties(body), coefficients, morphology, genome)
 
     def agent(self, genome: Genome, condition: Condition | None = None) -> Agent:

@@ -162,7 +162,7 @@ class Drag:
 
     A strip's force is ``-1/2 rho C_d(Re) factor d dx |v| v`` with the velocity v across the axis where the strip
     is, relative to the water there; ``C_d`` is that of a long cylinder
-    (:func:`driftform.dynamics.drag.crossflow_coefficient`). Along the axis it is ``-1/2 rho (C_f(Re_L)
+    (:func:`driftform.hydrodynamics.drag_coefficients.crossflow_coefficient`). Along the axis it is ``-1/2 rho (C_f(Re_L)
     friction_area + A) |u| u``, with A = ``ahead`` for motion towards +x and A = ``astern`` for motion towards -x.
 
     Attributes

@@ -14,8 +14,8 @@ import pytest
 from driftform.dynamics.model import flight_model
 from driftform.execution import InProcess, Job, LocalProcesses
 from driftform.geometry import mass_properties
-from driftform.packed_flight import encoded
 from driftform.study import load_study
+from driftform.trajectory.compression import encoded
 
 pytestmark = pytest.mark.slow
 

@@ -21,11 +21,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.evolution import evolve
 from driftform.execution import InProcess, Job, LocalProcesses, Outcome
 from driftform.execution.cluster import Cluster
 from driftform.execution.lanes import Lanes
-from driftform.store import Store
+from driftform.runs.search import evolve
+from driftform.runs.store import Store
 from driftform.study import Study, load_study
 
 pytestmark = [

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from rich.console import Console
 
 from driftform.cli.display import BARS, PAGE, PLAIN_BARS, View, duration, line, pace_text, sparkline
-from driftform.cli.standing import STEPS, Pace, Standing, TargetStanding
+from driftform.runs.status import STEPS, Pace, Standing, TargetStanding
 
 Evaluated = tuple[int, int, str, bool, list[float]]
 

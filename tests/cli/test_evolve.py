@@ -11,8 +11,8 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from driftform.layers import builtin_scenarios
 from driftform.study import load_study
+from driftform.study.sources import builtin_scenarios
 
 Finished = tuple[Path, subprocess.CompletedProcess[str]]
 Program = Callable[..., subprocess.CompletedProcess[str]]

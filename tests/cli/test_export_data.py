@@ -14,9 +14,9 @@ import polars as pl
 import pytest
 
 from driftform import table_files, tables
-from driftform.columns import SAMPLE_COLUMNS
-from driftform.store import Record, Store
+from driftform.runs.store import Record, Store
 from driftform.study import Document, load_study
+from driftform.tables.columns import SAMPLE_COLUMNS
 
 FORMATS = ("csv", "parquet")
 READERS = {

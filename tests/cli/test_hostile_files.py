@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import driftform
-from driftform.files import safe_stem
+from driftform.util.files import safe_stem
 
 EVIL = [
     "../../evil",

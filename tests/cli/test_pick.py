@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from driftform.agent_file import read_agent
-from driftform.dynamics.path import closest_approach
-from driftform.run_directory import locked
-from driftform.store import Record, Store
+from driftform.runs.agent_file import read_agent
+from driftform.runs.directory import locked
+from driftform.runs.store import Record, Store
+from driftform.trajectory.path import closest_approach
 from driftform.types import Candidate, Evaluation, Genome
 
 ANYWHERE = ("4.2", "0", "-0.35")

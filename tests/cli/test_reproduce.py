@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from driftform.store import Store
+from driftform.runs.store import Store
 
 
 @pytest.fixture(scope="module")

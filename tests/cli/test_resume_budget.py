@@ -11,9 +11,9 @@ from typing import Any
 
 import pytest
 
-from driftform.evolution import evolve
 from driftform.execution import InProcess
-from driftform.store import Store
+from driftform.runs.search import evolve
+from driftform.runs.store import Store
 from driftform.study import load_study
 
 Program = Callable[..., subprocess.CompletedProcess[str]]

@@ -19,8 +19,8 @@ import pytest
 
 from driftform.cli.watch import Onlooker
 from driftform.errors import InputError
-from driftform.run_directory import is_worked_on, locked
-from driftform.store import Brief, Record, Store
+from driftform.runs.directory import is_worked_on, locked
+from driftform.runs.store import Brief, Record, Store
 from driftform.types import Candidate, Evaluation, Genome
 
 Start = Callable[..., subprocess.Popen[str]]

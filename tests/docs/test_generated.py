@@ -18,7 +18,7 @@ from driftform.cli.app import app
 from driftform.interfaces import SEAMS
 from driftform.registry import Contribution, registry
 from driftform.scenario import FLOWS, Scenario
-from driftform.study import Run
+from driftform.study import RunOptions
 
 Check = Callable[[Path, str], None]
 
@@ -308,7 +308,7 @@ def scenario_keys() -> list[str]:
 def test_scenario_and_run_keys_of_study_files_page(docs: Path, up_to_date: Check) -> None:
     path = docs / "study-files.md"
     text = with_generated(path.read_text(encoding="utf-8"), "scenario keys", scenario_keys())
-    up_to_date(path, with_generated(text, "run keys", keys_table(Run)))
+    up_to_date(path, with_generated(text, "run keys", keys_table(RunOptions)))
 
 
 def _imports(node: ast.AST, known: set[str]) -> Iterator[str]:

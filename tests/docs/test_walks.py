@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from driftform.cli.app import app
-from driftform.run_directory import locked
+from driftform.runs.directory import locked
 from driftform.study import load_study
 
 QUICKLY = ("--simulator", "native", "--evaluations", "20", "--workers", "1")

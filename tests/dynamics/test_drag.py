@@ -9,15 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from driftform.dynamics.drag import (
-    LAMINAR_BELOW,
-    axial_drag,
-    crossflow_coefficient,
-    friction_coefficient,
-    strip_drag,
-)
+from driftform.dynamics.drag import axial_drag, strip_drag
 from driftform.dynamics.equations import drag_wrench
 from driftform.dynamics.model import flight_model
+from driftform.hydrodynamics.drag_coefficients import (
+    LAMINAR_BELOW,
+    crossflow_coefficient,
+    friction_coefficient,
+)
 from driftform.scenario import Fluid, Scenario
 from driftform.testing.agents import Spheroid
 from driftform.types import Drag

@@ -11,7 +11,7 @@ from driftform.dynamics.flight import release_state
 from driftform.dynamics.integrator import Accuracy, greatest_distance, integrate
 from driftform.dynamics.model import REACH, flight_model
 from driftform.dynamics.tableaus import DOP853, DOPRI5
-from driftform.scenario import Flight, Fluid, Pipe, Release, Scenario, Segment, UniformFlow
+from driftform.scenario import FlightLimits, Fluid, Pipe, Release, Scenario, Segment, UniformFlow
 from driftform.study import load_study
 from driftform.testing.agents import Libration, Spheroid, tumbler
 
@@ -57,7 +57,7 @@ def libration(pair, horizon):
         pipe=pipe,
         flow=UniformFlow(speed=0.0),
         release=Release(velocity=(1.0, 0.01, 0.0)),
-        flight=Flight(horizon=horizon),
+        flight=FlightLimits(horizon=horizon),
     )
     model = flight_model(SPHEROID.agent(), scenario)
     if pair is DOPRI5:
@@ -141,7 +141,7 @@ def test_an_error_falls_no_faster_than_the_tolerance():
 
 def test_a_flight_is_repeated_until_it_is_accurate_enough():
     pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=(9, 0, 0), radius=0.3),))
-    scenario = Scenario(pipe=pipe, flight=Flight(horizon=4.0))
+    scenario = Scenario(pipe=pipe, flight=FlightLimits(horizon=4.0))
     model = flight_model(tumbler(), scenario)
     start = release_state(model, scenario)
     for accepted in (1e-2, 1e-4, 1e-5):

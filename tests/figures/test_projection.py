@@ -3,7 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftform.figures.projection import PLAN, SIDE, closest, positions, silhouette, simplify, times
+from driftform.figures.projection import PLAN, SIDE, silhouette, simplify, times
+from driftform.trajectory.interpolation import closest, positions
 
 unit = (
     st.lists(st.floats(-1, 1), min_size=4, max_size=4).map(np.array).filter(lambda q: np.linalg.norm(q) > 0.1)

@@ -4,8 +4,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform.figures.reach import BOUNDS, RAMP, reach_svg
-from driftform.reach import Cells, Reach, reach_of
 from driftform.scenario import Pipe, Scenario, Segment
+from driftform.trajectory.coverage import Cells, Reach, reach_of
 
 
 @pytest.fixture(scope="module")

@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 
 from driftform.cli.report import report
-from driftform.evolution import evolve
 from driftform.execution import InProcess
-from driftform.run_directory import DATABASE
-from driftform.store import Store
+from driftform.runs.directory import DATABASE
+from driftform.runs.search import evolve
+from driftform.runs.store import Store
 from driftform.study import load_study
 
 

@@ -12,13 +12,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.dynamics.path import closest_approach
-from driftform.evolution import evolve
 from driftform.execution import LocalProcesses
-from driftform.reach import Cells, Reach
 from driftform.registry import registry
-from driftform.store import Store
+from driftform.runs.search import evolve
+from driftform.runs.store import Store
 from driftform.study import load_study
+from driftform.trajectory.coverage import Cells, Reach
+from driftform.trajectory.path import closest_approach
 
 pytestmark = pytest.mark.slow
 

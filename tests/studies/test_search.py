@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.evolution import evolve
 from driftform.execution import Executor, LocalProcesses
-from driftform.store import Store
+from driftform.runs.search import evolve
+from driftform.runs.store import Store
 from driftform.study import Study, load_study
 from driftform.types import FloatArray
 

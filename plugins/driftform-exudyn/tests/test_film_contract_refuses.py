@@ -8,12 +8,13 @@ import pytest
 
 from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.figures.png import png_bytes
-from driftform.files import write_whole
 from driftform.interfaces import Renderer
-from driftform.motion import attitudes, even_times
 from driftform.options import Table
 from driftform.testing import RendererContract
+from driftform.trajectory.interpolation import attitudes
+from driftform.trajectory.resampling import even_times
 from driftform.types import WrittenFile
+from driftform.util.files import write_whole
 from driftform_exudyn.encoder import encode
 
 TICKS = itertools.count()

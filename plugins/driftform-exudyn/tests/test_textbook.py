@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from driftform.scenario import Contact, Flight, Pipe, Release, Scenario, Segment
+from driftform.scenario import Contact, FlightLimits, Pipe, Release, Scenario, Segment
 from driftform.testing.agents import sphere
 from driftform.testing.bodies import spheroid_body
 from driftform.testing.textbook import distance_from_textbook, random_flight
@@ -63,7 +63,7 @@ def test_a_wall_without_damping_throws_the_agent_back_as_fast_as_it_came():
         pipe=Pipe(segments=(Segment(start=(0, 0, 0), end=(9, 0, 0), radius=0.2),)),
         release=Release(velocity=(1.0, 0.3, 0.4)),
         contact=Contact(damping_ratio=0.0),
-        flight=Flight(horizon=0.6),
+        flight=FlightLimits(horizon=0.6),
     )
     flight = ExudynSimulator(ExudynOptions(tolerance=1e-8)).simulate(agent, scenario)
     turn = Rotation.from_quat(flight.quaternion[-1], scalar_first=True)

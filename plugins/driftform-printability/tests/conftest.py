@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from driftform.agents import Opened, open_agent
+from driftform.agents.opening import Opened, open_agent
 from driftform.interfaces import Printer, PrintJob
 from driftform.registry import registry
 from driftform.types import Finding

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from driftform.agents import Opened, open_agent
+from driftform.agents.opening import Opened, open_agent
 from driftform.geometry import hull_volume
 from driftform.interfaces import Printer, PrintJob
 from driftform.types import Finding, State

@@ -10,10 +10,10 @@ import driftform_ribs
 from driftform.errors import InputError
 from driftform.interfaces import SearchSpace
 from driftform.options import Table
-from driftform.reach import Cells
 from driftform.registry import registry
 from driftform.scenario import Pipe, Scenario, Segment
 from driftform.testing.letters import LetterGrammar
+from driftform.trajectory.coverage import Cells
 from driftform.types import End, Evaluation, Genome, Trajectory
 from driftform_ribs.emitter import SymbolEmitter, as_solutions
 from driftform_ribs.strategy import RibsOptions, RibsStrategy, archive_of, heights

@@ -4,8 +4,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from driftform.drag import drag_of
 from driftform.dynamics.terminal import terminal_speeds
+from driftform.hydrodynamics.drag import drag_of
 from driftform.interfaces import Specimen
 from driftform.scenario import Fluid
 from driftform.testing.bodies import cylinder_body

@@ -12,7 +12,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from driftform.interfaces import Specimen
-from driftform.scenario import Flight, Fluid, Release, Scenario, UniformFlow
+from driftform.scenario import FlightLimits, Fluid, Release, Scenario, UniformFlow
 from driftform.study import Study
 from driftform.testing.simulator import positions_at
 from driftform.types import Coefficients
@@ -87,7 +87,7 @@ def test_dart_flies_as_we_do(
         flow=UniformFlow(speed=0.0),
         fluid=Fluid(density=density),
         release=Release(pitch_deg=25.0, velocity=(0.4, 0.0, 0.1)),
-        flight=Flight(horizon=2.0),
+        flight=FlightLimits(horizon=2.0),
     )
     water = density / specimens[name].scenario.fluid.density
     undamped = Coefficients(water * agent.coefficients.added_mass, agent.coefficients.origin)

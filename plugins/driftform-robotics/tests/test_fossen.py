@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from driftform.dynamics.inertia import largest_added_mass_ratio
 from driftform.interfaces import Specimen
-from driftform.scenario import Flight, Fluid, Scenario
+from driftform.scenario import FlightLimits, Fluid, Scenario
 from driftform.study import Study
 from driftform.testing.simulator import positions_at
 from driftform.types import Coefficients
@@ -274,7 +274,7 @@ def test_how_far_gazebo_is_off_in_a_current(study: Study, tmp_path: Path, inerti
         density = 1.004 * agent.mass.mass / agent.mass.volume
         added = density / study.scenario.fluid.density * agent.coefficients.added_mass
         agent = replace(agent, coefficients=Coefficients(added, agent.coefficients.origin))
-        scenario = Scenario(fluid=Fluid(density=density), flight=Flight(horizon=3.0))
+        scenario = Scenario(fluid=Fluid(density=density), flight=FlightLimits(horizon=3.0))
         assert np.array_equal(scenario.current(), current)
         folder = tmp_path / f"{seed}-sdf"
         SdfExporter(SdfOptions()).write(Specimen("agent", agent, scenario), folder)

@@ -18,13 +18,13 @@ from mcap.records import Schema
 from mcap_ros2.decoder import DecoderFactory
 from ruamel.yaml import YAML
 
-from driftform.dynamics.path import world_velocity
 from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.interfaces import Specimen
-from driftform.motion import accelerations_along, net_wrench
 from driftform.scenario import Pipe, Release, Scenario, Segment
 from driftform.testing import RecorderContract
 from driftform.testing.renderer import drift
+from driftform.trajectory.forces import accelerations_along, net_wrench
+from driftform.trajectory.path import world_velocity
 from driftform.types import Trajectory
 from driftform_robotics import sensors
 from driftform_robotics.plume import plume_of

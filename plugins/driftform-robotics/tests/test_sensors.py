@@ -7,10 +7,10 @@ import pytest
 
 from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.geometry import mass_properties
-from driftform.motion import accelerations_along
 from driftform.scenario import Fluid, Pipe, Scenario, Segment, UniformFlow
 from driftform.testing.bodies import cylinder_body, hollow_body
 from driftform.testing.renderer import drift
+from driftform.trajectory.forces import accelerations_along
 from driftform.types import Agent, Coefficients, Trajectory
 from driftform_robotics import sensors
 

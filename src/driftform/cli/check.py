@@ -11,7 +11,7 @@ import typer
 from driftform.cli.options import AGENT_HELP, Json, Settings
 
 if TYPE_CHECKING:
-    from driftform.agents import Opened
+    from driftform.agents.opening import Opened
     from driftform.interfaces import Printer, PrintJob
     from driftform.study import Study
     from driftform.types import Finding, WrittenFile
@@ -108,7 +108,7 @@ def _job(
 ) -> "Iterator[tuple[PrintJob, Study]]":
     """What is to be checked, and the study that has the options of checkers; files made for it are gone afterwards."""
     from driftform.errors import InputError
-    from driftform.files import is_file
+    from driftform.util.files import is_file
 
     path = Path(subject)
     with TemporaryDirectory() as name:
@@ -124,7 +124,7 @@ def _job(
 def _of_agent(
     text: str, format: str, settings: Sequence[str], printer: "Printer", kit: bool, folder: Path
 ) -> "tuple[PrintJob, Study]":
-    from driftform.agents import open_agent
+    from driftform.agents.opening import open_agent
     from driftform.errors import InputError
     from driftform.interfaces import PrintJob
     from driftform.registry import registry
@@ -146,11 +146,11 @@ def _of_agent(
 def _of_file(
     path: Path, agent: str | None, settings: Sequence[str], printer: "Printer", kit: bool, folder: Path
 ) -> "tuple[PrintJob, Study]":
-    from driftform.agents import open_agent
+    from driftform.agents.opening import open_agent
     from driftform.errors import InputError
-    from driftform.files import is_file
     from driftform.interfaces import PrintJob
     from driftform.study import load_study
+    from driftform.util.files import is_file
 
     known = agent or _attached(path, "agent.json", folder) or path.with_name("agent.json")
     source = _attached(path, ".scad", folder) or path.with_suffix(".scad")

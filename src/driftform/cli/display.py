@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING
 
-from driftform.cli.standing import Pace, Standing, TargetStanding
+from driftform.runs.status import Pace, Standing, TargetStanding
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, OverflowMethod, RenderableType, RenderResult

@@ -18,9 +18,9 @@ from driftform.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from driftform.evolution import Best
     from driftform.execution import Executor
-    from driftform.store import Store
+    from driftform.runs.results import Best
+    from driftform.runs.store import Store
     from driftform.study import Study
 
 
@@ -66,11 +66,11 @@ def evolve(
     best agent of a target is the one that does best then.
     """
     from driftform.cli.executors import chosen_executor
-    from driftform.files import make_directory
-    from driftform.layers import builtin_scenarios
-    from driftform.run_directory import DATABASE, check_new, locked, write_inputs
-    from driftform.store import Store
+    from driftform.runs.directory import DATABASE, check_new, locked, write_inputs
+    from driftform.runs.store import Store
     from driftform.study import load_study
+    from driftform.study.sources import builtin_scenarios
+    from driftform.util.files import make_directory
 
     disturbed = () if robust is None else (f"robustness.conditions={robust}",)
     checked = load_study(
@@ -100,11 +100,11 @@ def carry_out(directory: Path, study: "Study", store: "Store", executor: "Execut
     import time
 
     from driftform.cli.progress import Progress
-    from driftform.evolution import evolve as run_loop
-    from driftform.evolution import write_best, write_reach
     from driftform.execution import LostError
-    from driftform.finalists import fly_finalists
-    from driftform.progress import counter
+    from driftform.runs.finalists import fly_finalists
+    from driftform.runs.results import write_best, write_reach
+    from driftform.runs.search import evolve as run_loop
+    from driftform.util.progress import counter
 
     started = time.perf_counter()
     try:
@@ -155,7 +155,7 @@ def carry_out(directory: Path, study: "Study", store: "Store", executor: "Execut
 
 
 def _stopped(directory: Path, study: "Study", store: "Store") -> str:
-    from driftform.run_directory import resume_command
+    from driftform.runs.directory import resume_command
 
     return (
         f"stopped after {store.count()} of {study.evaluations} evaluations; "
@@ -207,7 +207,7 @@ def _check_targets(study: "Study", source: str) -> None:
 
 def _next_directory(study: str) -> Path:
     """Make the first free ``runs/<study>-<n>``."""
-    from driftform.files import make_directory
+    from driftform.util.files import make_directory
 
     make_directory(Path("runs"))
     number = 1

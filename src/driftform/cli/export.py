@@ -40,12 +40,12 @@ def export(
     json: Json = False,
 ) -> None:
     """Write an agent's hull as files for printers and other programs; an older file of the name is replaced."""
-    from driftform.agents import open_agent
+    from driftform.agents.opening import open_agent
     from driftform.cli.kit import exporter_settings
     from driftform.cli.output import print_json
     from driftform.errors import InputError
-    from driftform.files import make_directory
     from driftform.registry import registry
+    from driftform.util.files import make_directory
 
     names = [name.strip() for name in format.split(",") if name.strip()]
     if not names:

@@ -10,7 +10,7 @@ from driftform.cli.options import Json
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from driftform.store import Record, Store
+    from driftform.runs.store import Record, Store
     from driftform.study import Study
 
 FOLDER = "data"
@@ -40,11 +40,11 @@ def export_data(
     Also while the run goes on: then there is what was stored when it began.
     """
     from driftform.cli.output import print_json
-    from driftform.files import write_together
-    from driftform.run_directory import check_run
-    from driftform.store import Store
+    from driftform.runs.directory import check_run
+    from driftform.runs.store import Store
     from driftform.study import Document, load_study
-    from driftform.table_files import FORMATS, check_format
+    from driftform.tables.files import FORMATS, check_format
+    from driftform.util.files import write_together
 
     _check_name(format, list(FORMATS))
     database = check_run(run)
@@ -70,10 +70,10 @@ def export_data(
 def _write(part: Path, study: "Study", store: "Store", format: str, trajectories: bool) -> dict[str, int]:
     """Write the tables and what their columns mean into a directory; return how many rows each has."""
     from driftform import __version__
-    from driftform.columns import SAMPLE_COLUMNS, evaluation_columns
-    from driftform.progress import counter
-    from driftform.table_files import FORMATS
-    from driftform.tables import described, evaluation_batches, sample_batches
+    from driftform.runs.tables import described, evaluation_batches, sample_batches
+    from driftform.tables.columns import SAMPLE_COLUMNS, evaluation_columns
+    from driftform.tables.files import FORMATS
+    from driftform.util.progress import counter
 
     targets = study.scenario.target_names
     tables = {"evaluations": evaluation_columns(targets)}

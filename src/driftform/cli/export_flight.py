@@ -35,12 +35,12 @@ def export_flight(
     json: Json = False,
 ) -> None:
     """Fly one agent, and write its flight for other programs, such as Foxglove, RViz or pandas; an older file is replaced."""
-    from driftform.agents import open_agent
+    from driftform.agents.opening import open_agent
     from driftform.cli.output import print_json
     from driftform.errors import InputError, WorkFailedError
-    from driftform.files import make_directory
-    from driftform.motion import resampled
     from driftform.registry import registry
+    from driftform.trajectory.resampling import resampled
+    from driftform.util.files import make_directory
 
     names = list(dict.fromkeys(name.strip() for name in format.split(",") if name.strip()))
     if not names:

@@ -7,7 +7,7 @@ import typer
 from driftform.cli.options import Agent, Hydrodynamics, Json, ScenarioOption, Settings
 
 if TYPE_CHECKING:
-    from driftform.agents import Opened
+    from driftform.agents.opening import Opened
 
 
 def inspect(
@@ -22,8 +22,8 @@ def inspect(
     json: Json = False,
 ) -> None:
     """Tell what a body is: its modules, mass, buoyancy, inertia, added mass, how it moves, and what to beware of."""
-    from driftform.agents import open_agent
-    from driftform.body_facts import body_facts
+    from driftform.agents.inspection import body_facts
+    from driftform.agents.opening import open_agent
     from driftform.cli.output import print_json
 
     opened = open_agent(agent, scenario, settings or (), {"hydrodynamics": hydrodynamics})

@@ -31,15 +31,15 @@ def pick(
 
     Every stored flight is looked at; the run may still be going on.
     """
-    from driftform.agent_file import StoredAgent, write_agent
     from driftform.cli.output import print_json
     from driftform.errors import InputError
-    from driftform.files import make_directory
-    from driftform.progress import watched
-    from driftform.reach import closest_pass
-    from driftform.run_directory import check_run, resume_command
-    from driftform.store import Store
+    from driftform.runs.agent_file import StoredAgent, write_agent
+    from driftform.runs.directory import check_run, resume_command
+    from driftform.runs.store import Store
     from driftform.study import Document, load_study
+    from driftform.trajectory.coverage import closest_pass
+    from driftform.util.files import make_directory
+    from driftform.util.progress import watched
 
     point = (x, y, z)
     database = check_run(run)

@@ -102,8 +102,8 @@ def new(
 
     from driftform.cli.output import print_json
     from driftform.errors import InputError
-    from driftform.files import write_folder, write_text
     from driftform.scaffold import files_of, names_of, uses_of
+    from driftform.util.files import write_folder, write_text
 
     names = names_of(name, seam)
     folder = out if out is not None else Path(names.distribution)

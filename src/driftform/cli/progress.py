@@ -5,10 +5,10 @@ from pathlib import Path
 from types import TracebackType
 
 from driftform.cli.display import View, duration, failures, line, pace_text
-from driftform.cli.standing import Pace, Standing
-from driftform.progress import REFRESH
-from driftform.store import Record
+from driftform.runs.status import Pace, Standing
+from driftform.runs.store import Record
 from driftform.study import Study
+from driftform.util.progress import REFRESH
 
 
 class Progress:

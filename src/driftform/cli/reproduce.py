@@ -35,10 +35,10 @@ def reproduce(
 
     from driftform.cli.executors import chosen_executor
     from driftform.cli.output import print_json
-    from driftform.files import make_directory, write_text
-    from driftform.progress import counter
     from driftform.reproduction.repeats import STRATEGIES, carry_out, result_of, study_of
     from driftform.reproduction.report import refly, results_document, results_markdown, write_figures
+    from driftform.util.files import make_directory, write_text
+    from driftform.util.progress import counter
 
     started = time.perf_counter()
     seeds = range(seed, seed + repeats)

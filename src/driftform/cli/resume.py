@@ -8,7 +8,7 @@ import typer
 from driftform.cli.options import ExecutorName, Json, Scheduler, Workers
 
 if TYPE_CHECKING:
-    from driftform.store import Store
+    from driftform.runs.store import Store
 
 
 def resume(
@@ -33,8 +33,8 @@ def resume(
     """
     from driftform.cli.evolve import carry_out
     from driftform.cli.executors import chosen_executor
-    from driftform.run_directory import check_run, locked, write_resolved
-    from driftform.store import Store
+    from driftform.runs.directory import check_run, locked, write_resolved
+    from driftform.runs.store import Store
     from driftform.study import Document, load_study
 
     database = check_run(run)

@@ -24,11 +24,11 @@ def sample(
     """Draw random agents, each an agent.json."""
     import numpy as np
 
-    from driftform.agent_file import StoredAgent, write_agent
     from driftform.cli.output import print_json
     from driftform.errors import InputError
-    from driftform.files import make_directory
+    from driftform.runs.agent_file import StoredAgent, write_agent
     from driftform.study import load_study
+    from driftform.util.files import make_directory
 
     study = load_study(scenario, settings or ())
     if out.is_dir() and any(out.iterdir()):

@@ -26,7 +26,7 @@ def list_(json: Json = False) -> None:
     import tomllib
 
     from driftform.cli.output import print_json, print_table
-    from driftform.layers import builtin_scenarios
+    from driftform.study.sources import builtin_scenarios
 
     rows = [
         {"name": name, "title": document.get("title", ""), "targets": len(document.get("targets", {}))}
@@ -54,7 +54,7 @@ def show(
 
     from driftform.cli.output import print_json
     from driftform.errors import InputError, did_you_mean
-    from driftform.layers import builtin_scenarios
+    from driftform.study.sources import builtin_scenarios
 
     texts = builtin_scenarios()
     if name not in texts:

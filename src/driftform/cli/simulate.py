@@ -20,9 +20,9 @@ from driftform.cli.options import (
 from driftform.errors import InputError, WorkFailedError
 
 if TYPE_CHECKING:
-    from driftform.agents import Opened
+    from driftform.agents.opening import Opened
     from driftform.interfaces import Renderer as RendererPlugin
-    from driftform.robustness import Spread
+    from driftform.scenario.disturbances import Spread
     from driftform.types import Evaluation, Trajectory
 
 
@@ -44,13 +44,13 @@ def simulate(
 
     With --robust it is flown many more times, each time a little different from what was planned.
     """
-    from driftform.agents import open_agent
+    from driftform.agents.opening import open_agent
     from driftform.cli.output import print_json, print_table
-    from driftform.dynamics.path import closest_approach
     from driftform.figures.flight import flight_svg
-    from driftform.files import make_directory, write_text
-    from driftform.progress import counter
-    from driftform.run_directory import write_trajectory
+    from driftform.runs.directory import write_trajectory
+    from driftform.trajectory.path import closest_approach
+    from driftform.util.files import make_directory, write_text
+    from driftform.util.progress import counter
 
     disturbed = () if robust is None else (f"robustness.conditions={robust}",)
     opened = open_agent(
@@ -147,8 +147,8 @@ def _spread(opened: "Opened") -> "Spread | None":
     """Fitness over the disturbed conditions of the scenario, ``None`` where it has none."""
     import numpy as np
 
-    from driftform.progress import counter
-    from driftform.robustness import spread_of
+    from driftform.scenario.disturbances import spread_of
+    from driftform.util.progress import counter
 
     count = len(opened.pipeline.conditions)
     if not count:
@@ -164,7 +164,7 @@ def _spread(opened: "Opened") -> "Spread | None":
 
 def _camera(opened: "Opened", name: str, film: Path | None, still: Path | None) -> "RendererPlugin[Any]":
     """The renderer, after all was refused of its film and its still that can be before the flight."""
-    from driftform.files import is_directory
+    from driftform.util.files import is_directory
 
     try:
         renderer = opened.study.renderer(name)

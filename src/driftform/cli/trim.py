@@ -7,9 +7,9 @@ import typer
 from driftform.cli.options import Agent, Hydrodynamics, Json, ScenarioOption, Settings, Simulator
 
 if TYPE_CHECKING:
-    from driftform.agents import Opened
-    from driftform.ballast import Need, Piece
-    from driftform.reflight import Flown
+    from driftform.agents.opening import Opened
+    from driftform.agents.sensitivity import Flown
+    from driftform.printing.ballast import Need, Piece
     from driftform.types import Agent as BuiltAgent
 
 GRAMS_FOR_KG = 20
@@ -55,11 +55,11 @@ def trim(
     json: Json = False,
 ) -> None:
     """Tell the ballast that makes a print fly as simulated, and where it would go without."""
-    from driftform.agents import open_agent
-    from driftform.ballast import need
+    from driftform.agents.opening import open_agent
+    from driftform.agents.sensitivity import flown
     from driftform.cli.output import print_json
-    from driftform.reflight import flown
-    from driftform.weighing import weighed
+    from driftform.geometry.mass_elements import weighed
+    from driftform.printing.ballast import need
 
     opened = open_agent(
         agent,
@@ -177,9 +177,9 @@ def _trimmed(
     opened: "Opened", mass: float, x: float | None, wanted: "Need", density: float
 ) -> "tuple[BuiltAgent | None, dict[str, Any]]":
     """The agent with its ballast or buoyancy, ``None`` where there can be none, and what that is."""
-    from driftform.ballast import NEGLIGIBLE, nearest, pieces
     from driftform.errors import InputError
-    from driftform.weighing import core_lump, printed_hull
+    from driftform.geometry.mass_elements import core_lump, printed_hull
+    from driftform.printing.ballast import NEGLIGIBLE, nearest, pieces
 
     body, fluid = opened.agent.body, opened.study.scenario.fluid
     lumps = [printed_hull(body, mass, x), core_lump(body)]
@@ -220,7 +220,7 @@ def _trimmed(
 def _loaded(opened: "Opened", lumps: "list[Any]") -> "BuiltAgent":
     from dataclasses import replace
 
-    from driftform.weighing import together
+    from driftform.geometry.mass_elements import together
 
     return replace(opened.agent, mass=together(lumps, opened.agent.mass))
 
@@ -231,8 +231,8 @@ def _lifted(opened: "Opened", lumps: "list[Any]", wanted: "Need") -> "tuple[Buil
 
     import numpy as np
 
-    from driftform.ballast import FOAM
-    from driftform.weighing import Lump
+    from driftform.geometry.mass_elements import Lump
+    from driftform.printing.ballast import FOAM
 
     agent, water = opened.agent, opened.study.scenario.fluid.density
     volume = -wanted.mass / (water - FOAM)
@@ -288,7 +288,7 @@ def _print(facts: dict[str, Any], density: float) -> None:
 
 def _remedy(facts: dict[str, Any], density: float, place: Any) -> list[str]:
     """What is to be done, in words."""
-    from driftform.ballast import MATERIALS, NEGLIGIBLE, ball_diameter
+    from driftform.printing.ballast import MATERIALS, NEGLIGIBLE, ball_diameter
 
     mass, x = facts["ballast_mass"], facts["ballast_x"]
     if abs(mass) < NEGLIGIBLE:

@@ -7,8 +7,8 @@ import typer
 
 from driftform.cli.display import View, failures, line, pace_text
 from driftform.cli.options import Json
-from driftform.cli.standing import Pace, Standing
-from driftform.progress import REFRESH
+from driftform.runs.status import Pace, Standing
+from driftform.util.progress import REFRESH
 
 RUNNING, WRITING, FINISHED, STOPPED = "running", "writing the best agents", "finished", "stopped"
 
@@ -23,7 +23,7 @@ def watch(
 ) -> None:
     """Look on at a run from another terminal while it goes on, until it ends or Ctrl-C; the run is left alone."""
     from driftform.cli.output import print_json
-    from driftform.run_directory import check_run
+    from driftform.runs.directory import check_run
 
     onlooker = Onlooker(run, check_run(run))
     onlooker.look()
@@ -64,8 +64,8 @@ class Onlooker:
         InputError
             where the database is damaged.
         """
-        from driftform.run_directory import is_worked_on
-        from driftform.store import Store
+        from driftform.runs.directory import is_worked_on
+        from driftform.runs.store import Store
 
         # Asked first: who has let go of the run has written all that is read below.
         held = is_worked_on(self.directory)
@@ -148,7 +148,7 @@ def _print_once(onlooker: Onlooker) -> None:
 
 
 def _last_words(onlooker: Onlooker) -> str:
-    from driftform.run_directory import resume_command
+    from driftform.runs.directory import resume_command
 
     standing = onlooker.standing
     if onlooker.state == FINISHED:

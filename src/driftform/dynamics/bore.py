@@ -10,9 +10,9 @@ vectors are made once for all rims.
 import math
 from typing import TypeAlias
 
-from driftform.dynamics.compiled import compiled
 from driftform.dynamics.vectors import Vector, cross, dot, minus, plus, times
 from driftform.types import FloatArray
+from driftform.util.compiled import compiled
 
 BLUNT = 1e-3
 """Sine of the angle between axis and wall normal below which a rim touches with less than its radius.

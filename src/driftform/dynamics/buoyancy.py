@@ -10,9 +10,9 @@ that bobs undamped keeps its energy.
 
 import math
 
-from driftform.dynamics.compiled import compiled
 from driftform.dynamics.vectors import Rotation, Vector, Wrench, cross, dot, times
 from driftform.types import FloatArray
+from driftform.util.compiled import compiled
 
 
 @compiled

@@ -15,7 +15,6 @@ from driftform.dynamics.bore import (
     lever_and_normal,
     touch,
 )
-from driftform.dynamics.compiled import compiled
 from driftform.dynamics.vectors import (
     ZERO,
     Rotation,
@@ -33,6 +32,7 @@ from driftform.dynamics.vectors import (
     to_world,
 )
 from driftform.types import FloatArray
+from driftform.util.compiled import compiled
 
 ONSET = 1e-3
 """Depth, m, over which the damper sets in, so that the force is continuous."""

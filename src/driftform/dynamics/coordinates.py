@@ -11,13 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.dynamics.compiled import borrowed, compiled
 from driftform.dynamics.equations import accelerations
 from driftform.dynamics.flight import has_left, is_finite
 from driftform.dynamics.model import FlightModel, packed, unpacked
 from driftform.dynamics.plane import NUMBERS, accelerations_in_plane, outside, plane_model, stays_in_plane
 from driftform.dynamics.rotations import rotation_from_vector, rotation_vector_from_quaternion
 from driftform.types import FloatArray
+from driftform.util.compiled import borrowed, compiled
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,47 +2,10 @@
 
 import math
 
-import numpy as np
-
-from driftform.dynamics.compiled import compiled
 from driftform.dynamics.vectors import ZERO, Vector
+from driftform.hydrodynamics.drag_coefficients import crossflow_coefficient, friction_coefficient
 from driftform.types import FloatArray
-
-LAMINAR_BELOW = 5e5
-"""Reynolds number (on length) at which a boundary layer becomes turbulent."""
-
-
-@compiled
-def crossflow_coefficient(reynolds: float) -> float:
-    """Return C_d of a long circular cylinder across the flow, on its diameter: 1 + 10 Re^(-2/3).
-
-    White, Viscous Fluid Flow, eq. 3-225, for Re (on the diameter) from 1 to 2e5; without the drag crisis.
-
-    >>> crossflow_coefficient(1000.0)
-    1.1
-    """
-    if reynolds <= 0.0:
-        return math.inf
-    root = float(np.cbrt(reynolds))
-    return 1.0 + 10.0 / (root * root)
-
-
-@compiled
-def friction_coefficient(reynolds: float) -> float:
-    """Return the mean skin friction coefficient C_f of a flat plate, on its wetted area.
-
-    Blasius' 1.328 / sqrt(Re) while the layer is laminar. Beyond it, the ITTC 1957 line 0.075 / (log10 Re - 2)^2 less
-    A / Re for the laminar part at the front (after Prandtl), with A such that the two meet. Valid to Re = 1e9.
-
-    >>> round(friction_coefficient(1e5), 5), round(friction_coefficient(1e7), 5)
-    (0.0042, 0.00282)
-    """
-    if reynolds <= 0.0:
-        return math.inf
-    if reynolds < LAMINAR_BELOW:
-        return 1.328 / math.sqrt(reynolds)
-    front = LAMINAR_BELOW * 0.075 / (math.log10(LAMINAR_BELOW) - 2.0) ** 2 - 1.328 * math.sqrt(LAMINAR_BELOW)
-    return 0.075 / (math.log10(reynolds) - 2.0) ** 2 - front / reynolds
+from driftform.util.compiled import compiled
 
 
 @compiled

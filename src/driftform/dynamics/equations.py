@@ -16,7 +16,6 @@ form has no such term, and takes for a the change of u along the body's path.
 import numpy as np
 
 from driftform.dynamics.buoyancy import buoyancy, half_height, slice_depth, submerged
-from driftform.dynamics.compiled import compiled
 from driftform.dynamics.contact import wall_wrench
 from driftform.dynamics.drag import axial_drag, strip_drag
 from driftform.dynamics.flow import water
@@ -60,6 +59,7 @@ from driftform.dynamics.vectors import (
     to_world,
 )
 from driftform.types import FloatArray
+from driftform.util.compiled import compiled
 
 
 @compiled

@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 from driftform.dynamics.buoyancy import buoyant_energy
-from driftform.dynamics.compiled import compiled
 from driftform.dynamics.contact import deepest_rim
+from driftform.dynamics.cubic import at, cubic_between, rate_at
 from driftform.dynamics.flow import water
 from driftform.dynamics.model import (
     BODY_MASS,
@@ -25,11 +25,11 @@ from driftform.dynamics.model import (
     packed,
     unpacked,
 )
-from driftform.dynamics.path import at, cubic_between, rate_at
 from driftform.dynamics.rotations import quaternion_rate, rotation_from_quaternion
 from driftform.dynamics.vectors import Vector, dot, minus, times, to_body
 from driftform.scenario import Scenario
 from driftform.types import End, FloatArray, Trajectory
+from driftform.util.compiled import compiled
 
 SAMPLE = 14
 """Numbers in a raw sample: time, position, quaternion, velocity (world frame), angular velocity (body frame)."""

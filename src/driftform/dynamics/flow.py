@@ -8,11 +8,11 @@ import math
 
 import numpy as np
 
-from driftform.dynamics.compiled import compiled
-from driftform.dynamics.path import at, cubic_between, rate_at
+from driftform.dynamics.cubic import at, cubic_between, rate_at
 from driftform.dynamics.vectors import ZERO, Rotation, Vector, dot, minus, plus, times
 from driftform.scenario import DevelopingFlow, LogLawFlow, PowerLawFlow, Scenario, TurbulentFlow, UniformFlow
 from driftform.types import FloatArray
+from driftform.util.compiled import compiled
 
 UNIFORM, POWER_LAW, LOG_LAW, DEVELOPING = 0.0, 1.0, 2.0, 3.0
 

@@ -14,17 +14,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.dynamics.compiled import borrowed, compiled
 from driftform.dynamics.contact import is_far
+from driftform.dynamics.cubic import at, cubic_between
 from driftform.dynamics.equations import accelerations
 from driftform.dynamics.flight import SAMPLE, has_left, is_finite, position_of, velocity_of
 from driftform.dynamics.model import REACH, FlightModel, packed, unpacked
-from driftform.dynamics.path import at, cubic_between
 from driftform.dynamics.plane import PLACES, plane_model, slope_in_plane, stays_in_plane
 from driftform.dynamics.rotations import quaternion_rate, rotation_from_quaternion
 from driftform.dynamics.tableaus import DOP853, DOPRI5, Pair
 from driftform.dynamics.vectors import dot, minus
 from driftform.types import FloatArray
+from driftform.util.compiled import borrowed, compiled
 
 STATE = SAMPLE - 1
 """Numbers in a state: position (3) and velocity (3) in the world, quaternion between them, body rates (3) at the end."""

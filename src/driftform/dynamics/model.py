@@ -4,12 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from driftform.dynamics.compiled import borrowed, compiled
 from driftform.dynamics.flow import UNIFORM, flow_array, gust_array
 from driftform.dynamics.inertia import added_mass_at, rigid_body_mass
 from driftform.geometry.slices import slices
 from driftform.scenario import Scenario
 from driftform.types import Agent, Body, Drag, FloatArray
+from driftform.util.compiled import borrowed, compiled
 
 # Rows of the table that the kernels read; six columns each.
 MASS, INVERSE, LINEAR, QUADRATIC = 0, 6, 12, 18

@@ -15,7 +15,6 @@ from typing import TypeAlias
 
 import numpy as np
 
-from driftform.dynamics.compiled import compiled
 from driftform.dynamics.contact import coplanar_force
 from driftform.dynamics.model import (
     BODY_MASS,
@@ -35,6 +34,7 @@ from driftform.dynamics.model import (
     FlightModel,
 )
 from driftform.types import FloatArray
+from driftform.util.compiled import compiled
 
 Point: TypeAlias = tuple[float, float]
 """Components along x and z of the world, or two numbers like them."""

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from driftform.dynamics.compiled import compiled
 from driftform.dynamics.vectors import Rotation
 from driftform.types import FloatArray
+from driftform.util.compiled import compiled
 
 
 @compiled

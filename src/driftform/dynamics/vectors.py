@@ -2,7 +2,7 @@
 
 from typing import TypeAlias
 
-from driftform.dynamics.compiled import compiled
+from driftform.util.compiled import compiled
 
 Vector: TypeAlias = tuple[float, float, float]
 Rotation: TypeAlias = tuple[Vector, Vector, Vector]

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from driftform.errors import WorkFailedError
-from driftform.packed_flight import compact
 from driftform.pipeline import Pipeline
+from driftform.trajectory.compression import compact
 from driftform.types import Evaluation, Genome
 
 

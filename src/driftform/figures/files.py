@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from driftform.files import write_text, write_whole
+from driftform.util.files import write_text, write_whole
 
 ZOOM = 2.0
 """PNG pixels for each px of a picture: sharp on dense screens, and 150 dpi at 15 cm."""

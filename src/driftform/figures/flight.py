@@ -17,18 +17,10 @@ from driftform.figures.plot import (
     pipe_ink,
     pipe_points,
 )
-from driftform.figures.projection import (
-    PLAN,
-    SIDE,
-    Approach,
-    closest,
-    pose,
-    positions,
-    resample,
-    times,
-)
+from driftform.figures.projection import PLAN, SIDE, resample, times
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, VERMILLION, tint
 from driftform.scenario import Scenario
+from driftform.trajectory.interpolation import Approach, closest, pose, positions
 from driftform.types import Body, FloatArray, Trajectory
 
 _WIDTH, _LEFT, _RIGHT = 900.0, 62.0, 24.0

@@ -18,9 +18,10 @@ from driftform.figures.plot import (
     pipe_ink,
     pipe_points,
 )
-from driftform.figures.projection import SIDE, Approach, closest, positions, resample, times
+from driftform.figures.projection import SIDE, resample, times
 from driftform.figures.style import INK, MUTED, tint
 from driftform.scenario import Scenario
+from driftform.trajectory.interpolation import Approach, closest, positions
 from driftform.types import FloatArray
 
 _LEFT, _RIGHT = 58.0, 22.0

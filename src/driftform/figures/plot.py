@@ -7,9 +7,10 @@ import numpy as np
 
 from driftform.figures import svg
 from driftform.figures.layout import Box, nice_below, signed, ticks, write
-from driftform.figures.projection import Pose, View, resample, silhouette, simplify
+from driftform.figures.projection import View, resample, silhouette, simplify
 from driftform.figures.style import GRID, INK, MUTED, WALL, WATER
 from driftform.scenario import Pipe
+from driftform.trajectory.interpolation import Pose
 from driftform.types import Body, FloatArray
 
 _NAMES = "xyz"

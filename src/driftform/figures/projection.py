@@ -1,12 +1,10 @@
 """Flights and bodies as they are seen from one side: plain geometry, in metres."""
 
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
 
-from driftform.dynamics.path import closest_approach, hermite_coefficients, world_velocity
 from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.types import Body, FloatArray, Trajectory
 
@@ -17,25 +15,6 @@ SIDE: View = (0, 2)
 PLAN: View = (0, 1)
 
 
-@dataclass(frozen=True, eq=False)
-class Approach:
-    """Where a flight is closest to a point: ``distance`` (m), ``t`` (s), ``position`` (world, m, (3,))."""
-
-    distance: float
-    t: float
-    position: FloatArray
-
-
-def positions(trajectory: Trajectory, t: FloatArray) -> FloatArray:
-    """Return the core's centre at times ``t`` (n,), world, m, (n, 3), on the path that fitness measures."""
-    if len(trajectory.t) == 1:
-        return np.repeat(trajectory.position, len(t), axis=0)
-    curve = hermite_coefficients(trajectory.t, trajectory.position, world_velocity(trajectory))
-    i = np.clip(np.searchsorted(trajectory.t, t, side="right") - 1, 0, len(curve) - 1)
-    u = (t - trajectory.t[i]) / (trajectory.t[i + 1] - trajectory.t[i])
-    return np.asarray(np.einsum("np,npd->nd", u[:, None] ** np.arange(4), curve[i]), dtype=np.float64)
-
-
 def times(trajectory: Trajectory, start: float = 0.0, stop: float = np.inf) -> FloatArray:
     """Return the times from ``start`` to ``stop`` (s) between which the path looks straight, (n,)."""
     t = trajectory.t
@@ -43,27 +22,6 @@ def times(trajectory: Trajectory, start: float = 0.0, stop: float = np.inf) -> F
     # Three stations between samples: enough for the cubic between them to look like one.
     fine = np.interp(np.arange(0, len(t) - 0.75, 0.25), np.arange(len(t)), t)
     return np.concatenate([[start], fine[(fine > start) & (fine < stop)], [stop]])
-
-
-def closest(trajectory: Trajectory, points: FloatArray) -> list[Approach]:
-    """Return the closest approach to each of ``points``, world frame, m, (n, 3)."""
-    distances, times = closest_approach(trajectory, points)
-    places = positions(trajectory, times)
-    return [Approach(float(d), float(t), p) for d, t, p in zip(distances, times, places, strict=True)]
-
-
-@dataclass(frozen=True, eq=False)
-class Pose:
-    """Where and how a body lies: ``position`` (world, m, (3,)), ``quaternion`` (body to world, (4,))."""
-
-    position: FloatArray
-    quaternion: FloatArray
-
-
-def pose(trajectory: Trajectory, t: float) -> Pose:
-    """Return the pose at time ``t`` (s); the attitude is the nearest sample's: it is shown, not measured."""
-    nearest = int(np.argmin(np.abs(trajectory.t - t)))
-    return Pose(positions(trajectory, np.array([t]))[0], trajectory.quaternion[nearest])
 
 
 def silhouette(body: Body, quaternion: FloatArray, view: View, tolerance: float) -> list[FloatArray]:

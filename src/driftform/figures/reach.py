@@ -17,8 +17,8 @@ from driftform.figures.plot import (
 )
 from driftform.figures.projection import SIDE
 from driftform.figures.style import GRID, INK, MUTED
-from driftform.reach import Cells, Reach
 from driftform.scenario import Pipe, Scenario, Segment
+from driftform.trajectory.coverage import Cells, Reach
 from driftform.types import FloatArray
 
 _WIDTH, _LEFT, _RIGHT, _MARGIN = 900.0, 58.0, 22.0, 22.0
@@ -37,7 +37,7 @@ def reach_svg(reach: Reach, scenario: Scenario, title: str) -> str:
     Parameters
     ----------
     reach
-        the map: along the pipe to the right, upward as :class:`driftform.reach.Cells` has it; to scale.
+        the map: along the pipe to the right, upward as :class:`driftform.trajectory.coverage.Cells` has it; to scale.
     scenario
         current, release and targets. Where its pipe lies along the world's x, the axes are those of the world.
     title

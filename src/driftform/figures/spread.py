@@ -11,9 +11,10 @@ from driftform.figures import svg
 from driftform.figures.gallery import MARGIN, WIDTH
 from driftform.figures.layout import shorten, write
 from driftform.figures.plot import Window, draw_axes, draw_cross, draw_walls, draw_water, pipe_points
-from driftform.figures.projection import SIDE, closest, positions
+from driftform.figures.projection import SIDE
 from driftform.figures.style import INK, MUTED, SERIES, tint
 from driftform.scenario import Scenario
+from driftform.trajectory.interpolation import closest, positions
 from driftform.types import FloatArray, Trajectory
 
 COLUMNS = 2

@@ -7,25 +7,26 @@ from typing import Any
 
 import numpy as np
 
-from driftform.agent_file import StoredAgent
-from driftform.dynamics.path import closest_approach
 from driftform.errors import WorkFailedError
 from driftform.figures.gallery import Flight
 from driftform.figures.overview import overview_svg
-from driftform.figures.projection import positions, simplify
+from driftform.figures.projection import simplify
 from driftform.figures.reach import reach_svg
 from driftform.figures.section import section_svg
 from driftform.figures.strip import Strip, strip_svg
 from driftform.figures.style import SERIES
 from driftform.figures.trend import Trend, trend_svg
-from driftform.finalists import winner
-from driftform.progress import watched
-from driftform.reach import Cells, reach_of
-from driftform.run_directory import best_agent, check_run
+from driftform.runs.agent_file import StoredAgent
+from driftform.runs.directory import best_agent, check_run
+from driftform.runs.finalists import winner
+from driftform.runs.store import Store
 from driftform.scenario import Scenario
-from driftform.store import Store
 from driftform.study import Document, Study, load_study
+from driftform.trajectory.coverage import Cells, reach_of
+from driftform.trajectory.interpolation import positions
+from driftform.trajectory.path import closest_approach
 from driftform.types import Agent, FloatArray, Trajectory
+from driftform.util.progress import watched
 
 SAMPLES = 240
 """Most moments of a flight that a page holds."""

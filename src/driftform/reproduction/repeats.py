@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 import tomli_w
 
-from driftform.evolution import evolve
 from driftform.execution import Executor
 from driftform.pipeline import Pipeline
-from driftform.run_directory import DATABASE, check_run, locked, write_inputs
+from driftform.runs.directory import DATABASE, check_run, locked, write_inputs
+from driftform.runs.search import evolve
+from driftform.runs.store import Record, Store
 from driftform.scenario import Scenario, TurbulentFlow
-from driftform.store import Record, Store
 from driftform.study import Document, Study, load_study
 from driftform.types import FloatArray, Genome, Trajectory
 

@@ -10,12 +10,11 @@ import numpy as np
 import pytest
 
 from driftform.dynamics.inertia import added_mass_at, rigid_body_mass, shifted
-from driftform.dynamics.path import hermite_coefficients, world_velocity
 from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.interfaces import Simulator
 from driftform.scenario import (
     Contact,
-    Flight,
+    FlightLimits,
     Fluid,
     Pipe,
     PowerLawFlow,
@@ -37,6 +36,7 @@ from driftform.testing.agents import (
     tumbler,
 )
 from driftform.testing.bodies import spheroid_body
+from driftform.trajectory.path import hermite_coefficients, world_velocity
 from driftform.types import Agent, Coefficients, Drag, End, FloatArray, Trajectory
 
 SPHEROID = Spheroid(0.06, 0.01)
@@ -68,7 +68,7 @@ def water(
             {"position": position, "pitch_deg": pitch_deg, "velocity": velocity},
         ),
         contact=Contact(frequency=frequency),
-        flight=Flight(horizon=horizon),
+        flight=FlightLimits(horizon=horizon),
     )
 
 

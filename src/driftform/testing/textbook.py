@@ -15,7 +15,7 @@ from numba import njit
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from driftform.scenario import Flight, Fluid, Release, Scenario, UniformFlow
+from driftform.scenario import FlightLimits, Fluid, Release, Scenario, UniformFlow
 from driftform.testing.agents import Spheroid
 from driftform.testing.simulator import apart, positions_at
 from driftform.types import Agent, Coefficients, FloatArray, MassProperties, Trajectory
@@ -104,7 +104,7 @@ def random_flight(seed: int, horizon: float = 3.0) -> tuple[Agent, Scenario]:
         flow=UniformFlow(speed=1.0),
         fluid=Fluid(density=1024.0, gravity=9.81),
         release=Release(velocity=(float(x), float(y), float(z)), pitch_deg=float(rng.uniform(-45, 45))),
-        flight=Flight(horizon=horizon),
+        flight=FlightLimits(horizon=horizon),
     )
     return agent, scenario
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from driftform import hookimpl
 from driftform.errors import WorkFailedError
-from driftform.files import write_text
 from driftform.interfaces import Exporter, Fitness, Renderer, Simulator
 from driftform.options import Table, option
 from driftform.types import End, Trajectory, WrittenFile
+from driftform.util.files import write_text
 
 
 class FakeOptions(Table):

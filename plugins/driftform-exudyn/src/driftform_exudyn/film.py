@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from driftform.errors import WorkFailedError
-from driftform.files import write_whole
 from driftform.interfaces import Renderer
 from driftform.options import Table, option
 from driftform.scenario import Scenario
 from driftform.types import Agent, Trajectory, WrittenFile
+from driftform.util.files import write_whole
 from driftform_exudyn.encoder import SUFFIXES, encode, ffmpeg
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
         progress: Callable[[int, int], None],
     ) -> WrittenFile:
         """Make the film. Facts: ``frames``, ``seconds`` of the film, ``size_px``."""
-        from driftform.motion import even_times
+        from driftform.trajectory.resampling import even_times
         from driftform_exudyn.scene import Scene
 
         self.check(path)
@@ -99,7 +99,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
     ) -> WrittenFile:
         """Make the still: from the side it has the agent at equal intervals too. Facts: ``t``, ``size_px``."""
         from driftform.figures.png import png_bytes
-        from driftform.motion import even_times
+        from driftform.trajectory.resampling import even_times
         from driftform_exudyn.scene import Scene
 
         self.check_still(path)

@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 
 from driftform.dynamics.rotations import matrix_from_quaternion
-from driftform.figures.projection import positions
-from driftform.motion import attitudes
+from driftform.trajectory.interpolation import attitudes, positions
 from driftform.types import FloatArray, Trajectory
 
 

@@ -5,9 +5,9 @@ from functools import cached_property
 
 import numpy as np
 
-from driftform.figures.projection import positions
 from driftform.figures.style import INK, VERMILLION
 from driftform.scenario import Scenario
+from driftform.trajectory.interpolation import positions
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform_exudyn.motion import Pose, poses
 from driftform_exudyn.shapes import Shape, ball, text

@@ -10,36 +10,14 @@ from driftform.interfaces import Checker, PrintJob
 from driftform.options import Table, option
 from driftform.types import Finding, State
 from driftform_printability.parts import MM3_PER_M3, signed_volume
-from driftform_printability.programs import missing, output_of
-
-_TIMEOUT = 300.0
-
-
-def render(source: Path, folder: Path, timeout: float = _TIMEOUT) -> Path:
-    """Render OpenSCAD source to a mesh within ``folder``, and return its path.
-
-    Raises
-    ------
-    WorkFailedError
-        where OpenSCAD is not there or does not come to an end.
-    InputError
-        where it makes no solid of the source, or leaves out a part of it; the message has its reason.
-    """
-    if reason := missing("openscad"):
-        raise WorkFailedError(f"{source}: can be read by OpenSCAD only: {reason}")
-    mesh = folder / "rendered.stl"
-    said = output_of(["openscad", "-o", str(mesh), str(source.resolve())], folder, timeout)
-    # A part that could not be made is left out with no more than such a line.
-    faults = [line.strip() for line in said.splitlines() if "ERROR" in line or "WARNING" in line]
-    if faults or not mesh.is_file():
-        raise InputError(f"{source}: OpenSCAD: {faults[0] if faults else 'it makes no solid of it'}")
-    return mesh
+from driftform_printability.programs import missing
+from driftform_printability.rendering import TIMEOUT, render
 
 
 class OpenScadOptions(Table):
     """How OpenSCAD is asked."""
 
-    timeout: float = option(_TIMEOUT, "longest time that it may take", "s", gt=0)
+    timeout: float = option(TIMEOUT, "longest time that it may take", "s", gt=0)
     tolerance: float = option(1e-4, "largest relative difference of volume that passes", gt=0, lt=1)
 
 

@@ -9,8 +9,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from driftform.errors import InputError, WorkFailedError
-from driftform_printability.openscad import render
 from driftform_printability.parts import MM_PER_M, Part, welded
+from driftform_printability.rendering import render
 from driftform_printability.threemf import read_3mf
 
 # glTF is in metres and y up: here z is up, and the axis that came towards the viewer points along -y.

@@ -65,7 +65,7 @@ class Leak(Fitness[LeakOptions]):
         self, trajectory: Trajectory, scenario: Scenario
     ) -> tuple[FloatArray, list[tuple["Plume", FloatArray]]]:
         """Times of the readings, s, and for each leak its plume and what is read of it, kg/m3."""
-        from driftform.motion import resampled
+        from driftform.trajectory.resampling import resampled
         from driftform_robotics.plume import plume_of
         from driftform_robotics.sensors import places
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from driftform.dynamics.model import touching_rims
 from driftform.dynamics.rotations import matrix_from_quaternion
-from driftform.motion import acceleration_at
 from driftform.scenario import Fluid, Pipe, Scenario
+from driftform.trajectory.forces import acceleration_at
 from driftform.types import Body, FloatArray, Trajectory
 from driftform_robotics.atmosphere import ATMOSPHERE
 from driftform_robotics.models.pipe import bore_of
@@ -52,7 +52,7 @@ def specific_force(
     """Return what an accelerometer at a point of the body reads, R^T (a - g), in body axes, m/s2, (k, 3).
 
     At rest it reads g upward, and in free fall nothing. ``accelerations`` (k, 6) are those of the equations of motion
-    (:func:`driftform.motion.accelerations_along`), carried over to the point with the body's turning.
+    (:func:`driftform.trajectory.forces.accelerations_along`), carried over to the point with the body's turning.
     """
     up = matrix_from_quaternion(flight.quaternion)[:, 2]
     return np.asarray(acceleration_at(flight, accelerations, point) + gravity * up, dtype=np.float64)

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from driftform.errors import WorkFailedError
-from driftform.files import write_whole
 from driftform.types import Body
+from driftform.util.files import write_whole
 
 if TYPE_CHECKING:
     from driftform_frusta.parts import Part

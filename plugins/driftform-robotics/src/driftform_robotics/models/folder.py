@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from driftform.errors import WorkFailedError
-from driftform.files import write_folder
 from driftform.types import Body, FloatArray, WrittenFile
+from driftform.util.files import write_folder
 from driftform_robotics.models.link import Link
 from driftform_robotics.models.meshes import Piece, convex_pieces, obj_text, revolved
 

@@ -4,9 +4,9 @@ import json
 import shutil
 from pathlib import Path
 
-from driftform.files import write_folder, write_whole
 from driftform.interfaces import Recorder, Specimen
 from driftform.types import Trajectory, WrittenFile
+from driftform.util.files import write_folder, write_whole
 from driftform_robotics.recording.options import FlightOptions, Rosbag2Options, Storage
 
 

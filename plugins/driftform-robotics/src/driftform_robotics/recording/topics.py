@@ -9,7 +9,7 @@ import numpy as np
 
 from driftform.dynamics.rotations import quaternion_from_rotation_vector
 from driftform.interfaces import Specimen
-from driftform.motion import accelerations_along, net_wrench
+from driftform.trajectory.forces import accelerations_along, net_wrench
 from driftform.types import FloatArray, Trajectory
 from driftform_robotics import sensors
 from driftform_robotics.models.meshes import revolved

@@ -1,0 +1,1 @@
+"""Agents opened by name: what they are, and how sensitive their flights are."""

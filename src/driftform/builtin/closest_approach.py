@@ -1,0 +1,34 @@
+"""Equation 25: how close the flight comes to each target, relative to the farthest one could be."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from driftform.interfaces import Fitness
+from driftform.options import Table
+from driftform.scenario import Pipe, Scenario, Vector
+from driftform.types import FloatArray, Trajectory
+
+
+class ClosestApproach(Fitness[Table]):
+    """``100 (1 - d_min / d_max)``, in percent.
+
+    d_min is the smallest distance of the core's centre from the target along the whole flight, between samples
+    too; d_max the distance from the target to the farthest point of the pipe's volume. ``100 - fitness`` is the
+    error in percent of d_max.
+    """
+
+    name = "closest-approach"
+
+    def score(self, trajectory: Trajectory, scenario: Scenario) -> FloatArray:
+        """Return the fitness for each target, 0 to 100, (targets,)."""
+        from driftform.trajectory.path import closest_approach
+
+        d_min, _ = closest_approach(trajectory, scenario.target_array())
+        d_max = _farthest(scenario.pipe, tuple(scenario.targets.values()))
+        return np.asarray(np.maximum(0.0, 100 * (1 - d_min / d_max)), dtype=np.float64)
+
+
+@lru_cache(maxsize=16)
+def _farthest(pipe: Pipe, targets: tuple[Vector, ...]) -> FloatArray:
+    return np.array([pipe.farthest_distance(np.array(target)) for target in targets])

@@ -1,0 +1,1 @@
+"""From a simulated agent to a printed one that flies like it: ballast, trim, checks."""

@@ -1,0 +1,200 @@
+"""Ballast that makes a printed agent weigh and balance as its simulated one: how much, where, and as what.
+
+With the simulated mass m0 at x0 and the printed mass m at x, the ballast is what is missing of both::
+
+    m_b = m0 - m,    x_b = (m0 x0 - m x) / m_b
+
+It lies inside the hull and displaces no water. Where the print is too heavy m_b is negative, and the same point is
+where buoyancy has to be added.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from driftform.geometry import distance_from
+from driftform.geometry.mass_elements import Lump, ball
+from driftform.types import Body, FloatArray, MassProperties
+
+MATERIALS = {"steel": 7850.0, "lead": 11_340.0, "tungsten": 19_250.0}
+"""Densities of what ballast is made of, kg/m3 (CRC Handbook of Chemistry and Physics, at 20 degrees C)."""
+
+FOAM = 35.0
+"""Density of extruded polystyrene foam, kg/m3 (EN 13164: 25 to 45)."""
+
+NEGLIGIBLE = 1e-6
+"""kg: a milligram is no ballast."""
+
+_STATIONS = 240
+_SLICES = 2000
+
+
+@dataclass(frozen=True)
+class Need:
+    """Ballast of ``mass`` (kg), negative for buoyancy, at ``x`` (m); ``moment`` is mass times x, kg m."""
+
+    mass: float
+    moment: float
+
+    @property
+    def x(self) -> float | None:
+        """Where it has to lie, m; ``None`` where there is none to speak of."""
+        return None if abs(self.mass) < NEGLIGIBLE else self.moment / self.mass
+
+
+def need(simulated: MassProperties, printed: MassProperties) -> Need:
+    """What is missing of the printed agent."""
+    moment = simulated.mass * simulated.cog[0] - printed.mass * printed.cog[0]
+    return Need(simulated.mass - printed.mass, float(moment))
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A piece of ballast inside the hull: a ball of ``diameter`` (m), or a filling of the bore where that is ``None``.
+
+    ``start`` and ``end`` are the x (m) that it lies between.
+    """
+
+    lump: Lump
+    start: float
+    end: float
+    diameter: float | None = None
+
+
+def ball_diameter(mass: float, density: float) -> float:
+    """Diameter (m) of a ball of that mass (kg) and density (kg/m3)."""
+    return float(np.cbrt(6 * mass / (np.pi * density)))
+
+
+def pieces(body: Body, wanted: Need, density: float) -> tuple[Piece, ...]:
+    """Return ballast that has the mass and the moment of ``wanted``, and for which the hull has room beside its core.
+
+    One ball on the axis is preferred; then two, on either side of where one would have to be; then a filling of the
+    whole bore, such as shot or putty. Empty where there is room for none of them.
+
+    Parameters
+    ----------
+    body
+        the agent's.
+    wanted
+        with a mass above zero.
+    density
+        of the ballast, kg/m3.
+    """
+    if not len(body.cavity) or wanted.x is None or wanted.mass < 0:
+        return ()
+    return (
+        _one_ball(body, wanted.mass, wanted.x, density)
+        or _two_balls(body, wanted.mass, wanted.x, density)
+        or _filling(body, wanted.mass, wanted.x, density)
+    )
+
+
+def nearest(body: Body, wanted: Need, density: float) -> tuple[Piece, ...]:
+    """Return the ball or the filling of that mass whose moment comes nearest, empty where the mass has no room at all."""
+    if not len(body.cavity) or wanted.x is None or wanted.mass < 0:
+        return ()
+    place = wanted.x
+    x = _stations(body)
+    fits = room_for_ball(body, x) >= ball_diameter(wanted.mass, density) / 2
+    if fits.any():
+        return (_ball_piece(wanted.mass, float(x[fits][np.abs(x[fits] - place).argmin()]), density),)
+    bore = _Bore(body)
+    volume = wanted.mass / density
+    if volume > bore.whole:
+        return ()
+    at_the_ends = [bore.filling(first, volume, density) for first in (0.0, bore.whole - volume)]
+    return (min(at_the_ends, key=lambda piece: abs(piece.lump.x - place)),)
+
+
+def room_for_ball(body: Body, x: FloatArray) -> FloatArray:
+    """Radius (m) of the largest ball on the axis at each ``x`` (n,) that touches neither wall nor core; 0 for none."""
+    on_axis = np.column_stack((x, np.zeros_like(x)))
+    inside = (x > body.cavity[0, 0]) & (x < body.cavity[-1, 0])
+    free = np.minimum(distance_from(on_axis, body.cavity), np.abs(x) - body.core.radius)
+    return np.asarray(np.where(inside, np.maximum(free, 0.0), 0.0), dtype=np.float64)
+
+
+def _stations(body: Body) -> FloatArray:
+    return np.linspace(body.cavity[0, 0], body.cavity[-1, 0], _STATIONS + 2)[1:-1]
+
+
+def _ball_piece(mass: float, x: float, density: float) -> Piece:
+    diameter = ball_diameter(mass, density)
+    return Piece(ball(mass, x, diameter / 2), x - diameter / 2, x + diameter / 2, diameter)
+
+
+def _one_ball(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
+    piece = _ball_piece(mass, x, density)
+    return (piece,) if room_for_ball(body, np.array([x]))[0] >= piece.lump.x - piece.start else ()
+
+
+def _two_balls(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
+    """Of those that fit, the pair that lies nearest together: it changes the inertia least."""
+    stations = _stations(body)
+    room = room_for_ball(body, stations)
+    aft, fore = stations[stations < x], stations[stations > x]
+    if not len(aft) or not len(fore):
+        return ()
+    share = (x - aft[:, None]) / (fore[None] - aft[:, None])
+    radius = np.cbrt(3 * mass * np.stack((1 - share, share)) / (4 * np.pi * density))
+    fits = (radius[0] <= room[stations < x][:, None]) & (radius[1] <= room[stations > x][None])
+    fits &= fore[None] - aft[:, None] >= radius.sum(axis=0)
+    if not fits.any():
+        return ()
+    i, j = np.unravel_index(np.where(fits, fore[None] - aft[:, None], np.inf).argmin(), fits.shape)
+    heavier = float(share[i, j])
+    return (
+        _ball_piece(mass * (1 - heavier), float(aft[i]), density),
+        _ball_piece(mass * heavier, float(fore[j]), density),
+    )
+
+
+def _filling(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
+    bore = _Bore(body)
+    volume = mass / density
+    if volume > bore.whole:
+        return ()
+    # The centre moves forward with the aft end of the filling: found by halving.
+    low, high = 0.0, bore.whole - volume
+    if not bore.filling(low, volume, density).lump.x <= x <= bore.filling(high, volume, density).lump.x:
+        return ()
+    for _ in range(60):
+        middle = (low + high) / 2
+        if bore.filling(middle, volume, density).lump.x < x:
+            low = middle
+        else:
+            high = middle
+    return (bore.filling((low + high) / 2, volume, density),)
+
+
+class _Bore:
+    """The cavity around the core as thin slices, counted from aft."""
+
+    def __init__(self, body: Body) -> None:
+        edges = np.linspace(body.cavity[0, 0], body.cavity[-1, 0], _SLICES + 1)
+        self.x = (edges[1:] + edges[:-1]) / 2
+        outer = np.interp(self.x, body.cavity[:, 0], body.cavity[:, 1])
+        inner = np.sqrt(np.maximum(body.core.radius**2 - self.x**2, 0.0))
+        self.width = float(edges[1] - edges[0])
+        self.edges = edges
+        self.area = np.pi * np.maximum(outer**2 - inner**2, 0.0)
+        self.polar = np.pi / 2 * np.maximum(outer**4 - inner**4, 0.0)
+        self.before = np.concatenate(([0.0], np.cumsum(self.area * self.width)))
+
+    @property
+    def whole(self) -> float:
+        """All of it, m3."""
+        return float(self.before[-1])
+
+    def filling(self, first: float, volume: float, density: float) -> Piece:
+        """What fills ``volume`` (m3) of it, after the ``first`` m3 from aft."""
+        parts = np.diff(np.clip(self.before, first, first + volume))
+        share = parts / np.maximum(self.area * self.width, 1e-300)
+        mass = density * parts
+        whole = float(mass.sum())
+        x = float(mass @ self.x / whole)
+        axial = density * float((share * self.polar).sum()) * self.width
+        across = axial / 2 + float(mass @ (self.x - x) ** 2)
+        start, end = np.interp([first, first + volume], self.before, self.edges)
+        return Piece(Lump(whole, x, axial, across), float(start), float(end))

@@ -1,0 +1,1 @@
+"""Runs on disk: search, store, finalists, best agents, tables."""

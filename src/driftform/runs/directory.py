@@ -1,0 +1,199 @@
+"""A run on disk: who may write to it, and the files that it ends with.
+
+``study.toml`` (as given), ``resolved.toml`` (every default filled in), ``environment.json`` (versions, plugins,
+seed), ``run.db``, ``best/<target>/`` and ``figures/``.
+"""
+
+import csv
+import json
+import platform
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from shlex import quote
+from typing import Any
+
+import tomli_w
+from filelock import FileLock, Timeout
+
+from driftform import __version__
+from driftform.errors import InputError
+from driftform.registry import registry
+from driftform.runs.agent_file import StoredAgent
+from driftform.runs.finalists import winner
+from driftform.runs.store import Store
+from driftform.study import Study
+from driftform.tables.columns import FLIGHT_COLUMNS
+from driftform.types import Trajectory
+from driftform.util.files import write_text, write_whole
+
+DATABASE = "run.db"
+"""Name of the file with all that a run has found."""
+
+_LOCK = ".lock"
+_PATIENCE = 0.2
+"""How long a lock is asked for, s: :func:`is_worked_on` holds it for a moment."""
+
+
+def resume_command(directory: Path) -> str:
+    """What to type to go on with a run."""
+    return f"driftform resume {quote(str(directory))}"
+
+
+@contextmanager
+def locked(directory: Path) -> Iterator[None]:
+    """Hold the run for one writer; the lock goes with the process, however it ends.
+
+    Raises
+    ------
+    InputError
+        where another process holds it.
+    """
+    lock = FileLock(directory / _LOCK)
+    try:
+        lock.acquire(timeout=_PATIENCE, poll_interval=_PATIENCE / 10)
+    except Timeout:
+        raise InputError(
+            f"{directory}: another driftform process is working on this run; wait for it to end"
+        ) from None
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be written to: {error.strerror}") from None
+    try:
+        yield
+    finally:
+        lock.release()
+
+
+def is_worked_on(directory: Path) -> bool:
+    """Tell whether a process holds the run, and leave the run to whoever wants to begin: nothing is written."""
+    path = directory / _LOCK
+    if not path.exists():
+        return False
+    if sys.platform == "win32":
+        lock = FileLock(path)
+        try:
+            lock.acquire(timeout=0)
+        except Timeout:
+            return True
+        lock.release()
+        return False
+    import fcntl
+
+    # A shared lock, which many may hold at once, and which a file that may only be read allows.
+    with path.open("rb") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except OSError:
+            return True
+    return False
+
+
+def check_new(directory: Path) -> None:
+    """Refuse a directory that holds a run, or anything else that a run could spoil.
+
+    Raises
+    ------
+    InputError
+        with the next step.
+    """
+    if (directory / DATABASE).exists():
+        raise InputError(
+            f"{directory} already holds a run: choose another --out, or go on with it by: "
+            f"{resume_command(directory)}"
+        )
+    if directory.exists() and not directory.is_dir():
+        raise InputError(f"{directory} is a file; choose another --out")
+    if directory.is_dir() and any(entry.name != _LOCK for entry in directory.iterdir()):
+        raise InputError(f"{directory} is not empty; choose another --out")
+
+
+def check_run(directory: Path) -> Path:
+    """Return the database of a run directory.
+
+    Raises
+    ------
+    InputError
+        where the directory is none.
+    """
+    if not directory.is_dir():
+        where = "is a file, expected a run directory" if directory.exists() else "no such run directory"
+        raise InputError(f"{directory}: {where}")
+    if not (directory / DATABASE).is_file():
+        raise InputError(f"{directory} holds no {DATABASE}: it is not a run directory")
+    return directory / DATABASE
+
+
+def best_agent(study: Study, store: Store, target: str) -> StoredAgent | None:
+    """The best agent of a run for a target, named after it; ``None`` where no evaluation is sound yet.
+
+    Where finalists were flown under disturbed conditions it is the one that won then.
+    """
+    best, last_round = store.best(target), winner(study, store, target)
+    if best is None:
+        return None
+    index, fitness = best
+    record = store.record(index if last_round is None else last_round.index, study.scenario.target_names)
+    result: dict[str, Any] = {
+        "target": target,
+        "fitness": fitness,
+        "error_percent": 100 - fitness,
+        "evaluation": index,
+    }
+    if last_round is not None:
+        fitness = float(record.evaluation.fitness[study.scenario.target_names.index(target)])
+        result |= {"fitness": fitness, "error_percent": 100 - fitness, "evaluation": last_round.index}
+        result["robust"] = last_round.document()
+    return StoredAgent(target, record.candidate.genome, study.environment(record.index), result)
+
+
+def write_inputs(directory: Path, study: Study, source: str) -> None:
+    """Write what the run was started with."""
+    write_text(directory / "study.toml", source)
+    write_resolved(directory, study.document)
+    plugins = [
+        {"seam": row.seam, "name": row.name, "distribution": row.distribution, "version": row.version}
+        for row in registry().contributions()
+        if row.available
+    ]
+    environment = {
+        "driftform": __version__,
+        "python": sys.version.split()[0],
+        "platform": platform.platform(),
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+        "seed": study.seed,
+        "plugins": plugins,
+        "packages": {name: _version(name) for name in ("numpy", "numba", "pydantic", "pluggy")},
+    }
+    write_text(directory / "environment.json", json.dumps(environment, indent=1) + "\n")
+
+
+def write_resolved(directory: Path, document: Mapping[str, Any]) -> None:
+    """Write the study's document for people, where the file does not say the same already."""
+    path, text = directory / "resolved.toml", tomli_w.dumps(dict(document))
+    if not path.is_file() or path.read_text(encoding="utf-8") != text:
+        write_text(path, text)
+
+
+def write_trajectory(path: Path, trajectory: Trajectory) -> None:
+    """Write a flight as CSV: SI units, quaternion body to world, velocity in the body frame."""
+
+    def write(part: Path) -> None:
+        with part.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(FLIGHT_COLUMNS)
+            rows = zip(
+                trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, strict=True
+            )
+            writer.writerows([f"{v:.7g}" for v in (t, *p, *q, *u)] for t, p, q, u in rows)
+
+    write_whole(path, write)
+
+
+def _version(name: str) -> str:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return "?"

@@ -1,0 +1,87 @@
+"""The last round of a run: the best agents flown again under disturbed conditions, and who wins then."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from driftform.execution import Executor, Job
+from driftform.runs.store import Disturbed, Store
+from driftform.scenario import evaluation_seed
+from driftform.scenario.disturbances import finalists, robust_fitness, spread_of
+from driftform.study import Study
+from driftform.types import FloatArray
+
+
+def fly_finalists(
+    study: Study,
+    store: Store,
+    executor: Executor,
+    on_flights: Callable[[int, int], None] = lambda _, __: None,
+) -> None:
+    """Fly the best of a run for each target under every disturbed condition, and store what they score.
+
+    Where the scenario has no such conditions nothing is flown, and what is stored already is not flown again.
+    ``on_flights`` is called with the number of flights that are done, and of all.
+    """
+    robustness, targets = study.scenario.robustness, study.scenario.target_names
+    if not robustness.conditions:
+        return
+    sound = [brief for brief in store.briefs(targets) if not brief.failed]
+    chosen = finalists(np.array([b.fitness for b in sound]).reshape(-1, len(targets)), robustness.finalists)
+    wanted = [(sound[row].index, c) for row in chosen for c in range(robustness.conditions)]
+    done = store.disturbed_done()
+    missing = [pair for pair in wanted if pair not in done]
+    genomes = {index: store.record(index, targets).candidate.genome for index in {i for i, _ in missing}}
+    jobs = [
+        Job(number, genomes[index], evaluation_seed(study.seed, index), condition)
+        for number, (index, condition) in enumerate(missing)
+    ]
+    count = len(wanted) - len(missing)
+    on_flights(count, len(wanted))
+    for arrived in executor.evaluate(jobs):
+        store.add_disturbed(
+            [
+                Disturbed(*missing[number], evaluation.fitness, evaluation.failure)
+                for number, evaluation in arrived
+            ],
+            targets,
+        )
+        count += len(arrived)
+        on_flights(count, len(wanted))
+
+
+@dataclass(frozen=True, eq=False)
+class Winner:
+    """The best finalist for a target: its evaluation's ``index``, its robust ``fitness``, and its flights' fitness (n,)."""
+
+    index: int
+    fitness: float
+    flights: FloatArray
+    failed: int
+
+    def document(self) -> dict[str, Any]:
+        """What an agent file and a JSON document hold of it."""
+        spread = spread_of(self.flights[:, None], self.failed)
+        return {
+            "conditions": spread.count,
+            "failed": spread.failed,
+            "score": self.fitness,
+            "mean": float(spread.mean[0]),
+            "quantile_10": float(spread.tenth[0]),
+            "worst": float(spread.worst[0]),
+        }
+
+
+def winner(study: Study, store: Store, target: str) -> Winner | None:
+    """Return who won the last round for a target, the earliest of equals; ``None`` where none was flown to its end."""
+    robustness = study.scenario.robustness
+    found: Winner | None = None
+    for index, flights, failed in store.disturbed(target):
+        if len(flights) < robustness.conditions:
+            continue
+        fitness = float(robust_fitness(flights[:, None], robustness)[0])
+        if found is None or fitness > found.fitness:
+            found = Winner(index, fitness, flights, failed)
+    return found

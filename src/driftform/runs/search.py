@@ -1,0 +1,80 @@
+"""The ask/tell loop over a stored run, and what a run leaves behind."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from driftform.errors import InputError
+from driftform.execution import Executor, Job
+from driftform.runs.store import Record, Store
+from driftform.scenario import evaluation_seed
+from driftform.study import Study
+from driftform.types import Evaluation
+
+
+def evolve(
+    study: Study,
+    store: Store,
+    executor: Executor,
+    on_record: Callable[[Record], None] = lambda _: None,
+    on_generation: Callable[[int], None] = lambda _: None,
+) -> None:
+    """Ask, evaluate, tell, until the budget is spent.
+
+    A strategy is a function of the seed and of what it was told, so an interrupted run is resumed by running it
+    again: what is stored already is not flown a second time.
+
+    Parameters
+    ----------
+    on_record
+        called with each evaluation, stored or new.
+    on_generation
+        called with the number of evaluations so far, whenever the strategy has been told.
+
+    Raises
+    ------
+    InputError
+        where the stored evaluations are not those that this study asks for.
+    """
+    strategy, targets = study.strategy(), study.scenario.target_names
+    first = 0
+    while first < study.evaluations:
+        candidates = strategy.ask(study.evaluations - first)
+        outcomes: dict[int, Evaluation] = {}
+        for record in store.records(targets, first, len(candidates)):
+            if record.candidate != candidates[record.index - first]:
+                raise InputError(
+                    f"evaluation {record.index} of this run is not the one that its study asks for now: a plugin "
+                    "has changed since; resume with the versions in environment.json, or start a new run"
+                )
+            outcomes[record.index] = record.evaluation
+            on_record(record)
+        seeds = {
+            index: evaluation_seed(study.seed, index)
+            for index in range(first, first + len(candidates))
+            if index not in outcomes
+        }
+        missing = [Job(index, candidates[index - first].genome, seed) for index, seed in seeds.items()]
+        for arrived in executor.evaluate(missing):
+            records = [
+                Record(index, candidates[index - first], scored(evaluation, targets), seeds[index])
+                for index, evaluation in arrived
+            ]
+            store.add(records, targets)
+            # What is stored counts, and nothing else does.
+            for record in records:
+                outcomes[record.index] = record.evaluation
+                on_record(record)
+        strategy.tell(first, [outcomes[first + i] for i in range(len(candidates))])
+        first += len(candidates)
+        on_generation(first)
+
+
+def scored(evaluation: Evaluation, targets: Sequence[str]) -> Evaluation:
+    """The evaluation, as a failure where its fitness is none that selection can work with."""
+    fitness = evaluation.fitness
+    if len(fitness) == len(targets) and bool(np.all((fitness >= 0) & (fitness <= 100))):
+        return evaluation
+    reason = f"its fitness is {fitness.tolist()}, expected {len(targets)} numbers from 0 to 100"
+    return replace(evaluation, fitness=np.zeros(len(targets)), failure=evaluation.failure or reason)

@@ -1,0 +1,504 @@
+"""A run on disk: every evaluation in one SQLite file, written as it comes, read back to resume.
+
+The file holds data only: numbers, text, and trajectories as compressed float32 arrays. Opening one never runs code.
+"""
+
+import json
+import re
+import sqlite3
+import zlib
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from driftform.errors import InputError, WorkFailedError
+from driftform.trajectory.compression import decoded, packed, trust
+from driftform.types import Candidate, End, Evaluation, FloatArray, Genome, Trajectory
+from driftform.util.files import write_whole
+
+APPLICATION_ID = 0x64726674
+"""In the header of a file of SQLite: by it a database is known as one of ours."""
+
+SCHEMA_VERSION = 3
+"""Of the tables; a database of another version is refused."""
+
+_SCHEMA = """
+CREATE TABLE meta (
+    key TEXT PRIMARY KEY,
+    value TEXT NOT NULL
+) WITHOUT ROWID;
+CREATE TABLE evaluation (
+    id INTEGER PRIMARY KEY,      -- index in the run, from 0
+    generation INTEGER NOT NULL,
+    population TEXT NOT NULL,    -- the target that its population works for
+    parents TEXT NOT NULL,       -- JSON array of evaluation ids
+    grammar TEXT NOT NULL,
+    symbols TEXT NOT NULL,       -- JSON array of strings
+    seed INTEGER NOT NULL,       -- of what was random about it, see scenario.evaluation_seed()
+    failure TEXT,
+    ended TEXT,
+    duration REAL,               -- of the flight, s
+    contact REAL,                -- when it first touched a wall, s
+    energy_drift REAL,           -- up to then, relative
+    error REAL,                  -- estimated, of the position, m
+    seconds REAL NOT NULL,       -- that the evaluation took
+    trajectory BLOB              -- see encoded(): t, position, quaternion, velocity
+);
+CREATE TABLE score (
+    evaluation INTEGER NOT NULL REFERENCES evaluation (id),
+    target TEXT NOT NULL,
+    fitness REAL NOT NULL,
+    PRIMARY KEY (target, evaluation)
+) WITHOUT ROWID;
+CREATE TABLE disturbed (
+    evaluation INTEGER NOT NULL REFERENCES evaluation (id),
+    condition INTEGER NOT NULL,  -- number of the disturbed condition, see robustness.conditions()
+    target TEXT NOT NULL,
+    fitness REAL NOT NULL,
+    failure TEXT,
+    PRIMARY KEY (target, evaluation, condition)
+) WITHOUT ROWID;
+"""
+
+
+_COLUMNS = {
+    table: tuple(re.findall(r"^    ([a-z_]+) ", body, re.MULTILINE))
+    for table, body in re.findall(r"CREATE TABLE (\w+) \(\n(.*?)\n\)", _SCHEMA, re.DOTALL)
+}
+"""The columns of every table, as the schema has them."""
+
+_HEADER = 100
+"""Bytes that every SQLite file begins with."""
+
+_LARGEST = 2**63 - 1
+"""Integer of SQLite."""
+
+_INSERT = f"INSERT INTO evaluation VALUES ({','.join('?' * len(_COLUMNS['evaluation']))})"
+
+_UNWRITTEN = "cannot be written: {}; what was written before is safe"
+
+_NEXT_STEP = "restore a copy of it, or start a new run"
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """One stored evaluation.
+
+    Attributes
+    ----------
+    index
+        in the run, from 0.
+    candidate
+        what was asked for.
+    evaluation
+        what came of it.
+    seed
+        of what was random about it.
+    """
+
+    index: int
+    candidate: Candidate
+    evaluation: Evaluation
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Brief:
+    """What is small of a stored evaluation: not its genome, nor its flight.
+
+    Attributes
+    ----------
+    index
+        in the run, from 0.
+    generation
+        from 0.
+    population
+        target that its population works for, ``""`` for all.
+    failed
+        whether it has no flight that counts.
+    fitness
+        for each target, %.
+    """
+
+    index: int
+    generation: int
+    population: str
+    failed: bool
+    fitness: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Disturbed:
+    """What one flight of an evaluation's agent under a disturbed condition scored.
+
+    Attributes
+    ----------
+    evaluation
+        index of the evaluation.
+    condition
+        number of the condition, from 0.
+    fitness
+        for each target, %, (targets,).
+    failure
+        what went wrong, ``None`` for nothing.
+    """
+
+    evaluation: int
+    condition: int
+    fitness: FloatArray
+    failure: str | None = None
+
+
+class Store:
+    """The open database of one run; one writer, any number of readers."""
+
+    def __init__(self, connection: sqlite3.Connection, path: Path, read_only: bool = False) -> None:
+        self._connection = connection
+        self._path = path
+        self._read_only = read_only
+
+    @classmethod
+    def create(cls, path: Path, study: Mapping[str, Any]) -> "Store":
+        """Make a new run file for a study's document.
+
+        Raises
+        ------
+        InputError
+            where the file exists already.
+        WorkFailedError
+            where it cannot be written.
+        """
+        if path.exists():
+            raise InputError(f"{path} exists already: resume that run, or choose another --out")
+        try:
+            # In place in one step: whoever is killed meanwhile leaves no file that is not a run.
+            write_whole(path, lambda part: _write_empty(part, study))
+            connection = _connect(path)
+            connection.execute("PRAGMA journal_mode = WAL")
+            connection.execute("PRAGMA synchronous = FULL")
+        except (sqlite3.Error, OSError) as error:
+            raise WorkFailedError(f"{path}: cannot be written: {error}") from None
+        return cls(connection, path)
+
+    @classmethod
+    def open(cls, path: Path, *, read_only: bool = False, check: bool = True) -> "Store":
+        """Open the file of an earlier run, to go on with it or to read it.
+
+        With ``read_only`` the file and its log are left as they are, and a writer is neither held up nor disturbed.
+        Without ``check`` not every page is looked at first, which takes time: damage shows where it is read.
+
+        Raises
+        ------
+        InputError
+            where there is none, or it is damaged or not a run of driftform.
+        """
+        if not path.is_file():
+            raise InputError(f"{path}: no such file; a run directory holds one")
+        if path.stat().st_size < _HEADER:
+            raise InputError(
+                f"{path}: is empty or cut short: the run never began, or its data is lost; {_NEXT_STEP}"
+            )
+        connection = _connect(path, read_only)
+        try:
+            application = connection.execute("PRAGMA application_id").fetchone()[0]
+            version = connection.execute("PRAGMA user_version").fetchone()[0]
+            sound = (
+                not check
+                or application != APPLICATION_ID
+                or connection.execute("PRAGMA quick_check").fetchone()[0] == "ok"
+            )
+            columns = {
+                table: tuple(row[1] for row in connection.execute(f"PRAGMA table_info({table})"))
+                for table in _COLUMNS
+            }
+        except sqlite3.DatabaseError as error:
+            connection.close()
+            raise InputError(f"{path}: is damaged ({error}); {_NEXT_STEP}") from None
+        problem = ""
+        if application != APPLICATION_ID:
+            problem = "is a database, but not of a driftform run"
+        elif version != SCHEMA_VERSION:
+            problem = (
+                f"is of format {version}, this driftform reads format {SCHEMA_VERSION}; use the driftform that "
+                "environment.json names"
+            )
+        elif not sound:
+            problem = f"is damaged; {_NEXT_STEP}"
+        elif columns != _COLUMNS:
+            broken = ", ".join(table for table in _COLUMNS if columns[table] != _COLUMNS[table])
+            problem = f"is damaged (not as driftform makes them: {broken}); {_NEXT_STEP}"
+        if problem:
+            connection.close()
+            raise InputError(f"{path}: {problem}")
+        connection.execute("PRAGMA synchronous = FULL")
+        return cls(connection, path, read_only)
+
+    def __enter__(self) -> "Store":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file, and leave it whole without its write-ahead log where nobody else reads it."""
+        if self._read_only:
+            self._connection.close()
+            return
+        try:
+            self._connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            self._connection.execute("PRAGMA journal_mode = DELETE")
+        except sqlite3.OperationalError:
+            pass  # A reader holds the log, or the medium is read-only: the log stays, and nothing is lost.
+        self._connection.close()
+
+    def study(self) -> dict[str, Any]:
+        """The document of the study that made the run."""
+        with self._reading():
+            row = self._connection.execute("SELECT value FROM meta WHERE key = 'study'").fetchone()
+            document = json.loads(row[0])
+            if not isinstance(document, dict):
+                raise ValueError("the study is no table")
+            return document
+
+    def replace_study(self, study: Mapping[str, Any]) -> None:
+        """Put another document in the place of the study's; when this returns it survives a crash."""
+        try:
+            with self._writing():
+                self._connection.execute(
+                    "UPDATE meta SET value = ? WHERE key = 'study'", (json.dumps(study),)
+                )
+        except sqlite3.Error as error:
+            raise WorkFailedError(f"{self._path}: the study cannot be written: {error}") from None
+
+    def add(self, records: Sequence[Record], targets: Sequence[str]) -> None:
+        """Write evaluations, all or none; when this returns they survive a crash.
+
+        Raises
+        ------
+        WorkFailedError
+            where they cannot be written.
+        """
+        # One fsync for all of them: on a disk that makes each wait 4 ms it is what a write costs.
+        try:
+            with self._writing():
+                for record in records:
+                    try:
+                        self._connection.execute(_INSERT, _row(record))
+                        self._connection.executemany(
+                            "INSERT INTO score VALUES (?, ?, ?)", _scores(record, targets)
+                        )
+                    except sqlite3.Error as error:
+                        raise WorkFailedError(
+                            f"{self._path}: evaluation {record.index} {_UNWRITTEN.format(error)}"
+                        ) from None
+        except sqlite3.Error as error:
+            first, last = records[0].index, records[-1].index
+            raise WorkFailedError(
+                f"{self._path}: evaluations {first} to {last} {_UNWRITTEN.format(error)}"
+            ) from None
+
+    def add_disturbed(self, flights: Sequence[Disturbed], targets: Sequence[str]) -> None:
+        """Write what flights under disturbed conditions scored, all or none.
+
+        Raises
+        ------
+        WorkFailedError
+            where they cannot be written.
+        """
+        rows = [
+            (flight.evaluation, flight.condition, target, float(value), flight.failure)
+            for flight in flights
+            for target, value in zip(targets, flight.fitness, strict=True)
+        ]
+        try:
+            with _transaction(self._connection):
+                self._connection.executemany("INSERT INTO disturbed VALUES (?, ?, ?, ?, ?)", rows)
+        except sqlite3.Error as error:
+            raise WorkFailedError(f"{self._path}: disturbed flights {_UNWRITTEN.format(error)}") from None
+
+    def disturbed_done(self) -> set[tuple[int, int]]:
+        """The evaluations and conditions that were flown disturbed."""
+        with self._reading():
+            return set(self._connection.execute("SELECT DISTINCT evaluation, condition FROM disturbed"))
+
+    def disturbed(self, target: str) -> list[tuple[int, FloatArray, int]]:
+        """For each finalist its evaluation, its fitness under every condition flown, (n,), and how many flights failed."""
+        query = "SELECT evaluation, fitness, failure IS NOT NULL FROM disturbed WHERE target = ? ORDER BY evaluation, condition"
+        found: dict[int, list[tuple[float, bool]]] = {}
+        with self._reading():
+            for index, fitness, failed in self._connection.execute(query, (target,)):
+                found.setdefault(index, []).append((float(fitness), bool(failed)))
+        return [
+            (index, np.array([fitness for fitness, _ in rows]), sum(failed for _, failed in rows))
+            for index, rows in found.items()
+        ]
+
+    def count(self) -> int:
+        """How many evaluations there are."""
+        return int(self._scalar("SELECT COUNT(*) FROM evaluation"))
+
+    def failed(self) -> int:
+        """How many of them failed."""
+        return int(self._scalar("SELECT COUNT(*) FROM evaluation WHERE failure IS NOT NULL"))
+
+    def flown(self) -> int:
+        """How many of them have a flight: those that did not fail."""
+        return self.count() - self.failed()
+
+    def seconds(self) -> float:
+        """What all evaluations took together, s."""
+        return float(self._scalar("SELECT COALESCE(SUM(seconds), 0) FROM evaluation"))
+
+    def last(self) -> int:
+        """The largest index of an evaluation, -1 before any; not each below it need be there yet."""
+        return int(self._scalar("SELECT COALESCE(MAX(id), -1) FROM evaluation"))
+
+    def briefs(self, targets: Sequence[str], first: int = 0) -> Iterator[Brief]:
+        """Yield what is small of the evaluations from index ``first`` on, in their order, as of one moment."""
+        columns = "id, generation, population, failure IS NOT NULL"
+        scores = "SELECT fitness FROM score WHERE target = ? AND evaluation >= ? ORDER BY evaluation"
+        with self._reading(), _transaction(self._connection), ExitStack() as stack:
+            rows, *fitness = (
+                stack.enter_context(closing(self._connection.execute(query, values)))
+                for query, values in (
+                    (f"SELECT {columns} FROM evaluation WHERE id >= ? ORDER BY id", (first,)),
+                    *((scores, (target, first)) for target in targets),
+                )
+            )
+            for (index, generation, population, failed), *scored in zip(rows, *fitness, strict=True):
+                yield Brief(index, generation, population, bool(failed), tuple(float(s) for (s,) in scored))
+
+    def records(self, targets: Sequence[str], first: int = 0, count: int = -1) -> Iterator[Record]:
+        """Yield ``count`` evaluations from index ``first`` on, in their order; ``-1`` for all."""
+        # An end in any case: without one, all that follows would be looked at to be left out.
+        end = first + count if count >= 0 else _LARGEST
+        query = "SELECT * FROM evaluation WHERE id >= ? AND id < ? ORDER BY id"
+        with self._reading(), closing(self._connection.execute(query, (first, end))) as rows:
+            for row in rows:
+                yield self._record(row, targets)
+
+    def flights(self) -> Iterator[tuple[int, Trajectory]]:
+        """Yield the index and the flight of every evaluation that did not fail, in their order."""
+        query = """
+            SELECT id, ended, contact, energy_drift, error, trajectory FROM evaluation
+            WHERE failure IS NULL AND trajectory IS NOT NULL ORDER BY id
+        """
+        with self._reading(), closing(self._connection.execute(query)) as rows:
+            for index, ended, contact, drift, error, blob in rows:
+                yield index, decoded(blob, End(ended), contact=contact, energy_drift=drift, error=error)
+
+    def record(self, index: int, targets: Sequence[str]) -> Record:
+        """Return one evaluation."""
+        return next(self.records(targets, index, 1))
+
+    def best(self, target: str) -> tuple[int, float] | None:
+        """Index and fitness of the best evaluation for a target, the earliest of equals; ``None`` before any."""
+        query = """
+            SELECT evaluation, fitness FROM score JOIN evaluation ON id = evaluation
+            WHERE target = ? AND failure IS NULL ORDER BY fitness DESC, evaluation LIMIT 1
+        """
+        with self._reading():
+            row = self._connection.execute(query, (target,)).fetchone()
+            return (int(row[0]), float(row[1])) if row else None
+
+    def _scalar(self, query: str) -> Any:
+        with self._reading():
+            return self._connection.execute(query).fetchone()[0]
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        """A transaction that readers do not hold up, nor it them: the first one begins the write-ahead log."""
+        self._connection.execute("PRAGMA journal_mode = WAL")
+        with _transaction(self._connection):
+            yield
+
+    @contextmanager
+    def _reading(self) -> Iterator[None]:
+        """What cannot be read as it was written is damage, whatever it is that stumbles over it."""
+        try:
+            yield
+        except (sqlite3.Error, zlib.error, ValueError, TypeError, KeyError, RecursionError) as error:
+            told = f"{type(error).__name__}: {error}"
+            raise InputError(f"{self._path}: is damaged ({told}); {_NEXT_STEP}") from None
+
+    def _record(self, row: tuple[Any, ...], targets: Sequence[str]) -> Record:
+        index, generation, population, parents, grammar, symbols, seed, failure, ended, _, *rest = row
+        contact, drift, error, seconds, blob = rest
+        # By target first, as the key has it: without them every row of the table would be looked at.
+        among = f"target IN ({','.join('?' * len(targets))})"
+        scores = dict(
+            self._connection.execute(
+                f"SELECT target, fitness FROM score WHERE {among} AND evaluation = ?", (*targets, index)
+            ).fetchall()
+        )
+        genome = Genome(grammar, tuple(json.loads(symbols)))
+        evaluation = Evaluation(
+            genome,
+            np.array([scores[target] for target in targets]),
+            decoded(blob, End(ended), contact=contact, energy_drift=drift, error=error)
+            if blob is not None
+            else None,
+            failure,
+            seconds,
+        )
+        return Record(
+            index, Candidate(genome, tuple(json.loads(parents)), generation, population), evaluation, seed
+        )
+
+
+def _write_empty(path: Path, study: Mapping[str, Any]) -> None:
+    """Write a run without evaluations."""
+    with closing(sqlite3.connect(path, isolation_level=None)) as connection, _transaction(connection):
+        connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+        connection.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
+        for statement in _SCHEMA.split(";\n"):
+            connection.execute(statement)
+        connection.execute("INSERT INTO meta VALUES ('study', ?)", (json.dumps(study),))
+
+
+def _row(record: Record) -> tuple[Any, ...]:
+    """The values of the columns of ``evaluation``."""
+    candidate, evaluation = record.candidate, record.evaluation
+    flight = packed(evaluation.trajectory) if evaluation.trajectory else None
+    return (
+        record.index,
+        candidate.generation,
+        candidate.target,
+        json.dumps(candidate.parents),
+        candidate.genome.grammar,
+        json.dumps(candidate.genome.symbols),
+        record.seed,
+        evaluation.failure,
+        str(flight.end) if flight else None,
+        flight.duration if flight else None,
+        *(trust(flight).values() if flight else (None, None, None)),
+        evaluation.seconds,
+        flight.blob if flight else None,
+    )
+
+
+def _scores(record: Record, targets: Sequence[str]) -> list[tuple[int, str, float]]:
+    """The rows of ``score``."""
+    fitness = record.evaluation.fitness.tolist()
+    return [(record.index, target, value) for target, value in zip(targets, fitness, strict=True)]
+
+
+def _connect(path: Path, read_only: bool = False) -> sqlite3.Connection:
+    try:
+        if read_only:
+            return sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True, isolation_level=None)
+        return sqlite3.connect(path, isolation_level=None)
+    except sqlite3.Error as error:
+        raise WorkFailedError(f"{path}: cannot be opened: {error}") from None
+
+
+@contextmanager
+def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
+    """All or nothing, also where it is interrupted."""
+    connection.execute("BEGIN")
+    with connection:
+        yield

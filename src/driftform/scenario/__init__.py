@@ -1,0 +1,44 @@
+"""The environment as data: pipe, flow, fluid, release, contact, targets, and disturbances of all these."""
+
+from driftform.scenario.flow import (
+    FLOWS,
+    DevelopingFlow,
+    Flow,
+    LogLawFlow,
+    PipeFlow,
+    PowerLawFlow,
+    TurbulentFlow,
+    UniformFlow,
+)
+from driftform.scenario.pipe import Number, Pipe, Segment, Vector
+from driftform.scenario.tables import (
+    Contact,
+    FlightLimits,
+    Fluid,
+    Release,
+    Robustness,
+    Scenario,
+    evaluation_seed,
+)
+
+__all__ = [
+    "FLOWS",
+    "Contact",
+    "DevelopingFlow",
+    "FlightLimits",
+    "Flow",
+    "Fluid",
+    "LogLawFlow",
+    "Number",
+    "Pipe",
+    "PipeFlow",
+    "PowerLawFlow",
+    "Release",
+    "Robustness",
+    "Scenario",
+    "Segment",
+    "TurbulentFlow",
+    "UniformFlow",
+    "Vector",
+    "evaluation_seed",
+]

@@ -1,0 +1,71 @@
+"""The pipe: straight segments with a circular bore."""
+
+from typing import Annotated, TypeAlias
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from driftform.options import Table, option
+from driftform.types import FloatArray
+
+Number: TypeAlias = Annotated[float, Field(strict=True)]
+"""A number, and no text that reads as one."""
+
+
+Vector: TypeAlias = tuple[Number, Number, Number]
+"""A vector of the world frame."""
+
+
+class Segment(Table):
+    """One straight piece of pipe with a circular bore."""
+
+    start: Vector = option(..., "centre of the upstream end", "m")
+    end: Vector = option(..., "centre of the downstream end", "m")
+    radius: float = option(..., "inner radius", "m", gt=0, strict=True)
+
+    @model_validator(mode="after")
+    def _has_length(self) -> "Segment":
+        if self.start == self.end:
+            raise ValueError("start and end of a pipe segment are the same point")
+        return self
+
+
+def _inside(segment: Segment, point: Vector) -> bool:
+    start, end = np.array(segment.start), np.array(segment.end)
+    axis = (end - start) / np.linalg.norm(end - start)
+    along = float(axis @ (point - start))
+    across = float(np.linalg.norm(point - start - along * axis))
+    length = float(np.linalg.norm(end - start))
+    return -1e-9 <= along <= length + 1e-9 and across <= segment.radius
+
+
+class Pipe(Table):
+    """A chain of segments from the inlet to the outlet; without any, the agent is in open water."""
+
+    segments: tuple[Segment, ...] = option((), "from the inlet to the outlet", max_length=1)
+
+    def array(self) -> FloatArray:
+        """Rows of start (3), end (3), radius, all in m: (segments, 7)."""
+        rows = [(*s.start, *s.end, s.radius) for s in self.segments]
+        return np.array(rows, dtype=np.float64).reshape(-1, 7)
+
+    def holds(self, point: Vector) -> bool:
+        """Whether a point lies in the water of a segment, or on its wall."""
+        return any(_inside(segment, point) for segment in self.segments)
+
+    def farthest_distance(self, point: FloatArray) -> float:
+        """Distance (m) from ``point`` to the farthest point of the pipe's volume, infinite in open water.
+
+        The distance is convex, so over a cylinder it is greatest on the rim of an end. On an end disc with unit
+        normal n, a point at axial offset h and at distance s from the axis is farthest from the rim point right
+        across the axis: sqrt(h^2 + (s + R)^2).
+        """
+        best = 0.0 if self.segments else np.inf
+        for segment in self.segments:
+            start, end = np.array(segment.start), np.array(segment.end)
+            n = (end - start) / np.linalg.norm(end - start)
+            for centre in (start, end):
+                h = float(n @ (point - centre))
+                s = float(np.linalg.norm(point - centre - h * n))
+                best = max(best, float(np.hypot(h, s + segment.radius)))
+        return best

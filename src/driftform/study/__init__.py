@@ -1,0 +1,5 @@
+"""What to evolve: study files, merged with options, checked, with every default filled in."""
+
+from driftform.study.study import DEFAULT, NAMED, SELECTED, Document, RunOptions, Study, load_study
+
+__all__ = ["DEFAULT", "NAMED", "SELECTED", "Document", "RunOptions", "Study", "load_study"]

@@ -1,0 +1,170 @@
+"""What pydantic found wrong in a study, told in the user's terms: file, line, key, value, and what it should be."""
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, get_args, get_origin
+
+from pydantic import Tag, ValidationError
+
+from driftform.errors import did_you_mean
+from driftform.options import Table
+from driftform.study.sources import NOTHING, Layer, dotted, source_of, value_at
+from driftform.study.toml_positions import Path as KeyPath
+
+
+def complaints(
+    error: ValidationError,
+    prefix: KeyPath,
+    model: type[Table],
+    document: Mapping[str, Any],
+    layers: Sequence[Layer],
+) -> list[str]:
+    """Return a line for each thing that is wrong.
+
+    Parameters
+    ----------
+    error
+        what pydantic raised when it checked a part of the document against ``model``.
+    prefix
+        the key of that part.
+    document, layers
+        the merged document, and the sources that it came from.
+    """
+    lines: list[str] = []
+    wrong: dict[KeyPath, dict[str, str]] = {}
+    items = error.errors(include_url=False)
+    misspelt = {item["loc"][:-1] for item in items if item["type"] == "extra_forbidden"}
+    for item in items:
+        if item["type"] == "missing" and item["loc"][:-1] in misspelt:
+            continue  # Most likely it is there under the other name: one line is enough.
+        keys, table = _traced(model, item["loc"])
+        names = (*prefix, *keys)
+        # A key that may be of several types is reported once for each; the path then ends in the type's name.
+        path = names
+        while path and value_at(document, path) is NOTHING:
+            path = path[:-1]
+        if item["type"] == "extra_forbidden":
+            hint = did_you_mean(str(path[-1]), table.model_fields if table else ())
+            # What is no misspelling may well be a key of another kind.
+            kind = "" if "did you mean" in hint else _of_its_kind(table)
+            lines.append(
+                f"{source_of(layers, path)}: unknown key '{path[-1]}'{_table(path[:-1])}{kind}{hint}"
+            )
+        elif item["type"] == "missing" and isinstance(names[-1], str):
+            lines.append(f"{source_of(layers, path)}: '{names[-1]}' is missing{_table(names[:-1])}")
+        elif item["type"] == "value_error":
+            message = str(item["ctx"]["error"])
+            lines.append(f"{source_of(layers, _blamed(message, path, document))}: {message}")
+        elif item["type"] == "union_tag_invalid":
+            members = _members(_annotation(table, keys[-1]))
+            path = (*path, *_tag_of(next(iter(members.values()), None))[:1])
+            lines.append(
+                f"{source_of(layers, path)}: {dotted(path)} = {_shown(value_at(document, path))}: "
+                f"there is no such {path[-1]}{did_you_mean(item['ctx']['tag'], members)}"
+            )
+        else:
+            wrong.setdefault(path, {})[item["type"]] = _should(item)
+    for path, messages in wrong.items():
+        key, value = dotted(path), value_at(document, path)
+        lines.append(f"{source_of(layers, path)}: {key} = {_shown(value)}: {', or '.join(messages.values())}")
+    return lines
+
+
+_SHOULD = {
+    "float_type": "should be a number",
+    "float_parsing": "should be a number",
+    "int_type": "should be a whole number",
+    "int_parsing": "should be a whole number",
+    "int_from_float": "should be a whole number",
+    "tuple_type": "should be a list",
+    "dict_type": "should be a table",
+    "model_type": "should be a table",
+    "string_type": "should be text in quotes",
+}
+"""What a value should have been, for people who do not know Python's types, by pydantic's kind of error."""
+
+
+def _should(item: Mapping[str, Any]) -> str:
+    kind = item["type"]
+    if kind == "missing":
+        return f"should have {item['loc'][-1] + 1} values"
+    if kind == "too_long":
+        most = item["ctx"]["max_length"]
+        return f"should have at most {most} value{'s' if most != 1 else ''}"
+    return _SHOULD.get(kind) or str(item["msg"]).replace("Input should be", "should be")
+
+
+def _table(path: KeyPath) -> str:
+    """`` in [table]``, as it stands in the file; empty at the top."""
+    name = ".".join(str(part) for part in path if isinstance(part, str))
+    if not name:
+        return ""
+    return f" in [[{name}]]" if isinstance(path[-1], int) else f" in [{name}]"
+
+
+def _blamed(message: str, path: KeyPath, document: Mapping[str, Any]) -> KeyPath:
+    """The key that a check of several keys speaks of: its message begins with it, or has it in quotes."""
+    first = message.split(maxsplit=1)[0] if message else ""
+    quoted = re.findall(r"'(.*?)'", message)
+    for candidate in (tuple(first.split(".")), ("targets", first), *((*path, name) for name in quoted)):
+        if value_at(document, candidate) is not NOTHING:
+            return candidate
+    return path
+
+
+def _shown(value: Any) -> str:
+    """A value as a TOML file has it, as far as Python's notation differs."""
+    return str(value).lower() if isinstance(value, bool) else repr(value)
+
+
+def _traced(model: type[Table], loc: KeyPath) -> tuple[KeyPath, type[Table] | None]:
+    """The keys of pydantic's location, and the model of the table that the last one stands in, if it is of any.
+
+    Where a table may be of several kinds, pydantic puts the kind into the location, as if it were a key.
+    """
+    keys: KeyPath = ()
+    table: type[Table] | None = None
+    inner: type[Table] | None = model
+    members: Mapping[str, type[Table]] = {}
+    for name in loc:
+        if name in members:
+            inner, members = members[str(name)], {}
+            continue
+        keys = (*keys, name)
+        if isinstance(name, str):
+            table, annotation = inner, _annotation(inner, name)
+            members = _members(annotation)
+            inner = next(filter(_is_table, (annotation, *get_args(annotation))), None)
+    return keys, table
+
+
+def _annotation(table: type[Table] | None, key: str | int) -> Any:
+    fields = table.model_fields if table else {}
+    return fields[str(key)].annotation if key in fields else None
+
+
+def _is_table(annotation: Any) -> bool:
+    return isinstance(annotation, type) and issubclass(annotation, Table)
+
+
+def _members(annotation: Any) -> dict[str, type[Table]]:
+    """The models of a table that may be of several kinds, by their kind; none for anything else."""
+    return {
+        mark.tag: get_args(member)[0]
+        for member in get_args(annotation)
+        for mark in getattr(member, "__metadata__", ())
+        if isinstance(mark, Tag)
+    }
+
+
+def _tag_of(table: type[Table] | None) -> tuple[str, ...]:
+    """Key and value that tell the model of a table from those of other kinds; nothing where there are none."""
+    for name, info in (table.model_fields if table else {}).items():
+        if get_origin(info.annotation) is Literal and len(get_args(info.annotation)) == 1:
+            return name, *get_args(info.annotation)
+    return ()
+
+
+def _of_its_kind(table: type[Table] | None) -> str:
+    tag = _tag_of(table)
+    return f" of {tag[0]} '{tag[1]}'" if tag else ""

@@ -1,0 +1,338 @@
+"""What to evolve: a TOML document -> scenario, plugins with their options, seed and budget; all checked.
+
+A study file holds the scenario's tables (``[pipe]``, ``[flow]``, ``[targets]`` ...), a table for each seam
+(``[simulator] use = "exudyn"``, the rest being that plugin's options), one for each exporter, recorder, renderer or
+checker whose options differ from their defaults (``[exporter.stl]``), and ``[run]``. With ``base`` it starts from
+another file, or from a built-in scenario, and says only what differs. Built-in scenarios are study files.
+"""
+
+import secrets
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from driftform.errors import InputError, did_you_mean
+from driftform.interfaces import SEAMS, Checker, Exporter, Recorder, Renderer, SearchSpace, Strategy
+from driftform.options import Table, option
+from driftform.pipeline import Pipeline
+from driftform.registry import registry
+from driftform.scenario import Scenario
+from driftform.study.error_lines import complaints
+from driftform.study.sources import Layer, file_layers, merged, setting, source_of
+
+DEFAULT = "pipe-inspection"
+"""The built-in scenario that is taken where none is named."""
+
+NAMED = ("exporter", "recorder", "renderer", "checker")
+"""The seams whose plugins are asked for by name: a study holds no more than their options."""
+
+SELECTED = tuple(seam for seam in SEAMS if seam not in NAMED)
+"""The seams that a study selects one plugin for."""
+
+_LONGEST_NAME = 100
+"""Characters of a target's name: with its file's suffix it must fit where file names may have 255 bytes."""
+
+
+class RunOptions(Table):
+    """How much to do, from where, and what to make of the best."""
+
+    seed: int | None = option(
+        None, "seed of all randomness; drawn and recorded where none is given", ge=0, strict=True
+    )
+    evaluations: int | None = option(
+        None, "flights in the whole run; by default 50 for each target", "", gt=0, strict=True
+    )
+    formats: tuple[str, ...] = option(("stl",), "files to export for the best agent of each target")
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """A checked study.
+
+    Attributes
+    ----------
+    document
+        the whole document with every default filled in: what ``resolved.toml`` and worker processes get.
+    scenario
+        the environment.
+    run
+        seed (never ``None`` here), budget (``None`` only without a strategy) and formats.
+    """
+
+    document: Mapping[str, Any]
+    scenario: Scenario
+    run: RunOptions
+
+    @property
+    def seed(self) -> int:
+        """The seed of all randomness."""
+        assert self.run.seed is not None
+        return self.run.seed
+
+    @property
+    def evaluations(self) -> int:
+        """Flights in the whole run."""
+        assert self.run.evaluations is not None
+        return self.run.evaluations
+
+    def plugin(self, seam: str) -> Any:
+        """Make the plugin selected for a seam (not for ``strategy``, which needs a search space)."""
+        return registry().create(seam, *_selection(self.document, seam))
+
+    def pipeline(self) -> Pipeline:
+        """The steps from genome to fitness."""
+        steps = {seam: self.plugin(seam) for seam in SELECTED if seam != "strategy"}
+        return Pipeline(scenario=self.scenario, seed=self.seed, **steps)
+
+    def strategy(self) -> Strategy[Any]:
+        """A fresh strategy, at the beginning of its random numbers."""
+        rng = np.random.default_rng(self.seed)
+        space = SearchSpace(self.plugin("grammar"), self.scenario.target_names, rng, self.scenario)
+        strategy: Strategy[Any] = registry().create(
+            "strategy", *_selection(self.document, "strategy"), space=space
+        )
+        return strategy
+
+    def exporter(self, name: str) -> Exporter[Any]:
+        """Make an exporter with the options of its table ``[exporter.<name>]``, if there is one."""
+        exporter: Exporter[Any] = self._named("exporter", name)
+        return exporter
+
+    def recorder(self, name: str) -> Recorder[Any]:
+        """Make a recorder with the options of its table ``[recorder.<name>]``, if there is one."""
+        recorder: Recorder[Any] = self._named("recorder", name)
+        return recorder
+
+    def renderer(self, name: str) -> Renderer[Any]:
+        """Make a renderer with the options of its table ``[renderer.<name>]``, if there is one."""
+        renderer: Renderer[Any] = self._named("renderer", name)
+        return renderer
+
+    def checker(self, name: str) -> Checker[Any]:
+        """Make a checker with the options of its table ``[checker.<name>]``, if there is one."""
+        checker: Checker[Any] = self._named("checker", name)
+        return checker
+
+    def __repr__(self) -> str:
+        # The document fills a screen, and is there to be asked for.
+        title = self.document.get("title", "a study")
+        return f"<Study {title}: {len(self.scenario.targets)} targets, seed {self.seed}>"
+
+    def _repr_html_(self) -> str:
+        from driftform.util.notebook import table
+
+        plugins = [(seam, self.document[seam]["use"]) for seam in SELECTED if seam in self.document]
+        targets = [(name, *(f"{c:g}" for c in point)) for name, point in self.scenario.targets.items()]
+        return table(("step", "plugin"), plugins, repr(self)[1:-1]) + table(
+            ("target", "x m", "y m", "z m"), targets
+        )
+
+    def _named(self, seam: str, name: str) -> Any:
+        return registry().create(seam, name, self.document.get(seam, {}).get(name, {}))
+
+    def environment(self, evaluation: int | None = None) -> dict[str, Any]:
+        """The part of the document that decides how an agent is built and flies: all but strategy and run.
+
+        With the index of an ``evaluation``, as that one met it.
+        """
+        kept = {key: value for key, value in self.document.items() if key not in ("strategy", "run")}
+        if evaluation is not None:
+            kept["flow"] = _plain(self.scenario.of_evaluation(self.seed, evaluation).flow)
+        return kept
+
+
+@dataclass(frozen=True, eq=False)
+class Document:
+    """A study's document, ``data``, that was read from elsewhere than a TOML file; ``label`` names it in errors."""
+
+    label: str
+    data: Mapping[str, Any]
+
+
+def load_study(
+    source: "str | Document | None" = None,
+    settings: Sequence[str] = (),
+    *,
+    targets: Sequence[str] = (),
+    use: Mapping[str, str | None] | None = None,
+    run: Mapping[str, Any] | None = None,
+) -> Study:
+    """Read, merge and check a study.
+
+    Parameters
+    ----------
+    source
+        path of a TOML file, the name of a built-in scenario, or a document that an agent or run file holds;
+        ``None`` for the default scenario.
+    settings
+        ``key=value`` with a dotted key and a TOML value, laid over the file.
+    targets
+        keep only these targets; empty for all.
+    use
+        plugin by seam, where it is not ``None``.
+    run
+        values of ``[run]``, where they are not ``None``.
+
+    Raises
+    ------
+    InputError
+        one line for each thing that is wrong: file, line, key, value, and the next step.
+    """
+    if isinstance(source, Document):
+        layers = [Layer(source.label, source.data)]
+    else:
+        layers = file_layers(DEFAULT if source is None else source)
+    for seam, name in (use or {}).items():
+        if name is not None:
+            layers.append(Layer(f"--{seam}", {seam: {"use": name}}, is_option=True))
+    layers.extend(setting(text) for text in settings)
+    for key, value in (run or {}).items():
+        if value is not None:
+            layers.append(Layer(f"--{key}", {"run": {key: value}}, is_option=True))
+    document: dict[str, Any] = {}
+    for layer in layers:
+        document = merged(document, layer.data, layer.replaces)
+    # A document may come from an agent file: what is there to fly needs no strategy.
+    required = [seam for seam in SELECTED if seam != "strategy" or not isinstance(source, Document)]
+    return _checked(document, layers, targets, required)
+
+
+def _checked(
+    document: Mapping[str, Any], layers: Sequence[Layer], wanted: Sequence[str], required: Sequence[str]
+) -> Study:
+    known = {"title", "description", "base", "run", *Scenario.model_fields, *SEAMS}
+    errors = [
+        f"{source_of(layers, (key,))}: unknown key '{key}'{did_you_mean(key, known)}"
+        for key in document
+        if key not in known
+    ]
+    for key in known - {"title", "description", "base"}:
+        if key in document and not isinstance(document[key], Mapping):
+            errors.append(f"{source_of(layers, (key,))}: {key} = {document[key]!r} is not a table")
+    for key in ("title", "description"):
+        if not isinstance(document.get(key, ""), str):
+            errors.append(f"{source_of(layers, (key,))}: {key} = {document[key]!r}: should be text in quotes")
+    if errors:
+        raise InputError(*errors)
+
+    scenario: Scenario | None = None
+    run: RunOptions | None = None
+    try:
+        scenario = Scenario.model_validate({k: v for k, v in document.items() if k in Scenario.model_fields})
+    except ValidationError as error:
+        errors += complaints(error, (), Scenario, document, layers)
+    try:
+        run = RunOptions.model_validate(document.get("run", {}))
+    except ValidationError as error:
+        errors += complaints(error, ("run",), RunOptions, document, layers)
+    resolved: dict[str, Any] = {}
+    unselected = [seam for seam in required if "use" not in document.get(seam, {})]
+    if unselected:
+        tables = ", ".join(f"[{seam}]" for seam in unselected)
+        where = source_of(layers, (unselected[0],) if len(unselected) == 1 else ())
+        errors.append(
+            f'{where}: no plugin is chosen by {tables}; give it a line such as use = "..." '
+            f"(see 'driftform plugins'), or start the study with base = \"{DEFAULT}\""
+        )
+    for seam in SELECTED:
+        if seam in unselected or seam not in document:
+            continue
+        try:
+            resolved[seam] = _resolved_selection(document, seam, layers)
+        except InputError as error:
+            errors.extend(error.args)
+    named: dict[str, dict[str, Any]] = {seam: {} for seam in NAMED}
+    for seam in NAMED:
+        for name, options in document.get(seam, {}).items():
+            try:
+                named[seam][name] = _resolved_options(document, (seam, name), name, options, layers)
+            except InputError as error:
+                errors.extend(error.args)
+    if errors or scenario is None or run is None:
+        raise InputError(*errors)
+    _check_folders(scenario, layers)
+    scenario = _with_targets(scenario, wanted)
+    run = _with_budget(run, scenario, resolved)
+    for index, name in enumerate(run.formats):
+        try:
+            registry().find("exporter", name)
+        except InputError as error:
+            raise InputError(f"{source_of(layers, ('run', 'formats', index))}: {error}") from None
+    head = {key: document[key] for key in ("title", "description") if key in document}
+    resolved = {**head, **_plain(scenario), **resolved, **named, "run": _plain(run)}
+    return Study(resolved, scenario, run)
+
+
+def _resolved_selection(document: Mapping[str, Any], seam: str, layers: Sequence[Layer]) -> dict[str, Any]:
+    name, options = _selection(document, seam)
+    return {"use": name, **_resolved_options(document, (seam,), name, options, layers)}
+
+
+def _resolved_options(
+    document: Mapping[str, Any], path: tuple[str, ...], name: str, options: Any, layers: Sequence[Layer]
+) -> dict[str, Any]:
+    """Check the options of the plugin ``name`` that stand in the table ``path``, whose first part is the seam."""
+    try:
+        cls = registry().find(path[0], name)
+    except InputError as error:
+        key = (*path, "use") if path[0] in SELECTED else path
+        raise InputError(f"{source_of(layers, key)}: {error}") from None
+    if not isinstance(options, Mapping):
+        raise InputError(f"{source_of(layers, path)}: {'.'.join(path)} = {options!r} is not a table")
+    try:
+        checked = cls.Options.model_validate(options)
+    except ValidationError as error:
+        raise InputError(*complaints(error, path, cls.Options, document, layers)) from None
+    return _plain(checked)
+
+
+def _selection(document: Mapping[str, Any], seam: str) -> tuple[str, dict[str, Any]]:
+    options = dict(document[seam])
+    return str(options.pop("use")), options
+
+
+def _check_folders(scenario: Scenario, layers: Sequence[Layer]) -> None:
+    """Refuse names of targets that are too long for a folder, or one folder on some file systems."""
+    seen: dict[str, str] = {}
+    for name in scenario.targets:
+        where = source_of(layers, ("targets", name))
+        if len(name.encode()) > _LONGEST_NAME:
+            raise InputError(
+                f"{where}: target name '{name[:20]}...' is longer than {_LONGEST_NAME} bytes: it names a folder"
+            )
+        if name.casefold() in seen:
+            raise InputError(
+                f"{where}: target names '{seen[name.casefold()]}' and '{name}' differ in case only: "
+                "some file systems cannot tell their folders apart"
+            )
+        seen[name.casefold()] = name
+
+
+def _with_targets(scenario: Scenario, wanted: Sequence[str]) -> Scenario:
+    for name in wanted:
+        if name not in scenario.targets:
+            raise InputError(
+                f"--target {name}: the scenario has no such target{did_you_mean(name, scenario.targets)}"
+            )
+    if not wanted:
+        return scenario
+    kept = {name: point for name, point in scenario.targets.items() if name in wanted}
+    return scenario.model_copy(update={"targets": kept})
+
+
+def _with_budget(run: RunOptions, scenario: Scenario, resolved: Mapping[str, Any]) -> RunOptions:
+    seed = run.seed if run.seed is not None else secrets.randbelow(2**32)
+    evaluations = run.evaluations
+    if evaluations is None and "strategy" in resolved:
+        strategy: Any = registry().find("strategy", resolved["strategy"]["use"])
+        evaluations = strategy.evaluations_per_target * max(1, len(scenario.targets))
+    return run.model_copy(update={"seed": seed, "evaluations": evaluations})
+
+
+def _plain(model: Table) -> dict[str, Any]:
+    """A model as TOML can hold it: no ``None``, no tuples."""
+    dumped: dict[str, Any] = model.model_dump(mode="json", exclude_none=True)
+    return dumped

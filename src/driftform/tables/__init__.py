@@ -1,0 +1,1 @@
+"""Tables: the columns they have, and the files they are written to."""

@@ -1,0 +1,83 @@
+"""Tables as files, written batch by batch, so that no table need fit into memory."""
+
+import csv
+import json
+from collections.abc import Callable, Iterable, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from driftform.errors import WorkFailedError
+from driftform.tables.columns import Batch, Column
+
+Write = Callable[[Path, Sequence[Column], Iterable[Batch]], int]
+"""Writes a table to a path, and returns how many rows it has."""
+
+
+def write_csv(path: Path, columns: Sequence[Column], batches: Iterable[Batch]) -> int:
+    """Write a table as CSV: lists as JSON, nothing where there is no value, numbers with all their digits."""
+    rows = 0
+    names = [column.name for column in columns]
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(names)
+        for batch in batches:
+            texts = [_texts(batch[name]) for name in names]
+            writer.writerows(zip(*texts, strict=True))
+            rows += len(texts[0])
+    return rows
+
+
+def _texts(values: Any) -> list[Any]:
+    if isinstance(values, np.ndarray):
+        # The shortest digits that give a number of single precision back.
+        texts: list[Any] = values.astype(str).tolist()
+        return texts
+    return [json.dumps(value) if isinstance(value, list) else value for value in values]
+
+
+def write_parquet(path: Path, columns: Sequence[Column], batches: Iterable[Batch]) -> int:
+    """Write a table as Parquet, a row group for each batch; unit and meaning are metadata of each column."""
+    import pyarrow
+    from pyarrow import parquet
+
+    kinds = {
+        "integer": pyarrow.int64(),
+        "float": pyarrow.float64(),
+        "single": pyarrow.float32(),
+        "text": pyarrow.string(),
+        "integers": pyarrow.list_(pyarrow.int64()),
+    }
+    schema = pyarrow.schema(
+        [
+            pyarrow.field(c.name, kinds[c.kind], metadata={"unit": c.unit, "meaning": c.meaning})
+            for c in columns
+        ]
+    )
+    rows = 0
+    with parquet.ParquetWriter(path, schema, compression="zstd") as writer:
+        for batch in batches:
+            table = pyarrow.table(dict(batch), schema=schema)
+            writer.write_table(table)
+            rows += table.num_rows
+    return rows
+
+
+FORMATS: dict[str, Write] = {"csv": write_csv, "parquet": write_parquet}
+"""The formats of tables by name, which is also the suffix of their files."""
+
+
+def check_format(name: str) -> None:
+    """Refuse a format that cannot be written here, before there is any work in it.
+
+    Raises
+    ------
+    WorkFailedError
+        where a package is missing.
+    """
+    if name == "parquet" and find_spec("pyarrow") is None:
+        raise WorkFailedError(
+            "parquet files need the package pyarrow: pip install 'driftform[parquet]', or choose --format csv"
+        )

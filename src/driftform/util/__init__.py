@@ -1,0 +1,1 @@
+"""Files, progress, notebooks and compilation: nothing of agents or flows."""

@@ -1,0 +1,131 @@
+"""Equation 25: closest approach over the farthest distance there could be."""
+
+import numpy as np
+import pytest
+
+from driftform.builtin.closest_approach import ClosestApproach
+from driftform.options import Table
+from driftform.scenario import Pipe, Scenario, Segment
+from driftform.testing import FitnessContract
+from driftform.testing.fitness import straight_flight
+from driftform.types import End, Trajectory
+
+PIPE = Pipe(segments=(Segment(start=(0, 0, 0), end=(9, 0, 0), radius=1.0),))
+
+
+class TestClosestApproach(FitnessContract):
+    rewards_closeness = True
+
+    def plugin(self) -> ClosestApproach:
+        return ClosestApproach(Table())
+
+
+def score(flight: Trajectory, *targets: tuple[float, float, float], pipe: Pipe = PIPE) -> np.ndarray:
+    scenario = Scenario(pipe=pipe, targets={f"T{i}": target for i, target in enumerate(targets)})
+    return ClosestApproach(Table()).score(flight, scenario)
+
+
+def curved_flight(times: np.ndarray) -> Trajectory:
+    """A rising sine that turns about y, its velocity in body axes."""
+    x, z = times, 0.5 * np.sin(times)
+    vx, vz = np.ones_like(times), 0.5 * np.cos(times)
+    half = 0.35 * times
+    zero = np.zeros_like(times)
+    c, s = np.cos(2 * half), np.sin(2 * half)
+    # R^T v, with R the turn by 2 half about y.
+    velocity = np.column_stack([c * vx - s * vz, zero, s * vx + c * vz, zero, zero + 0.7, zero])
+    quaternion = np.column_stack([np.cos(half), zero, np.sin(half), zero])
+    return Trajectory(times, np.column_stack([x, zero, z]), quaternion, velocity, End.OUTLET)
+
+
+def test_a_straight_path_that_passes_between_two_samples_has_its_closed_form():
+    flight = straight_flight((0, 0, 0), (9, 0, 0), np.array([0.0, 9.0]))
+    # The foot of the perpendicular is 2.3 m down the pipe, 0.5 m from the target; the farthest point of the pipe
+    # is on the outlet's rim, right across the axis.
+    expected = 100 * (1 - 0.5 / np.hypot(9 - 2.3, 0.5 + 1))
+    assert score(flight, (2.3, 0.3, -0.4)) == pytest.approx([expected], rel=1e-12)
+
+
+def test_a_slanted_path_has_its_closed_form():
+    flight = straight_flight((0, 0, 0), (9, 0, 0.9), np.array([0.0, 1.0, 8.0, 9.0]))
+    target = np.array([4.0, 0.2, -0.3])
+    direction = np.array([9.0, 0, 0.9]) / np.linalg.norm([9.0, 0, 0.9])
+    distance = np.linalg.norm(np.cross(target, direction))
+    farthest = np.hypot(5.0, np.hypot(0.2, 0.3) + 1)
+    assert score(flight, tuple(target)) == pytest.approx([100 * (1 - distance / farthest)], rel=1e-12)
+
+
+def test_before_the_start_and_past_the_end_the_ends_count():
+    flight = straight_flight((2, 0, 0), (5, 0, 0), np.linspace(0, 3, 7))
+    values = score(flight, (1.0, 0.0, 0.5), (6.0, 0.0, 0.5))
+    farthest = np.array([np.hypot(8.0, 1.5), np.hypot(6.0, 1.5)])
+    assert values == pytest.approx(100 * (1 - np.hypot(1.0, 0.5) / farthest), rel=1e-12)
+
+
+@pytest.mark.parametrize("axis", [(9.0, 0.0, 0.0), (3.0, -2.0, 1.0), (0.0, 0.0, 0.4)])
+@pytest.mark.parametrize("seed", range(3))
+def test_d_max_is_the_distance_of_the_farthest_point_of_the_pipe(axis, seed):
+    rng = np.random.default_rng(seed)
+    start, along, radius = np.array([0.5, -1.0, 2.0]), np.array(axis), 0.7
+    pipe = Pipe(segments=(Segment(start=tuple(start), end=tuple(start + along), radius=radius),))
+    unit = along / np.linalg.norm(along)
+    _, _, (_, e1, e2) = np.linalg.svd(unit[None])
+    share, angle = rng.random(200_000), rng.uniform(0, 2 * np.pi, 200_000)
+    # Uniform over the volume, and as many on the rims, where the farthest point must be.
+    for r in (radius * np.sqrt(rng.random(200_000)), radius):
+        ring = r * np.cos(angle) * e1[:, None] + r * np.sin(angle) * e2[:, None]
+        inside = start + (share[:, None] if r is not radius else np.round(share)[:, None]) * along + ring.T
+        target = start + rng.random() * along
+        found = np.linalg.norm(inside - target, axis=1).max()
+        exact = pipe.farthest_distance(target)
+        assert found <= exact * (1 + 1e-12)
+    assert found == pytest.approx(exact, rel=1e-6)
+    off_axis = start + 0.3 * along + 0.6 * e1
+    ends = np.vstack([start + ring.T, start + along + ring.T])
+    assert pipe.farthest_distance(off_axis) == pytest.approx(
+        np.linalg.norm(ends - off_axis, axis=1).max(), rel=1e-6
+    )
+
+
+def test_fitness_does_not_depend_on_how_densely_a_flight_is_sampled():
+    targets = [(1.0, 0.3, 0.2), (4.2, 0.0, -0.6), (8.3, -0.5, 0.1), (5.0, 0.1, 0.9)]
+    coarse, fine = (score(curved_flight(np.linspace(0, 9, n)), *targets) for n in (91, 4001))
+    # A cubic through points 0.1 s apart is off by 0.5 h^4 / 384, 1.3e-7 m of at least 4.5 m.
+    np.testing.assert_allclose(coarse, fine, atol=3e-6)
+
+
+def test_a_finer_sampling_agrees_with_the_nearest_of_very_many_points():
+    target = (4.2, 0.0, -0.6)
+    dense = curved_flight(np.linspace(0, 9, 400_001))
+    nearest = np.linalg.norm(dense.position - target, axis=1).min()
+    expected = 100 * (1 - nearest / PIPE.farthest_distance(np.array(target)))
+    assert score(curved_flight(np.linspace(0, 9, 91)), target) == pytest.approx([expected], abs=1e-5)
+
+
+def test_uneven_samples_make_no_difference():
+    rng = np.random.default_rng(0)
+    uneven = np.unique(np.concatenate([[0.0, 9.0], rng.uniform(0, 9, 300), np.linspace(0, 9, 91)]))
+    target = (4.2, 0.0, -0.6)
+    even = score(curved_flight(np.linspace(0, 9, 901)), target)
+    assert score(curved_flight(uneven), target) == pytest.approx(even, abs=3e-6)
+
+
+def test_a_target_is_scored_the_same_alone_and_among_others():
+    flight = curved_flight(np.linspace(0, 9, 91))
+    targets = [(1.0, 0.3, 0.2), (4.2, 0.0, -0.6), (8.3, -0.5, 0.1)]
+    together = score(flight, *targets)
+    assert [score(flight, target)[0] for target in targets] == list(together)
+
+
+def test_the_same_target_is_scored_anew_in_another_pipe():
+    flight = straight_flight((0, 0, 0), (9, 0, 0), np.array([0.0, 9.0]))
+    for length in (9.0, 12.0, 9.0):
+        pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=(length, 0, 0), radius=1.0),))
+        expected = 100 * (1 - 0.5 / np.hypot(length - 2.3, 0.5 + 1))
+        assert score(flight, (2.3, 0.3, -0.4), pipe=pipe) == pytest.approx([expected], rel=1e-12)
+
+
+def test_a_flight_that_leaves_the_pipe_far_behind_has_no_fitness_and_not_less():
+    gone = straight_flight((0, 0, 0), (0, 100, 0), np.array([0.0, 1.0]))
+    away = Trajectory(gone.t, gone.position - np.array([50, 0, 0]), gone.quaternion, gone.velocity, End.INLET)
+    assert score(away, (4.0, 0.0, 0.0)) == [0.0]

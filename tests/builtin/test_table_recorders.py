@@ -1,0 +1,66 @@
+"""Flights as tables: the columns, their numbers, and the readers that people use."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pandas
+import polars
+import pytest
+
+from driftform.builtin.table_recorders import COLUMNS, CsvRecorder, ParquetRecorder
+from driftform.errors import WorkFailedError
+from driftform.options import Table
+from driftform.testing import RecorderContract
+from driftform.testing.renderer import drift
+from driftform.trajectory.forces import accelerations_along, net_wrench
+
+
+class TestCsv(RecorderContract):
+    def plugin(self) -> CsvRecorder:
+        return CsvRecorder(Table())
+
+
+class TestParquet(RecorderContract):
+    def plugin(self) -> ParquetRecorder:
+        return ParquetRecorder(Table())
+
+
+def test_csv_gives_every_number_back(tmp_path: Path) -> None:
+    flight = drift()
+    path = TestCsv().record(tmp_path, flight)
+    with path.open(newline="") as file:
+        rows = list(csv.reader(file))
+    assert rows[0] == [column.name for column in COLUMNS]
+    values = np.array(rows[1:], dtype=float)
+    assert np.array_equal(values[:, 0], flight.t)
+    assert np.array_equal(values[:, 1:4], flight.position)
+    assert np.array_equal(values[:, 4:8], flight.quaternion)
+    assert np.array_equal(values[:, 8:14], flight.velocity)
+
+
+def test_both_tables_are_the_same_to_pandas_and_polars(tmp_path: Path) -> None:
+    frame = pandas.read_csv(TestCsv().record(tmp_path), float_precision="round_trip")
+    other = polars.read_parquet(TestParquet().record(tmp_path))
+    assert list(frame) == other.columns
+    assert np.array_equal(frame.to_numpy(), other.to_numpy())
+
+
+def test_force_and_torque_are_the_last_columns(tmp_path: Path) -> None:
+    flight, specimen = drift(), TestCsv().specimen()
+    wrench = net_wrench(
+        flight, accelerations_along(flight, specimen.agent, specimen.scenario), specimen.agent.mass
+    )
+    frame = pandas.read_csv(TestCsv().record(tmp_path, flight), float_precision="round_trip")
+    assert np.array_equal(
+        frame[["force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z"]], wrench
+    )
+
+
+def test_without_pyarrow_parquet_says_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("driftform.tables.files.find_spec", lambda name: None)
+    with pytest.raises(WorkFailedError, match=r"driftform\[parquet\]"):
+        TestParquet().record(tmp_path)
+    assert list(tmp_path.iterdir()) == []

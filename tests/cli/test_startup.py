@@ -1,0 +1,81 @@
+"""``driftform --help`` and ``driftform plugins list`` are quick because they import nothing heavy."""
+
+import subprocess
+import sys
+
+import pytest
+
+HEAVY = (
+    "numpy",
+    "numba",
+    "pydantic",
+    "scipy",
+    "exudyn",
+    "trimesh",
+    "manifold3d",
+    "rich",
+    "sqlite3",
+    "distributed",
+)
+
+FOR_WORK = (
+    "driftform.util.compiled",
+    "driftform.runs.search",
+    "driftform.execution",
+    "numba",
+    "scipy",
+    "exudyn",
+    "matplotlib",
+    "trimesh",
+    "OCP",
+    "rosbags",
+    "ribs",
+    "pyarrow",
+    "rich",
+    "sqlite3",
+    "distributed",
+)
+"""What plugins and commands need for their work, and not to be listed."""
+
+
+def modules_after(statement: str) -> set[str]:
+    code = f"import sys\n{statement}\nprint(*sys.modules)"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    return set(out.splitlines()[-1].split())
+
+
+def test_importing_the_command_line_imports_nothing_heavy() -> None:
+    loaded = modules_after("import driftform.cli")
+    assert "driftform.cli.evolve" in loaded
+    assert loaded & set(HEAVY) == set()
+
+
+def test_importing_the_package_imports_almost_nothing() -> None:
+    assert modules_after("import driftform") & {*HEAVY, "typer"} == set()
+
+
+def after_running(*arguments: str) -> set[str]:
+    """Modules that are there when a command has ended well."""
+    return modules_after(
+        "from driftform.cli import app\n"
+        f"try: app({list(arguments)!r})\n"
+        "except SystemExit as end: assert end.code == 0"
+    )
+
+
+@pytest.mark.parametrize("page", [["--help"], ["evolve", "--help"], ["plugins", "list", "--help"]])
+def test_a_help_page_imports_nothing_heavy(page: list[str]) -> None:
+    # To find a command, typer reads the options before its name, and checks them by pydantic.
+    expected = {"pydantic"} if len(page) > 1 else set()
+    assert after_running(*page) & set(HEAVY) == expected
+
+
+def test_plugins_are_listed_without_what_only_their_work_needs() -> None:
+    loaded = after_running("plugins", "list")
+    # Their classes are there, so that a plugin that cannot be imported shows.
+    assert {
+        "driftform_exudyn.simulator",
+        "driftform_native.simulator",
+        "driftform.builtin.closest_approach",
+    } <= loaded
+    assert loaded & set(FOR_WORK) == set()

@@ -1,0 +1,125 @@
+"""Ballast balances to the last digit, and lies where there is room for it."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from driftform.geometry import mass_properties
+from driftform.geometry.mass_elements import core_lump, printed_hull, together, weighed
+from driftform.printing.ballast import MATERIALS, Need, ball_diameter, nearest, need, pieces, room_for_ball
+from driftform.types import Agent, Body, Coefficients, Core
+
+LEAD = MATERIALS["lead"]
+
+
+def tube(bore: float = 0.012, aft: float = 0.05, fore: float = 0.08, wall: float = 0.002) -> Body:
+    """A capped tube with a core of 10 mm radius in it."""
+    outer = [(-aft, 0), (-aft, bore + wall), (fore, bore + wall), (fore, 0)]
+    cavity = [(-aft + wall, 0), (-aft + wall, bore), (fore - wall, bore), (fore - wall, 0)]
+    return Body(np.array(outer), np.array(cavity), np.array([-aft, fore]), Core(0.01, 0.05), wall, 1050.0)
+
+
+BODY = tube()
+SIMULATED = mass_properties(BODY)
+AGENT = Agent(BODY, SIMULATED, Coefficients(0.01 * np.eye(6)))
+
+
+@given(missing=st.floats(1e-4, 8e-3), x=st.floats(-0.01, 0.03))
+@settings(deadline=None)
+def test_print_and_ballast_weigh_and_balance_as_simulated(missing: float, x: float) -> None:
+    mass = SIMULATED.mass - missing
+    printed = weighed(AGENT, mass, x)
+    wanted = need(SIMULATED, printed.mass)
+    found = pieces(BODY, wanted, LEAD)
+    assume(found)
+    lumps = [printed_hull(BODY, mass, x), core_lump(BODY), *(piece.lump for piece in found)]
+    trimmed = together(lumps, SIMULATED)
+    assert trimmed.mass == pytest.approx(SIMULATED.mass, rel=1e-9)
+    assert trimmed.cog[0] == pytest.approx(SIMULATED.cog[0], abs=1e-7)
+
+
+@given(
+    mass=st.floats(1e-5, 0.3), x=st.floats(-0.045, 0.075), density=st.sampled_from(list(MATERIALS.values()))
+)
+@settings(deadline=None)
+def test_pieces_lie_in_the_bore_beside_the_core(mass: float, x: float, density: float) -> None:
+    for piece in pieces(BODY, Need(mass, mass * x), density):
+        assert -0.048 - 1e-9 <= piece.start < piece.end <= 0.078 + 1e-9
+        if piece.diameter is not None:
+            assert piece.diameter / 2 <= 0.012 + 1e-9
+            assert abs(piece.lump.x) >= 0.01 + piece.diameter / 2 - 1e-9
+            assert piece.diameter == pytest.approx(np.cbrt(6 * piece.lump.mass / (np.pi * density)))
+
+
+def test_one_ball_where_there_is_room() -> None:
+    [piece] = pieces(BODY, Need(0.01, 0.01 * 0.04), LEAD)
+    assert piece.lump.x == pytest.approx(0.04)
+    # 10 g of lead: 4/3 pi r^3 = 0.8818 cm3.
+    assert piece.diameter == pytest.approx(0.011897, rel=1e-3)
+
+
+def test_two_balls_where_the_core_is_in_the_way() -> None:
+    aft, fore = pieces(BODY, Need(0.01, 0.01 * 0.002), LEAD)
+    assert aft.end < -0.01 + 1e-9 and fore.start > 0.01 - 1e-9
+    assert aft.lump.mass + fore.lump.mass == pytest.approx(0.01)
+    assert aft.lump.mass * aft.lump.x + fore.lump.mass * fore.lump.x == pytest.approx(2e-5)
+
+
+def test_a_filling_where_no_ball_has_room() -> None:
+    # Half of 300 g of lead is a ball of 29 mm in a bore of 24 mm; all of it as a plug is 58 mm long.
+    [piece] = pieces(BODY, Need(0.3, 0.3 * 0.045), LEAD)
+    assert piece.diameter is None
+    assert piece.end - piece.start == pytest.approx(0.3 / LEAD / (np.pi * 0.012**2), rel=1e-3)
+    assert piece.lump.x == pytest.approx(0.045, abs=1e-6)
+    # A cylinder: m (3 r^2 + l^2) / 12 across, m r^2 / 2 along.
+    length = piece.end - piece.start
+    assert piece.lump.axial == pytest.approx(0.3 * 0.012**2 / 2, rel=2e-3)
+    assert piece.lump.transverse == pytest.approx(0.3 * (3 * 0.012**2 + length**2) / 12, rel=2e-3)
+
+
+def test_all_of_the_bore_but_the_core_can_be_filled() -> None:
+    volume = np.pi * 0.012**2 * 0.126 - 4 / 3 * np.pi * 0.01**3
+    for share, room in ((0.999, True), (1.001, False)):
+        wanted = Need(share * volume * LEAD, 0.0)
+        assert bool(nearest(BODY, wanted, LEAD)) is room
+
+
+def test_what_lies_outside_the_hull_has_no_pieces_and_a_nearest_one() -> None:
+    wanted = Need(0.001, 0.001 * 0.5)
+    assert pieces(BODY, wanted, LEAD) == ()
+    [piece] = nearest(BODY, wanted, LEAD)
+    assert piece.end == pytest.approx(0.078, abs=1e-3)
+
+
+def test_more_than_the_bore_holds_has_no_room_at_all() -> None:
+    wanted = Need(2.0, 2.0 * 0.02)
+    assert pieces(BODY, wanted, LEAD) == nearest(BODY, wanted, LEAD) == ()
+
+
+def test_a_solid_body_has_no_room() -> None:
+    solid = Body(BODY.outer, np.empty((0, 2)), BODY.joints, BODY.core, 0.002, 1050.0)
+    assert pieces(solid, Need(0.001, 0.0), LEAD) == ()
+
+
+def test_nothing_missing_needs_no_place() -> None:
+    assert need(SIMULATED, SIMULATED).x is None
+    assert pieces(BODY, need(SIMULATED, SIMULATED), LEAD) == ()
+
+
+def test_too_heavy_a_print_needs_buoyancy_where_its_excess_is() -> None:
+    heavier = weighed(AGENT, SIMULATED.mass + 0.004)
+    wanted = need(SIMULATED, heavier.mass)
+    assert wanted.mass == pytest.approx(-0.004)
+    # The excess is spread as the hull's material: at its middle.
+    assert wanted.x == pytest.approx(0.015, abs=1e-9)
+    assert pieces(BODY, wanted, LEAD) == ()
+
+
+def test_room_ends_at_the_walls_and_at_the_core() -> None:
+    x = np.array([-0.06, -0.047, 0.0, 0.009, 0.015, 0.04, 0.076, 0.079])
+    np.testing.assert_allclose(room_for_ball(BODY, x), [0, 0.001, 0, 0, 0.005, 0.012, 0.002, 0], atol=1e-12)
+
+
+def test_a_ball_of_lead_of_a_kilogram() -> None:
+    assert ball_diameter(1.0, LEAD) == pytest.approx(0.0552, rel=1e-3)

@@ -1,0 +1,79 @@
+"""What would be published: every distribution builds, says what it is, and works outside the repository."""
+
+import json
+import tarfile
+import tomllib
+import zipfile
+from collections.abc import Callable
+from email import message_from_string
+from email.message import Message
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PROJECTS = [ROOT, *sorted(path.parent for path in (ROOT / "plugins").glob("*/pyproject.toml"))]
+
+pytestmark = pytest.mark.installs
+
+
+def project(folder: Path) -> dict[str, str]:
+    table: dict[str, str] = tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    return table
+
+
+@pytest.fixture(scope="module")
+def installed(dist: Path, new_environment: Callable[..., Path]) -> Path:
+    """The programs of an environment that has the wheels."""
+    return new_environment(*dist.glob("*.whl"))
+
+
+def file_of(dist: Path, name: str, end: str) -> Path:
+    [path] = dist.glob(f"{name.replace('-', '_')}-[0-9]*{end}")
+    return path
+
+
+def metadata(wheel: Path) -> Message:
+    with zipfile.ZipFile(wheel) as archive:
+        [name] = [n for n in archive.namelist() if n.endswith(".dist-info/METADATA")]
+        return message_from_string(archive.read(name).decode())
+
+
+@pytest.mark.parametrize("folder", PROJECTS, ids=lambda path: path.name)
+def test_a_distribution_says_what_it_is(folder: Path, dist: Path) -> None:
+    name = project(folder)["name"]
+    found = metadata(file_of(dist, name, ".whl"))
+    assert found["License-Expression"] == "MIT" and found["License-File"] == "LICENSE"
+    assert found["Summary"] == project(folder)["description"]
+    assert found["Description-Content-Type"] == "text/markdown"
+    assert str(found.get_payload()).startswith(f"# {name}\n")
+    assert found["Keywords"] and "Typing :: Typed" in (found.get_all("Classifier") or [])
+    assert found["Requires-Python"] == ">=3.11"
+
+
+@pytest.mark.parametrize("folder", PROJECTS, ids=lambda path: path.name)
+def test_wheels_and_sdists_hold_the_licence_and_say_that_they_are_typed(folder: Path, dist: Path) -> None:
+    name = project(folder)["name"]
+    with tarfile.open(file_of(dist, name, ".tar.gz")) as archive:
+        names = {member.partition("/")[2] for member in archive.getnames()}
+    assert {"LICENSE", "README.md", "pyproject.toml"} <= names
+    with zipfile.ZipFile(file_of(dist, name, ".whl")) as archive:
+        names = set(archive.namelist())
+    assert f"{name.replace('-', '_')}/py.typed" in names
+    assert any(n.endswith(".dist-info/licenses/LICENSE") for n in names)
+    assert not [n for n in names if n.startswith("tests/") or "__pycache__" in n]
+
+
+def test_it_evolves_outside_the_repository(
+    installed: Path, outside: Callable[..., str], tmp_path: Path
+) -> None:
+    words = ["evolve", "--simulator", "native", "--evaluations", "4", "--seed", "1", "--workers", "2"]
+    told = json.loads(outside(installed / "driftform", *words, "--out", "run", "--json", cwd=tmp_path))
+    assert told["evaluations"] == 4 and told["failed"] == 0
+    assert (tmp_path / "run" / "best" / "TP1" / "agent.stl").stat().st_size > 84
+
+
+def test_every_plugin_is_found_there(installed: Path, outside: Callable[..., str], tmp_path: Path) -> None:
+    rows = json.loads(outside(installed / "driftform", "plugins", "list", "--json", cwd=tmp_path))["plugins"]
+    assert {row["distribution"] for row in rows} == {project(folder)["name"] for folder in PROJECTS}
+    assert {row["state"] for row in rows} == {"ok"}

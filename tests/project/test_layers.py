@@ -1,0 +1,126 @@
+"""Which way imports point: each package imports only those below it, and no two modules import each other."""
+
+import ast
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+CORE = ROOT / "src" / "driftform"
+PLUGINS = sorted(path.parent for path in ROOT.glob("plugins/*/src/*/__init__.py"))
+
+LAYERS = (
+    *("errors", "types", "options", "scenarios", "util"),
+    *("scenario", "geometry", "hydrodynamics", "dynamics", "trajectory", "tables"),
+    *("interfaces", "hookspecs", "pipeline", "registry", "study", "execution"),
+    *("figures", "runs", "agents", "printing", "report", "reproduction"),
+    *("builtin", "testing", "scaffold", "api", "cli"),
+)
+"""The modules and packages of the core from the ground up: each may import those before it, and no others."""
+
+
+def list_imports(source: str) -> Iterator[str]:
+    """Every module that a source names in an import, also inside functions, and each name after ``from``."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, "a relative import"
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def name_module(file: Path, package: Path) -> str:
+    """The dotted name of a file, such as ``driftform.cli.app``."""
+    parts = file.relative_to(package.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def read_imports(package: Path) -> dict[str, set[str]]:
+    """The modules of a package, and which of the others each imports, itself and its package left out."""
+    sources = {name_module(file, package): file.read_text(encoding="utf-8") for file in package.rglob("*.py")}
+    found: dict[str, set[str]] = {}
+    for module, source in sources.items():
+        whole = {
+            name if name in sources else name.rpartition(".")[0]
+            for name in list_imports(source)
+            if name.split(".")[0] == package.name
+        }
+        found[module] = {name for name in whole if name in sources} - {module, package.name}
+    return found
+
+
+def find_forbidden(imports: Mapping[str, set[str]]) -> list[str]:
+    """Imports of the core that point upward, one line each."""
+    place = {name: number for number, name in enumerate(LAYERS)}
+    return [
+        f"{module} imports {name}"
+        for module, names in sorted(imports.items())
+        for name in sorted(names)
+        if module != "driftform" and place[name.split(".")[1]] > place[module.split(".")[1]]
+    ]
+
+
+def find_circle(imports: Mapping[str, set[str]]) -> list[str]:
+    """Modules of which each imports the next and the last the first, empty where there are none."""
+    done: set[str] = set()
+
+    def visit(module: str, path: list[str]) -> list[str]:
+        if module in path:
+            return path[path.index(module) :]
+        if module in done:
+            return []
+        for name in sorted(imports[module]):
+            if circle := visit(name, [*path, module]):
+                return circle
+        done.add(module)
+        return []
+
+    return next((circle for module in sorted(imports) if (circle := visit(module, []))), [])
+
+
+def test_every_part_of_the_core_has_its_layer() -> None:
+    parts = {path.stem for path in CORE.iterdir() if path.suffix == ".py" or (path / "__init__.py").is_file()}
+    assert parts - {"__init__", "__main__"} == set(LAYERS)
+
+
+def test_each_part_of_the_core_imports_only_those_below_it() -> None:
+    assert find_forbidden(read_imports(CORE)) == []
+
+
+def test_an_import_that_points_upward_is_found_also_inside_a_function() -> None:
+    source = "def fly():\n    from driftform.cli import app\n    import driftform.runs.store\n"
+    imports = {"driftform.dynamics.flight": set(list_imports(source))}
+    assert find_forbidden(imports) == [
+        "driftform.dynamics.flight imports driftform.cli.app",
+        "driftform.dynamics.flight imports driftform.runs.store",
+    ]
+
+
+@pytest.mark.parametrize("package", [CORE, *PLUGINS], ids=lambda path: path.name)
+def test_no_modules_import_each_other_in_a_circle(package: Path) -> None:
+    assert find_circle(read_imports(package)) == []
+
+
+def test_a_circle_is_found() -> None:
+    assert find_circle({"a": {"b"}, "b": {"c", "d"}, "c": set(), "d": {"b"}}) == ["b", "d"]
+
+
+def test_the_core_imports_no_plugin() -> None:
+    names = {path.name for path in PLUGINS}
+    assert "driftform_native" in names
+    found = {
+        name.split(".")[0] for file in CORE.rglob("*.py") for name in list_imports(file.read_text("utf-8"))
+    }
+    assert found & names == set()
+
+
+def test_only_the_command_line_imports_its_parser() -> None:
+    files = [*CORE.rglob("*.py"), *(file for plugin in PLUGINS for file in plugin.rglob("*.py"))]
+    users = {
+        file.relative_to(ROOT).as_posix()
+        for file in files
+        for name in list_imports(file.read_text("utf-8"))
+        if name.split(".")[0] == "typer" or name.startswith("driftform.cli")
+    }
+    assert users and all(user.startswith("src/driftform/cli/") for user in users)

@@ -1,0 +1,167 @@
+"""The ask/tell loop: what it stores, how it goes on, and what it refuses."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from driftform.errors import InputError, WorkFailedError
+from driftform.execution import InProcess, Job, Outcome
+from driftform.runs.results import write_best
+from driftform.runs.search import evolve, scored
+from driftform.runs.store import Record, Store
+from driftform.study import Study, load_study
+from driftform.types import Evaluation, Genome
+
+pytestmark = pytest.mark.usefixtures("fakes")
+
+
+def study_of(*settings: str, evaluations: int = 25, strategy: str = "paper", **more: Any) -> Study:
+    return load_study(
+        None,
+        settings,
+        use={"simulator": "fake", "strategy": strategy},
+        targets=["TP1", "TP6"],
+        run={"seed": 3, "evaluations": evaluations, **more},
+    )
+
+
+def rows(store: Store, study: Study) -> list[tuple[Any, ...]]:
+    return [
+        (r.index, r.candidate, r.evaluation.fitness.tobytes(), r.evaluation.failure)
+        for r in store.records(study.scenario.target_names)
+    ]
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Iterator[Store]:
+    with Store.create(tmp_path / "run.db", {}) as store:
+        yield store
+
+
+class Counting:
+    """Evaluates in this process, backwards, and remembers what it was asked for."""
+
+    def __init__(self, study: Study, breaks_after: int | None = None) -> None:
+        self._executor = InProcess(study.pipeline())
+        self._left = breaks_after
+        self.asked: list[int] = []
+
+    def evaluate(self, jobs: Sequence[Job]) -> Iterable[Sequence[Outcome]]:
+        for outcome in list(chain.from_iterable(self._executor.evaluate(jobs)))[::-1]:
+            if self._left is not None:
+                if self._left == 0:
+                    raise KeyboardInterrupt
+                self._left -= 1
+            self.asked.append(outcome[0])
+            yield [outcome]
+
+
+@pytest.mark.parametrize("strategy", ["paper", "random"])
+def test_the_budget_is_spent_exactly(store: Store, strategy: str) -> None:
+    study = study_of(strategy=strategy)
+    generations: list[int] = []
+    seen: list[int] = []
+    evolve(study, store, Counting(study), lambda r: seen.append(r.index), generations.append)
+    assert store.count() == 25
+    assert sorted(seen) == list(range(25))
+    assert generations[-1] == 25
+
+
+@pytest.mark.parametrize("strategy", ["paper", "random"])
+@pytest.mark.parametrize("stop", [0, 1, 7, 20, 24])
+def test_stopped_anywhere_it_goes_on_to_the_same_result_and_flies_nothing_twice(
+    store: Store, tmp_path: Path, strategy: str, stop: int
+) -> None:
+    study = study_of(strategy=strategy)
+    with Store.create(tmp_path / "whole.db", {}) as whole:
+        evolve(study, whole, Counting(study))
+        expected = rows(whole, study)
+    first = Counting(study, breaks_after=stop)
+    with pytest.raises(KeyboardInterrupt):
+        evolve(study, store, first)
+    assert store.count() == stop
+    second = Counting(study)
+    evolve(study, store, second)
+    assert rows(store, study) == expected
+    assert sorted(first.asked + second.asked) == list(range(25))
+
+
+def test_a_finished_run_is_replayed_without_a_flight(store: Store) -> None:
+    study = study_of()
+    evolve(study, store, Counting(study))
+    before = rows(store, study)
+    again = Counting(study)
+    seen: list[Record] = []
+    evolve(study, store, again, seen.append)
+    assert again.asked == []
+    assert len(seen) == 25
+    assert rows(store, study) == before
+
+
+def test_a_run_that_its_study_would_not_make_now_is_refused(store: Store) -> None:
+    evolve(study_of(), store, Counting(study_of()))
+    other = load_study(None, use={"simulator": "fake"}, targets=["TP1", "TP6"], run={"seed": 4})
+    with pytest.raises(InputError, match=r"evaluation 0 of this run is not the one .* environment\.json"):
+        evolve(other, store, Counting(other))
+
+
+def test_failures_are_recorded_with_their_reason_and_the_run_goes_on(store: Store) -> None:
+    study = study_of("simulator.fail=0.5")
+    evolve(study, store, Counting(study))
+    assert 0 < store.failed() < store.count() == 25
+    failures = {r.evaluation.failure for r in store.records(study.scenario.target_names)} - {None}
+    assert all(str(failure).startswith("RuntimeError: genome 0.") for failure in failures)
+
+
+@pytest.mark.parametrize(("value", "extra"), [("nan", 0), ("inf", 0), ("-1", 0), ("50", 1), ("50", -1)])
+def test_a_fitness_that_no_selection_can_work_with_is_a_failure(
+    store: Store, tmp_path: Path, value: str, extra: int
+) -> None:
+    study = study_of("fitness.use=nonsense", f"fitness.value='{value}'", f"fitness.extra={extra}")
+    evolve(study, store, Counting(study))
+    assert store.failed() == 25
+    with pytest.raises(WorkFailedError, match="all 25 evaluations failed, the first: its fitness is"):
+        write_best(tmp_path, study, store)
+
+
+def test_a_sound_fitness_is_left_alone() -> None:
+    evaluation = Evaluation(Genome("g", ()), np.array([0.0, 100.0]))
+    assert scored(evaluation, ("A", "B")) is evaluation
+    failed = replace(evaluation, failure="it sank")
+    assert scored(failed, ("A", "B")) is failed
+    assert scored(replace(failed, fitness=np.array([np.nan, 1.0])), ("A", "B")).failure == "it sank"
+
+
+def test_the_best_of_each_target_is_written(store: Store, tmp_path: Path) -> None:
+    study = study_of(formats=["scad"])
+    evolve(study, store, Counting(study))
+    results, overview = write_best(tmp_path, study, store)
+    assert overview.is_file()
+    for number, best in enumerate(results):
+        records = list(store.records(study.scenario.target_names))
+        fitness = [record.evaluation.fitness[number] for record in records]
+        assert best.fitness == max(fitness)
+        assert best.index == int(np.argmax(fitness))
+        assert {path.name for path in best.files} == {
+            "agent.json",
+            "trajectory.csv",
+            "section.svg",
+            "agent.scad",
+        }
+        # Equation 25 backwards, with the stored flight in place of the one that was scored.
+        d_max = study.scenario.pipe.farthest_distance(np.array(study.scenario.targets[best.target]))
+        assert best.distance == pytest.approx(best.error_percent / 100 * d_max, rel=1e-3)
+
+
+def test_writing_the_best_again_gives_the_same_files(store: Store, tmp_path: Path) -> None:
+    study = study_of()
+    evolve(study, store, Counting(study))
+    write_best(tmp_path, study, store)
+    files = {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file() and "run.db" not in p.name}
+    write_best(tmp_path, study, store)
+    assert {p: p.read_bytes() for p in files} == files

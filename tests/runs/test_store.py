@@ -1,0 +1,329 @@
+"""What goes into a run's database comes out again, and a strategy cannot tell a resumed run from a live one."""
+
+import math
+import pickle
+import sqlite3
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from driftform.errors import InputError, WorkFailedError
+from driftform.runs.store import Record, Store
+from driftform.scenario import evaluation_seed
+from driftform.trajectory.compression import SAMPLE_GAP, compact, decoded, encoded, packed, trust
+from driftform.types import Candidate, End, Evaluation, Genome, Trajectory
+
+TARGETS = ("A", "B")
+COLUMNS = ("t", "position", "quaternion", "velocity")
+
+texts = st.text(st.characters(exclude_categories=["Cs"]), max_size=8)
+genomes = st.builds(Genome, texts, st.lists(texts, max_size=5).map(tuple))
+candidates = st.builds(
+    Candidate, genomes, st.lists(st.integers(0, 9**9), max_size=2).map(tuple), st.integers(0, 999), texts
+)
+
+
+@st.composite
+def trajectories(draw: st.DrawFn) -> Trajectory:
+    count = draw(st.integers(1, 60))
+    gaps = draw(st.lists(st.floats(1e-4, 0.05), min_size=count - 1, max_size=count - 1))
+    t = np.concatenate([[0.0], np.cumsum(gaps)])
+    rng = np.random.default_rng(draw(st.integers(0, 99)))
+    rest = rng.normal(scale=3, size=(count, 13))
+    trust = [draw(st.none() | st.floats(0, math.inf)) for _ in range(3)]
+    return Trajectory(t, rest[:, :3], rest[:, 3:7], rest[:, 7:], draw(st.sampled_from(End)), *trust)
+
+
+@st.composite
+def records(draw: st.DrawFn, index: int = 0) -> Record:
+    candidate = draw(candidates)
+    evaluation = Evaluation(
+        candidate.genome,
+        np.array(draw(st.lists(st.floats(0, 100), min_size=2, max_size=2))),
+        draw(st.none() | trajectories()),
+        draw(st.none() | texts),
+        draw(st.floats(0, 1e6)),
+    )
+    return Record(index, candidate, evaluation)
+
+
+def same(a: Evaluation, b: Evaluation) -> bool:
+    flights = (a.trajectory, b.trajectory)
+    return (
+        (a.genome, a.failure, a.seconds) == (b.genome, b.failure, b.seconds)
+        and a.fitness.tobytes() == b.fitness.tobytes()
+        and (flights[0] is None) == (flights[1] is None)
+        and all(
+            f is None or g is None or getattr(f, name).tobytes() == getattr(g, name).tobytes()
+            for f, g in [flights]
+            for name in COLUMNS
+        )
+        and all(
+            getattr(flights[0], name, None) == getattr(flights[1], name, None)
+            for name in ("end", "contact", "energy_drift", "error")
+        )
+    )
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Iterator[Store]:
+    with Store.create(tmp_path / "run.db", {"title": "of a test"}) as store:
+        yield store
+
+
+@pytest.fixture
+def fresh(tmp_path_factory: pytest.TempPathFactory) -> Callable[[], Path]:
+    return lambda: tmp_path_factory.mktemp("store") / "run.db"
+
+
+@given(st.data())
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_records_read_back_as_a_live_strategy_has_seen_them(
+    fresh: Callable[[], Path], data: st.DataObject
+) -> None:
+    written = [data.draw(records(index)) for index in range(data.draw(st.integers(0, 3)))]
+    path = fresh()
+    with Store.create(path, {}) as store:
+        for record in written:
+            store.add([record], TARGETS)
+    with Store.open(path) as store:
+        read = list(store.records(TARGETS))
+        assert store.count() == len(written)
+        assert store.failed() == sum(r.evaluation.failure is not None for r in written)
+        flights = dict(store.flights())
+    assert [(r.index, r.candidate) for r in read] == [(r.index, r.candidate) for r in written]
+    sound = {r.index: r.evaluation for r in read if r.evaluation.failure is None and r.evaluation.trajectory}
+    assert list(flights) == list(sound)
+    assert all(
+        same(Evaluation(e.genome, e.fitness, flights[i], None, e.seconds), e) for i, e in sound.items()
+    )
+    for before, after in zip(written, read, strict=True):
+        assert same(after.evaluation, compact(before.evaluation))
+        assert after.evaluation.fitness.tobytes() == before.evaluation.fitness.tobytes()
+
+
+@given(trajectories())
+def test_a_stored_flight_keeps_its_ends_and_is_within_single_precision_between(flight: Trajectory) -> None:
+    kept = decoded(encoded(flight), flight.end)
+    assert kept.end == flight.end
+    assert kept.t[0] == 0.0
+    assert kept.t[-1] == np.float32(flight.t[-1])
+    assert (np.diff(kept.t) > 0).all()
+    # Every sample that is left is one that was there, and no gap opens where there was none.
+    places = np.searchsorted(flight.t.astype(np.float32), kept.t.astype(np.float32))
+    for name in COLUMNS:
+        original = getattr(flight, name)[places].astype(np.float32)
+        assert (getattr(kept, name) == original).all()
+    widest = max(np.diff(flight.t), default=0.0)
+    assert max(np.diff(kept.t), default=0.0) <= widest + 2 * SAMPLE_GAP
+
+
+@given(trajectories())
+def test_what_was_stored_once_is_stored_the_same_again(flight: Trajectory) -> None:
+    once = decoded(encoded(flight), flight.end)
+    twice = decoded(encoded(once), once.end)
+    assert twice.t[-1] == once.t[-1]
+    assert (twice.position[-1] == once.position[-1]).all()
+
+
+@given(trajectories())
+def test_a_flight_that_is_read_back_lies_in_memory_as_kernels_are_compiled_for(flight: Trajectory) -> None:
+    back = decoded(encoded(flight), flight.end)
+    for array in (back.t, back.position, back.quaternion, back.velocity):
+        assert array.flags.c_contiguous and not array.flags.writeable
+
+
+def evaluated(index: int, a: float, b: float, failure: str | None = None) -> Record:
+    genome = Genome("g", (str(index),))
+    return Record(index, Candidate(genome), Evaluation(genome, np.array([a, b]), failure=failure))
+
+
+def test_reading_one_evaluation_takes_no_longer_in_a_large_run(store: Store) -> None:
+    def steps() -> int:
+        """Instructions of SQLite's machine that it takes."""
+        count = [0]
+        store._connection.set_progress_handler(lambda: count.__setitem__(0, count[0] + 1), 1)
+        store.record(1, TARGETS)
+        store._connection.set_progress_handler(None, 1)
+        return count[0]
+
+    store.add([evaluated(index, 1.0, 2.0) for index in range(3)], TARGETS)
+    small = steps()
+    store.add([evaluated(index, 1.0, 2.0) for index in range(3, 1000)], TARGETS)
+    assert small > 10
+    assert steps() <= small + 10
+
+
+def test_the_best_is_the_earliest_of_equals_and_never_a_failure(store: Store) -> None:
+    assert store.best("A") is None
+    for record in (
+        evaluated(0, 5.0, 1.0),
+        evaluated(1, 9.0, 1.0),
+        evaluated(2, 9.0, 0.5),
+        evaluated(3, 99.0, 99.0, failure="it sank"),
+    ):
+        store.add([record], TARGETS)
+    assert store.best("A") == (1, 9.0)
+    assert store.best("B") == (0, 1.0)
+    assert store.best("C") is None
+
+
+@given(st.lists(st.floats(0, 100), min_size=1, max_size=6))
+@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_the_best_is_that_of_all_scores(fresh: Callable[[], Path], scores: list[float]) -> None:
+    with Store.create(fresh(), {}) as store:
+        for index, score in enumerate(scores):
+            store.add([evaluated(index, score, 0.0)], TARGETS)
+        assert store.best("A") == (scores.index(max(scores)), max(scores))
+
+
+def test_no_fitness_that_is_not_a_number_gets_in_and_what_was_there_stays(store: Store) -> None:
+    store.add([evaluated(0, 1.0, 2.0)], TARGETS)
+    with pytest.raises(WorkFailedError, match="evaluation 1 cannot be written"):
+        store.add([evaluated(1, 1.0, float("nan"))], TARGETS)
+    assert store.count() == 1
+    store.add([evaluated(1, 1.0, 3.0)], TARGETS)
+    assert store.best("B") == (1, 3.0)
+
+
+def test_an_evaluation_is_written_once(store: Store) -> None:
+    store.add([evaluated(0, 1.0, 2.0)], TARGETS)
+    with pytest.raises(WorkFailedError, match="evaluation 0 cannot be written"):
+        store.add([evaluated(0, 3.0, 4.0)], TARGETS)
+    assert store.record(0, TARGETS).evaluation.fitness.tolist() == [1.0, 2.0]
+
+
+def test_of_what_is_added_together_all_is_written_or_nothing(store: Store) -> None:
+    store.add([evaluated(index, 1.0, 2.0) for index in range(3)], TARGETS)
+    with pytest.raises(WorkFailedError, match="evaluation 4 cannot be written"):
+        store.add([evaluated(3, 1.0, 2.0), evaluated(4, float("nan"), 2.0), evaluated(5, 1.0, 2.0)], TARGETS)
+    assert [record.index for record in store.records(TARGETS)] == [0, 1, 2]
+    store.add([evaluated(3, 1.0, 2.0)], TARGETS)
+    assert store.count() == 4
+
+
+def test_a_full_disk_is_told_and_what_was_there_stays(store: Store) -> None:
+    store.add([evaluated(0, 1.0, 2.0)], TARGETS)
+    pages = store._connection.execute("PRAGMA page_count").fetchone()[0]
+    store._connection.execute(f"PRAGMA max_page_count = {pages}")
+    with pytest.raises(WorkFailedError, match=r"cannot be written: database or disk is full; .* is safe"):
+        store.add([evaluated(index, 1.0, 2.0) for index in range(1, 500)], TARGETS)
+    assert store.count() == 1
+
+
+def test_the_seed_of_an_evaluation_reads_back(store: Store) -> None:
+    seeds = [evaluation_seed(7, index) for index in range(3)]
+    assert len(set(seeds)) == 3
+    store.add([replace(evaluated(i, 1.0, 2.0), seed=seed) for i, seed in enumerate(seeds)], TARGETS)
+    assert [record.seed for record in store.records(TARGETS)] == seeds
+
+
+def test_a_file_that_could_not_be_begun_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(TypeError):
+        Store.create(tmp_path / "run.db", {"no JSON": object()})
+    assert list(tmp_path.iterdir()) == []
+
+
+@given(trajectories())
+def test_a_packed_flight_is_the_one_that_reads_back_and_travels_as_bytes(flight: Trajectory) -> None:
+    once = packed(flight)
+    assert packed(once) is once
+    travelled = pickle.loads(pickle.dumps(once))
+    assert "position" not in vars(travelled)
+    assert (travelled.blob, travelled.duration) == (encoded(flight), once.t[-1])
+    back = decoded(encoded(flight), flight.end, **trust(flight))
+    for name in (*COLUMNS, "end", "contact", "energy_drift", "error"):
+        assert np.array_equal(getattr(travelled, name), getattr(back, name))
+    for name in COLUMNS:
+        assert not getattr(travelled, name).flags.writeable
+    shifted = replace(travelled, t=travelled.t + 1.0)
+    assert packed(shifted).t[0] == 1.0
+    with pytest.raises(AttributeError, match="colour"):
+        _ = travelled.colour
+
+
+def test_a_part_of_the_records_is_read_by_index(store: Store) -> None:
+    for index in range(5):
+        store.add([evaluated(index, index, 0.0)], TARGETS)
+    assert [record.index for record in store.records(TARGETS, 1, 3)] == [1, 2, 3]
+    assert [record.index for record in store.records(TARGETS, 3)] == [3, 4]
+    assert list(store.records(TARGETS, 9, 2)) == []
+
+
+def test_the_scores_come_in_the_order_that_is_asked_for(store: Store) -> None:
+    store.add([evaluated(0, 1.0, 2.0)], TARGETS)
+    assert store.record(0, ("B", "A")).evaluation.fitness.tolist() == [2.0, 1.0]
+
+
+def test_a_committed_evaluation_is_seen_by_others_at_once_and_survives_a_crash(
+    store: Store, tmp_path: Path
+) -> None:
+    store.add([evaluated(0, 1.0, 2.0)], TARGETS)
+    connection = sqlite3.connect(tmp_path / "run.db")
+    assert connection.execute("SELECT COUNT(*) FROM score").fetchone() == (2,)
+    connection.close()
+
+
+def test_the_study_reads_back(store: Store) -> None:
+    assert store.study() == {"title": "of a test"}
+
+
+def test_closed_it_is_one_file(tmp_path: Path) -> None:
+    with Store.create(tmp_path / "run.db", {}) as store:
+        store.add([evaluated(0, 1.0, 2.0)], TARGETS)
+    assert [path.name for path in tmp_path.iterdir()] == ["run.db"]
+
+
+def test_a_reader_that_closes_leaves_the_log_to_the_writer(store: Store, tmp_path: Path) -> None:
+    store.add([evaluated(0, 1.0, 2.0)], TARGETS)
+    with Store.open(tmp_path / "run.db") as reader:
+        assert reader.count() == 1
+    store.add([evaluated(1, 1.0, 2.0)], TARGETS)
+    assert store.count() == 2
+
+
+def test_an_existing_file_is_never_made_anew(store: Store, tmp_path: Path) -> None:
+    store.add([evaluated(0, 1.0, 2.0)], TARGETS)
+    with pytest.raises(InputError, match="exists already"):
+        Store.create(tmp_path / "run.db", {})
+    assert store.count() == 1
+
+
+def test_where_nothing_can_be_written_it_says_so(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(WorkFailedError, match="cannot be written"):
+        Store.create(tmp_path / "file" / "run.db", {})
+    with pytest.raises(InputError, match="no such file"):
+        Store.open(tmp_path / "run.db")
+
+
+def test_an_evaluation_without_a_flight_is_compact_already() -> None:
+    evaluation = evaluated(0, 1.0, 2.0).evaluation
+    assert compact(evaluation) is evaluation
+
+
+def test_a_hundred_metres_a_day_long_keep_apart_in_single_precision(store: Store) -> None:
+    # The last two samples are nearer than the time can tell apart so late in a flight.
+    t = np.array([0.0, 50_000.0, 50_000.0001])
+    rest: Any = np.zeros((3, 13))
+    flight = Trajectory(t, rest[:, :3], rest[:, 3:7], rest[:, 7:], End.HORIZON)
+    kept = decoded(encoded(flight), flight.end)
+    assert (np.diff(kept.t) > 0).all()
+
+
+@pytest.mark.parametrize("step", [SAMPLE_GAP, SAMPLE_GAP / 2, 0.02])
+def test_what_is_compacted_once_does_not_change_when_it_is_stored(step):
+    t = np.arange(900) * step
+    position = np.column_stack([t, np.sin(t), np.cos(t)])
+    still = np.tile([1.0, 0, 0, 0], (len(t), 1))
+    flight = Trajectory(t, position, still, np.zeros((len(t), 6)), End.HORIZON)
+    told = compact(Evaluation(Genome("g", ()), np.zeros(1), flight)).trajectory
+    stored = decoded(encoded(told), told.end)
+    for name in COLUMNS:
+        assert getattr(stored, name).tobytes() == getattr(told, name).tobytes()

@@ -1,0 +1,67 @@
+"""Plugins bring scenarios of their own, by a package of TOML files."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from driftform.errors import InputError
+from driftform.study import load_study
+from driftform.study.sources import builtin_scenarios
+
+NARROW = 'title = "A narrow pipe"\nbase = "pipe-inspection"\n[flow]\nspeed = 0.5\n'
+
+
+def install(site: Path, name: str, files: dict[str, str], package: str | None = None) -> None:
+    """A distribution, as far as ``importlib.metadata`` can tell, with a package of scenarios."""
+    folder = site / f"driftform_{name}"
+    folder.mkdir(parents=True)
+    (folder / "__init__.py").write_text("")
+    for file, text in files.items():
+        (folder / file).write_text(text)
+    info = site / f"driftform_{name}-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: driftform-{name}\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(
+        f"[driftform.scenarios]\n{name} = {package or f'driftform_{name}'}\n"
+    )
+
+
+@pytest.fixture
+def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    folder = tmp_path / "site"
+    folder.mkdir()
+    monkeypatch.syspath_prepend(str(folder))
+    for name in [name for name in sys.modules if name in ("driftform_one", "driftform_two")]:
+        monkeypatch.delitem(sys.modules, name)
+    return folder
+
+
+def test_a_scenario_of_a_plugin_is_listed_and_loaded_by_its_name(site: Path) -> None:
+    install(site, "one", {"narrow.toml": NARROW, "notes.txt": "no scenario"})
+    assert builtin_scenarios()["narrow"] == NARROW
+    assert "notes" not in builtin_scenarios()
+    study = load_study("narrow", run={"seed": 0})
+    assert study.scenario.flow.speed == 0.5 and len(study.scenario.targets) == 10
+
+
+def test_without_the_plugin_the_name_is_unknown() -> None:
+    with pytest.raises(InputError, match="neither a file nor a built-in scenario"):
+        load_study("narrow")
+
+
+def test_errors_in_it_name_it_and_the_line(site: Path) -> None:
+    install(site, "one", {"narrow.toml": NARROW.replace("speed", "sped")})
+    with pytest.raises(InputError, match=r"narrow \(built in\):4: .*did you mean 'speed'"):
+        load_study("narrow")
+
+
+def test_what_driftform_brings_itself_cannot_be_replaced(site: Path) -> None:
+    install(site, "one", {"pipe-inspection.toml": NARROW})
+    assert "The paper's pipe" in builtin_scenarios()["pipe-inspection"]
+
+
+def test_a_plugin_that_cannot_be_imported_hides_no_other(site: Path) -> None:
+    install(site, "one", {"narrow.toml": NARROW})
+    install(site, "two", {}, package="driftform_missing.scenarios")
+    assert {"narrow", "pipe-inspection", "water-main"} <= set(builtin_scenarios())

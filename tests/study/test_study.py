@@ -1,0 +1,213 @@
+"""How study files, built-in scenarios and options of the command line make one document."""
+
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import tomli_w
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from driftform.errors import InputError
+from driftform.scenario import evaluation_seed
+from driftform.study import Document, load_study
+from driftform.study.sources import builtin_scenarios
+
+BASE = 'base = "pipe-inspection"\n'
+Write = Callable[..., str]
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    def written(text: str, name: str = "study.toml") -> str:
+        path = tmp_path / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+        return str(path)
+
+    return written
+
+
+def test_the_default_is_the_built_in_scenario() -> None:
+    study = load_study(run={"seed": 1})
+    assert study.document == load_study("pipe-inspection", run={"seed": 1}).document
+    assert study.scenario.target_names == tuple(f"TP{n}" for n in range(1, 11))
+    assert study.evaluations == 500
+
+
+def test_a_file_says_only_what_differs_from_its_base(write: Write) -> None:
+    study = load_study(write(BASE + "[flow]\nspeed = 0.5\n[fluid]\ngravity = 1.62\n"))
+    base = load_study()
+    assert study.scenario.flow.speed == 0.5
+    assert (study.scenario.fluid.gravity, study.scenario.fluid.density) == (1.62, 1024.0)
+    assert study.scenario.pipe == base.scenario.pipe
+    assert study.document["simulator"] == base.document["simulator"]
+
+
+def test_bases_stand_on_bases_beside_their_file(write: Write) -> None:
+    write(BASE + "[flow]\nspeed = 0.5\n[fluid]\ndensity = 1000\n", "deep/river.toml")
+    write('base = "river.toml"\n[flow]\nspeed = 0.25\n', "deep/creek.toml")
+    study = load_study(write('base = "deep/creek.toml"\n'))
+    assert (study.scenario.flow.speed, study.scenario.fluid.density) == (0.25, 1000.0)
+
+
+def test_a_file_beside_the_study_comes_before_a_built_in_scenario_of_its_name(write: Write) -> None:
+    write(BASE.replace("pipe-inspection", "own.toml") + "[flow]\nspeed = 0.25\n", "pipe-inspection")
+    write(builtin_scenarios()["pipe-inspection"], "own.toml")
+    assert load_study(write(BASE)).scenario.flow.speed == 0.25
+
+
+def test_targets_of_a_file_replace_those_of_its_base(write: Write) -> None:
+    path = write(BASE + "[targets]\nleak = [4.0, 0.0, -0.9]\n")
+    study = load_study(path)
+    assert study.scenario.target_names == ("leak",)
+    assert study.evaluations == 50
+
+
+def test_targets_set_on_the_command_line_are_added_or_moved() -> None:
+    moved = load_study(settings=["targets.TP2=[2, 0, 0]", "targets.leak=[4, 0, -0.9]"]).scenario
+    assert moved.target_names == (*(f"TP{n}" for n in range(1, 11)), "leak")
+    assert moved.targets["TP2"] == (2.0, 0.0, 0.0)
+    assert moved.targets["TP1"] == (1.0, 0.0, -0.5)
+    assert load_study(settings=["targets={leak=[4, 0, 0]}"]).scenario.target_names == ("leak",)
+
+
+def test_targets_are_kept_in_the_order_of_the_scenario() -> None:
+    study = load_study(targets=["TP7", "TP1"])
+    assert study.scenario.target_names == ("TP1", "TP7")
+    assert study.evaluations == 100
+
+
+def test_another_plugin_drops_the_options_of_the_one_before(write: Write, fakes: None) -> None:
+    base = write(BASE + "[simulator]\ntolerance = 1e-9\nmax_step = 0.01\n", "base.toml")
+    overlay = write('base = "base.toml"\n[simulator]\nuse = "fake"\npause = 0.5\n')
+    assert load_study(base).document["simulator"]["tolerance"] == 1e-9
+    simulator = load_study(overlay).document["simulator"]
+    assert simulator["use"] == "fake"
+    assert simulator["pause"] == 0.5
+    assert "tolerance" not in simulator
+    assert load_study(base, use={"simulator": "fake"}).document["simulator"]["pause"] == 0.0
+    assert load_study(base, ["simulator.use=fake"]).document["simulator"]["pause"] == 0.0
+
+
+def test_the_same_plugin_named_again_keeps_its_options(write: Write) -> None:
+    write(BASE + "[simulator]\ntolerance = 1e-9\n", "base.toml")
+    overlay = write('base = "base.toml"\n[simulator]\nuse = "exudyn"\nmax_step = 0.01\n')
+    for study in (load_study(overlay), load_study(overlay, use={"simulator": "exudyn"})):
+        assert study.document["simulator"]["tolerance"] == 1e-9
+        assert study.document["simulator"]["max_step"] == 0.01
+
+
+def test_set_wins_over_the_file_and_the_last_set_over_those_before(write: Write) -> None:
+    path = write(BASE + "[flow]\nspeed = 0.5\n[run]\nseed = 3\n")
+    assert load_study(path, ["flow.speed=0.75"]).scenario.flow.speed == 0.75
+    assert load_study(path, ["flow.speed=0.75", "flow.speed = 2"]).scenario.flow.speed == 2.0
+    assert load_study(path).seed == 3
+    assert load_study(path, run={"seed": 0}).seed == 0
+
+
+@pytest.mark.parametrize(
+    ("setting", "value"),
+    [
+        ("simulator.integrator=RK67", "RK67"),
+        ("simulator.integrator = 'RK67'", "RK67"),
+        ('simulator.integrator="RK67"', "RK67"),
+        ("simulator={integrator='RK67'}", "RK67"),
+    ],
+)
+def test_text_may_be_set_with_and_without_quotes(setting: str, value: str) -> None:
+    assert load_study(settings=[setting]).document["simulator"]["integrator"] == value
+
+
+def test_a_seed_that_nobody_gave_is_drawn_and_kept() -> None:
+    seeds = {load_study().seed for _ in range(5)}
+    assert len(seeds) == 5
+    study = load_study()
+    assert load_study(Document("again", study.document)).seed == study.seed
+
+
+def test_a_list_is_replaced_as_a_whole(write: Write) -> None:
+    segment = "[[pipe.segments]]\nstart = [0, 0, 0]\nend = [9.0, 0, 0]\nradius = 2.0\n"
+    study = load_study(write(BASE + segment))
+    assert [s.radius for s in study.scenario.pipe.segments] == [2.0]
+
+
+@given(
+    speed=st.floats(0.01, 10),
+    density=st.floats(1, 1e5),
+    targets=st.dictionaries(
+        st.text("abcXYZ019_", min_size=1, max_size=8).map(lambda s: f"t{s}".lower()),
+        st.tuples(st.floats(0, 9), st.floats(-0.7, 0.7), st.floats(-0.7, 0.7)),
+        min_size=1,
+        max_size=4,
+    ),
+    velocity=st.sampled_from(["current", "rest", [0.5, 0.0, 0.0]]),
+    seed=st.integers(0, 2**63),
+)
+@settings(max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_a_resolved_study_is_the_same_study(
+    write: Write, speed: float, density: float, targets: dict[str, Any], velocity: Any, seed: int
+) -> None:
+    document = {
+        "base": "pipe-inspection",
+        "flow": {"speed": speed},
+        "fluid": {"density": density},
+        "release": {"velocity": velocity},
+        "targets": {name: list(point) for name, point in targets.items()},
+        "run": {"seed": min(seed, 2**63 - 1), "formats": ["stl", "scad"]},
+    }
+    study = load_study(write(tomli_w.dumps(document)))
+    text = tomli_w.dumps(dict(study.document))
+    again = load_study(write(text, "resolved.toml"))
+    assert again.document == study.document == tomllib.loads(text)
+    assert list(again.scenario.targets) == list(study.scenario.targets) == list(targets)
+    assert (again.scenario, again.run) == (study.scenario, study.run)
+    held = load_study(Document("held", study.document))
+    assert held.document == study.document
+
+
+def test_the_built_in_scenarios_load_and_resolve() -> None:
+    for name in builtin_scenarios():
+        study = load_study(name)
+        assert load_study(Document(name, study.document)).document == study.document
+
+
+def test_an_environment_flies_without_a_strategy() -> None:
+    study = load_study(run={"seed": 1})
+    environment = study.environment()
+    assert "strategy" not in environment
+    assert "run" not in environment
+    held = load_study(Document("agent.json", environment))
+    assert held.pipeline().simulator.name == "exudyn"
+    assert held.run.evaluations is None
+
+
+def test_a_strategy_begins_at_the_same_random_numbers_each_time() -> None:
+    study = load_study(run={"seed": 1})
+    assert study.strategy().ask(10) == study.strategy().ask(10)
+    assert study.strategy().ask(10) != load_study(run={"seed": 2}).strategy().ask(10)
+
+
+def test_every_thing_wrong_is_an_argument_of_the_error(write: Write) -> None:
+    with pytest.raises(InputError) as caught:
+        load_study(write(BASE + "[fluid]\ndensity = -1\ngravity = 'x'\n[fitness]\nuse = 'y'\n"))
+    assert len(caught.value.args) == 3
+    assert str(caught.value).count("\n") == 2
+
+
+def test_the_water_main_is_the_same_pipe_with_what_the_paper_leaves_out():
+    paper, main = load_study("pipe-inspection").scenario, load_study("water-main").scenario
+    assert (main.pipe, main.targets, main.release) == (paper.pipe, paper.targets, paper.release)
+    assert (main.flow.kind, main.contact.friction > 0) == ("turbulent", True)
+    pipeline = load_study("water-main", run={"seed": 1}).pipeline()
+    genome = pipeline.grammar.random(np.random.default_rng(1))
+    agent = pipeline.agent(genome)
+    assert pipeline.hydrodynamics.name == "panels"
+    assert agent.coefficients.drag is not None
+    # Two evaluations of one genome meet gusts of their own.
+    first, second = pipeline.evaluate([genome, genome], [evaluation_seed(1, 0), evaluation_seed(1, 1)])
+    assert first.failure is None and second.failure is None
+    assert not np.array_equal(first.fitness, second.fitness)

@@ -1,0 +1,127 @@
+"""The contract of recorders is of use only if it refuses recorders that are wrong: each of these has one fault."""
+
+import itertools
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from driftform.interfaces import Recorder, Specimen
+from driftform.options import Table
+from driftform.testing import RecorderContract
+from driftform.types import End, Trajectory, WrittenFile
+from driftform.util.files import write_text
+
+TICKS = itertools.count()
+
+
+class Plain(Recorder[Table]):
+    """Times and heights, one line each."""
+
+    name = "plain"
+    suffix = ".txt"
+
+    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        """Write the file."""
+        rows = zip(flight.t, flight.position, flight.quaternion, strict=True)
+        write_text(path, "".join(f"{t} {p.tolist()} {q.tolist()}\n" for t, p, q in rows))
+        return (WrittenFile(self.name, str(path)),)
+
+
+class LeavesSomethingBeside(Plain):
+    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        path.parent.mkdir(exist_ok=True, parents=True)
+        path.with_suffix(".tmp").write_text("left over")
+        return super().write(specimen, flight, path)
+
+
+class TellsOfNothing(Plain):
+    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        super().write(specimen, flight, path)
+        return ()
+
+
+class WritesTheClock(Plain):
+    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        write_text(path, f"{next(TICKS)} {flight.quaternion.tolist()}")
+        return (WrittenFile(self.name, str(path)),)
+
+
+class NeedsTwoSamples(Plain):
+    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        flight.t[1]
+        return super().write(specimen, flight, path)
+
+
+class RefusesFailures(Plain):
+    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        if flight.end.failed:
+            raise ValueError(flight.end)
+        return super().write(specimen, flight, path)
+
+
+class NeedsAPipe(Plain):
+    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        specimen.scenario.pipe.segments[0]
+        return super().write(specimen, flight, path)
+
+
+class ForgetsTheFlight(Plain):
+    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        write_text(path, specimen.name)
+        return (WrittenFile(self.name, str(path)),)
+
+
+class LeavesHalfAFile(Plain):
+    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        path.parent.mkdir(exist_ok=True, parents=True)
+        part = path.with_suffix(".part")
+        part.write_text(str(flight.quaternion.tolist()))
+        part.replace(path)
+        return (WrittenFile(self.name, str(path)),)
+
+
+def contract(cls: type[Plain]) -> RecorderContract:
+    class Contract(RecorderContract):
+        def plugin(self) -> Plain:
+            return cls(Table())
+
+    return Contract()
+
+
+CHECKS: dict[str, Callable[[RecorderContract, Path], None]] = {
+    "files": lambda c, p: c.test_files_are_where_they_were_asked_for_and_nothing_else(p),
+    "same": lambda c, p: c.test_the_same_flight_gives_the_same_content(p),
+    "single": lambda c, p: c.test_a_flight_of_one_sample_is_recorded_too(p),
+    "open": lambda c, p: c.test_a_flight_in_open_water_is_recorded_too(p),
+    "other": lambda c, p: c.test_another_flight_gives_other_content(p),
+    "blocked": lambda c, p: c.test_what_cannot_be_written_leaves_nothing_behind(p),
+}
+
+
+@pytest.mark.parametrize("check", CHECKS)
+def test_a_sound_recorder_passes(check: str, tmp_path: Path) -> None:
+    CHECKS[check](contract(Plain), tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("cls", "check"),
+    [
+        (LeavesSomethingBeside, "files"),
+        (TellsOfNothing, "files"),
+        (WritesTheClock, "same"),
+        (NeedsTwoSamples, "single"),
+        (NeedsAPipe, "open"),
+        (ForgetsTheFlight, "other"),
+        (LeavesHalfAFile, "blocked"),
+    ],
+)
+def test_a_faulty_recorder_is_refused(cls: type[Plain], check: str, tmp_path: Path) -> None:
+    with pytest.raises((AssertionError, IndexError)):
+        CHECKS[check](contract(cls), tmp_path)
+
+
+def test_a_recorder_that_refuses_failed_flights_is_refused(tmp_path: Path) -> None:
+    contract(Plain).test_a_flight_that_failed_is_recorded_too(End.NON_FINITE, tmp_path)
+    with pytest.raises(ValueError, match="non-finite"):
+        contract(RefusesFailures).test_a_flight_that_failed_is_recorded_too(End.NON_FINITE, tmp_path)

@@ -1,0 +1,65 @@
+"""The contract of strategies is of use only if it refuses strategies that are wrong: each of these has one fault."""
+
+import pytest
+
+from driftform.builtin.strategies.random import RandomOptions, RandomStrategy
+from driftform.interfaces import SearchSpace
+from driftform.testing import StrategyContract
+from driftform.types import Candidate
+
+
+class Generations(RandomStrategy):
+    """Random search whose candidates count their generations: sound, and the base of the faults."""
+
+    def __init__(self, space: SearchSpace) -> None:
+        super().__init__(RandomOptions(batch=20), space)
+        self.generation = 0
+
+    def ask(self, limit):
+        drawn = [self.space.grammar.random(self.space.rng) for _ in range(self.options.batch)]
+        return [Candidate(genome, (), self.generation) for genome in drawn][:limit]
+
+    def tell(self, first, evaluations):
+        self.generation += 1
+
+
+class SharingTheBudgetOut(Generations):
+    """Divides what is left of the budget into ten generations."""
+
+    def ask(self, limit):
+        return super().ask(max(1, limit // 10))
+
+
+class CoolingDown(Generations):
+    """Begins with genomes that depend on how long the run will be."""
+
+    def ask(self, limit):
+        self.space.rng.random(limit)
+        return super().ask(limit)
+
+
+class EndingWithAFlourish(Generations):
+    """Does something special where it sees that the budget ends."""
+
+    def ask(self, limit):
+        return super().ask(limit)[:: -1 if limit <= self.options.batch else 1]
+
+
+class Contract(StrategyContract):
+    def __init__(self, strategy: type[Generations]) -> None:
+        self.strategy = strategy
+
+    def plugin(self, space):
+        return self.strategy(space)
+
+
+def larger_budgets(strategy: type[Generations]) -> None:
+    for budget in (1, 13, 60, 99):
+        Contract(strategy).test_a_larger_budget_begins_with_the_same_candidates(budget)
+
+
+@pytest.mark.parametrize("fault", [SharingTheBudgetOut, CoolingDown, EndingWithAFlourish])
+def test_a_strategy_that_looks_at_the_budget_is_refused(fault: type[Generations]) -> None:
+    larger_budgets(Generations)
+    with pytest.raises(AssertionError):
+        larger_budgets(fault)

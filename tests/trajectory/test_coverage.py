@@ -1,0 +1,264 @@
+"""The map of what flights reach."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from driftform.errors import InputError
+from driftform.scenario import Pipe, Scenario, Segment
+from driftform.trajectory.coverage import Cells, Reach, closest_pass, reach_of
+from driftform.trajectory.path import closest_approach, hermite_coefficients, world_velocity
+from driftform.types import End, Trajectory
+
+PIPE = Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0)
+CELLS = Cells.of_segment(PIPE)
+
+coordinate = st.floats(-10, 10)
+points = st.tuples(coordinate, coordinate, coordinate)
+segments = (
+    st.tuples(points, points, st.floats(0.05, 3))
+    .filter(lambda s: np.linalg.norm(np.subtract(s[1], s[0])) > 0.3)
+    .map(lambda s: Segment(start=s[0], end=s[1], radius=s[2]))
+)
+
+
+def flight(t, position, velocity) -> Trajectory:
+    """A flight without rotation: body axes are world axes."""
+    still = np.tile([1.0, 0, 0, 0], (len(t), 1))
+    return Trajectory(t, position, still, np.hstack([velocity, np.zeros((len(t), 3))]), End.HORIZON)
+
+
+def straight(start, end, samples: int = 2) -> Trajectory:
+    """A flight of 1 s along a line."""
+    t = np.linspace(0.0, 1.0, samples)
+    course = np.subtract(end, start)
+    return flight(t, start + t[:, None] * course, np.tile(course, (samples, 1)))
+
+
+def wild(seed: int) -> Trajectory:
+    """A flight that winds through the pipe, and out of it, in stretches longer than any real one."""
+    rng = np.random.default_rng(seed)
+    t = np.cumsum(rng.uniform(0.1, 2.0, 4)) - 0.1
+    position = rng.uniform((-0.5, -0.05, -1.2), (3.0, 0.05, 1.2), (4, 3))
+    return flight(t - t[0], position, rng.normal(size=(4, 3)) * (1.0, 0.05, 1.0))
+
+
+def smooth(seed: int) -> Trajectory:
+    """A flight that winds through the pipe, with samples as far apart as those of a real one."""
+    rng = np.random.default_rng(seed)
+    t = np.linspace(0.0, 2.0, 41)
+    size, rate, phase = (
+        rng.uniform((0.1, 0.01, 0.1), (1.0, 0.08, 1.0)),
+        rng.uniform(0.5, 4, 3),
+        rng.uniform(0, 6, 3),
+    )
+    angle = np.outer(t, rate) + phase
+    drift = np.array([rng.uniform(0.2, 1.0), 0.0, 0.0])
+    return flight(t, size * np.sin(angle) + np.outer(t, drift), size * rate * np.cos(angle) + drift)
+
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+def dense(path: Trajectory, n: int) -> np.ndarray:
+    """Points of the path, ``n`` for each stretch."""
+    curve = hermite_coefficients(path.t, path.position, world_velocity(path))
+    u = np.linspace(0, 1, n)[:, None] ** np.arange(4)
+    return np.vstack([u @ cubic for cubic in curve])
+
+
+@given(segments, st.floats(0.05, 1))
+def test_the_cells_fill_the_section_of_any_pipe(segment, side):
+    cells = Cells.of_segment(segment, side)
+    length = np.linalg.norm(np.subtract(segment.end, segment.start))
+    assert cells.size[0] * cells.shape[0] == pytest.approx(length)
+    assert cells.size[1] * cells.shape[1] == pytest.approx(2 * segment.radius)
+    assert len(cells.centres()) == cells.count
+    for extent, size in zip((length, 2 * segment.radius), cells.size, strict=False):
+        # As near to the side as a whole number of cells allows.
+        assert round(extent / side) in (0, round(extent / size))
+
+
+@pytest.mark.parametrize(
+    ("length", "radius", "shape", "size"),
+    [
+        (9.0, 1.0, (90, 20), (0.1, 0.1)),
+        (30.0, 0.15, (1000, 10), (0.03, 0.03)),
+        (0.4, 2.0, (2, 20), (0.2, 0.2)),
+    ],
+)
+def test_unless_told_cells_are_a_tenth_of_the_radius_but_not_over_a_thousand_along_the_pipe(
+    length, radius, shape, size
+):
+    cells = Cells.of_segment(Segment(start=(0.0, 0.0, 0.0), end=(length, 0.0, 0.0), radius=radius))
+    assert cells.shape == shape
+    assert cells.size[:2] == pytest.approx(size)
+
+
+@given(segments)
+def test_the_axes_of_the_map_are_right_handed_and_its_plane_is_vertical(segment):
+    cells = Cells.of_segment(segment)
+    along, up, aside = cells.axes
+    np.testing.assert_allclose(cells.axes @ cells.axes.T, np.eye(3), atol=1e-12)
+    # As x, y and z are.
+    np.testing.assert_allclose(np.cross(along, aside), up, atol=1e-12)
+    steep = abs(along[2]) > 1 - 1e-12
+    assert steep or (up[2] > 0 and abs(aside[2]) < 1e-9)
+
+
+@pytest.mark.parametrize("end", [(0.0, 0.0, 5.0), (0.0, 0.0, -5.0)])
+def test_in_a_vertical_pipe_upward_on_the_map_is_the_worlds_x(end):
+    cells = Cells.of_segment(Segment(start=(0.0, 0.0, 0.0), end=end, radius=1.0))
+    np.testing.assert_array_equal(cells.axes[1], [1, 0, 0])
+
+
+@given(segments)
+def test_the_centre_of_every_cell_is_in_it_and_goes_to_the_world_and_back(segment):
+    cells = Cells.of_segment(segment, 0.2)
+    centres = cells.to_world(cells.centres())
+    np.testing.assert_array_equal(cells.cell_of(centres), np.arange(cells.count))
+    np.testing.assert_allclose(cells.to_map(centres)[:, :2], cells.centres(), atol=1e-12)
+    assert all(Pipe(segments=(segment,)).holds(tuple(centre)) for centre in centres[:: cells.count // 5 + 1])
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.builds(wild, seeds) | st.builds(smooth, seeds))
+def test_a_flight_crosses_the_cells_that_a_dense_row_of_its_points_lies_in(path):
+    crossed, _ = CELLS.crossed(path)
+    row = dense(path, 400)
+    seen = set(CELLS.cell_of(row).tolist()) - {-1}
+    assert seen <= set(crossed.tolist())
+    gap = np.linalg.norm(np.diff(row, axis=0), axis=1).max()
+    place = CELLS.to_map(row)[:, :2]
+    for cell in set(crossed.tolist()) - seen:
+        # A corner that the row steps over is nearer to it than one step.
+        outside = np.maximum(np.abs(place - CELLS.centres()[cell]) - CELLS.size[:2] / 2, 0)
+        assert np.linalg.norm(outside, axis=1).min() < gap
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.builds(smooth, seeds))
+def test_the_distance_in_a_cell_is_that_of_the_nearest_point_inside(path):
+    crossed, distance = CELLS.crossed(path)
+    row = dense(path, 200)
+    cell_of_point = CELLS.cell_of(row)
+    gap = np.linalg.norm(np.diff(row, axis=0), axis=1).max()
+    for cell, found in zip(crossed, distance, strict=True):
+        inside = row[cell_of_point == cell]
+        assert found <= np.linalg.norm(CELLS.size) / 2 + 1e-9
+        if len(inside):
+            least = np.linalg.norm(inside - CELLS.to_world(CELLS.centres()[[cell]]), axis=1).min()
+            assert least - gap <= found <= least + 1e-9
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.builds(smooth, seeds))
+def test_no_cell_is_passed_closer_than_the_whole_path_passes_its_centre(path):
+    crossed, distance = CELLS.crossed(path)
+    whole, _ = closest_approach(path, CELLS.to_world(CELLS.centres()[crossed]))
+    assert (distance >= whole - 1e-9).all()
+
+
+def test_a_level_flight_through_the_middles_crosses_one_row_at_no_distance():
+    crossed, distance = CELLS.crossed(straight((0.0, 0.0, 0.25), (9.0, 0.0, 0.25)))
+    assert (CELLS.centres()[crossed, 1] == pytest.approx(0.25)) and len(crossed) == 90
+    np.testing.assert_allclose(distance, 0, atol=1e-12)
+
+
+def test_a_flight_on_the_side_between_two_cells_is_in_the_upper_one_alone():
+    crossed, distance = CELLS.crossed(straight((0.0, 0.0, 0.0), (8.99, 0.0, 0.0)))
+    np.testing.assert_allclose(CELLS.centres()[crossed, 1], 0.05)
+    np.testing.assert_allclose(distance, 0.05)
+
+
+@pytest.mark.parametrize("aside", [0.051, -0.051, 0.5])
+def test_a_flight_beside_the_plane_crosses_no_cell(aside):
+    assert len(CELLS.crossed(straight((0.0, aside, 0.0), (9.0, aside, 0.0)))[0]) == 0
+
+
+def test_a_flight_is_credited_only_where_it_is_in_the_plane():
+    crossed, _ = CELLS.crossed(straight((0.0, -1.0, 0.25), (9.0, 1.0, 0.25)))
+    along = CELLS.centres()[crossed, 0]
+    # It is within half a cell of the plane from x = 4.275 to 4.725.
+    np.testing.assert_allclose(along, [4.25, 4.35, 4.45, 4.55, 4.65, 4.75])
+
+
+def test_what_lies_before_the_inlet_or_behind_the_outlet_is_on_no_map():
+    crossed, _ = CELLS.crossed(straight((-3.0, 0.0, 0.25), (12.0, 0.0, 0.25)))
+    assert len(crossed) == 90
+    assert len(CELLS.crossed(straight((9.5, 0.0, 0.0), (12.0, 0.0, 0.0)))[0]) == 0
+
+
+def test_a_flight_of_a_single_sample_is_in_the_cell_of_its_point():
+    crossed, distance = CELLS.crossed(flight(np.zeros(1), np.array([[0.12, 0.01, 0.02]]), np.ones((1, 3))))
+    np.testing.assert_allclose(CELLS.centres()[crossed], [[0.15, 0.05]])
+    np.testing.assert_allclose(distance, np.linalg.norm([0.03, 0.01, 0.03]))
+    assert len(CELLS.crossed(flight(np.zeros(1), np.array([[-1.0, 0, 0]]), np.ones((1, 3))))[0]) == 0
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.builds(smooth, seeds), st.floats(0, 2 * np.pi), st.floats(-1, 1))
+def test_a_pipe_that_lies_elsewhere_has_the_same_map(path, heading, slope):
+    along = np.array([np.cos(heading) * np.cos(slope), np.sin(heading) * np.cos(slope), np.sin(slope)])
+    aside = np.array([-np.sin(heading), np.cos(heading), 0.0])
+    turn = np.column_stack([along, aside, np.cross(along, aside)])
+    shift = np.array([3.0, -2.0, 0.5])
+    segment = Segment(start=tuple(shift), end=tuple(shift + 9 * along), radius=1.0)
+    # Velocities are turned by the body's attitude, which stays: as if they were given in world axes.
+    moved = flight(path.t, path.position @ turn.T + shift, path.velocity[:, :3] @ turn.T)
+    cells, distance = CELLS.crossed(path)
+    again, there = Cells.of_segment(segment).crossed(moved)
+    both, here, yonder = np.intersect1d(cells, again, return_indices=True)
+    np.testing.assert_allclose(distance[here], there[yonder], atol=1e-9)
+    # What is touched in a corner alone may differ by rounding.
+    assert len(both) >= max(len(cells), len(again)) - 2
+
+
+def test_each_cell_keeps_the_closest_flight_and_counts_all():
+    reach = reach_of(
+        [
+            (3, straight((0.0, 0.0, 0.26), (9.0, 0.0, 0.26))),
+            (5, straight((0.0, 0.0, 0.25), (4.5, 0.0, 0.25))),
+            (8, straight((0.0, 0.0, 0.25), (9.0, 0.0, 0.25))),
+            (9, straight((0.0, 0.0, -0.35), (0.95, 0.0, -0.35))),
+        ],
+        CELLS,
+    )
+    row = CELLS.cell_of(np.array([[x, 0.0, 0.25] for x in (0.05, 4.45, 4.55, 8.95)]))
+    assert reach.evaluation[row].tolist() == [5, 5, 8, 8]
+    assert reach.visits[row].tolist() == [3, 3, 2, 2]
+    np.testing.assert_allclose(reach.distance[row], 0, atol=1e-12)
+    assert np.count_nonzero(reach.reached) == 90 + 10
+    assert reach.flights == 4
+    assert (reach.evaluation[~reach.reached] == -1).all() and np.isinf(reach.distance[~reach.reached]).all()
+
+
+def test_adding_a_flight_tells_where_it_is_the_closest_now():
+    reach = Reach(CELLS)
+    level = straight((0.0, 0.0, 0.25), (9.0, 0.0, 0.25))
+    assert len(reach.add(0, level)) == 90
+    assert len(reach.add(1, level)) == 0
+    # This one crosses the same row from x = 2.25 to 6.75, off its middle but for one place.
+    taken = reach.add(2, straight((0.0, 0.0, 0.15), (9.0, 0.0, 0.35)))
+    assert sorted(set(CELLS.centres()[taken, 1].round(6))) == [0.15, 0.35]
+    assert reach.evaluation[taken].tolist() == [2] * len(taken)
+
+
+def test_open_water_has_no_map():
+    with pytest.raises(InputError, match="needs a pipe"):
+        Cells.of(Scenario())
+
+
+def test_the_closest_pass_is_that_of_the_earliest_of_equals():
+    level = straight((0.0, 0.0, 0.3), (9.0, 0.0, 0.3), samples=4)
+    flights = [(2, straight((0.0, 0.0, 0.9), (9.0, 0.0, 0.9))), (4, level), (7, level)]
+    found = closest_pass(iter(flights), (4.5, 0.0, 0.0))
+    assert found is not None
+    assert found.evaluation == 4
+    assert found.distance == pytest.approx(0.3)
+    assert found.t == pytest.approx(0.5)
+
+
+def test_no_flight_passes_where_there_is_none():
+    assert closest_pass([], (0.0, 0.0, 0.0)) is None

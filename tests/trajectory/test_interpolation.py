@@ -1,0 +1,169 @@
+"""What a flight is like between its samples, and what moves it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from driftform.dynamics.rotations import matrix_from_quaternion
+from driftform.geometry import mass_properties
+from driftform.scenario import Fluid, Release, Scenario, UniformFlow
+from driftform.study import load_study
+from driftform.testing.bodies import hollow_body
+from driftform.testing.renderer import drift
+from driftform.trajectory.forces import acceleration_at, accelerations_along, net_wrench
+from driftform.trajectory.interpolation import attitudes, positions
+from driftform.trajectory.path import world_velocity
+from driftform.trajectory.resampling import even_times, resampled
+from driftform.types import Agent, Coefficients, Trajectory
+
+STILL = Scenario(flow=UniformFlow(speed=0.0), release=Release(velocity="rest"))
+
+
+@pytest.fixture
+def agent() -> Agent:
+    body = hollow_body()
+    return Agent(body, mass_properties(body), Coefficients(np.zeros((6, 6))))
+
+
+@pytest.fixture(scope="module")
+def flown() -> tuple[Agent, Scenario, Trajectory]:
+    """A random agent's flight through the paper's pipe, up to its first contact with the wall."""
+    study = load_study(use={"simulator": "native"}, run={"seed": 0})
+    pipeline = study.pipeline()
+    found = pipeline.agent(pipeline.grammar.random(np.random.default_rng(5)))
+    [flight] = pipeline.fly([found])
+    free = flight.t < (np.inf if flight.contact is None else flight.contact)
+    flight = replace(
+        flight,
+        t=flight.t[free],
+        position=flight.position[free],
+        quaternion=flight.quaternion[free],
+        velocity=flight.velocity[free],
+    )
+    return found, study.scenario, flight
+
+
+def test_times_are_a_step_apart_and_the_end_is_one_of_them() -> None:
+    assert even_times(1.0, 0.3) == pytest.approx([0, 0.3, 0.6, 0.9, 1.0])
+    assert even_times(0.9, 0.3) == pytest.approx([0, 0.3, 0.6, 0.9])
+    assert even_times(0.0, 0.3) == pytest.approx([0.0])
+
+
+def test_between_samples_it_turns_steadily_the_short_way_round() -> None:
+    flight = drift(1.0, turn=1.2)
+    coarse = Trajectory(
+        flight.t[::20],
+        flight.position[::20],
+        flight.quaternion[::20] * [[1], [-1]],
+        flight.velocity[::20],
+        flight.end,
+    )
+    found = attitudes(coarse, np.array([0.0, 0.25, 0.5, 1.0]))
+    half = 1.2 * np.array([0.0, 0.25, 0.5, 1.0]) / 2
+    wanted = np.column_stack([np.cos(half), 0 * half, np.sin(half), 0 * half])
+    assert np.abs(np.einsum("ij,ij->i", found, wanted)) == pytest.approx(1.0)
+
+
+def test_resampled_flights_lie_on_the_path_and_have_its_slope(
+    flown: tuple[Agent, Scenario, Trajectory],
+) -> None:
+    flight = flown[2]
+    fine = resampled(flight, 1000.0)
+    assert np.diff(fine.t)[:-1] == pytest.approx(1e-3) and fine.t[-1] == flight.t[-1]
+    assert fine.position == pytest.approx(positions(flight, fine.t))
+    slope = (positions(flight, fine.t[1:-1] + 1e-5) - positions(flight, fine.t[1:-1] - 1e-5)) / 2e-5
+    assert world_velocity(fine)[1:-1] == pytest.approx(slope, abs=1e-6)
+
+
+def test_resampling_at_the_samples_changes_nothing() -> None:
+    flight = drift(0.4)
+    again = resampled(flight, 50.0)
+    for name in ("t", "position", "quaternion", "velocity"):
+        assert getattr(again, name) == pytest.approx(getattr(flight, name), abs=1e-12)
+
+
+def test_a_single_sample_stays_one() -> None:
+    whole = drift()
+    single = Trajectory(whole.t[:1], whole.position[:1], whole.quaternion[:1], whole.velocity[:1], whole.end)
+    assert resampled(single, 100.0) is single
+
+
+def test_accelerations_add_up_to_the_change_of_velocity(flown: tuple[Agent, Scenario, Trajectory]) -> None:
+    agent, scenario, flight = flown
+    fine = resampled(flight, 2000.0)
+    found = accelerations_along(fine, agent, scenario)
+    velocity = np.column_stack([world_velocity(fine), fine.velocity[:, 3:]])
+    gained = np.trapezoid(found, fine.t, axis=0)
+    size = np.abs(velocity - velocity[0]).max(axis=0).max(initial=0.0)
+    assert gained == pytest.approx(velocity[-1] - velocity[0], abs=2e-4 * size)
+
+
+def test_in_vacuum_the_net_force_is_the_weight_and_the_torque_is_none(agent: Agent) -> None:
+    vacuum = Scenario(flow=UniformFlow(speed=0.0), fluid=Fluid(density=1e-12))
+    flight = drift()
+    wrench = net_wrench(flight, accelerations_along(flight, agent, vacuum), agent.mass)
+    up = matrix_from_quaternion(flight.quaternion)[:, 2]
+    assert wrench[:, :3] == pytest.approx(-9.81 * agent.mass.mass * up, rel=1e-6)
+    assert wrench[:, 3:] == pytest.approx(np.zeros((len(flight.t), 3)), abs=1e-9)
+
+
+def test_a_body_with_the_weight_of_the_water_feels_no_force_at_rest(agent: Agent) -> None:
+    density = agent.mass.mass / agent.mass.volume
+    scenario = STILL.model_copy(update={"fluid": Fluid(density=density)})
+    whole = drift()
+    rest = replace(whole, velocity=np.zeros_like(whole.velocity))
+    wrench = net_wrench(rest, accelerations_along(rest, agent, scenario), agent.mass)
+    assert np.abs(wrench[:, :3]).max() < 1e-9 * agent.mass.mass * 9.81
+
+
+def test_a_point_off_the_axis_of_a_steady_turn_is_pulled_inward(agent: Agent) -> None:
+    flight = drift(turn=1.0)
+    rate = flight.velocity[0, 4]
+    none = np.zeros((len(flight.t), 6))
+    assert acceleration_at(flight, none, np.array([0.2, 0.0, 0.0])) == pytest.approx(
+        np.tile([-0.2 * rate**2, 0.0, 0.0], (len(flight.t), 1))
+    )
+
+
+def test_a_turn_that_grows_faster_is_followed_between_samples() -> None:
+    """About one axis the angle is the cubic of its values and rates, whatever that axis is."""
+    axis = np.array([2.0, -1.0, 2.0]) / 3
+    t = np.linspace(0, 1, 6)
+
+    def turned(times: np.ndarray) -> np.ndarray:
+        half = (times + times**3) / 2
+        return np.column_stack([np.cos(half), np.sin(half)[:, None] * axis])
+
+    still = np.zeros((6, 3))
+    velocity = np.column_stack([still, (1 + 3 * t**2)[:, None] * axis])
+    fine = resampled(Trajectory(t, still, turned(t), velocity, drift().end), 37.0)
+    same = np.einsum("ij,ij->i", fine.quaternion, turned(fine.t))
+    assert np.abs(same) == pytest.approx(1.0, abs=1e-14)
+    assert fine.velocity[:, 3:] == pytest.approx((1 + 3 * fine.t**2)[:, None] * axis, rel=1e-9)
+
+
+def test_a_turn_about_a_wandering_axis_is_followed_to_the_fourth_order() -> None:
+    """With twice as many samples the attitude in between is off by a sixteenth of that at most."""
+
+    def sample(times: np.ndarray) -> Trajectory:
+        # A body that precesses: R = Rz(2 t) Rx(3 t), so that w = 3 e_x + Rx(3 t)^T (2 e_z).
+        first = np.column_stack([np.cos(times), 0 * times, 0 * times, np.sin(times)])
+        c, s = np.cos(1.5 * times), np.sin(1.5 * times)
+        quaternion = np.column_stack(
+            [first[:, 0] * c, first[:, 0] * s, first[:, 3] * s, first[:, 3] * c],
+        )
+        omega = np.column_stack([3 + 0 * times, 2 * np.sin(3 * times), 2 * np.cos(3 * times)])
+        still = np.zeros((len(times), 3))
+        return Trajectory(times, still, quaternion, np.column_stack([still, omega]), drift().end)
+
+    off = []
+    for count in (11, 21):
+        fine = resampled(sample(np.linspace(0, 2, count)), 500.0)
+        off.append(
+            np.abs(
+                matrix_from_quaternion(fine.quaternion) - matrix_from_quaternion(sample(fine.t).quaternion)
+            ).max()
+        )
+    assert off[0] < 1e-4
+    assert off[0] > 12 * off[1]

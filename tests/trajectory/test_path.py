@@ -1,0 +1,141 @@
+"""Closest approach between samples."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import minimize_scalar
+
+from driftform.trajectory.path import closest_approach, hermite_coefficients, spaced, world_velocity
+from driftform.types import End, Trajectory
+
+
+def flight(t, position, velocity):
+    """A flight without rotation: body axes are world axes."""
+    still = np.tile([1.0, 0, 0, 0], (len(t), 1))
+    return Trajectory(t, position, still, np.hstack([velocity, np.zeros((len(t), 3))]), End.HORIZON)
+
+
+def helix(t):
+    position = np.column_stack([t, 0.3 * np.cos(2 * t), 0.3 * np.sin(2 * t)])
+    velocity = np.column_stack([np.ones_like(t), -0.6 * np.sin(2 * t), 0.6 * np.cos(2 * t)])
+    return position, velocity
+
+
+def cubics(path):
+    return hermite_coefficients(path.t, path.position, world_velocity(path))
+
+
+def exact_distance(path, point):
+    """The least distance there is: the square of the distance is of degree six, with its least values where its
+    derivative has a root, or at an end."""
+    squares = []
+    for cubic in cubics(path):
+        offset = (cubic - np.outer([1, 0, 0, 0], point))[::-1]
+        square = sum(np.convolve(component, component) for component in offset.T)
+        roots = np.roots(np.polyder(square))
+        squares += [
+            np.polyval(square, u) for u in (0, 1, *roots[np.abs(roots.imag) < 1e-6].real) if 0 <= u <= 1
+        ]
+    return np.sqrt(min(squares))
+
+
+@given(st.tuples(st.floats(0.5, 4.5), st.floats(-1, 1), st.floats(-1, 1)))
+def test_a_straight_path_passes_a_point_at_the_length_of_the_perpendicular(point):
+    t = np.array([0.0, 0.4, 1.7, 2.0, 5.0])
+    path = flight(t, np.outer(t, [1.0, 0, 0]), np.tile([1.0, 0, 0], (5, 1)))
+    [distance], [when] = closest_approach(path, np.array([point]))
+    assert distance == pytest.approx(np.hypot(point[1], point[2]), abs=1e-12)
+    assert when == pytest.approx(point[0], abs=1e-6)
+
+
+@given(st.tuples(st.floats(0, 5), st.floats(-1, 1), st.floats(-1, 1)))
+def test_a_curved_path_agrees_with_a_brute_force_search_on_the_true_curve(point):
+    t = np.linspace(0, 5, 101)
+    [distance], _ = closest_approach(flight(t, *helix(t)), np.array([point]))
+
+    def true_distance(s):
+        return float(np.linalg.norm(helix(np.atleast_1d(s))[0][0] - point))
+
+    fine = np.linspace(0, 5, 5001)
+    guess = fine[np.argmin(np.linalg.norm(helix(fine)[0] - point, axis=1))]
+    best = minimize_scalar(
+        true_distance, bounds=(max(0, guess - 0.01), min(5, guess + 0.01)), method="bounded"
+    )
+    # Hermite error of a stretch h: h^4 / 384 max |x''''| = 0.05^4 / 384 * 0.3 * 2^4 = 8e-8 m.
+    assert distance == pytest.approx(min(best.fun, true_distance(0), true_distance(5)), abs=2e-7)
+
+
+@given(
+    st.integers(2, 120), st.tuples(st.floats(-1, 6), st.floats(-1, 1), st.floats(-1, 1)), st.integers(0, 99)
+)
+def test_no_point_of_a_smooth_path_is_nearer(count, point, seed):
+    rng = np.random.default_rng(seed)
+    t = np.linspace(0, count * 0.04, count) + 0.01 * rng.random(count)
+    path = flight(t, *helix(t))
+    [distance], _ = closest_approach(path, np.array([point]))
+    assert distance == pytest.approx(exact_distance(path, point), abs=1e-12)
+
+
+@given(st.integers(2, 120), st.floats(0.001, 10), st.integers(0, 2**32 - 1))
+def test_on_a_path_however_wild_no_station_is_passed_by(count, speed, seed):
+    rng = np.random.default_rng(seed)
+    t = np.cumsum(rng.uniform(0.01, 1, count))
+    walk = np.cumsum(rng.normal(size=(count, 3)), axis=0)
+    quaternion = rng.normal(size=(count, 4))
+    quaternion /= np.linalg.norm(quaternion, axis=1, keepdims=True)
+    path = Trajectory(t, walk, quaternion, speed * rng.normal(size=(count, 6)), End.HORIZON)
+    points = rng.uniform(walk.min(), walk.max(), (5, 3))
+    u = np.linspace(0, 1, 5)
+    stations = np.einsum("gj,sji->sgi", u[:, None] ** np.arange(4), cubics(path)).reshape(-1, 3)
+    for point, distance, time in zip(points, *closest_approach(path, points), strict=True):
+        assert distance <= np.linalg.norm(stations - point, axis=1).min() * (1 + 1e-12)
+        s = min(np.searchsorted(t, time, "right"), count - 1) - 1
+        there = ((time - t[s]) / (t[s + 1] - t[s])) ** np.arange(4) @ cubics(path)[s]
+        assert distance == pytest.approx(np.linalg.norm(there - point), rel=1e-9, abs=1e-9)
+
+
+@given(st.integers(0, 199), st.floats(0.01, 5))
+def test_a_path_that_comes_straight_up_and_goes_back_is_nearest_where_it_turns(turn, gap):
+    t = np.arange(200.0)
+    along = np.array([0.6, 0, 0.8])
+    path = flight(
+        t, np.outer(gap + 0.01 * np.abs(t - turn), along), np.outer(0.01 * np.sign(t - turn), along)
+    )
+    [distance], [when] = closest_approach(path, np.zeros((1, 3)))
+    assert (distance, when) == pytest.approx((gap, turn), rel=1e-12)
+
+
+def test_the_ends_of_the_path_count():
+    t = np.array([0.0, 1.0])
+    path = flight(t, np.outer(t, [1.0, 0, 0]), np.tile([1.0, 0, 0], (2, 1)))
+    distances, times = closest_approach(path, np.array([[-1.0, 0, 0], [3.0, 0, 0]]))
+    assert distances == pytest.approx([1, 2])
+    assert times == pytest.approx([0, 1])
+
+
+def test_a_flight_of_one_sample_is_a_point():
+    path = flight(np.array([0.0]), np.zeros((1, 3)), np.zeros((1, 3)))
+    distances, times = closest_approach(path, np.array([[3.0, 4.0, 0.0]]))
+    assert (distances[0], times[0]) == (5.0, 0.0)
+
+
+def test_body_velocities_are_turned_into_the_world():
+    quarter = np.array([[np.sqrt(0.5), 0, np.sqrt(0.5), 0]])  # about y: body x points to -z
+    path = Trajectory([0.0], np.zeros((1, 3)), quarter, [[2.0, 0, 0, 0, 0, 0]], End.HORIZON)
+    assert world_velocity(path)[0] == pytest.approx([0, 0, -2], abs=1e-15)
+
+
+@given(st.lists(st.floats(1e-4, 0.1), max_size=60))
+def test_times_are_thinned_to_their_ends_and_what_lies_far_enough_apart(steps):
+    t = np.concatenate([[0.0], np.cumsum(steps)])
+    kept = spaced(t, 0.01)
+    assert (kept[0], kept[-1]) == (0, len(t) - 1)
+    if len(kept) > 2:
+        assert np.diff(t[kept]).min() >= 0.01
+    # No gap is longer than it must be.
+    for first, second in pairwise(kept[:-1]):
+        assert (t[first + 1 : second] - t[first] < 0.01).all()
+    assert spaced(t[kept], 0.01).tolist() == list(range(len(kept)))

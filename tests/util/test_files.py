@@ -1,0 +1,63 @@
+"""Folders that appear whole or not at all."""
+
+from pathlib import Path
+
+import pytest
+
+from driftform.errors import InputError
+from driftform.util.files import write_folder
+
+
+def test_a_folder_takes_the_place_of_the_former_one(tmp_path: Path) -> None:
+    former = tmp_path / "model" / "meshes"
+    former.mkdir(parents=True)
+    (former / "old.obj").write_text("old")
+    with write_folder(tmp_path / "model") as part:
+        (part / "new.xml").write_text("new")
+    assert [path.relative_to(tmp_path).as_posix() for path in sorted(tmp_path.rglob("*"))] == [
+        "model",
+        "model/new.xml",
+    ]
+
+
+@pytest.mark.parametrize("interruption", [RuntimeError, KeyboardInterrupt])
+def test_an_interruption_leaves_the_former_folder_as_it_was(
+    tmp_path: Path, interruption: type[BaseException]
+) -> None:
+    (tmp_path / "model").mkdir()
+    (tmp_path / "model" / "old.xml").write_text("old")
+    with pytest.raises(interruption), write_folder(tmp_path / "model") as part:
+        (part / "new.xml").write_text("half")
+        raise interruption
+    assert [path.relative_to(tmp_path).as_posix() for path in sorted(tmp_path.rglob("*"))] == [
+        "model",
+        "model/old.xml",
+    ]
+    assert (tmp_path / "model" / "old.xml").read_text() == "old"
+
+
+def test_a_file_in_its_place_is_refused_and_stays(tmp_path: Path) -> None:
+    (tmp_path / "model").write_text("in the way")
+    with pytest.raises(InputError, match="it is a file"), write_folder(tmp_path / "model"):
+        pass
+    assert (tmp_path / "model").read_text() == "in the way"
+    assert list(tmp_path.iterdir()) == [tmp_path / "model"]
+
+
+def test_the_former_folder_comes_back_where_the_new_one_cannot_take_its_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "model").mkdir()
+    (tmp_path / "model" / "old.xml").write_text("old")
+    rename = Path.rename
+
+    def fails(self: Path, target: Path) -> Path:
+        if self.name.endswith(".part"):
+            raise OSError("no space left")
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", fails)
+    with pytest.raises(OSError, match="no space"), write_folder(tmp_path / "model") as part:
+        (part / "new.xml").write_text("new")
+    assert (tmp_path / "model" / "old.xml").read_text() == "old"
+    assert list(tmp_path.iterdir()) == [tmp_path / "model"]
