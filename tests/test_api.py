@@ -146,7 +146,7 @@ def test_what_cannot_be_written_is_warned_of_and_the_run_is_there(tmp_path: Path
             raise WorkFailedError("no such shape")
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Study, "exporter", lambda *_: Broken())
+        patch.setattr(Study, "make_exporter", lambda *_: Broken())
         with pytest.warns(UserWarning, match=r"agent\.x: not written: no such shape"):
             run = df.evolve(small(evaluations=2), tmp_path / "run", progress=False)
     assert set(run.best()) == {"TP3", "TP7"}

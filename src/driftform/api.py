@@ -21,7 +21,7 @@ from driftform.execution import Executor, InProcess, LocalProcesses
 from driftform.figures.flight import flight_svg
 from driftform.figures.section import section_svg
 from driftform.reproduction.repeats import carry_out
-from driftform.runs.directory import DATABASE, best_agent, check_new, check_run, locked
+from driftform.runs.directory import DATABASE, check_new, check_run, find_best_agent, lock_run
 from driftform.runs.finalists import fly_finalists
 from driftform.runs.results import write_best, write_reach
 from driftform.runs.store import Record, Store
@@ -32,8 +32,8 @@ from driftform.tables.columns import FLIGHT_COLUMNS
 from driftform.trajectory.path import closest_approach
 from driftform.types import Agent, Coefficients, End, FloatArray, MassProperties, Trajectory
 from driftform.util.files import make_directory
-from driftform.util.notebook import picture, table
-from driftform.util.progress import counter
+from driftform.util.notebook import show_picture, show_table
+from driftform.util.progress import count_progress
 
 __all__ = ["Design", "Flight", "NoTargetError", "Run", "agent", "evolve", "load_study", "open_run"]
 
@@ -91,7 +91,9 @@ class Flight:
 
     def _repr_html_(self) -> str:
         rows = ((t, f"{self.fitness[t]:.2f}", f"{1000 * self.closest[t]:.1f}") for t in self.fitness)
-        return picture(self._repr_svg_(), repr(self)) + table(("target", "fitness %", "closest mm"), rows)
+        return show_picture(self._repr_svg_(), repr(self)) + show_table(
+            ("target", "fitness %", "closest mm"), rows
+        )
 
 
 class Design:
@@ -209,10 +211,10 @@ class Design:
         InputError
             where there is no such format, or nothing can be written there.
         """
-        exporter = self._opened.study.exporter(format)
+        exporter = self._opened.study.make_exporter(format)
         file = Path(f"{self.name}{exporter.suffix}" if path is None else path)
         make_directory(file.parent, "path")
-        return [Path(written.path) for written in exporter.write(self._opened.specimen(), file)]
+        return [Path(written.path) for written in exporter.write(self._opened.export_job(), file)]
 
     def __repr__(self) -> str:
         modules = self.agent.morphology.modules if self.agent.morphology else ()
@@ -222,7 +224,7 @@ class Design:
         return section_svg(self.agent, self.name, self.scenario)
 
     def _repr_html_(self) -> str:
-        return picture(self._repr_svg_(), repr(self))
+        return show_picture(self._repr_svg_(), repr(self))
 
 
 class Run(Mapping[str, Design]):
@@ -241,7 +243,7 @@ class Run(Mapping[str, Design]):
     def __init__(self, path: Path) -> None:
         self.path = path
         with Store.open(check_run(path), read_only=True) as store:
-            self.study: Study = load_study(Document(str(path / DATABASE), store.study()))
+            self.study: Study = load_study(Document(str(path / DATABASE), store.read_study()))
 
     def __getitem__(self, target: str) -> Design:
         names = self.study.scenario.target_names
@@ -258,14 +260,14 @@ class Run(Mapping[str, Design]):
     def best(self) -> dict[str, dict[str, Any]]:
         """What the best agent of each target came to: fitness (%), error (% of d_max), evaluation."""
         with Store.open(self.path / DATABASE, read_only=True) as store:
-            found = {target: best_agent(self.study, store, target) for target in self}
+            found = {target: find_best_agent(self.study, store, target) for target in self}
         return {target: dict(stored.result) for target, stored in found.items() if stored is not None}
 
     def evaluations(self) -> dict[str, list[Any]]:
         """All evaluations as columns, for ``pandas.DataFrame(run.evaluations())``: those of ``export-data``."""
         found: dict[str, list[Any]] = {}
         with Store.open(self.path / DATABASE, read_only=True) as store:
-            for batch in evaluation_batches(self.study, store.records(self.study.scenario.target_names)):
+            for batch in evaluation_batches(self.study, store.read_records(self.study.scenario.target_names)):
                 for name, values in batch.items():
                     found.setdefault(name, []).extend(values)
         return found
@@ -287,8 +289,8 @@ class Run(Mapping[str, Design]):
         )
         header = ("target", "x, y, z m", "fitness %", "error % of d_max", "evaluation")
         overview = self.path / "figures" / "overview.svg"
-        shown = picture(overview.read_text(encoding="utf-8"), repr(self)) if overview.is_file() else ""
-        return shown + table(header, rows, str(self.path))
+        shown = show_picture(overview.read_text(encoding="utf-8"), repr(self)) if overview.is_file() else ""
+        return shown + show_table(header, rows, str(self.path))
 
 
 def evolve(
@@ -328,7 +330,7 @@ def evolve(
         check_new(path)
     with closing(_executor(study, workers)) as executor:
         _fly(path, study, executor, progress)
-        with locked(path), Store.open(path / DATABASE) as store:
+        with lock_run(path), Store.open(path / DATABASE) as store:
             fly_finalists(study, store, executor)
             results, _ = write_best(path, study, store)
             write_reach(path, study, store)
@@ -372,7 +374,7 @@ def agent(
 
 
 def _executor(study: Study, workers: int) -> InProcess | LocalProcesses:
-    return InProcess(study.pipeline()) if workers == 1 else LocalProcesses(study.document, workers)
+    return InProcess(study.make_pipeline()) if workers == 1 else LocalProcesses(study.document, workers)
 
 
 def _fly(path: Path, study: Study, executor: Executor, progress: bool) -> None:
@@ -380,7 +382,7 @@ def _fly(path: Path, study: Study, executor: Executor, progress: bool) -> None:
         carry_out(path, study, executor, lambda _: None)
         return
     done = 0
-    with counter("evaluations") as tell:
+    with count_progress("evaluations") as tell:
 
         def count(_: Record) -> None:
             nonlocal done

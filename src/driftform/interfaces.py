@@ -201,7 +201,7 @@ class Strategy(Plugin[OptionsT_co]):
 
 
 @dataclass(frozen=True, eq=False)
-class Specimen:
+class ExportJob:
     """An agent with all that is known of it: what an exporter receives.
 
     Attributes
@@ -233,7 +233,7 @@ class Exporter(Plugin[OptionsT_co]):
     suffix: ClassVar[str]
 
     @abstractmethod
-    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
         """Write the file at ``path``, or several, and tell what each holds.
 
         Raises
@@ -272,7 +272,7 @@ class Renderer(Plugin[OptionsT_co]):
     def film(
         self,
         agent: Agent,
-        flight: Trajectory,
+        trajectory: Trajectory,
         scenario: Scenario,
         path: Path,
         progress: Callable[[int, int], None],
@@ -303,7 +303,7 @@ class Renderer(Plugin[OptionsT_co]):
             raise InputError(f"{path}: a still by '{self.name}' ends in {' or '.join(self.stills)}")
 
     def still(
-        self, agent: Agent, flight: Trajectory, scenario: Scenario, path: Path, at: float
+        self, agent: Agent, trajectory: Trajectory, scenario: Scenario, path: Path, at: float
     ) -> WrittenFile:
         """Make a picture of the agent ``at`` a time of its flight, s from its beginning, and tell what it holds.
 
@@ -328,8 +328,8 @@ class Recorder(Plugin[OptionsT_co]):
     suffix: ClassVar[str]
 
     @abstractmethod
-    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
-        """Write the samples of a flight through the specimen's scenario, and tell what each file holds.
+    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        """Write the samples of a flight through the job's scenario, and tell what each file holds.
 
         A flight may have a single sample, and may have ended by a failure: what there is of it is written. Files
         appear whole or not at all.
@@ -367,7 +367,7 @@ class PrintJob:
         the files, each with one part or several; together they are one agent.
     printer
         what they are to be printed with.
-    specimen
+    export
         the agent that they are to be of, ``None`` where nobody knows.
     volume
         material that the closed forms of the agent say they hold, m3, ``None`` where none does.
@@ -377,7 +377,7 @@ class PrintJob:
 
     files: tuple[Path, ...]
     printer: Printer = Printer()
-    specimen: Specimen | None = None
+    export: ExportJob | None = None
     volume: float | None = None
     source: Path | None = None
 

@@ -10,7 +10,7 @@ from typing import Any
 from driftform.geometry import mass_properties
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
 from driftform.scenario import Scenario
-from driftform.scenario.disturbances import Condition, body_under, conditions, scenario_under
+from driftform.scenario.disturbances import Condition, disturb_body, disturb_scenario, draw_conditions
 from driftform.types import Agent, Evaluation, Genome, Morphology, Trajectory
 
 
@@ -54,22 +54,22 @@ class Pipeline:
         """Modules -> an agent that can fly and be printed, under a condition as it comes off the printer."""
         body, scenario = self.builder.build(morphology), self.scenario
         if condition is not None:
-            body, scenario = body_under(condition, body), scenario_under(condition, scenario)
+            body, scenario = disturb_body(condition, body), disturb_scenario(condition, scenario)
         coefficients = self.hydrodynamics.coefficients(body, scenario.fluid)
         if self.hydrodynamics.options.drag == "strips":
-            from driftform.hydrodynamics.drag import drag_of
+            from driftform.hydrodynamics.drag import estimate_drag
 
-            coefficients = replace(coefficients, drag=drag_of(body, scenario.fluid.viscosity))
+            coefficients = replace(coefficients, drag=estimate_drag(body, scenario.fluid.viscosity))
         return Agent(body, mass_properties(body), coefficients, morphology, genome)
 
-    def agent(self, genome: Genome, condition: Condition | None = None) -> Agent:
+    def make_agent(self, genome: Genome, condition: Condition | None = None) -> Agent:
         """Genome -> agent."""
         return self.realise(self.express(genome), genome, condition)
 
     @cached_property
     def conditions(self) -> tuple[Condition, ...]:
         """The disturbed conditions that finalists are flown under."""
-        return conditions(self.scenario.robustness, self.seed)
+        return draw_conditions(self.scenario.robustness, self.seed)
 
     def fly(self, agents: Sequence[Agent], scenarios: Sequence[Scenario] | None = None) -> list[Trajectory]:
         """Agents -> their flights, each through a scenario of its own where ``scenarios`` are given."""
@@ -92,23 +92,23 @@ class Pipeline:
         under = [None if c is None else self.conditions[c] for c in disturbed or [None] * len(genomes)]
         scenarios = [self.scenario.with_gusts(seed) for seed in seeds or [None] * len(genomes)]
         scenarios = [
-            usual if condition is None else scenario_under(condition, usual)
+            usual if condition is None else disturb_scenario(condition, usual)
             for usual, condition in zip(scenarios, under, strict=True)
         ]
         outcomes: dict[int, Evaluation] = {}
         agents: dict[int, Agent] = {}
         for index, genome in enumerate(genomes):
             try:
-                agents[index] = self.agent(genome, under[index])
+                agents[index] = self.make_agent(genome, under[index])
             except Exception as error:
                 outcomes[index] = Evaluation.failed(genome, targets, _told(error))
-        flights = self._flights(list(agents.values()), [scenarios[index] for index in agents])
+        flights = self._fly_each(list(agents.values()), [scenarios[index] for index in agents])
         for index, trajectory in zip(agents, flights, strict=True):
-            outcomes[index] = self._scored(genomes[index], trajectory)
+            outcomes[index] = self._score(genomes[index], trajectory)
         share = (time.perf_counter() - started) / max(1, len(genomes))
         return [replace(outcomes[index], seconds=share) for index in range(len(genomes))]
 
-    def _flights(self, agents: Sequence[Agent], scenarios: Sequence[Scenario]) -> list[Trajectory | str]:
+    def _fly_each(self, agents: Sequence[Agent], scenarios: Sequence[Scenario]) -> list[Trajectory | str]:
         if not agents:
             return []
         try:
@@ -122,18 +122,18 @@ class Pipeline:
             return [
                 flight
                 for agent, scenario in zip(agents, scenarios, strict=True)
-                for flight in self._flights([agent], [scenario])
+                for flight in self._fly_each([agent], [scenario])
             ]
 
-    def _scored(self, genome: Genome, flight: Trajectory | str) -> Evaluation:
+    def _score(self, genome: Genome, trajectory: Trajectory | str) -> Evaluation:
         targets = len(self.scenario.targets)
-        if isinstance(flight, str):
-            return Evaluation.failed(genome, targets, flight)
-        if flight.end.failed:
-            reason = f"the flight ended after {flight.t[-1]:.3g} s: {flight.end}"
-            return Evaluation.failed(genome, targets, reason, flight)
+        if isinstance(trajectory, str):
+            return Evaluation.failed(genome, targets, trajectory)
+        if trajectory.end.failed:
+            reason = f"the flight ended after {trajectory.t[-1]:.3g} s: {trajectory.end}"
+            return Evaluation.failed(genome, targets, reason, trajectory)
         try:
-            return Evaluation(genome, self.fitness.score(flight, self.scenario), flight)
+            return Evaluation(genome, self.fitness.score(trajectory, self.scenario), trajectory)
         except Exception as error:
             return Evaluation.failed(genome, targets, _told(error))
 

@@ -90,7 +90,7 @@ class Registry:
                 distribution, version = self._origin[implementation.plugin_name]
                 short = implementation.plugin_name.partition(":")[2]
                 try:
-                    classes = _classes(implementation.function(), SEAMS[seam])
+                    classes = _check_classes(implementation.function(), SEAMS[seam])
                 except Exception as error:
                     rows.append(
                         Contribution(seam, short, distribution, version, f"unavailable: {_reason(error)}")
@@ -145,7 +145,7 @@ def registry() -> Registry:
     return Registry()
 
 
-def require(module: str) -> None:
+def require_module(module: str) -> None:
     """Look for a module that a plugin imports only where it is used, so that what cannot be used is not offered.
 
     Raises
@@ -157,7 +157,7 @@ def require(module: str) -> None:
         raise ModuleNotFoundError(f"No module named '{module}'", name=module)
 
 
-def _classes(returned: Any, interface: type[Plugin[Any]]) -> list[type[Plugin[Any]]]:
+def _check_classes(returned: Any, interface: type[Plugin[Any]]) -> list[type[Plugin[Any]]]:
     classes = [returned] if isinstance(returned, type) else list(returned or [])
     for cls in classes:
         if not (isinstance(cls, type) and issubclass(cls, interface)):

@@ -24,7 +24,7 @@ FloatArray: TypeAlias = npt.NDArray[np.float64]
 """An array of double precision; docstrings tell its shape, unit and frame."""
 
 
-def frozen(values: npt.ArrayLike, shape: tuple[int | None, ...], what: str) -> FloatArray:
+def freeze(values: npt.ArrayLike, shape: tuple[int | None, ...], what: str) -> FloatArray:
     """Return a read-only float64 copy of ``values``, checked against ``shape`` (``None`` is any length).
 
     Raises
@@ -111,9 +111,9 @@ class Body:
     hull_density: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "outer", frozen(self.outer, (None, 2), "Body.outer"))
-        object.__setattr__(self, "cavity", frozen(self.cavity, (None, 2), "Body.cavity"))
-        object.__setattr__(self, "joints", frozen(self.joints, (None,), "Body.joints"))
+        object.__setattr__(self, "outer", freeze(self.outer, (None, 2), "Body.outer"))
+        object.__setattr__(self, "cavity", freeze(self.cavity, (None, 2), "Body.cavity"))
+        object.__setattr__(self, "joints", freeze(self.joints, (None,), "Body.joints"))
 
     @property
     def length(self) -> float:
@@ -151,9 +151,9 @@ class MassProperties:
     cob: FloatArray
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "cog", frozen(self.cog, (3,), "MassProperties.cog"))
-        object.__setattr__(self, "inertia", frozen(self.inertia, (3, 3), "MassProperties.inertia"))
-        object.__setattr__(self, "cob", frozen(self.cob, (3,), "MassProperties.cob"))
+        object.__setattr__(self, "cog", freeze(self.cog, (3,), "MassProperties.cog"))
+        object.__setattr__(self, "inertia", freeze(self.inertia, (3, 3), "MassProperties.inertia"))
+        object.__setattr__(self, "cob", freeze(self.cob, (3,), "MassProperties.cob"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,7 +184,7 @@ class Drag:
     astern: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "strips", frozen(self.strips, (None, 4), "Drag.strips"))
+        object.__setattr__(self, "strips", freeze(self.strips, (None, 4), "Drag.strips"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,9 +216,9 @@ class Coefficients:
     drag: Drag | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "origin", frozen(self.origin, (3,), "Coefficients.origin"))
+        object.__setattr__(self, "origin", freeze(self.origin, (3,), "Coefficients.origin"))
         for name in ("added_mass", "linear_damping", "quadratic_damping"):
-            object.__setattr__(self, name, frozen(getattr(self, name), (6, 6), f"Coefficients.{name}"))
+            object.__setattr__(self, name, freeze(getattr(self, name), (6, 6), f"Coefficients.{name}"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -294,9 +294,9 @@ class Trajectory:
 
     def __post_init__(self) -> None:
         k = np.shape(self.t)[0]
-        object.__setattr__(self, "t", frozen(self.t, (k,), "Trajectory.t"))
+        object.__setattr__(self, "t", freeze(self.t, (k,), "Trajectory.t"))
         for name, width in (("position", 3), ("quaternion", 4), ("velocity", 6)):
-            object.__setattr__(self, name, frozen(getattr(self, name), (k, width), f"Trajectory.{name}"))
+            object.__setattr__(self, name, freeze(getattr(self, name), (k, width), f"Trajectory.{name}"))
 
 
 @dataclass(frozen=True)
@@ -346,7 +346,7 @@ class Evaluation:
     seconds: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "fitness", frozen(self.fitness, (None,), "Evaluation.fitness"))
+        object.__setattr__(self, "fitness", freeze(self.fitness, (None,), "Evaluation.fitness"))
 
     @classmethod
     def failed(

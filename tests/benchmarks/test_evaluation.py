@@ -15,7 +15,7 @@ from driftform.dynamics.model import flight_model
 from driftform.execution import InProcess, Job, LocalProcesses
 from driftform.geometry import mass_properties
 from driftform.study import load_study
-from driftform.trajectory.compression import encoded
+from driftform.trajectory.compression import encode
 
 pytestmark = pytest.mark.slow
 
@@ -23,13 +23,13 @@ SIMULATORS = ("native", "exudyn")
 
 
 def test_stages_of_an_evaluation(publish, count_of, milliseconds):
-    pipelines = {use: load_study(use={"simulator": use}).pipeline() for use in SIMULATORS}
+    pipelines = {use: load_study(use={"simulator": use}).make_pipeline() for use in SIMULATORS}
     pipeline, rng = pipelines["native"], np.random.default_rng(0)
     scenario = pipeline.scenario
     genomes = [pipeline.grammar.random(rng) for _ in range(count_of("AGENTS", 60))]
     morphologies = [pipeline.express(genome) for genome in genomes]
     bodies = [pipeline.builder.build(morphology) for morphology in morphologies]
-    agents = [pipeline.agent(genome) for genome in genomes]
+    agents = [pipeline.make_agent(genome) for genome in genomes]
     flights = pipeline.fly(agents)
     stages = {
         "express": milliseconds(pipeline.express, genomes),
@@ -42,7 +42,7 @@ def test_stages_of_an_evaluation(publish, count_of, milliseconds):
         "simulate (native)": milliseconds(lambda agent: pipeline.fly([agent]), agents),
         "simulate (Exudyn)": milliseconds(lambda agent: pipelines["exudyn"].fly([agent]), agents),
         "score ten targets": milliseconds(lambda flight: pipeline.fitness.score(flight, scenario), flights),
-        "encode for the store": milliseconds(encoded, flights),
+        "encode for the store": milliseconds(encode, flights),
     }
     flight = np.median(stages["simulate (native)"])
     # A flight makes its model itself.
@@ -69,10 +69,10 @@ def test_evaluations_per_second_with_two_workers(publish, count_of):
     ]
     for use in SIMULATORS:
         study = load_study(use={"simulator": use}, run={"seed": 1})
-        grammar, rng = study.plugin("grammar"), np.random.default_rng(1)
+        grammar, rng = study.make_plugin("grammar"), np.random.default_rng(1)
         jobs = [Job(index, grammar.random(rng)) for index in range(count)]
 
-        alone, few = InProcess(study.pipeline()), jobs[: max(20, count // 25)]
+        alone, few = InProcess(study.make_pipeline()), jobs[: max(20, count // 25)]
         list(alone.evaluate(few[:2]))
         start = time.perf_counter()
         list(alone.evaluate(few))

@@ -12,9 +12,9 @@ import pytest
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from driftform.dynamics.flight import SAMPLE, finished_flight, has_left, release_state
+from driftform.dynamics.flight import SAMPLE, finish_trajectory, has_left, release_state
 from driftform.dynamics.integrator import Accuracy, integrate, slope
-from driftform.dynamics.model import flight_model, packed, unpacked
+from driftform.dynamics.model import flight_model, pack, unpack
 from driftform.study import load_study
 from driftform.testing.simulator import apart, positions_at
 
@@ -31,7 +31,7 @@ TOLERANCE = 1e-6
 @njit
 def rate(t, y, values):
     out = np.empty(SAMPLE - 1)
-    slope(t, y, unpacked(values), out)
+    slope(t, y, unpack(values), out)
     return out
 
 
@@ -58,13 +58,13 @@ class Course:
     def __init__(self, agent, scenario) -> None:
         self.agent, self.scenario = agent, scenario
         self.model = flight_model(agent, scenario)
-        self.values, self.start = packed(self.model), release_state(self.model, scenario)
+        self.values, self.start = pack(self.model), release_state(self.model, scenario)
         exact = Accuracy(position=1e-6, tolerance=1e-9, tightest=1e-12)
         found = integrate(self.model, self.start, scenario.flight.horizon, exact)
         self.exact, self.doubt = self.finished(found.samples), found.error
 
     def finished(self, samples):
-        return finished_flight(samples, self.model, self.scenario.flight.horizon, len(samples))
+        return finish_trajectory(samples, self.model, self.scenario.flight.horizon, len(samples))
 
     def error(self, flight) -> float:
         """How far a flight gets from the exact one, m; infinite where it stops before."""
@@ -126,7 +126,7 @@ def by_mujoco(ready) -> None:
 
 @pytest.fixture(scope="module")
 def pipelines():
-    return {use: load_study(use={"simulator": use}).pipeline() for use in ("native", "exudyn")}
+    return {use: load_study(use={"simulator": use}).make_pipeline() for use in ("native", "exudyn")}
 
 
 def trimmed(agents, pipeline):

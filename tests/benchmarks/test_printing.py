@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from driftform.interfaces import Specimen
+from driftform.interfaces import ExportJob
 from driftform.study import load_study
 from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.stl import StlExporter
@@ -27,10 +27,10 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def specimens():
-    pipeline, rng = load_study(run={"seed": 0}).pipeline(), np.random.default_rng(0)
-    agents = [pipeline.agent(pipeline.grammar.random(rng)) for _ in range(20)]
-    return [Specimen(f"agent-{i}", agent, pipeline.scenario, {"n": i}) for i, agent in enumerate(agents)]
+def jobs():
+    pipeline, rng = load_study(run={"seed": 0}).make_pipeline(), np.random.default_rng(0)
+    agents = [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(20)]
+    return [ExportJob(f"agent-{i}", agent, pipeline.scenario, {"n": i}) for i, agent in enumerate(agents)]
 
 
 def openscad_milliseconds(source, path):
@@ -45,29 +45,29 @@ def openscad_milliseconds(source, path):
     return spent() - start
 
 
-def milliseconds(function: Callable[[Specimen], object], specimens: list[Specimen]) -> list[float]:
+def milliseconds(function: Callable[[ExportJob], object], jobs: list[ExportJob]) -> list[float]:
     """CPU time for each of them, the best of five."""
     times = []
-    for specimen in specimens:
+    for job in jobs:
         calls = []
         for _ in range(5):
             start = time.process_time()
-            function(specimen)
+            function(job)
             calls.append(1e3 * (time.process_time() - start))
         times.append(min(calls))
     return times
 
 
-def test_files_for_printers(publish, specimens, tmp_path):
+def test_files_for_printers(publish, jobs, tmp_path):
     def written(exporter, **options):
         made = exporter(exporter.Options(**options))
-        return lambda specimen: made.write(specimen, tmp_path / f"agent{made.suffix}")
+        return lambda job: made.write(job, tmp_path / f"agent{made.suffix}")
 
-    def mesh(specimen):
-        return to_solid(hull(specimen.agent.body), 96)
+    def mesh(job):
+        return to_solid(hull(job.agent.body), 96)
 
-    def checked(specimen):
-        return mesh_of(parts_of(specimen.agent.body, PartOptions(segments=96))[0].on_bed())
+    def checked(job):
+        return mesh_of(parts_of(job.agent.body, PartOptions(segments=96))[0].on_bed())
 
     stages = {
         "mesh of the hull, 96 segments": mesh,
@@ -78,15 +78,15 @@ def test_files_for_printers(publish, specimens, tmp_path):
         "drawing (SVG)": written(SvgExporter),
     }
     for function in stages.values():
-        function(specimens[0])
-    times = {name: milliseconds(function, specimens) for name, function in stages.items()}
+        function(jobs[0])
+    times = {name: milliseconds(function, jobs) for name, function in stages.items()}
     lines = ["| what | median ms | 90 % ms | OpenSCAD over that |", "|---|---|---|---|"]
     rendered = {False: None, True: None}
     if shutil.which("openscad"):
         for kit, count in ((False, 5), (True, 2)):
             spent = []
-            for specimen in specimens[:count]:
-                written(ScadExporter, kit=kit)(specimen)
+            for job in jobs[:count]:
+                written(ScadExporter, kit=kit)(job)
                 spent.append(openscad_milliseconds(tmp_path / "agent.scad", tmp_path / "agent.stl"))
             rendered[kit] = float(np.median(spent))
     for name, found in times.items():
@@ -95,7 +95,7 @@ def test_files_for_printers(publish, specimens, tmp_path):
         lines.append(f"| {name} | {np.median(found):.3g} | {np.quantile(found, 0.9):.3g} | {ratio} |")
     lines += [
         "",
-        f"{len(specimens)} random agents, CPU time, each the best of five; with 64 segments where none are told.",
+        f"{len(jobs)} random agents, CPU time, each the best of five; with 64 segments where none are told.",
     ]
     publish("files for printers", lines)
     assert np.median(times["mesh of the hull, 96 segments"]) <= 10

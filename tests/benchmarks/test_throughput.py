@@ -23,8 +23,8 @@ import pytest
 
 from driftform.execution import InProcess, Job, LocalProcesses, Outcome
 from driftform.execution.cluster import Cluster
-from driftform.execution.lanes import Lanes
-from driftform.runs.search import evolve
+from driftform.execution.lanes import PoolExecutor
+from driftform.runs.search import run_search
 from driftform.runs.store import Store
 from driftform.study import Study, load_study
 
@@ -48,9 +48,9 @@ class Replayed:
     """Outcomes as workers send them, again and again: what is left of a run when its flights cost nothing."""
 
     def __init__(self, study: Study, count: int = 400) -> None:
-        grammar, rng = study.plugin("grammar"), np.random.default_rng(1)
+        grammar, rng = study.make_plugin("grammar"), np.random.default_rng(1)
         jobs = [Job(index, grammar.random(rng)) for index in range(count)]
-        outcomes = list(chain.from_iterable(InProcess(study.pipeline()).evaluate(jobs)))
+        outcomes = list(chain.from_iterable(InProcess(study.make_pipeline()).evaluate(jobs)))
         self._sent = cycle([pickle.dumps(outcomes[i : i + GROUP]) for i in range(0, count, GROUP)])
 
     def evaluate(self, jobs: Sequence[Job]) -> Iterator[list[Outcome]]:
@@ -74,7 +74,7 @@ def test_what_store_and_strategy_take_for_an_evaluation(publish: Callable[..., N
         for attempt in range(3):
             with Store.create(tmp_path / f"{strategy}-{attempt}.db", dict(study.document)) as store:
                 began = time.process_time()
-                evolve(study, store, replayed)
+                run_search(study, store, replayed)
                 times.append(1e3 * (time.process_time() - began) / count)
         taken[strategy] = min(times)
         size = sum(len(next(replayed._sent)) for _ in range(50)) / (50 * GROUP)
@@ -201,7 +201,7 @@ def test_a_second_dask_worker_almost_doubles_the_rate(
     count, simulator = count_of("EVALUATIONS", 1000), os.environ.get("SIMULATOR", "exudyn")
     settings = ["simulator.pause=0.03"] if simulator == "fake" else []
     study = load_study(None, settings, use={"simulator": simulator}, run={"seed": 1})
-    grammar, rng = study.plugin("grammar"), np.random.default_rng(1)
+    grammar, rng = study.make_plugin("grammar"), np.random.default_rng(1)
     jobs = [Job(index, grammar.random(rng)) for index in range(count)]
     # Beside processes of driftform's own, which tell what the machine has to give just now.
     rates = {"local": [rate(LocalProcesses(study.document, workers), jobs) for workers in (1, 2)], "dask": []}
@@ -211,7 +211,7 @@ def test_a_second_dask_worker_almost_doubles_the_rate(
             stack.callback(process.terminate)
             # A cluster takes its first tasks before its last worker is there.
             wait_for(address, workers)
-            rates["dask"].append(rate(Cluster.joined(study.document, address), jobs))
+            rates["dask"].append(rate(Cluster.join(study.document, address), jobs))
     lines = [
         "| simulator | executor | one worker, 1/s | two workers, 1/s | ratio |",
         "|---|---|---|---|---|",
@@ -224,7 +224,7 @@ def test_a_second_dask_worker_almost_doubles_the_rate(
     assert two / one > 1.7
 
 
-def rate(executor: Lanes, jobs: Sequence[Job]) -> float:
+def rate(executor: PoolExecutor, jobs: Sequence[Job]) -> float:
     """Evaluations in a second, once all workers are under way."""
     with closing(executor):
         list(executor.evaluate(jobs[:40]))

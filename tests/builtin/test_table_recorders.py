@@ -47,10 +47,8 @@ def test_both_tables_are_the_same_to_pandas_and_polars(tmp_path: Path) -> None:
 
 
 def test_force_and_torque_are_the_last_columns(tmp_path: Path) -> None:
-    flight, specimen = drift(), TestCsv().specimen()
-    wrench = net_wrench(
-        flight, accelerations_along(flight, specimen.agent, specimen.scenario), specimen.agent.mass
-    )
+    flight, job = drift(), TestCsv().export_job()
+    wrench = net_wrench(flight, accelerations_along(flight, job.agent, job.scenario), job.agent.mass)
     frame = pandas.read_csv(TestCsv().record(tmp_path, flight), float_precision="round_trip")
     assert np.array_equal(
         frame[["force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z"]], wrench

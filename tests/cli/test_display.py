@@ -16,8 +16,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich.console import Console
 
-from driftform.cli.display import BARS, PAGE, PLAIN_BARS, View, duration, line, pace_text, sparkline
-from driftform.runs.status import STEPS, Pace, Standing, TargetStanding
+from driftform.cli.display import (
+    BARS,
+    PAGE,
+    PLAIN_BARS,
+    View,
+    draw_sparkline,
+    format_duration,
+    format_throughput,
+    progress_line,
+)
+from driftform.runs.status import STEPS, RunStatus, TargetStatus, Throughput
 
 Evaluated = tuple[int, int, str, bool, list[float]]
 
@@ -41,14 +50,14 @@ def runs(draw: st.DrawFn) -> list[Evaluated]:
     ]
 
 
-def standing_of(evaluations: list[Evaluated]) -> Standing:
-    standing = Standing(("A", "B"), 100)
+def standing_of(evaluations: list[Evaluated]) -> RunStatus:
+    standing = RunStatus(("A", "B"), 100)
     for evaluation in evaluations:
         standing.add(*evaluation)
     return standing
 
 
-def summary(standing: Standing) -> list[Any]:
+def summary(standing: RunStatus) -> list[Any]:
     return [
         (
             t.best,
@@ -97,7 +106,7 @@ def test_a_curve_is_the_best_error_so_far_at_the_end_of_each_part(run: list[Eval
 
 
 def test_a_long_run_of_small_improvements_takes_little_memory_and_keeps_its_shape() -> None:
-    target = TargetStanding()
+    target = TargetStatus()
     count = 20_000
     for index in range(count):
         target.score(index, 100 * (index + 1) / count)
@@ -116,15 +125,15 @@ def test_a_long_run_of_small_improvements_takes_little_memory_and_keeps_its_shap
     ],
 )
 def test_a_duration_is_told_in_the_two_units_that_matter(seconds: float, text: str) -> None:
-    assert duration(seconds) == text
+    assert format_duration(seconds) == text
 
 
 def test_a_sparkline_is_logarithmic_and_blank_where_nothing_is_known() -> None:
     # Eight bars over seven decades: one for each.
     errors = [None, *(10.0**-n for n in range(8))]
-    assert sparkline(errors, 1e-7, 1) == " " + BARS[::-1]
-    assert sparkline([1.0, 0.0], 1e-7, 1) == "█▁"
-    assert sparkline([1.0, 1e-7], 1e-7, 1, PLAIN_BARS) == "#_"
+    assert draw_sparkline(errors, 1e-7, 1) == " " + BARS[::-1]
+    assert draw_sparkline([1.0, 0.0], 1e-7, 1) == "█▁"
+    assert draw_sparkline([1.0, 1e-7], 1e-7, 1, PLAIN_BARS) == "#_"
 
 
 class Clock:
@@ -139,7 +148,7 @@ class Clock:
 
 def test_the_pace_of_now_forgets_how_slow_the_beginning_was() -> None:
     clock = Clock()
-    pace = Pace(0, clock)
+    pace = Throughput(0, clock)
     assert pace.recent(0) is None
     clock.now += 100  # The equations of motion are compiled.
     for done in range(1, 601):
@@ -152,7 +161,7 @@ def test_the_pace_of_now_forgets_how_slow_the_beginning_was() -> None:
 
 def test_what_was_stored_before_says_nothing_of_the_pace() -> None:
     clock = Clock()
-    pace = Pace(500, clock)
+    pace = Throughput(500, clock)
     clock.now += 2
     for done in (100, 500):
         pace.mark(done)
@@ -164,7 +173,7 @@ def test_what_was_stored_before_says_nothing_of_the_pace() -> None:
 
 def test_a_rate_of_now_needs_more_than_a_few_evaluations() -> None:
     clock = Clock()
-    pace = Pace(0, clock)
+    pace = Throughput(0, clock)
     for done in (1, 2, 3, 4):
         clock.now += 60
         pace.mark(done)
@@ -173,14 +182,14 @@ def test_a_rate_of_now_needs_more_than_a_few_evaluations() -> None:
 
 def test_time_left_is_that_of_the_present_pace() -> None:
     clock = Clock()
-    standing, pace = Standing(("A",), 1000), Pace(0, clock)
-    assert pace_text(standing, pace) == ""
+    standing, pace = RunStatus(("A",), 1000), Throughput(0, clock)
+    assert format_throughput(standing, pace) == ""
     for index in range(400):
         standing.add(index, 0, "", False, [50.0])
     clock.now += 40
     pace.mark(400)
-    assert pace_text(standing, pace) == "10/s, 1 min 00 s left"
-    assert line(standing, pace) == "400/1000 evaluations, 10/s, 1 min 00 s left: A 50.00"
+    assert format_throughput(standing, pace) == "10/s, 1 min 00 s left"
+    assert progress_line(standing, pace) == "400/1000 evaluations, 10/s, 1 min 00 s left: A 50.00"
 
 
 def shown(view: View, width: int, height: int, encoding: str = "utf-8") -> list[str]:
@@ -194,11 +203,11 @@ def shown(view: View, width: int, height: int, encoding: str = "utf-8") -> list[
 def a_view(targets: int, clock: Clock | None = None, fits: bool = True, evaluations: int = 300) -> View:
     names = [f"TP{n}" for n in range(1, targets + 1)]
     names[-1] = "the-far-end-of-the-pipe-behind-the-second-valve"
-    standing = Standing(names, 1000)
+    standing = RunStatus(names, 1000)
     for index in range(evaluations):
         scores = [100 - 60 / (1 + index / 10) for _ in names]
         standing.add(index, index // 50, "", index % 17 == 0, scores)
-    pace = Pace(0, clock or Clock())
+    pace = Throughput(0, clock or Clock())
     return View(
         standing, pace, ("running", "12/s, 58 s left", "elapsed 25 s"), "runs/pipe-1: Ctrl-C stops", fits
     )
@@ -268,8 +277,8 @@ def test_where_the_terminal_knows_ascii_alone_the_display_is_ascii() -> None:
 
 
 def test_names_of_targets_are_no_markup() -> None:
-    standing = Standing(("[red]A[/red]",), 10)
-    text = "\n".join(shown(View(standing, Pace(0), (), ""), 80, 24))
+    standing = RunStatus(("[red]A[/red]",), 10)
+    text = "\n".join(shown(View(standing, Throughput(0), (), ""), 80, 24))
     assert "[red]A[/red]" in text
 
 

@@ -12,7 +12,7 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from driftform.study import load_study
-from driftform.study.sources import builtin_scenarios
+from driftform.study.sources import read_scenarios
 
 Finished = tuple[Path, subprocess.CompletedProcess[str]]
 Program = Callable[..., subprocess.CompletedProcess[str]]
@@ -56,7 +56,7 @@ BEST = ("agent.json", "trajectory.csv", "section.svg", "agent.stl")
 
 
 def test_the_study_is_kept_as_it_was_given(finished_run: Finished) -> None:
-    assert (finished_run[0] / "study.toml").read_text() == builtin_scenarios()["pipe-inspection"]
+    assert (finished_run[0] / "study.toml").read_text() == read_scenarios()["pipe-inspection"]
 
 
 def test_the_resolved_study_loads_as_the_same_study(finished_run: Finished) -> None:

@@ -13,9 +13,10 @@ import pandas as pd
 import polars as pl
 import pytest
 
-from driftform import table_files, tables
+from driftform.runs import tables
 from driftform.runs.store import Record, Store
 from driftform.study import Document, load_study
+from driftform.tables import files as table_files
 from driftform.tables.columns import SAMPLE_COLUMNS
 
 FORMATS = ("csv", "parquet")
@@ -52,7 +53,7 @@ def read(folder: Path, format: str, table: str = "evaluations") -> tuple[pd.Data
 
 def stored(directory: Path) -> list[Record]:
     with Store.open(directory / "run.db", read_only=True) as store:
-        return list(store.records(TARGETS))
+        return list(store.read_records(TARGETS))
 
 
 @pytest.mark.parametrize("format", FORMATS)
@@ -86,7 +87,7 @@ def test_a_genome_reads_back_and_its_body_is_as_inspect_tells(
     _, frame = read(exported, "parquet")
     records = stored(finished_run[0])
     study = load_study(str(finished_run[0] / "resolved.toml"))
-    grammar = study.plugin("grammar")
+    grammar = study.make_plugin("grammar")
     assert [grammar.parse(text) for text in frame["genome"]] == [r.candidate.genome for r in records]
     agent = finished_run[0] / "best" / "TP7" / "agent.json"
     index = json.loads(agent.read_text())["result"]["evaluation"]
@@ -175,19 +176,19 @@ def test_a_genome_that_has_no_body_is_a_row_without_one(
     run_copy: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with Store.open(run_copy / "run.db", read_only=True) as store:
-        study = load_study(Document("run", store.study()))
-        [record] = store.records(TARGETS, 0, 1)
+        study = load_study(Document("run", store.read_study()))
+        [record] = store.read_records(TARGETS, 0, 1)
 
-    class Refusing(type(study.plugin("builder"))):  # type: ignore[misc]
+    class Refusing(type(study.make_plugin("builder"))):  # type: ignore[misc]
         def build(self, morphology):
             raise ValueError("too many modules")
 
     from driftform.study import Study
 
-    plugin = Study.plugin
+    plugin = Study.make_plugin
     monkeypatch.setattr(
         Study,
-        "plugin",
+        "make_plugin",
         lambda self, seam: Refusing(plugin(self, seam).options) if seam == "builder" else plugin(self, seam),
     )
     [batch] = tables.evaluation_batches(study, [record])
@@ -276,7 +277,7 @@ def test_a_run_that_goes_on_gives_what_it_has_and_both_tables_agree(
     run_copy: Path, call: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with Store.open(run_copy / "run.db") as writer:
-        study, late = writer.study(), writer.record(19, TARGETS)
+        study, late = writer.read_study(), writer.read_record(19, TARGETS)
     connection = sqlite3.connect(run_copy / "run.db")
     connection.execute("DELETE FROM score WHERE evaluation IN (3, 19)")
     connection.execute("DELETE FROM evaluation WHERE id IN (3, 19)")
@@ -295,7 +296,7 @@ def test_a_run_that_goes_on_gives_what_it_has_and_both_tables_agree(
         result = call("export-data", "run", "--trajectories", "--json")
         assert result.exit_code == 0, result.stderr
         assert writer.count() == 19
-        assert writer.study() == study
+        assert writer.read_study() == study
     expected = sorted(set(range(19)) - {3})
     assert list(pl.read_csv("run/data/evaluations.csv")["evaluation"]) == expected
     assert sorted(set(pl.read_csv("run/data/trajectories.csv")["evaluation"])) == expected

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from driftform.runs.agent_file import read_agent
-from driftform.runs.directory import locked
+from driftform.runs.directory import lock_run
 from driftform.runs.store import Record, Store
 from driftform.trajectory.path import closest_approach
 from driftform.types import Candidate, Evaluation, Genome
@@ -21,7 +21,7 @@ ANYWHERE = ("4.2", "0", "-0.35")
 @pytest.fixture(scope="module")
 def flights(finished_run) -> dict[int, Any]:
     with Store.open(finished_run[0] / "run.db", read_only=True) as store:
-        return dict(store.flights())
+        return dict(store.read_trajectories())
 
 
 def test_it_finds_what_a_search_through_all_flights_finds(call, run_copy: Path, flights) -> None:
@@ -84,7 +84,7 @@ def test_the_database_is_left_as_it_is_also_where_another_process_works_on_the_r
     call, run_copy: Path
 ) -> None:
     before = (run_copy / "run.db").read_bytes()
-    with locked(run_copy):
+    with lock_run(run_copy):
         assert call("pick", run_copy, *ANYWHERE).exit_code == 0
     assert (run_copy / "run.db").read_bytes() == before
 
@@ -92,7 +92,7 @@ def test_the_database_is_left_as_it_is_also_where_another_process_works_on_the_r
 def test_what_a_writer_has_just_stored_is_found(call, run_copy: Path, flights) -> None:
     # The writer keeps its log: what it adds is not in the file itself yet.
     with Store.open(run_copy / "run.db") as writer:
-        last = writer.record(19, ("TP1", "TP7"))
+        last = writer.read_record(19, ("TP1", "TP7"))
         agent = last.candidate.genome
         flight = flights[19]
         aside = type(flight)(
@@ -140,7 +140,7 @@ def test_a_run_without_a_sound_flight_has_nothing_to_pick(
     refused: Callable[..., str], run_copy: Path, tmp_path: Path
 ) -> None:
     with Store.open(run_copy / "run.db") as store:
-        document = store.study()
+        document = store.read_study()
     shutil.rmtree(run_copy)
     run_copy.mkdir()
     genome = Genome("lsystem", ())

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from driftform.execution import InProcess
-from driftform.runs.search import evolve
+from driftform.runs.search import run_search
 from driftform.runs.store import Store
 from driftform.study import load_study
 
@@ -26,13 +26,13 @@ def budgets(directory: Path) -> tuple[int, int]:
     """What the database and resolved.toml say of the budget."""
     resolved = tomllib.loads((directory / "resolved.toml").read_text())
     with Store.open(directory / "run.db", read_only=True) as store:
-        return store.study()["run"]["evaluations"], resolved["run"]["evaluations"]
+        return store.read_study()["run"]["evaluations"], resolved["run"]["evaluations"]
 
 
 def set_budget(directory: Path, evaluations: int) -> None:
     """As if the run had been stopped on its way to a larger budget."""
     with Store.open(directory / "run.db") as store:
-        study = store.study()
+        study = store.read_study()
         store.replace_study({**study, "run": {**study["run"], "evaluations": evaluations}})
 
 
@@ -48,7 +48,7 @@ def test_more_evaluations_are_those_of_a_run_that_had_them_from_the_start(
             targets=["TP1", "TP6"],
             run={"seed": 3, "evaluations": evaluations},
         )
-        evolve(study, store, InProcess(study.pipeline()))
+        run_search(study, store, InProcess(study.make_pipeline()))
 
     for name, parts in (("whole", (120,)), ("parts", (first, 120))):
         (tmp_path / name).mkdir()
@@ -120,7 +120,7 @@ def test_a_run_that_stopped_early_may_be_given_less(
 def test_a_crash_between_database_and_resolved_study_is_made_good(
     call: Callable[..., Any], copy: Path, fakes: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from driftform import run_directory
+    from driftform.runs import directory as run_directory
 
     def crashing(*_: object) -> None:
         raise OSError("the power went")

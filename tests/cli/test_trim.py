@@ -99,7 +99,7 @@ def kit_of_34_grams(monkeypatch: pytest.MonkeyPatch) -> None:
     """An exporter that accounts for its kit so: 34 g with the core, 5 mm fore of its centre."""
     from driftform.registry import registry
 
-    def write(self: Any, specimen: Any, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self: Any, job: Any, path: Path) -> tuple[WrittenFile, ...]:
         assert self.options.kit
         balance = [{"of": "simulated"}, {"of": "printed", "mass_kg": 0.034, "cog_mm": 5.0}]
         return (WrittenFile("stl", str(path), {"kit": {"balance": balance}}),)

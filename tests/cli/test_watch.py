@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from driftform.cli.watch import Onlooker
+from driftform.cli.watch import RunMonitor
 from driftform.errors import InputError
-from driftform.runs.directory import is_worked_on, locked
-from driftform.runs.store import Brief, Record, Store
+from driftform.runs.directory import is_worked_on, lock_run
+from driftform.runs.store import EvaluationSummary, Record, Store
 from driftform.types import Candidate, Evaluation, Genome
 
 Start = Callable[..., subprocess.Popen[str]]
@@ -41,8 +41,8 @@ STUDY = (
 )
 
 
-def look(directory: Path) -> Onlooker:
-    onlooker = Onlooker(directory, directory / "run.db")
+def look(directory: Path) -> RunMonitor:
+    onlooker = RunMonitor(directory, directory / "run.db")
     onlooker.look()
     return onlooker
 
@@ -90,7 +90,7 @@ def evaluations(directory: Path) -> int:
 def test_a_run_is_followed_to_its_end_while_others_come_and_go(start: Start, tmp_path: Path) -> None:
     (tmp_path / "run").mkdir()
     with ExitStack() as stack:
-        with locked(tmp_path / "run"), brief_store(tmp_path / "run" / "run.db", 5, budget=8) as store:
+        with lock_run(tmp_path / "run"), brief_store(tmp_path / "run" / "run.db", 5, budget=8) as store:
             stays, leaves = (
                 stack.enter_context(start("watch", "run", "--interval", 0.1, cwd=tmp_path)) for _ in range(2)
             )
@@ -139,10 +139,10 @@ def test_what_is_told_of_a_finished_run_is_what_the_run_told(
     with Store.open(directory / "run.db", read_only=True) as store:
         for name, target in document["targets"].items():
             best = expected["targets"][name]
-            assert (target["evaluation"], target["fitness"]) == store.best(name)
+            assert (target["evaluation"], target["fitness"]) == store.find_best(name)
             assert (target["fitness"], target["error_percent"]) == (best["fitness"], best["error_percent"])
             # One generation of ten for each target.
-            own = [r for r in store.records((name,)) if r.candidate.target == name]
+            own = [r for r in store.read_records((name,)) if r.candidate.target == name]
             assert target["mean_fitness"] == pytest.approx(
                 sum(float(r.evaluation.fitness[0]) for r in own) / 10
             )
@@ -160,7 +160,7 @@ def test_once_is_a_table_and_nothing_in_the_run_has_changed(run_copy: Path, call
 
 def test_a_run_is_watched_without_the_plugins_that_it_needs(run_copy: Path, call: Callable[..., Any]) -> None:
     with Store.open(run_copy / "run.db") as store:
-        study = store.study()
+        study = store.read_study()
         store.replace_study({**study, "simulator": {"use": "nowhere-installed"}})
     assert call("resume", run_copy).exit_code == 2
     assert call("watch", run_copy, "--once").exit_code == 0
@@ -170,14 +170,14 @@ def test_nothing_is_read_twice_but_what_lies_behind_a_gap(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     read: list[int] = []
-    original = Store.briefs
+    original = Store.read_summaries
 
-    def counting(self: Store, targets: list[str], first: int = 0) -> Iterator[Brief]:
+    def counting(self: Store, targets: list[str], first: int = 0) -> Iterator[EvaluationSummary]:
         for brief in original(self, targets, first):
             read.append(brief.index)
             yield brief
 
-    monkeypatch.setattr(Store, "briefs", counting)
+    monkeypatch.setattr(Store, "read_summaries", counting)
     with brief_store(tmp_path / "run.db", 500) as store:
         onlooker = look(tmp_path)
         assert len(read) == 500
@@ -198,10 +198,10 @@ def test_nothing_is_read_twice_but_what_lies_behind_a_gap(
 
 
 def test_a_larger_budget_shows_while_one_looks_on(tmp_path: Path) -> None:
-    with brief_store(tmp_path / "run.db", 5) as store, locked(tmp_path):
+    with brief_store(tmp_path / "run.db", 5) as store, lock_run(tmp_path):
         onlooker = look(tmp_path)
         assert (onlooker.state, onlooker.standing.budget) == ("running", 1000)
-        store.replace_study({**store.study(), "run": {"evaluations": 5}})
+        store.replace_study({**store.read_study(), "run": {"evaluations": 5}})
         onlooker.look()
         assert (onlooker.state, onlooker.standing.budget) == ("writing the best agents", 5)
     onlooker.look()
@@ -221,7 +221,7 @@ def test_a_writer_that_begins_is_never_refused_for_those_who_look_whether_it_has
         thread.start()
     try:
         for _ in range(50):
-            with locked(tmp_path):
+            with lock_run(tmp_path):
                 pass
     finally:
         over.set()
@@ -232,10 +232,10 @@ def test_a_writer_that_begins_is_never_refused_for_those_who_look_whether_it_has
 def test_whether_a_run_is_worked_on(tmp_path: Path) -> None:
     assert not is_worked_on(tmp_path)
     assert list(tmp_path.iterdir()) == []
-    with locked(tmp_path):
+    with lock_run(tmp_path):
         assert is_worked_on(tmp_path)
         assert is_worked_on(tmp_path)
-        with pytest.raises(InputError, match="another driftform process"), locked(tmp_path):
+        with pytest.raises(InputError, match="another driftform process"), lock_run(tmp_path):
             pass
     assert not is_worked_on(tmp_path)
 

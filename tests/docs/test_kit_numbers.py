@@ -13,11 +13,11 @@ def test_of_a_hundred_random_agents(pages: dict[str, str]) -> None:
     from driftform_frusta.kit.pieces import kit_of
     from driftform_frusta.parts import PartOptions
 
-    pipeline, rng = load_study(run={"seed": 0}).pipeline(), np.random.default_rng(1)
+    pipeline, rng = load_study(run={"seed": 0}).make_pipeline(), np.random.default_rng(1)
     options = PartOptions(kit=True)
     added, places = [], []
     for _ in range(100):
-        body = pipeline.agent(pipeline.grammar.random(rng)).body
+        body = pipeline.make_agent(pipeline.grammar.random(rng)).body
         added.append(1e3 * (kit_mass(body, options).mass - mass_properties(body).mass))
         joint = kit_of(body, options).core_joint.joint
         if joint.kind == "sleeve":

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from driftform.figures.section import section_svg
-from driftform.interfaces import Specimen
+from driftform.interfaces import ExportJob
 from driftform.study import load_study
 from driftform.types import FloatArray
 
@@ -26,21 +26,21 @@ AGENTS: dict[str, tuple[str | int, tuple[str, ...]]] = {
 }
 
 
-def specimen(name: str) -> Specimen:
+def job(name: str) -> ExportJob:
     source, settings = AGENTS[name]
     study = load_study(settings=settings, run={"seed": 0})
-    pipeline, rng = study.pipeline(), np.random.default_rng(3)
+    pipeline, rng = study.make_pipeline(), np.random.default_rng(3)
     if isinstance(source, str):
         genome = pipeline.grammar.parse(source)
     else:
         genome = [pipeline.grammar.random(rng) for _ in range(source + 1)][source]
-    return Specimen(name, pipeline.agent(genome), pipeline.scenario)
+    return ExportJob(name, pipeline.make_agent(genome), pipeline.scenario)
 
 
 def plate(name: str) -> bytes:
     from driftform_frusta.exporters.threemf import ThreeMfExporter, ThreeMfOptions
 
-    return ThreeMfExporter(ThreeMfOptions(kit=True)).plate_picture(specimen(name))
+    return ThreeMfExporter(ThreeMfOptions(kit=True)).plate_picture(job(name))
 
 
 def pixels(png: bytes) -> FloatArray:
@@ -68,7 +68,7 @@ def test_drawings_are_up_to_date(docs: Path, name: str) -> None:
 
 
 def _titled(name: str):  # type: ignore[no-untyped-def]
-    shown = specimen(name)
+    shown = job(name)
     return shown.agent, name.replace("-", " ").capitalize(), shown.scenario
 
 

@@ -171,9 +171,10 @@ def test_constants_of_the_contact_are_as_told(pages: dict[str, str]) -> None:
 
 
 def test_constants_of_runs_are_as_told(pages: dict[str, str]) -> None:
-    from driftform import execution, packed_flight
+    from driftform import execution
+    from driftform.trajectory import compression
 
-    assert f"samples at least {packed_flight.SAMPLE_GAP:g} s apart" in " ".join(pages["dataflow.md"].split())
+    assert f"samples at least {compression.SAMPLE_GAP:g} s apart" in " ".join(pages["dataflow.md"].split())
     assert f"each of at most {execution.BATCH} genomes" in pages["dataflow.md"]
     assert f"A task holds at most {execution.BATCH} genomes" in pages["running.md"]
     assert execution.ATTEMPTS == 2 and "whose process dies twice" in pages["dataflow.md"]

@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from driftform.cli.app import app
-from driftform.runs.directory import locked
+from driftform.runs.directory import lock_run
 from driftform.study import load_study
 
 QUICKLY = ("--simulator", "native", "--evaluations", "20", "--workers", "1")
@@ -95,7 +95,7 @@ def test_messages_are_those_that_the_program_prints(
     for block in (b for b in blocks if b.page == page.name and "errors" in b.words):
         lines: list[str] = []
         for command in (line for line in block.text.splitlines() if line.startswith("$ ")):
-            with locked(Path("r1")) if "locked" in block.words else nullcontext():
+            with lock_run(Path("r1")) if "locked" in block.words else nullcontext():
                 result = CliRunner().invoke(app, shlex.split(command)[2:])
             greps = any(word.startswith("grep=") for word in block.words)
             assert greps or result.exit_code in (1, 2), f"{command}: {result.output}"

@@ -13,7 +13,7 @@ from driftform.dynamics.rotations import quaternion_from_rotation_vector, rotati
 from driftform.scenario import Contact, Fluid, Pipe, PowerLawFlow, Release, Scenario, Segment, TurbulentFlow
 from driftform.study import load_study
 
-PIPELINE = load_study().pipeline()
+PIPELINE = load_study().make_pipeline()
 CALM = PIPELINE.scenario
 SHEARED = CALM.model_copy(update={"flow": PowerLawFlow()})
 WILD = CALM.model_copy(
@@ -23,7 +23,7 @@ NUMBERS = st.floats(-2, 2)
 
 
 def model_of(seed, scenario):
-    return flight_model(PIPELINE.agent(PIPELINE.grammar.random(np.random.default_rng(seed))), scenario)
+    return flight_model(PIPELINE.make_agent(PIPELINE.grammar.random(np.random.default_rng(seed))), scenario)
 
 
 def released(scenario, seed=3):

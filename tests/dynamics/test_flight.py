@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from driftform.dynamics.flight import finished_flight, release_state
+from driftform.dynamics.flight import finish_trajectory, release_state
 from driftform.dynamics.flow import water
 from driftform.dynamics.integrator import Accuracy, integrate
 from driftform.dynamics.model import flight_model
 from driftform.geometry import mass_properties
 from driftform.scenario import (
     Contact,
-    Flight,
+    FlightLimits,
     Fluid,
     LogLawFlow,
     Pipe,
@@ -42,7 +42,7 @@ def scenario_of(
         fluid=Fluid(density=DENSITY, gravity=gravity, water_level=level),
         release=Release(**release),
         contact=Contact(frequency=70.0),
-        flight=Flight(horizon=horizon),
+        flight=FlightLimits(horizon=horizon),
     )
 
 
@@ -50,7 +50,7 @@ def flown(agent, scenario, accuracy=TIGHT):
     """The trajectory, and the raw samples and the model that it was made of."""
     model, horizon = flight_model(agent, scenario), scenario.flight.horizon
     raw = integrate(model, release_state(model, scenario), horizon, accuracy)
-    flight = finished_flight(raw.samples, model, horizon, accuracy.step_limit, raw.error, accuracy.position)
+    flight = finish_trajectory(raw.samples, model, horizon, accuracy.step_limit, raw.error, accuracy.position)
     return flight, raw.samples, model
 
 
@@ -96,7 +96,7 @@ def test_a_flight_that_is_not_accurate_enough_has_failed_and_tells_its_error():
         (math.nan, 1e-4, End.NOT_CONVERGED),
         (None, 1e-4, End.HORIZON),
     ):
-        flight = finished_flight(samples, model, 0.5, 10**6, error, accepted)
+        flight = finish_trajectory(samples, model, 0.5, 10**6, error, accepted)
         assert flight.end == end
         assert flight.end.failed == (end == End.NOT_CONVERGED)
         assert flight.error is error or flight.error == error
@@ -107,10 +107,10 @@ def test_why_a_flight_stopped_early_is_told():
     _, samples, model = flown(sphere(0.01, 0.05), scenario)
     broken = samples.copy()
     broken[5:, 9] = np.nan
-    assert finished_flight(broken, model, 0.5, 10**6).end == End.NON_FINITE
-    assert len(finished_flight(broken, model, 0.5, 10**6).t) == 5
-    assert finished_flight(samples[:6], model, 0.5, 5).end == End.STEP_LIMIT
-    assert finished_flight(samples[:6], model, 0.5, 100).end == End.NON_FINITE
+    assert finish_trajectory(broken, model, 0.5, 10**6).end == End.NON_FINITE
+    assert len(finish_trajectory(broken, model, 0.5, 10**6).t) == 5
+    assert finish_trajectory(samples[:6], model, 0.5, 5).end == End.STEP_LIMIT
+    assert finish_trajectory(samples[:6], model, 0.5, 100).end == End.NON_FINITE
 
 
 @pytest.mark.parametrize("flow", [LogLawFlow(speed=0.8), TurbulentFlow(speed=0.8, seed=4)])
@@ -213,7 +213,7 @@ def test_the_drift_of_the_energy_is_what_a_false_step_adds():
     scenario = scenario_of(1.0, gravity=0.0, velocity=(0.5, 0.0, 0.0))
     _, samples, model = flown(sphere(0.01, NEUTRAL), scenario)
     samples[-1, 8] *= 1.01
-    drift = finished_flight(samples, model, 1.0, 10**6).energy_drift
+    drift = finish_trajectory(samples, model, 1.0, 10**6).energy_drift
     assert drift == pytest.approx((1.01**2 - 1) / 1.01**2, rel=1e-6)
 
 

@@ -17,7 +17,7 @@ from driftform.dynamics.flow import NEAREST, friction_factor, gust_array, water
 from driftform.dynamics.model import flight_model
 from driftform.scenario import (
     DevelopingFlow,
-    Flight,
+    FlightLimits,
     Fluid,
     LogLawFlow,
     Pipe,
@@ -49,7 +49,7 @@ def scenario_of(flow, radius=1.0, start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), ho
         flow=flow,
         fluid=Fluid(viscosity=1.05e-6),
         release={"position": start},
-        flight=Flight(horizon=horizon),
+        flight=FlightLimits(horizon=horizon),
     )
 
 

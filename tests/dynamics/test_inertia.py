@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.dynamics.inertia import added_mass_at, cross_matrix, rigid_body_mass, shifted
+from driftform.dynamics.inertia import added_mass_at, cross_matrix, rigid_body_mass, shift_origin
 from driftform.types import Coefficients, MassProperties
 
 points = st.tuples(*[st.floats(-1, 1)] * 3).map(np.array)
@@ -38,13 +38,13 @@ def test_moving_the_origin_gives_the_matrix_that_the_moved_particles_have(seed, 
     masses, places = particles(seed)
     here = rigid_body_mass(mass_of(masses, places))
     there = rigid_body_mass(mass_of(masses, places - offset))
-    assert shifted(here, offset) == pytest.approx(there, rel=1e-9, abs=1e-12)
+    assert shift_origin(here, offset) == pytest.approx(there, rel=1e-9, abs=1e-12)
 
 
 @given(points, points)
 def test_shifts_add_up(a, b):
     matrix = np.diag([1.0, 2, 2, 0, 3, 3])
-    assert shifted(shifted(matrix, a), b) == pytest.approx(shifted(matrix, a + b), abs=1e-12)
+    assert shift_origin(shift_origin(matrix, a), b) == pytest.approx(shift_origin(matrix, a + b), abs=1e-12)
 
 
 def test_added_mass_of_a_forward_centre_couples_heave_with_pitch_and_sway_with_yaw():

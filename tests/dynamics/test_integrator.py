@@ -98,12 +98,12 @@ def test_the_error_falls_in_proportion_to_the_tolerance(pair):
 @pytest.fixture(scope="module")
 def default_flights():
     """Estimated and true error of agents of the default study, m."""
-    pipeline = load_study(run={"seed": 1}).pipeline()
+    pipeline = load_study(run={"seed": 1}).make_pipeline()
     rng = np.random.default_rng(20)
     horizon, errors = pipeline.scenario.flight.horizon, []
     exact = Accuracy(position=math.inf, tolerance=1e-12, tightest=1e-13, max_step=0.005, step_limit=2_000_000)
     for _ in range(20):
-        model = flight_model(pipeline.agent(pipeline.grammar.random(rng)), pipeline.scenario)
+        model = flight_model(pipeline.make_agent(pipeline.grammar.random(rng)), pipeline.scenario)
         start = release_state(model, pipeline.scenario)
         flown = integrate(model, start, horizon, Accuracy())
         truth = integrate(model, start, horizon, exact)
@@ -125,11 +125,11 @@ def test_the_estimated_error_covers_the_true_one(default_flights):
 
 
 def test_an_error_falls_no_faster_than_the_tolerance():
-    pipeline = load_study(run={"seed": 1}).pipeline()
+    pipeline = load_study(run={"seed": 1}).make_pipeline()
     rng = np.random.default_rng(21)
     shares = []
     for _ in range(20):
-        model = flight_model(pipeline.agent(pipeline.grammar.random(rng)), pipeline.scenario)
+        model = flight_model(pipeline.make_agent(pipeline.grammar.random(rng)), pipeline.scenario)
         start = release_state(model, pipeline.scenario)
         first = integrate(model, start, 9.0, Accuracy(position=1.0))
         again = integrate(model, start, 9.0, Accuracy(position=0.99 * first.error))

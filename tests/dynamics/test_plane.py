@@ -19,11 +19,11 @@ from driftform.types import Drag
 HORIZON = 9.0
 RELEASE = Release(position=(0.5, 0.0, 0.0))
 
-PIPELINE = load_study(use={"simulator": "native"}).pipeline()
+PIPELINE = load_study(use={"simulator": "native"}).make_pipeline()
 
 
 def agent_of(seed):
-    return PIPELINE.agent(PIPELINE.grammar.random(np.random.default_rng(seed)))
+    return PIPELINE.make_agent(PIPELINE.grammar.random(np.random.default_rng(seed)))
 
 
 def scenario_of(end=(9.0, 0.0, 0.0), radius=1.0, **parts):

@@ -36,7 +36,7 @@ def study(fakes: None) -> Study:
 
 
 def job(study: Study) -> Job:
-    return Job(0, study.plugin("grammar").random(np.random.default_rng(1)))
+    return Job(0, study.make_plugin("grammar").random(np.random.default_rng(1)))
 
 
 def test_a_run_on_a_cluster_is_the_run_of_one_process(
@@ -59,7 +59,7 @@ def test_a_worker_flies_one_genome_at_a_time_however_many_threads_it_has(
     )
     jobs = [Job(index, job(study).genome) for index in range(20)]
     with dask_scheduler() as (address, _), dask("worker", address, "--nthreads", 4, cwd=tmp_path) as worker:
-        with closing(Cluster.joined(study.document, address)) as executor:
+        with closing(Cluster.join(study.document, address)) as executor:
             list(executor.evaluate(jobs[:1]))
             began = time.monotonic()
             list(executor.evaluate(jobs))
@@ -118,7 +118,7 @@ def test_other_versions_on_a_worker_are_refused(
     other = versions(study.document) | {"driftform-fake": "2.0"}
     monkeypatch.setattr(cluster, "versions", lambda _: other)
     with (
-        closing(Cluster.joined(study.document, dask_cluster)) as executor,
+        closing(Cluster.join(study.document, dask_cluster)) as executor,
         pytest.raises(
             InputError, match=r"^worker tcp://\S+ has driftform-fake 1\.0, this run has 2\.0: install"
         ),
@@ -135,7 +135,7 @@ def test_what_decides_an_outcome_is_compared(study: Study) -> None:
 def test_workers_that_lack_what_the_study_needs_say_so(study: Study, dask_cluster: str) -> None:
     document = study.document | {"simulator": {"use": "unheard-of"}}
     with (
-        closing(Cluster.joined(document, dask_cluster)) as executor,
+        closing(Cluster.join(document, dask_cluster)) as executor,
         pytest.raises(InputError, match=r"^worker tcp://\S+: no simulator is named 'unheard-of'"),
     ):
         list(executor.evaluate([job(study)]))
@@ -146,7 +146,7 @@ def test_workers_that_cannot_work_at_all_say_so(
 ) -> None:
     monkeypatch.setattr(cluster, "_work", work_that_breaks)
     with (
-        closing(Cluster.joined(study.document, dask_cluster)) as executor,
+        closing(Cluster.join(study.document, dask_cluster)) as executor,
         pytest.raises(
             WorkFailedError, match=r"its workers cannot evaluate \(No module .*\); install the same"
         ),

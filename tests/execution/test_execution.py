@@ -22,11 +22,11 @@ from driftform.errors import InputError
 from driftform.execution import ATTEMPTS, BATCH, InProcess, Job, LocalProcesses, Outcome
 from driftform.execution.cluster import Cluster
 from driftform.execution.jobs import LONGEST, SHORTEST, task_size
-from driftform.execution.lanes import Lane, Lanes
+from driftform.execution.lanes import PoolExecutor, WorkerGroup
 from driftform.study import Study, load_study
 from driftform.types import Evaluation, Genome
 
-Make = Callable[[Study], Lanes]
+Make = Callable[[Study], PoolExecutor]
 
 pytestmark = pytest.mark.usefixtures("fakes")
 
@@ -40,7 +40,7 @@ def study_of(**options: Any) -> Study:
 
 @pytest.fixture(scope="module")
 def jobs() -> list[Job]:
-    grammar = load_study().plugin("grammar")
+    grammar = load_study().make_plugin("grammar")
     rng = np.random.default_rng(5)
     return [Job(10 + index, grammar.random(rng)) for index in range(COUNT)]
 
@@ -51,10 +51,10 @@ def make(request: pytest.FixtureRequest) -> Make:
     if request.param == "local":
         return lambda study: LocalProcesses(study.document, 2)
     address = request.getfixturevalue("dask_cluster")
-    return lambda study: Cluster.joined(study.document, address)
+    return lambda study: Cluster.join(study.document, address)
 
 
-def workers_of(executor: Lanes, dask_cluster: str | None = None) -> list[int]:
+def workers_of(executor: PoolExecutor, dask_cluster: str | None = None) -> list[int]:
     """The processes that evaluate."""
     if isinstance(executor, LocalProcesses):
         return [child.pid or 0 for child in multiprocessing.active_children()]
@@ -91,7 +91,7 @@ def assert_same(a: dict[int, Evaluation], b: dict[int, Evaluation]) -> None:
 
 def test_workers_find_what_this_process_finds(jobs: list[Job], make: Make) -> None:
     study = study_of()
-    here = told(InProcess(study.pipeline()).evaluate(jobs))
+    here = told(InProcess(study.make_pipeline()).evaluate(jobs))
     with closing(make(study)) as executor:
         there = told(executor.evaluate(jobs))
         again = told(executor.evaluate(jobs[:3]))
@@ -102,8 +102,8 @@ def test_workers_find_what_this_process_finds(jobs: list[Job], make: Make) -> No
 
 
 def test_a_genome_that_raises_is_a_failure_of_its_own(jobs: list[Job]) -> None:
-    sound = told(InProcess(study_of().pipeline()).evaluate(jobs))
-    outcomes = told(InProcess(study_of(fail=0.3).pipeline()).evaluate(jobs))
+    sound = told(InProcess(study_of().make_pipeline()).evaluate(jobs))
+    outcomes = told(InProcess(study_of(fail=0.3).make_pipeline()).evaluate(jobs))
     guilty = {job.index for job in jobs if number(job.genome) > 0.7}
     assert 0 < len(guilty) < COUNT
     for index, evaluation in outcomes.items():
@@ -117,7 +117,7 @@ def test_a_genome_that_raises_is_a_failure_of_its_own(jobs: list[Job]) -> None:
 def test_a_genome_that_kills_its_process_fails_and_all_others_are_evaluated(
     jobs: list[Job], make: Make
 ) -> None:
-    sound = told(InProcess(study_of().pipeline()).evaluate(jobs))
+    sound = told(InProcess(study_of().make_pipeline()).evaluate(jobs))
     guilty = {job.index for job in jobs if number(job.genome) < 0.08}
     assert 0 < len(guilty) < COUNT / 3
     with closing(make(study_of(die=0.08))) as executor:
@@ -136,7 +136,7 @@ def test_a_process_that_dies_once_is_forgiven(jobs: list[Job], make: Make, tmp_p
     with closing(make(study_of(**options))) as executor:
         outcomes = told(executor.evaluate(jobs))
     assert list(tmp_path.iterdir())
-    assert_same(outcomes, told(InProcess(study_of().pipeline()).evaluate(jobs)))
+    assert_same(outcomes, told(InProcess(study_of().make_pipeline()).evaluate(jobs)))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
@@ -154,7 +154,7 @@ def test_a_worker_that_is_killed_from_outside_costs_nothing(
         # One that waits for work may be killed as well.
         os.kill(workers_of(executor, dask_cluster)[0], signal.SIGKILL)
         again = told(executor.evaluate(jobs[:2]))
-    sound = told(InProcess(study.pipeline()).evaluate(jobs))
+    sound = told(InProcess(study.make_pipeline()).evaluate(jobs))
     assert_same(found, sound)
     assert_same(again, {job.index: sound[job.index] for job in jobs[:2]})
 
@@ -180,7 +180,7 @@ def test_what_is_wrong_with_a_study_is_told_and_no_genome_is_blamed(jobs: list[J
 # Tasks, and the lanes that they are handed to.
 
 
-class Pretended(Lane):
+class Pretended(WorkerGroup):
     """A lane whose tasks end when the test says so."""
 
     processes = 1

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftform.figures.gallery import Flight
+from driftform.figures.gallery import GalleryEntry
 from driftform.figures.overview import overview_svg
 from driftform.scenario import Scenario
 
@@ -13,7 +13,7 @@ RISE = {"TP5": 0.001, "TP6": 0.07, "TP7": -0.07, "TP8": 0.098, "TP9": -0.024, "T
 @pytest.fixture(scope="module")
 def flights(fly, make_agent):
     return [
-        Flight(
+        GalleryEntry(
             name, make_agent(0.02 + 0.02 * i, 0.05, [0.012, 0.03 + 0.01 * i, 0.02]), fly(rise=rise), 0.1 * i
         )
         for i, (name, rise) in enumerate(RISE.items())
@@ -70,27 +70,27 @@ def test_each_body_has_its_name_and_error_under_it(read, points, pipe, flights):
 @given(data=st.data())
 def test_any_bodies_and_any_number_of_them_keep_to_the_page(read, fly, pipe, agents, data):
     bodies = data.draw(st.lists(agents, max_size=12))
-    flights = [Flight(f"F{i}", agent, fly(samples=5), 99.99) for i, agent in enumerate(bodies)]
+    flights = [GalleryEntry(f"F{i}", agent, fly(samples=5), 99.99) for i, agent in enumerate(bodies)]
     picture = read(overview_svg(flights, pipe, "Some"))
     assert picture.outside() == []
     assert picture.overlapping_texts() == []
 
 
 def test_a_flight_whose_name_is_no_target_is_cut_at_the_nearest(read, points, pipe, fly, make_agent):
-    flight = Flight("mine", make_agent(0.05, 0.05, [0.02, 0.02]), fly(), 1.0)
+    flight = GalleryEntry("mine", make_agent(0.05, 0.05, [0.02, 0.02]), fly(), 1.0)
     picture = read(overview_svg([flight], pipe, "One"))
     assert picture.to_world(points(picture.one("firm")))[-1] == pytest.approx([4.5, 0], abs=2e-3)
 
 
 def test_open_water_has_no_targets_to_cut_at(read, points, fly, make_agent):
-    flight = Flight("mine", make_agent(0.05, 0.05, [0.02, 0.02]), fly(), 1.0)
+    flight = GalleryEntry("mine", make_agent(0.05, 0.05, [0.02, 0.02]), fly(), 1.0)
     picture = read(overview_svg([flight], Scenario(), "One"))
     assert picture.outside() == []
     assert points(picture.one("firm"))[-1] == pytest.approx(points(picture.one("faint"))[-1])
 
 
 def test_titles_and_names_are_escaped_and_the_bytes_repeat(read, pipe, fly, make_agent):
-    flights = [Flight("<a> & b", make_agent(0.05, 0.05, [0.02, 0.02]), fly(), 1.0)]
+    flights = [GalleryEntry("<a> & b", make_agent(0.05, 0.05, [0.02, 0.02]), fly(), 1.0)]
     texts = [overview_svg(flights, pipe, "one < two & three") for _ in range(2)]
     assert texts[0] == texts[1]
     assert {"<a> & b", "one < two & three"} <= set(read(texts[0]).texts)

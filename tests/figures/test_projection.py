@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftform.figures.projection import PLAN, SIDE, silhouette, simplify, times
-from driftform.trajectory.interpolation import closest, positions
+from driftform.figures.projection import PLAN, SIDE, drawing_times, silhouette, simplify_polyline
+from driftform.trajectory.interpolation import find_approaches, interpolate_positions
 
 unit = (
     st.lists(st.floats(-1, 1), min_size=4, max_size=4).map(np.array).filter(lambda q: np.linalg.norm(q) > 0.1)
@@ -33,7 +33,7 @@ def test_a_silhouette_reaches_as_far_as_the_body_does(agents, data, quaternion, 
 @given(st.lists(st.tuples(st.floats(0, 100), st.floats(0, 100)), min_size=2, max_size=30))
 def test_a_simplified_line_stays_within_its_tolerance(line):
     line = np.array(line)
-    kept = simplify(line, 2.0)
+    kept = simplify_polyline(line, 2.0)
     assert (kept[[0, -1]] == line[[0, -1]]).all()
     starts, chords = kept[:-1], np.diff(kept, axis=0)
     squared = np.maximum((chords**2).sum(axis=1), 1e-30)
@@ -44,14 +44,14 @@ def test_a_simplified_line_stays_within_its_tolerance(line):
 
 def test_the_path_goes_through_the_samples_and_ends_where_it_is_told(fly):
     trajectory = fly(rise=0.1, samples=10)
-    assert positions(trajectory, trajectory.t) == pytest.approx(trajectory.position)
-    cut = positions(trajectory, times(trajectory, stop=4.3))
+    assert interpolate_positions(trajectory, trajectory.t) == pytest.approx(trajectory.position)
+    cut = interpolate_positions(trajectory, drawing_times(trajectory, stop=4.3))
     assert cut[-1] == pytest.approx([4.3, 0, 0.43])
     assert (np.diff(cut[:, 0]) > 0).all()
 
 
 def test_the_closest_approach_to_a_straight_flight_is_the_foot_of_the_perpendicular(fly):
-    (approach,) = closest(fly(samples=4), np.array([[4.2, 0.3, 0.4]]))
+    (approach,) = find_approaches(fly(samples=4), np.array([[4.2, 0.3, 0.4]]))
     assert approach.distance == pytest.approx(0.5)
     assert approach.position == pytest.approx([4.2, 0, 0], abs=1e-9)
     assert approach.t == pytest.approx(4.2)

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from driftform.figures.reach import BOUNDS, RAMP, reach_svg
 from driftform.scenario import Pipe, Scenario, Segment
-from driftform.trajectory.coverage import Cells, Reach, reach_of
+from driftform.trajectory.coverage import CoverageMap, PipeGrid, map_coverage
 
 
 @pytest.fixture(scope="module")
@@ -15,7 +15,7 @@ def rising(fly):
 
 @pytest.fixture(scope="module")
 def reach(pipe, rising):
-    return reach_of(rising, Cells.of(pipe))
+    return map_coverage(rising, PipeGrid.of(pipe))
 
 
 def boxes(path) -> np.ndarray:
@@ -28,7 +28,7 @@ def boxes(path) -> np.ndarray:
     return np.array(found)
 
 
-def cells_of(picture, path, cells: Cells) -> set[int]:
+def cells_of(picture, path, cells: PipeGrid) -> set[int]:
     """The cells whose middles lie inside the rectangles of a path."""
     found = set()
     for left, top, width, height in boxes(path):
@@ -57,8 +57,8 @@ def test_what_no_flight_crosses_is_white_and_hatched(read, pipe, reach):
 
 
 def test_without_flights_all_is_bare_and_with_all_cells_lit_nothing_is(read, pipe):
-    cells = Cells.of(pipe)
-    empty, full = Reach(cells), Reach(cells)
+    cells = PipeGrid.of(pipe)
+    empty, full = CoverageMap(cells), CoverageMap(cells)
     full.visits[:], full.distance[:] = 1, 0.003
     nothing, everything = (read(reach_svg(r, pipe, "All or nothing")) for r in (empty, full))
     assert nothing.all("reached") == [] and len(nothing.all("unreached")) == 1
@@ -109,7 +109,9 @@ def test_any_pipe_keeps_to_the_page_and_its_labels_apart(read, segment, name):
     scenario = Scenario(
         pipe=Pipe(segments=(segment,)), targets={name: middle}, release={"position": segment.start}
     )
-    picture = read(reach_svg(Reach(Cells.of(scenario)), scenario, "Any pipe there may be, with a title " * 4))
+    picture = read(
+        reach_svg(CoverageMap(PipeGrid.of(scenario)), scenario, "Any pipe there may be, with a title " * 4)
+    )
     assert picture.outside() == []
     assert picture.overlapping_texts() == []
 
@@ -120,7 +122,7 @@ def test_the_axes_are_the_worlds_where_the_pipe_lies_along_x_and_the_maps_elsewh
     texts = []
     for segment in (along_x, upright):
         scenario = Scenario(pipe=Pipe(segments=(segment,)), release={"position": segment.start})
-        texts.append(set(read(reach_svg(Reach(Cells.of(scenario)), scenario, "")).texts))
+        texts.append(set(read(reach_svg(CoverageMap(PipeGrid.of(scenario)), scenario, "")).texts))
     assert {"x (m)", "z (m)", "12", "−5.0"} <= texts[0]
     assert {"along the pipe (m)", "up (m)", "9", "0.0"} <= texts[1]
 

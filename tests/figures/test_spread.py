@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from driftform.figures.spread import Repeated, band, spread_svg
+from driftform.figures.spread import FlightSpread, band, spread_svg
 
 
 def test_the_band_is_the_deviation_of_the_height_along_the_pipe(fly):
@@ -24,7 +24,8 @@ def test_every_path_ends_at_its_closest_approach(fly):
 
 def test_there_is_a_panel_with_all_flights_for_each_target(read, pipe, fly, points):
     repeats = [
-        Repeated(name, tuple(fly(rise=rise) for rise in (0.0, 0.02, 0.04)), "told") for name in pipe.targets
+        FlightSpread(name, tuple(fly(rise=rise) for rise in (0.0, 0.02, 0.04)), "told")
+        for name in pipe.targets
     ]
     picture = read(spread_svg(repeats, pipe, "Flown again", "Three times each."))
     assert (
@@ -38,5 +39,5 @@ def test_there_is_a_panel_with_all_flights_for_each_target(read, pipe, fly, poin
 
 
 def test_a_flight_that_was_released_past_its_target_is_drawn_as_a_point(read, pipe, fly):
-    backwards = Repeated("TP5", (fly(samples=1), fly(samples=1)))
+    backwards = FlightSpread("TP5", (fly(samples=1), fly(samples=1)))
     assert read(spread_svg([backwards], pipe, "t", "d")).outside() == []

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from driftform.figures.bodies import Placement
 from driftform.figures.section import section_svg
-from driftform.figures.surface import rest_of, surface_of
+from driftform.figures.surface import find_rest, find_surface
 from driftform.scenario import Fluid, Scenario
 
 DENSITY = 1000.0
@@ -35,7 +35,7 @@ def tube(make_agent):
 
 
 def test_a_long_log_of_half_the_density_floats_level_with_its_axis_in_the_surface(tube):
-    rest = rest_of(tube(0.5), water())
+    rest = find_rest(tube(0.5), water())
     assert rest.pitch == pytest.approx(0, abs=0.02)
     assert rest.height == pytest.approx(0, abs=1e-4)
     assert "float level, 50 % of it under water" in rest.text
@@ -44,7 +44,7 @@ def test_a_long_log_of_half_the_density_floats_level_with_its_axis_in_the_surfac
 @pytest.mark.parametrize(("cog", "nose"), [(-0.08, "nose up"), (0.08, "nose down")])
 @pytest.mark.parametrize("share", [0.3, 0.5, 0.8])
 def test_a_float_with_a_weight_at_one_end_stands_upright_as_deep_as_archimedes_says(tube, share, cog, nose):
-    rest = rest_of(tube(share, cog), water())
+    rest = find_rest(tube(share, cog), water())
     assert f"upright, {nose}, {100 * share:.0f} %" in rest.text
     # The heavy end is below; of the length, that share is under water.
     draft = LENGTH / 2 - rest.height
@@ -52,25 +52,25 @@ def test_a_float_with_a_weight_at_one_end_stands_upright_as_deep_as_archimedes_s
 
 
 def test_a_body_heavier_than_water_sinks_and_hangs_by_its_centre_of_buoyancy(tube):
-    assert rest_of(tube(1.2, 0.05), water()).text == "Sinks, and hangs upright, nose down."
-    assert rest_of(tube(1.2, -0.05), water()).text == "Sinks, and hangs upright, nose up."
-    assert rest_of(tube(1.2), water()).text == "Sinks, and hangs in any attitude."
-    assert rest_of(tube(1.2, 0.05), water()).height is None
+    assert find_rest(tube(1.2, 0.05), water()).text == "Sinks, and hangs upright, nose down."
+    assert find_rest(tube(1.2, -0.05), water()).text == "Sinks, and hangs upright, nose up."
+    assert find_rest(tube(1.2), water()).text == "Sinks, and hangs in any attitude."
+    assert find_rest(tube(1.2, 0.05), water()).height is None
 
 
 def test_whether_there_is_a_surface_at_all_is_said(tube):
-    assert rest_of(tube(0.5), water()).text.startswith("Rises; on a surface it would float")
-    assert rest_of(tube(0.5), water(water_level=0.3)).text.startswith("Water line: it floats")
+    assert find_rest(tube(0.5), water()).text.startswith("Rises; on a surface it would float")
+    assert find_rest(tube(0.5), water(water_level=0.3)).text.startswith("Water line: it floats")
 
 
 def test_without_gravity_nothing_floats(tube):
-    assert rest_of(tube(0.5), water(gravity=0.0)) is None
+    assert find_rest(tube(0.5), water(gravity=0.0)) is None
 
 
 @pytest.mark.parametrize(("pitch", "height"), [(0.0, 0.005), (0.5, -0.01), (-1.2, 0.01), (np.pi / 2, 0.03)])
 def test_points_of_the_line_are_in_the_surface_and_those_of_the_water_below_it(tube, pitch, height):
     body, place = tube(0.5).body, Placement(300, 200, 1000)
-    surface = surface_of(pitch, height, body, place, 10)
+    surface = find_surface(pitch, height, body, place, 10)
 
     def above(points):
         x, z = (np.array(points) - (300, 200)).T / 1000 * np.array([[1], [-1]])
@@ -82,7 +82,7 @@ def test_points_of_the_line_are_in_the_surface_and_those_of_the_water_below_it(t
 
 
 def test_a_surface_that_passes_the_body_by_is_not_drawn(tube):
-    assert surface_of(0.0, 1.0, tube(0.5).body, Placement(300, 200, 1000), 10) is None
+    assert find_surface(0.0, 1.0, tube(0.5).body, Placement(300, 200, 1000), 10) is None
 
 
 def test_the_water_line_is_drawn_where_the_body_floats(read, points, tube):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from driftform.geometry import solid_of_revolution
 from driftform.geometry.slices import slices
-from driftform.testing.bodies import body_of, mirrored_contour, spheroid_body
+from driftform.testing.bodies import make_body, mirrored_contour, spheroid_body
 
 counts = st.integers(1, 40)
 heights = st.one_of(st.just(0.0), st.floats(1e-6, 0.1))
@@ -106,7 +106,7 @@ def test_the_middle_slice_of_a_cylinder_is_a_disc():
 
 
 def test_slices_of_a_mirrored_body_are_mirrored():
-    contour = body_of([(-0.05, 0), (-0.05, 0.01), (0.02, 0.03), (0.08, 0.0)]).outer
+    contour = make_body([(-0.05, 0), (-0.05, 0.01), (0.02, 0.03), (0.08, 0.0)]).outer
     there, back = slices(contour, 7), slices(mirrored_contour(contour), 7)[::-1]
     assert there[:, 0] == pytest.approx(-back[:, 0], abs=1e-12)
     assert there[:, 1] == pytest.approx(back[:, 1], rel=1e-9)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from driftform.dynamics.drag import axial_drag, strip_drag
 from driftform.dynamics.terminal import terminal_speeds
-from driftform.hydrodynamics.drag import SLENDER, drag_of
+from driftform.hydrodynamics.drag import SLENDER, estimate_drag
 from driftform.hydrodynamics.drag_coefficients import (
     BLUNT_BASE,
     base_coefficient,
@@ -23,9 +23,9 @@ from driftform.hydrodynamics.drag_coefficients import (
 from driftform.study import load_study
 from driftform.testing.agents import sphere
 from driftform.testing.bodies import (
-    body_of,
     cylinder_body,
     dome_body,
+    make_body,
     mirrored_body,
     mirrored_contour,
     scaled_body,
@@ -43,7 +43,7 @@ RADIUS = 0.05
 
 def along(body, speed):
     """C_d on the frontal area of a body that moves along its axis at ``speed``, m/s, in water."""
-    drag = drag_of(body, NU)
+    drag = estimate_drag(body, NU)
     axial: FloatArray = np.array([drag.friction_area, drag.length, drag.ahead, drag.astern])
     force = axial_drag(speed, 1000.0, NU, axial)
     return abs(force) / (0.5 * 1000.0 * speed**2 * math.pi * (body.max_diameter / 2) ** 2)
@@ -51,7 +51,7 @@ def along(body, speed):
 
 def across(body, speed):
     """C_d on the projected area of a body that moves across its axis."""
-    drag = drag_of(body, NU)
+    drag = estimate_drag(body, NU)
     force = sum(
         strip_drag((0.0, 0.0, speed), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, (1000.0, NU, 1.0), strip)[2]
         for strip in drag.strips
@@ -102,7 +102,7 @@ def cylinder(aspect):
 
 def cone(full):
     """Apex first; ``full`` is its angle, degrees."""
-    return body_of([(0, 0), (0, RADIUS), (RADIUS / math.tan(math.radians(full / 2)), 0)])
+    return make_body([(0, 0), (0, RADIUS), (RADIUS / math.tan(math.radians(full / 2)), 0)])
 
 
 HEMISPHERE = mirrored_body(dome_body(RADIUS, edges=60))
@@ -149,7 +149,7 @@ CORE_SPEED = math.sqrt(2 * CORE_WEIGHT / (1024 * 0.47 * math.pi * 1e-4))
 
 def core_speeds():
     """Of the model, along and across its axis, m/s."""
-    drag = drag_of(spheroid_body(0.01, 0.01, edges=100), NU)
+    drag = estimate_drag(spheroid_body(0.01, 0.01, edges=100), NU)
     return terminal_speeds(drag, CORE_WEIGHT, fore_first=True, density=1024.0, viscosity=NU)
 
 
@@ -166,7 +166,7 @@ def test_the_bare_core_sinks_as_fast_as_the_sphere_of_benchmark_1():
 @pytest.mark.parametrize(("pitch_deg", "motion"), [(90.0, 0), (0.0, 1)], ids=["end on", "broadside"])
 def test_a_flight_of_the_core_comes_to_that_speed(pitch_deg, motion):
     core = sphere(0.01, 0.05)
-    drag = drag_of(spheroid_body(0.01, 0.01, edges=100), NU)
+    drag = estimate_drag(spheroid_body(0.01, 0.01, edges=100), NU)
     agent = replace(core, coefficients=replace(core.coefficients, drag=drag))
     scenario = water(2.0, pitch_deg=pitch_deg)
     fluid = scenario.fluid.model_copy(update={"viscosity": NU})
@@ -217,7 +217,7 @@ def test_a_body_goes_over_into_a_sphere_without_a_jump():
 
 def test_a_sphere_that_moves_obliquely_has_too_little_drag_as_the_page_says(pytestconfig):
     """The two directions know nothing of each other, which is right for slender bodies only."""
-    drag = drag_of(spheroid_body(RADIUS, RADIUS, edges=100), NU)
+    drag = estimate_drag(spheroid_body(RADIUS, RADIUS, edges=100), NU)
     axial = np.array([drag.friction_area, drag.length, drag.ahead, drag.astern])
     speed, still = math.sqrt(0.5), (0.0, 0.0, 0.0)
     aside = sum(
@@ -253,8 +253,8 @@ def test_a_slender_spheroid_is_streamlined():
 
 
 def test_a_mirrored_body_has_ahead_and_astern_exchanged():
-    cone = body_of([(0, 0), (0, 0.03), (0.1, 0.01), (0.1, 0)])
-    here, there = drag_of(cone, NU), drag_of(mirrored_body(cone), NU)
+    cone = make_body([(0, 0), (0, 0.03), (0.1, 0.01), (0.1, 0)])
+    here, there = estimate_drag(cone, NU), estimate_drag(mirrored_body(cone), NU)
     assert (here.ahead, here.astern) == pytest.approx((there.astern, there.ahead))
     assert here.ahead < here.astern
     assert here.strips[:, 0] == pytest.approx(-there.strips[::-1, 0])
@@ -262,8 +262,8 @@ def test_a_mirrored_body_has_ahead_and_astern_exchanged():
 
 @given(st.floats(0.2, 5))
 def test_areas_grow_with_the_square_of_the_size(scale):
-    cone = body_of([(0, 0), (0, 0.03), (0.1, 0.01), (0.1, 0)])
-    small, large = drag_of(cone, NU), drag_of(scaled_body(cone, scale), NU * scale)
+    cone = make_body([(0, 0), (0, 0.03), (0.1, 0.01), (0.1, 0)])
+    small, large = estimate_drag(cone, NU), estimate_drag(scaled_body(cone, scale), NU * scale)
     # With the viscosity scaled too, the Reynolds number is the same.
     for name in ("friction_area", "ahead", "astern"):
         assert getattr(large, name) == pytest.approx(scale**2 * getattr(small, name), rel=1e-9)
@@ -285,7 +285,7 @@ modules = st.lists(
 @given(st.builds(Morphology, fore=modules, aft=modules))
 def test_any_body_has_finite_drag(morphology):
     body = BUILDER.build(morphology)
-    drag = drag_of(body, NU)
+    drag = estimate_drag(body, NU)
     frontal = math.pi * body.max_diameter**2 / 4
     assert np.isfinite(drag.strips).all() and (drag.strips[:, 1:] > 0).all()
     assert math.isfinite(drag.friction_area) and drag.friction_area >= 0
@@ -296,9 +296,9 @@ def test_random_agents_fly_with_drag():
     study = load_study(
         "pipe-inspection", ["hydrodynamics.drag=strips", "flow.speed=0.0"], use={"simulator": "native"}
     )
-    pipeline = study.pipeline()
+    pipeline = study.make_pipeline()
     rng = np.random.default_rng(3)
-    agents = [pipeline.agent(pipeline.grammar.random(rng)) for _ in range(10)]
+    agents = [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(10)]
     assert all(agent.coefficients.drag is not None for agent in agents)
     flights = pipeline.fly(agents)
     assert not any(flight.end.failed for flight in flights)

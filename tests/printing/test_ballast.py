@@ -6,8 +6,16 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from driftform.geometry import mass_properties
-from driftform.geometry.mass_elements import core_lump, printed_hull, together, weighed
-from driftform.printing.ballast import MATERIALS, Need, ball_diameter, nearest, need, pieces, room_for_ball
+from driftform.geometry.mass_elements import combine, core_element, printed_hull_element, reweigh
+from driftform.printing.ballast import (
+    MATERIALS,
+    RequiredBallast,
+    ball_diameter,
+    place_ballast,
+    place_nearest,
+    required_ballast,
+    room_for_ball,
+)
 from driftform.types import Agent, Body, Coefficients, Core
 
 LEAD = MATERIALS["lead"]
@@ -29,12 +37,12 @@ AGENT = Agent(BODY, SIMULATED, Coefficients(0.01 * np.eye(6)))
 @settings(deadline=None)
 def test_print_and_ballast_weigh_and_balance_as_simulated(missing: float, x: float) -> None:
     mass = SIMULATED.mass - missing
-    printed = weighed(AGENT, mass, x)
-    wanted = need(SIMULATED, printed.mass)
-    found = pieces(BODY, wanted, LEAD)
+    printed = reweigh(AGENT, mass, x)
+    wanted = required_ballast(SIMULATED, printed.mass)
+    found = place_ballast(BODY, wanted, LEAD)
     assume(found)
-    lumps = [printed_hull(BODY, mass, x), core_lump(BODY), *(piece.lump for piece in found)]
-    trimmed = together(lumps, SIMULATED)
+    lumps = [printed_hull_element(BODY, mass, x), core_element(BODY), *(piece.lump for piece in found)]
+    trimmed = combine(lumps, SIMULATED)
     assert trimmed.mass == pytest.approx(SIMULATED.mass, rel=1e-9)
     assert trimmed.cog[0] == pytest.approx(SIMULATED.cog[0], abs=1e-7)
 
@@ -44,7 +52,7 @@ def test_print_and_ballast_weigh_and_balance_as_simulated(missing: float, x: flo
 )
 @settings(deadline=None)
 def test_pieces_lie_in_the_bore_beside_the_core(mass: float, x: float, density: float) -> None:
-    for piece in pieces(BODY, Need(mass, mass * x), density):
+    for piece in place_ballast(BODY, RequiredBallast(mass, mass * x), density):
         assert -0.048 - 1e-9 <= piece.start < piece.end <= 0.078 + 1e-9
         if piece.diameter is not None:
             assert piece.diameter / 2 <= 0.012 + 1e-9
@@ -53,14 +61,14 @@ def test_pieces_lie_in_the_bore_beside_the_core(mass: float, x: float, density: 
 
 
 def test_one_ball_where_there_is_room() -> None:
-    [piece] = pieces(BODY, Need(0.01, 0.01 * 0.04), LEAD)
+    [piece] = place_ballast(BODY, RequiredBallast(0.01, 0.01 * 0.04), LEAD)
     assert piece.lump.x == pytest.approx(0.04)
     # 10 g of lead: 4/3 pi r^3 = 0.8818 cm3.
     assert piece.diameter == pytest.approx(0.011897, rel=1e-3)
 
 
 def test_two_balls_where_the_core_is_in_the_way() -> None:
-    aft, fore = pieces(BODY, Need(0.01, 0.01 * 0.002), LEAD)
+    aft, fore = place_ballast(BODY, RequiredBallast(0.01, 0.01 * 0.002), LEAD)
     assert aft.end < -0.01 + 1e-9 and fore.start > 0.01 - 1e-9
     assert aft.lump.mass + fore.lump.mass == pytest.approx(0.01)
     assert aft.lump.mass * aft.lump.x + fore.lump.mass * fore.lump.x == pytest.approx(2e-5)
@@ -68,7 +76,7 @@ def test_two_balls_where_the_core_is_in_the_way() -> None:
 
 def test_a_filling_where_no_ball_has_room() -> None:
     # Half of 300 g of lead is a ball of 29 mm in a bore of 24 mm; all of it as a plug is 58 mm long.
-    [piece] = pieces(BODY, Need(0.3, 0.3 * 0.045), LEAD)
+    [piece] = place_ballast(BODY, RequiredBallast(0.3, 0.3 * 0.045), LEAD)
     assert piece.diameter is None
     assert piece.end - piece.start == pytest.approx(0.3 / LEAD / (np.pi * 0.012**2), rel=1e-3)
     assert piece.lump.x == pytest.approx(0.045, abs=1e-6)
@@ -81,39 +89,39 @@ def test_a_filling_where_no_ball_has_room() -> None:
 def test_all_of_the_bore_but_the_core_can_be_filled() -> None:
     volume = np.pi * 0.012**2 * 0.126 - 4 / 3 * np.pi * 0.01**3
     for share, room in ((0.999, True), (1.001, False)):
-        wanted = Need(share * volume * LEAD, 0.0)
-        assert bool(nearest(BODY, wanted, LEAD)) is room
+        wanted = RequiredBallast(share * volume * LEAD, 0.0)
+        assert bool(place_nearest(BODY, wanted, LEAD)) is room
 
 
 def test_what_lies_outside_the_hull_has_no_pieces_and_a_nearest_one() -> None:
-    wanted = Need(0.001, 0.001 * 0.5)
-    assert pieces(BODY, wanted, LEAD) == ()
-    [piece] = nearest(BODY, wanted, LEAD)
+    wanted = RequiredBallast(0.001, 0.001 * 0.5)
+    assert place_ballast(BODY, wanted, LEAD) == ()
+    [piece] = place_nearest(BODY, wanted, LEAD)
     assert piece.end == pytest.approx(0.078, abs=1e-3)
 
 
 def test_more_than_the_bore_holds_has_no_room_at_all() -> None:
-    wanted = Need(2.0, 2.0 * 0.02)
-    assert pieces(BODY, wanted, LEAD) == nearest(BODY, wanted, LEAD) == ()
+    wanted = RequiredBallast(2.0, 2.0 * 0.02)
+    assert place_ballast(BODY, wanted, LEAD) == place_nearest(BODY, wanted, LEAD) == ()
 
 
 def test_a_solid_body_has_no_room() -> None:
     solid = Body(BODY.outer, np.empty((0, 2)), BODY.joints, BODY.core, 0.002, 1050.0)
-    assert pieces(solid, Need(0.001, 0.0), LEAD) == ()
+    assert place_ballast(solid, RequiredBallast(0.001, 0.0), LEAD) == ()
 
 
 def test_nothing_missing_needs_no_place() -> None:
-    assert need(SIMULATED, SIMULATED).x is None
-    assert pieces(BODY, need(SIMULATED, SIMULATED), LEAD) == ()
+    assert required_ballast(SIMULATED, SIMULATED).x is None
+    assert place_ballast(BODY, required_ballast(SIMULATED, SIMULATED), LEAD) == ()
 
 
 def test_too_heavy_a_print_needs_buoyancy_where_its_excess_is() -> None:
-    heavier = weighed(AGENT, SIMULATED.mass + 0.004)
-    wanted = need(SIMULATED, heavier.mass)
+    heavier = reweigh(AGENT, SIMULATED.mass + 0.004)
+    wanted = required_ballast(SIMULATED, heavier.mass)
     assert wanted.mass == pytest.approx(-0.004)
     # The excess is spread as the hull's material: at its middle.
     assert wanted.x == pytest.approx(0.015, abs=1e-9)
-    assert pieces(BODY, wanted, LEAD) == ()
+    assert place_ballast(BODY, wanted, LEAD) == ()
 
 
 def test_room_ends_at_the_walls_and_at_the_core() -> None:

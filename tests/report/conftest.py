@@ -11,7 +11,7 @@ import pytest
 from driftform.cli.report import report
 from driftform.execution import InProcess
 from driftform.runs.directory import DATABASE
-from driftform.runs.search import evolve
+from driftform.runs.search import run_search
 from driftform.runs.store import Store
 from driftform.study import load_study
 
@@ -23,7 +23,7 @@ def run_with_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     directory.mkdir()
     study = load_study(use={"simulator": "native", "strategy": "random"}, run={"seed": 4, "evaluations": 20})
     with Store.create(directory / DATABASE, dict(study.document)) as store:
-        evolve(study, store, InProcess(study.pipeline()))
+        run_search(study, store, InProcess(study.make_pipeline()))
     report(directory)
     return directory
 

@@ -12,7 +12,7 @@ import pytest
 from driftform.errors import InputError, WorkFailedError
 from driftform.execution import InProcess, Job, Outcome
 from driftform.runs.results import write_best
-from driftform.runs.search import evolve, scored
+from driftform.runs.search import check_fitness, run_search
 from driftform.runs.store import Record, Store
 from driftform.study import Study, load_study
 from driftform.types import Evaluation, Genome
@@ -33,7 +33,7 @@ def study_of(*settings: str, evaluations: int = 25, strategy: str = "paper", **m
 def rows(store: Store, study: Study) -> list[tuple[Any, ...]]:
     return [
         (r.index, r.candidate, r.evaluation.fitness.tobytes(), r.evaluation.failure)
-        for r in store.records(study.scenario.target_names)
+        for r in store.read_records(study.scenario.target_names)
     ]
 
 
@@ -47,7 +47,7 @@ class Counting:
     """Evaluates in this process, backwards, and remembers what it was asked for."""
 
     def __init__(self, study: Study, breaks_after: int | None = None) -> None:
-        self._executor = InProcess(study.pipeline())
+        self._executor = InProcess(study.make_pipeline())
         self._left = breaks_after
         self.asked: list[int] = []
 
@@ -66,7 +66,7 @@ def test_the_budget_is_spent_exactly(store: Store, strategy: str) -> None:
     study = study_of(strategy=strategy)
     generations: list[int] = []
     seen: list[int] = []
-    evolve(study, store, Counting(study), lambda r: seen.append(r.index), generations.append)
+    run_search(study, store, Counting(study), lambda r: seen.append(r.index), generations.append)
     assert store.count() == 25
     assert sorted(seen) == list(range(25))
     assert generations[-1] == 25
@@ -79,42 +79,42 @@ def test_stopped_anywhere_it_goes_on_to_the_same_result_and_flies_nothing_twice(
 ) -> None:
     study = study_of(strategy=strategy)
     with Store.create(tmp_path / "whole.db", {}) as whole:
-        evolve(study, whole, Counting(study))
+        run_search(study, whole, Counting(study))
         expected = rows(whole, study)
     first = Counting(study, breaks_after=stop)
     with pytest.raises(KeyboardInterrupt):
-        evolve(study, store, first)
+        run_search(study, store, first)
     assert store.count() == stop
     second = Counting(study)
-    evolve(study, store, second)
+    run_search(study, store, second)
     assert rows(store, study) == expected
     assert sorted(first.asked + second.asked) == list(range(25))
 
 
 def test_a_finished_run_is_replayed_without_a_flight(store: Store) -> None:
     study = study_of()
-    evolve(study, store, Counting(study))
+    run_search(study, store, Counting(study))
     before = rows(store, study)
     again = Counting(study)
     seen: list[Record] = []
-    evolve(study, store, again, seen.append)
+    run_search(study, store, again, seen.append)
     assert again.asked == []
     assert len(seen) == 25
     assert rows(store, study) == before
 
 
 def test_a_run_that_its_study_would_not_make_now_is_refused(store: Store) -> None:
-    evolve(study_of(), store, Counting(study_of()))
+    run_search(study_of(), store, Counting(study_of()))
     other = load_study(None, use={"simulator": "fake"}, targets=["TP1", "TP6"], run={"seed": 4})
     with pytest.raises(InputError, match=r"evaluation 0 of this run is not the one .* environment\.json"):
-        evolve(other, store, Counting(other))
+        run_search(other, store, Counting(other))
 
 
 def test_failures_are_recorded_with_their_reason_and_the_run_goes_on(store: Store) -> None:
     study = study_of("simulator.fail=0.5")
-    evolve(study, store, Counting(study))
-    assert 0 < store.failed() < store.count() == 25
-    failures = {r.evaluation.failure for r in store.records(study.scenario.target_names)} - {None}
+    run_search(study, store, Counting(study))
+    assert 0 < store.count_failed() < store.count() == 25
+    failures = {r.evaluation.failure for r in store.read_records(study.scenario.target_names)} - {None}
     assert all(str(failure).startswith("RuntimeError: genome 0.") for failure in failures)
 
 
@@ -123,27 +123,27 @@ def test_a_fitness_that_no_selection_can_work_with_is_a_failure(
     store: Store, tmp_path: Path, value: str, extra: int
 ) -> None:
     study = study_of("fitness.use=nonsense", f"fitness.value='{value}'", f"fitness.extra={extra}")
-    evolve(study, store, Counting(study))
-    assert store.failed() == 25
+    run_search(study, store, Counting(study))
+    assert store.count_failed() == 25
     with pytest.raises(WorkFailedError, match="all 25 evaluations failed, the first: its fitness is"):
         write_best(tmp_path, study, store)
 
 
 def test_a_sound_fitness_is_left_alone() -> None:
     evaluation = Evaluation(Genome("g", ()), np.array([0.0, 100.0]))
-    assert scored(evaluation, ("A", "B")) is evaluation
+    assert check_fitness(evaluation, ("A", "B")) is evaluation
     failed = replace(evaluation, failure="it sank")
-    assert scored(failed, ("A", "B")) is failed
-    assert scored(replace(failed, fitness=np.array([np.nan, 1.0])), ("A", "B")).failure == "it sank"
+    assert check_fitness(failed, ("A", "B")) is failed
+    assert check_fitness(replace(failed, fitness=np.array([np.nan, 1.0])), ("A", "B")).failure == "it sank"
 
 
 def test_the_best_of_each_target_is_written(store: Store, tmp_path: Path) -> None:
     study = study_of(formats=["scad"])
-    evolve(study, store, Counting(study))
+    run_search(study, store, Counting(study))
     results, overview = write_best(tmp_path, study, store)
     assert overview.is_file()
     for number, best in enumerate(results):
-        records = list(store.records(study.scenario.target_names))
+        records = list(store.read_records(study.scenario.target_names))
         fitness = [record.evaluation.fitness[number] for record in records]
         assert best.fitness == max(fitness)
         assert best.index == int(np.argmax(fitness))
@@ -160,7 +160,7 @@ def test_the_best_of_each_target_is_written(store: Store, tmp_path: Path) -> Non
 
 def test_writing_the_best_again_gives_the_same_files(store: Store, tmp_path: Path) -> None:
     study = study_of()
-    evolve(study, store, Counting(study))
+    run_search(study, store, Counting(study))
     write_best(tmp_path, study, store)
     files = {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file() and "run.db" not in p.name}
     write_best(tmp_path, study, store)

@@ -16,7 +16,14 @@ from hypothesis import strategies as st
 from driftform.errors import InputError, WorkFailedError
 from driftform.runs.store import Record, Store
 from driftform.scenario import evaluation_seed
-from driftform.trajectory.compression import SAMPLE_GAP, compact, decoded, encoded, packed, trust
+from driftform.trajectory.compression import (
+    SAMPLE_GAP,
+    compress,
+    compress_evaluation,
+    decode,
+    diagnostics,
+    encode,
+)
 from driftform.types import Candidate, End, Evaluation, Genome, Trajectory
 
 TARGETS = ("A", "B")
@@ -93,10 +100,10 @@ def test_records_read_back_as_a_live_strategy_has_seen_them(
         for record in written:
             store.add([record], TARGETS)
     with Store.open(path) as store:
-        read = list(store.records(TARGETS))
+        read = list(store.read_records(TARGETS))
         assert store.count() == len(written)
-        assert store.failed() == sum(r.evaluation.failure is not None for r in written)
-        flights = dict(store.flights())
+        assert store.count_failed() == sum(r.evaluation.failure is not None for r in written)
+        flights = dict(store.read_trajectories())
     assert [(r.index, r.candidate) for r in read] == [(r.index, r.candidate) for r in written]
     sound = {r.index: r.evaluation for r in read if r.evaluation.failure is None and r.evaluation.trajectory}
     assert list(flights) == list(sound)
@@ -104,13 +111,13 @@ def test_records_read_back_as_a_live_strategy_has_seen_them(
         same(Evaluation(e.genome, e.fitness, flights[i], None, e.seconds), e) for i, e in sound.items()
     )
     for before, after in zip(written, read, strict=True):
-        assert same(after.evaluation, compact(before.evaluation))
+        assert same(after.evaluation, compress_evaluation(before.evaluation))
         assert after.evaluation.fitness.tobytes() == before.evaluation.fitness.tobytes()
 
 
 @given(trajectories())
 def test_a_stored_flight_keeps_its_ends_and_is_within_single_precision_between(flight: Trajectory) -> None:
-    kept = decoded(encoded(flight), flight.end)
+    kept = decode(encode(flight), flight.end)
     assert kept.end == flight.end
     assert kept.t[0] == 0.0
     assert kept.t[-1] == np.float32(flight.t[-1])
@@ -126,15 +133,15 @@ def test_a_stored_flight_keeps_its_ends_and_is_within_single_precision_between(f
 
 @given(trajectories())
 def test_what_was_stored_once_is_stored_the_same_again(flight: Trajectory) -> None:
-    once = decoded(encoded(flight), flight.end)
-    twice = decoded(encoded(once), once.end)
+    once = decode(encode(flight), flight.end)
+    twice = decode(encode(once), once.end)
     assert twice.t[-1] == once.t[-1]
     assert (twice.position[-1] == once.position[-1]).all()
 
 
 @given(trajectories())
 def test_a_flight_that_is_read_back_lies_in_memory_as_kernels_are_compiled_for(flight: Trajectory) -> None:
-    back = decoded(encoded(flight), flight.end)
+    back = decode(encode(flight), flight.end)
     for array in (back.t, back.position, back.quaternion, back.velocity):
         assert array.flags.c_contiguous and not array.flags.writeable
 
@@ -149,7 +156,7 @@ def test_reading_one_evaluation_takes_no_longer_in_a_large_run(store: Store) -> 
         """Instructions of SQLite's machine that it takes."""
         count = [0]
         store._connection.set_progress_handler(lambda: count.__setitem__(0, count[0] + 1), 1)
-        store.record(1, TARGETS)
+        store.read_record(1, TARGETS)
         store._connection.set_progress_handler(None, 1)
         return count[0]
 
@@ -161,7 +168,7 @@ def test_reading_one_evaluation_takes_no_longer_in_a_large_run(store: Store) -> 
 
 
 def test_the_best_is_the_earliest_of_equals_and_never_a_failure(store: Store) -> None:
-    assert store.best("A") is None
+    assert store.find_best("A") is None
     for record in (
         evaluated(0, 5.0, 1.0),
         evaluated(1, 9.0, 1.0),
@@ -169,9 +176,9 @@ def test_the_best_is_the_earliest_of_equals_and_never_a_failure(store: Store) ->
         evaluated(3, 99.0, 99.0, failure="it sank"),
     ):
         store.add([record], TARGETS)
-    assert store.best("A") == (1, 9.0)
-    assert store.best("B") == (0, 1.0)
-    assert store.best("C") is None
+    assert store.find_best("A") == (1, 9.0)
+    assert store.find_best("B") == (0, 1.0)
+    assert store.find_best("C") is None
 
 
 @given(st.lists(st.floats(0, 100), min_size=1, max_size=6))
@@ -180,7 +187,7 @@ def test_the_best_is_that_of_all_scores(fresh: Callable[[], Path], scores: list[
     with Store.create(fresh(), {}) as store:
         for index, score in enumerate(scores):
             store.add([evaluated(index, score, 0.0)], TARGETS)
-        assert store.best("A") == (scores.index(max(scores)), max(scores))
+        assert store.find_best("A") == (scores.index(max(scores)), max(scores))
 
 
 def test_no_fitness_that_is_not_a_number_gets_in_and_what_was_there_stays(store: Store) -> None:
@@ -189,21 +196,21 @@ def test_no_fitness_that_is_not_a_number_gets_in_and_what_was_there_stays(store:
         store.add([evaluated(1, 1.0, float("nan"))], TARGETS)
     assert store.count() == 1
     store.add([evaluated(1, 1.0, 3.0)], TARGETS)
-    assert store.best("B") == (1, 3.0)
+    assert store.find_best("B") == (1, 3.0)
 
 
 def test_an_evaluation_is_written_once(store: Store) -> None:
     store.add([evaluated(0, 1.0, 2.0)], TARGETS)
     with pytest.raises(WorkFailedError, match="evaluation 0 cannot be written"):
         store.add([evaluated(0, 3.0, 4.0)], TARGETS)
-    assert store.record(0, TARGETS).evaluation.fitness.tolist() == [1.0, 2.0]
+    assert store.read_record(0, TARGETS).evaluation.fitness.tolist() == [1.0, 2.0]
 
 
 def test_of_what_is_added_together_all_is_written_or_nothing(store: Store) -> None:
     store.add([evaluated(index, 1.0, 2.0) for index in range(3)], TARGETS)
     with pytest.raises(WorkFailedError, match="evaluation 4 cannot be written"):
         store.add([evaluated(3, 1.0, 2.0), evaluated(4, float("nan"), 2.0), evaluated(5, 1.0, 2.0)], TARGETS)
-    assert [record.index for record in store.records(TARGETS)] == [0, 1, 2]
+    assert [record.index for record in store.read_records(TARGETS)] == [0, 1, 2]
     store.add([evaluated(3, 1.0, 2.0)], TARGETS)
     assert store.count() == 4
 
@@ -221,7 +228,7 @@ def test_the_seed_of_an_evaluation_reads_back(store: Store) -> None:
     seeds = [evaluation_seed(7, index) for index in range(3)]
     assert len(set(seeds)) == 3
     store.add([replace(evaluated(i, 1.0, 2.0), seed=seed) for i, seed in enumerate(seeds)], TARGETS)
-    assert [record.seed for record in store.records(TARGETS)] == seeds
+    assert [record.seed for record in store.read_records(TARGETS)] == seeds
 
 
 def test_a_file_that_could_not_be_begun_is_not_there(tmp_path: Path) -> None:
@@ -232,18 +239,18 @@ def test_a_file_that_could_not_be_begun_is_not_there(tmp_path: Path) -> None:
 
 @given(trajectories())
 def test_a_packed_flight_is_the_one_that_reads_back_and_travels_as_bytes(flight: Trajectory) -> None:
-    once = packed(flight)
-    assert packed(once) is once
+    once = compress(flight)
+    assert compress(once) is once
     travelled = pickle.loads(pickle.dumps(once))
     assert "position" not in vars(travelled)
-    assert (travelled.blob, travelled.duration) == (encoded(flight), once.t[-1])
-    back = decoded(encoded(flight), flight.end, **trust(flight))
+    assert (travelled.blob, travelled.duration) == (encode(flight), once.t[-1])
+    back = decode(encode(flight), flight.end, **diagnostics(flight))
     for name in (*COLUMNS, "end", "contact", "energy_drift", "error"):
         assert np.array_equal(getattr(travelled, name), getattr(back, name))
     for name in COLUMNS:
         assert not getattr(travelled, name).flags.writeable
     shifted = replace(travelled, t=travelled.t + 1.0)
-    assert packed(shifted).t[0] == 1.0
+    assert compress(shifted).t[0] == 1.0
     with pytest.raises(AttributeError, match="colour"):
         _ = travelled.colour
 
@@ -251,14 +258,14 @@ def test_a_packed_flight_is_the_one_that_reads_back_and_travels_as_bytes(flight:
 def test_a_part_of_the_records_is_read_by_index(store: Store) -> None:
     for index in range(5):
         store.add([evaluated(index, index, 0.0)], TARGETS)
-    assert [record.index for record in store.records(TARGETS, 1, 3)] == [1, 2, 3]
-    assert [record.index for record in store.records(TARGETS, 3)] == [3, 4]
-    assert list(store.records(TARGETS, 9, 2)) == []
+    assert [record.index for record in store.read_records(TARGETS, 1, 3)] == [1, 2, 3]
+    assert [record.index for record in store.read_records(TARGETS, 3)] == [3, 4]
+    assert list(store.read_records(TARGETS, 9, 2)) == []
 
 
 def test_the_scores_come_in_the_order_that_is_asked_for(store: Store) -> None:
     store.add([evaluated(0, 1.0, 2.0)], TARGETS)
-    assert store.record(0, ("B", "A")).evaluation.fitness.tolist() == [2.0, 1.0]
+    assert store.read_record(0, ("B", "A")).evaluation.fitness.tolist() == [2.0, 1.0]
 
 
 def test_a_committed_evaluation_is_seen_by_others_at_once_and_survives_a_crash(
@@ -271,7 +278,7 @@ def test_a_committed_evaluation_is_seen_by_others_at_once_and_survives_a_crash(
 
 
 def test_the_study_reads_back(store: Store) -> None:
-    assert store.study() == {"title": "of a test"}
+    assert store.read_study() == {"title": "of a test"}
 
 
 def test_closed_it_is_one_file(tmp_path: Path) -> None:
@@ -305,7 +312,7 @@ def test_where_nothing_can_be_written_it_says_so(tmp_path: Path) -> None:
 
 def test_an_evaluation_without_a_flight_is_compact_already() -> None:
     evaluation = evaluated(0, 1.0, 2.0).evaluation
-    assert compact(evaluation) is evaluation
+    assert compress_evaluation(evaluation) is evaluation
 
 
 def test_a_hundred_metres_a_day_long_keep_apart_in_single_precision(store: Store) -> None:
@@ -313,7 +320,7 @@ def test_a_hundred_metres_a_day_long_keep_apart_in_single_precision(store: Store
     t = np.array([0.0, 50_000.0, 50_000.0001])
     rest: Any = np.zeros((3, 13))
     flight = Trajectory(t, rest[:, :3], rest[:, 3:7], rest[:, 7:], End.HORIZON)
-    kept = decoded(encoded(flight), flight.end)
+    kept = decode(encode(flight), flight.end)
     assert (np.diff(kept.t) > 0).all()
 
 
@@ -323,7 +330,7 @@ def test_what_is_compacted_once_does_not_change_when_it_is_stored(step):
     position = np.column_stack([t, np.sin(t), np.cos(t)])
     still = np.tile([1.0, 0, 0, 0], (len(t), 1))
     flight = Trajectory(t, position, still, np.zeros((len(t), 6)), End.HORIZON)
-    told = compact(Evaluation(Genome("g", ()), np.zeros(1), flight)).trajectory
-    stored = decoded(encoded(told), told.end)
+    told = compress_evaluation(Evaluation(Genome("g", ()), np.zeros(1), flight)).trajectory
+    stored = decode(encode(told), told.end)
     for name in COLUMNS:
         assert getattr(stored, name).tobytes() == getattr(told, name).tobytes()

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from driftform.interfaces import SEAMS
-from driftform.scaffold import files_of, names_of, scaffolds
+from driftform.scaffold import list_files, make_names, scaffolds
 
 Call = Callable[..., Any]
 
@@ -25,7 +25,7 @@ FLYING = {"simulator"}
 
 def write(folder: Path, seam: str) -> Path:
     """Write the scaffold of a seam."""
-    for path, text in files_of(names_of(f"driftform-try-{seam}", seam), seam).items():
+    for path, text in list_files(make_names(f"driftform-try-{seam}", seam), seam).items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_text(text)
     return folder
@@ -96,7 +96,7 @@ def test_each_is_found_with_its_options_and_its_study_selects_it(installed: Path
     from driftform.study import load_study
     for seam in SEAMS:
         study = load_study(f"{seam}/study.toml")
-        study.pipeline(), study.strategy()
+        study.make_pipeline(), study.make_strategy()
         row = [row for row in registry().seam(seam) if row.name == f"try-{seam}"][0]
         table = study.document[seam]
         options = table if table.get("use") == row.name else table[row.name]
@@ -140,7 +140,7 @@ def test_it_tells_the_files_and_what_to_do_next(call: Call, tmp_path: Path) -> N
 
 def test_nothing_is_left_to_fill_in(tmp_path: Path) -> None:
     for seam in SEAMS:
-        for path, text in files_of(names_of("dwell", seam), seam).items():
+        for path, text in list_files(make_names("dwell", seam), seam).items():
             prompts = text.replace("\n$ ", "\n") if path == "README.md" else text
             assert "$" not in prompts, f"{seam}: {path}"
 

@@ -9,12 +9,12 @@ from driftform.geometry import hull_mass
 from driftform.scenario import Robustness, Scenario
 from driftform.scenario.disturbances import (
     Condition,
-    body_under,
-    conditions,
-    finalists,
-    normals,
+    choose_finalists,
+    disturb_body,
+    disturb_scenario,
+    draw_conditions,
+    draw_normals,
     robust_fitness,
-    scenario_under,
 )
 from driftform.study import load_study
 from driftform.testing.bodies import hollow_body
@@ -35,7 +35,7 @@ def test_the_conditions_follow_the_distributions_that_the_scenario_gives():
     asked = Robustness(
         conditions=2000, position=0.05, angle_deg=4.0, current=0.1, density=0.02, mass=0.03, wall=1e-4
     )
-    drawn = conditions(asked, seed=1)
+    drawn = draw_conditions(asked, seed=1)
     deviation = 0.98658  # of a standard normal cut off at three: sqrt(1 - 6 phi(3) / (2 Phi(3) - 1))
     for found, wanted in (
         ([c.across[0] for c in drawn], 0.05),
@@ -63,19 +63,19 @@ def test_the_conditions_follow_the_distributions_that_the_scenario_gives():
 
 def test_the_same_seed_draws_the_same_conditions_and_another_one_others():
     asked = Robustness(conditions=5)
-    assert conditions(asked, 3) == conditions(asked, 3) != conditions(asked, 4)
-    assert conditions(Robustness(), 3) == ()
+    assert draw_conditions(asked, 3) == draw_conditions(asked, 3) != draw_conditions(asked, 4)
+    assert draw_conditions(Robustness(), 3) == ()
 
 
 def test_a_calm_condition_changes_nothing():
     scenario = load_study("pipe-inspection").scenario
-    assert scenario_under(CALM, scenario) == scenario
-    assert hull_mass(body_under(CALM, hollow_body())) == hull_mass(hollow_body())
+    assert disturb_scenario(CALM, scenario) == scenario
+    assert hull_mass(disturb_body(CALM, hollow_body())) == hull_mass(hollow_body())
 
 
 def test_every_quantity_reaches_what_it_disturbs():
     scenario = pipe(flow={"kind": "turbulent", "speed": 2.0}, release={"pitch_deg": 10.0})
-    there = scenario_under(
+    there = disturb_scenario(
         changed(across=(0.1, -0.2), pitch=0.1, yaw=-0.2, current=1.5, density=0.9), scenario
     )
     assert there.release.position == pytest.approx((0.0, 0.1, -0.2))
@@ -87,13 +87,13 @@ def test_every_quantity_reaches_what_it_disturbs():
 
 
 def test_a_thicker_wall_weighs_what_a_hull_with_a_thicker_wall_does():
-    pipeline = load_study(settings=["builder.wall=0.00125"]).pipeline()
-    thicker = load_study(settings=["builder.wall=0.00127"]).pipeline()
+    pipeline = load_study(settings=["builder.wall=0.00125"]).make_pipeline()
+    thicker = load_study(settings=["builder.wall=0.00127"]).make_pipeline()
     rng = np.random.default_rng(4)
     for _ in range(20):
         morphology = pipeline.express(pipeline.grammar.random(rng))
         body = pipeline.builder.build(morphology)
-        heavier = hull_mass(body_under(changed(wall=2e-5), body)) - hull_mass(body)
+        heavier = hull_mass(disturb_body(changed(wall=2e-5), body)) - hull_mass(body)
         # The builder's wall straddles the contour of its modules, and a tenth of the difference is left to that.
         expected = body.wall and hull_mass(body) * 2e-5 / body.wall
         assert heavier == pytest.approx(expected, rel=1e-9)
@@ -103,7 +103,7 @@ def test_a_thicker_wall_weighs_what_a_hull_with_a_thicker_wall_does():
 
 @given(st.floats(-3, 3), st.floats(-3, 3))
 def test_a_disturbed_release_stays_in_the_bore(y, z):
-    position = scenario_under(
+    position = disturb_scenario(
         changed(across=(y, z)), pipe(release={"position": (0.0, 0.5, -0.7)})
     ).release.position
     assert np.hypot(position[1], position[2]) <= 1.0
@@ -113,7 +113,7 @@ def test_a_disturbed_release_stays_in_the_bore(y, z):
 
 @pytest.mark.parametrize("direction", [(1, 0, 0), (0, 0, 1), (0, 0, -1), (0.6, 0.8, 0), (0.6, 0, 0.8)])
 def test_the_normals_of_a_direction_are_square_to_it_and_to_each_other(direction):
-    level, up = normals(np.array(direction, dtype=float))
+    level, up = draw_normals(np.array(direction, dtype=float))
     frame = np.array([direction, level, up])
     assert frame @ frame.T == pytest.approx(np.eye(3))
     assert level[2] == pytest.approx(0)
@@ -128,14 +128,14 @@ def test_a_robust_fitness_is_the_mean_the_quantile_or_the_worst():
 
 def test_finalists_are_the_best_for_any_target_and_the_earlier_of_equals():
     fitness = np.array([[5.0, 9.0], [7.0, 1.0], [7.0, 2.0], [1.0, 8.0]])
-    assert finalists(fitness, 1) == [0, 1]
-    assert finalists(fitness, 2) == [0, 1, 2, 3]
+    assert choose_finalists(fitness, 1) == [0, 1]
+    assert choose_finalists(fitness, 2) == [0, 1, 2, 3]
 
 
 def test_disturbed_flights_are_the_same_whatever_flies_beside_them():
     pipeline = load_study(
         settings=["robustness.conditions=3"], use={"simulator": "native"}, run={"seed": 5}
-    ).pipeline()
+    ).make_pipeline()
     rng = np.random.default_rng(1)
     first, second = pipeline.grammar.random(rng), pipeline.grammar.random(rng)
     together = pipeline.evaluate([first, second, first, first], disturbed=[0, 1, 2, None])

@@ -17,8 +17,8 @@ from driftform.scenario import (
     UniformFlow,
 )
 from driftform.study import load_study
-from driftform.study.error_lines import complaints
-from driftform.study.sources import Layer
+from driftform.study.error_lines import format_errors
+from driftform.study.sources import Source
 
 PIPE = {"segments": [{"start": [0, 0, 0], "end": [9.0, 0, 0], "radius": 1.0}]}
 
@@ -99,8 +99,8 @@ def test_a_flow_that_cannot_be_is_refused_for_its_key_and_not_for_its_table(kind
     with pytest.raises(ValidationError) as caught:
         scenario(flow=table)
     document = {"pipe": PIPE, "flow": table}
-    [line] = complaints(
-        caught.value, (), Scenario, document, [Layer("study.toml", document, {("flow", key): 3})]
+    [line] = format_errors(
+        caught.value, (), Scenario, document, [Source("study.toml", document, {("flow", key): 3})]
     )
     assert line.startswith(f"study.toml:3: flow.{key} = {value}: should be ")
 

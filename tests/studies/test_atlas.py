@@ -14,10 +14,10 @@ import pytest
 
 from driftform.execution import LocalProcesses
 from driftform.registry import registry
-from driftform.runs.search import evolve
+from driftform.runs.search import run_search
 from driftform.runs.store import Store
 from driftform.study import load_study
-from driftform.trajectory.coverage import Cells, Reach
+from driftform.trajectory.coverage import CoverageMap, PipeGrid
 from driftform.trajectory.path import closest_approach
 
 pytestmark = pytest.mark.slow
@@ -42,7 +42,7 @@ class Lit:
     seed: int
     directory: Path
     milestones: dict[int, int]
-    reach: Reach
+    reach: CoverageMap
     distances: np.ndarray
 
     @property
@@ -69,14 +69,14 @@ def lit(folder: Path, strategy: str, seed: int, flights: int) -> Lit:
     directory.mkdir()
     executor = LocalProcesses(study.document, 2)
     points = random_points(study.scenario)
-    reach, milestones = Reach(Cells.of(study.scenario)), {}
+    reach, milestones = CoverageMap(PipeGrid.of(study.scenario)), {}
     distances = np.full(POINTS, np.inf)
     with Store.create(directory / "run.db", dict(study.document)) as store:
         try:
-            evolve(study, store, executor)
+            run_search(study, store, executor)
         finally:
             executor.close()
-        for index, flight in store.flights():
+        for index, flight in store.read_trajectories():
             for milestone in MILESTONES:
                 if index >= milestone and milestone not in milestones:
                     milestones[milestone] = int(np.count_nonzero(reach.reached))

@@ -36,9 +36,9 @@ class Flown:
 
 @pytest.fixture(scope="module")
 def agents():
-    pipeline, rng = load_study(use={"simulator": "native"}).pipeline(), np.random.default_rng(2)
+    pipeline, rng = load_study(use={"simulator": "native"}).make_pipeline(), np.random.default_rng(2)
     genomes = [pipeline.grammar.random(rng) for _ in range(1000)]
-    return lambda count: [pipeline.agent(genome) for genome in genomes[:count]]
+    return lambda count: [pipeline.make_agent(genome) for genome in genomes[:count]]
 
 
 @pytest.fixture
@@ -51,7 +51,7 @@ def flown(agents, workers, count_of):
         settings = [f"simulator.tolerance={EXACT if exact else usual / divisor!r}", *more]
         if exact or not tightened:
             settings.append("simulator.accuracy=1e3")
-        pipeline = load_study(None, settings, use={"simulator": use}).pipeline()
+        pipeline = load_study(None, settings, use={"simulator": use}).make_pipeline()
         flights = list(workers.map(pipeline.simulator.simulate, drawn, repeat(pipeline.scenario)))
         fitness = [pipeline.fitness.score(flight, pipeline.scenario) for flight in flights]
         failed = np.array([flight.end.failed for flight in flights])

@@ -67,7 +67,7 @@ def with_drag(agent: Agent) -> Agent:
 
 
 def flights_of(study, dragged: bool, count: int, workers) -> Iterator[Flown]:
-    pipeline, rng = study.pipeline(), np.random.default_rng(SEED)
+    pipeline, rng = study.make_pipeline(), np.random.default_rng(SEED)
     for start in range(0, count, BLOCK):
         indices = range(start, min(start + BLOCK, count))
         agents = [pipeline.agent(pipeline.grammar.random(rng)) for _ in indices]
@@ -111,7 +111,7 @@ def complaints(flown: Flown, pipeline) -> Iterator[str]:
 def true_errors(sound: list[Flown], settings, workers) -> tuple[list[float], int]:
     """How far (m) flights are from the same flown again, to 0.01 mm; and how many cannot be flown so exactly."""
     tight = ("simulator.tolerance=1e-9", "simulator.accuracy=1e-5", "simulator.tightest=1e-12")
-    exact = load_study(None, [*settings, *tight], use={"simulator": "native"}).pipeline()
+    exact = load_study(None, [*settings, *tight], use={"simulator": "native"}).make_pipeline()
     again = list(workers.map(exact.simulator.simulate, [f.agent for f in sound], [f.scenario for f in sound]))
     errors = []
     for flown, flight in zip(sound, again, strict=True):
@@ -137,7 +137,7 @@ def test_no_flight_of_a_random_agent_fails_unseen(occupied, count_of, workers, s
             use={"simulator": "native"},
             run={"seed": SEED},
         )
-        pipeline, counts = study.pipeline(), Counter()
+        pipeline, counts = study.make_pipeline(), Counter()
         sound, failed, found = [], [], []
         for flown in flights_of(study, name in WITH_DRAG, count, workers):
             counts[flown.flight.end] += 1

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from driftform.execution import Executor, LocalProcesses
-from driftform.runs.search import evolve
+from driftform.runs.search import run_search
 from driftform.runs.store import Store
 from driftform.study import Study, load_study
 from driftform.types import FloatArray
@@ -46,8 +46,8 @@ def _runs(strategy: str, flights: int, executor: Executor, folder: Path) -> Iter
     for seed in range(1, int(os.environ.get("SEEDS", SEEDS)) + 1):
         study = study_of(strategy, flights, seed)
         with Store.create(folder / f"{strategy}-{flights}-{seed}.db", dict(study.document)) as store:
-            evolve(study, store, executor)
-            best = [store.best(target) for target in study.scenario.target_names]
+            run_search(study, store, executor)
+            best = [store.find_best(target) for target in study.scenario.target_names]
         found = np.array([100.0 - fitness for _, fitness in filter(None, best)])
         print(f"{strategy}, {flights} flights, seed {seed}: worst target {found.max():.2f} %", flush=True)
         yield found

@@ -20,7 +20,7 @@ MILLIMETRE = 1e-3
 
 @pytest.fixture(scope="module")
 def pipelines():
-    return {use: load_study(use={"simulator": use}).pipeline() for use in SIMULATORS}
+    return {use: load_study(use={"simulator": use}).make_pipeline() for use in SIMULATORS}
 
 
 @pytest.fixture

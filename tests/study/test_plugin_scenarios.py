@@ -7,7 +7,7 @@ import pytest
 
 from driftform.errors import InputError
 from driftform.study import load_study
-from driftform.study.sources import builtin_scenarios
+from driftform.study.sources import read_scenarios
 
 NARROW = 'title = "A narrow pipe"\nbase = "pipe-inspection"\n[flow]\nspeed = 0.5\n'
 
@@ -39,8 +39,8 @@ def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_a_scenario_of_a_plugin_is_listed_and_loaded_by_its_name(site: Path) -> None:
     install(site, "one", {"narrow.toml": NARROW, "notes.txt": "no scenario"})
-    assert builtin_scenarios()["narrow"] == NARROW
-    assert "notes" not in builtin_scenarios()
+    assert read_scenarios()["narrow"] == NARROW
+    assert "notes" not in read_scenarios()
     study = load_study("narrow", run={"seed": 0})
     assert study.scenario.flow.speed == 0.5 and len(study.scenario.targets) == 10
 
@@ -58,10 +58,10 @@ def test_errors_in_it_name_it_and_the_line(site: Path) -> None:
 
 def test_what_driftform_brings_itself_cannot_be_replaced(site: Path) -> None:
     install(site, "one", {"pipe-inspection.toml": NARROW})
-    assert "The paper's pipe" in builtin_scenarios()["pipe-inspection"]
+    assert "The paper's pipe" in read_scenarios()["pipe-inspection"]
 
 
 def test_a_plugin_that_cannot_be_imported_hides_no_other(site: Path) -> None:
     install(site, "one", {"narrow.toml": NARROW})
     install(site, "two", {}, package="driftform_missing.scenarios")
-    assert {"narrow", "pipe-inspection", "water-main"} <= set(builtin_scenarios())
+    assert {"narrow", "pipe-inspection", "water-main"} <= set(read_scenarios())

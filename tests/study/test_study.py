@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from driftform.errors import InputError
 from driftform.scenario import evaluation_seed
 from driftform.study import Document, load_study
-from driftform.study.sources import builtin_scenarios
+from driftform.study.sources import read_scenarios
 
 BASE = 'base = "pipe-inspection"\n'
 Write = Callable[..., str]
@@ -56,7 +56,7 @@ def test_bases_stand_on_bases_beside_their_file(write: Write) -> None:
 
 def test_a_file_beside_the_study_comes_before_a_built_in_scenario_of_its_name(write: Write) -> None:
     write(BASE.replace("pipe-inspection", "own.toml") + "[flow]\nspeed = 0.25\n", "pipe-inspection")
-    write(builtin_scenarios()["pipe-inspection"], "own.toml")
+    write(read_scenarios()["pipe-inspection"], "own.toml")
     assert load_study(write(BASE)).scenario.flow.speed == 0.25
 
 
@@ -170,7 +170,7 @@ def test_a_resolved_study_is_the_same_study(
 
 
 def test_the_built_in_scenarios_load_and_resolve() -> None:
-    for name in builtin_scenarios():
+    for name in read_scenarios():
         study = load_study(name)
         assert load_study(Document(name, study.document)).document == study.document
 
@@ -181,14 +181,14 @@ def test_an_environment_flies_without_a_strategy() -> None:
     assert "strategy" not in environment
     assert "run" not in environment
     held = load_study(Document("agent.json", environment))
-    assert held.pipeline().simulator.name == "exudyn"
+    assert held.make_pipeline().simulator.name == "exudyn"
     assert held.run.evaluations is None
 
 
 def test_a_strategy_begins_at_the_same_random_numbers_each_time() -> None:
     study = load_study(run={"seed": 1})
-    assert study.strategy().ask(10) == study.strategy().ask(10)
-    assert study.strategy().ask(10) != load_study(run={"seed": 2}).strategy().ask(10)
+    assert study.make_strategy().ask(10) == study.make_strategy().ask(10)
+    assert study.make_strategy().ask(10) != load_study(run={"seed": 2}).make_strategy().ask(10)
 
 
 def test_every_thing_wrong_is_an_argument_of_the_error(write: Write) -> None:
@@ -202,9 +202,9 @@ def test_the_water_main_is_the_same_pipe_with_what_the_paper_leaves_out():
     paper, main = load_study("pipe-inspection").scenario, load_study("water-main").scenario
     assert (main.pipe, main.targets, main.release) == (paper.pipe, paper.targets, paper.release)
     assert (main.flow.kind, main.contact.friction > 0) == ("turbulent", True)
-    pipeline = load_study("water-main", run={"seed": 1}).pipeline()
+    pipeline = load_study("water-main", run={"seed": 1}).make_pipeline()
     genome = pipeline.grammar.random(np.random.default_rng(1))
-    agent = pipeline.agent(genome)
+    agent = pipeline.make_agent(genome)
     assert pipeline.hydrodynamics.name == "panels"
     assert agent.coefficients.drag is not None
     # Two evaluations of one genome meet gusts of their own.

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.study.toml_positions import key_lines, line_of
+from driftform.study.toml_positions import find_key_lines, find_line
 
 
 @pytest.mark.parametrize(
@@ -45,21 +45,21 @@ from driftform.study.toml_positions import key_lines, line_of
 )
 def test_a_key_stands_on_its_line(text: str, path: tuple[str | int, ...], line: int) -> None:
     tomllib.loads(text)
-    assert key_lines(text)[path] == line
+    assert find_key_lines(text)[path] == line
 
 
 def test_a_key_of_an_inline_table_has_the_line_of_its_table() -> None:
-    lines = key_lines("x = 1\nrelease = { velocity = 'rest' }")
-    assert line_of(("release", "velocity"), lines) == 2
+    lines = find_key_lines("x = 1\nrelease = { velocity = 'rest' }")
+    assert find_line(("release", "velocity"), lines) == 2
 
 
 def test_what_is_nowhere_has_no_line() -> None:
-    assert line_of(("gone",), key_lines("a = 1")) is None
-    assert line_of((), key_lines("a = 1")) is None
+    assert find_line(("gone",), find_key_lines("a = 1")) is None
+    assert find_line((), find_key_lines("a = 1")) is None
 
 
 def test_nothing_inside_a_string_counts_as_a_key() -> None:
-    assert set(key_lines('a = """\nb = 1\n[c]\n"""\n')) == {("a",)}
+    assert set(find_key_lines('a = """\nb = 1\n[c]\n"""\n')) == {("a",)}
 
 
 # What may confuse a reader of lines: keys with structure in them, values with keys in them.
@@ -110,4 +110,4 @@ def test_every_key_that_was_written_is_found_where_it_was_written(
             expected[(table, key)] = text.count("\n") + 1
             text += f"{_quoted(key)} = {_written(value, style)} # {key.strip()!r}\n"
     assert tomllib.loads(text).keys() == tables.keys()
-    assert key_lines(text) == expected
+    assert find_key_lines(text) == expected

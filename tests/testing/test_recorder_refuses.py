@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from driftform.interfaces import Recorder, Specimen
+from driftform.interfaces import ExportJob, Recorder
 from driftform.options import Table
 from driftform.testing import RecorderContract
 from driftform.types import End, Trajectory, WrittenFile
@@ -21,7 +21,7 @@ class Plain(Recorder[Table]):
     name = "plain"
     suffix = ".txt"
 
-    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         """Write the file."""
         rows = zip(flight.t, flight.position, flight.quaternion, strict=True)
         write_text(path, "".join(f"{t} {p.tolist()} {q.tolist()}\n" for t, p, q in rows))
@@ -29,51 +29,51 @@ class Plain(Recorder[Table]):
 
 
 class LeavesSomethingBeside(Plain):
-    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         path.parent.mkdir(exist_ok=True, parents=True)
         path.with_suffix(".tmp").write_text("left over")
-        return super().write(specimen, flight, path)
+        return super().write(job, flight, path)
 
 
 class TellsOfNothing(Plain):
-    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
-        super().write(specimen, flight, path)
+    def write(self, job: ExportJob, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        super().write(job, flight, path)
         return ()
 
 
 class WritesTheClock(Plain):
-    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         write_text(path, f"{next(TICKS)} {flight.quaternion.tolist()}")
         return (WrittenFile(self.name, str(path)),)
 
 
 class NeedsTwoSamples(Plain):
-    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         flight.t[1]
-        return super().write(specimen, flight, path)
+        return super().write(job, flight, path)
 
 
 class RefusesFailures(Plain):
-    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         if flight.end.failed:
             raise ValueError(flight.end)
-        return super().write(specimen, flight, path)
+        return super().write(job, flight, path)
 
 
 class NeedsAPipe(Plain):
-    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
-        specimen.scenario.pipe.segments[0]
-        return super().write(specimen, flight, path)
+    def write(self, job: ExportJob, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        job.scenario.pipe.segments[0]
+        return super().write(job, flight, path)
 
 
 class ForgetsTheFlight(Plain):
-    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
-        write_text(path, specimen.name)
+    def write(self, job: ExportJob, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        write_text(path, job.name)
         return (WrittenFile(self.name, str(path)),)
 
 
 class LeavesHalfAFile(Plain):
-    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         path.parent.mkdir(exist_ok=True, parents=True)
         part = path.with_suffix(".part")
         part.write_text(str(flight.quaternion.tolist()))

@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 
 from driftform.errors import InputError
 from driftform.scenario import Pipe, Scenario, Segment
-from driftform.trajectory.coverage import Cells, Reach, closest_pass, reach_of
+from driftform.trajectory.coverage import CoverageMap, PipeGrid, find_closest_pass, map_coverage
 from driftform.trajectory.path import closest_approach, hermite_coefficients, world_velocity
 from driftform.types import End, Trajectory
 
 PIPE = Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0)
-CELLS = Cells.of_segment(PIPE)
+CELLS = PipeGrid.of_segment(PIPE)
 
 coordinate = st.floats(-10, 10)
 points = st.tuples(coordinate, coordinate, coordinate)
@@ -70,7 +70,7 @@ def dense(path: Trajectory, n: int) -> np.ndarray:
 
 @given(segments, st.floats(0.05, 1))
 def test_the_cells_fill_the_section_of_any_pipe(segment, side):
-    cells = Cells.of_segment(segment, side)
+    cells = PipeGrid.of_segment(segment, side)
     length = np.linalg.norm(np.subtract(segment.end, segment.start))
     assert cells.size[0] * cells.shape[0] == pytest.approx(length)
     assert cells.size[1] * cells.shape[1] == pytest.approx(2 * segment.radius)
@@ -91,14 +91,14 @@ def test_the_cells_fill_the_section_of_any_pipe(segment, side):
 def test_unless_told_cells_are_a_tenth_of_the_radius_but_not_over_a_thousand_along_the_pipe(
     length, radius, shape, size
 ):
-    cells = Cells.of_segment(Segment(start=(0.0, 0.0, 0.0), end=(length, 0.0, 0.0), radius=radius))
+    cells = PipeGrid.of_segment(Segment(start=(0.0, 0.0, 0.0), end=(length, 0.0, 0.0), radius=radius))
     assert cells.shape == shape
     assert cells.size[:2] == pytest.approx(size)
 
 
 @given(segments)
 def test_the_axes_of_the_map_are_right_handed_and_its_plane_is_vertical(segment):
-    cells = Cells.of_segment(segment)
+    cells = PipeGrid.of_segment(segment)
     along, up, aside = cells.axes
     np.testing.assert_allclose(cells.axes @ cells.axes.T, np.eye(3), atol=1e-12)
     # As x, y and z are.
@@ -109,23 +109,25 @@ def test_the_axes_of_the_map_are_right_handed_and_its_plane_is_vertical(segment)
 
 @pytest.mark.parametrize("end", [(0.0, 0.0, 5.0), (0.0, 0.0, -5.0)])
 def test_in_a_vertical_pipe_upward_on_the_map_is_the_worlds_x(end):
-    cells = Cells.of_segment(Segment(start=(0.0, 0.0, 0.0), end=end, radius=1.0))
+    cells = PipeGrid.of_segment(Segment(start=(0.0, 0.0, 0.0), end=end, radius=1.0))
     np.testing.assert_array_equal(cells.axes[1], [1, 0, 0])
 
 
 @given(segments)
 def test_the_centre_of_every_cell_is_in_it_and_goes_to_the_world_and_back(segment):
-    cells = Cells.of_segment(segment, 0.2)
+    cells = PipeGrid.of_segment(segment, 0.2)
     centres = cells.to_world(cells.centres())
     np.testing.assert_array_equal(cells.cell_of(centres), np.arange(cells.count))
     np.testing.assert_allclose(cells.to_map(centres)[:, :2], cells.centres(), atol=1e-12)
-    assert all(Pipe(segments=(segment,)).holds(tuple(centre)) for centre in centres[:: cells.count // 5 + 1])
+    assert all(
+        Pipe(segments=(segment,)).contains(tuple(centre)) for centre in centres[:: cells.count // 5 + 1]
+    )
 
 
 @settings(deadline=None, max_examples=40)
 @given(st.builds(wild, seeds) | st.builds(smooth, seeds))
 def test_a_flight_crosses_the_cells_that_a_dense_row_of_its_points_lies_in(path):
-    crossed, _ = CELLS.crossed(path)
+    crossed, _ = CELLS.find_crossed(path)
     row = dense(path, 400)
     seen = set(CELLS.cell_of(row).tolist()) - {-1}
     assert seen <= set(crossed.tolist())
@@ -140,7 +142,7 @@ def test_a_flight_crosses_the_cells_that_a_dense_row_of_its_points_lies_in(path)
 @settings(deadline=None, max_examples=40)
 @given(st.builds(smooth, seeds))
 def test_the_distance_in_a_cell_is_that_of_the_nearest_point_inside(path):
-    crossed, distance = CELLS.crossed(path)
+    crossed, distance = CELLS.find_crossed(path)
     row = dense(path, 200)
     cell_of_point = CELLS.cell_of(row)
     gap = np.linalg.norm(np.diff(row, axis=0), axis=1).max()
@@ -155,46 +157,48 @@ def test_the_distance_in_a_cell_is_that_of_the_nearest_point_inside(path):
 @settings(deadline=None, max_examples=40)
 @given(st.builds(smooth, seeds))
 def test_no_cell_is_passed_closer_than_the_whole_path_passes_its_centre(path):
-    crossed, distance = CELLS.crossed(path)
+    crossed, distance = CELLS.find_crossed(path)
     whole, _ = closest_approach(path, CELLS.to_world(CELLS.centres()[crossed]))
     assert (distance >= whole - 1e-9).all()
 
 
 def test_a_level_flight_through_the_middles_crosses_one_row_at_no_distance():
-    crossed, distance = CELLS.crossed(straight((0.0, 0.0, 0.25), (9.0, 0.0, 0.25)))
+    crossed, distance = CELLS.find_crossed(straight((0.0, 0.0, 0.25), (9.0, 0.0, 0.25)))
     assert (CELLS.centres()[crossed, 1] == pytest.approx(0.25)) and len(crossed) == 90
     np.testing.assert_allclose(distance, 0, atol=1e-12)
 
 
 def test_a_flight_on_the_side_between_two_cells_is_in_the_upper_one_alone():
-    crossed, distance = CELLS.crossed(straight((0.0, 0.0, 0.0), (8.99, 0.0, 0.0)))
+    crossed, distance = CELLS.find_crossed(straight((0.0, 0.0, 0.0), (8.99, 0.0, 0.0)))
     np.testing.assert_allclose(CELLS.centres()[crossed, 1], 0.05)
     np.testing.assert_allclose(distance, 0.05)
 
 
 @pytest.mark.parametrize("aside", [0.051, -0.051, 0.5])
 def test_a_flight_beside_the_plane_crosses_no_cell(aside):
-    assert len(CELLS.crossed(straight((0.0, aside, 0.0), (9.0, aside, 0.0)))[0]) == 0
+    assert len(CELLS.find_crossed(straight((0.0, aside, 0.0), (9.0, aside, 0.0)))[0]) == 0
 
 
 def test_a_flight_is_credited_only_where_it_is_in_the_plane():
-    crossed, _ = CELLS.crossed(straight((0.0, -1.0, 0.25), (9.0, 1.0, 0.25)))
+    crossed, _ = CELLS.find_crossed(straight((0.0, -1.0, 0.25), (9.0, 1.0, 0.25)))
     along = CELLS.centres()[crossed, 0]
     # It is within half a cell of the plane from x = 4.275 to 4.725.
     np.testing.assert_allclose(along, [4.25, 4.35, 4.45, 4.55, 4.65, 4.75])
 
 
 def test_what_lies_before_the_inlet_or_behind_the_outlet_is_on_no_map():
-    crossed, _ = CELLS.crossed(straight((-3.0, 0.0, 0.25), (12.0, 0.0, 0.25)))
+    crossed, _ = CELLS.find_crossed(straight((-3.0, 0.0, 0.25), (12.0, 0.0, 0.25)))
     assert len(crossed) == 90
-    assert len(CELLS.crossed(straight((9.5, 0.0, 0.0), (12.0, 0.0, 0.0)))[0]) == 0
+    assert len(CELLS.find_crossed(straight((9.5, 0.0, 0.0), (12.0, 0.0, 0.0)))[0]) == 0
 
 
 def test_a_flight_of_a_single_sample_is_in_the_cell_of_its_point():
-    crossed, distance = CELLS.crossed(flight(np.zeros(1), np.array([[0.12, 0.01, 0.02]]), np.ones((1, 3))))
+    crossed, distance = CELLS.find_crossed(
+        flight(np.zeros(1), np.array([[0.12, 0.01, 0.02]]), np.ones((1, 3)))
+    )
     np.testing.assert_allclose(CELLS.centres()[crossed], [[0.15, 0.05]])
     np.testing.assert_allclose(distance, np.linalg.norm([0.03, 0.01, 0.03]))
-    assert len(CELLS.crossed(flight(np.zeros(1), np.array([[-1.0, 0, 0]]), np.ones((1, 3))))[0]) == 0
+    assert len(CELLS.find_crossed(flight(np.zeros(1), np.array([[-1.0, 0, 0]]), np.ones((1, 3))))[0]) == 0
 
 
 @settings(deadline=None, max_examples=40)
@@ -207,8 +211,8 @@ def test_a_pipe_that_lies_elsewhere_has_the_same_map(path, heading, slope):
     segment = Segment(start=tuple(shift), end=tuple(shift + 9 * along), radius=1.0)
     # Velocities are turned by the body's attitude, which stays: as if they were given in world axes.
     moved = flight(path.t, path.position @ turn.T + shift, path.velocity[:, :3] @ turn.T)
-    cells, distance = CELLS.crossed(path)
-    again, there = Cells.of_segment(segment).crossed(moved)
+    cells, distance = CELLS.find_crossed(path)
+    again, there = PipeGrid.of_segment(segment).find_crossed(moved)
     both, here, yonder = np.intersect1d(cells, again, return_indices=True)
     np.testing.assert_allclose(distance[here], there[yonder], atol=1e-9)
     # What is touched in a corner alone may differ by rounding.
@@ -216,7 +220,7 @@ def test_a_pipe_that_lies_elsewhere_has_the_same_map(path, heading, slope):
 
 
 def test_each_cell_keeps_the_closest_flight_and_counts_all():
-    reach = reach_of(
+    reach = map_coverage(
         [
             (3, straight((0.0, 0.0, 0.26), (9.0, 0.0, 0.26))),
             (5, straight((0.0, 0.0, 0.25), (4.5, 0.0, 0.25))),
@@ -235,7 +239,7 @@ def test_each_cell_keeps_the_closest_flight_and_counts_all():
 
 
 def test_adding_a_flight_tells_where_it_is_the_closest_now():
-    reach = Reach(CELLS)
+    reach = CoverageMap(CELLS)
     level = straight((0.0, 0.0, 0.25), (9.0, 0.0, 0.25))
     assert len(reach.add(0, level)) == 90
     assert len(reach.add(1, level)) == 0
@@ -247,13 +251,13 @@ def test_adding_a_flight_tells_where_it_is_the_closest_now():
 
 def test_open_water_has_no_map():
     with pytest.raises(InputError, match="needs a pipe"):
-        Cells.of(Scenario())
+        PipeGrid.of(Scenario())
 
 
 def test_the_closest_pass_is_that_of_the_earliest_of_equals():
     level = straight((0.0, 0.0, 0.3), (9.0, 0.0, 0.3), samples=4)
     flights = [(2, straight((0.0, 0.0, 0.9), (9.0, 0.0, 0.9))), (4, level), (7, level)]
-    found = closest_pass(iter(flights), (4.5, 0.0, 0.0))
+    found = find_closest_pass(iter(flights), (4.5, 0.0, 0.0))
     assert found is not None
     assert found.evaluation == 4
     assert found.distance == pytest.approx(0.3)
@@ -261,4 +265,4 @@ def test_the_closest_pass_is_that_of_the_earliest_of_equals():
 
 
 def test_no_flight_passes_where_there_is_none():
-    assert closest_pass([], (0.0, 0.0, 0.0)) is None
+    assert find_closest_pass([], (0.0, 0.0, 0.0)) is None

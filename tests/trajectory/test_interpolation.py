@@ -12,9 +12,9 @@ from driftform.study import load_study
 from driftform.testing.bodies import hollow_body
 from driftform.testing.renderer import drift
 from driftform.trajectory.forces import acceleration_at, accelerations_along, net_wrench
-from driftform.trajectory.interpolation import attitudes, positions
+from driftform.trajectory.interpolation import interpolate_attitudes, interpolate_positions
 from driftform.trajectory.path import world_velocity
-from driftform.trajectory.resampling import even_times, resampled
+from driftform.trajectory.resampling import even_times, resample
 from driftform.types import Agent, Coefficients, Trajectory
 
 STILL = Scenario(flow=UniformFlow(speed=0.0), release=Release(velocity="rest"))
@@ -30,8 +30,8 @@ def agent() -> Agent:
 def flown() -> tuple[Agent, Scenario, Trajectory]:
     """A random agent's flight through the paper's pipe, up to its first contact with the wall."""
     study = load_study(use={"simulator": "native"}, run={"seed": 0})
-    pipeline = study.pipeline()
-    found = pipeline.agent(pipeline.grammar.random(np.random.default_rng(5)))
+    pipeline = study.make_pipeline()
+    found = pipeline.make_agent(pipeline.grammar.random(np.random.default_rng(5)))
     [flight] = pipeline.fly([found])
     free = flight.t < (np.inf if flight.contact is None else flight.contact)
     flight = replace(
@@ -59,7 +59,7 @@ def test_between_samples_it_turns_steadily_the_short_way_round() -> None:
         flight.velocity[::20],
         flight.end,
     )
-    found = attitudes(coarse, np.array([0.0, 0.25, 0.5, 1.0]))
+    found = interpolate_attitudes(coarse, np.array([0.0, 0.25, 0.5, 1.0]))
     half = 1.2 * np.array([0.0, 0.25, 0.5, 1.0]) / 2
     wanted = np.column_stack([np.cos(half), 0 * half, np.sin(half), 0 * half])
     assert np.abs(np.einsum("ij,ij->i", found, wanted)) == pytest.approx(1.0)
@@ -69,16 +69,19 @@ def test_resampled_flights_lie_on_the_path_and_have_its_slope(
     flown: tuple[Agent, Scenario, Trajectory],
 ) -> None:
     flight = flown[2]
-    fine = resampled(flight, 1000.0)
+    fine = resample(flight, 1000.0)
     assert np.diff(fine.t)[:-1] == pytest.approx(1e-3) and fine.t[-1] == flight.t[-1]
-    assert fine.position == pytest.approx(positions(flight, fine.t))
-    slope = (positions(flight, fine.t[1:-1] + 1e-5) - positions(flight, fine.t[1:-1] - 1e-5)) / 2e-5
+    assert fine.position == pytest.approx(interpolate_positions(flight, fine.t))
+    slope = (
+        interpolate_positions(flight, fine.t[1:-1] + 1e-5)
+        - interpolate_positions(flight, fine.t[1:-1] - 1e-5)
+    ) / 2e-5
     assert world_velocity(fine)[1:-1] == pytest.approx(slope, abs=1e-6)
 
 
 def test_resampling_at_the_samples_changes_nothing() -> None:
     flight = drift(0.4)
-    again = resampled(flight, 50.0)
+    again = resample(flight, 50.0)
     for name in ("t", "position", "quaternion", "velocity"):
         assert getattr(again, name) == pytest.approx(getattr(flight, name), abs=1e-12)
 
@@ -86,12 +89,12 @@ def test_resampling_at_the_samples_changes_nothing() -> None:
 def test_a_single_sample_stays_one() -> None:
     whole = drift()
     single = Trajectory(whole.t[:1], whole.position[:1], whole.quaternion[:1], whole.velocity[:1], whole.end)
-    assert resampled(single, 100.0) is single
+    assert resample(single, 100.0) is single
 
 
 def test_accelerations_add_up_to_the_change_of_velocity(flown: tuple[Agent, Scenario, Trajectory]) -> None:
     agent, scenario, flight = flown
-    fine = resampled(flight, 2000.0)
+    fine = resample(flight, 2000.0)
     found = accelerations_along(fine, agent, scenario)
     velocity = np.column_stack([world_velocity(fine), fine.velocity[:, 3:]])
     gained = np.trapezoid(found, fine.t, axis=0)
@@ -137,7 +140,7 @@ def test_a_turn_that_grows_faster_is_followed_between_samples() -> None:
 
     still = np.zeros((6, 3))
     velocity = np.column_stack([still, (1 + 3 * t**2)[:, None] * axis])
-    fine = resampled(Trajectory(t, still, turned(t), velocity, drift().end), 37.0)
+    fine = resample(Trajectory(t, still, turned(t), velocity, drift().end), 37.0)
     same = np.einsum("ij,ij->i", fine.quaternion, turned(fine.t))
     assert np.abs(same) == pytest.approx(1.0, abs=1e-14)
     assert fine.velocity[:, 3:] == pytest.approx((1 + 3 * fine.t**2)[:, None] * axis, rel=1e-9)
@@ -159,7 +162,7 @@ def test_a_turn_about_a_wandering_axis_is_followed_to_the_fourth_order() -> None
 
     off = []
     for count in (11, 21):
-        fine = resampled(sample(np.linspace(0, 2, count)), 500.0)
+        fine = resample(sample(np.linspace(0, 2, count)), 500.0)
         off.append(
             np.abs(
                 matrix_from_quaternion(fine.quaternion) - matrix_from_quaternion(sample(fine.t).quaternion)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
-from driftform.trajectory.path import closest_approach, hermite_coefficients, spaced, world_velocity
+from driftform.trajectory.path import closest_approach, hermite_coefficients, select_spaced, world_velocity
 from driftform.types import End, Trajectory
 
 
@@ -131,11 +131,11 @@ def test_body_velocities_are_turned_into_the_world():
 @given(st.lists(st.floats(1e-4, 0.1), max_size=60))
 def test_times_are_thinned_to_their_ends_and_what_lies_far_enough_apart(steps):
     t = np.concatenate([[0.0], np.cumsum(steps)])
-    kept = spaced(t, 0.01)
+    kept = select_spaced(t, 0.01)
     assert (kept[0], kept[-1]) == (0, len(t) - 1)
     if len(kept) > 2:
         assert np.diff(t[kept]).min() >= 0.01
     # No gap is longer than it must be.
     for first, second in pairwise(kept[:-1]):
         assert (t[first + 1 : second] - t[first] < 0.01).all()
-    assert spaced(t[kept], 0.01).tolist() == list(range(len(kept)))
+    assert select_spaced(t[kept], 0.01).tolist() == list(range(len(kept)))

@@ -45,11 +45,11 @@ def exudyn_frequencies(model, height, pitch):
 
 
 def test_a_floating_body_bobs_and_swings_as_exudyn_says():
-    pipeline = load_study("pipe-inspection", ["flow.speed=0.0", "fluid.water_level=0.0"]).pipeline()
+    pipeline = load_study("pipe-inspection", ["flow.speed=0.0", "fluid.water_level=0.0"]).make_pipeline()
     rng = np.random.default_rng(2)
     compared = 0
     while compared < 3:
-        model = flight_model(pipeline.agent(pipeline.grammar.random(rng)), pipeline.scenario)
+        model = flight_model(pipeline.make_agent(pipeline.grammar.random(rng)), pipeline.scenario)
         rest = stable_rest(model)
         if rest.height is None:
             continue
@@ -63,10 +63,10 @@ def test_a_floating_body_bobs_and_swings_as_exudyn_says():
 
 
 def test_a_body_that_sinks_swings_with_its_righting_moment_over_the_inertia_that_it_swings_with():
-    pipeline = load_study("pipe-inspection").pipeline()
+    pipeline = load_study("pipe-inspection").make_pipeline()
     rng = np.random.default_rng(2)
     for _ in range(5):
-        agent = pipeline.agent(pipeline.grammar.random(rng))
+        agent = pipeline.make_agent(pipeline.grammar.random(rng))
         model = flight_model(agent, pipeline.scenario)
         weight, buoyancy = agent.mass.mass * 9.81, 1024.0 * agent.mass.volume * 9.81
         righting = buoyancy * model.table[COB, 0] - weight * model.table[COG, 0]

@@ -11,7 +11,7 @@ from driftform.figures.png import png_bytes
 from driftform.interfaces import Renderer
 from driftform.options import Table
 from driftform.testing import RendererContract
-from driftform.trajectory.interpolation import attitudes
+from driftform.trajectory.interpolation import interpolate_attitudes
 from driftform.trajectory.resampling import even_times
 from driftform.types import WrittenFile
 from driftform.util.files import write_whole
@@ -49,7 +49,7 @@ class Sketch(Renderer):
 
     def image(self, flight, when):
         image = np.full((64, self.columns, 3), 255, np.uint8)
-        nose = matrix_from_quaternion(attitudes(flight, np.array([when])))[0, 2, 0]
+        nose = matrix_from_quaternion(interpolate_attitudes(flight, np.array([when])))[0, 2, 0]
         left = 16 * int(10 * when)
         image[16:48, left : left + 16] = int(100 + 100 * nose)
         return image

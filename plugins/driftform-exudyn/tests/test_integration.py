@@ -12,13 +12,16 @@ from driftform.dynamics.model import DAMPED, flight_model
 from driftform.study import load_study
 from driftform_exudyn.integration import integrated, settings_for
 
-PIPELINE = load_study().pipeline()
+PIPELINE = load_study().make_pipeline()
 SETTINGS = settings_for("DOPRI5", horizon=2.0, tolerance=1e-8, max_step=0.05)
 
 
 def motions(seed):
     """A motion in the plane, and the same in space."""
-    agent, scenario = PIPELINE.agent(PIPELINE.grammar.random(np.random.default_rng(seed))), PIPELINE.scenario
+    agent, scenario = (
+        PIPELINE.make_agent(PIPELINE.grammar.random(np.random.default_rng(seed))),
+        PIPELINE.scenario,
+    )
     model = flight_model(agent, scenario)
     # Damping whose every coefficient is zero: it changes nothing but that the motion is integrated in space.
     damped = model._replace(table=model.table.copy())

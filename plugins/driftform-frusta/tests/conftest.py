@@ -11,7 +11,7 @@ import pytest
 import trimesh
 
 from driftform.geometry import mass_properties
-from driftform.interfaces import Specimen
+from driftform.interfaces import ExportJob
 from driftform.scenario import Scenario
 from driftform.types import Agent, Body, Coefficients, Core
 
@@ -89,12 +89,12 @@ def wavy_body() -> Body:
 
 
 @pytest.fixture(scope="session")
-def specimen_of() -> Callable[[Body], Specimen]:
+def specimen_of() -> Callable[[Body], ExportJob]:
     """A body as exporters receive it, in open water, with coefficients that no exporter of meshes reads."""
 
-    def make(body: Body) -> Specimen:
+    def make(body: Body) -> ExportJob:
         agent = Agent(body=body, mass=mass_properties(body), coefficients=Coefficients(np.eye(6)))
-        return Specimen("hull", agent, Scenario())
+        return ExportJob("hull", agent, Scenario())
 
     return make
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform.geometry import mass_properties
-from driftform.interfaces import Specimen
+from driftform.interfaces import ExportJob
 from driftform.scenario import Scenario
 from driftform.types import Agent, Coefficients, Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
@@ -97,7 +97,7 @@ def test_a_thicker_sleeve_weighs_as_much_more_as_its_ring():
 def facts(body, **options):
     agent = Agent(body, mass_properties(body), Coefficients(np.eye(6)))
     scenario = Scenario(fluid={"density": 1000.0, "gravity": 10.0})
-    return kit_facts(Specimen("agent", agent, scenario), PartOptions(**options))
+    return kit_facts(ExportJob("agent", agent, scenario), PartOptions(**options))
 
 
 def test_without_a_kit_there_is_nothing_to_tell():

@@ -14,7 +14,7 @@ import trimesh
 from manifold3d import Error, Manifold, Mesh64
 
 from driftform.geometry import hull_volume
-from driftform.interfaces import Specimen
+from driftform.interfaces import ExportJob
 from driftform.study import load_study
 from driftform_frusta.exporters.glb import GlbExporter
 from driftform_frusta.exporters.obj import ObjExporter
@@ -32,17 +32,17 @@ ATTACHED = "https://driftform.invalid/2026/attachment"
 UPRIGHT = 1e3 * np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 
 
-def specimens(occupied: str, count: int) -> list[Specimen]:
-    pipeline = load_study(settings=[f"grammar.occupied={occupied}"], run={"seed": 0}).pipeline()
+def jobs(occupied: str, count: int) -> list[ExportJob]:
+    pipeline = load_study(settings=[f"grammar.occupied={occupied}"], run={"seed": 0}).make_pipeline()
     rng = np.random.default_rng(6)
-    agents = [pipeline.agent(pipeline.grammar.random(rng)) for _ in range(count)]
+    agents = [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(count)]
     document = {"format": "driftform-agent", "name": "<a> & b"}
-    return [Specimen(f"agent {i}", agent, pipeline.scenario, document) for i, agent in enumerate(agents)]
+    return [ExportJob(f"agent {i}", agent, pipeline.scenario, document) for i, agent in enumerate(agents)]
 
 
-def export(exporter, specimen, folder, **options):
+def export(exporter, job, folder, **options):
     made = exporter(exporter.Options(**options))
-    return made.write(specimen, folder / f"agent{made.suffix}")
+    return made.write(job, folder / f"agent{made.suffix}")
 
 
 def read_3mf(path):
@@ -99,11 +99,11 @@ def assert_sound(vertices, triangles, shells, volume):
     assert solid.volume() == pytest.approx(volume, rel=1e-4)
 
 
-def check_all_formats(specimen, folder, **options):
-    body = specimen.agent.body
+def check_all_formats(job, folder, **options):
+    body = job.agent.body
     parts = parts_of(body, StlExporter.Options(**options))
     for exporter in MESHES:
-        files = export(exporter, specimen, folder, **options)
+        files = export(exporter, job, folder, **options)
         found = reload(files)
         assert len(found) == len(parts), exporter.name
         # Sorted by volume, as not every reader keeps names.
@@ -119,22 +119,22 @@ def check_all_formats(specimen, folder, **options):
 @pytest.mark.parametrize("occupied", ["insert", "skip"])
 @pytest.mark.parametrize("kit", [False, True], ids=["sealed", "kit"])
 def test_every_mesh_format_holds_the_solids_that_were_simulated(occupied, kit, tmp_path):
-    for specimen in specimens(occupied, 2):
-        check_all_formats(specimen, tmp_path, kit=kit)
+    for job in jobs(occupied, 2):
+        check_all_formats(job, tmp_path, kit=kit)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("occupied", ["insert", "skip"])
 @pytest.mark.parametrize("kit", [False, True], ids=["sealed", "kit"])
 def test_every_mesh_format_holds_the_solids_of_a_hundred_agents(occupied, kit, tmp_path):
-    for specimen in specimens(occupied, 100):
-        check_all_formats(specimen, tmp_path, kit=kit)
+    for job in jobs(occupied, 100):
+        check_all_formats(job, tmp_path, kit=kit)
 
 
 @pytest.fixture(scope="module")
 def kit():
     """An agent that makes a kit of two parts or more."""
-    return specimens("insert", 1)[0]
+    return jobs("insert", 1)[0]
 
 
 @pytest.mark.parametrize("exporter", [StlExporter, PlyExporter])
@@ -296,9 +296,9 @@ def test_the_g_code_of_prusa_slicer_lays_as_much_filament_as_the_solids_hold(
     slicer = requires_program("prusa-slicer")
     # Sealed hulls are too tall for most printers, so these have one that is not.
     bed = (0.25, 0.21, 0.21 if kit else 0.4)
-    for specimen in specimens(occupied, 3):
+    for job in jobs(occupied, 3):
         gcode = tmp_path / "plate.gcode"
-        for file in export(ThreeMfExporter, specimen, tmp_path, kit=kit, bed=bed):
+        for file in export(ThreeMfExporter, job, tmp_path, kit=kit, bed=bed):
             assert file.facts["fits_bed"]
             command = [slicer, "--export-gcode", "--dont-arrange", "--filament-density", "1.05"]
             command += ["--layer-height", "0.2", "--perimeters", "3", "--fill-density", "15%"]

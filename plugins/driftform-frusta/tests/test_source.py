@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from driftform.geometry import hull_volume, mass_properties
-from driftform.interfaces import Specimen
+from driftform.interfaces import ExportJob
 from driftform.scenario import Scenario
 from driftform.study import load_study
 from driftform.types import Agent, Coefficients
@@ -18,9 +18,9 @@ from driftform_frusta.source import source_of
 
 
 def agents(settings, count, seed=3):
-    pipeline = load_study(settings=settings, run={"seed": 0}).pipeline()
+    pipeline = load_study(settings=settings, run={"seed": 0}).make_pipeline()
     rng = np.random.default_rng(seed)
-    return [pipeline.agent(pipeline.grammar.random(rng)) for _ in range(count)]
+    return [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(count)]
 
 
 def agent_of(morphology, **options):
@@ -127,7 +127,7 @@ def test_a_title_cannot_leave_its_comment():
 
 def kit_source(agent, **options):
     parts = parts_of(agent.body, PartOptions(kit=True, segments=16, **options))
-    return parts, source_of(Specimen("TP1", agent, Scenario()), parts, 16)
+    return parts, source_of(ExportJob("TP1", agent, Scenario()), parts, 16)
 
 
 def test_the_source_of_a_kit_renders_each_part_as_it_stands_on_the_bed(render):

@@ -18,7 +18,7 @@ import pytest
 
 from driftform.geometry import solid_of_revolution
 from driftform.scenario import Fluid
-from driftform.testing.bodies import body_of, cylinder_body, remus_body
+from driftform.testing.bodies import cylinder_body, make_body, remus_body
 from driftform.types import FloatArray
 from driftform_panels.solve import solve
 from driftform_striptheory.coefficients import StripTheory, StripTheoryOptions
@@ -63,7 +63,7 @@ class Case:
 
     def by_strips(self) -> FloatArray:
         model = StripTheory(StripTheoryOptions())
-        m = model.coefficients(body_of(self.contour), Fluid(density=1.0)).added_mass
+        m = model.coefficients(make_body(self.contour), Fluid(density=1.0)).added_mass
         return np.array([m[0, 0], m[1, 1], m[5, 5], m[1, 5]])
 
 

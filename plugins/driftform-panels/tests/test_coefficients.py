@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from driftform.dynamics.inertia import added_mass_at
 from driftform.geometry import solid_of_revolution
 from driftform.scenario import Fluid
-from driftform.testing.bodies import body_of, cylinder_body, spheroid_body
+from driftform.testing.bodies import cylinder_body, make_body, spheroid_body
 from driftform.types import Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_panels import driftform_hydrodynamics
@@ -56,7 +56,7 @@ def test_the_hook_returns_the_model():
 
 
 def test_coefficients_are_about_the_centre_of_buoyancy_without_damping():
-    body = body_of([(0.02, 0), (0.02, 0.03), (0.12, 0)])
+    body = make_body([(0.02, 0), (0.02, 0.03), (0.12, 0)])
     coefficients = MODEL.coefficients(body, FLUID)
     np.testing.assert_allclose(coefficients.origin, [solid_of_revolution(body.outer).centroid, 0, 0])
     assert not coefficients.linear_damping.any()
@@ -67,7 +67,7 @@ def test_coefficients_are_about_the_centre_of_buoyancy_without_damping():
 def test_the_coupling_has_the_sign_of_the_conventions():
     """M26 is positive where the added mass of sway lies ahead of the origin, M35 is its negative."""
     ahead = added_mass_at(
-        MODEL.coefficients(body_of([(0.1, 0), (0.1, 0.01), (0.2, 0.01), (0.2, 0)]), FLUID), np.zeros(3)
+        MODEL.coefficients(make_body([(0.1, 0), (0.1, 0.01), (0.2, 0.01), (0.2, 0)]), FLUID), np.zeros(3)
     )
     assert ahead[1, 5] == pytest.approx(0.15 * ahead[1, 1])
     assert ahead[2, 4] == pytest.approx(-0.15 * ahead[1, 1])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from driftform.geometry import solid_of_revolution
-from driftform.testing.bodies import body_of, cylinder_body, mirrored_contour, spheroid_body
+from driftform.testing.bodies import cylinder_body, make_body, mirrored_contour, spheroid_body
 from driftform_panels import meridian
 from driftform_panels.meridian import panels
 from driftform_panels.solve import solve
@@ -58,7 +58,7 @@ def test_random_bodies_keep_their_volume(random_bodies):
 def test_a_zigzag_is_no_curve():
     x = np.linspace(0, 0.3, 61)
     r = 0.01 + 0.0001 * (np.arange(61) % 2)
-    contour = body_of([(0, 0), *zip(x, r, strict=True), (0.3, 0)]).outer
+    contour = make_body([(0, 0), *zip(x, r, strict=True), (0.3, 0)]).outer
     divided = panels(contour, 15, 0.2)
     assert np.rad2deg(2 * np.arctan(0.0001 / 0.005)) < np.rad2deg(meridian.SMOOTH)
     assert len(divided.lengths) >= 62

@@ -6,7 +6,7 @@ import threading
 import numpy as np
 import pytest
 
-from driftform.dynamics.inertia import shifted
+from driftform.dynamics.inertia import shift_origin
 from driftform.geometry import solid_of_revolution
 from driftform.scenario import Fluid
 from driftform.testing.bodies import cylinder_body, dome_body, remus_body, spheroid_body
@@ -168,7 +168,7 @@ def test_the_hull_of_remus_100_moves_more_water_than_its_spheroid():
 @pytest.mark.parametrize("offset", [0.7, -20.0])
 def test_about_another_origin_the_matrix_is_shifted(contour, offset):
     here, there = solve(contour), solve(contour, origin=solve(contour).origin + offset)
-    expected = shifted(here.matrix(), np.array([offset, 0.0, 0.0]))
+    expected = shift_origin(here.matrix(), np.array([offset, 0.0, 0.0]))
     np.testing.assert_allclose(there.matrix(), expected, rtol=1e-5, atol=1e-5 * expected[1, 1])
 
 

@@ -29,7 +29,7 @@ def sound(opened: Opened, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The agent's hull as STL and as OpenSCAD source; not to be changed."""
     folder = tmp_path_factory.mktemp("sound")
     for name in ("stl", "scad"):
-        opened.study.exporter(name).write(opened.specimen(), folder / f"hull.{name}")
+        opened.study.make_exporter(name).write(opened.export_job(), folder / f"hull.{name}")
     return folder / "hull.stl"
 
 

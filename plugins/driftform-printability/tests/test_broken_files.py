@@ -34,7 +34,7 @@ def states(found: dict[str, Finding]) -> dict[str, str]:
 
 
 def known(opened: Opened) -> dict[str, object]:
-    return {"specimen": opened.specimen(), "volume": hull_volume(opened.agent.body)}
+    return {"export": opened.export_job(), "volume": hull_volume(opened.agent.body)}
 
 
 def alone(
@@ -137,7 +137,7 @@ def test_millimetres_in_a_format_of_metres(
 def test_a_wall_of_a_fifth_of_a_millimetre(check_mesh: CheckMesh, tmp_path: Path) -> None:
     thin = open_agent("C", settings=["builder.wall=0.0002"], use={"simulator": "native"})
     path = tmp_path / "thin.stl"
-    thin.study.exporter("stl").write(thin.specimen(), path)
+    thin.study.make_exporter("stl").write(thin.export_job(), path)
     found = check_mesh(path, **known(thin))
     assert states(found) == alone("wall")
     assert found["wall"].detail.startswith("0.2") or found["wall"].detail.startswith("0.19")

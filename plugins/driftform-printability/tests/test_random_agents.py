@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from driftform.geometry import hull_volume
-from driftform.interfaces import PrintJob, Specimen
+from driftform.interfaces import ExportJob, PrintJob
 from driftform.study import load_study
 from driftform.types import State
 from driftform_printability.mesh import MeshChecker, MeshOptions
@@ -18,12 +18,12 @@ OURS = ("unit", "duplicate faces", "closed", "oriented", "shells", "mass", "wall
 
 def look_at(folder: Path, occupied: str, seed: int, kit: bool) -> None:
     study = load_study(settings=[f"grammar.occupied={occupied}", f"exporter.3mf.kit={str(kit).lower()}"])
-    pipeline, rng = study.pipeline(), np.random.default_rng(seed)
-    agent = pipeline.agent(pipeline.grammar.random(rng))
-    specimen = Specimen(f"agent-{seed}", agent, study.scenario)
-    [written] = study.exporter("3mf").write(specimen, folder / f"agent-{seed}.3mf")
+    pipeline, rng = study.make_pipeline(), np.random.default_rng(seed)
+    agent = pipeline.make_agent(pipeline.grammar.random(rng))
+    job = ExportJob(f"agent-{seed}", agent, study.scenario)
+    [written] = study.make_exporter("3mf").write(job, folder / f"agent-{seed}.3mf")
     volume = written.facts["volume_mm3"] * 1e-9 if kit else hull_volume(agent.body)
-    job = PrintJob((Path(written.path),), specimen=specimen, volume=volume)
+    job = PrintJob((Path(written.path),), export=job, volume=volume)
     found = list(MeshChecker(MeshOptions()).check(job))
     # A rabbet is cut out of the wall's thickness: it has one line of the nozzle, and that is told.
     allowed = {"wall": State.WARN} if kit else {}

@@ -13,14 +13,14 @@ from driftform.options import Table
 from driftform.registry import registry
 from driftform.scenario import Pipe, Scenario, Segment
 from driftform.testing.letters import LetterGrammar
-from driftform.trajectory.coverage import Cells
+from driftform.trajectory.coverage import PipeGrid
 from driftform.types import End, Evaluation, Genome, Trajectory
 from driftform_ribs.emitter import SymbolEmitter, as_solutions
 from driftform_ribs.strategy import RibsOptions, RibsStrategy, archive_of, heights
 
 GRAMMAR = LetterGrammar(Table())
 SCENARIO = Scenario(pipe=Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0),)))
-CELLS = Cells.of(SCENARIO)
+CELLS = PipeGrid.of(SCENARIO)
 
 
 def flight(position) -> Trajectory:

@@ -15,7 +15,7 @@ from driftform.dynamics.equations import accelerations
 from driftform.dynamics.model import flight_model
 from driftform.dynamics.rotations import rotation_from_quaternion
 from driftform.geometry import mass_properties
-from driftform.interfaces import Specimen
+from driftform.interfaces import ExportJob
 from driftform.scenario import Contact, Fluid, Release, Scenario, UniformFlow
 from driftform.study import Document, Study, load_study
 from driftform.testing.bodies import hollow_body
@@ -34,8 +34,8 @@ def study() -> Study:
 def _random_agent(study: Study, seed: int, drag: str) -> Agent:
     pipeline = load_study(
         Document("test", study.document), [f"hydrodynamics.drag={drag}"], run={"seed": 0}
-    ).pipeline()
-    return pipeline.agent(pipeline.grammar.random(np.random.default_rng(seed)))
+    ).make_pipeline()
+    return pipeline.make_agent(pipeline.grammar.random(np.random.default_rng(seed)))
 
 
 def _skewed_agent(seed: int) -> Agent:
@@ -65,15 +65,15 @@ KINDS = ("random", "another", "dragged", "skewed")
 
 
 @pytest.fixture(scope="session")
-def specimens(study: Study) -> dict[str, Specimen]:
+def jobs(study: Study) -> dict[str, ExportJob]:
     """Agents of the paper's grammar without drag and with it, and one that has no symmetry."""
     pipe = study.scenario.model_copy(update={"contact": Contact(friction=0.3)})
     tilted = pipe.model_copy(update={"release": Release(position=(1.0, 0.2, -0.3), pitch_deg=20.0)})
     return {
-        "random": Specimen("random", _random_agent(study, 3, "none"), pipe),
-        "another": Specimen("an-other 2", _random_agent(study, 4, "none"), tilted),
-        "dragged": Specimen("dragged", _random_agent(study, 5, "strips"), tilted),
-        "skewed": Specimen(
+        "random": ExportJob("random", _random_agent(study, 3, "none"), pipe),
+        "another": ExportJob("an-other 2", _random_agent(study, 4, "none"), tilted),
+        "dragged": ExportJob("dragged", _random_agent(study, 5, "strips"), tilted),
+        "skewed": ExportJob(
             "skewed",
             _skewed_agent(1),
             Scenario(flow=UniformFlow(speed=0.7), release=Release(pitch_deg=-30, velocity=(0.2, 0.1, -0.3))),
@@ -82,14 +82,14 @@ def specimens(study: Study) -> dict[str, Specimen]:
 
 
 @pytest.fixture(scope="session", params=KINDS)
-def specimen(request: pytest.FixtureRequest, specimens: dict[str, Specimen]) -> Specimen:
-    return specimens[request.param]
+def job(request: pytest.FixtureRequest, jobs: dict[str, ExportJob]) -> ExportJob:
+    return jobs[request.param]
 
 
 @pytest.fixture(scope="session", params=["random", "another", "skewed"])
-def exact(request: pytest.FixtureRequest, specimens: dict[str, Specimen]) -> Specimen:
-    """A specimen of which files can hold everything: no drag by strips."""
-    return specimens[request.param]
+def exact(request: pytest.FixtureRequest, jobs: dict[str, ExportJob]) -> ExportJob:
+    """A job of which files can hold everything: no drag by strips."""
+    return jobs[request.param]
 
 
 EXPORTERS: dict[str, Callable[[dict[str, Any]], Any]] = {
@@ -102,17 +102,17 @@ EXPORTERS: dict[str, Callable[[dict[str, Any]], Any]] = {
 
 @pytest.fixture(scope="session")
 def export(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
-    """Export a specimen; return the folder. The same export is made once."""
-    done: dict[Any, tuple[Specimen, Path]] = {}
+    """Export a job; return the folder. The same export is made once."""
+    done: dict[Any, tuple[ExportJob, Path]] = {}
 
-    def make(format: str, specimen: Specimen, **options: Any) -> Path:
-        key = (format, id(specimen), tuple(sorted(options.items())))
+    def make(format: str, job: ExportJob, **options: Any) -> Path:
+        key = (format, id(job), tuple(sorted(options.items())))
         if key not in done:
             exporter = EXPORTERS[format](options)
             folder = tmp_path_factory.mktemp(format) / f"agent{exporter.suffix}"
-            exporter.write(specimen, folder)
-            # With the specimen, whose identity must not pass to another.
-            done[key] = specimen, folder
+            exporter.write(job, folder)
+            # With the job, whose identity must not pass to another.
+            done[key] = job, folder
         return done[key][1]
 
     return make
@@ -156,12 +156,12 @@ def random_states() -> Callable[[int], list[State]]:
 
 
 @pytest.fixture(scope="session")
-def our_accelerations() -> Callable[[Specimen, State], np.ndarray]:
+def our_accelerations() -> Callable[[ExportJob, State], np.ndarray]:
     """Acceleration of the COG (in body axes) and of rotation, (6,), by driftform, clear of any wall."""
 
-    def solve(specimen: Specimen, state: State) -> np.ndarray:
-        model = flight_model(specimen.agent, specimen.scenario)
-        R, omega, cog = state.R, state.omega, specimen.agent.mass.cog
+    def solve(job: ExportJob, state: State) -> np.ndarray:
+        model = flight_model(job.agent, job.scenario)
+        R, omega, cog = state.R, state.omega, job.agent.mass.cog
         rows = tuple(tuple(row) for row in R.tolist())
         position = np.array([4.0, 0.0, 0.0])
         velocity = state.velocity - R @ np.cross(omega, cog)
@@ -188,14 +188,12 @@ def inertia_of() -> Callable[[Any], np.ndarray]:
 
 
 @pytest.fixture(scope="session")
-def still() -> Callable[[Specimen], Specimen]:
+def still() -> Callable[[ExportJob], ExportJob]:
     """The same agent in open water that is at rest."""
 
-    def make(specimen: Specimen) -> Specimen:
-        release = specimen.scenario.release.model_copy(update={"velocity": "rest"})
-        return replace(
-            specimen, scenario=Scenario(flow=UniformFlow(speed=0.0), release=release, fluid=Fluid())
-        )
+    def make(job: ExportJob) -> ExportJob:
+        release = job.scenario.release.model_copy(update={"velocity": "rest"})
+        return replace(job, scenario=Scenario(flow=UniformFlow(speed=0.0), release=release, fluid=Fluid()))
 
     return make
 

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from driftform.dynamics.terminal import terminal_speeds
-from driftform.hydrodynamics.drag import drag_of
-from driftform.interfaces import Specimen
+from driftform.hydrodynamics.drag import estimate_drag
+from driftform.interfaces import ExportJob
 from driftform.scenario import Fluid
 from driftform.testing.bodies import cylinder_body
 from driftform.types import Agent, Coefficients, MassProperties
@@ -24,7 +24,7 @@ def cylinder() -> Agent:
     """20 cm long, 2 cm thick, its COG 3 cm ahead of its middle."""
     body = cylinder_body(0.2, 0.01)
     mass = MassProperties(0.08, np.array([0.03, 0, 0]), 1e-4 * np.eye(3), 6.28e-5, np.zeros(3))
-    return Agent(body, mass, Coefficients(0.01 * np.eye(6), drag=drag_of(body, Fluid().viscosity)))
+    return Agent(body, mass, Coefficients(0.01 * np.eye(6), drag=estimate_drag(body, Fluid().viscosity)))
 
 
 def test_it_is_the_drag_by_strips_along_each_axis_alone(cylinder: Agent) -> None:
@@ -50,9 +50,9 @@ def test_across_it_is_the_cylinders_textbook_drag(cylinder: Agent) -> None:
 
 
 def test_damping_by_matrices_about_the_centre_of_gravity_stays_as_it_is(
-    specimens: dict[str, Specimen],
+    jobs: dict[str, ExportJob],
 ) -> None:
-    agent = specimens["skewed"].agent
+    agent = jobs["skewed"].agent
     D = quadratic_damping(agent, Fluid(), 0.3)
     np.testing.assert_allclose(D, agent.coefficients.quadratic_damping, rtol=1e-9, atol=1e-15)
     np.testing.assert_allclose(linear_damping(agent), agent.coefficients.linear_damping, rtol=1e-12)
@@ -78,10 +78,10 @@ def test_the_speed_of_reference_is_that_of_rising_and_never_nothing(cylinder: Ag
 
 
 def test_files_say_that_drag_was_simplified_and_at_what_speed(
-    specimens: dict[str, Specimen], export: Callable
+    jobs: dict[str, ExportJob], export: Callable
 ) -> None:
     for format, name in (("sdf", "model.sdf"), ("uuv", "urdf/agent.xacro"), ("mjcf", "agent.xml")):
-        text = (export(format, specimens["dragged"], drag_speed=0.25) / name).read_text(encoding="utf-8")
+        text = (export(format, jobs["dragged"], drag_speed=0.25) / name).read_text(encoding="utf-8")
         assert "motion along one axis at 0.25 m/s" in text
-        text = (export(format, specimens["random"]) / name).read_text(encoding="utf-8")
+        text = (export(format, jobs["random"]) / name).read_text(encoding="utf-8")
         assert "motion along one axis" not in text

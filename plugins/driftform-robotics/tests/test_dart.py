@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from driftform.interfaces import Specimen
+from driftform.interfaces import ExportJob
 from driftform.scenario import FlightLimits, Fluid, Release, Scenario, UniformFlow
 from driftform.study import Study
 from driftform.testing.simulator import positions_at
@@ -35,7 +35,7 @@ def spatial(inertial: ET.Element, inertia_of: Callable) -> np.ndarray:
 
 
 def flight_by_dart(
-    specimen: Specimen, folder: Path, inertia_of: Callable, step: float
+    job: ExportJob, folder: Path, inertia_of: Callable, step: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Times and places of the core's centre, with the mass, pose and added mass of the file."""
     model = ET.parse(folder / "world.sdf").getroot().find("world/model[@name='random']")
@@ -52,12 +52,12 @@ def flight_by_dart(
     start.set_translation(place[:3])
     start.set_rotation(Rotation.from_euler("xyz", place[3:]).as_matrix())
     joint.setRelativeTransform(start)
-    joint.setLinearVelocity(specimen.scenario.release.velocity)
+    joint.setLinearVelocity(job.scenario.release.velocity)
     space = dart.simulation.World()
     space.setTimeStep(step)
     space.addSkeleton(skeleton)
 
-    mass, fluid = specimen.agent.mass, specimen.scenario.fluid
+    mass, fluid = job.agent.mass, job.scenario.fluid
     weight = np.array([0, 0, -float(inertial.findtext("mass")) * fluid.gravity])
     lift = np.array([0, 0, fluid.density * mass.volume * fluid.gravity])
     times, path = [], []
@@ -74,14 +74,14 @@ def flight_by_dart(
 
 @pytest.mark.parametrize("name", ["random", "another", "dragged"])
 def test_dart_flies_as_we_do(
-    name: str, specimens: dict[str, Specimen], export: Callable, inertia_of: Callable, study: Study
+    name: str, jobs: dict[str, ExportJob], export: Callable, inertia_of: Callable, study: Study
 ) -> None:
     """2 s in open water at rest, from a tilted release with a speed: the paths are a millimetre apart at most.
 
     DART's steps are of first order, so that of two step sizes one follows what it would do without an error. That
     holds for agents which hover, nearly, and does not for those that tumble by tens of radians a second.
     """
-    agent = specimens[name].agent
+    agent = jobs[name].agent
     density = 1.02 * agent.mass.mass / agent.mass.volume
     scenario = Scenario(
         flow=UniformFlow(speed=0.0),
@@ -89,12 +89,12 @@ def test_dart_flies_as_we_do(
         release=Release(pitch_deg=25.0, velocity=(0.4, 0.0, 0.1)),
         flight=FlightLimits(horizon=2.0),
     )
-    water = density / specimens[name].scenario.fluid.density
+    water = density / jobs[name].scenario.fluid.density
     undamped = Coefficients(water * agent.coefficients.added_mass, agent.coefficients.origin)
-    specimen = Specimen("random", replace(agent, coefficients=undamped), scenario)
-    folder = export("sdf", specimen)
-    times, coarse = flight_by_dart(specimen, folder, inertia_of, 4e-4)
-    _, fine = flight_by_dart(specimen, folder, inertia_of, 2e-4)
-    ours = positions_at(study.pipeline().simulator.simulate(specimen.agent, scenario), times)
+    job = ExportJob("random", replace(agent, coefficients=undamped), scenario)
+    folder = export("sdf", job)
+    times, coarse = flight_by_dart(job, folder, inertia_of, 4e-4)
+    _, fine = flight_by_dart(job, folder, inertia_of, 2e-4)
+    ours = positions_at(study.make_pipeline().simulator.simulate(job.agent, scenario), times)
     assert np.linalg.norm(ours[-1] - ours[0]) > 0.2
     assert np.linalg.norm(2 * fine - coarse - ours, axis=1).max() < 0.001

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.interfaces import Specimen
+from driftform.interfaces import ExportJob
 
 if not os.environ.get("CI"):
     pytest.importorskip("pydrake", reason="Drake has no wheel for this machine")
@@ -38,11 +38,11 @@ def parse(path: Path, package: Path | None = None) -> tuple[float, np.ndarray, n
 
 @pytest.mark.parametrize("name", ["model.sdf", "world.sdf", "drift.sdf"])
 def test_it_reads_the_mass_the_centre_and_the_inertia(
-    name: str, specimen: Specimen, export: Callable, caplog: pytest.LogCaptureFixture
+    name: str, job: ExportJob, export: Callable, caplog: pytest.LogCaptureFixture
 ) -> None:
     with caplog.at_level(logging.WARNING):
-        mass, cog, inertia = parse(export("sdf", specimen) / name)
-    expected = specimen.agent.mass
+        mass, cog, inertia = parse(export("sdf", job) / name)
+    expected = job.agent.mass
     assert mass == pytest.approx(expected.mass, rel=1e-10)
     np.testing.assert_allclose(cog, 0, atol=1e-15)
     np.testing.assert_allclose(inertia, expected.inertia, rtol=1e-9, atol=1e-9 * expected.inertia.max())
@@ -55,8 +55,8 @@ def test_it_reads_the_mass_the_centre_and_the_inertia(
 
 
 @pytest.mark.parametrize("tag", ["mass", "ixx", "fluid_added_mass", "collision", "uri", "frame"])
-def test_a_misspelt_tag_is_refused(tag: str, specimens: dict[str, Specimen], export: Callable) -> None:
-    folder = export("sdf", specimens["random"])
+def test_a_misspelt_tag_is_refused(tag: str, jobs: dict[str, ExportJob], export: Callable) -> None:
+    folder = export("sdf", jobs["random"])
     text = (folder / "model.sdf").read_text(encoding="utf-8")
     wrong = folder / f"misspelt-{tag}.sdf"
     wrong.write_text(re.sub(rf"(</?){tag}\b", rf"\1{tag}x", text), encoding="utf-8")
@@ -67,10 +67,10 @@ def test_a_misspelt_tag_is_refused(tag: str, specimens: dict[str, Specimen], exp
         wrong.unlink()
 
 
-def test_it_reads_the_urdf(specimen: Specimen, export: Callable) -> None:
-    folder = export("urdf", specimen)
+def test_it_reads_the_urdf(job: ExportJob, export: Callable) -> None:
+    folder = export("urdf", job)
     mass, cog, inertia = parse(folder / "agent.urdf", folder)
-    expected = specimen.agent.mass
+    expected = job.agent.mass
     assert mass == pytest.approx(expected.mass, rel=1e-10)
     np.testing.assert_allclose(cog, 0, atol=1e-15)
     np.testing.assert_allclose(inertia, expected.inertia, rtol=1e-9, atol=1e-9 * expected.inertia.max())

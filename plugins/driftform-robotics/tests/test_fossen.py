@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from driftform.dynamics.inertia import largest_added_mass_ratio
-from driftform.interfaces import Specimen
+from driftform.interfaces import ExportJob
 from driftform.scenario import FlightLimits, Fluid, Scenario
 from driftform.study import Study
 from driftform.testing.simulator import positions_at
@@ -192,7 +192,7 @@ def largest_deviation(found: list[np.ndarray], expected: list[np.ndarray]) -> fl
 
 
 def test_the_uuv_simulators_law_gives_our_accelerations(
-    exact: Specimen,
+    exact: ExportJob,
     export: Callable,
     inertia_of: Callable,
     random_states: Callable,
@@ -207,14 +207,14 @@ def test_the_uuv_simulators_law_gives_our_accelerations(
 @pytest.mark.parametrize("name", ["random", "another"])
 def test_gazebos_law_gives_our_accelerations_in_water_at_rest(
     name: str,
-    specimens: dict[str, Specimen],
+    jobs: dict[str, ExportJob],
     export: Callable,
     inertia_of: Callable,
     random_states: Callable,
     our_accelerations: Callable,
     still: Callable,
 ) -> None:
-    calm = still(specimens[name])
+    calm = still(jobs[name])
     simulator = GzSim(export("sdf", calm) / "world.sdf", inertia_of)
     states = random_states(50)
     found = [simulator.accelerations(s.R, s.velocity, s.omega) for s in states]
@@ -223,15 +223,15 @@ def test_gazebos_law_gives_our_accelerations_in_water_at_rest(
 
 
 def test_in_a_current_gazebo_lacks_the_inertia_of_water_that_turns_past_the_body(
-    specimens: dict[str, Specimen],
+    jobs: dict[str, ExportJob],
     export: Callable,
     inertia_of: Callable,
     random_states: Callable,
     our_accelerations: Callable,
 ) -> None:
     """What docs/robotics.md says of gz-sim: -M_A (w x u) is missing, and nothing else."""
-    specimen = specimens["random"]
-    simulator = GzSim(export("sdf", specimen) / "world.sdf", inertia_of)
+    job = jobs["random"]
+    simulator = GzSim(export("sdf", job) / "world.sdf", inertia_of)
     total = simulator.Ma + np.diag([simulator.m] * 3 + [0] * 3)
     total[3:, 3:] += simulator.I
     states, found = random_states(20), []
@@ -239,7 +239,7 @@ def test_in_a_current_gazebo_lacks_the_inertia_of_water_that_turns_past_the_body
         turning = np.concatenate((np.cross(s.omega, s.R.T @ simulator.current), np.zeros(3)))
         lacking = np.linalg.solve(total, -simulator.Ma @ turning)
         found.append(simulator.accelerations(s.R, s.velocity, s.omega) + lacking)
-    expected = [our_accelerations(specimen, s) for s in states]
+    expected = [our_accelerations(job, s) for s in states]
     assert largest_deviation(found, expected) < 1e-6
     without = [simulator.accelerations(s.R, s.velocity, s.omega) for s in states]
     assert largest_deviation(without, expected) > 1e-3
@@ -266,18 +266,18 @@ def flight_by_gazebo(
 @pytest.mark.slow
 def test_how_far_gazebo_is_off_in_a_current(study: Study, tmp_path: Path, inertia_of: Callable) -> None:
     """The numbers of docs/robotics.md: nearly neutral random agents in 1 m/s."""
-    pipeline, times = study.pipeline(), np.array([1.0, 3.0])
+    pipeline, times = study.make_pipeline(), np.array([1.0, 3.0])
     current = np.array([1.0, 0.0, 0.0])
     offs: dict[str, list[np.ndarray]] = {"corrected": [], "uncorrected": [], "drift": []}
     for seed in range(12):
-        agent = pipeline.agent(pipeline.grammar.random(np.random.default_rng(seed)))
+        agent = pipeline.make_agent(pipeline.grammar.random(np.random.default_rng(seed)))
         density = 1.004 * agent.mass.mass / agent.mass.volume
         added = density / study.scenario.fluid.density * agent.coefficients.added_mass
         agent = replace(agent, coefficients=Coefficients(added, agent.coefficients.origin))
         scenario = Scenario(fluid=Fluid(density=density), flight=FlightLimits(horizon=3.0))
         assert np.array_equal(scenario.current(), current)
         folder = tmp_path / f"{seed}-sdf"
-        SdfExporter(SdfOptions()).write(Specimen("agent", agent, scenario), folder)
+        SdfExporter(SdfOptions()).write(ExportJob("agent", agent, scenario), folder)
         ours = positions_at(pipeline.simulator.simulate(agent, scenario), times)
         world, drift = (GzSim(folder / name, inertia_of) for name in ("world.sdf", "drift.sdf"))
         cog = agent.mass.cog
@@ -298,20 +298,20 @@ def test_how_far_gazebo_is_off_in_a_current(study: Study, tmp_path: Path, inerti
 @pytest.mark.parametrize("name", ["random", "another"])
 def test_seen_from_the_water_gazebo_is_exact_in_a_current_too(
     name: str,
-    specimens: dict[str, Specimen],
+    jobs: dict[str, ExportJob],
     export: Callable,
     inertia_of: Callable,
     random_states: Callable,
     our_accelerations: Callable,
 ) -> None:
-    specimen = specimens[name]
-    current = specimen.scenario.current()
+    job = jobs[name]
+    current = job.scenario.current()
     assert current.any()
-    folder = export("sdf", specimen)
+    folder = export("sdf", job)
     simulator = GzSim(folder / "drift.sdf", inertia_of)
     states = random_states(50)
     found = [simulator.accelerations(s.R, s.velocity - current, s.omega) for s in states]
-    assert largest_deviation(found, [our_accelerations(specimen, s) for s in states]) < 1e-6
+    assert largest_deviation(found, [our_accelerations(job, s) for s in states]) < 1e-6
     world = ET.parse(folder / "drift.sdf").getroot().find("world")
     for model in ("pipe", "targets"):
         assert world.find(f"model[@name='{model}']/static") is None
@@ -322,9 +322,9 @@ def test_seen_from_the_water_gazebo_is_exact_in_a_current_too(
 
 
 def test_the_whole_pipe_is_below_the_uuv_simulators_surface(
-    specimens: dict[str, Specimen], export: Callable
+    jobs: dict[str, ExportJob], export: Callable
 ) -> None:
-    folder = export("uuv", specimens["random"])
+    folder = export("uuv", jobs["random"])
     world = ET.parse(folder / "worlds/pipe.world").getroot().find("world")
     planks = [numbers(e.findtext("pose")) for e in world.findall("model[@name='pipe']/link/collision")]
     heights = np.array(planks)[:, 2]
@@ -334,29 +334,29 @@ def test_the_whole_pipe_is_below_the_uuv_simulators_surface(
         ET.parse(folder / "launch/start.launch").getroot().find(".//node[@name='spawn']").get("args").split()
     )
     place = {key: float(args[args.index(key) + 1]) for key in ("-x", "-y", "-z", "-R", "-P", "-Y")}
-    cog = specimens["random"].agent.mass.cog
+    cog = jobs["random"].agent.mass.cog
     assert place["-z"] == pytest.approx(middle)
     assert place["-x"] == pytest.approx(cog[0])
 
 
 def test_a_pipe_that_would_stand_out_of_the_water_is_told_of(
-    specimens: dict[str, Specimen], export: Callable
+    jobs: dict[str, ExportJob], export: Callable
 ) -> None:
-    folder = export("uuv", specimens["random"], depth=0.5)
+    folder = export("uuv", jobs["random"], depth=0.5)
     assert "stands 0.5 m out of the water" in (folder / "urdf/agent.xacro").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("share", [0.97, 1.03])
 def test_a_warning_tells_whether_lagged_added_mass_diverges(
-    share: float, specimens: dict[str, Specimen], export: Callable, inertia_of: Callable
+    share: float, jobs: dict[str, ExportJob], export: Callable, inertia_of: Callable
 ) -> None:
     """The simulator's own filter, with the exported matrices: it diverges where the export says so, and only there."""
-    specimen = specimens["random"]
-    agent = specimen.agent
+    job = jobs["random"]
+    agent = job.agent
     ratio = largest_added_mass_ratio(agent.mass, agent.coefficients)
     scale = share * 17 / 3 / ratio
     coefficients = Coefficients(scale * agent.coefficients.added_mass, agent.coefficients.origin)
-    heavy = replace(specimen, agent=replace(agent, coefficients=coefficients))
+    heavy = replace(job, agent=replace(agent, coefficients=coefficients))
     folder = export("uuv", heavy)
     simulator = UuvSimulator(folder, inertia_of)
     own = np.diag([simulator.m] * 3 + [0.0] * 3)
@@ -371,8 +371,8 @@ def test_a_warning_tells_whether_lagged_added_mass_diverges(
     assert ("UNSTABLE" in (folder / "urdf/agent.xacro").read_text(encoding="utf-8")) == diverges
 
 
-def test_every_file_that_the_package_names_is_there(specimens: dict[str, Specimen], export: Callable) -> None:
-    folder = export("uuv", specimens["another"])
+def test_every_file_that_the_package_names_is_there(jobs: dict[str, ExportJob], export: Callable) -> None:
+    folder = export("uuv", jobs["another"])
     name = ET.parse(folder / "package.xml").getroot().findtext("name")
     assert re.fullmatch(r"[a-z][a-z0-9_]*", name)
     named = set()
@@ -385,9 +385,9 @@ def test_every_file_that_the_package_names_is_there(specimens: dict[str, Specime
 
 
 def test_the_release_launch_sets_the_speed_of_the_release(
-    specimens: dict[str, Specimen], export: Callable
+    jobs: dict[str, ExportJob], export: Callable
 ) -> None:
-    node = ET.parse(export("uuv", specimens["skewed"]) / "launch/release.launch").getroot().find("node")
+    node = ET.parse(export("uuv", jobs["skewed"]) / "launch/release.launch").getroot().find("node")
     assert "twist: {linear: {x: 0.2, y: 0.1, z: -0.3}}" in node.get("args")
     half = np.deg2rad(-15)
     assert f"y: {np.sin(half):.12g}, z: 0, w: {np.cos(half):.12g}" in node.get("args")

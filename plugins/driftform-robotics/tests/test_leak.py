@@ -111,7 +111,7 @@ def test_a_wrong_option_is_told_with_its_line(tmp_path: Path) -> None:
 def searched(seed: int, evaluations: int) -> tuple[float, np.ndarray]:
     """Seconds in the plume of the agent that ``leak-search`` evolves, and of random ones of another seed."""
     study = load_study("leak-search", run={"seed": seed, "evaluations": evaluations})
-    pipeline, strategy = study.pipeline(), study.strategy()
+    pipeline, strategy = study.make_pipeline(), study.make_strategy()
     best, flown = (-1.0, None), 0
     while flown < study.evaluations:
         genomes = [candidate.genome for candidate in strategy.ask(study.evaluations - flown)]
@@ -125,8 +125,8 @@ def searched(seed: int, evaluations: int) -> tuple[float, np.ndarray]:
 
 
 def seconds(study: Study, genomes: list[Any]) -> np.ndarray:
-    pipeline = study.pipeline()
-    flights = pipeline.fly([pipeline.agent(genome) for genome in genomes])
+    pipeline = study.make_pipeline()
+    flights = pipeline.fly([pipeline.make_agent(genome) for genome in genomes])
     leak = pipeline.fitness
     assert isinstance(leak, Leak)
     return np.array([leak.seconds_in_plume(flight, study.scenario)[0] for flight in flights])

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftform.geometry import solid_of_revolution
-from driftform.interfaces import Specimen
+from driftform.interfaces import ExportJob
 from driftform.scenario import Segment
 from driftform_robotics.models.meshes import Mesh, convex_pieces, revolved, tube
 from driftform_robotics.models.pipe import PLANKS, bore_of
@@ -71,11 +71,11 @@ def test_a_contour_that_folds_back_stays_in_one_piece() -> None:
     assert piece.volume == pytest.approx(solid_of_revolution(contour).volume)
 
 
-def test_the_exported_hull_is_the_body_that_flies(specimen: Specimen, export: Callable) -> None:
-    mass = specimen.agent.mass
-    moments = solid_of_revolution(specimen.agent.body.outer)
+def test_the_exported_hull_is_the_body_that_flies(job: ExportJob, export: Callable) -> None:
+    mass = job.agent.mass
+    moments = solid_of_revolution(job.agent.body.outer)
     for format in ("sdf", "uuv", "urdf", "mjcf"):
-        mesh = trimesh.load_mesh(export(format, specimen) / "meshes/hull.obj")
+        mesh = trimesh.load_mesh(export(format, job) / "meshes/hull.obj")
         assert mesh.is_watertight
         assert mesh.volume == pytest.approx(moments.volume, rel=1e-6)
         np.testing.assert_allclose(mesh.center_mass, np.array([moments.centroid, 0, 0]) - mass.cog, atol=1e-7)

@@ -11,7 +11,7 @@ import pytest
 
 from driftform.dynamics.inertia import added_mass_at
 from driftform.dynamics.rotations import matrix_from_quaternion
-from driftform.interfaces import Specimen
+from driftform.interfaces import ExportJob
 from driftform.scenario import Scenario
 from driftform.testing.agents import Spheroid
 from driftform.types import Agent, Coefficients
@@ -52,11 +52,9 @@ def quaternion(R: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", ["agent.xml", "scene.xml"])
-def test_it_reads_the_mass_the_centre_and_the_inertia(
-    name: str, specimen: Specimen, export: Callable
-) -> None:
-    model, _ = load(export("mjcf", specimen) / name)
-    expected = specimen.agent.mass
+def test_it_reads_the_mass_the_centre_and_the_inertia(name: str, job: ExportJob, export: Callable) -> None:
+    model, _ = load(export("mjcf", job) / name)
+    expected = job.agent.mass
     assert model.body_mass[1] == pytest.approx(expected.mass, rel=1e-10)
     np.testing.assert_allclose(model.body_ipos[1], 0, atol=1e-15)
     np.testing.assert_allclose(
@@ -65,9 +63,9 @@ def test_it_reads_the_mass_the_centre_and_the_inertia(
     assert model.body_mass[2] < 1e-8 * expected.mass
 
 
-def test_it_reads_the_urdf_as_a_body_that_floats(specimen: Specimen, export: Callable) -> None:
-    model, _ = load(export("urdf", specimen) / "agent.urdf")
-    expected = specimen.agent.mass
+def test_it_reads_the_urdf_as_a_body_that_floats(job: ExportJob, export: Callable) -> None:
+    model, _ = load(export("urdf", job) / "agent.urdf")
+    expected = job.agent.mass
     assert model.nv == 6
     assert model.body_mass.sum() == pytest.approx(expected.mass, rel=1e-10)
     np.testing.assert_allclose(model.body_ipos[-1], 0, atol=1e-15)
@@ -80,29 +78,27 @@ def test_it_reads_the_urdf_as_a_body_that_floats(specimen: Specimen, export: Cal
 
 
 def test_without_a_floating_joint_it_welds_the_urdf_to_the_world(
-    specimens: dict[str, Specimen], export: Callable
+    jobs: dict[str, ExportJob], export: Callable
 ) -> None:
-    model, _ = load(export("urdf", specimens["random"], floating=False) / "agent.urdf")
+    model, _ = load(export("urdf", jobs["random"], floating=False) / "agent.urdf")
     assert model.nv == 0
 
 
-def test_the_agent_is_released_where_and_as_fast_as_in_the_scenario(
-    specimen: Specimen, export: Callable
-) -> None:
-    model, data = load(export("mjcf", specimen) / "agent.xml")
-    release = specimen.scenario.release
+def test_the_agent_is_released_where_and_as_fast_as_in_the_scenario(job: ExportJob, export: Callable) -> None:
+    model, data = load(export("mjcf", job) / "agent.xml")
+    release = job.scenario.release
     core = data.site("core").xpos
     np.testing.assert_allclose(core, release.position, atol=1e-12)
-    expected = specimen.scenario.current() if release.velocity == "current" else release.velocity
+    expected = job.scenario.current() if release.velocity == "current" else release.velocity
     np.testing.assert_allclose(data.qvel, [*expected, 0, 0, 0], atol=1e-12)
-    np.testing.assert_allclose(model.opt.wind, specimen.scenario.current(), atol=1e-12)
+    np.testing.assert_allclose(model.opt.wind, job.scenario.current(), atol=1e-12)
 
 
-def test_weight_and_buoyancy_act_where_they_do(specimen: Specimen, export: Callable) -> None:
+def test_weight_and_buoyancy_act_where_they_do(job: ExportJob, export: Callable) -> None:
     """The moment of buoyancy rights the agent, which compensated gravity at the COG alone would not."""
-    _, data = load(export("mjcf", specimen) / "agent.xml")
-    mass, fluid = specimen.agent.mass, specimen.scenario.fluid
-    R = matrix_from_quaternion(specimen.scenario.release_quaternion())
+    _, data = load(export("mjcf", job) / "agent.xml")
+    mass, fluid = job.agent.mass, job.scenario.fluid
+    R = matrix_from_quaternion(job.scenario.release_quaternion())
     lift = np.array([0, 0, fluid.density * mass.volume * fluid.gravity])
     moment = np.cross(mass.cob - mass.cog, R.T @ lift)
     np.testing.assert_allclose(data.qfrc_gravcomp[:3], lift, rtol=1e-9)
@@ -111,20 +107,20 @@ def test_weight_and_buoyancy_act_where_they_do(specimen: Specimen, export: Calla
 
 @pytest.mark.parametrize("name", ["random", "another"])
 def test_coriolis_forces_of_added_mass_are_ours_but_for_the_turning(
-    name: str, specimens: dict[str, Specimen], export: Callable, random_states: Callable
+    name: str, jobs: dict[str, ExportJob], export: Callable, random_states: Callable
 ) -> None:
     """Munk's moment and what goes with it: -C_A(nu_r) nu_r with the matrix that the ellipsoid was fitted to.
 
     MuJoCo's integrals are a quadrature, which is 1 % off.
     """
-    specimen = specimens[name]
-    added = added_mass_at(specimen.agent.coefficients, specimen.agent.mass.cog)
-    folder = export("mjcf", specimen)
+    job = jobs[name]
+    added = added_mass_at(job.agent.coefficients, job.agent.mass.cog)
+    folder = export("mjcf", job)
     model, _ = load(folder / "agent.xml")
     centre = model.geom("water").pos[0]
     for state in random_states(10):
         slow = replace(state, omega=np.zeros(3))
-        nu = slow.R.T @ (slow.velocity - specimen.scenario.current())
+        nu = slow.R.T @ (slow.velocity - job.scenario.current())
         momentum, turning = added[:3, :3] @ nu, added[3:, :3] @ nu
         expected = np.concatenate((np.zeros(3), np.cross(momentum, nu)))
         assert (
@@ -135,35 +131,35 @@ def test_coriolis_forces_of_added_mass_are_ours_but_for_the_turning(
         np.testing.assert_allclose(found[:3], 0, atol=1e-9)
 
 
-def test_added_mass_has_no_inertia_there(specimens: dict[str, Specimen], export: Callable) -> None:
+def test_added_mass_has_no_inertia_there(jobs: dict[str, ExportJob], export: Callable) -> None:
     """What the comment in the file says that MuJoCo leaves out."""
-    specimen = specimens["another"]
-    _, data = load(export("mjcf", specimen) / "agent.xml")
-    mass, fluid = specimen.agent.mass, specimen.scenario.fluid
+    job = jobs["another"]
+    _, data = load(export("mjcf", job) / "agent.xml")
+    mass, fluid = job.agent.mass, job.scenario.fluid
     net = (fluid.density * mass.volume / mass.mass - 1) * fluid.gravity
     np.testing.assert_allclose(data.qacc[:3], [0, 0, net], atol=1e-6 * abs(net))
-    assert "leaves out the inertia of added mass" in (export("mjcf", specimen) / "agent.xml").read_text(
+    assert "leaves out the inertia of added mass" in (export("mjcf", job) / "agent.xml").read_text(
         encoding="utf-8"
     )
 
 
 @pytest.mark.parametrize("axis", [0, 2, 4])
 def test_drag_along_one_axis_is_ours_at_the_speed_of_reference(
-    axis: int, specimens: dict[str, Specimen], export: Callable, random_states: Callable
+    axis: int, jobs: dict[str, ExportJob], export: Callable, random_states: Callable
 ) -> None:
-    specimen = specimens["dragged"]
+    job = jobs["dragged"]
     calm = replace(
-        specimen,
-        scenario=specimen.scenario.model_copy(update={"flow": type(specimen.scenario.flow)(speed=0.0)}),
+        job,
+        scenario=job.scenario.model_copy(update={"flow": type(job.scenario.flow)(speed=0.0)}),
     )
     speed = 0.3
     folder = export("mjcf", calm, drag_speed=speed)
     nu = np.zeros(6)
-    nu[axis] = speed if axis < 3 else 2 * speed / specimen.agent.body.length
+    nu[axis] = speed if axis < 3 else 2 * speed / job.agent.body.length
     state = replace(random_states(1)[0], R=np.eye(3), velocity=nu[:3], omega=nu[3:])
     found = fluid_forces(folder / "agent.xml", state)[axis]
-    fluid = specimen.scenario.fluid
-    ours = [quadratic_wrench(specimen.agent, fluid, sign * nu)[axis] * sign for sign in (1, -1)]
+    fluid = job.scenario.fluid
+    ours = [quadratic_wrench(job.agent, fluid, sign * nu)[axis] * sign for sign in (1, -1)]
     if axis == 0:
         # Coefficients may not be negative: along the axis it can only be too much.
         assert found <= 0.999 * np.mean(ours)
@@ -172,10 +168,10 @@ def test_drag_along_one_axis_is_ours_at_the_speed_of_reference(
         assert found == pytest.approx(np.mean(ours), rel=1e-6 if axis == 2 else 0.7)
 
 
-def test_the_agent_stays_in_the_pipe(specimens: dict[str, Specimen], export: Callable) -> None:
+def test_the_agent_stays_in_the_pipe(jobs: dict[str, ExportJob], export: Callable) -> None:
     """Three seconds of a buoyant agent: it rises to the wall, and the planks hold it."""
-    specimen = specimens["another"]
-    model, data = load(export("mjcf", specimen, step=0.002) / "scene.xml")
+    job = jobs["another"]
+    model, data = load(export("mjcf", job, step=0.002) / "scene.xml")
     touched = False
     for _ in range(1500):
         mujoco.mj_step(model, data)
@@ -188,7 +184,7 @@ def test_the_agent_stays_in_the_pipe(specimens: dict[str, Specimen], export: Cal
 def test_a_spheroid_gets_its_own_ellipsoid(export: Callable) -> None:
     """The fit gives back the body where that is an ellipsoid already."""
     agent = Spheroid(0.06, 0.01).agent()
-    model, _ = load(export("mjcf", Specimen("spheroid", agent, Scenario())) / "agent.xml")
+    model, _ = load(export("mjcf", ExportJob("spheroid", agent, Scenario())) / "agent.xml")
     np.testing.assert_allclose(model.geom("water").size, [0.06, 0.01, 0.01], rtol=1e-6)
 
 
@@ -200,5 +196,5 @@ def test_the_fit_gives_back_any_spheroid_flat_ones_too(ratio: float, export: Cal
     displaced = 1024 * 4 / 3 * np.pi * 0.06 * b * b
     added = displaced * np.diag([k1, k2, k2, 0, 1e-3, 1e-3])
     agent: Agent = replace(base, coefficients=Coefficients(added))
-    model, _ = load(export("mjcf", Specimen("spheroid", agent, Scenario())) / "agent.xml")
+    model, _ = load(export("mjcf", ExportJob("spheroid", agent, Scenario())) / "agent.xml")
     np.testing.assert_allclose(model.geom("water").size, [0.06, b, b], rtol=1e-6)

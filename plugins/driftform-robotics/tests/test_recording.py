@@ -19,7 +19,7 @@ from mcap_ros2.decoder import DecoderFactory
 from ruamel.yaml import YAML
 
 from driftform.dynamics.rotations import matrix_from_quaternion
-from driftform.interfaces import Specimen
+from driftform.interfaces import ExportJob
 from driftform.scenario import Pipe, Release, Scenario, Segment
 from driftform.testing import RecorderContract
 from driftform.testing.renderer import drift
@@ -63,8 +63,8 @@ class TestRosbag2WithMcap(RecorderContract):
 
 
 @pytest.fixture(scope="module")
-def specimen() -> Specimen:
-    return replace(TestMcap().specimen(), document={"format": "driftform-agent", "word": "C"})
+def job() -> ExportJob:
+    return replace(TestMcap().export_job(), document={"format": "driftform-agent", "word": "C"})
 
 
 @pytest.fixture(scope="module")
@@ -73,9 +73,9 @@ def flight() -> Trajectory:
 
 
 @pytest.fixture(scope="module")
-def mcap(specimen: Specimen, flight: Trajectory, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def mcap(job: ExportJob, flight: Trajectory, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("mcap") / "agent.mcap"
-    McapRecorder(FlightOptions(sensor=(0.02, 0.0, 0.01))).write(specimen, flight, path)
+    McapRecorder(FlightOptions(sensor=(0.02, 0.0, 0.01))).write(job, flight, path)
     return path
 
 
@@ -174,21 +174,21 @@ def test_every_frame_that_a_message_names_hangs_on_the_world(read: dict[str, lis
 
 
 def test_the_wrench_is_that_of_newton_and_euler(
-    read: dict[str, list[tuple[int, Any]]], specimen: Specimen, flight: Trajectory
+    read: dict[str, list[tuple[int, Any]]], job: ExportJob, flight: Trajectory
 ) -> None:
-    moved_by = accelerations_along(flight, specimen.agent, specimen.scenario)
-    wrench = net_wrench(flight, moved_by, specimen.agent.mass)
+    moved_by = accelerations_along(flight, job.agent, job.scenario)
+    wrench = net_wrench(flight, moved_by, job.agent.mass)
     found = [[*xyz(m.wrench.force), *xyz(m.wrench.torque)] for _, m in read["/agent/wrench"]]
     assert np.array_equal(found, wrench)
     assert {m.header.frame_id for _, m in read["/agent/wrench"]} == {"agent/cog"}
 
 
 def test_sensors_read_what_their_functions_say(
-    read: dict[str, list[tuple[int, Any]]], specimen: Specimen, flight: Trajectory
+    read: dict[str, list[tuple[int, Any]]], job: ExportJob, flight: Trajectory
 ) -> None:
-    point, scenario = np.array([0.02, 0.0, 0.01]), specimen.scenario
+    point, scenario = np.array([0.02, 0.0, 0.01]), job.scenario
     there = sensors.places(flight, point)
-    moved_by = accelerations_along(flight, specimen.agent, scenario)
+    moved_by = accelerations_along(flight, job.agent, scenario)
     force = sensors.specific_force(flight, moved_by, point, scenario.fluid.gravity)
     assert [xyz(m.linear_acceleration) for _, m in read["/agent/imu"]] == force.tolist()
     assert [xyz(m.angular_velocity) for _, m in read["/agent/imu"]] == flight.velocity[:, 3:].tolist()
@@ -204,7 +204,7 @@ def test_sensors_read_what_their_functions_say(
 
 
 def test_markers_show_the_pipe_the_targets_and_the_agent(
-    read: dict[str, list[tuple[int, Any]]], specimen: Specimen
+    read: dict[str, list[tuple[int, Any]]], job: ExportJob
 ) -> None:
     [(_, message)] = read["/markers"]
     by_group = {marker.ns: marker for marker in message.markers}
@@ -217,17 +217,17 @@ def test_markers_show_the_pipe_the_targets_and_the_agent(
     assert xyz(target.pose.position) == [0.1, 0.0, -1.0] and by_group["names"].text == "leak"
     corners = np.array([xyz(point) for point in agent.points]).reshape(-1, 3, 3)
     volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
-    assert volume == pytest.approx(specimen.agent.mass.volume, rel=1e-6)
+    assert volume == pytest.approx(job.agent.mass.volume, rel=1e-6)
     assert agent.header.frame_id == "agent/base_link" and agent.frame_locked
 
 
 def test_a_database_holds_the_same_bytes_as_the_mcap_file(
-    specimen: Specimen, flight: Trajectory, tmp_path: Path
+    job: ExportJob, flight: Trajectory, tmp_path: Path
 ) -> None:
     options = Rosbag2Options()
     folder, file = tmp_path / "agent-rosbag2", tmp_path / "agent.mcap"
-    Rosbag2Recorder(options).write(specimen, flight, folder)
-    McapRecorder(FlightOptions()).write(specimen, flight, file)
+    Rosbag2Recorder(options).write(job, flight, folder)
+    McapRecorder(FlightOptions()).write(job, flight, file)
     with sqlite3.connect(f"file:{folder / 'agent-rosbag2.db3'}?mode=ro", uri=True) as database:
         topics = {i: (name, kind) for i, name, kind in database.execute("SELECT id, name, type FROM topics")}
         rows = database.execute(
@@ -255,10 +255,10 @@ def test_a_database_holds_the_same_bytes_as_the_mcap_file(
 
 @pytest.mark.parametrize("storage", ["sqlite3", "mcap"])
 def test_the_metadata_of_a_bag_tells_what_is_in_it(
-    storage: Any, specimen: Specimen, flight: Trajectory, tmp_path: Path
+    storage: Any, job: ExportJob, flight: Trajectory, tmp_path: Path
 ) -> None:
     folder = tmp_path / "agent-rosbag2"
-    written = Rosbag2Recorder(Rosbag2Options(storage=storage)).write(specimen, flight, folder)
+    written = Rosbag2Recorder(Rosbag2Options(storage=storage)).write(job, flight, folder)
     told = YAML(typ="safe").load(folder / "metadata.yaml")["rosbag2_bagfile_information"]
     assert told["storage_identifier"] == storage
     assert told["duration"]["nanoseconds"] == pytest.approx(flight.t[-1] * 1e9, abs=1)
@@ -273,24 +273,24 @@ def test_the_metadata_of_a_bag_tells_what_is_in_it(
         # 1 is "transient local" and 2 "volatile" in the numbers of ROS.
         assert quality["durability"] == (1 if name in ONCE else 2), name
     assert [(folder / name).is_file() for name in told["relative_file_paths"]] == [True]
-    assert json.loads(told["custom_data"]["document"]) == specimen.document
+    assert json.loads(told["custom_data"]["document"]) == job.document
     facts = [file.facts for file in written if file.facts]
     assert [fact["messages"] for fact in facts] == [told["message_count"]]
 
 
-def test_what_is_not_there_has_no_topic(specimen: Specimen, flight: Trajectory, tmp_path: Path) -> None:
+def test_what_is_not_there_has_no_topic(job: ExportJob, flight: Trajectory, tmp_path: Path) -> None:
     path = tmp_path / "agent.mcap"
-    McapRecorder(FlightOptions()).write(replace(specimen, scenario=Scenario()), flight, path)
+    McapRecorder(FlightOptions()).write(replace(job, scenario=Scenario()), flight, path)
     missing = {"/agent/range", "/agent/clearance", "/agent/concentration"}
     assert set(messages(path)) == set(KINDS) - missing
-    inside = specimen.scenario.model_copy(update={"targets": {"middle": (0.1, 0.0, 0.0)}})
-    McapRecorder(FlightOptions()).write(replace(specimen, scenario=inside), flight, path)
+    inside = job.scenario.model_copy(update={"targets": {"middle": (0.1, 0.0, 0.0)}})
+    McapRecorder(FlightOptions()).write(replace(job, scenario=inside), flight, path)
     assert set(messages(path)) == set(KINDS) - {"/agent/concentration"}
 
 
-def test_the_name_of_the_agent_can_be_chosen(specimen: Specimen, flight: Trajectory, tmp_path: Path) -> None:
+def test_the_name_of_the_agent_can_be_chosen(job: ExportJob, flight: Trajectory, tmp_path: Path) -> None:
     path = tmp_path / "agent.mcap"
-    McapRecorder(FlightOptions(namespace="diver", start=5.0)).write(specimen, flight, path)
+    McapRecorder(FlightOptions(namespace="diver", start=5.0)).write(job, flight, path)
     found = messages(path)
     assert set(found) == {topic.replace("/agent/", "/diver/") for topic in KINDS}
     assert found["/tf"][0][0] == 5 * 10**9
@@ -298,11 +298,11 @@ def test_the_name_of_the_agent_can_be_chosen(specimen: Specimen, flight: Traject
 
 
 def test_noise_is_as_large_as_asked_for_and_comes_again_with_its_seed(
-    specimen: Specimen, flight: Trajectory, tmp_path: Path
+    job: ExportJob, flight: Trajectory, tmp_path: Path
 ) -> None:
     def pressures(name: str, **options: Any) -> np.ndarray:
         path = tmp_path / name
-        McapRecorder(FlightOptions(**options)).write(specimen, long, path)
+        McapRecorder(FlightOptions(**options)).write(job, long, path)
         return np.array([m.fluid_pressure for _, m in messages(path)["/agent/pressure"]])
 
     t = np.linspace(0, 0.4, 200)
@@ -322,20 +322,20 @@ def test_noise_is_as_large_as_asked_for_and_comes_again_with_its_seed(
 
 @pytest.mark.parametrize("release", ["humble", "kilted", "lyrical"])
 def test_other_releases_have_their_own_definitions(
-    release: Any, specimen: Specimen, flight: Trajectory, tmp_path: Path
+    release: Any, job: ExportJob, flight: Trajectory, tmp_path: Path
 ) -> None:
     path = tmp_path / "agent.mcap"
-    McapRecorder(FlightOptions(release=release)).write(specimen, flight, path)
+    McapRecorder(FlightOptions(release=release)).write(job, flight, path)
     _, first = messages(path)["/agent/range"][0]
     # The message Range has had a variance since Iron.
     assert hasattr(first, "variance") == (release != "humble")
 
 
-def test_a_tilted_pipe_is_drawn_as_it_lies(specimen: Specimen, flight: Trajectory, tmp_path: Path) -> None:
+def test_a_tilted_pipe_is_drawn_as_it_lies(job: ExportJob, flight: Trajectory, tmp_path: Path) -> None:
     path, start, end = tmp_path / "agent.mcap", (1.0, 2.0, 3.0), (2.0, 4.0, 1.0)
     pipe = Pipe(segments=(Segment(start=start, end=end, radius=0.5),))
     tilted = Scenario(pipe=pipe, release=Release(position=start))
-    McapRecorder(FlightOptions()).write(replace(specimen, scenario=tilted), flight, path)
+    McapRecorder(FlightOptions()).write(replace(job, scenario=tilted), flight, path)
     [(_, message)] = messages(path)["/markers"]
     drawn = next(marker for marker in message.markers if marker.ns == "pipe")
     turned = drawn.pose.orientation

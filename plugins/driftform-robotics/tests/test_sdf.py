@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.dynamics.inertia import added_mass_at, rigid_body_mass, shifted
+from driftform.dynamics.inertia import added_mass_at, rigid_body_mass, shift_origin
 from driftform.dynamics.rotations import matrix_from_quaternion
-from driftform.interfaces import Specimen
+from driftform.interfaces import ExportJob
 from driftform.scenario import Scenario
 
 
@@ -18,13 +18,13 @@ from driftform.scenario import Scenario
 def test_ignition_reads_what_is_for_fortress(
     name: str,
     level: float | None,
-    specimens: dict[str, Specimen],
+    jobs: dict[str, ExportJob],
     export: Callable,
     requires_program: Callable[[str], str],
 ) -> None:
-    scenario = specimens[name].scenario
+    scenario = jobs[name].scenario
     fluid = scenario.fluid.model_copy(update={"water_level": level})
-    afloat = replace(specimens[name], scenario=scenario.model_copy(update={"fluid": fluid}))
+    afloat = replace(jobs[name], scenario=scenario.model_copy(update={"fluid": fluid}))
     folder = export("sdf", afloat, gazebo="fortress")
     for file in ("model.sdf", "world.sdf"):
         done = subprocess.run(
@@ -39,12 +39,12 @@ def test_ignition_reads_what_is_for_fortress(
 
 
 def test_ignition_refuses_an_inertia_that_no_body_has(
-    specimens: dict[str, Specimen],
+    jobs: dict[str, ExportJob],
     export: Callable,
     requires_program: Callable[[str], str],
     tmp_path: Path,
 ) -> None:
-    text = (export("sdf", specimens["random"], gazebo="fortress") / "model.sdf").read_text(encoding="utf-8")
+    text = (export("sdf", jobs["random"], gazebo="fortress") / "model.sdf").read_text(encoding="utf-8")
     (tmp_path / "model.sdf").write_text(text.replace("<ixx>", "<ixx>-"), encoding="utf-8")
     done = subprocess.run(
         [requires_program("ign"), "sdf", "-k", tmp_path / "model.sdf"],
@@ -56,58 +56,58 @@ def test_ignition_refuses_an_inertia_that_no_body_has(
     assert "Error" in done.stderr
 
 
-def test_added_mass_is_told_once(specimen: Specimen, export: Callable) -> None:
+def test_added_mass_is_told_once(job: ExportJob, export: Callable) -> None:
     """In the link where the engine solves it, and in the plugin where it does not: never in both, never in none."""
     for gazebo, in_link in (("harmonic", True), ("fortress", False)):
-        text = (export("sdf", specimen, gazebo=gazebo) / "world.sdf").read_text(encoding="utf-8")
+        text = (export("sdf", job, gazebo=gazebo) / "world.sdf").read_text(encoding="utf-8")
         assert ("<fluid_added_mass>" in text) == in_link
         assert ("<xDotU>" in text) == (not in_link)
 
 
-def test_fortress_gets_the_same_added_mass_with_the_other_sign(specimen: Specimen, export: Callable) -> None:
-    text = (export("sdf", specimen, gazebo="fortress") / "model.sdf").read_text(encoding="utf-8")
+def test_fortress_gets_the_same_added_mass_with_the_other_sign(job: ExportJob, export: Callable) -> None:
+    text = (export("sdf", job, gazebo="fortress") / "model.sdf").read_text(encoding="utf-8")
     found = np.zeros((6, 6))
     for element in ET.fromstring(text).find("model/plugin"):
         if isinstance(element.tag, str) and element.tag[1:4] == "Dot":
             found["xyzkmn".index(element.tag[0]), "UVWPQR".index(element.tag[4])] = float(element.text)
-    agent = specimen.agent
+    agent = job.agent
     expected = added_mass_at(agent.coefficients, agent.mass.cog)
     np.testing.assert_allclose(found, -expected, rtol=1e-9, atol=1e-11 * np.abs(expected).max())
 
 
 def test_the_release_gives_body_and_water_the_momentum_of_their_speed(
-    specimens: dict[str, Specimen], export: Callable
+    jobs: dict[str, ExportJob], export: Callable
 ) -> None:
-    specimen = specimens["skewed"]
-    text = (export("sdf", specimen, step=0.002) / "push.sh").read_text(encoding="utf-8")
+    job = jobs["skewed"]
+    text = (export("sdf", job, step=0.002) / "push.sh").read_text(encoding="utf-8")
     force, torque = (
         np.array([float(v) for v in re.search(rf"{what}: {{x: (.*), y: (.*), z: (.*)}}", text).groups()])
         for what in ("force", "torque")
     )
-    R = matrix_from_quaternion(specimen.scenario.release_quaternion())
-    agent = specimen.agent
-    total = shifted(rigid_body_mass(agent.mass), agent.mass.cog)
+    R = matrix_from_quaternion(job.scenario.release_quaternion())
+    agent = job.agent
+    total = shift_origin(rigid_body_mass(agent.mass), agent.mass.cog)
     total += added_mass_at(agent.coefficients, agent.mass.cog)
     gained = np.linalg.solve(total, 0.002 * np.concatenate((R.T @ force, R.T @ torque)))
-    np.testing.assert_allclose(R @ gained[:3], specimen.scenario.release.velocity, rtol=1e-9)
+    np.testing.assert_allclose(R @ gained[:3], job.scenario.release.velocity, rtol=1e-9)
     np.testing.assert_allclose(gained[3:], 0, atol=1e-8)
 
 
 def test_an_agent_that_is_released_at_rest_needs_no_release(
-    specimens: dict[str, Specimen], export: Callable, still: Callable
+    jobs: dict[str, ExportJob], export: Callable, still: Callable
 ) -> None:
-    folder = export("sdf", still(specimens["random"]))
+    folder = export("sdf", still(jobs["random"]))
     assert not (folder / "push.sh").exists()
     assert "push.sh" not in (folder / "world.sdf").read_text(encoding="utf-8")
 
 
 def test_at_a_free_surface_spheres_displace_what_the_hull_does(
-    specimens: dict[str, Specimen], export: Callable
+    jobs: dict[str, ExportJob], export: Callable
 ) -> None:
     """Gazebo's graded buoyancy takes no meshes; its spheres must have the hull's volume and centre, and touch nothing."""
-    specimen = specimens["random"]
-    fluid = specimen.scenario.fluid.model_copy(update={"water_level": 0.4})
-    afloat = replace(specimen, scenario=specimen.scenario.model_copy(update={"fluid": fluid}))
+    job = jobs["random"]
+    fluid = job.scenario.fluid.model_copy(update={"water_level": 0.4})
+    afloat = replace(job, scenario=job.scenario.model_copy(update={"fluid": fluid}))
     world = ET.parse(export("sdf", afloat) / "world.sdf").getroot().find("world")
     graded = world.find("plugin[@name='gz::sim::systems::Buoyancy']/graded_buoyancy")
     assert float(graded.findtext("default_density")) == fluid.density
@@ -120,27 +120,27 @@ def test_at_a_free_surface_spheres_displace_what_the_hull_does(
         assert collision.findtext("surface/contact/collide_bitmask") == "0"
         volume += 4 / 3 * np.pi * float(radius) ** 3
         moment += 4 / 3 * np.pi * float(radius) ** 3 * float(collision.findtext("pose").split()[0])
-    mass = specimen.agent.mass
+    mass = job.agent.mass
     assert volume == pytest.approx(mass.volume, rel=1e-9)
     assert moment / volume == pytest.approx(mass.cob[0] - mass.cog[0], abs=1e-9)
 
 
 def test_a_displaced_volume_that_is_not_the_hulls_is_told_of(
-    specimens: dict[str, Specimen], export: Callable
+    jobs: dict[str, ExportJob], export: Callable
 ) -> None:
-    specimen = specimens["random"]
-    bigger = replace(specimen.agent.mass, volume=2 * specimen.agent.mass.volume)
-    other = replace(specimen, agent=replace(specimen.agent, mass=bigger))
+    job = jobs["random"]
+    bigger = replace(job.agent.mass, volume=2 * job.agent.mass.volume)
+    other = replace(job, agent=replace(job.agent, mass=bigger))
     assert "this agent displaces" in (export("sdf", other) / "world.sdf").read_text(encoding="utf-8")
-    assert "this agent displaces" not in (export("sdf", specimen) / "world.sdf").read_text(encoding="utf-8")
+    assert "this agent displaces" not in (export("sdf", job) / "world.sdf").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("kind", ["log_law", "turbulent"])
 def test_a_flow_that_is_not_uniform_is_told_of_and_becomes_its_mean(
-    kind: str, specimens: dict[str, Specimen], export: Callable
+    kind: str, jobs: dict[str, ExportJob], export: Callable
 ) -> None:
-    document = specimens["random"].scenario.model_dump() | {"flow": {"kind": kind, "speed": 0.8}}
-    swirling = replace(specimens["random"], scenario=Scenario.model_validate(document))
+    document = jobs["random"].scenario.model_dump() | {"flow": {"kind": kind, "speed": 0.8}}
+    swirling = replace(jobs["random"], scenario=Scenario.model_validate(document))
     for format, name in (
         ("sdf", "world.sdf"),
         ("sdf", "drift.sdf"),
@@ -152,11 +152,11 @@ def test_a_flow_that_is_not_uniform_is_told_of_and_becomes_its_mean(
     assert "<default_current>0.8 0 0<" in (export("sdf", swirling) / "model.sdf").read_text(encoding="utf-8")
 
 
-def test_the_core_is_a_frame_of_the_model(specimen: Specimen, export: Callable, model_of: Callable) -> None:
+def test_the_core_is_a_frame_of_the_model(job: ExportJob, export: Callable, model_of: Callable) -> None:
     """Fitness is about the core's centre: where it is must not get lost with the origin at the centre of gravity."""
     model = model_of(
-        export("sdf", specimen) / "model.sdf",
-        ET.parse(export("sdf", specimen) / "model.sdf").getroot()[0].get("name"),
+        export("sdf", job) / "model.sdf",
+        ET.parse(export("sdf", job) / "model.sdf").getroot()[0].get("name"),
     )
     place = [float(v) for v in model.findtext("frame[@name='core']/pose").split()[:3]]
-    np.testing.assert_allclose(place, -specimen.agent.mass.cog, atol=1e-12)
+    np.testing.assert_allclose(place, -job.agent.mass.cog, atol=1e-12)

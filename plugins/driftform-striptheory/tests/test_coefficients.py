@@ -9,7 +9,7 @@ from scipy.integrate import quad
 
 from driftform.dynamics.inertia import added_mass_at
 from driftform.scenario import Fluid
-from driftform.testing.bodies import body_of, cylinder_body, spheroid_body
+from driftform.testing.bodies import cylinder_body, make_body, spheroid_body
 from driftform.types import Body
 from driftform_striptheory import driftform_hydrodynamics
 from driftform_striptheory.coefficients import StripTheory, StripTheoryOptions
@@ -24,7 +24,7 @@ def random_chain(seed: int) -> Body:
     rng = np.random.default_rng(seed)
     x = np.cumsum(rng.uniform(2e-3, 1e-2, 21)) - rng.uniform(0, 0.1)
     r = rng.uniform(5e-3, 3e-2, 21)
-    return body_of([(x[0], 0), *zip(x, r, strict=True), (x[-1], 0)])
+    return make_body([(x[0], 0), *zip(x, r, strict=True), (x[-1], 0)])
 
 
 def strips(body: Body, power: int) -> float:

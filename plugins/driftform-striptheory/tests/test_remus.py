@@ -9,7 +9,7 @@ import pytest
 
 from driftform.dynamics.inertia import added_mass_at
 from driftform.scenario import Fluid
-from driftform.testing.bodies import body_of, remus_body, spheroid_body
+from driftform.testing.bodies import make_body, remus_body, spheroid_body
 from driftform.types import Body
 from driftform_striptheory.coefficients import StripTheory, StripTheoryOptions
 
@@ -37,7 +37,7 @@ def finned() -> Body:
     hull = np.interp(along, x, r)
     moving = np.sqrt(TIP**2 - hull**2 + hull**4 / TIP**2)
     aft, fore = x < FINS[0], x > FINS[1]
-    return body_of(
+    return make_body(
         [
             *zip(x[aft], r[aft], strict=True),
             (FINS[0], hull[0]),

@@ -13,7 +13,7 @@ from driftform.dynamics.stability import stable_rest
 from driftform.dynamics.terminal import terminal_speeds
 from driftform.errors import WorkFailedError
 from driftform.geometry import hull_mass
-from driftform.hydrodynamics.drag import drag_of
+from driftform.hydrodynamics.drag import estimate_drag
 
 LEAD = 11_340.0
 """Density of lead, kg/m3 (CRC Handbook of Chemistry and Physics, at 20 degrees C)."""
@@ -21,7 +21,7 @@ LEAD = 11_340.0
 BED = 0.25
 """Travel of a common desktop printer, m."""
 
-LAGGED = 17 / 3
+LARGEST_LAGGED_RATIO = 17 / 3
 """Largest eigenvalue of M_RB^-1 M_A up to which added mass from a filtered acceleration is stable: 2/0.3 - 1."""
 
 
@@ -79,7 +79,7 @@ def _terminal_speeds(opened: Opened, net: float, pitch: float) -> dict[str, floa
     """Speeds (m/s) at which drag by strips carries the net weight, whether the agent flies with that drag or not."""
     fluid = opened.study.scenario.fluid
     fore_first = (net > 0) == (pitch < 0)
-    drag = opened.agent.coefficients.drag or drag_of(opened.agent.body, fluid.viscosity)
+    drag = opened.agent.coefficients.drag or estimate_drag(opened.agent.body, fluid.viscosity)
     along, across = terminal_speeds(drag, net, fore_first, fluid.density, fluid.viscosity)
     return {"along": along, "across": across}
 
@@ -119,10 +119,10 @@ def _warnings(opened: Opened, heaving: float, lambda_max: float) -> list[str]:
             warnings.append(
                 f"level, it {verb} from the axis to the wall in {time:.2g} s: it is far from neutral"
             )
-    if lambda_max > LAGGED:
+    if lambda_max > LARGEST_LAGGED_RATIO:
         warnings.append(
             f"added mass up to {lambda_max:.1f} times its own: simulators that take it from the step before, "
-            f"smoothed, diverge beyond {LAGGED:.2f}"
+            f"smoothed, diverge beyond {LARGEST_LAGGED_RATIO:.2f}"
         )
     if body.length > BED or body.max_diameter > BED:
         warnings.append(

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from driftform.errors import DriftformError, InputError, WorkFailedError, did_you_mean
-from driftform.interfaces import Specimen
+from driftform.interfaces import ExportJob
 from driftform.pipeline import Pipeline
 from driftform.runs.agent_file import StoredAgent, agent_document, read_agent
-from driftform.runs.directory import DATABASE, best_agent, check_run, resume_command
+from driftform.runs.directory import DATABASE, check_run, find_best_agent, resume_command
 from driftform.runs.store import Store
 from driftform.study import Document, Study, load_study
 from driftform.types import Agent, Trajectory
@@ -26,9 +26,9 @@ class Opened:
     pipeline: Pipeline
     agent: Agent
 
-    def specimen(self) -> Specimen:
+    def export_job(self) -> ExportJob:
         """The agent as exporters receive it."""
-        return Specimen(self.name, self.agent, self.study.scenario, agent_document(self.stored))
+        return ExportJob(self.name, self.agent, self.study.scenario, agent_document(self.stored))
 
     def fly(self) -> Trajectory:
         """The agent's flight through its scenario.
@@ -86,13 +86,13 @@ def build_stored(
         }
         source = Document(scenario, {**other, **made})
     study = load_study(source, settings, use=use, run={"seed": 0})
-    pipeline = study.pipeline()
+    pipeline = study.make_pipeline()
     if stored.genome.grammar != pipeline.grammar.name:
         raise InputError(
             f"{label}: is a genome of grammar '{stored.genome.grammar}', its study uses '{pipeline.grammar.name}'"
         )
     try:
-        agent = pipeline.agent(stored.genome)
+        agent = pipeline.make_agent(stored.genome)
     except ValueError as error:
         raise InputError(f"{label}: {error}") from None
     except (ArithmeticError, RuntimeError) as error:
@@ -116,7 +116,7 @@ def _stored(text: str, scenario: str | None) -> StoredAgent:
     if path.suffix == ".json" or "/" in text or "\\" in text:
         raise InputError(f"AGENT '{_short(text)}': no such file")
     study = load_study(scenario)
-    grammar = study.plugin("grammar")
+    grammar = study.make_plugin("grammar")
     try:
         genome = grammar.parse(text)
     except DriftformError as error:
@@ -130,11 +130,11 @@ def _stored(text: str, scenario: str | None) -> StoredAgent:
 def _of_run(directory: Path, target: str) -> StoredAgent:
     database = check_run(directory)
     with Store.open(database, read_only=True) as store:
-        study = load_study(Document(str(database), store.study()))
+        study = load_study(Document(str(database), store.read_study()))
         names = study.scenario.target_names
         if target not in names:
             raise InputError(f"{directory} has no target '{target}'{did_you_mean(target, names)}")
-        best = best_agent(study, store, target)
+        best = find_best_agent(study, store, target)
         if best is None:
             raise InputError(
                 f"{directory} has no evaluation yet that did not fail; wait, or go on with it by: "

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from driftform.errors import WorkFailedError
-from driftform.geometry.mass_elements import weighed
+from driftform.geometry.mass_elements import reweigh
 from driftform.pipeline import Pipeline
 from driftform.types import Agent, FloatArray, Trajectory
 
@@ -60,5 +60,5 @@ def gram_sensitivity(pipeline: Pipeline, agent: Agent, name: str) -> Sensitivity
     """
     if agent.mass.mass - agent.body.core.mass <= GRAM:
         return None
-    others = [weighed(agent, agent.mass.mass + change) for change in (-GRAM, GRAM)]
+    others = [reweigh(agent, agent.mass.mass + change) for change in (-GRAM, GRAM)]
     return Sensitivity(*(100 - one.fitness for one in flown(pipeline, [agent, *others], name)))

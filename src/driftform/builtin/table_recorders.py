@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from driftform.interfaces import Recorder, Specimen
+from driftform.interfaces import ExportJob, Recorder
 from driftform.options import Table
 from driftform.tables.columns import SAMPLE_COLUMNS, Batch, Column
 from driftform.tables.files import check_format, write_csv, write_parquet
@@ -33,18 +33,18 @@ class TableRecorder(Recorder[Table]):
     gravity: weight, buoyancy, the wall's push and all forces of the water together.
     """
 
-    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         """Write the table."""
         from driftform.trajectory.forces import accelerations_along, net_wrench
 
         check_format(self.name)
-        moved_by = accelerations_along(flight, specimen.agent, specimen.scenario)
-        wrench = net_wrench(flight, moved_by, specimen.agent.mass)
-        parts = (flight.t, flight.position, flight.quaternion, flight.velocity, wrench)
+        moved_by = accelerations_along(trajectory, job.agent, job.scenario)
+        wrench = net_wrench(trajectory, moved_by, job.agent.mass)
+        parts = (trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, wrench)
         names = [column.name for column in COLUMNS]
         batch: Batch = dict(zip(names, np.column_stack(parts).T, strict=True))
         write_whole(path, lambda part: self.write_table(part, batch))
-        facts = {"samples": len(flight.t), "duration": float(flight.t[-1]), "columns": len(COLUMNS)}
+        facts = {"samples": len(trajectory.t), "duration": float(trajectory.t[-1]), "columns": len(COLUMNS)}
         return (WrittenFile(self.name, str(path), facts),)
 
     @abstractmethod

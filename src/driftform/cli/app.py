@@ -60,13 +60,13 @@ def _one_line_for_each_error() -> Iterator[None]:
     try:
         yield
     except DriftformError as error:
-        _tell(*error.args)
+        _print_errors(*error.args)
         raise typer.Exit(error.exit_code) from None
     except _UsageError as error:
         if type(error).__name__ == "NoArgsIsHelpError":
             raise
         message = error.format_message().replace("Input should be", "should be").rstrip(".")
-        _tell(f"{message}; see '{error.ctx.command_path} --help'" if error.ctx else message)
+        _print_errors(f"{message}; see '{error.ctx.command_path} --help'" if error.ctx else message)
         raise typer.Exit(error.exit_code) from None
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
@@ -76,11 +76,11 @@ def _one_line_for_each_error() -> Iterator[None]:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise typer.Exit(1) from None
     except OSError as error:
-        _tell(str(error))
+        _print_errors(str(error))
         raise typer.Exit(1) from None
 
 
-def _tell(*lines: object) -> None:
+def _print_errors(*lines: object) -> None:
     for line in map(str, lines):
         # Names come from files of others: none may move the cursor or recolour the terminal.
         print("error: " + "".join(c if c.isprintable() else repr(c)[1:-1] for c in line), file=sys.stderr)

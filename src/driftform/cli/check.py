@@ -93,13 +93,13 @@ def check(
 
 
 def _printer(nozzle: float, bed: str) -> "Printer":
-    from driftform.cli.kit import bed_of
+    from driftform.cli.kit import parse_bed
     from driftform.errors import InputError
     from driftform.interfaces import Printer
 
     if not 0 < nozzle <= 10:
         raise InputError(f"--nozzle {nozzle:g}: should be a diameter in mm, such as 0.4")
-    return Printer(nozzle / MM_PER_M, bed_of(bed))
+    return Printer(nozzle / MM_PER_M, parse_bed(bed))
 
 
 @contextmanager
@@ -140,7 +140,7 @@ def _of_agent(
     source = Path(written["scad"][0].path) if with_source and format != "scad" else None
     files = tuple(Path(file.path) for file in written[format])
     volume = _stated(written[format]) if kit else None
-    return PrintJob(files, printer, opened.specimen(), volume or _hull(opened), source), opened.study
+    return PrintJob(files, printer, opened.export_job(), volume or _hull(opened), source), opened.study
 
 
 def _of_file(
@@ -166,7 +166,7 @@ def _of_file(
         # Of a format that holds one solid, there is a file for each part.
         written = _exported(opened, format, folder)
         volume = _stated([w for w in written if Path(w.path).name == path.name] or written) or volume
-    return PrintJob(job.files, printer, opened.specimen(), volume, job.source), opened.study
+    return PrintJob(job.files, printer, opened.export_job(), volume, job.source), opened.study
 
 
 def _of_kit(formats: Iterable[str], printer: "Printer", kit: bool) -> list[str]:
@@ -180,8 +180,8 @@ def _of_kit(formats: Iterable[str], printer: "Printer", kit: bool) -> list[str]:
 
 
 def _exported(opened: "Opened", format: str, folder: Path) -> "tuple[WrittenFile, ...]":
-    exporter = opened.study.exporter(format)
-    return exporter.write(opened.specimen(), folder / f"{opened.name}{exporter.suffix}")
+    exporter = opened.study.make_exporter(format)
+    return exporter.write(opened.export_job(), folder / f"{opened.name}{exporter.suffix}")
 
 
 def _hull(opened: "Opened") -> float:
@@ -231,7 +231,7 @@ def _findings(job: "PrintJob", study: "Study", programs: bool) -> "Iterator[Find
         else:
             if cls.program:
                 print(f"asking {cls.program} ...", file=sys.stderr, flush=True)
-            yield from study.checker(row.name).check(job)
+            yield from study.make_checker(row.name).check(job)
 
 
 def _print(findings: "Sequence[Finding]") -> None:

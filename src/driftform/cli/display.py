@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING
 
-from driftform.runs.status import Pace, Standing, TargetStanding
+from driftform.runs.status import RunStatus, TargetStatus, Throughput
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, OverflowMethod, RenderableType, RenderResult
@@ -30,7 +30,7 @@ _ROOM_FOR_CURVES = 72
 """Columns of a terminal below which there are numbers alone."""
 
 
-def duration(seconds: float) -> str:
+def format_duration(seconds: float) -> str:
     """A time in the two units that matter.
 
     >>> duration(7.4), duration(200), duration(7500), duration(266400)
@@ -45,7 +45,7 @@ def duration(seconds: float) -> str:
     return f"{hours} h {minutes % 60:02d} min" if not days else f"{days} d {hours % 24} h"
 
 
-def sparkline(errors: Sequence[float | None], lowest: float, highest: float, bars: str = BARS) -> str:
+def draw_sparkline(errors: Sequence[float | None], lowest: float, highest: float, bars: str = BARS) -> str:
     """Errors as bars on a logarithmic scale from ``lowest`` to ``highest``; spaces where there is none.
 
     >>> sparkline([None, 100, 30, 10, 3, 1], 1, 100)
@@ -57,7 +57,7 @@ def sparkline(errors: Sequence[float | None], lowest: float, highest: float, bar
     return "".join(" " if s is None else bars[min(top, math.floor(s * top + 0.5))] for s in shares)
 
 
-def pace_text(standing: Standing, pace: Pace) -> str:
+def format_throughput(standing: RunStatus, pace: Throughput) -> str:
     """How fast the run is and when it will be over, as far as that is known."""
     recent, overall = pace.recent(standing.done), pace.overall(standing.done)
     if recent is None or overall is None:
@@ -66,17 +66,17 @@ def pace_text(standing: Standing, pace: Pace) -> str:
         f"{recent:.3g}/s" if 0.9 < recent / overall < 1.1 else f"{recent:.3g}/s now, {overall:.3g}/s overall"
     )
     left = standing.budget - standing.done
-    return f"{speed}, {duration(left / recent)} left" if left > 0 else speed
+    return f"{speed}, {format_duration(left / recent)} left" if left > 0 else speed
 
 
-def line(standing: Standing, pace: Pace) -> str:
+def progress_line(standing: RunStatus, pace: Throughput) -> str:
     """Where a run stands, in one line."""
     best = "  ".join(f"{name} {target.best:.2f}" for name, target in standing.targets.items())
-    facts = ", ".join(filter(None, (pace_text(standing, pace), failures(standing.failed))))
+    facts = ", ".join(filter(None, (format_throughput(standing, pace), format_failures(standing.failed))))
     return f"{standing.done}/{standing.budget} evaluations{f', {facts}' if facts else ''}: {best}"
 
 
-def failures(count: int) -> str:
+def format_failures(count: int) -> str:
     """How many evaluations failed, in words; nothing where none did."""
     return f"{count} failed" if count else ""
 
@@ -89,8 +89,8 @@ class View:
     higher than the terminal: targets that find no room take turns.
     """
 
-    standing: Standing
-    pace: Pace
+    standing: RunStatus
+    pace: Throughput
     facts: tuple[str, ...]
     footer: str
     fits: bool = True
@@ -118,7 +118,7 @@ class View:
         page = int(self.pace.elapsed / PAGE) % pages
         return page * room, min(count, (page + 1) * room)
 
-    def _table(self, rows: "Sequence[tuple[str, TargetStanding]]", options: "ConsoleOptions") -> "Table":
+    def _table(self, rows: "Sequence[tuple[str, TargetStatus]]", options: "ConsoleOptions") -> "Table":
         from rich import box
         from rich.table import Table
         from rich.text import Text
@@ -156,7 +156,7 @@ def _overflow(options: "ConsoleOptions") -> "OverflowMethod":
     return "crop" if options.ascii_only else "ellipsis"
 
 
-def _cells(name: str, target: TargetStanding) -> tuple[str, ...]:
+def _cells(name: str, target: TargetStatus) -> tuple[str, ...]:
     mean = "" if target.mean is None else f"{target.mean:.2f}"
     failed = str(target.failed or "")
     if target.index < 0:
@@ -168,7 +168,7 @@ def _cells(name: str, target: TargetStanding) -> tuple[str, ...]:
 class Curves:
     """The best error of targets along the run, each on a scale of its own, as wide as there is room."""
 
-    targets: tuple[TargetStanding, ...]
+    targets: tuple[TargetStatus, ...]
     evaluations: int
 
     narrowest = 8
@@ -181,10 +181,10 @@ class Curves:
         width = min(options.max_width, self.widest)
         yield Text("\n".join(self._curve(target, width, bars) for target in self.targets))
 
-    def _curve(self, target: TargetStanding, width: int, bars: str) -> str:
+    def _curve(self, target: TargetStatus, width: int, bars: str) -> str:
         highest = target.first or 1.0
         lowest = max(highest / DECADES[1], min(highest / DECADES[0], 100 - target.best))
-        return sparkline(target.errors(width, self.evaluations), lowest, highest, bars)
+        return draw_sparkline(target.errors(width, self.evaluations), lowest, highest, bars)
 
     def __rich_measure__(self, console: "Console", options: "ConsoleOptions") -> "Measurement":
         from rich.measure import Measurement

@@ -65,11 +65,11 @@ def evolve(
     With --robust the best of the run are flown again, each time a little different from what was planned, and the
     best agent of a target is the one that does best then.
     """
-    from driftform.cli.executors import chosen_executor
-    from driftform.runs.directory import DATABASE, check_new, locked, write_inputs
+    from driftform.cli.executors import open_executor
+    from driftform.runs.directory import DATABASE, check_new, lock_run, write_inputs
     from driftform.runs.store import Store
     from driftform.study import load_study
-    from driftform.study.sources import builtin_scenarios
+    from driftform.study.sources import read_scenarios
     from driftform.util.files import make_directory
 
     disturbed = () if robust is None else (f"robustness.conditions={robust}",)
@@ -83,13 +83,13 @@ def evolve(
     _check_targets(checked, study)
     if out is not None:
         check_new(out)
-    with chosen_executor(checked, executor, scheduler, workers) as place:
+    with open_executor(checked, executor, scheduler, workers) as place:
         directory = make_directory(out) if out is not None else _next_directory(study)
-        with locked(directory):
+        with lock_run(directory):
             # Another process may have been quicker.
             check_new(directory)
             path = Path(study)
-            given = path.read_text(encoding="utf-8") if path.is_file() else builtin_scenarios()[study]
+            given = path.read_text(encoding="utf-8") if path.is_file() else read_scenarios()[study]
             write_inputs(directory, checked, given)
             with Store.create(directory / DATABASE, dict(checked.document)) as store:
                 carry_out(directory, checked, store, place, json)
@@ -100,25 +100,25 @@ def carry_out(directory: Path, study: "Study", store: "Store", executor: "Execut
     import time
 
     from driftform.cli.progress import Progress
-    from driftform.execution import LostError
+    from driftform.execution import WorkersLostError
     from driftform.runs.finalists import fly_finalists
     from driftform.runs.results import write_best, write_reach
-    from driftform.runs.search import evolve as run_loop
-    from driftform.util.progress import counter
+    from driftform.runs.search import run_search as run_loop
+    from driftform.util.progress import count_progress
 
     started = time.perf_counter()
     try:
         with Progress(study, directory, store.count()) as progress:
             run_loop(study, store, executor, progress.record, progress.generation)
-        with counter("disturbed flights") as on_flights:
+        with count_progress("disturbed flights") as on_flights:
             fly_finalists(study, store, executor, on_flights)
         results, overview = write_best(directory, study, store)
         reach = write_reach(directory, study, store)
     except KeyboardInterrupt:
         typer.echo(_stopped(directory, study, store), err=True)
         raise typer.Exit(130) from None
-    except LostError as error:
-        raise LostError(f"{error}; {_stopped(directory, study, store)}") from None
+    except WorkersLostError as error:
+        raise WorkersLostError(f"{error}; {_stopped(directory, study, store)}") from None
     seconds = time.perf_counter() - started
 
     from driftform.cli.output import print_json
@@ -130,7 +130,7 @@ def carry_out(directory: Path, study: "Study", store: "Store", executor: "Execut
                 "run": str(directory),
                 "seed": study.seed,
                 "evaluations": store.count(),
-                "failed": store.failed(),
+                "failed": store.count_failed(),
                 "seconds": seconds,
                 "targets": {
                     best.target: {
@@ -192,7 +192,9 @@ def _print_results(
         right=(1, 2, 3, 4, 5, 6, 7, 8) if has_spread else (1, 2, 3, 4, 5, 6),
     )
     names = ", ".join(path.name for path in results[0].files) if results else ""
-    print(f"{store.count()} evaluations ({store.failed()} failed) in {seconds:.1f} s, seed {study.seed}")
+    print(
+        f"{store.count()} evaluations ({store.count_failed()} failed) in {seconds:.1f} s, seed {study.seed}"
+    )
     print(f"best agents: {directory}/best/<target>/ ({names})")
     print(f"pictures:    {', '.join(map(str, pictures))}")
     print(f"run:         {directory}/ (resolved.toml, environment.json, run.db)")

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from driftform.execution import Executor
-    from driftform.execution.lanes import Lanes
+    from driftform.execution.lanes import PoolExecutor
     from driftform.study import Study
 
 EXECUTORS = ("local", "dask")
 
 
 @contextmanager
-def chosen_executor(
+def open_executor(
     study: "Study", name: str | None, scheduler: str | None, workers: int | None
 ) -> Iterator["Executor"]:
     """Give what the options ask for, and end it; before a cluster is there, nothing has begun.
@@ -29,7 +29,7 @@ def chosen_executor(
         yield executor
 
 
-def _executor(study: "Study", name: str, scheduler: str | None, workers: int | None) -> "Lanes":
+def _executor(study: "Study", name: str, scheduler: str | None, workers: int | None) -> "PoolExecutor":
     import os
 
     count = workers or os.cpu_count() or 1
@@ -40,8 +40,8 @@ def _executor(study: "Study", name: str, scheduler: str | None, workers: int | N
     from driftform.execution.cluster import Cluster
 
     if scheduler is None:
-        return Cluster.started(study.document, count)
-    return Cluster.joined(study.document, scheduler)
+        return Cluster.start(study.document, count)
+    return Cluster.join(study.document, scheduler)
 
 
 def _check(name: str, scheduler: str | None, workers: int | None) -> None:

@@ -59,14 +59,14 @@ def export(
     try:
         opened = open_agent(agent, settings=[*(settings or ()), *exporter_settings(names, asked)])
     except InputError as error:
-        raise InputError(*(_as_asked(line, names, asked) for line in error.args)) from None
+        raise InputError(*(_name_option(line, names, asked) for line in error.args)) from None
     make_directory(out)
-    exporters = [opened.study.exporter(name) for name in names]
-    specimen = opened.specimen()
+    exporters = [opened.study.make_exporter(name) for name in names]
+    job = opened.export_job()
     written = [
         file
         for exporter in exporters
-        for file in exporter.write(specimen, out / f"{opened.name}{exporter.suffix}")
+        for file in exporter.write(job, out / f"{opened.name}{exporter.suffix}")
     ]
     if json:
         print_json({"files": [{"format": w.format, "path": w.path, **w.facts} for w in written]})
@@ -90,12 +90,12 @@ def export(
 
 def _shared(kit: bool, bed: str | None, options: Sequence[str]) -> dict[str, tuple[str, str]]:
     """Options for all formats: the value of each key, and how it was asked for."""
-    from driftform.cli.kit import bed_of
+    from driftform.cli.kit import parse_bed
     from driftform.errors import InputError
 
     found = {"kit": ("true", "--kit")} if kit else {}
     if bed is not None:
-        found["bed"] = (repr(list(bed_of(bed))), f"--bed {bed}")
+        found["bed"] = (repr(list(parse_bed(bed))), f"--bed {bed}")
     for text in options:
         key, equals, value = text.partition("=")
         if not equals or not key.strip():
@@ -104,7 +104,7 @@ def _shared(kit: bool, bed: str | None, options: Sequence[str]) -> dict[str, tup
     return found
 
 
-def _as_asked(line: str, formats: Sequence[str], options: Mapping[str, tuple[str, str]]) -> str:
+def _name_option(line: str, formats: Sequence[str], options: Mapping[str, tuple[str, str]]) -> str:
     """A complaint about a setting of an exporter, as one about the option that it came from."""
     for name, (key, (value, told)) in product(formats, options.items()):
         line = line.replace(f"--set exporter.{name}.{key}={value}: ", f"{told}: ")

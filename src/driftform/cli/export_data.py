@@ -52,7 +52,7 @@ def export_data(
     folder = run / FOLDER if out is None else _new(out)
     older = {f"{table}.{suffix}" for table in ("evaluations", "trajectories") for suffix in FORMATS}
     with Store.open(database, read_only=True) as store:
-        study = load_study(Document(str(database), store.study()))
+        study = load_study(Document(str(database), store.read_study()))
         with write_together(folder, older) as part:
             rows = _write(part, study, store, format, trajectories)
     files = [
@@ -70,10 +70,10 @@ def export_data(
 def _write(part: Path, study: "Study", store: "Store", format: str, trajectories: bool) -> dict[str, int]:
     """Write the tables and what their columns mean into a directory; return how many rows each has."""
     from driftform import __version__
-    from driftform.runs.tables import described, evaluation_batches, sample_batches
+    from driftform.runs.tables import describe_tables, evaluation_batches, sample_batches
     from driftform.tables.columns import SAMPLE_COLUMNS, evaluation_columns
     from driftform.tables.files import FORMATS
-    from driftform.util.progress import counter
+    from driftform.util.progress import count_progress
 
     targets = study.scenario.target_names
     tables = {"evaluations": evaluation_columns(targets)}
@@ -84,20 +84,20 @@ def _write(part: Path, study: "Study", store: "Store", format: str, trajectories
             seen.add(record.index)
             yield record
 
-    with counter("evaluations") as progress:
+    with count_progress("evaluations") as progress:
         records = _counted(noted(_records(store, targets)), progress, store.count())
         path = part / f"evaluations.{format}"
         rows["evaluations"] = write(path, tables["evaluations"], evaluation_batches(study, records))
     if trajectories:
         tables["trajectories"] = SAMPLE_COLUMNS
-        with counter("flights") as progress:
+        with count_progress("flights") as progress:
             # What has come since has no row among the evaluations.
             known = (record for record in _records(store, targets) if record.index in seen)
             path = part / f"trajectories.{format}"
             batches = sample_batches(_counted(known, progress, len(seen)))
             rows["trajectories"] = write(path, SAMPLE_COLUMNS, batches)
     facts = {"driftform": __version__, "seed": study.seed}
-    (part / COLUMNS).write_text(described(tables, facts), encoding="utf-8")
+    (part / COLUMNS).write_text(describe_tables(tables, facts), encoding="utf-8")
     return rows
 
 
@@ -119,8 +119,8 @@ def _new(out: Path) -> Path:
 
 
 def _records(store: "Store", targets: tuple[str, ...]) -> "Iterator[Record]":
-    for first in range(0, store.last() + 1, CHUNK):
-        yield from list(store.records(targets, first, CHUNK))
+    for first in range(0, store.last_index() + 1, CHUNK):
+        yield from list(store.read_records(targets, first, CHUNK))
 
 
 def _counted(

@@ -39,7 +39,7 @@ def export_flight(
     from driftform.cli.output import print_json
     from driftform.errors import InputError, WorkFailedError
     from driftform.registry import registry
-    from driftform.trajectory.resampling import resampled
+    from driftform.trajectory.resampling import resample
     from driftform.util.files import make_directory
 
     names = list(dict.fromkeys(name.strip() for name in format.split(",") if name.strip()))
@@ -58,13 +58,13 @@ def export_flight(
     folder = make_directory(out or Path("flights") / opened.name)
     flight = opened.fly()
     if rate_hz:
-        flight = resampled(flight, rate_hz)
-    specimen = opened.specimen()
-    recorders = [opened.study.recorder(name) for name in names]
+        flight = resample(flight, rate_hz)
+    job = opened.export_job()
+    recorders = [opened.study.make_recorder(name) for name in names]
     written = [
         file
         for recorder in recorders
-        for file in recorder.write(specimen, flight, folder / f"{opened.name}{recorder.suffix}")
+        for file in recorder.write(job, flight, folder / f"{opened.name}{recorder.suffix}")
     ]
     if json:
         print_json(

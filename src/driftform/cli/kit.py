@@ -7,7 +7,7 @@ from driftform.scenario import Vector
 MM_PER_M = 1000.0
 
 
-def bed_of(text: str) -> Vector:
+def parse_bed(text: str) -> Vector:
     """Read ``X,Y,Z`` in mm as width, depth and height in m.
 
     Raises

@@ -10,7 +10,7 @@ import numpy as np
 
 def print_json(document: Mapping[str, Any]) -> None:
     """Print one JSON document on stdout; arrays become lists, numbers that are not finite ``null``."""
-    print(json.dumps(_plain(document), indent=1, allow_nan=False))
+    print(json.dumps(_to_plain(document), indent=1, allow_nan=False))
 
 
 def print_table(header: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[int] = ()) -> None:
@@ -28,7 +28,7 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]], right: Seq
         for number, title in enumerate(header):
             table.add_column(title, justify="right" if number in right else "left", overflow="fold")
         for row in rows:
-            table.add_row(*(_escaped(cell) for cell in row))
+            table.add_row(*(_escape(cell) for cell in row))
         Console(highlight=False).print(table)
         return
     widths = [max(len(row[i]) for row in [list(header), *rows]) for i in range(len(header))]
@@ -65,23 +65,23 @@ def print_states(rows: Iterable[tuple[str, str, str]], styles: Mapping[str, str]
     Console(highlight=False).print(table)
 
 
-def _escaped(cell: str) -> str:
+def _escape(cell: str) -> str:
     from rich.markup import escape
 
     return escape(cell)
 
 
-def _plain(value: Any) -> Any:
+def _to_plain(value: Any) -> Any:
     match value:
         case Mapping():
-            return {str(key): _plain(item) for key, item in value.items()}
+            return {str(key): _to_plain(item) for key, item in value.items()}
         case np.ndarray():
-            return _plain(value.tolist())
+            return _to_plain(value.tolist())
         case np.generic():
-            return _plain(value.item())
+            return _to_plain(value.item())
         case float():
             return value if np.isfinite(value) else None
         case list() | tuple():
-            return [_plain(item) for item in value]
+            return [_to_plain(item) for item in value]
         case _:
             return value if value is None or isinstance(value, bool | int | str) else str(value)

@@ -37,21 +37,23 @@ def pick(
     from driftform.runs.directory import check_run, resume_command
     from driftform.runs.store import Store
     from driftform.study import Document, load_study
-    from driftform.trajectory.coverage import closest_pass
+    from driftform.trajectory.coverage import find_closest_pass
     from driftform.util.files import make_directory
-    from driftform.util.progress import watched
+    from driftform.util.progress import track_progress
 
     point = (x, y, z)
     database = check_run(run)
     with Store.open(database, read_only=True, check=False) as store:
-        study = load_study(Document(str(database), store.study()))
+        study = load_study(Document(str(database), store.read_study()))
         _check_point(point, study.scenario)
-        found = closest_pass(watched(store.flights(), store.flown(), "flights"), point)
+        found = find_closest_pass(
+            track_progress(store.read_trajectories(), store.count_sound(), "flights"), point
+        )
         if found is None:
             raise InputError(
                 f"{run} has no evaluation yet that did not fail; wait, or go on with it by: {resume_command(run)}"
             )
-        genome = store.record(found.evaluation, study.scenario.target_names).evaluation.genome
+        genome = store.read_record(found.evaluation, study.scenario.target_names).evaluation.genome
     place = "_".join(f"{value:.9g}" for value in point)
     folder = make_directory(out or run / "picks" / place)
     path = folder / "agent.json"
@@ -82,7 +84,7 @@ def _check_point(point: "Vector", scenario: "Scenario") -> None:
     told = "X Y Z = " + " ".join(f"{value:g}" for value in point)
     if not all(map(isfinite, point)):
         raise InputError(f"{told}: should be three finite numbers, in m")
-    if scenario.pipe.segments and not scenario.pipe.holds(point):
+    if scenario.pipe.segments and not scenario.pipe.contains(point):
         pipes = ", then ".join(
             f"from {list(s.start)} to {list(s.end)} with radius {s.radius:g} m"
             for s in scenario.pipe.segments

@@ -102,14 +102,14 @@ def new(
 
     from driftform.cli.output import print_json
     from driftform.errors import InputError
-    from driftform.scaffold import files_of, names_of, uses_of
+    from driftform.scaffold import list_files, list_uses, make_names
     from driftform.util.files import write_folder, write_text
 
-    names = names_of(name, seam)
+    names = make_names(name, seam)
     folder = out if out is not None else Path(names.distribution)
     if folder.is_dir() and any(folder.iterdir()):
         raise InputError(f"{folder} is not an empty directory; choose another --out")
-    files = files_of(names, seam)
+    files = list_files(names, seam)
     with write_folder(folder) as part:
         for path, text in files.items():
             write_text(part / path, text)
@@ -119,7 +119,7 @@ def new(
         "pytest",
         f"driftform plugins show {names.plugin}",
         "driftform scenarios check study.toml",
-        *uses_of(names, seam),
+        *list_uses(names, seam),
     ]
     if json:
         print_json(

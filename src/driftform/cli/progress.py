@@ -4,8 +4,8 @@ import sys
 from pathlib import Path
 from types import TracebackType
 
-from driftform.cli.display import View, duration, failures, line, pace_text
-from driftform.runs.status import Pace, Standing
+from driftform.cli.display import View, format_duration, format_failures, format_throughput, progress_line
+from driftform.runs.status import RunStatus, Throughput
 from driftform.runs.store import Record
 from driftform.study import Study
 from driftform.util.progress import REFRESH
@@ -16,8 +16,8 @@ class Progress:
 
     def __init__(self, study: Study, directory: Path, stored: int = 0) -> None:
         """Start counting; ``stored`` evaluations were there before, and say nothing about the speed."""
-        self._standing = Standing(study.scenario.target_names, study.evaluations)
-        self._pace = Pace(stored)
+        self._standing = RunStatus(study.scenario.target_names, study.evaluations)
+        self._pace = Throughput(stored)
         self._stored = stored
         self._live = sys.stdout.isatty() and sys.stderr.isatty()
         self._footer = f"{directory}: Ctrl-C stops, 'driftform resume' goes on"
@@ -55,7 +55,7 @@ class Progress:
     def generation(self, evaluations: int) -> None:
         """Say where the run stands, off a terminal; not for each generation that was stored before."""
         if not self._live and (evaluations > self._stored or evaluations == self._standing.budget):
-            print(line(self._standing, self._pace), file=sys.stderr, flush=True)
+            print(progress_line(self._standing, self._pace), file=sys.stderr, flush=True)
 
     def _state(self) -> str:
         if self._standing.done > self._stored:
@@ -65,7 +65,7 @@ class Progress:
         return "starting (the first run compiles the equations of motion)"
 
     def _view(self) -> View:
-        elapsed = f"elapsed {duration(self._pace.elapsed)}"
-        pace = pace_text(self._standing, self._pace)
-        facts = (self._state(), pace, elapsed, failures(self._standing.failed))
+        elapsed = f"elapsed {format_duration(self._pace.elapsed)}"
+        pace = format_throughput(self._standing, self._pace)
+        facts = (self._state(), pace, elapsed, format_failures(self._standing.failed))
         return View(self._standing, self._pace, facts, self._footer)

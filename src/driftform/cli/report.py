@@ -20,11 +20,11 @@ def report(
     The page is one file that needs no network. Pictures and best agents are those of the moment it is written.
     """
     from driftform.cli.output import print_json
-    from driftform.report.contents import contents_of
+    from driftform.report.contents import collect_contents
     from driftform.report.page import page_html
     from driftform.util.files import make_directory, write_text
 
-    contents = contents_of(run)
+    contents = collect_contents(run)
     path = out or run / "report.html"
     make_directory(path.parent)
     write_text(path, page_html(contents))

@@ -33,21 +33,24 @@ def reproduce(
     """
     import time
 
-    from driftform.cli.executors import chosen_executor
+    from driftform.cli.executors import open_executor
     from driftform.cli.output import print_json
-    from driftform.reproduction.repeats import STRATEGIES, carry_out, result_of, study_of
-    from driftform.reproduction.report import refly, results_document, results_markdown, write_figures
+    from driftform.reproduction.repeats import STRATEGIES, carry_out, load_repeat, read_results
+    from driftform.reproduction.report import resimulate, results_document, results_markdown, write_figures
     from driftform.util.files import make_directory, write_text
-    from driftform.util.progress import counter
+    from driftform.util.progress import count_progress
 
     started = time.perf_counter()
     seeds = range(seed, seed + repeats)
-    studies = {(s, n): study_of(s, n, simulator, settings or ()) for s in STRATEGIES for n in seeds}
+    studies = {(s, n): load_repeat(s, n, simulator, settings or ()) for s in STRATEGIES for n in seeds}
     first = next(iter(studies.values()))
     make_directory(out)
     runs = {key: out / "runs" / f"{key[0]}-{key[1]}" for key in studies}
     try:
-        with chosen_executor(first, executor, scheduler, workers) as place, counter("flights") as progress:
+        with (
+            open_executor(first, executor, scheduler, workers) as place,
+            count_progress("flights") as progress,
+        ):
             total, done = sum(study.evaluations for study in studies.values()), 0
             for key, study in studies.items():
 
@@ -60,8 +63,8 @@ def reproduce(
     except KeyboardInterrupt:
         typer.echo(f"stopped; the same command goes on: driftform reproduce --out {out}", err=True)
         raise typer.Exit(130) from None
-    found = {s: result_of(s, [(n, runs[s, n]) for n in seeds]) for s in STRATEGIES}
-    again = refly(first, found["paper"])
+    found = {s: read_results(s, [(n, runs[s, n]) for n in seeds]) for s in STRATEGIES}
+    again = resimulate(first, found["paper"])
     figures = write_figures(out / "figures", first, found, again)
     seconds = time.perf_counter() - started
     markdown = results_markdown(first.scenario, found, again)

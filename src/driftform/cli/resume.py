@@ -32,21 +32,21 @@ def resume(
     With a larger budget a run that is complete goes on too: the result is that of a run which had it from the start.
     """
     from driftform.cli.evolve import carry_out
-    from driftform.cli.executors import chosen_executor
-    from driftform.runs.directory import check_run, locked, write_resolved
+    from driftform.cli.executors import open_executor
+    from driftform.runs.directory import check_run, lock_run, write_resolved
     from driftform.runs.store import Store
     from driftform.study import Document, load_study
 
     database = check_run(run)
-    with locked(run):
+    with lock_run(run):
         # Only read until all is checked: what is refused leaves the run as it was.
         with Store.open(database, read_only=True) as store:
-            document = store.study()
+            document = store.read_study()
             study = load_study(Document(str(database), document), run={"evaluations": evaluations})
             if evaluations is not None:
                 _check_budget(run, store, evaluations)
         with (
-            chosen_executor(study, executor, scheduler, workers) as place,
+            open_executor(study, executor, scheduler, workers) as place,
             Store.open(database, check=False) as store,
         ):
             if evaluations is not None:
@@ -61,7 +61,7 @@ def _check_budget(run: Path, store: "Store", evaluations: int) -> None:
     from driftform.errors import InputError
 
     # Evaluations are stored as they come: what is there may have gaps below the last of them.
-    if evaluations <= store.last():
+    if evaluations <= store.last_index():
         raise InputError(
-            f"--evaluations {evaluations} is less than {run} holds already; give at least {store.last() + 1}"
+            f"--evaluations {evaluations} is less than {run} holds already; give at least {store.last_index() + 1}"
         )

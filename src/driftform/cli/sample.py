@@ -33,7 +33,7 @@ def sample(
     study = load_study(scenario, settings or ())
     if out.is_dir() and any(out.iterdir()):
         raise InputError(f"{out} is not an empty directory; choose another --out")
-    grammar = study.plugin("grammar")
+    grammar = study.make_plugin("grammar")
     make_directory(out)
     rng = np.random.default_rng(seed)
     environment = study.environment()

@@ -26,11 +26,11 @@ def list_(json: Json = False) -> None:
     import tomllib
 
     from driftform.cli.output import print_json, print_table
-    from driftform.study.sources import builtin_scenarios
+    from driftform.study.sources import read_scenarios
 
     rows = [
         {"name": name, "title": document.get("title", ""), "targets": len(document.get("targets", {}))}
-        for name, document in ((name, tomllib.loads(text)) for name, text in builtin_scenarios().items())
+        for name, document in ((name, tomllib.loads(text)) for name, text in read_scenarios().items())
     ]
     if json:
         print_json({"scenarios": rows})
@@ -54,9 +54,9 @@ def show(
 
     from driftform.cli.output import print_json
     from driftform.errors import InputError, did_you_mean
-    from driftform.study.sources import builtin_scenarios
+    from driftform.study.sources import read_scenarios
 
-    texts = builtin_scenarios()
+    texts = read_scenarios()
     if name not in texts:
         raise InputError(f"no built-in scenario is named '{name}'{did_you_mean(name, texts)}")
     if json:

@@ -50,7 +50,7 @@ def simulate(
     from driftform.runs.directory import write_trajectory
     from driftform.trajectory.path import closest_approach
     from driftform.util.files import make_directory, write_text
-    from driftform.util.progress import counter
+    from driftform.util.progress import count_progress
 
     disturbed = () if robust is None else (f"robustness.conditions={robust}",)
     opened = open_agent(
@@ -84,7 +84,7 @@ def simulate(
         moment = closest if still_at is None else still_at
         camera.still(opened.agent, flight, environment, still, moment)
     if camera is not None and film is not None:
-        with counter("frames") as progress:
+        with count_progress("frames") as progress:
             camera.film(opened.agent, flight, environment, film, progress)
     spread = _spread(opened)
     x, y, z = flight.position[-1]
@@ -135,7 +135,7 @@ def simulate(
             ),
             right=(1, 2, 3, 4),
         )
-        print(spread.told())
+        print(spread.describe())
     print(f"trajectory: {csv}")
     print(f"picture:    {svg}")
     for what, made in (("film: ", film), ("still:", still)):
@@ -147,19 +147,19 @@ def _spread(opened: "Opened") -> "Spread | None":
     """Fitness over the disturbed conditions of the scenario, ``None`` where it has none."""
     import numpy as np
 
-    from driftform.scenario.disturbances import spread_of
-    from driftform.util.progress import counter
+    from driftform.scenario.disturbances import measure_spread
+    from driftform.util.progress import count_progress
 
     count = len(opened.pipeline.conditions)
     if not count:
         return None
     evaluations: list[Evaluation] = []
-    with counter("disturbed flights") as progress:
+    with count_progress("disturbed flights") as progress:
         for number in range(count):
             evaluations += opened.pipeline.evaluate([opened.stored.genome], disturbed=[number])
             progress(len(evaluations), count)
     fitness = np.array([evaluation.fitness for evaluation in evaluations])
-    return spread_of(fitness, sum(evaluation.failure is not None for evaluation in evaluations))
+    return measure_spread(fitness, sum(evaluation.failure is not None for evaluation in evaluations))
 
 
 def _camera(opened: "Opened", name: str, film: Path | None, still: Path | None) -> "RendererPlugin[Any]":
@@ -167,7 +167,7 @@ def _camera(opened: "Opened", name: str, film: Path | None, still: Path | None) 
     from driftform.util.files import is_directory
 
     try:
-        renderer = opened.study.renderer(name)
+        renderer = opened.study.make_renderer(name)
     except InputError as error:
         raise InputError(f"--renderer {name}: {error}") from None
     asked = (("--film", film, renderer.check), ("--still", still, renderer.check_still))
@@ -183,15 +183,15 @@ def _camera(opened: "Opened", name: str, film: Path | None, still: Path | None) 
     return renderer
 
 
-def _trust(flight: "Trajectory") -> str:
+def _trust(trajectory: "Trajectory") -> str:
     """How far the flight can be trusted, in one line; what the simulator does not tell is left out."""
     told = [
         "touches no wall"
-        if flight.contact is None
-        else f"first touches the wall after {flight.contact:.3f} s"
+        if trajectory.contact is None
+        else f"first touches the wall after {trajectory.contact:.3f} s"
     ]
-    if flight.energy_drift is not None:
-        told.append(f"energy drifts by {flight.energy_drift:.1e} until then")
-    if flight.error is not None:
-        told.append(f"estimated error of the position {1000 * flight.error:.2g} mm")
+    if trajectory.energy_drift is not None:
+        told.append(f"energy drifts by {trajectory.energy_drift:.1e} until then")
+    if trajectory.error is not None:
+        told.append(f"estimated error of the position {1000 * trajectory.error:.2g} mm")
     return "; ".join(told)

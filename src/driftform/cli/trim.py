@@ -9,7 +9,7 @@ from driftform.cli.options import Agent, Hydrodynamics, Json, ScenarioOption, Se
 if TYPE_CHECKING:
     from driftform.agents.opening import Opened
     from driftform.agents.sensitivity import Flown
-    from driftform.printing.ballast import Need, Piece
+    from driftform.printing.ballast import Piece, RequiredBallast
     from driftform.types import Agent as BuiltAgent
 
 GRAMS_FOR_KG = 20
@@ -58,8 +58,8 @@ def trim(
     from driftform.agents.opening import open_agent
     from driftform.agents.sensitivity import flown
     from driftform.cli.output import print_json
-    from driftform.geometry.mass_elements import weighed
-    from driftform.printing.ballast import need
+    from driftform.geometry.mass_elements import reweigh
+    from driftform.printing.ballast import required_ballast
 
     opened = open_agent(
         agent,
@@ -69,8 +69,8 @@ def trim(
     )
     mass, cog, source = _weight(opened, printed_mass, printed_cog, kit)
     _check(opened, mass, cog, ballast_density)
-    printed = weighed(opened.agent, mass, cog)
-    wanted = need(opened.agent.mass, printed.mass)
+    printed = reweigh(opened.agent, mass, cog)
+    wanted = required_ballast(opened.agent.mass, printed.mass)
     trimmed, remedy = _trimmed(opened, mass, cog, wanted, ballast_density)
     flights = dict(
         zip(
@@ -132,7 +132,9 @@ def _kit_balance(opened: "Opened") -> tuple[float, float]:
     from driftform.errors import WorkFailedError
 
     with TemporaryDirectory() as folder:
-        written = opened.study.exporter("stl").write(opened.specimen(), Path(folder) / f"{opened.name}.stl")
+        written = opened.study.make_exporter("stl").write(
+            opened.export_job(), Path(folder) / f"{opened.name}.stl"
+        )
     for file in written:
         for row in file.facts.get("kit", {}).get("balance", ()):
             if row["of"] == "printed":
@@ -174,15 +176,15 @@ def _check(opened: "Opened", mass: float, x: float | None, density: float) -> No
 
 
 def _trimmed(
-    opened: "Opened", mass: float, x: float | None, wanted: "Need", density: float
+    opened: "Opened", mass: float, x: float | None, wanted: "RequiredBallast", density: float
 ) -> "tuple[BuiltAgent | None, dict[str, Any]]":
     """The agent with its ballast or buoyancy, ``None`` where there can be none, and what that is."""
     from driftform.errors import InputError
-    from driftform.geometry.mass_elements import core_lump, printed_hull
-    from driftform.printing.ballast import NEGLIGIBLE, nearest, pieces
+    from driftform.geometry.mass_elements import core_element, printed_hull_element
+    from driftform.printing.ballast import NEGLIGIBLE, place_ballast, place_nearest
 
     body, fluid = opened.agent.body, opened.study.scenario.fluid
-    lumps = [printed_hull(body, mass, x), core_lump(body)]
+    lumps = [printed_hull_element(body, mass, x), core_element(body)]
     if density <= fluid.density and wanted.mass > 0:
         raise InputError(
             f"--ballast-density {density:g}: is no more than the water's {fluid.density:g} kg/m3"
@@ -193,7 +195,7 @@ def _trimmed(
     if abs(wanted.mass) < NEGLIGIBLE:
         trimmed = _loaded(opened, lumps)
     elif wanted.mass > 0:
-        found = pieces(body, wanted, density) or nearest(body, wanted, density)
+        found = place_ballast(body, wanted, density) or place_nearest(body, wanted, density)
         trimmed = _loaded(opened, lumps + [piece.lump for piece in found]) if found else None
     else:
         trimmed, buoyancy = _lifted(opened, lumps, wanted)
@@ -220,25 +222,27 @@ def _trimmed(
 def _loaded(opened: "Opened", lumps: "list[Any]") -> "BuiltAgent":
     from dataclasses import replace
 
-    from driftform.geometry.mass_elements import together
+    from driftform.geometry.mass_elements import combine
 
-    return replace(opened.agent, mass=together(lumps, opened.agent.mass))
+    return replace(opened.agent, mass=combine(lumps, opened.agent.mass))
 
 
-def _lifted(opened: "Opened", lumps: "list[Any]", wanted: "Need") -> "tuple[BuiltAgent, dict[str, Any]]":
+def _lifted(
+    opened: "Opened", lumps: "list[Any]", wanted: "RequiredBallast"
+) -> "tuple[BuiltAgent, dict[str, Any]]":
     """With foam on the outside, that carries what it is too heavy by; its shape is not seen by the water."""
     from dataclasses import replace
 
     import numpy as np
 
-    from driftform.geometry.mass_elements import Lump
+    from driftform.geometry.mass_elements import MassElement
     from driftform.printing.ballast import FOAM
 
     agent, water = opened.agent, opened.study.scenario.fluid.density
     volume = -wanted.mass / (water - FOAM)
     aft, fore = agent.body.outer[0, 0], agent.body.outer[-1, 0]
     x = float(np.clip(wanted.x if wanted.x is not None else 0.0, aft, fore))
-    loaded = _loaded(opened, [*lumps, Lump(FOAM * volume, x)])
+    loaded = _loaded(opened, [*lumps, MassElement(FOAM * volume, x)])
     displaced = agent.mass.volume + volume
     cob = (agent.mass.volume * agent.mass.cob[0] + volume * x) / displaced
     mass = replace(loaded.mass, volume=displaced, cob=np.array([cob, 0.0, 0.0]))

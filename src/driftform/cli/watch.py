@@ -5,9 +5,9 @@ from typing import Annotated, Any
 
 import typer
 
-from driftform.cli.display import View, failures, line, pace_text
+from driftform.cli.display import View, format_failures, format_throughput, progress_line
 from driftform.cli.options import Json
-from driftform.runs.status import Pace, Standing
+from driftform.runs.status import RunStatus, Throughput
 from driftform.util.progress import REFRESH
 
 RUNNING, WRITING, FINISHED, STOPPED = "running", "writing the best agents", "finished", "stopped"
@@ -25,7 +25,7 @@ def watch(
     from driftform.cli.output import print_json
     from driftform.runs.directory import check_run
 
-    onlooker = Onlooker(run, check_run(run))
+    onlooker = RunMonitor(run, check_run(run))
     onlooker.look()
     if json:
         print_json(_facts(onlooker))
@@ -40,10 +40,10 @@ def watch(
         print(_last_words(onlooker))
 
 
-class Onlooker:
+class RunMonitor:
     """Reads what is new of a run, and nothing twice; holds neither its lock nor its database open.
 
-    ``standing`` is where the run stands, ``state`` whether anyone works on it, as of the last :meth:`look`.
+    ``standing`` is where the run stands, ``state`` whether anyone works on it, as of the last :meth:`poll`.
     """
 
     def __init__(self, directory: Path, database: Path) -> None:
@@ -53,8 +53,8 @@ class Onlooker:
         # Evaluations are stored as they come: all below the first are known, and of those above some.
         self._first = 0
         self._above: set[int] = set()
-        self.standing = Standing((), 0)
-        self.pace = Pace(0)
+        self.standing = RunStatus((), 0)
+        self.pace = Throughput(0)
 
     def look(self) -> None:
         """Read what is new.
@@ -70,12 +70,12 @@ class Onlooker:
         # Asked first: who has let go of the run has written all that is read below.
         held = is_worked_on(self.directory)
         with Store.open(self._database, read_only=True, check=False) as store:
-            targets, budget = self._of_study(store.study())
+            targets, budget = self._of_study(store.read_study())
             begins = not self.standing.targets
             if begins:
-                self.standing = Standing(targets, budget)
+                self.standing = RunStatus(targets, budget)
             self.standing.budget = budget
-            for brief in store.briefs(targets, self._first):
+            for brief in store.read_summaries(targets, self._first):
                 if brief.index not in self._above:
                     self._above.add(brief.index)
                     self.standing.add(
@@ -85,7 +85,7 @@ class Onlooker:
             self._above.remove(self._first)
             self._first += 1
         if begins:
-            self.pace = Pace(self.standing.done)
+            self.pace = Throughput(self.standing.done)
         self.pace.mark(self.standing.done)
         complete = self.standing.done >= budget
         self.state = (WRITING if complete else RUNNING) if held else (FINISHED if complete else STOPPED)
@@ -107,15 +107,15 @@ class Onlooker:
             ) from None
 
 
-def _view(onlooker: Onlooker, fits: bool) -> View:
+def _view(onlooker: RunMonitor, fits: bool) -> View:
     standing, pace = onlooker.standing, onlooker.pace
-    speed = "" if onlooker.is_over else pace_text(standing, pace)
-    facts = (onlooker.state, speed, failures(standing.failed))
+    speed = "" if onlooker.is_over else format_throughput(standing, pace)
+    facts = (onlooker.state, speed, format_failures(standing.failed))
     footer = "" if onlooker.is_over else f"{onlooker.directory}: Ctrl-C ends the watching, not the run"
     return View(standing, pace, facts, footer, fits)
 
 
-def _follow(onlooker: Onlooker, interval: float) -> None:
+def _follow(onlooker: RunMonitor, interval: float) -> None:
     import sys
     import time
 
@@ -123,7 +123,7 @@ def _follow(onlooker: Onlooker, interval: float) -> None:
         told = -1
         while not onlooker.is_over:
             if onlooker.standing.done > told:
-                print(line(onlooker.standing, onlooker.pace), flush=True)
+                print(progress_line(onlooker.standing, onlooker.pace), flush=True)
             told = onlooker.standing.done
             time.sleep(interval)
             onlooker.look()
@@ -136,7 +136,7 @@ def _follow(onlooker: Onlooker, interval: float) -> None:
             onlooker.look()
 
 
-def _print_once(onlooker: Onlooker) -> None:
+def _print_once(onlooker: RunMonitor) -> None:
     import sys
 
     from rich.console import Console
@@ -147,7 +147,7 @@ def _print_once(onlooker: Onlooker) -> None:
         print(_last_words(onlooker))
 
 
-def _last_words(onlooker: Onlooker) -> str:
+def _last_words(onlooker: RunMonitor) -> str:
     from driftform.runs.directory import resume_command
 
     standing = onlooker.standing
@@ -159,7 +159,7 @@ def _last_words(onlooker: Onlooker) -> str:
     )
 
 
-def _facts(onlooker: Onlooker) -> dict[str, Any]:
+def _facts(onlooker: RunMonitor) -> dict[str, Any]:
     standing = onlooker.standing
     return {
         "run": str(onlooker.directory),

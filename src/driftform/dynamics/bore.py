@@ -10,7 +10,7 @@ vectors are made once for all rims.
 import math
 from typing import TypeAlias
 
-from driftform.dynamics.vectors import Vector, cross, dot, minus, plus, times
+from driftform.dynamics.vectors import Vector, add, cross, dot, scale, subtract
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 
@@ -57,9 +57,9 @@ def basis(position: Vector, axis: Vector, pipe: FloatArray) -> Basis:
 def across(position: Vector, axis: Vector, pipe: FloatArray) -> tuple[Vector, Vector]:
     """Return o and a in the bore of the first segment, world frame."""
     downstream = (pipe[0, 3], pipe[0, 4], pipe[0, 5])
-    off = minus(position, (pipe[0, 0], pipe[0, 1], pipe[0, 2]))
-    o = minus(off, times(dot(off, downstream), downstream))
-    return o, minus(axis, times(dot(axis, downstream), downstream))
+    off = subtract(position, (pipe[0, 0], pipe[0, 1], pipe[0, 2]))
+    o = subtract(off, scale(dot(off, downstream), downstream))
+    return o, subtract(axis, scale(dot(axis, downstream), downstream))
 
 
 @compiled
@@ -132,6 +132,6 @@ def lever_and_normal(axis: Vector, o: Vector, a: Vector, touching: Touch) -> tup
     """Return where a rim touches, seen from the body's origin, and the wall's normal there; world frame."""
     _, n_o, n_a, along, l_o, l_a = touching
     return (
-        plus(times(along, axis), plus(times(l_o, o), times(l_a, a))),
-        plus(times(n_o, o), times(n_a, a)),
+        add(scale(along, axis), add(scale(l_o, o), scale(l_a, a))),
+        add(scale(n_o, o), scale(n_a, a)),
     )

@@ -10,7 +10,7 @@ that bobs undamped keeps its energy.
 
 import math
 
-from driftform.dynamics.vectors import Rotation, Vector, Wrench, cross, dot, times
+from driftform.dynamics.vectors import Rotation, Vector, Wrench, cross, dot, scale
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 
@@ -82,7 +82,7 @@ def buoyancy(
         # The energy's change with e turns the axis: a moment -dU/de (x cross up).
         turning += slices[k, 2] * excess(depth, a) * R[2][0] * (w * w / 3.0 - r * r) / a
     x = moment / volume if volume > 0.0 else 0.0
-    force = times(weight * volume, R[2])
+    force = scale(weight * volume, R[2])
     torque = cross((x, centre[1], centre[2]), force)
     turning *= weight
     return (

@@ -20,14 +20,14 @@ from driftform.dynamics.vectors import (
     Rotation,
     Vector,
     Wrench,
+    add,
     both,
     cross,
     dot,
     force_at,
     forward,
-    minus,
-    plus,
-    times,
+    scale,
+    subtract,
     to_body,
     to_world,
 )
@@ -52,17 +52,17 @@ def wall_gap(point: Vector, pipe: FloatArray) -> tuple[float, Vector]:
     last = pipe.shape[0] - 1
     for s in range(pipe.shape[0]):
         axis = (pipe[s, 3], pipe[s, 4], pipe[s, 5])
-        off = minus(point, (pipe[s, 0], pipe[s, 1], pipe[s, 2]))
+        off = subtract(point, (pipe[s, 0], pipe[s, 1], pipe[s, 2]))
         along = dot(axis, off)
         if s > 0:
             along = max(along, 0.0)
         if s < last:
             along = min(along, pipe[s, 6])
-        off = minus(off, times(along, axis))
+        off = subtract(off, scale(along, axis))
         distance = math.sqrt(dot(off, off))
         if pipe[s, 7] - distance > best:
             best = pipe[s, 7] - distance
-            normal = times(1.0 / distance, off) if distance > 0.0 else ZERO
+            normal = scale(1.0 / distance, off) if distance > 0.0 else ZERO
     return best, normal
 
 
@@ -71,7 +71,7 @@ def is_far(position: Vector, reach: float, pipe: FloatArray) -> bool:
     """Return True where nothing within ``reach`` (m) of a point can touch a wall."""
     if pipe.shape[0] != 1:
         return pipe.shape[0] == 0 or wall_gap(position, pipe)[0] > reach
-    off = minus(position, (pipe[0, 0], pipe[0, 1], pipe[0, 2]))
+    off = subtract(position, (pipe[0, 0], pipe[0, 1], pipe[0, 2]))
     along, room = dot(off, (pipe[0, 3], pipe[0, 4], pipe[0, 5])), pipe[0, 7] - reach
     return bool(room > 0.0 and dot(off, off) - along * along < room * room)
 
@@ -80,7 +80,7 @@ def is_far(position: Vector, reach: float, pipe: FloatArray) -> bool:
 def rim_point(centre: Vector, axis: Vector, r: float, normal: Vector) -> Vector:
     """Return the point of a rim of radius ``r`` (m) that lies farthest along ``normal``, world frame, m."""
     s = dot(axis, normal)
-    return plus(centre, times(r / blunt(s), minus(normal, times(s, axis))))
+    return add(centre, scale(r / blunt(s), subtract(normal, scale(s, axis))))
 
 
 @compiled
@@ -96,14 +96,14 @@ def rim_depth(
         touching = touch(x, r, axis_line(position, axis, pipe))
         o, a = across(position, axis, pipe)
         lever, normal = lever_and_normal(axis, o, a, touching)
-        return max(0.0, touching[0]), plus(position, lever), normal
-    centre = plus(position, times(x, axis))
+        return max(0.0, touching[0]), add(position, lever), normal
+    centre = add(position, scale(x, axis))
     gap, normal = wall_gap(centre, pipe)
     if gap > r:
         return 0.0, centre, normal
     point = rim_point(centre, axis, r, normal)
     gap, there = wall_gap(point, pipe)
-    turned = minus(there, normal)
+    turned = subtract(there, normal)
     if dot(turned, turned) > SETTLED * SETTLED:
         point = rim_point(centre, axis, r, there)
         gap, there = wall_gap(point, pipe)
@@ -172,9 +172,9 @@ def _coplanar_push(
     """Return what :func:`_push` does, where :func:`driftform.dynamics.bore.is_coplanar`: all rims share one normal."""
     line, vectors = axis_line(position, axis, pipe), basis(position, axis, pipe)
     off = math.sqrt(line[0])
-    normal, tilted = times(1.0 / off, vectors[0]), times(1.0 / off, vectors[2])
+    normal, tilted = scale(1.0 / off, vectors[0]), scale(1.0 / off, vectors[2])
     force, torque, share = coplanar_force(rims, line[1] / off, line[3] - off, dot(normal, v), dot(tilted, w))
-    return (times(-force, normal), times(-torque, tilted)), share
+    return (scale(-force, normal), scale(-torque, tilted)), share
 
 
 @compiled
@@ -237,8 +237,8 @@ def _straight_push(
         t_a += pressed * along * n_a
         t_oa += pressed * turn
     share = 1.0 / math.sqrt(total) if total > 0.0 else 0.0
-    force = times(-share, plus(times(f_o, o), times(f_a, a)))
-    torque = times(-share, plus(times(t_o, axis_o), plus(times(t_a, axis_a), times(t_oa, o_a))))
+    force = scale(-share, add(scale(f_o, o), scale(f_a, a)))
+    torque = scale(-share, add(scale(t_o, axis_o), add(scale(t_a, axis_a), scale(t_oa, o_a))))
     return (force, torque), share
 
 
@@ -255,12 +255,12 @@ def _push(
         depth, point, normal = rim_depth(position, axis, rims[k, 0], rims[k, 1], pipe)
         if depth <= 0.0:
             continue
-        lever = minus(point, position)
-        square, force = _pressed(rims, k, depth, dot(normal, plus(v, cross(w, lever))))
+        lever = subtract(point, position)
+        square, force = _pressed(rims, k, depth, dot(normal, add(v, cross(w, lever))))
         total += square * square
-        wrench = both(wrench, force_at(lever, times(-force, normal)))
+        wrench = both(wrench, force_at(lever, scale(-force, normal)))
     share = 1.0 / math.sqrt(total) if total > 0.0 else 0.0
-    return (times(share, wrench[0]), times(share, wrench[1])), share
+    return (scale(share, wrench[0]), scale(share, wrench[1])), share
 
 
 @compiled
@@ -288,16 +288,16 @@ def _friction(
             lever, normal = lever_and_normal(axis, o, a, touching)
         else:
             depth, point, normal = rim_depth(position, axis, x, r, pipe)
-            lever = minus(point, position)
+            lever = subtract(point, position)
         if depth <= 0.0:
             continue
-        moving = plus(v, cross(w, lever))
+        moving = add(v, cross(w, lever))
         speed = dot(normal, moving)
         grip = factor * _pressed(rims, k, depth, speed)[1]
-        sliding = minus(moving, times(speed, normal))
+        sliding = subtract(moving, scale(speed, normal))
         smooth = max(SLIP, grip / (rims[k, 4] * rate))
         drag = grip / math.sqrt(dot(sliding, sliding) + smooth * smooth)
-        wrench = both(wrench, force_at(lever, times(-drag, sliding)))
+        wrench = both(wrench, force_at(lever, scale(-drag, sliding)))
     return wrench
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from driftform.dynamics.equations import accelerations
 from driftform.dynamics.flight import has_left, is_finite
-from driftform.dynamics.model import FlightModel, packed, unpacked
+from driftform.dynamics.model import FlightModel, pack, unpack
 from driftform.dynamics.plane import NUMBERS, accelerations_in_plane, outside, plane_model, stays_in_plane
 from driftform.dynamics.rotations import rotation_from_vector, rotation_vector_from_quaternion
 from driftform.types import FloatArray
@@ -58,7 +58,7 @@ def motion_of(model: FlightModel, start: FloatArray) -> Motion:
     return Motion(
         np.concatenate([start[:3], rotation_vector_from_quaternion(start[3:7])]),
         start[7:],
-        packed(model),
+        pack(model),
         _accelerations_in_space,
         _fill_sample_in_space,
     )
@@ -75,7 +75,7 @@ def _accelerations_in_space(
         R,
         (rates[0], rates[1], rates[2]),
         (rates[3], rates[4], rates[5]),
-        unpacked(values),
+        unpack(values),
     )
     return a[0], a[1], a[2], alpha[0], alpha[1], alpha[2]
 
@@ -94,7 +94,7 @@ def _fill_sample_in_space(
         sample[8 + i] = rates[i]
         sample[11 + i] = rates[3 + i]
     position = (coordinates[0], coordinates[1], coordinates[2])
-    return is_finite(sample) and not has_left(position, unpacked(values).pipe)
+    return is_finite(sample) and not has_left(position, unpack(values).pipe)
 
 
 @compiled

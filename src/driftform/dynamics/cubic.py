@@ -4,7 +4,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from driftform.dynamics.vectors import Vector, dot, minus, plus, times
+from driftform.dynamics.vectors import Vector, add, dot, scale, subtract
 from driftform.util.compiled import compiled
 
 Cubic: TypeAlias = tuple[Vector, Vector, Vector, Vector]
@@ -14,13 +14,13 @@ Cubic: TypeAlias = tuple[Vector, Vector, Vector, Vector]
 @compiled
 def cubic_between(p: Vector, v: Vector, q: Vector, w: Vector, h: float) -> Cubic:
     """Return the cubic in u from 0 to 1 that leads from p with the rate v to q with the rate w, in the time h."""
-    m, n, chord = times(h, v), times(h, w), minus(q, p)
-    return p, m, minus(times(3.0, chord), plus(times(2.0, m), n)), minus(plus(m, n), times(2.0, chord))
+    m, n, chord = scale(h, v), scale(h, w), subtract(q, p)
+    return p, m, subtract(scale(3.0, chord), add(scale(2.0, m), n)), subtract(add(m, n), scale(2.0, chord))
 
 
 @compiled
 def _distance(a: Vector, b: Vector) -> float:
-    offset = minus(a, b)
+    offset = subtract(a, b)
     return float(np.sqrt(dot(offset, offset)))
 
 
@@ -28,14 +28,14 @@ def _distance(a: Vector, b: Vector) -> float:
 def at(cubic: Cubic, u: float) -> Vector:
     """Return the point of a cubic at u."""
     a, b, c, d = cubic
-    return plus(a, times(u, plus(b, times(u, plus(c, times(u, d))))))
+    return add(a, scale(u, add(b, scale(u, add(c, scale(u, d))))))
 
 
 @compiled
 def rate_at(cubic: Cubic, u: float) -> Vector:
     """Return the slope of a cubic at u, for a unit of u."""
     _, b, c, d = cubic
-    return plus(b, times(u, plus(times(2.0, c), times(3.0 * u, d))))
+    return add(b, scale(u, add(scale(2.0, c), scale(3.0 * u, d))))
 
 
 @compiled
@@ -44,9 +44,9 @@ def foot(cubic: Cubic, point: Vector, u: float) -> tuple[float, float]:
     _, _, c, d = cubic
     best, best_u = _distance(at(cubic, u), point), u
     for _ in range(20):
-        offset = minus(at(cubic, u), point)
+        offset = subtract(at(cubic, u), point)
         first = rate_at(cubic, u)
-        second = plus(times(2.0, c), times(6.0 * u, d))
+        second = add(scale(2.0, c), scale(6.0 * u, d))
         speed = dot(first, first)
         curvature = speed + dot(offset, second)
         if curvature <= 0.0:

@@ -48,13 +48,13 @@ from driftform.dynamics.vectors import (
     Rotation,
     Vector,
     Wrench,
+    add,
     both,
     cross,
     force_at,
     forward,
-    minus,
-    plus,
-    times,
+    scale,
+    subtract,
     to_body,
     to_world,
 )
@@ -89,14 +89,14 @@ def _row(row: FloatArray, a: Vector, b: Vector) -> float:
 def damping_wrench(moving: Vector, omega: Vector, table: FloatArray) -> Wrench:
     """Return -D_1 nu - D_2 |nu| nu about the body's origin, both taken at the point that the damping refers to."""
     point = _vector(table[DAMPING_POINT])
-    v = plus(moving, cross(omega, point))
+    v = add(moving, cross(omega, point))
     linear = _times(table[LINEAR:QUADRATIC], v, omega)
     squares = (v[0] * abs(v[0]), v[1] * abs(v[1]), v[2] * abs(v[2]))
     turns = (omega[0] * abs(omega[0]), omega[1] * abs(omega[1]), omega[2] * abs(omega[2]))
     quadratic = _times(table[QUADRATIC:COG], squares, turns)
-    force = times(-1.0, plus(linear[0], quadratic[0]))
-    torque = times(-1.0, plus(linear[1], quadratic[1]))
-    return force, plus(torque, cross(point, force))
+    force = scale(-1.0, add(linear[0], quadratic[0]))
+    torque = scale(-1.0, add(linear[1], quadratic[1]))
+    return force, add(torque, cross(point, force))
 
 
 @compiled
@@ -130,14 +130,14 @@ def surroundings(
 ) -> tuple[Vector, Vector, Vector]:
     """Return the water's velocity and acceleration at the COB (world), and its shear along the axis (body frame)."""
     centre = _vector(model.table[COB])
-    place = plus(position, to_world(R, centre))
+    place = add(position, to_world(R, centre))
     speed, gradient, rate = water(place, t, model.pipe, model.flow, model.gusts)
     # What changes along the water's own path, or along the body's. A gust is given along the path already, and its
     # rate is all of its acceleration: carried across the mean shear once more it would drag a body along the wall.
     path = speed if model.gusts.shape[0] == 0 else ZERO
     if model.table[FROUDE_KRYLOV] == 0.0:
-        path = plus(velocity, to_world(R, cross(omega, centre)))
-    return speed, plus(rate, to_world(gradient, path)), to_body(R, to_world(gradient, forward(R)))
+        path = add(velocity, to_world(R, cross(omega, centre)))
+    return speed, add(rate, to_world(gradient, path)), to_body(R, to_world(gradient, forward(R)))
 
 
 @compiled
@@ -161,18 +161,18 @@ def accelerations(
     stream, change, shear = _vector(table[CURRENT]), ZERO, ZERO
     if table[STEADY] == 0.0:
         stream, change, shear = surroundings(t, position, R, velocity, omega, model)
-    moving = to_body(R, minus(velocity, stream))
+    moving = to_body(R, subtract(velocity, stream))
     pull = to_body(R, change)
     cog, centre = _vector(table[COG]), _vector(table[COB])
-    weight = times(-table[BODY_MASS], plus(times(table[GRAVITY], R[2]), pull))
-    lift, displaced = times(table[DISPLACED_MASS] * table[GRAVITY], R[2]), table[DISPLACED_MASS]
+    weight = scale(-table[BODY_MASS], add(scale(table[GRAVITY], R[2]), pull))
+    lift, displaced = scale(table[DISPLACED_MASS] * table[GRAVITY], R[2]), table[DISPLACED_MASS]
     wrench = (ZERO, ZERO)
     if table[WATER_LEVEL] < np.inf:
         wrench, volume, x = buoyancy(
             position[2], R, centre, table[WATER_LEVEL], table[DENSITY] * table[GRAVITY], model.slices
         )
         centre, lift, displaced = (x, centre[1], centre[2]), ZERO, table[DENSITY] * volume
-    lift = plus(lift, times(displaced * table[FROUDE_KRYLOV], pull))
+    lift = add(lift, scale(displaced * table[FROUDE_KRYLOV], pull))
     wrench = both(wrench, both(force_at(cog, weight), force_at(centre, lift)))
     if table[DAMPED] != 0.0:
         wrench = both(wrench, damping_wrench(moving, omega, table))
@@ -193,7 +193,7 @@ def accelerations(
         ),
     )
     momentum, turning = _times(table[MASS:INVERSE], moving, omega)
-    force = plus(wrench[0], cross(momentum, omega))
-    torque = plus(wrench[1], plus(cross(turning, omega), cross(momentum, moving)))
+    force = add(wrench[0], cross(momentum, omega))
+    torque = add(wrench[1], add(cross(turning, omega), cross(momentum, moving)))
     v_dot, w_dot = _times(table[INVERSE:LINEAR], force, torque)
-    return plus(to_world(R, plus(v_dot, cross(omega, moving))), change), w_dot
+    return add(to_world(R, add(v_dot, cross(omega, moving))), change), w_dot

@@ -22,11 +22,11 @@ from driftform.dynamics.model import (
     STEADY,
     WATER_LEVEL,
     FlightModel,
-    packed,
-    unpacked,
+    pack,
+    unpack,
 )
 from driftform.dynamics.rotations import quaternion_rate, rotation_from_quaternion
-from driftform.dynamics.vectors import Vector, dot, minus, times, to_body
+from driftform.dynamics.vectors import Vector, dot, scale, subtract, to_body
 from driftform.scenario import Scenario
 from driftform.types import End, FloatArray, Trajectory
 from driftform.util.compiled import compiled
@@ -75,11 +75,11 @@ def past_outlet(position: Vector, pipe: FloatArray) -> float:
 
 @compiled
 def _along(position: Vector, segment: FloatArray) -> float:
-    off = minus(position, (segment[0], segment[1], segment[2]))
+    off = subtract(position, (segment[0], segment[1], segment[2]))
     return dot((segment[3], segment[4], segment[5]), off)
 
 
-def finished_flight(
+def finish_trajectory(
     samples: FloatArray,
     model: FlightModel,
     horizon: float,
@@ -92,11 +92,11 @@ def finished_flight(
     A flight that stopped before the horizon for no other reason ends as non-finite, and one whose estimated
     ``error`` (m) is more than ``accepted`` as not converged.
     """
-    rows, broken = _sound(np.ascontiguousarray(samples))
-    end = _ending(rows, broken, len(samples) > step_limit, model, horizon)
+    rows, broken = _count_finite(np.ascontiguousarray(samples))
+    end = _find_end(rows, broken, len(samples) > step_limit, model, horizon)
     if not end.failed and error is not None and not error <= accepted:
         end = End.NOT_CONVERGED
-    values = packed(model)
+    values = pack(model)
     touched = _first_touch(rows, values)
     contact, drift = _contact_time(rows, values, touched), _energy_drift(rows, values, touched)
     if len(rows) > 1 and len(model.pipe) > 0:
@@ -114,7 +114,7 @@ def finished_flight(
     )
 
 
-def _ending(rows: FloatArray, broken: bool, too_long: bool, model: FlightModel, horizon: float) -> End:
+def _find_end(rows: FloatArray, broken: bool, too_long: bool, model: FlightModel, horizon: float) -> End:
     position = (rows[-1, 1], rows[-1, 2], rows[-1, 3])
     if broken:
         return End.NON_FINITE
@@ -126,7 +126,7 @@ def _ending(rows: FloatArray, broken: bool, too_long: bool, model: FlightModel, 
 
 
 @compiled
-def _sound(samples: FloatArray) -> tuple[FloatArray, bool]:
+def _count_finite(samples: FloatArray) -> tuple[FloatArray, bool]:
     """Return the samples up to the first that is not finite, each later than the one before; and if there is one."""
     rows, count = np.empty(samples.shape), 0
     for k in range(samples.shape[0]):
@@ -170,7 +170,7 @@ def _cut_at_outlet(before: FloatArray, after: FloatArray, pipe: FloatArray) -> N
         square += q[j] * q[j]
     after[0] = before[0] + u * h
     after[1], after[2], after[3] = at(path, u)
-    after[8], after[9], after[10] = times(1.0 / h, rate_at(path, u))
+    after[8], after[9], after[10] = scale(1.0 / h, rate_at(path, u))
     for j in range(4):
         after[4 + j] = q[j] / math.sqrt(square)
     # 2 q* q' has the angular velocity in its vector part.
@@ -205,7 +205,7 @@ def _contact_time(rows: FloatArray, values: FloatArray, touched: int) -> float |
 @compiled
 def _first_touch(rows: FloatArray, values: FloatArray) -> int:
     """Return the first sample at which a rim touches, the number of samples where none does."""
-    model = unpacked(values)
+    model = unpack(values)
     for k in range(rows.shape[0]):
         if _depth(rows[k], model) > 0.0:
             return k
@@ -224,7 +224,7 @@ def _energy_drift(rows: FloatArray, values: FloatArray, count: int) -> float:
     NaN where it is not conserved: with drag, in water that has more than one velocity, and where the water carries
     the body up or down to its surface.
     """
-    model = unpacked(values)
+    model = unpack(values)
     table = model.table
     if count == 0 or table[STEADY] == 0.0 or table[DAMPED] != 0.0 or model.strips.shape[0] > 0:
         return math.nan
@@ -249,7 +249,7 @@ def energy(row: FloatArray, model: FlightModel) -> tuple[float, float]:
     """Return kinetic and potential energy of body and water, J, in the frame that moves with the water."""
     table, R = model.table, _attitude(row)
     stream = (table[CURRENT, 0], table[CURRENT, 1], table[CURRENT, 2])
-    v = to_body(R, minus(velocity_of(row), stream))
+    v = to_body(R, subtract(velocity_of(row), stream))
     nu = (v[0], v[1], v[2], row[11], row[12], row[13])
     kinetic = 0.0
     for i in range(6):
@@ -285,7 +285,7 @@ def _attitude(row: FloatArray) -> tuple[Vector, Vector, Vector]:
 @compiled
 def _touching(before: FloatArray, after: FloatArray, values: FloatArray) -> float:
     """Return when a rim comes to touch between two samples, by bisection on the path between them."""
-    model = unpacked(values)
+    model = unpack(values)
     low, high, h = 0.0, 1.0, after[0] - before[0]
     between, sign = np.empty(SAMPLE), 1.0
     if before[4] * after[4] + before[5] * after[5] + before[6] * after[6] + before[7] * after[7] < 0.0:

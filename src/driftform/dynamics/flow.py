@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from driftform.dynamics.cubic import at, cubic_between, rate_at
-from driftform.dynamics.vectors import ZERO, Rotation, Vector, dot, minus, plus, times
+from driftform.dynamics.vectors import ZERO, Rotation, Vector, add, dot, scale, subtract
 from driftform.scenario import DevelopingFlow, LogLawFlow, PowerLawFlow, Scenario, TurbulentFlow, UniformFlow
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
@@ -117,7 +117,7 @@ def water(
         k = min(max(int(place), 0), gusts.shape[0] - 2)
         u = min(max(place - k, 0.0), 1.0)
         gust, rate = _spline(gusts[k], gusts[k + 1], flow[GUST_STEP], u)
-        velocity = plus(velocity, gust)
+        velocity = add(velocity, gust)
     return velocity, gradient, rate
 
 
@@ -129,14 +129,14 @@ def _mean_flow(point: Vector, pipe: FloatArray, flow: FloatArray) -> tuple[Vecto
     # Round the axis a radial velocity proportional to r spreads in both directions alike.
     ring = radial / r if r > 0.0 else -0.5 * stretch
     # The gradient is a (x) v + n (x) w + ring 1, with the axis a and the outward normal n.
-    v = plus(times(shear, outward), times(stretch - ring, axis))
-    w = times(-stretch - 2.0 * ring, outward)
+    v = add(scale(shear, outward), scale(stretch - ring, axis))
+    w = scale(-stretch - 2.0 * ring, outward)
     gradient = (
-        plus(plus(times(axis[0], v), times(outward[0], w)), (ring, 0.0, 0.0)),
-        plus(plus(times(axis[1], v), times(outward[1], w)), (0.0, ring, 0.0)),
-        plus(plus(times(axis[2], v), times(outward[2], w)), (0.0, 0.0, ring)),
+        add(add(scale(axis[0], v), scale(outward[0], w)), (ring, 0.0, 0.0)),
+        add(add(scale(axis[1], v), scale(outward[1], w)), (0.0, ring, 0.0)),
+        add(add(scale(axis[2], v), scale(outward[2], w)), (0.0, 0.0, ring)),
     )
-    return plus(times(along, axis), times(radial, outward)), gradient
+    return add(scale(along, axis), scale(radial, outward)), gradient
 
 
 @compiled
@@ -147,9 +147,9 @@ def _in_segment(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector, float,
     last = pipe.shape[0] - 1
     for s in range(pipe.shape[0]):
         axis = (pipe[s, 3], pipe[s, 4], pipe[s, 5])
-        off = minus(point, (pipe[s, 0], pipe[s, 1], pipe[s, 2]))
+        off = subtract(point, (pipe[s, 0], pipe[s, 1], pipe[s, 2]))
         along = dot(axis, off)
-        off = minus(off, times(along, axis))
+        off = subtract(off, scale(along, axis))
         distance = math.sqrt(dot(off, off))
         beyond = 0.0
         if s > 0:
@@ -159,7 +159,7 @@ def _in_segment(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector, float,
         gap = pipe[s, 7] - math.hypot(distance, beyond)
         if gap > best:
             best, radius, x, r, along_axis = gap, pipe[s, 7], before + along, distance, axis
-            outward = times(1.0 / distance, off) if distance > 0.0 else ZERO
+            outward = scale(1.0 / distance, off) if distance > 0.0 else ZERO
         before += pipe[s, 6]
     return along_axis, outward, radius, x, r
 
@@ -169,7 +169,7 @@ def _spline(a: FloatArray, b: FloatArray, step: float, u: float) -> tuple[Vector
     """Return value and slope of the gusts' spline at the share ``u`` of a time step from row ``a`` to row ``b``."""
     p, v, q, w = (a[0], a[1], a[2]), (a[3], a[4], a[5]), (b[0], b[1], b[2]), (b[3], b[4], b[5])
     curve = cubic_between(p, v, q, w, step)
-    return at(curve, u), times(1.0 / step, rate_at(curve, u))
+    return at(curve, u), scale(1.0 / step, rate_at(curve, u))
 
 
 @compiled

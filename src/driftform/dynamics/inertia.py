@@ -22,7 +22,7 @@ def rigid_body_mass(mass: MassProperties) -> FloatArray:
     return matrix
 
 
-def shifted(matrix: FloatArray, offset: FloatArray) -> FloatArray:
+def shift_origin(matrix: FloatArray, offset: FloatArray) -> FloatArray:
     """Return a 6x6 matrix about a point that lies at ``offset`` (m) from the one it referred to.
 
     A' = H^T A H, where H gives the old point's velocity from the new point's: v_old = v_new + w x (old - new).
@@ -35,7 +35,7 @@ def shifted(matrix: FloatArray, offset: FloatArray) -> FloatArray:
 
 def added_mass_at(coefficients: Coefficients, point: FloatArray) -> FloatArray:
     """Return the added mass about ``point`` of the body frame, (6, 6)."""
-    return shifted(coefficients.added_mass, point - coefficients.origin)
+    return shift_origin(coefficients.added_mass, point - coefficients.origin)
 
 
 def largest_added_mass_ratio(mass: MassProperties, coefficients: Coefficients) -> float:

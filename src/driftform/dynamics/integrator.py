@@ -18,21 +18,21 @@ from driftform.dynamics.contact import is_far
 from driftform.dynamics.cubic import at, cubic_between
 from driftform.dynamics.equations import accelerations
 from driftform.dynamics.flight import SAMPLE, has_left, is_finite, position_of, velocity_of
-from driftform.dynamics.model import REACH, FlightModel, packed, unpacked
+from driftform.dynamics.model import REACH, FlightModel, pack, unpack
 from driftform.dynamics.plane import PLACES, plane_model, slope_in_plane, stays_in_plane
 from driftform.dynamics.rotations import quaternion_rate, rotation_from_quaternion
 from driftform.dynamics.tableaus import DOP853, DOPRI5, Pair
-from driftform.dynamics.vectors import dot, minus
+from driftform.dynamics.vectors import dot, subtract
 from driftform.types import FloatArray
 from driftform.util.compiled import borrowed, compiled
 
 STATE = SAMPLE - 1
 """Numbers in a state: position (3) and velocity (3) in the world, quaternion between them, body rates (3) at the end."""
 
-GAIN = 10.0
+TOLERANCE_RATIO = 10.0
 """Ratio of the tolerances of the two flights that are compared."""
 
-DOUBT = 2.0
+SAFETY_FACTOR = 2.0
 """Error of a flight over its distance from the second one, which errs alike at times: after the same collision."""
 
 GROWTH = 0.5
@@ -41,7 +41,7 @@ GROWTH = 0.5
 Two flights with 1.6 times fewer steps are so as near to each other as with one tolerance throughout.
 """
 
-LOOSEST = 100.0
+LOOSEST_RATIO = 100.0
 """Ratio of the tolerance at the end of a long flight to that at its release."""
 
 SMOOTH = 1e-2
@@ -49,7 +49,7 @@ SMOOTH = 1e-2
 
 FIRST_STEP = 1e-3
 
-LEAST = math.log(1e-4)
+LOG_MIN_ERROR = math.log(1e-4)
 """Logarithm of the error over tolerance of a step, below which the next one's length does not ask for it."""
 
 
@@ -79,7 +79,7 @@ class Accuracy:
 
 
 @dataclass(frozen=True, eq=False)
-class Integrated:
+class IntegrationResult:
     """Raw samples of a flight, (k, 14), its estimated error in m, and the tolerance that it took."""
 
     samples: FloatArray
@@ -87,14 +87,14 @@ class Integrated:
     tolerance: float
 
 
-def integrate(model: FlightModel, start: FloatArray, horizon: float, accuracy: Accuracy) -> Integrated:
+def integrate(model: FlightModel, start: FloatArray, horizon: float, accuracy: Accuracy) -> IntegrationResult:
     """Return a flight from ``start`` (13,) to the outlet or to ``horizon`` (s); see :class:`Accuracy`.
 
     Where no tolerance makes the error small enough it is returned with that error, infinite where the two flights
     do not end alike.
     """
     samples, error, tolerance = _converged(
-        packed(model),
+        pack(model),
         start,
         horizon,
         accuracy.position,
@@ -105,7 +105,7 @@ def integrate(model: FlightModel, start: FloatArray, horizon: float, accuracy: A
         DOP853,
         DOPRI5,
     )
-    return Integrated(samples, error, tolerance)
+    return IntegrationResult(samples, error, tolerance)
 
 
 @compiled
@@ -121,18 +121,18 @@ def _converged(
     smooth: Pair,
     stiff: Pair,
 ) -> tuple[FloatArray, float, float]:
-    model, work = unpacked(values), np.empty((smooth.b.shape[0] + 3) * STATE)
+    model, work = unpack(values), np.empty((smooth.b.shape[0] + 3) * STATE)
     pairs = _borrowed(smooth), _borrowed(stiff)
-    coarse = _flown(model, start, horizon, GAIN * tolerance, max_step, step_limit, pairs, work)
+    coarse = _fly(model, start, horizon, TOLERANCE_RATIO * tolerance, max_step, step_limit, pairs, work)
     least = 0.0
     while True:
-        fine = _flown(model, start, horizon, tolerance, max_step, step_limit, pairs, work)
+        fine = _fly(model, start, horizon, tolerance, max_step, step_limit, pairs, work)
         distance = greatest_distance(coarse, fine)
         # Distances that fall faster than the tolerance do so by chance.
-        error = DOUBT * max(distance, least)
-        if error <= accepted or tolerance / GAIN < tightest:
+        error = SAFETY_FACTOR * max(distance, least)
+        if error <= accepted or tolerance / TOLERANCE_RATIO < tightest:
             return fine, error, tolerance
-        coarse, tolerance, least = fine, tolerance / GAIN, distance / GAIN
+        coarse, tolerance, least = fine, tolerance / TOLERANCE_RATIO, distance / TOLERANCE_RATIO
 
 
 @compiled
@@ -165,7 +165,7 @@ def greatest_distance(a: FloatArray, b: FloatArray) -> float:
         path = cubic_between(
             position_of(a[k]), velocity_of(a[k]), position_of(a[k + 1]), velocity_of(a[k + 1]), h
         )
-        apart = minus(at(path, (t - a[k, 0]) / h), position_of(b[row]))
+        apart = subtract(at(path, (t - a[k, 0]) / h), position_of(b[row]))
         greatest = max(greatest, dot(apart, apart))
     return math.sqrt(greatest)
 
@@ -183,7 +183,7 @@ def _borrowed(pair: Pair) -> Pair:
 
 
 @compiled
-def _flown(
+def _fly(
     model: FlightModel,
     start: FloatArray,
     horizon: float,
@@ -206,7 +206,7 @@ def _flown(
     y, new, slopes = room[:size], room[size : 2 * size], room[2 * size :].reshape(-1, size)
     for i in range(size):
         y[i] = start[places[i]]
-    t, h, earlier, count = 0.0, min(FIRST_STEP, horizon), LEAST, 0
+    t, h, earlier, count = 0.0, min(FIRST_STEP, horizon), LOG_MIN_ERROR, 0
     _rate(t, y, model, plane, slopes[0])
     while True:
         if count == samples.shape[0]:
@@ -222,7 +222,7 @@ def _flown(
         count += 1
         if not is_finite(y) or t >= horizon or count > step_limit or has_left(position, model.pipe):
             break
-        pair, sharp = pairs[1], tolerance * min(LOOSEST, math.exp(GROWTH * t))
+        pair, sharp = pairs[1], tolerance * min(LOOSEST_RATIO, math.exp(GROWTH * t))
         if is_far(position, model.table[REACH], model.pipe):
             pair, sharp = pairs[0], SMOOTH * sharp
         h = min(h, max_step)
@@ -241,7 +241,7 @@ def _flown(
         # Gustafsson's controller: it looks at the step before too, and so has few steps rejected.
         now = math.log(max(error, 1e-8))
         h *= min(5.0, max(0.2, 0.9 * math.exp((0.4 * earlier - 0.7 * now) / pair.power)))
-        earlier = max(now, LEAST)
+        earlier = max(now, LOG_MIN_ERROR)
     return samples[:count]
 
 
@@ -274,8 +274,8 @@ def _step(
             for j in range(y.shape[0]):
                 new[j] += share * slopes[k, j]
         _rate(t + (1.0 if last else pair.c[s]) * h, new, model, plane, slopes[s])
-    first = _weighed(pair.error, slopes, y, new, tolerance)
-    second = _weighed(pair.second, slopes, y, new, tolerance) if pair.second.shape[0] > 0 else 0.0
+    first = _weigh_slopes(pair.error, slopes, y, new, tolerance)
+    second = _weigh_slopes(pair.second, slopes, y, new, tolerance) if pair.second.shape[0] > 0 else 0.0
     # The quaternion's length is no part of the motion.
     begin, end = (2, 4) if plane.shape[0] > 0 else (3, 7)
     square = 0.0
@@ -290,7 +290,7 @@ def _step(
 
 
 @compiled
-def _weighed(
+def _weigh_slopes(
     weights: FloatArray, slopes: FloatArray, y: FloatArray, new: FloatArray, tolerance: float
 ) -> float:
     """Return the sum over all coordinates of ((weighted sum of slopes) / (tolerance (1 + |value|)))^2."""

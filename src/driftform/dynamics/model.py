@@ -98,15 +98,15 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     )
 
 
-def packed(model: FlightModel) -> FloatArray:
-    """Return all arrays of a model as one, which is cheaper to hand to a kernel: see :func:`unpacked`."""
+def pack(model: FlightModel) -> FloatArray:
+    """Return all arrays of a model as one, which is cheaper to hand to a kernel: see :func:`unpack`."""
     flat: list[FloatArray] = [np.array([float(len(array)) for array in model])]
     flat.extend(array.ravel() for array in model)
     return np.concatenate(flat)
 
 
 @compiled
-def unpacked(values: FloatArray) -> FlightModel:
+def unpack(values: FloatArray) -> FlightModel:
     """Return the model whose arrays :func:`packed` has put into one; they share its memory."""
     values = borrowed(values)
     rims = 7 + 6 * int(values[0])

@@ -15,19 +15,19 @@ ZERO: Vector = (0.0, 0.0, 0.0)
 
 
 @compiled
-def plus(a: Vector, b: Vector) -> Vector:
+def add(a: Vector, b: Vector) -> Vector:
     """Return a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 @compiled
-def minus(a: Vector, b: Vector) -> Vector:
+def subtract(a: Vector, b: Vector) -> Vector:
     """Return a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 @compiled
-def times(factor: float, a: Vector) -> Vector:
+def scale(factor: float, a: Vector) -> Vector:
     """Return factor a."""
     return factor * a[0], factor * a[1], factor * a[2]
 
@@ -53,7 +53,7 @@ def to_world(R: Rotation, a: Vector) -> Vector:
 @compiled
 def to_body(R: Rotation, a: Vector) -> Vector:
     """Return a world vector in the body frame, R^T a."""
-    return plus(times(a[0], R[0]), plus(times(a[1], R[1]), times(a[2], R[2])))
+    return add(scale(a[0], R[0]), add(scale(a[1], R[1]), scale(a[2], R[2])))
 
 
 @compiled
@@ -65,7 +65,7 @@ def forward(R: Rotation) -> Vector:
 @compiled
 def both(a: Wrench, b: Wrench) -> Wrench:
     """Return the sum of two wrenches."""
-    return plus(a[0], b[0]), plus(a[1], b[1])
+    return add(a[0], b[0]), add(a[1], b[1])
 
 
 @compiled

@@ -21,9 +21,9 @@ from typing import TYPE_CHECKING, Any
 
 from driftform import __version__
 from driftform.errors import DriftformError, InputError, WorkFailedError
-from driftform.execution.jobs import Job, LostError, Outcome, evaluated
-from driftform.execution.lanes import PATIENCE, Lane, Lanes
-from driftform.execution.local import interrupts_held_back
+from driftform.execution.jobs import Job, Outcome, WorkersLostError, evaluate_batch
+from driftform.execution.lanes import POLL_S, PoolExecutor, WorkerGroup
+from driftform.execution.local import hold_back_interrupts
 from driftform.pipeline import Pipeline
 from driftform.registry import registry
 from driftform.study import SELECTED, Document, load_study
@@ -41,11 +41,11 @@ CHATTER = ("distributed", "tornado", "asyncio", "bokeh")
 """Loggers that say on stderr what a run says itself, or need not say."""
 
 
-class Cluster(Lanes):
+class Cluster(PoolExecutor):
     """Evaluates on the workers of a Dask cluster; all of them are one lane, since Dask moves tasks among them."""
 
     @classmethod
-    def started(cls, document: Mapping[str, Any], workers: int) -> "Cluster":
+    def start(cls, document: Mapping[str, Any], workers: int) -> "Cluster":
         """A cluster of worker processes on this machine, which ends with this process.
 
         Raises
@@ -55,9 +55,9 @@ class Cluster(Lanes):
         WorkFailedError
             where the cluster does not start.
         """
-        distributed = _distributed("--executor dask")
+        distributed = _import_distributed("--executor dask")
         try:
-            with interrupts_held_back():
+            with hold_back_interrupts():
                 cluster = distributed.LocalCluster(
                     n_workers=workers,
                     threads_per_worker=1,
@@ -75,7 +75,7 @@ class Cluster(Lanes):
         return cls([_Workers(document, client, "the local Dask cluster", cluster)])
 
     @classmethod
-    def joined(cls, document: Mapping[str, Any], address: str) -> "Cluster":
+    def join(cls, document: Mapping[str, Any], address: str) -> "Cluster":
         """The cluster of a scheduler that is running already; waits for the first worker.
 
         Raises
@@ -83,13 +83,13 @@ class Cluster(Lanes):
         InputError
             where the extra ``dask`` is not installed, or no scheduler answers.
         """
-        distributed = _distributed("--scheduler")
+        distributed = _import_distributed("--scheduler")
         try:
             # Asked first, because a client waits for ever for what listens there and is no scheduler.
             kind = asyncio.run(asyncio.wait_for(_identity(distributed, address), TIMEOUT))
             if kind != "Scheduler":
                 raise ValueError(f"that is a {kind.lower()}")
-            with interrupts_held_back():
+            with hold_back_interrupts():
                 client = distributed.Client(address, timeout=TIMEOUT, set_as_default=False)
         except Exception as error:
             # Whether nobody answers or nobody in time is a matter of how busy this machine is.
@@ -108,7 +108,7 @@ class Cluster(Lanes):
         return cls([lane])
 
 
-class _Workers(Lane):
+class _Workers(WorkerGroup):
     """All workers of a cluster."""
 
     def __init__(
@@ -156,7 +156,7 @@ class _Workers(Lane):
 
     def look(self) -> None:
         now = time.monotonic()
-        if now - self._looked < PATIENCE:
+        if now - self._looked < POLL_S:
             return
         self._looked = now
         try:
@@ -167,14 +167,14 @@ class _Workers(Lane):
             self._seen, self._has_told = now, False
         # A worker that died is replaced within some seconds.
         elif now - self._seen > TIMEOUT and not self._has_told:
-            self._tell_how_to_join()
+            self._print_how_to_join()
 
     def wait_for_workers(self) -> None:
         """Return when there is one."""
         while not self._count:
             if not self._has_told:
-                self._tell_how_to_join()
-            time.sleep(PATIENCE / 10)
+                self._print_how_to_join()
+            time.sleep(POLL_S / 10)
             self.look()
 
     def close(self) -> None:
@@ -191,12 +191,12 @@ class _Workers(Lane):
         for end in (self._client, self._cluster):
             if end is not None:
                 with suppress(Exception):
-                    end.close(timeout=PATIENCE)
+                    end.close(timeout=POLL_S)
 
-    def _lost(self) -> LostError:
-        return LostError(f"{self._where}: the scheduler is gone")
+    def _lost(self) -> WorkersLostError:
+        return WorkersLostError(f"{self._where}: the scheduler is gone")
 
-    def _tell_how_to_join(self) -> None:
+    def _print_how_to_join(self) -> None:
         self._has_told = True
         print(
             f"{self._where} has no worker; waiting for one: dask worker {self._where} --nthreads 1",
@@ -215,7 +215,7 @@ def versions(document: Mapping[str, Any]) -> dict[str, str]:
     return found
 
 
-def _distributed(option: str) -> Any:
+def _import_distributed(option: str) -> Any:
     try:
         import distributed
     except ImportError as error:
@@ -258,7 +258,7 @@ _one_at_a_time = threading.Lock()
 
 def _work(study: bytes, expected: Mapping[str, str], batch: Sequence[Job]) -> list[Outcome]:
     with _one_at_a_time:
-        return evaluated(_pipeline(study, tuple(expected.items())), batch)
+        return evaluate_batch(_pipeline(study, tuple(expected.items())), batch)
 
 
 @lru_cache(maxsize=8)
@@ -267,7 +267,7 @@ def _pipeline(study: bytes, expected: tuple[tuple[str, str], ...]) -> Pipeline:
 
     document = json.loads(zlib.decompress(study))
     where = f"worker {get_worker().address}"
-    pipeline = load_study(Document(where, document)).pipeline()
+    pipeline = load_study(Document(where, document)).make_pipeline()
     here = versions(document)
     for name, version in expected:
         if here.get(name) != version:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from driftform.execution.jobs import Job, Outcome, evaluated, task_size
+from driftform.execution.jobs import Job, Outcome, evaluate_batch, task_size
 from driftform.pipeline import Pipeline
 
 
@@ -18,7 +18,7 @@ class InProcess:
         start = 0
         while start < len(jobs):
             size = task_size(len(jobs) - start, 1, self._seconds)
-            outcomes = evaluated(self._pipeline, jobs[start : start + size])
+            outcomes = evaluate_batch(self._pipeline, jobs[start : start + size])
             self._seconds = outcomes[0][1].seconds
             start += size
             yield outcomes

@@ -7,7 +7,7 @@ from typing import Protocol
 
 from driftform.errors import WorkFailedError
 from driftform.pipeline import Pipeline
-from driftform.trajectory.compression import compact
+from driftform.trajectory.compression import compress_evaluation
 from driftform.types import Evaluation, Genome
 
 
@@ -51,16 +51,19 @@ LONGEST = 1.0
 """Tasks take no longer than this, s, but for one of a single genome: it is what a crash makes one do again."""
 
 
-class LostError(WorkFailedError):
+class WorkersLostError(WorkFailedError):
     """What evaluates has gone, and not by anything that was evaluated; a run can go on later."""
 
 
-def evaluated(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:
+def evaluate_batch(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:
     """Evaluate the genomes of one task, as a run keeps them."""
     evaluations = pipeline.evaluate(
         [job.genome for job in batch], [job.seed for job in batch], [job.condition for job in batch]
     )
-    return [(job.index, compact(evaluation)) for job, evaluation in zip(batch, evaluations, strict=True)]
+    return [
+        (job.index, compress_evaluation(evaluation))
+        for job, evaluation in zip(batch, evaluations, strict=True)
+    ]
 
 
 def task_size(waiting: int, processes: int, seconds: float | None) -> int:

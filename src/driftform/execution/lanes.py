@@ -15,11 +15,11 @@ from driftform.types import Evaluation
 AHEAD = 2
 """Tasks for each process: one under way, and one that it need not wait for."""
 
-PATIENCE = 2.0
+POLL_S = 2.0
 """How often lanes are looked after while nothing comes from them, s."""
 
 
-class Lane(ABC):
+class WorkerGroup(ABC):
     """Where tasks run. One that a worker's death took along is tried again, genome by genome.
 
     While it is, each genome has the lane to itself, so that the one to blame is known for sure; a genome that kills
@@ -91,7 +91,7 @@ class Lane(ABC):
             elif not (died := self.deaths(error)):
                 raise error
             elif self._is_trial:
-                outcomes += self._judged(batch[0], died)
+                outcomes += self._judge(batch[0], died)
             else:
                 self._suspects.extend(batch)
         return outcomes
@@ -100,7 +100,7 @@ class Lane(ABC):
         self._is_trial = is_trial
         self._running[self.submit(batch)] = batch
 
-    def _judged(self, job: Job, died: int) -> list[Outcome]:
+    def _judge(self, job: Job, died: int) -> list[Outcome]:
         self._deaths += died
         if self._deaths < ATTEMPTS:
             self._suspects.appendleft(job)
@@ -111,10 +111,10 @@ class Lane(ABC):
         ]
 
 
-class Lanes:
+class PoolExecutor:
     """Evaluates on lanes that take from one queue."""
 
-    def __init__(self, lanes: Sequence[Lane]) -> None:
+    def __init__(self, lanes: Sequence[WorkerGroup]) -> None:
         self._lanes = lanes
         self._seconds: float | None = None
 
@@ -124,7 +124,7 @@ class Lanes:
         while waiting or any(lane.is_busy for lane in self._lanes):
             while self._hand_out(waiting):
                 pass
-            wait([future for lane in self._lanes for future in lane.running], PATIENCE, FIRST_COMPLETED)
+            wait([future for lane in self._lanes for future in lane.running], POLL_S, FIRST_COMPLETED)
             for lane in self._lanes:
                 lane.look()
             outcomes = [outcome for lane in self._lanes for outcome in lane.collect()]

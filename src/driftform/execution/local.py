@@ -13,8 +13,8 @@ from functools import cache
 from multiprocessing.connection import wait as wait_for_any
 from typing import TYPE_CHECKING, Any
 
-from driftform.execution.jobs import Job, Outcome, evaluated
-from driftform.execution.lanes import Lane, Lanes
+from driftform.execution.jobs import Job, Outcome, evaluate_batch
+from driftform.execution.lanes import PoolExecutor, WorkerGroup
 from driftform.pipeline import Pipeline
 from driftform.study import Document, load_study
 
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
     from multiprocessing.connection import Connection
 
 
-class LocalProcesses(Lanes):
+class LocalProcesses(PoolExecutor):
     """Evaluates in worker processes on this machine, each a lane of its own."""
 
     def __init__(self, document: Mapping[str, Any], workers: int) -> None:
         super().__init__([_Process(document) for _ in range(workers)])
 
 
-class _Process(Lane):
+class _Process(WorkerGroup):
     """One worker process; it is started when there is work, and again where it died."""
 
     processes = 1
@@ -75,7 +75,7 @@ class _Pool:
         )
 
     def submit(self, batch: Sequence[Job]) -> "Future[list[Outcome]]":
-        with interrupts_held_back(), script_left_out():
+        with hold_back_interrupts(), leave_out_script():
             return self._executor.submit(_work, batch)
 
     def close(self) -> None:
@@ -88,7 +88,7 @@ class _Pool:
 
 
 @contextmanager
-def interrupts_held_back() -> Iterator[None]:
+def hold_back_interrupts() -> Iterator[None]:
     """Worker processes that start meanwhile do not see Ctrl-C: it is the coordinator's to handle.
 
     They inherit the mask, so that not even one that is still importing answers with a traceback.
@@ -104,7 +104,7 @@ def interrupts_held_back() -> Iterator[None]:
 
 
 @contextmanager
-def script_left_out() -> Iterator[None]:
+def leave_out_script() -> Iterator[None]:
     """Worker processes that start meanwhile do not import the script that asks for them: they need nothing of it.
 
     One without ``if __name__ == "__main__":`` would ask again in each of them.
@@ -138,8 +138,8 @@ def _end_with_coordinator(ended: "Connection[Any, Any]") -> None:
 @cache
 def _pipeline() -> Pipeline:
     # Made by the first task and not before: what goes wrong is then the task's error, and not a process that died.
-    return load_study(Document("the study", _document)).pipeline()
+    return load_study(Document("the study", _document)).make_pipeline()
 
 
 def _work(batch: Sequence[Job]) -> list[Outcome]:
-    return evaluated(_pipeline(), batch)
+    return evaluate_batch(_pipeline(), batch)

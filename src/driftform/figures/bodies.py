@@ -6,7 +6,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.projection import simplify
+from driftform.figures.projection import simplify_polyline
 from driftform.figures.style import tint
 from driftform.geometry import radius_at
 from driftform.types import Body, FloatArray
@@ -43,7 +43,7 @@ def draw_shading(
 
     ``below`` is how far down they reach, as a multiple of the radius: 0 stops at the axis, 1 fills the body.
     """
-    x, r = simplify(body.outer, 0.1 / place.px_per_m).T
+    x, r = simplify_polyline(body.outer, 0.1 / place.px_per_m).T
     for lit in np.linspace(0, 1, bands):
         # Highlights end before the shaded side does, so each band is narrower below than above.
         top = 1 - 0.62 * lit

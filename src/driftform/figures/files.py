@@ -17,7 +17,7 @@ def write_picture(path: Path, svg: str) -> tuple[Path, ...]:
         where a file cannot be written.
     """
     write_text(path, svg)
-    png = rasterised(svg)
+    png = rasterise(svg)
     if png is None:
         return (path,)
     image = path.with_suffix(".png")
@@ -25,7 +25,7 @@ def write_picture(path: Path, svg: str) -> tuple[Path, ...]:
     return path, image
 
 
-def rasterised(svg: str) -> bytes | None:
+def rasterise(svg: str) -> bytes | None:
     """Return a picture as PNG, ``None`` where the extra ``png`` is not installed."""
     try:
         from resvg_py import svg_to_bytes

@@ -17,10 +17,15 @@ from driftform.figures.plot import (
     pipe_ink,
     pipe_points,
 )
-from driftform.figures.projection import PLAN, SIDE, resample, times
+from driftform.figures.projection import PLAN, SIDE, drawing_times, resample_polyline
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, VERMILLION, tint
 from driftform.scenario import Scenario
-from driftform.trajectory.interpolation import Approach, closest, pose, positions
+from driftform.trajectory.interpolation import (
+    Approach,
+    find_approaches,
+    interpolate_pose,
+    interpolate_positions,
+)
 from driftform.types import Body, FloatArray, Trajectory
 
 _WIDTH, _LEFT, _RIGHT = 900.0, 62.0, 24.0
@@ -48,9 +53,9 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
 
     A flight that moves sideways, too, gets a plan view (x to the right, y upward) below the side view.
     """
-    line = positions(trajectory, times(trajectory))
+    line = interpolate_positions(trajectory, drawing_times(trajectory))
     targets = scenario.target_array()
-    approaches = closest(trajectory, targets) if len(targets) else []
+    approaches = find_approaches(trajectory, targets) if len(targets) else []
     nearest = int(np.argmin([a.distance for a in approaches])) if approaches else None
 
     sideways = float(np.ptp(line[:, 1])) > _SIDEWAYS
@@ -142,7 +147,7 @@ def _draw_view(
     approaches: list[Approach],
     nearest: int | None,
 ) -> None:
-    line = positions(trajectory, times(trajectory))
+    line = interpolate_positions(trajectory, drawing_times(trajectory))
     seen = window.to_page(line)
     draw_water(root, window, scenario.pipe)
     draw_axes(root, window)
@@ -159,13 +164,15 @@ def _draw_view(
         stroke_linejoin="round",
         stroke_linecap="round",
     )
-    ink = [resample(seen, 3), pipe_ink(window, scenario.pipe)]
+    ink = [resample_polyline(seen, 3), pipe_ink(window, scenario.pipe)]
     if body is not None:
         size = max(body.length, body.max_diameter) * magnification * window.px_per_m
         for t in _moments(trajectory, seen, size):
             pale = (tint(BLUE, 0.22), INK, ORANGE)
-            corners = draw_silhouette(root, window, body, pose(trajectory, t), magnification, pale)
-            ink.append(resample(corners, 4))
+            corners = draw_silhouette(
+                root, window, body, interpolate_pose(trajectory, t), magnification, pale
+            )
+            ink.append(resample_polyline(corners, 4))
     x, y = seen[0]
     svg.add(root, "circle", class_="start", cx=x, cy=y, r=4.5, fill="#ffffff", stroke=BLUE, stroke_width=2)
 
@@ -195,7 +202,7 @@ def _draw_view(
             stroke=VERMILLION,
             stroke_width=1.8,
         )
-        ink.append(resample(np.array([foot, target]), 3))
+        ink.append(resample_polyline(np.array([foot, target]), 3))
     widths = [text_width(name, 12, bold=True) for name in names]
     frame = window.box
     page = Box(frame.left + 2, frame.top + 2, frame.right - 2, frame.bottom - 2)
@@ -212,4 +219,4 @@ def _moments(trajectory: Trajectory, seen: FloatArray, size: float) -> list[floa
     count = int(np.clip(s[-1] / (1.9 * size), 1, 7))
     # Off both ends, where the start and the outlet are.
     wanted = s[-1] * (np.arange(count) + 0.5) / count
-    return [float(t) for t in np.interp(wanted, s, times(trajectory))]
+    return [float(t) for t in np.interp(wanted, s, drawing_times(trajectory))]

@@ -17,7 +17,7 @@ GAP, NARROWEST = 24.0, 132.0
 
 
 @dataclass(frozen=True, eq=False)
-class Flight:
+class GalleryEntry:
     """The best flight for a target: ``name`` is the target's, ``error_percent`` is 100 (1 - fitness)."""
 
     name: str
@@ -26,9 +26,9 @@ class Flight:
     error_percent: float
 
 
-def gallery_svg(flights: Sequence[Flight], title: str, told: str) -> str:
+def gallery_svg(flights: Sequence[GalleryEntry], title: str, told: str) -> str:
     """Return the bodies of flights as SVG, at one scale, fore end to the right; ``told`` stands below the title."""
-    rows, px_per_m = arranged(flights)
+    rows, px_per_m = arrange(flights)
     top = 130.0
     root = svg.document(
         WIDTH,
@@ -42,7 +42,7 @@ def gallery_svg(flights: Sequence[Flight], title: str, told: str) -> str:
     return svg.render(root)
 
 
-def colours_of(flights: Sequence[Flight]) -> list[str]:
+def assign_colours(flights: Sequence[GalleryEntry]) -> list[str]:
     """A colour for each flight."""
     return [SERIES[i % len(SERIES)] for i in range(len(flights))]
 
@@ -51,21 +51,21 @@ def colours_of(flights: Sequence[Flight]) -> list[str]:
 class Row:
     """Some bodies side by side: each with its colour and its cell's width, the tallest, and the row; px."""
 
-    cells: list[tuple[Flight, str, float]]
+    cells: list[tuple[GalleryEntry, str, float]]
     tallest: float
     height: float
 
 
-def arranged(flights: Sequence[Flight]) -> tuple[list[Row], float]:
+def arrange(flights: Sequence[GalleryEntry]) -> tuple[list[Row], float]:
     """Return the rows of the gallery, and the px for a metre, the same in all of them."""
     if not flights:
         return [], 1.0
     bodies = [flight.agent.body for flight in flights]
-    pairs = list(zip(flights, colours_of(flights), strict=True))
+    pairs = list(zip(flights, assign_colours(flights), strict=True))
     split = [pairs[first : first + COLUMNS] for first in range(0, len(pairs), COLUMNS)]
     inner = WIDTH - 2 * MARGIN
 
-    def cells(row: list[tuple[Flight, str]], px_per_m: float) -> list[float]:
+    def cells(row: list[tuple[GalleryEntry, str]], px_per_m: float) -> list[float]:
         return [max(f.agent.body.length * px_per_m + GAP, NARROWEST) for f, _ in row]
 
     # The largest scale at which every row fits: widths only grow with it, so bisection finds it.
@@ -130,7 +130,7 @@ def draw_gallery(root: ET.Element, rows: list[Row], px_per_m: float, top: float)
         top += row.height
 
 
-def _draw_body(root: ET.Element, flight: Flight, colour: str, place: Placement) -> None:
+def _draw_body(root: ET.Element, flight: GalleryEntry, colour: str, place: Placement) -> None:
     body = flight.agent.body
     draw_shading(root, body, place, colour, below=1, bands=6)
     draw_rims(root, body, place, tint(colour, 0.5), 0.5, below=1)

@@ -6,7 +6,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.gallery import MARGIN, WIDTH, Flight, arranged, colours_of, draw_gallery
+from driftform.figures.gallery import MARGIN, WIDTH, GalleryEntry, arrange, assign_colours, draw_gallery
 from driftform.figures.layout import Box, place_labels, shorten, text_width, write
 from driftform.figures.plot import (
     Window,
@@ -18,16 +18,16 @@ from driftform.figures.plot import (
     pipe_ink,
     pipe_points,
 )
-from driftform.figures.projection import SIDE, resample, times
+from driftform.figures.projection import SIDE, drawing_times, resample_polyline
 from driftform.figures.style import INK, MUTED, tint
 from driftform.scenario import Scenario
-from driftform.trajectory.interpolation import Approach, closest, positions
+from driftform.trajectory.interpolation import Approach, find_approaches, interpolate_positions
 from driftform.types import FloatArray
 
 _LEFT, _RIGHT = 58.0, 22.0
 
 
-def overview_svg(flights: Sequence[Flight], scenario: Scenario, title: str) -> str:
+def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str) -> str:
     """Return the result of a study as SVG: the pipe with each flight in side view, a gallery of bodies below.
 
     Parameters
@@ -42,13 +42,13 @@ def overview_svg(flights: Sequence[Flight], scenario: Scenario, title: str) -> s
 
     The bodies of the gallery share one scale, fore end to the right.
     """
-    lines = [positions(f.trajectory, times(f.trajectory)) for f in flights]
+    lines = [interpolate_positions(f.trajectory, drawing_times(f.trajectory)) for f in flights]
     targets = scenario.target_array()
     shown = np.vstack(
         [targets, pipe_points(scenario.pipe, SIDE), np.array([scenario.release.position]), *lines]
     )
     window = Window.around(SIDE, shown, _LEFT, 92, WIDTH - _LEFT - _RIGHT, 460, 14)
-    rows, px_per_m = arranged(flights)
+    rows, px_per_m = arrange(flights)
     top = window.box.bottom + 84
     height = top + sum(row.height for row in rows) + (2 if rows else -34)
 
@@ -75,34 +75,38 @@ def _subtitle(scenario: Scenario, count: int, worst: float) -> str:
     return f"{flights}, firm up to the closest approach and faint after; largest error {worst:.2f} %"
 
 
-def _approach(flight: Flight, scenario: Scenario) -> Approach | None:
+def _approach(flight: GalleryEntry, scenario: Scenario) -> Approach | None:
     """Return the closest approach to the flight's own target, or to any where it has none."""
     target = scenario.targets.get(flight.name)
     points = scenario.target_array() if target is None else np.array([target])
-    approaches = closest(flight.trajectory, points) if len(points) else []
+    approaches = find_approaches(flight.trajectory, points) if len(points) else []
     return min(approaches, key=lambda a: a.distance, default=None)
 
 
 def _draw_flights(
-    root: ET.Element, window: Window, flights: Sequence[Flight], lines: list[FloatArray], scenario: Scenario
+    root: ET.Element,
+    window: Window,
+    flights: Sequence[GalleryEntry],
+    lines: list[FloatArray],
+    scenario: Scenario,
 ) -> None:
     draw_water(root, window, scenario.pipe)
     draw_axes(root, window)
     draw_walls(root, window, scenario.pipe)
     draw_current(root, window, scenario.current())
-    colours = colours_of(flights)
+    colours = assign_colours(flights)
     approaches = [_approach(flight, scenario) for flight in flights]
     firm = [
-        positions(f.trajectory, times(f.trajectory, stop=np.inf if a is None else a.t))
+        interpolate_positions(f.trajectory, drawing_times(f.trajectory, stop=np.inf if a is None else a.t))
         for f, a in zip(flights, approaches, strict=True)
     ]
     for line, colour in zip(lines, colours, strict=True):
         _draw_line(root, window, line, tint(colour, 0.28), 1.2, "faint")
     for line, colour in zip(firm, colours, strict=True):
         _draw_line(root, window, line, colour, 2.2, "firm")
-    ink = [pipe_ink(window, scenario.pipe), *(resample(window.to_page(line), 3) for line in firm)]
+    ink = [pipe_ink(window, scenario.pipe), *(resample_polyline(window.to_page(line), 3) for line in firm)]
     # Faint lines count for less: a label may cross one where all else is taken.
-    ink += [resample(window.to_page(line), 9) for line in lines]
+    ink += [resample_polyline(window.to_page(line), 9) for line in lines]
     start = window.to_page(np.array([scenario.release.position]))
     svg.add(
         root, "circle", cx=start[0, 0], cy=start[0, 1], r=4.5, fill="#ffffff", stroke=INK, stroke_width=1.6

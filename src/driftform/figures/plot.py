@@ -7,7 +7,7 @@ import numpy as np
 
 from driftform.figures import svg
 from driftform.figures.layout import Box, nice_below, signed, ticks, write
-from driftform.figures.projection import View, resample, silhouette, simplify
+from driftform.figures.projection import View, resample_polyline, silhouette, simplify_polyline
 from driftform.figures.style import GRID, INK, MUTED, WALL, WATER
 from driftform.scenario import Pipe
 from driftform.trajectory.interpolation import Pose
@@ -76,7 +76,7 @@ class Window:
 
     def line(self, points: FloatArray, tolerance: float = 0.15) -> str:
         """Return path data through world points (n, 3), true to ``tolerance`` px."""
-        return svg.polyline(simplify(self.to_page(points), tolerance))
+        return svg.polyline(simplify_polyline(self.to_page(points), tolerance))
 
 
 def draw_axes(root: ET.Element, window: Window, names: tuple[str, str] | None = None) -> None:
@@ -160,7 +160,7 @@ def _corners(row: FloatArray, view: View) -> FloatArray:
 def pipe_ink(window: Window, pipe: Pipe) -> FloatArray:
     """Return points along the walls and ends, 3 px apart, that labels had better not cover; px, (n, 2)."""
     corners = _segments(window, pipe)
-    return np.vstack([np.zeros((0, 2)), *(resample(np.vstack([c, c[:1]]), 3) for c in corners)])
+    return np.vstack([np.zeros((0, 2)), *(resample_polyline(np.vstack([c, c[:1]]), 3) for c in corners)])
 
 
 def _segments(window: Window, pipe: Pipe) -> list[FloatArray]:

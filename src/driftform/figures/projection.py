@@ -15,7 +15,7 @@ SIDE: View = (0, 2)
 PLAN: View = (0, 1)
 
 
-def times(trajectory: Trajectory, start: float = 0.0, stop: float = np.inf) -> FloatArray:
+def drawing_times(trajectory: Trajectory, start: float = 0.0, stop: float = np.inf) -> FloatArray:
     """Return the times from ``start`` to ``stop`` (s) between which the path looks straight, (n,)."""
     t = trajectory.t
     start, stop = min(max(start, t[0]), t[-1]), max(min(stop, t[-1]), t[0])
@@ -40,7 +40,7 @@ def silhouette(body: Body, quaternion: FloatArray, view: View, tolerance: float)
     # Angles 0 and pi are the silhouette's own edges, so the width is exact however few points there are.
     angles = np.linspace(0, 2 * np.pi, 20, endpoint=False)
     circle = np.cos(angles)[:, None] * across + np.sin(angles)[:, None] * np.cross(axis, across)
-    outer = simplify(body.outer, tolerance)
+    outer = simplify_polyline(body.outer, tolerance)
     rims = (outer[:, :1, None] * axis + outer[:, 1:, None] * circle)[:, :, list(view)]
     hulls = (convex_hull(np.vstack(pair)) for pair in pairwise(rims))
     return [hull for hull in hulls if len(hull) > 2]
@@ -67,7 +67,7 @@ def _turn(o: tuple[int, int], a: tuple[int, int], b: tuple[int, int]) -> int:
     return (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
 
 
-def simplify(points: FloatArray, tolerance: float) -> FloatArray:
+def simplify_polyline(points: FloatArray, tolerance: float) -> FloatArray:
     """Return the corners of a polyline, (n, 2), that it must keep to stay within ``tolerance`` of itself.
 
     Ramer, Douglas and Peucker: a flight has thousands of samples, and its picture needs some dozens.
@@ -91,7 +91,7 @@ def simplify(points: FloatArray, tolerance: float) -> FloatArray:
     return points[keep]
 
 
-def resample(points: FloatArray, spacing: float) -> FloatArray:
+def resample_polyline(points: FloatArray, spacing: float) -> FloatArray:
     """Return points along a polyline, (n, 2), about ``spacing`` apart, both ends included."""
     if len(points) < 2:
         return points

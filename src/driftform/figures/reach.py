@@ -18,7 +18,7 @@ from driftform.figures.plot import (
 from driftform.figures.projection import SIDE
 from driftform.figures.style import GRID, INK, MUTED
 from driftform.scenario import Pipe, Scenario, Segment
-from driftform.trajectory.coverage import Cells, Reach
+from driftform.trajectory.coverage import CoverageMap, PipeGrid
 from driftform.types import FloatArray
 
 _WIDTH, _LEFT, _RIGHT, _MARGIN = 900.0, 58.0, 22.0, 22.0
@@ -31,13 +31,13 @@ RAMP = ("#440154", "#443983", "#31688e", "#21918c", "#35b779", "#90d743", "#fde7
 """Viridis, whose steps differ in lightness for any colour vision: the closer, the darker."""
 
 
-def reach_svg(reach: Reach, scenario: Scenario, title: str) -> str:
+def reach_svg(reach: CoverageMap, scenario: Scenario, title: str) -> str:
     """Return the map of what flights reach as SVG: the pipe in section, each cell coloured by the closest flight.
 
     Parameters
     ----------
     reach
-        the map: along the pipe to the right, upward as :class:`driftform.trajectory.coverage.Cells` has it; to scale.
+        the map: along the pipe to the right, upward as :class:`driftform.trajectory.coverage.PipeGrid` has it; to scale.
     scenario
         current, release and targets. Where its pipe lies along the world's x, the axes are those of the world.
     title
@@ -48,10 +48,10 @@ def reach_svg(reach: Reach, scenario: Scenario, title: str) -> str:
     cells = reach.cells
     is_world = bool(np.allclose(cells.axes[:2], ((1, 0, 0), (0, 0, 1))))
     shift = cells.origin[[0, 2]] if is_world else np.zeros(2)
-    pipe = _straightened(cells, shift)
+    pipe = _straighten(cells, shift)
     window = Window.around(SIDE, pipe_points(pipe, SIDE), _LEFT, 92, _WIDTH - _LEFT - _RIGHT, 460, 14)
     base = window.box.bottom + 62
-    told = _told(reach)
+    told = _describe(reach)
     root = svg.document(
         _WIDTH,
         base + 46,
@@ -69,14 +69,14 @@ def reach_svg(reach: Reach, scenario: Scenario, title: str) -> str:
     return svg.render(root)
 
 
-def _straightened(cells: Cells, shift: FloatArray) -> Pipe:
+def _straighten(cells: PipeGrid, shift: FloatArray) -> Pipe:
     """The pipe as it lies on the map, in the plane y = 0."""
     length, radius = cells.size[:2] * cells.shape * (1, 0.5)
     x, z = shift
     return Pipe(segments=(Segment(start=(x, 0.0, z), end=(x + length, 0.0, z), radius=float(radius)),))
 
 
-def _told(reach: Reach) -> str:
+def _describe(reach: CoverageMap) -> str:
     reached = int(np.count_nonzero(reach.reached))
     width, height = 100 * reach.cells.size[:2]
     share = 100 * reached / reach.cells.count
@@ -86,7 +86,7 @@ def _told(reach: Reach) -> str:
     )
 
 
-def _draw_cells(root: ET.Element, window: Window, reach: Reach, shift: FloatArray) -> None:
+def _draw_cells(root: ET.Element, window: Window, reach: CoverageMap, shift: FloatArray) -> None:
     columns, rows = reach.cells.shape
     classes = np.searchsorted(BOUNDS, reach.distance, side="right").reshape(columns, rows)
     classes[~reach.reached.reshape(columns, rows)] = -1
@@ -129,7 +129,7 @@ def _draw_hatching(root: ET.Element, diagonals: list[FloatArray]) -> None:
 
 
 def _draw_points(
-    root: ET.Element, window: Window, scenario: Scenario, cells: Cells, shift: FloatArray, pipe: Pipe
+    root: ET.Element, window: Window, scenario: Scenario, cells: PipeGrid, shift: FloatArray, pipe: Pipe
 ) -> None:
     """Draw where agents are released, and the targets with their names."""
     release = cells.to_map(np.array([scenario.release.position]))[:, :2] + shift

@@ -9,7 +9,7 @@ from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading, inner_joints
 from driftform.figures.layout import nice_below, shorten, signed, text_width, write
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, tint
-from driftform.figures.surface import Surface, rest_of, surface_of
+from driftform.figures.surface import Surface, find_rest, find_surface
 from driftform.figures.svg import PX_PER_MM
 from driftform.geometry import hull_mass, radius_at
 from driftform.scenario import Scenario
@@ -69,7 +69,7 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None)
     px_per_m = 1000 * PX_PER_MM * ratio.paper / ratio.body
     length, diameter = body.length * px_per_m, body.max_diameter * px_per_m
     facts, block = _facts(agent), title_block(agent, scenario)
-    rest = None if scenario is None else rest_of(agent, scenario)
+    rest = None if scenario is None else find_rest(agent, scenario)
     legend = 0.0 if rest is None else 34 + text_width(rest.text, 11) + _SCALE
     least = max(text_width(facts, 12), _block_width(block), legend, 556.0) + 2 * _MARGIN
     width = max(length + _LEFT + _RIGHT, least)
@@ -95,7 +95,7 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None)
     surface = (
         None
         if rest is None or rest.height is None
-        else surface_of(rest.pitch, rest.height, body, place, _AROUND)
+        else find_surface(rest.pitch, rest.height, body, place, _AROUND)
     )
     if surface is not None:
         svg.add(root, "path", class_="water", d=svg.polyline(surface.wet, closed=True), fill=tint(BLUE, 0.1))

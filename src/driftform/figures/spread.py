@@ -14,7 +14,7 @@ from driftform.figures.plot import Window, draw_axes, draw_cross, draw_walls, dr
 from driftform.figures.projection import SIDE
 from driftform.figures.style import INK, MUTED, SERIES, tint
 from driftform.scenario import Scenario
-from driftform.trajectory.interpolation import closest, positions
+from driftform.trajectory.interpolation import find_approaches, interpolate_positions
 from driftform.types import FloatArray, Trajectory
 
 COLUMNS = 2
@@ -23,7 +23,7 @@ STATIONS = 240
 
 
 @dataclass(frozen=True, eq=False)
-class Repeated:
+class FlightSpread:
     """Flights of one agent for one target, cut at their closest approach as in the paper's Figure 7.
 
     ``told`` is a few words that stand beside the target's name.
@@ -34,7 +34,7 @@ class Repeated:
     told: str = ""
 
 
-def spread_svg(repeats: Sequence[Repeated], scenario: Scenario, title: str, told: str) -> str:
+def spread_svg(repeats: Sequence[FlightSpread], scenario: Scenario, title: str, told: str) -> str:
     """Return a panel for each target: every flight faintly, their mean firmly, one standard deviation as a band.
 
     Mean and deviation are those of the height at equal ways along x, of all flights that get so far.
@@ -68,9 +68,9 @@ def band(
     """
     paths = []
     for flight in flights:
-        [approach] = closest(flight, target[None])
+        [approach] = find_approaches(flight, target[None])
         t = np.linspace(flight.t[0], max(approach.t, flight.t[0] + 1e-6), STATIONS)
-        paths.append(positions(flight, np.minimum(t, flight.t[-1])))
+        paths.append(interpolate_positions(flight, np.minimum(t, flight.t[-1])))
     along = np.linspace(max(path[0, 0] for path in paths), min(path[:, 0].max() for path in paths), STATIONS)
     # A path may turn back for a moment: it is the first time at a station that counts.
     heights = np.array([np.interp(along, np.maximum.accumulate(path[:, 0]), path[:, 2]) for path in paths])
@@ -79,7 +79,7 @@ def band(
 
 
 def _draw_panel(
-    root: ET.Element, window: Window, repeated: Repeated, scenario: Scenario, colour: str
+    root: ET.Element, window: Window, repeated: FlightSpread, scenario: Scenario, colour: str
 ) -> None:
     draw_water(root, window, scenario.pipe)
     draw_axes(root, window)

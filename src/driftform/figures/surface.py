@@ -54,7 +54,7 @@ class Surface:
     up: FloatArray
 
 
-def rest_of(agent: Agent, scenario: Scenario) -> WaterRest | None:
+def find_rest(agent: Agent, scenario: Scenario) -> WaterRest | None:
     """Return how the agent rests in the scenario's water; ``None`` without gravity.
 
     Where the scenario has no free surface, a body that rises is shown as it would float on one.
@@ -89,7 +89,7 @@ def _attitude(pitch: float) -> str:
     return f"{nose} by {abs(math.degrees(pitch)):.0f}°"
 
 
-def surface_of(pitch: float, height: float, body: Body, place: Placement, around: float) -> Surface | None:
+def find_surface(pitch: float, height: float, body: Body, place: Placement, around: float) -> Surface | None:
     """Return the surface across a body that rests with a pitch (rad), its origin ``height`` (m) above the water.
 
     Water is drawn up to ``around`` px beside the body; ``None`` where the surface does not come near it.

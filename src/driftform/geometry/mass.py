@@ -25,10 +25,10 @@ def mass_properties(body: Body) -> MassProperties:
     """
     displaced = solid_of_revolution(body.outer)
     hull = displaced - solid_of_revolution(body.cavity)
-    return assembled(hull, displaced, body.hull_density, body.core)
+    return assemble(hull, displaced, body.hull_density, body.core)
 
 
-def assembled(hull: Moments, displaced: Moments, hull_density: float, core: Core) -> MassProperties:
+def assemble(hull: Moments, displaced: Moments, hull_density: float, core: Core) -> MassProperties:
     """Return what a hull of that material weighs with its core, and what it displaces."""
     core_inertia = 0.4 * core.mass * core.radius**2
     mass = hull.volume * hull_density + core.mass

@@ -10,7 +10,7 @@ from driftform.types import Agent, Body, MassProperties
 
 
 @dataclass(frozen=True)
-class Lump:
+class MassElement:
     """A mass on the axis.
 
     Attributes
@@ -29,7 +29,7 @@ class Lump:
     transverse: float = 0.0
 
 
-def hull_lump(body: Body, mass: float | None = None, x: float | None = None) -> Lump:
+def hull_element(body: Body, mass: float | None = None, x: float | None = None) -> MassElement:
     """The hull, as its material gives it, or with another ``mass`` (kg) and centre ``x`` (m).
 
     Its inertia goes with the mass: the material is taken to be spread as it was.
@@ -37,7 +37,7 @@ def hull_lump(body: Body, mass: float | None = None, x: float | None = None) -> 
     solid = solid_of_revolution(body.outer) - solid_of_revolution(body.cavity)
     mass = solid.volume * body.hull_density if mass is None else mass
     share = mass / solid.volume
-    return Lump(
+    return MassElement(
         mass=mass,
         x=solid.centroid if x is None else x,
         axial=share * solid.polar,
@@ -45,18 +45,18 @@ def hull_lump(body: Body, mass: float | None = None, x: float | None = None) -> 
     )
 
 
-def core_lump(body: Body) -> Lump:
+def core_element(body: Body) -> MassElement:
     """The core: a homogeneous sphere at the origin."""
-    return ball(body.core.mass, 0.0, body.core.radius)
+    return ball_element(body.core.mass, 0.0, body.core.radius)
 
 
-def ball(mass: float, x: float, radius: float) -> Lump:
+def ball_element(mass: float, x: float, radius: float) -> MassElement:
     """A homogeneous sphere: 2/5 m R^2 about any axis through its centre."""
     inertia = 0.4 * mass * radius**2
-    return Lump(mass, x, inertia, inertia)
+    return MassElement(mass, x, inertia, inertia)
 
 
-def together(lumps: Iterable[Lump], like: MassProperties) -> MassProperties:
+def combine(lumps: Iterable[MassElement], like: MassProperties) -> MassProperties:
     """Lumps as one body (Steiner), which displaces what ``like`` does.
 
     Raises
@@ -76,7 +76,7 @@ def together(lumps: Iterable[Lump], like: MassProperties) -> MassProperties:
     )
 
 
-def printed_hull(body: Body, mass: float, x: float | None = None) -> Lump:
+def printed_hull_element(body: Body, mass: float, x: float | None = None) -> MassElement:
     """The hull of a printed agent that weighs ``mass`` (kg) with its core.
 
     ``x`` is the centre of gravity of both (m); without it the hull's is where its material has it.
@@ -89,13 +89,13 @@ def printed_hull(body: Body, mass: float, x: float | None = None) -> Lump:
     hull = mass - body.core.mass
     if not hull > 0:
         raise ValueError(f"{mass:g} kg is no more than the core's {body.core.mass:g} kg alone")
-    return hull_lump(body, hull, None if x is None else mass * x / hull)
+    return hull_element(body, hull, None if x is None else mass * x / hull)
 
 
-def weighed(agent: Agent, mass: float, x: float | None = None) -> Agent:
-    """The agent as it flies if it weighs ``mass`` (kg), its centre of gravity at ``x`` (m); see :func:`printed_hull`.
+def reweigh(agent: Agent, mass: float, x: float | None = None) -> Agent:
+    """The agent as it flies if it weighs ``mass`` (kg), its centre of gravity at ``x`` (m); see :func:`printed_hull_element`.
 
     Its shape, and so its coefficients, are what they were.
     """
-    lumps = (printed_hull(agent.body, mass, x), core_lump(agent.body))
-    return replace(agent, mass=together(lumps, agent.mass))
+    lumps = (printed_hull_element(agent.body, mass, x), core_element(agent.body))
+    return replace(agent, mass=combine(lumps, agent.mass))

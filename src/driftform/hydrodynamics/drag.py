@@ -41,7 +41,7 @@ SLENDER = 0.92
 Cylinders have 0.87 at most, cones 0.79."""
 
 
-def drag_of(body: Body, viscosity: float) -> Drag:
+def estimate_drag(body: Body, viscosity: float) -> Drag:
     """Return the drag of a body in water of a kinematic ``viscosity``, m2/s.
 
     From a sphericity of :data:`SLENDER` to one of 1 it goes over, linearly, into that of a sphere.

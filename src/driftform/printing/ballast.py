@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.geometry import distance_from
-from driftform.geometry.mass_elements import Lump, ball
+from driftform.geometry.mass_elements import MassElement, ball_element
 from driftform.types import Body, FloatArray, MassProperties
 
 MATERIALS = {"steel": 7850.0, "lead": 11_340.0, "tungsten": 19_250.0}
@@ -30,7 +30,7 @@ _SLICES = 2000
 
 
 @dataclass(frozen=True)
-class Need:
+class RequiredBallast:
     """Ballast of ``mass`` (kg), negative for buoyancy, at ``x`` (m); ``moment`` is mass times x, kg m."""
 
     mass: float
@@ -42,10 +42,10 @@ class Need:
         return None if abs(self.mass) < NEGLIGIBLE else self.moment / self.mass
 
 
-def need(simulated: MassProperties, printed: MassProperties) -> Need:
+def required_ballast(simulated: MassProperties, printed: MassProperties) -> RequiredBallast:
     """What is missing of the printed agent."""
     moment = simulated.mass * simulated.cog[0] - printed.mass * printed.cog[0]
-    return Need(simulated.mass - printed.mass, float(moment))
+    return RequiredBallast(simulated.mass - printed.mass, float(moment))
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Piece:
     ``start`` and ``end`` are the x (m) that it lies between.
     """
 
-    lump: Lump
+    lump: MassElement
     start: float
     end: float
     diameter: float | None = None
@@ -66,7 +66,7 @@ def ball_diameter(mass: float, density: float) -> float:
     return float(np.cbrt(6 * mass / (np.pi * density)))
 
 
-def pieces(body: Body, wanted: Need, density: float) -> tuple[Piece, ...]:
+def place_ballast(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
     """Return ballast that has the mass and the moment of ``wanted``, and for which the hull has room beside its core.
 
     One ball on the axis is preferred; then two, on either side of where one would have to be; then a filling of the
@@ -90,7 +90,7 @@ def pieces(body: Body, wanted: Need, density: float) -> tuple[Piece, ...]:
     )
 
 
-def nearest(body: Body, wanted: Need, density: float) -> tuple[Piece, ...]:
+def place_nearest(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
     """Return the ball or the filling of that mass whose moment comes nearest, empty where the mass has no room at all."""
     if not len(body.cavity) or wanted.x is None or wanted.mass < 0:
         return ()
@@ -121,7 +121,7 @@ def _stations(body: Body) -> FloatArray:
 
 def _ball_piece(mass: float, x: float, density: float) -> Piece:
     diameter = ball_diameter(mass, density)
-    return Piece(ball(mass, x, diameter / 2), x - diameter / 2, x + diameter / 2, diameter)
+    return Piece(ball_element(mass, x, diameter / 2), x - diameter / 2, x + diameter / 2, diameter)
 
 
 def _one_ball(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
@@ -197,4 +197,4 @@ class _Bore:
         axial = density * float((share * self.polar).sum()) * self.width
         across = axial / 2 + float(mass @ (self.x - x) ** 2)
         start, end = np.interp([first, first + volume], self.before, self.edges)
-        return Piece(Lump(whole, x, axial, across), float(start), float(end))
+        return Piece(MassElement(whole, x, axial, across), float(start), float(end))

@@ -8,25 +8,25 @@ from typing import Any
 import numpy as np
 
 from driftform.errors import WorkFailedError
-from driftform.figures.gallery import Flight
+from driftform.figures.gallery import GalleryEntry
 from driftform.figures.overview import overview_svg
-from driftform.figures.projection import simplify
+from driftform.figures.projection import simplify_polyline
 from driftform.figures.reach import reach_svg
 from driftform.figures.section import section_svg
 from driftform.figures.strip import Strip, strip_svg
 from driftform.figures.style import SERIES
 from driftform.figures.trend import Trend, trend_svg
 from driftform.runs.agent_file import StoredAgent
-from driftform.runs.directory import best_agent, check_run
-from driftform.runs.finalists import winner
+from driftform.runs.directory import check_run, find_best_agent
+from driftform.runs.finalists import find_winner
 from driftform.runs.store import Store
 from driftform.scenario import Scenario
 from driftform.study import Document, Study, load_study
-from driftform.trajectory.coverage import Cells, reach_of
-from driftform.trajectory.interpolation import positions
+from driftform.trajectory.coverage import PipeGrid, map_coverage
+from driftform.trajectory.interpolation import interpolate_positions
 from driftform.trajectory.path import closest_approach
 from driftform.types import Agent, FloatArray, Trajectory
-from driftform.util.progress import watched
+from driftform.util.progress import track_progress
 
 SAMPLES = 240
 """Most moments of a flight that a page holds."""
@@ -79,7 +79,7 @@ class Contents:
         return self.study.scenario
 
 
-def contents_of(directory: Path) -> Contents:
+def collect_contents(directory: Path) -> Contents:
     """Read a run, finished or not.
 
     Raises
@@ -91,22 +91,22 @@ def contents_of(directory: Path) -> Contents:
     """
     database = check_run(directory)
     with Store.open(database, read_only=True) as store:
-        study = load_study(Document(str(database), store.study()))
+        study = load_study(Document(str(database), store.read_study()))
         targets = study.scenario.target_names
-        pipeline = study.pipeline()
+        pipeline = study.make_pipeline()
         entries = []
         for target in targets:
-            stored = best_agent(study, store, target)
+            stored = find_best_agent(study, store, target)
             if stored is None:
                 raise WorkFailedError(
                     f"{directory}: has no evaluation that did not fail; there is nothing to report"
                 )
             index = stored.result["evaluation"]
-            flight = store.record(index, targets).evaluation.trajectory
+            flight = store.read_record(index, targets).evaluation.trajectory
             assert flight is not None
             point = np.array([study.scenario.targets[target]])
             distance, t = closest_approach(flight, point)
-            agent = pipeline.agent(stored.genome)
+            agent = pipeline.make_agent(stored.genome)
             entries.append(
                 Entry(
                     target,
@@ -120,17 +120,17 @@ def contents_of(directory: Path) -> Contents:
                 )
             )
         title = str(study.document.get("title", ""))
-        flights = [Flight(e.target, e.agent, e.flight, e.error_percent) for e in entries]
-        seen = watched(store.flights(), store.flown(), "flights")
+        flights = [GalleryEntry(e.target, e.agent, e.flight, e.error_percent) for e in entries]
+        seen = track_progress(store.read_trajectories(), store.count_sound(), "flights")
         figures = {
             "Flights and bodies": overview_svg(flights, study.scenario, title),
             "Search": trend_svg(_trends(store, targets), "Best fitness so far", _strategy(study)),
-            "Reach": reach_svg(reach_of(seen, Cells.of(study.scenario)), study.scenario, title),
+            "Reach": reach_svg(map_coverage(seen, PipeGrid.of(study.scenario)), study.scenario, title),
         }
         strips = [
             Strip(e.target, e.error_percent, 100 - won.flights)
             for e in entries
-            if (won := winner(study, store, e.target)) is not None
+            if (won := find_winner(study, store, e.target)) is not None
         ]
         if strips:
             told = f"{len(strips[0].errors)} flights of each best agent, each a little different from what was planned"
@@ -139,8 +139,8 @@ def contents_of(directory: Path) -> Contents:
             directory.resolve().name,
             study,
             store.count(),
-            store.failed(),
-            store.seconds(),
+            store.count_failed(),
+            store.total_seconds(),
             tuple(entries),
             figures,
             [section_svg(e.agent, e.target, study.scenario) for e in entries],
@@ -153,7 +153,7 @@ def _strategy(study: Study) -> str:
 
 def _trends(store: Store, targets: Sequence[str]) -> list[Trend]:
     """The best fitness of a run for each target, over all of its flights."""
-    fitness = np.array([brief.fitness for brief in store.briefs(targets)]).reshape(-1, len(targets))
+    fitness = np.array([brief.fitness for brief in store.read_summaries(targets)]).reshape(-1, len(targets))
     best = np.maximum.accumulate(fitness, axis=0)
     at = np.unique(np.linspace(1, len(best), min(STEPS, len(best))).astype(int))
     none = np.zeros((0, len(at)))
@@ -174,11 +174,11 @@ def viewer_data(contents: Contents) -> dict[str, Any]:
     longest = max(entry.agent.body.length for entry in contents.entries)
     return {
         "agents": [_agent(entry, SERIES[i % len(SERIES)]) for i, entry in enumerate(contents.entries)],
-        "pipe": [{"start": _rounded(r[:3]), "end": _rounded(r[3:6]), "radius": float(r[6])} for r in rows],
+        "pipe": [{"start": _round(r[:3]), "end": _round(r[3:6]), "radius": float(r[6])} for r in rows],
         "targets": [{"name": name, "position": list(point)} for name, point in scenario.targets.items()],
         "water": scenario.fluid.water_level,
-        "centre": _rounded((low + high) / 2),
-        "extent": [_rounded(low[:2] - radius), _rounded(high[:2] + radius)],
+        "centre": _round((low + high) / 2),
+        "extent": [_round(low[:2] - radius), _round(high[:2] + radius)],
         "length": length,
         "size": radius,
         # Agents are many times smaller than their pipe: drawn as long as its radius they can be seen.
@@ -194,18 +194,18 @@ def _agent(entry: Entry, colour: str) -> dict[str, Any]:
     return {
         "target": entry.target,
         "colour": colour,
-        "outer": _rounded(simplify(body.outer, EXACT), 6),
-        "cavity": _rounded(simplify(body.cavity, EXACT), 6) if len(body.cavity) else [],
-        "joints": _rounded(body.joints, 6),
+        "outer": _round(simplify_polyline(body.outer, EXACT), 6),
+        "cavity": _round(simplify_polyline(body.cavity, EXACT), 6) if len(body.cavity) else [],
+        "joints": _round(body.joints, 6),
         "core": body.core.radius,
         "closest": round(entry.t, 4),
         "flight": {
-            "t": _rounded(t, 4),
-            "position": _rounded(positions(flight, t), 4),
-            "quaternion": _rounded(flight.quaternion[nearest], 4),
+            "t": _round(t, 4),
+            "position": _round(interpolate_positions(flight, t), 4),
+            "quaternion": _round(flight.quaternion[nearest], 4),
         },
     }
 
 
-def _rounded(values: FloatArray, digits: int = 6) -> Any:
+def _round(values: FloatArray, digits: int = 6) -> Any:
     return np.round(values, digits).tolist()

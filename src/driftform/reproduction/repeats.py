@@ -13,8 +13,8 @@ import tomli_w
 
 from driftform.execution import Executor
 from driftform.pipeline import Pipeline
-from driftform.runs.directory import DATABASE, check_run, locked, write_inputs
-from driftform.runs.search import evolve
+from driftform.runs.directory import DATABASE, check_run, lock_run, write_inputs
+from driftform.runs.search import run_search
 from driftform.runs.store import Record, Store
 from driftform.scenario import Scenario, TurbulentFlow
 from driftform.study import Document, Study, load_study
@@ -60,7 +60,9 @@ class Search:
         return np.asarray(100 - self.fitness[:, :, -1])
 
 
-def study_of(strategy: str, seed: int, simulator: str | None = None, settings: Sequence[str] = ()) -> Study:
+def load_repeat(
+    strategy: str, seed: int, simulator: str | None = None, settings: Sequence[str] = ()
+) -> Study:
     """Return the study of one repeat."""
     return load_study(
         "pipe-inspection",
@@ -79,14 +81,14 @@ def carry_out(directory: Path, study: Study, executor: Executor, on_record: Call
         where the directory holds a run of another study, or another process works on it.
     """
     directory.mkdir(parents=True, exist_ok=True)
-    with locked(directory):
+    with lock_run(directory):
         if not (directory / DATABASE).is_file():
             write_inputs(directory, study, tomli_w.dumps(dict(study.document)))
             Store.create(directory / DATABASE, dict(study.document)).close()
         with Store.open(directory / DATABASE) as store:
-            stored = load_study(Document(str(directory / DATABASE), store.study()))
+            stored = load_study(Document(str(directory / DATABASE), store.read_study()))
             _check_same(directory, study, stored)
-            evolve(study, store, executor, on_record)
+            run_search(study, store, executor, on_record)
 
 
 def _check_same(directory: Path, study: Study, stored: Study) -> None:
@@ -103,7 +105,7 @@ def _check_same(directory: Path, study: Study, stored: Study) -> None:
         )
 
 
-def result_of(strategy: str, runs: Sequence[tuple[int, Path]]) -> Search:
+def read_results(strategy: str, runs: Sequence[tuple[int, Path]]) -> Search:
     """Read what the repeats of a strategy came to; ``runs`` are seeds and directories.
 
     A flight counts for the target that its population worked for; where a strategy has no populations, as many
@@ -114,8 +116,8 @@ def result_of(strategy: str, runs: Sequence[tuple[int, Path]]) -> Search:
     for seed, directory in runs:
         with _opened(directory) as (study, store):
             targets = study.scenario.target_names
-            briefs = list(store.briefs(targets))
-            failed += store.failed()
+            briefs = list(store.read_summaries(targets))
+            failed += store.count_failed()
             shared.append(np.array([brief.fitness for brief in briefs]).max(axis=0))
             row = []
             for number, target in enumerate(targets):
@@ -125,7 +127,7 @@ def result_of(strategy: str, runs: Sequence[tuple[int, Path]]) -> Search:
                 row.append(np.maximum.accumulate(fitness))
                 top = int(np.argmax(fitness))
                 if number not in best or fitness[top] > best[number][0]:
-                    genome = store.record(own[top].index, targets).candidate.genome
+                    genome = store.read_record(own[top].index, targets).candidate.genome
                     best[number] = (float(fitness[top]), genome, seed, own[top].index)
         rows.append(row)
     ordered = tuple(best[number][1:] for number in sorted(best))
@@ -136,11 +138,11 @@ def result_of(strategy: str, runs: Sequence[tuple[int, Path]]) -> Search:
 def _opened(directory: Path) -> Iterator[tuple[Study, Store]]:
     database = check_run(directory)
     with Store.open(database, read_only=True) as store:
-        yield load_study(Document(str(database), store.study())), store
+        yield load_study(Document(str(database), store.read_study())), store
 
 
 @dataclass(frozen=True, eq=False)
-class Reflown:
+class RepeatedFlights:
     """The best agents, flown again and again, one of them for each target.
 
     ``flights`` of each target, and the fitness (%) of all for that target, (targets, repeats).
@@ -155,11 +157,13 @@ class Reflown:
         return np.asarray((self.fitness - self.fitness[:, :1]).std(axis=1))
 
 
-def reflown(pipeline: Pipeline, genomes: Sequence[Genome], scenarios: Sequence[Scenario]) -> Reflown:
+def repeat_flights(
+    pipeline: Pipeline, genomes: Sequence[Genome], scenarios: Sequence[Scenario]
+) -> RepeatedFlights:
     """Fly the best agent of each target once through each of ``scenarios``."""
     flights, fitness = [], []
     for number, genome in enumerate(genomes):
-        agent = pipeline.agent(genome)
+        agent = pipeline.make_agent(genome)
         flown = pipeline.fly([agent] * len(scenarios), scenarios)
         flights.append(tuple(flown))
         scores = [
@@ -167,10 +171,10 @@ def reflown(pipeline: Pipeline, genomes: Sequence[Genome], scenarios: Sequence[S
             for f, s in zip(flown, scenarios, strict=True)
         ]
         fitness.append(scores)
-    return Reflown(tuple(flights), np.array(fitness))
+    return RepeatedFlights(tuple(flights), np.array(fitness))
 
 
-def turbulent(scenario: Scenario, seeds: Sequence[int]) -> list[Scenario]:
+def add_turbulence(scenario: Scenario, seeds: Sequence[int]) -> list[Scenario]:
     """Return the scenario with the turbulent flow of the same bulk speed, with gusts of each seed."""
     flows = [TurbulentFlow(speed=scenario.flow.speed, seed=seed) for seed in seeds]
     return [scenario.model_copy(update={"flow": flow}) for flow in flows]

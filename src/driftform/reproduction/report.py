@@ -8,10 +8,17 @@ from typing import Any
 import numpy as np
 
 from driftform.figures.files import write_picture
-from driftform.figures.gallery import Flight, gallery_svg
-from driftform.figures.spread import Repeated, band, spread_svg
+from driftform.figures.gallery import GalleryEntry, gallery_svg
+from driftform.figures.spread import FlightSpread, band, spread_svg
 from driftform.figures.trend import Trend, trend_svg
-from driftform.reproduction.repeats import GENERATION, PER_TARGET, Reflown, Search, reflown, turbulent
+from driftform.reproduction.repeats import (
+    GENERATION,
+    PER_TARGET,
+    RepeatedFlights,
+    Search,
+    add_turbulence,
+    repeat_flights,
+)
 from driftform.scenario import Scenario
 from driftform.study import Study
 from driftform.types import FloatArray
@@ -28,24 +35,24 @@ repeated; which target is the worst cannot."""
 
 
 @dataclass(frozen=True, eq=False)
-class Again:
+class Resimulation:
     """The best agents flown again: under the very same conditions, and in turbulent water of the same mean speed."""
 
-    same: Reflown
-    turbulent: Reflown
+    same: RepeatedFlights
+    turbulent: RepeatedFlights
 
 
-def refly(study: Study, search: Search) -> Again:
+def resimulate(study: Study, search: Search) -> Resimulation:
     """Fly the best agents of a search again, :data:`TIMES` times each way."""
-    pipeline = study.pipeline()
+    pipeline = study.make_pipeline()
     genomes = [genome for genome, _, _ in search.best]
-    return Again(
-        reflown(pipeline, genomes, [study.scenario] * TIMES),
-        reflown(pipeline, genomes, turbulent(study.scenario, range(TIMES))),
+    return Resimulation(
+        repeat_flights(pipeline, genomes, [study.scenario] * TIMES),
+        repeat_flights(pipeline, genomes, add_turbulence(study.scenario, range(TIMES))),
     )
 
 
-def results_document(scenario: Scenario, found: Mapping[str, Search], again: Again) -> dict[str, Any]:
+def results_document(scenario: Scenario, found: Mapping[str, Search], again: Resimulation) -> dict[str, Any]:
     """The tables as data: for each strategy and target the mean, standard deviation and worst error, %."""
     return {
         "targets": {
@@ -68,7 +75,7 @@ def results_document(scenario: Scenario, found: Mapping[str, Search], again: Aga
     }
 
 
-def results_markdown(scenario: Scenario, found: Mapping[str, Search], again: Again) -> str:
+def results_markdown(scenario: Scenario, found: Mapping[str, Search], again: Resimulation) -> str:
     """The tables as Markdown, with what of the paper's claims can be compared."""
     paper, random = found["paper"], found["random"]
     rows = [
@@ -119,7 +126,7 @@ def _overall(errors: FloatArray) -> tuple[float, float, float]:
     return float(errors.mean()), float(errors.std(axis=0).mean()), float(errors.max())
 
 
-def _again_table(scenario: Scenario, again: Again) -> list[str]:
+def _again_table(scenario: Scenario, again: Resimulation) -> list[str]:
     rows = [
         f"The best agent for each target, flown {TIMES} times more: in the same water every flight is the same to "
         "the last digit; in turbulent water, of the same mean speed and with gusts of its own in each flight, "
@@ -140,7 +147,7 @@ def _again_table(scenario: Scenario, again: Again) -> list[str]:
 
 
 def write_figures(
-    directory: Path, study: Study, found: Mapping[str, Search], again: Again
+    directory: Path, study: Study, found: Mapping[str, Search], again: Resimulation
 ) -> tuple[Path, ...]:
     """Write the paper's Figures 5 to 7 of our own flights, and return the files."""
     scenario, paper, random = study.scenario, found["paper"], found["random"]
@@ -153,7 +160,7 @@ def write_figures(
         "shapes.svg": _shapes(study, paper, again),
         "trajectories.svg": spread_svg(
             [
-                Repeated(target, flights, f"error {100 - fitness.mean():.2f} %")
+                FlightSpread(target, flights, f"error {100 - fitness.mean():.2f} %")
                 for target, flights, fitness in zip(
                     scenario.target_names, again.turbulent.flights, again.turbulent.fitness, strict=True
                 )
@@ -180,10 +187,10 @@ def trends(targets: Sequence[str], fitness: FloatArray, baseline: FloatArray) ->
     ]
 
 
-def _shapes(study: Study, search: Search, again: Again) -> str:
-    pipeline = study.pipeline()
+def _shapes(study: Study, search: Search, again: Resimulation) -> str:
+    pipeline = study.make_pipeline()
     flights = [
-        Flight(target, pipeline.agent(genome), flown[0], float(100 - fitness[0]))
+        GalleryEntry(target, pipeline.make_agent(genome), flown[0], float(100 - fitness[0]))
         for target, (genome, _, _), flown, fitness in zip(
             study.scenario.target_names, search.best, again.same.flights, again.same.fitness, strict=True
         )

@@ -23,7 +23,7 @@ from driftform import __version__
 from driftform.errors import InputError
 from driftform.registry import registry
 from driftform.runs.agent_file import StoredAgent
-from driftform.runs.finalists import winner
+from driftform.runs.finalists import find_winner
 from driftform.runs.store import Store
 from driftform.study import Study
 from driftform.tables.columns import FLIGHT_COLUMNS
@@ -34,7 +34,7 @@ DATABASE = "run.db"
 """Name of the file with all that a run has found."""
 
 _LOCK = ".lock"
-_PATIENCE = 0.2
+LOCK_TIMEOUT_S = 0.2
 """How long a lock is asked for, s: :func:`is_worked_on` holds it for a moment."""
 
 
@@ -44,7 +44,7 @@ def resume_command(directory: Path) -> str:
 
 
 @contextmanager
-def locked(directory: Path) -> Iterator[None]:
+def lock_run(directory: Path) -> Iterator[None]:
     """Hold the run for one writer; the lock goes with the process, however it ends.
 
     Raises
@@ -54,7 +54,7 @@ def locked(directory: Path) -> Iterator[None]:
     """
     lock = FileLock(directory / _LOCK)
     try:
-        lock.acquire(timeout=_PATIENCE, poll_interval=_PATIENCE / 10)
+        lock.acquire(timeout=LOCK_TIMEOUT_S, poll_interval=LOCK_TIMEOUT_S / 10)
     except Timeout:
         raise InputError(
             f"{directory}: another driftform process is working on this run; wait for it to end"
@@ -126,16 +126,16 @@ def check_run(directory: Path) -> Path:
     return directory / DATABASE
 
 
-def best_agent(study: Study, store: Store, target: str) -> StoredAgent | None:
+def find_best_agent(study: Study, store: Store, target: str) -> StoredAgent | None:
     """The best agent of a run for a target, named after it; ``None`` where no evaluation is sound yet.
 
     Where finalists were flown under disturbed conditions it is the one that won then.
     """
-    best, last_round = store.best(target), winner(study, store, target)
+    best, last_round = store.find_best(target), find_winner(study, store, target)
     if best is None:
         return None
     index, fitness = best
-    record = store.record(index if last_round is None else last_round.index, study.scenario.target_names)
+    record = store.read_record(index if last_round is None else last_round.index, study.scenario.target_names)
     result: dict[str, Any] = {
         "target": target,
         "fitness": fitness,

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from driftform.execution import Executor, Job
-from driftform.runs.store import Disturbed, Store
+from driftform.runs.store import DisturbedResult, Store
 from driftform.scenario import evaluation_seed
-from driftform.scenario.disturbances import finalists, robust_fitness, spread_of
+from driftform.scenario.disturbances import choose_finalists, measure_spread, robust_fitness
 from driftform.study import Study
 from driftform.types import FloatArray
 
@@ -28,12 +28,14 @@ def fly_finalists(
     robustness, targets = study.scenario.robustness, study.scenario.target_names
     if not robustness.conditions:
         return
-    sound = [brief for brief in store.briefs(targets) if not brief.failed]
-    chosen = finalists(np.array([b.fitness for b in sound]).reshape(-1, len(targets)), robustness.finalists)
+    sound = [brief for brief in store.read_summaries(targets) if not brief.failed]
+    chosen = choose_finalists(
+        np.array([b.fitness for b in sound]).reshape(-1, len(targets)), robustness.finalists
+    )
     wanted = [(sound[row].index, c) for row in chosen for c in range(robustness.conditions)]
-    done = store.disturbed_done()
+    done = store.list_disturbed()
     missing = [pair for pair in wanted if pair not in done]
-    genomes = {index: store.record(index, targets).candidate.genome for index in {i for i, _ in missing}}
+    genomes = {index: store.read_record(index, targets).candidate.genome for index in {i for i, _ in missing}}
     jobs = [
         Job(number, genomes[index], evaluation_seed(study.seed, index), condition)
         for number, (index, condition) in enumerate(missing)
@@ -43,7 +45,7 @@ def fly_finalists(
     for arrived in executor.evaluate(jobs):
         store.add_disturbed(
             [
-                Disturbed(*missing[number], evaluation.fitness, evaluation.failure)
+                DisturbedResult(*missing[number], evaluation.fitness, evaluation.failure)
                 for number, evaluation in arrived
             ],
             targets,
@@ -63,7 +65,7 @@ class Winner:
 
     def document(self) -> dict[str, Any]:
         """What an agent file and a JSON document hold of it."""
-        spread = spread_of(self.flights[:, None], self.failed)
+        spread = measure_spread(self.flights[:, None], self.failed)
         return {
             "conditions": spread.count,
             "failed": spread.failed,
@@ -74,11 +76,11 @@ class Winner:
         }
 
 
-def winner(study: Study, store: Store, target: str) -> Winner | None:
+def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     """Return who won the last round for a target, the earliest of equals; ``None`` where none was flown to its end."""
     robustness = study.scenario.robustness
     found: Winner | None = None
-    for index, flights, failed in store.disturbed(target):
+    for index, flights, failed in store.read_disturbed(target):
         if len(flights) < robustness.conditions:
             continue
         fitness = float(robust_fitness(flights[:, None], robustness)[0])

@@ -8,19 +8,19 @@ from typing import Any
 import numpy as np
 
 from driftform.errors import DriftformError, InputError, WorkFailedError
-from driftform.figures.gallery import Flight
+from driftform.figures.gallery import GalleryEntry
 from driftform.figures.overview import overview_svg
 from driftform.figures.reach import reach_svg
 from driftform.figures.section import section_svg
-from driftform.interfaces import Specimen
+from driftform.interfaces import ExportJob
 from driftform.runs.agent_file import agent_document, write_agent
-from driftform.runs.directory import best_agent, write_trajectory
+from driftform.runs.directory import find_best_agent, write_trajectory
 from driftform.runs.store import Store
 from driftform.study import Study
-from driftform.trajectory.coverage import Cells, reach_of
+from driftform.trajectory.coverage import PipeGrid, map_coverage
 from driftform.trajectory.path import closest_approach
 from driftform.util.files import write_text
-from driftform.util.progress import watched
+from driftform.util.progress import track_progress
 
 
 @dataclass(frozen=True)
@@ -72,22 +72,22 @@ def write_best(directory: Path, study: Study, store: Store) -> tuple[list[Best],
     InputError
         where a stored evaluation is damaged.
     """
-    targets, pipeline = study.scenario.target_names, study.pipeline()
+    targets, pipeline = study.scenario.target_names, study.make_pipeline()
     results: list[Best] = []
-    flights: list[Flight] = []
+    flights: list[GalleryEntry] = []
     for target in targets:
-        stored = best_agent(study, store, target)
+        stored = find_best_agent(study, store, target)
         if stored is None:
-            first = store.record(0, targets).evaluation
+            first = store.read_record(0, targets).evaluation
             raise WorkFailedError(f"all {store.count()} evaluations failed, the first: {first.failure}")
         index, fitness = stored.result["evaluation"], stored.result["fitness"]
-        flight = store.record(index, targets).evaluation.trajectory
+        flight = store.read_record(index, targets).evaluation.trajectory
         if flight is None:
             raise InputError(f"{directory}: is damaged: the flight of evaluation {index} is missing")
-        agent = pipeline.agent(stored.genome)
+        agent = pipeline.make_agent(stored.genome)
         point = np.array([study.scenario.targets[target]])
         distance, _ = closest_approach(flight, point)
-        specimen = Specimen("agent", agent, study.scenario, agent_document(stored))
+        job = ExportJob("agent", agent, study.scenario, agent_document(stored))
         folder = directory / "best" / target
         write_agent(folder / "agent.json", stored)
         write_trajectory(folder / "trajectory.csv", flight)
@@ -95,10 +95,10 @@ def write_best(directory: Path, study: Study, store: Store) -> tuple[list[Best],
         files = [folder / "agent.json", folder / "trajectory.csv", folder / "section.svg"]
         problems: list[str] = []
         for name in study.run.formats:
-            exporter = study.exporter(name)
+            exporter = study.make_exporter(name)
             path = folder / f"agent{exporter.suffix}"
             try:
-                written = exporter.write(specimen, path)
+                written = exporter.write(job, path)
             except DriftformError as error:
                 # An agent that one format cannot hold is no reason to keep back the others.
                 problems.append(f"{path}: not written: {error}")
@@ -116,7 +116,7 @@ def write_best(directory: Path, study: Study, store: Store) -> tuple[list[Best],
                 stored.result.get("robust", {}),
             )
         )
-        flights.append(Flight(target, agent, flight, results[-1].error_percent))
+        flights.append(GalleryEntry(target, agent, flight, results[-1].error_percent))
     overview = directory / "figures" / "overview.svg"
     write_text(overview, overview_svg(flights, study.scenario, str(study.document.get("title", ""))))
     return results, overview
@@ -131,6 +131,8 @@ def write_reach(directory: Path, study: Study, store: Store) -> Path:
         where a stored flight is damaged.
     """
     path = directory / "figures" / "reach.svg"
-    reach = reach_of(watched(store.flights(), store.flown(), "flights"), Cells.of(study.scenario))
+    reach = map_coverage(
+        track_progress(store.read_trajectories(), store.count_sound(), "flights"), PipeGrid.of(study.scenario)
+    )
     write_text(path, reach_svg(reach, study.scenario, str(study.document.get("title", ""))))
     return path

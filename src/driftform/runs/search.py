@@ -13,7 +13,7 @@ from driftform.study import Study
 from driftform.types import Evaluation
 
 
-def evolve(
+def run_search(
     study: Study,
     store: Store,
     executor: Executor,
@@ -37,12 +37,12 @@ def evolve(
     InputError
         where the stored evaluations are not those that this study asks for.
     """
-    strategy, targets = study.strategy(), study.scenario.target_names
+    strategy, targets = study.make_strategy(), study.scenario.target_names
     first = 0
     while first < study.evaluations:
         candidates = strategy.ask(study.evaluations - first)
         outcomes: dict[int, Evaluation] = {}
-        for record in store.records(targets, first, len(candidates)):
+        for record in store.read_records(targets, first, len(candidates)):
             if record.candidate != candidates[record.index - first]:
                 raise InputError(
                     f"evaluation {record.index} of this run is not the one that its study asks for now: a plugin "
@@ -58,7 +58,7 @@ def evolve(
         missing = [Job(index, candidates[index - first].genome, seed) for index, seed in seeds.items()]
         for arrived in executor.evaluate(missing):
             records = [
-                Record(index, candidates[index - first], scored(evaluation, targets), seeds[index])
+                Record(index, candidates[index - first], check_fitness(evaluation, targets), seeds[index])
                 for index, evaluation in arrived
             ]
             store.add(records, targets)
@@ -71,7 +71,7 @@ def evolve(
         on_generation(first)
 
 
-def scored(evaluation: Evaluation, targets: Sequence[str]) -> Evaluation:
+def check_fitness(evaluation: Evaluation, targets: Sequence[str]) -> Evaluation:
     """The evaluation, as a failure where its fitness is none that selection can work with."""
     fitness = evaluation.fitness
     if len(fitness) == len(targets) and bool(np.all((fitness >= 0) & (fitness <= 100))):

@@ -9,7 +9,7 @@ STEPS = 512
 """Most improvements of a target that are kept: far more than a terminal has columns."""
 
 
-class TargetStanding:
+class TargetStatus:
     """Where a run stands for one target.
 
     Attributes
@@ -65,7 +65,7 @@ class TargetStanding:
         while after < len(self._steps) and self._steps[after][1] >= error:
             after += 1
         # Put in place as a whole, for another thread may be drawing it.
-        self._steps = _thinned((*self._steps[:before], (index, error), *self._steps[after:]))
+        self._steps = _thin((*self._steps[:before], (index, error), *self._steps[after:]))
 
     def errors(self, columns: int, evaluations: int) -> list[float | None]:
         """The best error (%) so far at the end of each of ``columns`` equal parts of the run; ``None`` before any."""
@@ -79,7 +79,7 @@ class TargetStanding:
         return found
 
 
-def _thinned(steps: tuple[tuple[int, float], ...]) -> tuple[tuple[int, float], ...]:
+def _thin(steps: tuple[tuple[int, float], ...]) -> tuple[tuple[int, float], ...]:
     """At most :data:`STEPS` improvements: of those that lie close together, the last."""
     if len(steps) <= STEPS:
         return steps
@@ -87,7 +87,7 @@ def _thinned(steps: tuple[tuple[int, float], ...]) -> tuple[tuple[int, float], .
     return tuple({index * (STEPS // 2) // width: (index, error) for index, error in steps}.values())
 
 
-class Standing:
+class RunStatus:
     """Where a run stands.
 
     Attributes
@@ -107,7 +107,7 @@ class Standing:
         self.done = 0
         self.failed = 0
         self.extent = 0
-        self.targets = {target: TargetStanding() for target in targets}
+        self.targets = {target: TargetStatus() for target in targets}
 
     def add(
         self, index: int, generation: int, population: str, failed: bool, fitness: Sequence[float]
@@ -123,7 +123,7 @@ class Standing:
                 standing.score(index, value)
 
 
-class Pace:
+class Throughput:
     """How fast evaluations come, now and overall; those that were there at the beginning do not count."""
 
     window = 30.0

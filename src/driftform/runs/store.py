@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from driftform.errors import InputError, WorkFailedError
-from driftform.trajectory.compression import decoded, packed, trust
+from driftform.trajectory.compression import compress, decode, diagnostics
 from driftform.types import Candidate, End, Evaluation, FloatArray, Genome, Trajectory
 from driftform.util.files import write_whole
 
@@ -107,7 +107,7 @@ class Record:
 
 
 @dataclass(frozen=True)
-class Brief:
+class EvaluationSummary:
     """What is small of a stored evaluation: not its genome, nor its flight.
 
     Attributes
@@ -132,7 +132,7 @@ class Brief:
 
 
 @dataclass(frozen=True, eq=False)
-class Disturbed:
+class DisturbedResult:
     """What one flight of an evaluation's agent under a disturbed condition scored.
 
     Attributes
@@ -255,7 +255,7 @@ class Store:
             pass  # A reader holds the log, or the medium is read-only: the log stays, and nothing is lost.
         self._connection.close()
 
-    def study(self) -> dict[str, Any]:
+    def read_study(self) -> dict[str, Any]:
         """The document of the study that made the run."""
         with self._reading():
             row = self._connection.execute("SELECT value FROM meta WHERE key = 'study'").fetchone()
@@ -301,7 +301,7 @@ class Store:
                 f"{self._path}: evaluations {first} to {last} {_UNWRITTEN.format(error)}"
             ) from None
 
-    def add_disturbed(self, flights: Sequence[Disturbed], targets: Sequence[str]) -> None:
+    def add_disturbed(self, flights: Sequence[DisturbedResult], targets: Sequence[str]) -> None:
         """Write what flights under disturbed conditions scored, all or none.
 
         Raises
@@ -320,12 +320,12 @@ class Store:
         except sqlite3.Error as error:
             raise WorkFailedError(f"{self._path}: disturbed flights {_UNWRITTEN.format(error)}") from None
 
-    def disturbed_done(self) -> set[tuple[int, int]]:
+    def list_disturbed(self) -> set[tuple[int, int]]:
         """The evaluations and conditions that were flown disturbed."""
         with self._reading():
             return set(self._connection.execute("SELECT DISTINCT evaluation, condition FROM disturbed"))
 
-    def disturbed(self, target: str) -> list[tuple[int, FloatArray, int]]:
+    def read_disturbed(self, target: str) -> list[tuple[int, FloatArray, int]]:
         """For each finalist its evaluation, its fitness under every condition flown, (n,), and how many flights failed."""
         query = "SELECT evaluation, fitness, failure IS NOT NULL FROM disturbed WHERE target = ? ORDER BY evaluation, condition"
         found: dict[int, list[tuple[float, bool]]] = {}
@@ -341,23 +341,23 @@ class Store:
         """How many evaluations there are."""
         return int(self._scalar("SELECT COUNT(*) FROM evaluation"))
 
-    def failed(self) -> int:
+    def count_failed(self) -> int:
         """How many of them failed."""
         return int(self._scalar("SELECT COUNT(*) FROM evaluation WHERE failure IS NOT NULL"))
 
-    def flown(self) -> int:
+    def count_sound(self) -> int:
         """How many of them have a flight: those that did not fail."""
-        return self.count() - self.failed()
+        return self.count() - self.count_failed()
 
-    def seconds(self) -> float:
+    def total_seconds(self) -> float:
         """What all evaluations took together, s."""
         return float(self._scalar("SELECT COALESCE(SUM(seconds), 0) FROM evaluation"))
 
-    def last(self) -> int:
+    def last_index(self) -> int:
         """The largest index of an evaluation, -1 before any; not each below it need be there yet."""
         return int(self._scalar("SELECT COALESCE(MAX(id), -1) FROM evaluation"))
 
-    def briefs(self, targets: Sequence[str], first: int = 0) -> Iterator[Brief]:
+    def read_summaries(self, targets: Sequence[str], first: int = 0) -> Iterator[EvaluationSummary]:
         """Yield what is small of the evaluations from index ``first`` on, in their order, as of one moment."""
         columns = "id, generation, population, failure IS NOT NULL"
         scores = "SELECT fitness FROM score WHERE target = ? AND evaluation >= ? ORDER BY evaluation"
@@ -370,9 +370,11 @@ class Store:
                 )
             )
             for (index, generation, population, failed), *scored in zip(rows, *fitness, strict=True):
-                yield Brief(index, generation, population, bool(failed), tuple(float(s) for (s,) in scored))
+                yield EvaluationSummary(
+                    index, generation, population, bool(failed), tuple(float(s) for (s,) in scored)
+                )
 
-    def records(self, targets: Sequence[str], first: int = 0, count: int = -1) -> Iterator[Record]:
+    def read_records(self, targets: Sequence[str], first: int = 0, count: int = -1) -> Iterator[Record]:
         """Yield ``count`` evaluations from index ``first`` on, in their order; ``-1`` for all."""
         # An end in any case: without one, all that follows would be looked at to be left out.
         end = first + count if count >= 0 else _LARGEST
@@ -381,7 +383,7 @@ class Store:
             for row in rows:
                 yield self._record(row, targets)
 
-    def flights(self) -> Iterator[tuple[int, Trajectory]]:
+    def read_trajectories(self) -> Iterator[tuple[int, Trajectory]]:
         """Yield the index and the flight of every evaluation that did not fail, in their order."""
         query = """
             SELECT id, ended, contact, energy_drift, error, trajectory FROM evaluation
@@ -389,13 +391,13 @@ class Store:
         """
         with self._reading(), closing(self._connection.execute(query)) as rows:
             for index, ended, contact, drift, error, blob in rows:
-                yield index, decoded(blob, End(ended), contact=contact, energy_drift=drift, error=error)
+                yield index, decode(blob, End(ended), contact=contact, energy_drift=drift, error=error)
 
-    def record(self, index: int, targets: Sequence[str]) -> Record:
+    def read_record(self, index: int, targets: Sequence[str]) -> Record:
         """Return one evaluation."""
-        return next(self.records(targets, index, 1))
+        return next(self.read_records(targets, index, 1))
 
-    def best(self, target: str) -> tuple[int, float] | None:
+    def find_best(self, target: str) -> tuple[int, float] | None:
         """Index and fitness of the best evaluation for a target, the earliest of equals; ``None`` before any."""
         query = """
             SELECT evaluation, fitness FROM score JOIN evaluation ON id = evaluation
@@ -439,7 +441,7 @@ class Store:
         evaluation = Evaluation(
             genome,
             np.array([scores[target] for target in targets]),
-            decoded(blob, End(ended), contact=contact, energy_drift=drift, error=error)
+            decode(blob, End(ended), contact=contact, energy_drift=drift, error=error)
             if blob is not None
             else None,
             failure,
@@ -463,7 +465,7 @@ def _write_empty(path: Path, study: Mapping[str, Any]) -> None:
 def _row(record: Record) -> tuple[Any, ...]:
     """The values of the columns of ``evaluation``."""
     candidate, evaluation = record.candidate, record.evaluation
-    flight = packed(evaluation.trajectory) if evaluation.trajectory else None
+    flight = compress(evaluation.trajectory) if evaluation.trajectory else None
     return (
         record.index,
         candidate.generation,
@@ -475,7 +477,7 @@ def _row(record: Record) -> tuple[Any, ...]:
         evaluation.failure,
         str(flight.end) if flight else None,
         flight.duration if flight else None,
-        *(trust(flight).values() if flight else (None, None, None)),
+        *(diagnostics(flight).values() if flight else (None, None, None)),
         evaluation.seconds,
         flight.blob if flight else None,
     )

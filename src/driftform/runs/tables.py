@@ -36,7 +36,7 @@ def evaluation_batches(study: Study, records: Iterable[Record]) -> Iterator[Batc
 
 
 def _describer(study: Study) -> Callable[[Record], tuple[Any, ...]]:
-    grammar, builder, fluid = study.plugin("grammar"), study.plugin("builder"), study.scenario.fluid
+    grammar, builder, fluid = study.make_plugin("grammar"), study.make_plugin("builder"), study.scenario.fluid
 
     def describe(record: Record) -> tuple[Any, ...]:
         candidate, evaluation = record.candidate, record.evaluation
@@ -88,19 +88,19 @@ def sample_batches(records: Iterable[Record]) -> Iterator[Batch]:
         waiting.append((record.index, np.column_stack(parts).astype(np.float32)))
         count += len(flight.t)
         if count >= SAMPLES:
-            yield _joined(waiting)
+            yield _join(waiting)
             waiting, count = [], 0
     if waiting:
-        yield _joined(waiting)
+        yield _join(waiting)
 
 
-def _joined(flights: Sequence[tuple[int, npt.NDArray[np.float32]]]) -> Batch:
+def _join(flights: Sequence[tuple[int, npt.NDArray[np.float32]]]) -> Batch:
     whose = np.repeat([index for index, _ in flights], [len(samples) for _, samples in flights])
     samples = np.concatenate([samples for _, samples in flights])
     return {"evaluation": whose, **dict(zip(FLIGHT_COLUMNS, samples.T, strict=True))}
 
 
-def described(tables: Mapping[str, Sequence[Column]], facts: Mapping[str, Any]) -> str:
+def describe_tables(tables: Mapping[str, Sequence[Column]], facts: Mapping[str, Any]) -> str:
     """What the columns of some tables mean, with ``facts`` of where they come from, as JSON."""
     told = {
         name: {c.name: {"unit": c.unit, "meaning": c.meaning} for c in columns}

@@ -55,7 +55,7 @@ def scaffolds() -> tuple[str, ...]:
     return tuple(sorted(folder.name for folder in folders))
 
 
-def names_of(name: str, seam: str) -> Names:
+def make_names(name: str, seam: str) -> Names:
     """Check the name of a new distribution, and return all that follows from it.
 
     Raises
@@ -96,7 +96,7 @@ def names_of(name: str, seam: str) -> Names:
     return names
 
 
-def files_of(names: Names, seam: str) -> dict[str, str]:
+def list_files(names: Names, seam: str) -> dict[str, str]:
     """Return the text of each file of a new distribution, by its path below the distribution's folder."""
     about, package, tests = _about(seam), f"src/{names.package}", "tests"
     words = {
@@ -115,7 +115,7 @@ def files_of(names: Names, seam: str) -> dict[str, str]:
         "word": WORD,
     }
     study = _template(seam, "study.toml.txt").substitute(words)
-    use = "\n".join(f"$ {line}" for line in uses_of(names, seam))
+    use = "\n".join(f"$ {line}" for line in list_uses(names, seam))
     filled = {
         "pyproject.toml": ("common", "pyproject.toml.txt"),
         "README.md": ("common", "README.md.txt"),
@@ -129,7 +129,7 @@ def files_of(names: Names, seam: str) -> dict[str, str]:
     return {**files, "study.toml": study}
 
 
-def uses_of(names: Names, seam: str) -> list[str]:
+def list_uses(names: Names, seam: str) -> list[str]:
     """Return the commands that use the new plugin, from the distribution's folder."""
     lines: Iterable[str] = _about(seam)["use"]
     return [Template(line).substitute(plugin=names.plugin, word=WORD) for line in lines]

@@ -27,7 +27,7 @@ class Condition:
     Attributes
     ----------
     across
-        offset of the point of release along the two normals of :func:`normals`, m.
+        offset of the point of release along the two normals of :func:`draw_normals`, m.
     pitch, yaw
         offsets of the attitude at the release, rad.
     current, density
@@ -50,7 +50,7 @@ class Condition:
     gusts: int
 
 
-def conditions(robustness: Robustness, seed: int) -> tuple[Condition, ...]:
+def draw_conditions(robustness: Robustness, seed: int) -> tuple[Condition, ...]:
     """Return the conditions that a run with this seed tries its finalists under.
 
     Latin hypercube (McKay, Beckman and Conover 1979, Technometrics 21(2)): each of n conditions has its own of n
@@ -74,7 +74,7 @@ def conditions(robustness: Robustness, seed: int) -> tuple[Condition, ...]:
     )
 
 
-def scenario_under(condition: Condition, scenario: Scenario) -> Scenario:
+def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
     """Return the surroundings as they are under a condition."""
     flow = scenario.flow.model_copy(update={"speed": scenario.flow.speed * condition.current})
     if isinstance(flow, TurbulentFlow):
@@ -90,7 +90,7 @@ def scenario_under(condition: Condition, scenario: Scenario) -> Scenario:
     return scenario.model_copy(update={"flow": flow, "release": release, "fluid": fluid})
 
 
-def body_under(condition: Condition, body: Body) -> Body:
+def disturb_body(condition: Condition, body: Body) -> Body:
     """Return the body as it is printed under a condition.
 
     A wall that is thicker by d weighs (1 + d / wall) times as much, to the first order; its outside stays.
@@ -140,27 +140,27 @@ class Spread:
             },
         }
 
-    def told(self) -> str:
+    def describe(self) -> str:
         """How many flights it is of, in one line."""
         failed = f", {self.failed} of them failed" if self.failed else ""
         return f"disturbed flights: {self.count}{failed}; see [robustness] in the scenario for what varies"
 
 
-def spread_of(fitness: FloatArray, failed: int) -> Spread:
+def measure_spread(fitness: FloatArray, failed: int) -> Spread:
     """Return the spread of an agent's fitness (conditions, targets), of which some flights ``failed``."""
     return Spread(
         len(fitness), failed, fitness.mean(axis=0), np.quantile(fitness, 0.1, axis=0), fitness.min(axis=0)
     )
 
 
-def finalists(fitness: FloatArray, count: int) -> list[int]:
+def choose_finalists(fitness: FloatArray, count: int) -> list[int]:
     """Return the rows that are among the ``count`` best for any target, of fitness (n, targets), in their order."""
     # A stable sort keeps the earlier of equals.
     best = np.argsort(-fitness, axis=0, kind="stable")[:count]
     return sorted(set(best.ravel().tolist()))
 
 
-def normals(direction: FloatArray) -> tuple[FloatArray, FloatArray]:
+def draw_normals(direction: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return two unit vectors across a direction, (3,) each: one as level as can be, and the one upward from it.
 
     >>> [[float(v) for v in n] for n in normals(np.array([1.0, 0.0, 0.0]))]
@@ -175,9 +175,9 @@ def normals(direction: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _moved(scenario: Scenario, across: Sequence[float]) -> tuple[float, float, float]:
     """The point of release, moved, but no farther than the bore allows."""
     start = np.array(scenario.release.position)
-    level, up = normals(scenario.direction())
+    level, up = draw_normals(scenario.direction())
     offset = across[0] * level + across[1] * up
-    while scenario.pipe.segments and not scenario.pipe.holds(tuple(start + offset / NARROWEST)):
+    while scenario.pipe.segments and not scenario.pipe.contains(tuple(start + offset / NARROWEST)):
         offset *= 0.5
         if np.linalg.norm(offset) < 1e-6:
             offset = np.zeros(3)

@@ -70,7 +70,7 @@ FLOWS: dict[str, type[Table]] = {
 """The flow profiles by name."""
 
 
-def _kind(value: Any) -> Any:
+def _read_kind(value: Any) -> Any:
     """Which profile a table is: its ``kind``, and ``uniform`` where it has none."""
     return value.get("kind", "uniform") if isinstance(value, Mapping) else getattr(value, "kind", None)
 
@@ -81,6 +81,6 @@ Flow: TypeAlias = Annotated[
     | Annotated[LogLawFlow, Tag("log_law")]
     | Annotated[DevelopingFlow, Tag("developing")]
     | Annotated[TurbulentFlow, Tag("turbulent")],
-    Discriminator(_kind),
+    Discriminator(_read_kind),
 ]
 """The water's velocity."""

@@ -24,13 +24,13 @@ class Segment(Table):
     radius: float = option(..., "inner radius", "m", gt=0, strict=True)
 
     @model_validator(mode="after")
-    def _has_length(self) -> "Segment":
+    def _check_length(self) -> "Segment":
         if self.start == self.end:
             raise ValueError("start and end of a pipe segment are the same point")
         return self
 
 
-def _inside(segment: Segment, point: Vector) -> bool:
+def _contains(segment: Segment, point: Vector) -> bool:
     start, end = np.array(segment.start), np.array(segment.end)
     axis = (end - start) / np.linalg.norm(end - start)
     along = float(axis @ (point - start))
@@ -49,9 +49,9 @@ class Pipe(Table):
         rows = [(*s.start, *s.end, s.radius) for s in self.segments]
         return np.array(rows, dtype=np.float64).reshape(-1, 7)
 
-    def holds(self, point: Vector) -> bool:
+    def contains(self, point: Vector) -> bool:
         """Whether a point lies in the water of a segment, or on its wall."""
-        return any(_inside(segment, point) for segment in self.segments)
+        return any(_contains(segment, point) for segment in self.segments)
 
     def farthest_distance(self, point: FloatArray) -> float:
         """Distance (m) from ``point`` to the farthest point of the pipe's volume, infinite in open water.

@@ -87,7 +87,7 @@ class Robustness(Table):
     wall: float = option(0.00002, "of the thickness of the printed wall", "m", ge=0)
 
 
-def _named(targets: dict[str, Vector]) -> dict[str, Vector]:
+def _check_names(targets: dict[str, Vector]) -> dict[str, Vector]:
     for name in targets:
         if not name.replace("-", "").replace("_", "").isalnum():
             raise ValueError(
@@ -108,14 +108,14 @@ class Scenario(Table):
     robustness: Robustness = Field(
         default=Robustness(), description="what may be otherwise than planned, and what counts then"
     )
-    targets: Annotated[dict[str, Vector], AfterValidator(_named)] = Field(
+    targets: Annotated[dict[str, Vector], AfterValidator(_check_names)] = Field(
         default={},
         description="points to reach, each a name and a position in the world frame",
         json_schema_extra={"unit": "m"},
     )
 
     @model_validator(mode="after")
-    def _is_reachable(self) -> "Scenario":
+    def _check_together(self) -> "Scenario":
         if self.targets and not self.pipe.segments:
             raise ValueError("targets need a pipe: fitness is relative to the farthest point of its volume")
         if isinstance(self.flow, PipeFlow) and not self.pipe.segments:
@@ -133,7 +133,7 @@ class Scenario(Table):
             ("release.position", self.release.position),
             *((f"targets.{name}", point) for name, point in self.targets.items()),
         ):
-            if self.pipe.segments and not self.pipe.holds(point):
+            if self.pipe.segments and not self.pipe.contains(point):
                 raise ValueError(f"{name} = {list(point)} lies outside the pipe")
         return self
 

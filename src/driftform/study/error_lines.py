@@ -8,16 +8,16 @@ from pydantic import Tag, ValidationError
 
 from driftform.errors import did_you_mean
 from driftform.options import Table
-from driftform.study.sources import NOTHING, Layer, dotted, source_of, value_at
+from driftform.study.sources import NOTHING, Source, find_value, join_path, locate_key
 from driftform.study.toml_positions import Path as KeyPath
 
 
-def complaints(
+def format_errors(
     error: ValidationError,
     prefix: KeyPath,
     model: type[Table],
     document: Mapping[str, Any],
-    layers: Sequence[Layer],
+    layers: Sequence[Source],
 ) -> list[str]:
     """Return a line for each thing that is wrong.
 
@@ -37,36 +37,38 @@ def complaints(
     for item in items:
         if item["type"] == "missing" and item["loc"][:-1] in misspelt:
             continue  # Most likely it is there under the other name: one line is enough.
-        keys, table = _traced(model, item["loc"])
+        keys, table = _trace_path(model, item["loc"])
         names = (*prefix, *keys)
         # A key that may be of several types is reported once for each; the path then ends in the type's name.
         path = names
-        while path and value_at(document, path) is NOTHING:
+        while path and find_value(document, path) is NOTHING:
             path = path[:-1]
         if item["type"] == "extra_forbidden":
             hint = did_you_mean(str(path[-1]), table.model_fields if table else ())
             # What is no misspelling may well be a key of another kind.
             kind = "" if "did you mean" in hint else _of_its_kind(table)
             lines.append(
-                f"{source_of(layers, path)}: unknown key '{path[-1]}'{_table(path[:-1])}{kind}{hint}"
+                f"{locate_key(layers, path)}: unknown key '{path[-1]}'{_table(path[:-1])}{kind}{hint}"
             )
         elif item["type"] == "missing" and isinstance(names[-1], str):
-            lines.append(f"{source_of(layers, path)}: '{names[-1]}' is missing{_table(names[:-1])}")
+            lines.append(f"{locate_key(layers, path)}: '{names[-1]}' is missing{_table(names[:-1])}")
         elif item["type"] == "value_error":
             message = str(item["ctx"]["error"])
-            lines.append(f"{source_of(layers, _blamed(message, path, document))}: {message}")
+            lines.append(f"{locate_key(layers, _find_key(message, path, document))}: {message}")
         elif item["type"] == "union_tag_invalid":
             members = _members(_annotation(table, keys[-1]))
             path = (*path, *_tag_of(next(iter(members.values()), None))[:1])
             lines.append(
-                f"{source_of(layers, path)}: {dotted(path)} = {_shown(value_at(document, path))}: "
+                f"{locate_key(layers, path)}: {join_path(path)} = {_show_value(find_value(document, path))}: "
                 f"there is no such {path[-1]}{did_you_mean(item['ctx']['tag'], members)}"
             )
         else:
             wrong.setdefault(path, {})[item["type"]] = _should(item)
     for path, messages in wrong.items():
-        key, value = dotted(path), value_at(document, path)
-        lines.append(f"{source_of(layers, path)}: {key} = {_shown(value)}: {', or '.join(messages.values())}")
+        key, value = join_path(path), find_value(document, path)
+        lines.append(
+            f"{locate_key(layers, path)}: {key} = {_show_value(value)}: {', or '.join(messages.values())}"
+        )
     return lines
 
 
@@ -102,22 +104,22 @@ def _table(path: KeyPath) -> str:
     return f" in [[{name}]]" if isinstance(path[-1], int) else f" in [{name}]"
 
 
-def _blamed(message: str, path: KeyPath, document: Mapping[str, Any]) -> KeyPath:
+def _find_key(message: str, path: KeyPath, document: Mapping[str, Any]) -> KeyPath:
     """The key that a check of several keys speaks of: its message begins with it, or has it in quotes."""
     first = message.split(maxsplit=1)[0] if message else ""
     quoted = re.findall(r"'(.*?)'", message)
     for candidate in (tuple(first.split(".")), ("targets", first), *((*path, name) for name in quoted)):
-        if value_at(document, candidate) is not NOTHING:
+        if find_value(document, candidate) is not NOTHING:
             return candidate
     return path
 
 
-def _shown(value: Any) -> str:
+def _show_value(value: Any) -> str:
     """A value as a TOML file has it, as far as Python's notation differs."""
     return str(value).lower() if isinstance(value, bool) else repr(value)
 
 
-def _traced(model: type[Table], loc: KeyPath) -> tuple[KeyPath, type[Table] | None]:
+def _trace_path(model: type[Table], loc: KeyPath) -> tuple[KeyPath, type[Table] | None]:
     """The keys of pydantic's location, and the model of the table that the last one stands in, if it is of any.
 
     Where a table may be of several kinds, pydantic puts the kind into the location, as if it were a key.

@@ -12,7 +12,7 @@ from typing import Any
 
 from driftform.errors import InputError, did_you_mean
 from driftform.study.toml_positions import Path as KeyPath
-from driftform.study.toml_positions import key_lines, line_of
+from driftform.study.toml_positions import find_key_lines, find_line
 from driftform.util.files import is_directory, is_file
 
 REPLACED = ("targets",)
@@ -23,7 +23,7 @@ SCENARIOS = "driftform.scenarios"
 
 
 @dataclass(frozen=True)
-class Layer:
+class Source:
     """One source of keys: a file, or an option of the command line; ``label`` names it in errors."""
 
     label: str
@@ -34,18 +34,18 @@ class Layer:
 
     def holds(self, path: KeyPath) -> bool:
         """True where the layer has the key."""
-        return value_at(self.data, path) is not NOTHING
+        return find_value(self.data, path) is not NOTHING
 
     def where(self, path: KeyPath) -> str:
         """The layer's label, with the line of the key if it is a file."""
-        line = line_of(path, self.lines)
+        line = find_line(path, self.lines)
         return f"{self.label}:{line}" if line else self.label
 
 
 NOTHING = object()
 
 
-def value_at(node: Any, path: KeyPath) -> Any:
+def find_value(node: Any, path: KeyPath) -> Any:
     """What stands at a path, ``NOTHING`` where nothing does."""
     for name in path:
         listed = isinstance(node, list | tuple) and isinstance(name, int) and name < len(node)
@@ -55,12 +55,12 @@ def value_at(node: Any, path: KeyPath) -> Any:
     return node
 
 
-def dotted(path: KeyPath) -> str:
+def join_path(path: KeyPath) -> str:
     """A key as a person writes it, such as ``pipe.segments[0].radius``."""
     return "".join(f"[{name}]" if isinstance(name, int) else f".{name}" for name in path).removeprefix(".")
 
 
-def builtin_scenarios() -> dict[str, str]:
+def read_scenarios() -> dict[str, str]:
     """Text of the scenario files of driftform and of its plugins, by name.
 
     A plugin brings a package of them by an entry point of the group ``driftform.scenarios``. Of two files that have
@@ -80,7 +80,7 @@ def builtin_scenarios() -> dict[str, str]:
     return found
 
 
-def file_layers(source: str, above: tuple[str, ...] = (), named_by: str = "") -> list[Layer]:
+def read_sources(source: str, above: tuple[str, ...] = (), named_by: str = "") -> list[Source]:
     """Read a study file or a built-in scenario, and the files it starts from; the last layer is the file itself.
 
     ``above`` are the files that led here by their ``base``, and ``named_by`` where the last of them says so.
@@ -90,7 +90,7 @@ def file_layers(source: str, above: tuple[str, ...] = (), named_by: str = "") ->
     InputError
         where a file is not there, cannot be read, is not TOML, or starts from itself.
     """
-    builtins = builtin_scenarios()
+    builtins = read_scenarios()
     path = Path(source)
     if source in builtins and not is_file(path):
         label, text = f"{source} (built in)", builtins[source]
@@ -110,7 +110,7 @@ def file_layers(source: str, above: tuple[str, ...] = (), named_by: str = "") ->
         raise InputError(f"{label}: is not valid TOML: nested too deeply") from None
     except ValueError as error:
         raise InputError(f"{label}: is not valid TOML: {error}") from None
-    layer = Layer(label, data, key_lines(text))
+    layer = Source(label, data, find_key_lines(text))
     base = data.get("base")
     if base is None:
         return [layer]
@@ -118,7 +118,7 @@ def file_layers(source: str, above: tuple[str, ...] = (), named_by: str = "") ->
         raise InputError(f"{layer.where(('base',))}: base = {base!r} is not the name of a scenario or file")
     beside = path.parent / base
     named_by = f"{layer.where(('base',))}: "
-    return [*file_layers(str(beside) if is_file(beside) else base, (*above, key), named_by), layer]
+    return [*read_sources(str(beside) if is_file(beside) else base, (*above, key), named_by), layer]
 
 
 def _read(path: Path) -> str:
@@ -130,7 +130,7 @@ def _read(path: Path) -> str:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
 
 
-def setting(text: str) -> Layer:
+def parse_setting(text: str) -> Source:
     """Read ``key=value`` of the command line: a dotted key and a TOML value, or else text.
 
     Raises
@@ -149,12 +149,10 @@ def setting(text: str) -> Layer:
     for name in reversed(names):
         parsed = {name: parsed}
     replaces = REPLACED if len(names) == 1 else ()
-    return Layer(f"--set {text}", parsed, is_option=True, replaces=replaces)
+    return Source(f"--set {text}", parsed, is_option=True, replaces=replaces)
 
 
-def merged(
-    below: Mapping[str, Any], above: Mapping[str, Any], replaced: Sequence[str] = ()
-) -> dict[str, Any]:
+def merge(below: Mapping[str, Any], above: Mapping[str, Any], replaced: Sequence[str] = ()) -> dict[str, Any]:
     """Lay one document over another: tables are merged key by key, all else is replaced.
 
     A table is replaced as a whole where it is one of ``replaced``, or chooses another plugin than the one below:
@@ -166,13 +164,13 @@ def merged(
         both = isinstance(old, Mapping) and isinstance(value, Mapping)
         other_plugin = both and "use" in value and value["use"] != old.get("use")  # type: ignore[union-attr]
         if both and not other_plugin and key not in replaced:
-            result[key] = merged(old, value)  # type: ignore[arg-type]
+            result[key] = merge(old, value)  # type: ignore[arg-type]
         else:
             result[key] = value
     return result
 
 
-def source_of(layers: Sequence[Layer], path: KeyPath) -> str:
+def locate_key(layers: Sequence[Source], path: KeyPath) -> str:
     """Name the source that had the last word on a key; without a key, the file or document itself."""
     for layer in reversed(layers):
         if path and layer.holds(path):

@@ -20,8 +20,8 @@ from driftform.options import Table, option
 from driftform.pipeline import Pipeline
 from driftform.registry import registry
 from driftform.scenario import Scenario
-from driftform.study.error_lines import complaints
-from driftform.study.sources import Layer, file_layers, merged, setting, source_of
+from driftform.study.error_lines import format_errors
+from driftform.study.sources import Source, locate_key, merge, parse_setting, read_sources
 
 DEFAULT = "pipe-inspection"
 """The built-in scenario that is taken where none is named."""
@@ -78,42 +78,42 @@ class Study:
         assert self.run.evaluations is not None
         return self.run.evaluations
 
-    def plugin(self, seam: str) -> Any:
+    def make_plugin(self, seam: str) -> Any:
         """Make the plugin selected for a seam (not for ``strategy``, which needs a search space)."""
-        return registry().create(seam, *_selection(self.document, seam))
+        return registry().create(seam, *_split_selection(self.document, seam))
 
-    def pipeline(self) -> Pipeline:
+    def make_pipeline(self) -> Pipeline:
         """The steps from genome to fitness."""
-        steps = {seam: self.plugin(seam) for seam in SELECTED if seam != "strategy"}
+        steps = {seam: self.make_plugin(seam) for seam in SELECTED if seam != "strategy"}
         return Pipeline(scenario=self.scenario, seed=self.seed, **steps)
 
-    def strategy(self) -> Strategy[Any]:
+    def make_strategy(self) -> Strategy[Any]:
         """A fresh strategy, at the beginning of its random numbers."""
         rng = np.random.default_rng(self.seed)
-        space = SearchSpace(self.plugin("grammar"), self.scenario.target_names, rng, self.scenario)
+        space = SearchSpace(self.make_plugin("grammar"), self.scenario.target_names, rng, self.scenario)
         strategy: Strategy[Any] = registry().create(
-            "strategy", *_selection(self.document, "strategy"), space=space
+            "strategy", *_split_selection(self.document, "strategy"), space=space
         )
         return strategy
 
-    def exporter(self, name: str) -> Exporter[Any]:
+    def make_exporter(self, name: str) -> Exporter[Any]:
         """Make an exporter with the options of its table ``[exporter.<name>]``, if there is one."""
-        exporter: Exporter[Any] = self._named("exporter", name)
+        exporter: Exporter[Any] = self._make_named("exporter", name)
         return exporter
 
-    def recorder(self, name: str) -> Recorder[Any]:
+    def make_recorder(self, name: str) -> Recorder[Any]:
         """Make a recorder with the options of its table ``[recorder.<name>]``, if there is one."""
-        recorder: Recorder[Any] = self._named("recorder", name)
+        recorder: Recorder[Any] = self._make_named("recorder", name)
         return recorder
 
-    def renderer(self, name: str) -> Renderer[Any]:
+    def make_renderer(self, name: str) -> Renderer[Any]:
         """Make a renderer with the options of its table ``[renderer.<name>]``, if there is one."""
-        renderer: Renderer[Any] = self._named("renderer", name)
+        renderer: Renderer[Any] = self._make_named("renderer", name)
         return renderer
 
-    def checker(self, name: str) -> Checker[Any]:
+    def make_checker(self, name: str) -> Checker[Any]:
         """Make a checker with the options of its table ``[checker.<name>]``, if there is one."""
-        checker: Checker[Any] = self._named("checker", name)
+        checker: Checker[Any] = self._make_named("checker", name)
         return checker
 
     def __repr__(self) -> str:
@@ -122,15 +122,15 @@ class Study:
         return f"<Study {title}: {len(self.scenario.targets)} targets, seed {self.seed}>"
 
     def _repr_html_(self) -> str:
-        from driftform.util.notebook import table
+        from driftform.util.notebook import show_table
 
         plugins = [(seam, self.document[seam]["use"]) for seam in SELECTED if seam in self.document]
         targets = [(name, *(f"{c:g}" for c in point)) for name, point in self.scenario.targets.items()]
-        return table(("step", "plugin"), plugins, repr(self)[1:-1]) + table(
+        return show_table(("step", "plugin"), plugins, repr(self)[1:-1]) + show_table(
             ("target", "x m", "y m", "z m"), targets
         )
 
-    def _named(self, seam: str, name: str) -> Any:
+    def _make_named(self, seam: str, name: str) -> Any:
         return registry().create(seam, name, self.document.get(seam, {}).get(name, {}))
 
     def environment(self, evaluation: int | None = None) -> dict[str, Any]:
@@ -140,7 +140,7 @@ class Study:
         """
         kept = {key: value for key, value in self.document.items() if key not in ("strategy", "run")}
         if evaluation is not None:
-            kept["flow"] = _plain(self.scenario.of_evaluation(self.seed, evaluation).flow)
+            kept["flow"] = _to_plain(self.scenario.of_evaluation(self.seed, evaluation).flow)
         return kept
 
 
@@ -182,39 +182,41 @@ def load_study(
         one line for each thing that is wrong: file, line, key, value, and the next step.
     """
     if isinstance(source, Document):
-        layers = [Layer(source.label, source.data)]
+        layers = [Source(source.label, source.data)]
     else:
-        layers = file_layers(DEFAULT if source is None else source)
+        layers = read_sources(DEFAULT if source is None else source)
     for seam, name in (use or {}).items():
         if name is not None:
-            layers.append(Layer(f"--{seam}", {seam: {"use": name}}, is_option=True))
-    layers.extend(setting(text) for text in settings)
+            layers.append(Source(f"--{seam}", {seam: {"use": name}}, is_option=True))
+    layers.extend(parse_setting(text) for text in settings)
     for key, value in (run or {}).items():
         if value is not None:
-            layers.append(Layer(f"--{key}", {"run": {key: value}}, is_option=True))
+            layers.append(Source(f"--{key}", {"run": {key: value}}, is_option=True))
     document: dict[str, Any] = {}
     for layer in layers:
-        document = merged(document, layer.data, layer.replaces)
+        document = merge(document, layer.data, layer.replaces)
     # A document may come from an agent file: what is there to fly needs no strategy.
     required = [seam for seam in SELECTED if seam != "strategy" or not isinstance(source, Document)]
-    return _checked(document, layers, targets, required)
+    return _check(document, layers, targets, required)
 
 
-def _checked(
-    document: Mapping[str, Any], layers: Sequence[Layer], wanted: Sequence[str], required: Sequence[str]
+def _check(
+    document: Mapping[str, Any], layers: Sequence[Source], wanted: Sequence[str], required: Sequence[str]
 ) -> Study:
     known = {"title", "description", "base", "run", *Scenario.model_fields, *SEAMS}
     errors = [
-        f"{source_of(layers, (key,))}: unknown key '{key}'{did_you_mean(key, known)}"
+        f"{locate_key(layers, (key,))}: unknown key '{key}'{did_you_mean(key, known)}"
         for key in document
         if key not in known
     ]
     for key in known - {"title", "description", "base"}:
         if key in document and not isinstance(document[key], Mapping):
-            errors.append(f"{source_of(layers, (key,))}: {key} = {document[key]!r} is not a table")
+            errors.append(f"{locate_key(layers, (key,))}: {key} = {document[key]!r} is not a table")
     for key in ("title", "description"):
         if not isinstance(document.get(key, ""), str):
-            errors.append(f"{source_of(layers, (key,))}: {key} = {document[key]!r}: should be text in quotes")
+            errors.append(
+                f"{locate_key(layers, (key,))}: {key} = {document[key]!r}: should be text in quotes"
+            )
     if errors:
         raise InputError(*errors)
 
@@ -223,16 +225,16 @@ def _checked(
     try:
         scenario = Scenario.model_validate({k: v for k, v in document.items() if k in Scenario.model_fields})
     except ValidationError as error:
-        errors += complaints(error, (), Scenario, document, layers)
+        errors += format_errors(error, (), Scenario, document, layers)
     try:
         run = RunOptions.model_validate(document.get("run", {}))
     except ValidationError as error:
-        errors += complaints(error, ("run",), RunOptions, document, layers)
+        errors += format_errors(error, ("run",), RunOptions, document, layers)
     resolved: dict[str, Any] = {}
     unselected = [seam for seam in required if "use" not in document.get(seam, {})]
     if unselected:
         tables = ", ".join(f"[{seam}]" for seam in unselected)
-        where = source_of(layers, (unselected[0],) if len(unselected) == 1 else ())
+        where = locate_key(layers, (unselected[0],) if len(unselected) == 1 else ())
         errors.append(
             f'{where}: no plugin is chosen by {tables}; give it a line such as use = "..." '
             f"(see 'driftform plugins'), or start the study with base = \"{DEFAULT}\""
@@ -241,64 +243,64 @@ def _checked(
         if seam in unselected or seam not in document:
             continue
         try:
-            resolved[seam] = _resolved_selection(document, seam, layers)
+            resolved[seam] = _resolve_selection(document, seam, layers)
         except InputError as error:
             errors.extend(error.args)
     named: dict[str, dict[str, Any]] = {seam: {} for seam in NAMED}
     for seam in NAMED:
         for name, options in document.get(seam, {}).items():
             try:
-                named[seam][name] = _resolved_options(document, (seam, name), name, options, layers)
+                named[seam][name] = _resolve_options(document, (seam, name), name, options, layers)
             except InputError as error:
                 errors.extend(error.args)
     if errors or scenario is None or run is None:
         raise InputError(*errors)
     _check_folders(scenario, layers)
-    scenario = _with_targets(scenario, wanted)
-    run = _with_budget(run, scenario, resolved)
+    scenario = _keep_targets(scenario, wanted)
+    run = _fill_budget(run, scenario, resolved)
     for index, name in enumerate(run.formats):
         try:
             registry().find("exporter", name)
         except InputError as error:
-            raise InputError(f"{source_of(layers, ('run', 'formats', index))}: {error}") from None
+            raise InputError(f"{locate_key(layers, ('run', 'formats', index))}: {error}") from None
     head = {key: document[key] for key in ("title", "description") if key in document}
-    resolved = {**head, **_plain(scenario), **resolved, **named, "run": _plain(run)}
+    resolved = {**head, **_to_plain(scenario), **resolved, **named, "run": _to_plain(run)}
     return Study(resolved, scenario, run)
 
 
-def _resolved_selection(document: Mapping[str, Any], seam: str, layers: Sequence[Layer]) -> dict[str, Any]:
-    name, options = _selection(document, seam)
-    return {"use": name, **_resolved_options(document, (seam,), name, options, layers)}
+def _resolve_selection(document: Mapping[str, Any], seam: str, layers: Sequence[Source]) -> dict[str, Any]:
+    name, options = _split_selection(document, seam)
+    return {"use": name, **_resolve_options(document, (seam,), name, options, layers)}
 
 
-def _resolved_options(
-    document: Mapping[str, Any], path: tuple[str, ...], name: str, options: Any, layers: Sequence[Layer]
+def _resolve_options(
+    document: Mapping[str, Any], path: tuple[str, ...], name: str, options: Any, layers: Sequence[Source]
 ) -> dict[str, Any]:
     """Check the options of the plugin ``name`` that stand in the table ``path``, whose first part is the seam."""
     try:
         cls = registry().find(path[0], name)
     except InputError as error:
         key = (*path, "use") if path[0] in SELECTED else path
-        raise InputError(f"{source_of(layers, key)}: {error}") from None
+        raise InputError(f"{locate_key(layers, key)}: {error}") from None
     if not isinstance(options, Mapping):
-        raise InputError(f"{source_of(layers, path)}: {'.'.join(path)} = {options!r} is not a table")
+        raise InputError(f"{locate_key(layers, path)}: {'.'.join(path)} = {options!r} is not a table")
     try:
         checked = cls.Options.model_validate(options)
     except ValidationError as error:
-        raise InputError(*complaints(error, path, cls.Options, document, layers)) from None
-    return _plain(checked)
+        raise InputError(*format_errors(error, path, cls.Options, document, layers)) from None
+    return _to_plain(checked)
 
 
-def _selection(document: Mapping[str, Any], seam: str) -> tuple[str, dict[str, Any]]:
+def _split_selection(document: Mapping[str, Any], seam: str) -> tuple[str, dict[str, Any]]:
     options = dict(document[seam])
     return str(options.pop("use")), options
 
 
-def _check_folders(scenario: Scenario, layers: Sequence[Layer]) -> None:
+def _check_folders(scenario: Scenario, layers: Sequence[Source]) -> None:
     """Refuse names of targets that are too long for a folder, or one folder on some file systems."""
     seen: dict[str, str] = {}
     for name in scenario.targets:
-        where = source_of(layers, ("targets", name))
+        where = locate_key(layers, ("targets", name))
         if len(name.encode()) > _LONGEST_NAME:
             raise InputError(
                 f"{where}: target name '{name[:20]}...' is longer than {_LONGEST_NAME} bytes: it names a folder"
@@ -311,7 +313,7 @@ def _check_folders(scenario: Scenario, layers: Sequence[Layer]) -> None:
         seen[name.casefold()] = name
 
 
-def _with_targets(scenario: Scenario, wanted: Sequence[str]) -> Scenario:
+def _keep_targets(scenario: Scenario, wanted: Sequence[str]) -> Scenario:
     for name in wanted:
         if name not in scenario.targets:
             raise InputError(
@@ -323,7 +325,7 @@ def _with_targets(scenario: Scenario, wanted: Sequence[str]) -> Scenario:
     return scenario.model_copy(update={"targets": kept})
 
 
-def _with_budget(run: RunOptions, scenario: Scenario, resolved: Mapping[str, Any]) -> RunOptions:
+def _fill_budget(run: RunOptions, scenario: Scenario, resolved: Mapping[str, Any]) -> RunOptions:
     seed = run.seed if run.seed is not None else secrets.randbelow(2**32)
     evaluations = run.evaluations
     if evaluations is None and "strategy" in resolved:
@@ -332,7 +334,7 @@ def _with_budget(run: RunOptions, scenario: Scenario, resolved: Mapping[str, Any
     return run.model_copy(update={"seed": seed, "evaluations": evaluations})
 
 
-def _plain(model: Table) -> dict[str, Any]:
+def _to_plain(model: Table) -> dict[str, Any]:
     """A model as TOML can hold it: no ``None``, no tuples."""
     dumped: dict[str, Any] = model.model_dump(mode="json", exclude_none=True)
     return dumped

@@ -17,11 +17,11 @@ _TOKEN = re.compile(
 )
 
 
-def key_lines(text: str) -> dict[Path, int]:
+def find_key_lines(text: str) -> dict[Path, int]:
     """Map each key of a valid TOML document to its line, counted from 1.
 
     Tables are keys too; those of an array of tables are numbered. Keys inside inline tables are not seen: look
-    up the nearest key above (:func:`line_of`).
+    up the nearest key above (:func:`find_line`).
     """
     lines: dict[Path, int] = {}
     counts: dict[Path, int] = {}
@@ -57,7 +57,7 @@ def key_lines(text: str) -> dict[Path, int]:
     return lines
 
 
-def line_of(path: Path, lines: Mapping[Path, int]) -> int | None:
+def find_line(path: Path, lines: Mapping[Path, int]) -> int | None:
     """Return the line of a key, or that of the nearest key that holds it."""
     for end in range(len(path), 0, -1):
         if path[:end] in lines:

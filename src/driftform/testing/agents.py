@@ -235,15 +235,15 @@ class Invariants:
     angular_impulse: FloatArray
 
 
-def invariants(agent: Agent, scenario: Scenario, flight: Trajectory) -> Invariants:
+def invariants(agent: Agent, scenario: Scenario, trajectory: Trajectory) -> Invariants:
     """Return energy and impulses of every sample of a flight."""
     matrix = rigid_body_mass(agent.mass) + added_mass_at(agent.coefficients, np.zeros(3))
-    R = matrix_from_quaternion(flight.quaternion)
+    R = matrix_from_quaternion(trajectory.quaternion)
     current = scenario.current()
-    nu = flight.velocity.copy()
+    nu = trajectory.velocity.copy()
     nu[:, :3] -= np.einsum("kji,j->ki", R, current)
     momentum = nu @ matrix
-    place = flight.position - flight.t[:, None] * current
+    place = trajectory.position - trajectory.t[:, None] * current
     impulse = np.einsum("kij,kj->ki", R, momentum[:, :3])
     turning = np.einsum("kij,kj->ki", R, momentum[:, 3:]) + np.cross(place, impulse)
     fluid, mass = scenario.fluid, agent.mass

@@ -9,7 +9,7 @@ from driftform.geometry import distance_from
 from driftform.types import Body, Core, FloatArray
 
 
-def body_of(outer: npt.ArrayLike, cavity: npt.ArrayLike = ()) -> Body:
+def make_body(outer: npt.ArrayLike, cavity: npt.ArrayLike = ()) -> Body:
     """Return a body of contours in m, of ABS, around a core that weighs nothing."""
     contour: FloatArray = np.asarray(outer, dtype=np.float64)
     return Body(
@@ -27,13 +27,13 @@ def spheroid_body(a: float, b: float, edges: int = 64) -> Body:
     angles = np.linspace(np.pi, 0, edges + 1)
     contour = np.column_stack([a * np.cos(angles), b * np.sin(angles)])
     contour[[0, -1], 1] = 0.0
-    return body_of(contour)
+    return make_body(contour)
 
 
 def cylinder_body(length: float, radius: float) -> Body:
     """A solid cylinder about the origin, m."""
     h = length / 2
-    return body_of([(-h, 0), (-h, radius), (h, radius), (h, 0)])
+    return make_body([(-h, 0), (-h, radius), (h, radius), (h, 0)])
 
 
 def dome_body(radius: float, edges: int = 32) -> Body:
@@ -41,7 +41,7 @@ def dome_body(radius: float, edges: int = 32) -> Body:
     angles = np.linspace(np.pi, np.pi / 2, edges + 1)
     contour = radius * np.column_stack([np.cos(angles), np.sin(angles)])
     contour[0, 1] = contour[-1, 0] = 0.0
-    return body_of([*contour, (0.0, 0.0)])
+    return make_body([*contour, (0.0, 0.0)])
 
 
 def remus_body(edges: int = 40) -> Body:
@@ -64,14 +64,14 @@ def remus_body(edges: int = 40) -> Body:
         ]
     )
     x = 0.611 - np.concatenate([bow, a + b - blunt + stern])
-    return body_of([(x[-1], 0.0), *zip(x[::-1], r[::-1], strict=True), (x[0], 0.0)])
+    return make_body([(x[-1], 0.0), *zip(x[::-1], r[::-1], strict=True), (x[0], 0.0)])
 
 
 def hollow_body() -> Body:
     """A capped tube, 60 mm long and 30 mm thick, wide enough for a core of 10 mm radius at the origin."""
     hull = [(-0.03, 0), (-0.03, 0.015), (0.02, 0.015), (0.03, 0.012), (0.03, 0)]
     cavity = [(-0.028, 0), (-0.028, 0.013), (0.02, 0.013), (0.028, 0.0105), (0.028, 0)]
-    return replace(body_of(hull, cavity), core=Core(radius=0.01, mass=0.05))
+    return replace(make_body(hull, cavity), core=Core(radius=0.01, mass=0.05))
 
 
 def mirrored_contour(contour: FloatArray) -> FloatArray:

@@ -9,7 +9,7 @@ import pytest
 
 from driftform.errors import DriftformError
 from driftform.geometry import mass_properties
-from driftform.interfaces import Exporter, Specimen
+from driftform.interfaces import Exporter, ExportJob
 from driftform.scenario import Pipe, Scenario, Segment
 from driftform.testing.bodies import hollow_body
 from driftform.types import Agent, Coefficients
@@ -27,13 +27,13 @@ class ExporterContract:
         """Return the exporter to be tested."""
         raise NotImplementedError
 
-    def specimen(self) -> Specimen:
+    def export_job(self) -> ExportJob:
         """Return an agent that can be exported: a capped hollow tube, without a genome, in a pipe."""
         body = hollow_body()
         agent = Agent(body, mass_properties(body), Coefficients(0.01 * np.eye(6)))
         segment = Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0)
         scenario = Scenario(pipe=Pipe(segments=(segment,)), targets={"leak": (4.0, 0.0, -0.9)})
-        return Specimen("agent", agent, scenario)
+        return ExportJob("agent", agent, scenario)
 
     def path(self, directory: Path) -> Path:
         """Return the path that commands ask an exporter to write to."""
@@ -41,7 +41,7 @@ class ExporterContract:
 
     def test_every_file_is_there_under_the_name_that_was_asked_for(self, tmp_path: Path) -> None:
         """Each that is told of exists, is not empty, and its name begins with that of the path."""
-        written = self.plugin().write(self.specimen(), self.path(tmp_path))
+        written = self.plugin().write(self.export_job(), self.path(tmp_path))
         assert written
         for file in written:
             path = Path(file.path)
@@ -57,7 +57,7 @@ class ExporterContract:
 
     def test_nothing_else_is_left_beside_the_files(self, tmp_path: Path) -> None:
         """What is written on the way is gone in the end, and no file is there that is not told of."""
-        written = self.plugin().write(self.specimen(), self.path(tmp_path))
+        written = self.plugin().write(self.export_job(), self.path(tmp_path))
         assert _files(tmp_path) == sorted(Path(file.path) for file in written)
 
     def test_a_file_that_is_there_already_is_replaced(self, tmp_path: Path) -> None:
@@ -69,7 +69,7 @@ class ExporterContract:
             for _ in range(1 if directory == fresh else 2):
                 for path in _files(directory):
                     path.write_bytes(b"old " * 1_000_000)
-                self.plugin().write(self.specimen(), self.path(directory))
+                self.plugin().write(self.export_job(), self.path(directory))
             sizes.append([(path.relative_to(directory), path.stat().st_size) for path in _files(directory)])
         assert sizes[0] == sizes[1]
 
@@ -83,7 +83,7 @@ class ExporterContract:
         stale = (path if is_folder else tmp_path) / "older" / "stale.txt"
         stale.parent.mkdir(parents=True)
         stale.write_text("of an older export")
-        written = self.plugin().write(self.specimen(), path)
+        written = self.plugin().write(self.export_job(), path)
         assert stale.exists() != is_folder
         known = {stale, *(Path(file.path) for file in written)}
         needed = {parent for file in known for parent in file.parents} | known
@@ -94,7 +94,7 @@ class ExporterContract:
 
         No half of a file remains.
         """
-        first = Path(self.plugin().write(self.specimen(), self.path(tmp_path / "sound"))[0].path)
+        first = Path(self.plugin().write(self.export_job(), self.path(tmp_path / "sound"))[0].path)
         part = first.relative_to(tmp_path / "sound").parts[0]
         blocked = tmp_path / "blocked" / part
         if first == tmp_path / "sound" / part:
@@ -103,14 +103,14 @@ class ExporterContract:
             blocked.parent.mkdir()
             blocked.write_text("in the way")
         with pytest.raises((DriftformError, OSError)):
-            self.plugin().write(self.specimen(), self.path(blocked.parent))
+            self.plugin().write(self.export_job(), self.path(blocked.parent))
         assert list(blocked.parent.iterdir()) == [blocked]
         assert blocked.is_file() or not list(blocked.iterdir())
 
     def test_it_can_be_sent_to_a_worker_process(self, tmp_path: Path) -> None:
         """A pickled copy writes too."""
         copy = pickle.loads(pickle.dumps(self.plugin()))
-        assert all(Path(file.path).is_file() for file in copy.write(self.specimen(), self.path(tmp_path)))
+        assert all(Path(file.path).is_file() for file in copy.write(self.export_job(), self.path(tmp_path)))
 
 
 def _files(directory: Path) -> list[Path]:

@@ -11,10 +11,10 @@ from driftform.dynamics.inertia import added_mass_at
 from driftform.interfaces import Hydrodynamics
 from driftform.scenario import Fluid
 from driftform.testing.bodies import (
-    body_of,
     cylinder_body,
     dome_body,
     hollow_body,
+    make_body,
     mirrored_body,
     scaled_body,
     spheroid_body,
@@ -29,7 +29,7 @@ BODIES: dict[str, Callable[[], Body]] = {
     "disc": lambda: cylinder_body(0.02, 0.05),
     "flat spheroid": lambda: spheroid_body(0.01, 0.04),
     "bare dome": lambda: dome_body(0.0115),
-    "cone off the origin": lambda: body_of([(0.02, 0), (0.02, 0.03), (0.12, 0)]),
+    "cone off the origin": lambda: make_body([(0.02, 0), (0.02, 0.03), (0.12, 0)]),
     "hollow hull": hollow_body,
 }
 
@@ -141,7 +141,7 @@ class HydrodynamicsContract:
     def test_the_hollow_inside_has_no_say(self) -> None:
         """Water meets the outer contour only: a sealed cavity changes nothing."""
         hollow = hollow_body()
-        np.testing.assert_array_equal(self.about_origin(hollow), self.about_origin(body_of(hollow.outer)))
+        np.testing.assert_array_equal(self.about_origin(hollow), self.about_origin(make_body(hollow.outer)))
 
     def test_the_same_body_gives_the_same_coefficients(self) -> None:
         """A pickled copy of the model returns the same matrices, to the last bit."""

@@ -10,7 +10,7 @@ import pytest
 
 from driftform.errors import DriftformError
 from driftform.geometry import mass_properties
-from driftform.interfaces import Recorder, Specimen
+from driftform.interfaces import ExportJob, Recorder
 from driftform.scenario import Pipe, Scenario, Segment
 from driftform.testing.bodies import hollow_body
 from driftform.testing.renderer import drift
@@ -29,21 +29,23 @@ class RecorderContract:
         """Return the recorder to be tested."""
         raise NotImplementedError
 
-    def specimen(self) -> Specimen:
+    def export_job(self) -> ExportJob:
         """Return whose flight it is: a capped hollow tube, without a genome, in a pipe with a target."""
         body = hollow_body()
         agent = Agent(body, mass_properties(body), Coefficients(0.01 * np.eye(6)))
         segment = Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0)
         scenario = Scenario(pipe=Pipe(segments=(segment,)), targets={"leak": (0.1, 0.0, -1.0)})
-        return Specimen("agent", agent, scenario)
+        return ExportJob("agent", agent, scenario)
 
-    def record(self, path: Path, flight: Trajectory | None = None, scenario: Scenario | None = None) -> Path:
+    def record(
+        self, path: Path, trajectory: Trajectory | None = None, scenario: Scenario | None = None
+    ) -> Path:
         """Record a flight, by default one that drifts and pitches; return the file or the folder."""
-        specimen = self.specimen()
+        job = self.export_job()
         if scenario is not None:
-            specimen = replace(specimen, scenario=scenario)
+            job = replace(job, scenario=scenario)
         path = path / f"agent{self.plugin().suffix}"
-        written = self.plugin().write(specimen, drift() if flight is None else flight, path)
+        written = self.plugin().write(job, drift() if trajectory is None else trajectory, path)
         assert written
         for file in written:
             found = Path(file.path)
@@ -56,7 +58,7 @@ class RecorderContract:
         """Each that is told of is there and holds something; there is none that is not told of."""
         path = self.record(tmp_path)
         assert list(tmp_path.iterdir()) == [path]
-        written = self.plugin().write(self.specimen(), drift(), path)
+        written = self.plugin().write(self.export_job(), drift(), path)
         assert _files(tmp_path) == sorted(Path(file.path) for file in written)
 
     def test_the_same_flight_gives_the_same_content(self, tmp_path: Path) -> None:
@@ -69,7 +71,7 @@ class RecorderContract:
         assert [(p.relative_to(first), p.stat().st_size) for p in _files(first)] == sizes
         copy: Recorder[Any] = pickle.loads(pickle.dumps(self.plugin()))
         second = tmp_path / "second" / first.name
-        copy.write(self.specimen(), drift(), second)
+        copy.write(self.export_job(), drift(), second)
         assert [(p.relative_to(second), p.read_bytes()) for p in _files(second)] == [
             (p.relative_to(first), p.read_bytes()) for p in _files(first)
         ]

@@ -90,15 +90,15 @@ class RendererContract:
         segment = Segment(start=(0.0, 0.0, 0.0), end=(0.5, 0.0, 0.0), radius=0.1)
         return Scenario(pipe=Pipe(segments=(segment,)), targets={"leak": (0.3, 0.0, 0.05)})
 
-    def film(self, path: Path, flight: Trajectory | None = None) -> WrittenFile:
+    def film(self, path: Path, trajectory: Trajectory | None = None) -> WrittenFile:
         """Make a film of a flight, by default of one that drifts and pitches."""
-        flight = drift() if flight is None else flight
-        return self.plugin().film(self.agent(), flight, self.scenario(), path, lambda done, total: None)
+        trajectory = drift() if trajectory is None else trajectory
+        return self.plugin().film(self.agent(), trajectory, self.scenario(), path, lambda done, total: None)
 
-    def still(self, path: Path, at: float = 0.2, flight: Trajectory | None = None) -> WrittenFile:
+    def still(self, path: Path, at: float = 0.2, trajectory: Trajectory | None = None) -> WrittenFile:
         """Make a still of a flight, by default of the same."""
-        flight = drift() if flight is None else flight
-        return self.plugin().still(self.agent(), flight, self.scenario(), path, at)
+        trajectory = drift() if trajectory is None else trajectory
+        return self.plugin().still(self.agent(), trajectory, self.scenario(), path, at)
 
     def test_a_film_is_where_it_was_asked_for_in_every_format(self, tmp_path: Path) -> None:
         """Each suffix gives a film that can be read, and nothing else is left beside it."""

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 import pytest
 
-from driftform.dynamics.inertia import added_mass_at, rigid_body_mass, shifted
+from driftform.dynamics.inertia import added_mass_at, rigid_body_mass, shift_origin
 from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.interfaces import Simulator
 from driftform.scenario import (
@@ -319,7 +319,7 @@ class SimulatorContract:
         agent = tumbler()
         c = agent.coefficients
         elsewhere = np.array([-0.03, 0.0, 0.02])
-        matrix = shifted(c.added_mass, elsewhere - c.origin)
+        matrix = shift_origin(c.added_mass, elsewhere - c.origin)
         H = np.eye(6)
         H[:3, 3:] = np.cross(np.eye(3), elsewhere - c.origin)
         np.testing.assert_allclose(matrix, H.T @ c.added_mass @ H, atol=1e-15)
@@ -658,9 +658,9 @@ def _interpolated(t: FloatArray, position: FloatArray, velocity: FloatArray, tim
     return np.asarray(np.einsum("kpi,kp->ki", curve[index], u[:, None] ** np.arange(4)), dtype=np.float64)
 
 
-def positions_at(flight: Trajectory, times: FloatArray) -> FloatArray:
+def positions_at(trajectory: Trajectory, times: FloatArray) -> FloatArray:
     """Positions (m) at any times within a flight, along its Hermite curve, (n, 3)."""
-    return _interpolated(flight.t, flight.position, world_velocity(flight), times)
+    return _interpolated(trajectory.t, trajectory.position, world_velocity(trajectory), times)
 
 
 def drift_of(values: FloatArray) -> float:
@@ -673,12 +673,12 @@ def apart(a: FloatArray, b: FloatArray) -> float:
     return float(np.linalg.norm(a - b, axis=1).max())
 
 
-def depths(agent: Agent, flight: Trajectory, radius: float) -> FloatArray:
+def depths(agent: Agent, trajectory: Trajectory, radius: float) -> FloatArray:
     """How far (m) the agent reaches beyond the wall of a pipe about x of this radius, at each sample, (k,).
 
     Every rim of the body is walked round in steps of 5 degrees.
     """
-    R = matrix_from_quaternion(flight.quaternion)
+    R = matrix_from_quaternion(trajectory.quaternion)
     angles = np.deg2rad(np.arange(0, 360, 5))
     x, r = agent.body.outer.T
     ring = np.stack(
@@ -688,7 +688,7 @@ def depths(agent: Agent, flight: Trajectory, radius: float) -> FloatArray:
             np.outer(r, np.sin(angles)).ravel(),
         ]
     )
-    across = flight.position[:, 1:, None] + R[:, 1:] @ ring
+    across = trajectory.position[:, 1:, None] + R[:, 1:] @ ring
     return np.asarray(np.linalg.norm(across, axis=1).max(axis=1) - radius, dtype=np.float64)
 
 

@@ -62,10 +62,10 @@ def textbook_flight(
     return np.ascontiguousarray(solution.y.T, dtype=np.float64)
 
 
-def distance_from_textbook(flight: Trajectory, agent: Agent, scenario: Scenario, until: float) -> float:
+def distance_from_textbook(trajectory: Trajectory, agent: Agent, scenario: Scenario, until: float) -> float:
     """Return how far (m) a flight gets from the textbook's between its release and ``until`` (s)."""
     times = np.linspace(0, until, int(until / SPACING) + 2)
-    return apart(positions_at(flight, times), textbook_flight(agent, scenario, times)[:, :3])
+    return apart(positions_at(trajectory, times), textbook_flight(agent, scenario, times)[:, :3])
 
 
 def random_flight(seed: int, horizon: float = 3.0) -> tuple[Agent, Scenario]:

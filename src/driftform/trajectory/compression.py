@@ -15,13 +15,13 @@ SAMPLE_GAP = 0.01
 _SAMPLES = ("t", "position", "quaternion", "velocity")
 
 
-class PackedFlight(Trajectory):
+class CompressedTrajectory(Trajectory):
     """A trajectory that travels and waits as bytes; its samples are there once they are asked for.
 
     Attributes
     ----------
     blob
-        what :func:`encoded` makes of the flight.
+        what :func:`encode` makes of the flight.
     duration
         of the flight, s.
     """
@@ -32,33 +32,36 @@ class PackedFlight(Trajectory):
     def __getattr__(self, name: str) -> Any:
         if name not in _SAMPLES:
             raise AttributeError(name)
-        self.__dict__.update(vars(decoded(self.blob, self.end, **trust(self))))
+        self.__dict__.update(vars(decode(self.blob, self.end, **diagnostics(self))))
         return self.__dict__[name]
 
 
-def packed(flight: Trajectory) -> PackedFlight:
+def compress(trajectory: Trajectory) -> CompressedTrajectory:
     """The flight as it reads back from a run; once packed it is not packed again."""
-    if isinstance(flight, PackedFlight) and "blob" in vars(flight):
-        return flight
-    made = PackedFlight.__new__(PackedFlight)
+    if isinstance(trajectory, CompressedTrajectory) and "blob" in vars(trajectory):
+        return trajectory
+    made = CompressedTrajectory.__new__(CompressedTrajectory)
     made.__dict__.update(
-        trust(flight), end=flight.end, blob=encoded(flight), duration=float(np.float32(flight.t[-1]))
+        diagnostics(trajectory),
+        end=trajectory.end,
+        blob=encode(trajectory),
+        duration=float(np.float32(trajectory.t[-1])),
     )
     return made
 
 
-def compact(evaluation: Evaluation) -> Evaluation:
+def compress_evaluation(evaluation: Evaluation) -> Evaluation:
     """The evaluation as it reads back from a run: what a strategy is told, live or resumed."""
     flight = evaluation.trajectory
-    return evaluation if flight is None else replace(evaluation, trajectory=packed(flight))
+    return evaluation if flight is None else replace(evaluation, trajectory=compress(flight))
 
 
-def trust(flight: Trajectory) -> dict[str, float | None]:
+def diagnostics(trajectory: Trajectory) -> dict[str, float | None]:
     """What a trajectory tells of itself beside its samples and its end."""
-    return {"contact": flight.contact, "energy_drift": flight.energy_drift, "error": flight.error}
+    return {"contact": trajectory.contact, "energy_drift": trajectory.energy_drift, "error": trajectory.error}
 
 
-def encoded(trajectory: Trajectory) -> bytes:
+def encode(trajectory: Trajectory) -> bytes:
     """Thin a trajectory to :data:`SAMPLE_GAP` and compress it as float32.
 
     Bytes of equal weight are put side by side, which zlib packs in a third of the time and to three quarters of the
@@ -67,8 +70,8 @@ def encoded(trajectory: Trajectory) -> bytes:
     return zlib.compress(_columns(trajectory).view(np.uint8).reshape(-1, 4).T.tobytes(), 1)
 
 
-def decoded(blob: bytes, end: End, **trust: float | None) -> Trajectory:
-    """Read what :func:`encoded` wrote; ``trust`` is what else the trajectory tells of itself, such as ``error``."""
+def decode(blob: bytes, end: End, **trust: float | None) -> Trajectory:
+    """Read what :func:`encode` wrote; ``trust`` is what else the trajectory tells of itself, such as ``error``."""
     planes = np.frombuffer(zlib.decompress(blob), dtype=np.uint8).reshape(4, -1)
     wide = np.ascontiguousarray(planes.T).view("<f4").reshape(14, -1).astype(np.float64)
     return Trajectory(wide[0], wide[1:4].T, wide[4:8].T, wide[8:14].T, end, **trust)
@@ -76,9 +79,9 @@ def decoded(blob: bytes, end: End, **trust: float | None) -> Trajectory:
 
 def _columns(trajectory: Trajectory) -> npt.NDArray[np.float32]:
     """What is kept of a trajectory: t, position, quaternion and velocity of some samples, (14, k)."""
-    from driftform.trajectory.path import spaced
+    from driftform.trajectory.path import select_spaced
 
     # Thinned by the rounded times: what is kept once is kept whole when it comes here again.
-    kept = spaced(trajectory.t.astype("<f4").astype(np.float64), SAMPLE_GAP)
+    kept = select_spaced(trajectory.t.astype("<f4").astype(np.float64), SAMPLE_GAP)
     flown = (trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity)
     return np.column_stack([samples.take(kept, axis=0) for samples in flown]).T.astype("<f4", order="C")

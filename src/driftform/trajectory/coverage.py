@@ -17,7 +17,7 @@ _ROWS, _COLUMNS = 20, 1000
 
 
 @dataclass(frozen=True, eq=False)
-class Cells:
+class PipeGrid:
     """Cells over the section of a straight pipe by the vertical plane through its axis.
 
     A point of the map is its distance along the axis from the upstream end, and its height above the axis, square to
@@ -43,7 +43,7 @@ class Cells:
     shape: tuple[int, int]
 
     @classmethod
-    def of_segment(cls, segment: Segment, side: float | None = None) -> "Cells":
+    def of_segment(cls, segment: Segment, side: float | None = None) -> "PipeGrid":
         """Return the cells that fill the section of a segment, their sides as near to ``side`` (m) as goes.
 
         Without a side it is a tenth of the radius, and more where there were over a thousand along the pipe.
@@ -64,7 +64,7 @@ class Cells:
         return cls(start, axes, np.array([width, height, height]), (columns, rows))
 
     @classmethod
-    def of(cls, scenario: Scenario, side: float | None = None) -> "Cells":
+    def of(cls, scenario: Scenario, side: float | None = None) -> "PipeGrid":
         """Return the cells of a scenario's pipe, as :meth:`of_segment`.
 
         Raises
@@ -99,32 +99,32 @@ class Cells:
 
     def cell_of(self, points: FloatArray) -> IntArray:
         """Return the cell that each world point (n, 3) is in, -1 for none, (n,)."""
-        place = np.floor(self._scaled(points, offset=True)).astype(np.int64)
+        place = np.floor(self._scale(points, offset=True)).astype(np.int64)
         inside = ((place >= 0) & (place < (*self.shape, 1))).all(axis=1)
         return np.where(inside, place[:, 0] * self.shape[1] + place[:, 1], -1)
 
-    def crossed(self, trajectory: Trajectory) -> tuple[IntArray, FloatArray]:
+    def find_crossed(self, trajectory: Trajectory) -> tuple[IntArray, FloatArray]:
         """Return the cells that a flight crosses, (k,) and ascending, and how close it comes to their centres, m, (k,).
 
         The path between samples is their cubic Hermite curve. It is cut where it crosses the sides of cells; the
         distance is that of the nearest point of the parts inside a cell.
         """
-        from driftform.trajectory.crossing import cross
+        from driftform.trajectory.crossing import cross_cells
         from driftform.trajectory.path import world_velocity
 
-        place = self._scaled(trajectory.position, offset=True)
+        place = self._scale(trajectory.position, offset=True)
         nearest = np.full(self.count, np.inf)
         if len(trajectory.t) == 1:
             cells = self.cell_of(trajectory.position)
             offset = (place - np.floor(place) - 0.5) * self.size
             nearest[cells[cells >= 0]] = np.linalg.norm(offset, axis=1)[cells >= 0]
         else:
-            rate = self._scaled(world_velocity(trajectory), offset=False)
-            cross(trajectory.t, place, rate, self.size, self.shape, nearest)
+            rate = self._scale(world_velocity(trajectory), offset=False)
+            cross_cells(trajectory.t, place, rate, self.size, self.shape, nearest)
         found = np.flatnonzero(np.isfinite(nearest))
         return found, nearest[found]
 
-    def _scaled(self, vectors: FloatArray, offset: bool) -> FloatArray:
+    def _scale(self, vectors: FloatArray, offset: bool) -> FloatArray:
         """World points (or velocities) on the map, in sides of a cell from its lower upstream corner, (n, 3)."""
         to_cells = self.axes.T / self.size
         scaled = vectors @ to_cells
@@ -133,7 +133,7 @@ class Cells:
         return np.asarray(scaled)
 
 
-class Reach:
+class CoverageMap:
     """The cells that flights have crossed so far, and the flight that came closest to the centre of each.
 
     Attributes
@@ -151,7 +151,7 @@ class Reach:
         how many flights there were.
     """
 
-    def __init__(self, cells: Cells) -> None:
+    def __init__(self, cells: PipeGrid) -> None:
         self.cells = cells
         self.distance = np.full(cells.count, np.inf)
         self.evaluation = np.full(cells.count, -1, dtype=np.int64)
@@ -160,7 +160,7 @@ class Reach:
 
     def add(self, evaluation: int, trajectory: Trajectory) -> IntArray:
         """Credit a flight with every cell that it crosses; return those where it is the closest now, (k,)."""
-        crossed, distance = self.cells.crossed(trajectory)
+        crossed, distance = self.cells.find_crossed(trajectory)
         self.flights += 1
         self.visits[crossed] += 1
         closer = distance < self.distance[crossed]
@@ -175,16 +175,16 @@ class Reach:
         return self.visits > 0
 
 
-def reach_of(flights: Iterable[tuple[int, Trajectory]], cells: Cells) -> Reach:
+def map_coverage(flights: Iterable[tuple[int, Trajectory]], cells: PipeGrid) -> CoverageMap:
     """Return the map of flights, each with the index of its evaluation."""
-    reach = Reach(cells)
+    reach = CoverageMap(cells)
     for evaluation, flight in flights:
         reach.add(evaluation, flight)
     return reach
 
 
 @dataclass(frozen=True)
-class Pass:
+class ClosestPass:
     """Where a flight comes closest to a point: which ``evaluation``, at what ``distance`` (m), when (``t``, s)."""
 
     evaluation: int
@@ -192,14 +192,14 @@ class Pass:
     t: float
 
 
-def closest_pass(flights: Iterable[tuple[int, Trajectory]], point: Vector) -> Pass | None:
+def find_closest_pass(flights: Iterable[tuple[int, Trajectory]], point: Vector) -> ClosestPass | None:
     """Return the closest of all flights to a point of the world, the earliest of equals; ``None`` without any."""
     from driftform.trajectory.path import closest_approach
 
-    best: Pass | None = None
+    best: ClosestPass | None = None
     points = np.array([point], dtype=np.float64)
     for evaluation, flight in flights:
         [distance], [t] = closest_approach(flight, points)
         if best is None or distance < best.distance:
-            best = Pass(evaluation, float(distance), float(t))
+            best = ClosestPass(evaluation, float(distance), float(t))
     return best

@@ -3,7 +3,7 @@
 import numpy as np
 
 from driftform.dynamics.cubic import Cubic, at, cubic_between, foot
-from driftform.dynamics.vectors import Vector, dot, minus
+from driftform.dynamics.vectors import Vector, dot, subtract
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 
@@ -12,7 +12,7 @@ _STATIONS = 4
 
 
 @compiled
-def cross(
+def cross_cells(
     t: FloatArray,
     place: FloatArray,
     rate: FloatArray,
@@ -168,15 +168,15 @@ def _part(cubic: Cubic, u: float, h: float) -> Cubic:
 def _from_centre(cubic: Cubic, centre: Vector, size: FloatArray, bound: float) -> float:
     """Distance (m) of a path from a point, both in sides of a cell; infinite where it is sure not to be below a bound."""
     a, b, c, d = cubic
-    metric = (_sized(a, size), _sized(b, size), _sized(c, size), _sized(d, size))
-    point = _sized(centre, size)
+    metric = (_resize(a, size), _resize(b, size), _resize(c, size), _resize(d, size))
+    point = _resize(centre, size)
     # The path goes no farther than the sum of its terms' rates.
     length = _norm(metric[1]) + 2.0 * _norm(metric[2]) + 3.0 * _norm(metric[3])
-    if _norm(minus(at(metric, 0.5), point)) - 0.5 * length >= bound:
+    if _norm(subtract(at(metric, 0.5), point)) - 0.5 * length >= bound:
         return np.inf
     nearest, station = np.inf, 0.0
     for g in range(_STATIONS + 1):
-        offset = minus(at(metric, g / _STATIONS), point)
+        offset = subtract(at(metric, g / _STATIONS), point)
         squared = dot(offset, offset)
         if squared < nearest:
             nearest, station = squared, g / _STATIONS
@@ -185,7 +185,7 @@ def _from_centre(cubic: Cubic, centre: Vector, size: FloatArray, bound: float) -
 
 
 @compiled
-def _sized(a: Vector, size: FloatArray) -> Vector:
+def _resize(a: Vector, size: FloatArray) -> Vector:
     return a[0] * size[0], a[1] * size[1], a[2] * size[2]
 
 

@@ -19,7 +19,7 @@ class Approach:
     position: FloatArray
 
 
-def positions(trajectory: Trajectory, t: FloatArray) -> FloatArray:
+def interpolate_positions(trajectory: Trajectory, t: FloatArray) -> FloatArray:
     """Return the core's centre at times ``t`` (n,), world, m, (n, 3), on the path that fitness measures."""
     if len(trajectory.t) == 1:
         return np.repeat(trajectory.position, len(t), axis=0)
@@ -29,10 +29,10 @@ def positions(trajectory: Trajectory, t: FloatArray) -> FloatArray:
     return np.asarray(np.einsum("np,npd->nd", u[:, None] ** np.arange(4), curve[i]), dtype=np.float64)
 
 
-def closest(trajectory: Trajectory, points: FloatArray) -> list[Approach]:
+def find_approaches(trajectory: Trajectory, points: FloatArray) -> list[Approach]:
     """Return the closest approach to each of ``points``, world frame, m, (n, 3)."""
     distances, times = closest_approach(trajectory, points)
-    places = positions(trajectory, times)
+    places = interpolate_positions(trajectory, times)
     return [Approach(float(d), float(t), p) for d, t, p in zip(distances, times, places, strict=True)]
 
 
@@ -44,29 +44,31 @@ class Pose:
     quaternion: FloatArray
 
 
-def pose(trajectory: Trajectory, t: float) -> Pose:
+def interpolate_pose(trajectory: Trajectory, t: float) -> Pose:
     """Return the pose at time ``t`` (s); the attitude is the nearest sample's: it is shown, not measured."""
     nearest = int(np.argmin(np.abs(trajectory.t - t)))
-    return Pose(positions(trajectory, np.array([t]))[0], trajectory.quaternion[nearest])
+    return Pose(interpolate_positions(trajectory, np.array([t]))[0], trajectory.quaternion[nearest])
 
 
-def attitudes(flight: Trajectory, t: FloatArray) -> FloatArray:
+def interpolate_attitudes(trajectory: Trajectory, t: FloatArray) -> FloatArray:
     """Return the quaternions at times ``t`` (s, (n,)), on the cubic turn between samples, (n, 4)."""
-    return _turned(flight, t)[0]
+    return interpolate_turns(trajectory, t)[0]
 
 
-def _turned(flight: Trajectory, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+def interpolate_turns(trajectory: Trajectory, t: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Quaternions (n, 4) and angular velocities in the body frame (rad/s, (n, 3)) at times ``t``.
 
     Between two samples the rotation vector that leads on from the first is the cubic that has the angular velocities
     of both. A rotation vector a that changes with a' turns at J(a) a', J being the right Jacobian of the rotations
     (Chirikjian, Stochastic Models, Information Theory, and Lie Groups, volume 2, 2012).
     """
-    if len(flight.t) == 1:
-        return np.repeat(flight.quaternion, len(t), axis=0), np.repeat(flight.velocity[:, 3:], len(t), axis=0)
-    i, step, u = _stretches(flight, t)
-    first, omega = flight.quaternion[i], flight.velocity[:, 3:]
-    gap = _product(first * [1, -1, -1, -1], flight.quaternion[i + 1])
+    if len(trajectory.t) == 1:
+        return np.repeat(trajectory.quaternion, len(t), axis=0), np.repeat(
+            trajectory.velocity[:, 3:], len(t), axis=0
+        )
+    i, step, u = locate_stretches(trajectory, t)
+    first, omega = trajectory.quaternion[i], trajectory.velocity[:, 3:]
+    gap = _multiply(first * [1, -1, -1, -1], trajectory.quaternion[i + 1])
     # q and -q are one attitude: the nearer one is meant.
     gap = np.where(gap[:, :1] < 0, -gap, gap)
     sine = np.linalg.norm(gap[:, 1:], axis=1, keepdims=True)
@@ -85,18 +87,20 @@ def _turned(flight: Trajectory, t: FloatArray) -> tuple[FloatArray, FloatArray]:
     across = np.cross(vector, slope)
     spin = slope - (1 - np.cos(angle)) / angle**2 * across
     spin = spin + (angle - np.sin(angle)) / angle**3 * np.cross(vector, across)
-    return _product(first, quaternion_from_rotation_vector(vector)), spin
+    return _multiply(first, quaternion_from_rotation_vector(vector)), spin
 
 
-def _product(p: FloatArray, q: FloatArray) -> FloatArray:
+def _multiply(p: FloatArray, q: FloatArray) -> FloatArray:
     """The quaternions p q, (n, 4)."""
     scalar = p[:, :1] * q[:, :1] - np.einsum("ki,ki->k", p[:, 1:], q[:, 1:])[:, None]
     vector = p[:, :1] * q[:, 1:] + q[:, :1] * p[:, 1:] + np.cross(p[:, 1:], q[:, 1:])
     return np.concatenate([scalar, vector], axis=1)
 
 
-def _stretches(flight: Trajectory, t: FloatArray) -> tuple[npt.NDArray[np.intp], FloatArray, FloatArray]:
+def locate_stretches(
+    trajectory: Trajectory, t: FloatArray
+) -> tuple[npt.NDArray[np.intp], FloatArray, FloatArray]:
     """The stretch between two samples that each time lies in (n,), how long that takes (s), and the share, (n, 1)."""
-    i = np.clip(np.searchsorted(flight.t, t, side="right") - 1, 0, len(flight.t) - 2)
-    step = (flight.t[i + 1] - flight.t[i])[:, None]
-    return i, step, (t - flight.t[i])[:, None] / step
+    i = np.clip(np.searchsorted(trajectory.t, t, side="right") - 1, 0, len(trajectory.t) - 2)
+    step = (trajectory.t[i + 1] - trajectory.t[i])[:, None]
+    return i, step, (t - trajectory.t[i])[:, None] / step

@@ -5,7 +5,7 @@ import numpy.typing as npt
 
 from driftform.dynamics.cubic import Cubic, _distance, at, cubic_between, foot
 from driftform.dynamics.rotations import rotation_from_quaternion
-from driftform.dynamics.vectors import Vector, minus, plus, times, to_world
+from driftform.dynamics.vectors import Vector, add, scale, subtract, to_world
 from driftform.types import FloatArray, Trajectory
 from driftform.util.compiled import compiled
 
@@ -52,7 +52,7 @@ def closest_approach(trajectory: Trajectory, points: FloatArray) -> tuple[FloatA
 
 
 @compiled
-def spaced(t: FloatArray, gap: float) -> npt.NDArray[np.int64]:
+def select_spaced(t: FloatArray, gap: float) -> npt.NDArray[np.int64]:
     """Return indices of times (k,) that are at least ``gap`` apart, among them the first and the last."""
     kept, count = np.zeros(t.shape[0], dtype=np.int64), 1
     for index in range(1, t.shape[0]):
@@ -126,8 +126,8 @@ def _gone(t: FloatArray, position: FloatArray, velocity: FloatArray) -> FloatArr
     for i in range(t.shape[0] - 1):
         third = (t[i + 1] - t[i]) / 3
         p, q = _row(position, i), _row(position, i + 1)
-        a = plus(p, times(third, _row(velocity, i)))
-        b = minus(q, times(third, _row(velocity, i + 1)))
+        a = add(p, scale(third, _row(velocity, i)))
+        b = subtract(q, scale(third, _row(velocity, i + 1)))
         gone[i + 1] = gone[i] + _distance(p, a) + _distance(a, b) + _distance(b, q)
     return gone
 

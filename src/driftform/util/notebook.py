@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 
 
-def picture(svg: str, told: str) -> str:
+def show_picture(svg: str, told: str) -> str:
     """Return a picture as HTML, with ``told`` for those who do not see it.
 
     As an image of its own: the identifiers of drawings side by side on one page would get mixed up.
@@ -14,7 +14,7 @@ def picture(svg: str, told: str) -> str:
     return f'<img src="data:image/svg+xml;base64,{data}" alt="{escape(told)}" style="max-width:100%; background:white">'
 
 
-def table(header: Sequence[str], rows: Iterable[Sequence[str]], title: str = "") -> str:
+def show_table(header: Sequence[str], rows: Iterable[Sequence[str]], title: str = "") -> str:
     """Return a table as HTML, under a title; what stands in the cells is text."""
     caption = f"<caption>{escape(title)}</caption>" if title else ""
     head = "".join(f"<th>{escape(cell)}</th>" for cell in header)

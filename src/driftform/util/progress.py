@@ -11,12 +11,12 @@ T = TypeVar("T")
 REFRESH = 4.0
 """Frames a second of what is shown on a terminal."""
 
-PATIENCE = 2.0
+FIRST_LINE_S = 2.0
 """Seconds that work may take before it says how far it is."""
 
 
 @contextmanager
-def counter(what: str) -> Iterator[Callable[[int, int], None]]:
+def count_progress(what: str) -> Iterator[Callable[[int, int], None]]:
     """Show on stderr how many of ``what`` are done: a bar on a terminal, a line for each tenth elsewhere.
 
     Yields a function that takes the number of those that are done, and of all.
@@ -39,8 +39,8 @@ def _tell_tenths(done: int, total: int, what: str) -> None:
         print(f"{done}/{total} {what}", file=sys.stderr, flush=True)
 
 
-def watched(items: Iterable[T], total: int, what: str, patience: float = PATIENCE) -> Iterator[T]:
-    """Yield ``items``; where going through them takes longer than ``patience`` (s), show it as :func:`counter` does.
+def track_progress(items: Iterable[T], total: int, what: str, patience: float = FIRST_LINE_S) -> Iterator[T]:
+    """Yield ``items``; where going through them takes longer than ``patience`` (s), show it as :func:`count_progress` does.
 
     The first does not count: with it, kernels may be compiled.
     """
@@ -51,6 +51,6 @@ def watched(items: Iterable[T], total: int, what: str, patience: float = PATIENC
             if done == 1:
                 began = time.monotonic()
             if tell is None and time.monotonic() - began > patience:
-                tell = shown.enter_context(counter(what))
+                tell = shown.enter_context(count_progress(what))
             if tell is not None:
                 tell(done, max(done, total))

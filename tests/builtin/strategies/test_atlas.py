@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from driftform.builtin.strategies.atlas import AtlasOptions, AtlasStrategy, favour
-from driftform.builtin.strategies.breeding import bred
+from driftform.builtin.strategies.breeding import breed
 from driftform.errors import InputError
 from driftform.interfaces import SearchSpace
 from driftform.options import Table
@@ -14,7 +14,7 @@ from driftform.scenario import Pipe, Scenario, Segment
 from driftform.study import load_study
 from driftform.testing import StrategyContract
 from driftform.testing.letters import LENGTH, LetterGrammar
-from driftform.trajectory.coverage import Cells, Reach
+from driftform.trajectory.coverage import CoverageMap, PipeGrid
 from driftform.types import End, Evaluation, Genome, Trajectory
 
 GRAMMAR = LetterGrammar(Table())
@@ -110,13 +110,13 @@ def test_a_child_that_would_equal_a_parent_has_one_symbol_flipped():
     rng = np.random.default_rng(0)
     parent = GRAMMAR.random(rng)
     for _ in range(50):
-        child = bred(GRAMMAR, parent, parent, rng, crossover=0.5, mutation_rate=0.0)[0]
+        child = breed(GRAMMAR, parent, parent, rng, crossover=0.5, mutation_rate=0.0)[0]
         assert sum(a != b for a, b in zip(child.symbols, parent.symbols, strict=True)) == 1
 
 
 def test_a_genome_without_symbols_is_bred_as_it_is():
     empty = Genome("none", ())
-    assert bred(GRAMMAR, empty, empty, np.random.default_rng(0), crossover=0, mutation_rate=0.5) == (
+    assert breed(GRAMMAR, empty, empty, np.random.default_rng(0), crossover=0, mutation_rate=0.5) == (
         empty,
         False,
     )
@@ -168,12 +168,12 @@ def test_no_more_genomes_are_remembered_than_there_are_cells():
         candidates = strategy.ask(100)
         strategy.tell(first, [Evaluation(c.genome, np.zeros(1), rising(c.genome)) for c in candidates])
         first += len(candidates)
-    assert len(strategy._elites) <= Cells.of(SCENARIO, 1.0).count == 18
+    assert len(strategy._elites) <= PipeGrid.of(SCENARIO, 1.0).count == 18
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_it_lights_more_of_the_pipe_than_as_many_random_genomes_do(seed):
-    reach, first = Reach(Cells.of(SCENARIO)), 0
+    reach, first = CoverageMap(PipeGrid.of(SCENARIO)), 0
     strategy = AtlasStrategy(AtlasOptions(random=50, batch=25), space(seed))
     while first < 600:
         candidates = strategy.ask(600 - first)
@@ -184,7 +184,7 @@ def test_it_lights_more_of_the_pipe_than_as_many_random_genomes_do(seed):
             first, [Evaluation(c.genome, np.zeros(1), f) for c, f in zip(candidates, flights, strict=True)]
         )
         first += len(candidates)
-    rng, by_chance = np.random.default_rng(seed), Reach(Cells.of(SCENARIO))
+    rng, by_chance = np.random.default_rng(seed), CoverageMap(PipeGrid.of(SCENARIO))
     for index in range(600):
         by_chance.add(index, rising(GRAMMAR.random(rng)))
     assert np.count_nonzero(reach.reached) > 1.1 * np.count_nonzero(by_chance.reached)
@@ -197,4 +197,4 @@ def test_open_water_is_refused_in_one_line():
 
 def test_a_study_gives_its_strategy_the_scenario():
     study = load_study(use={"strategy": "atlas"}, run={"seed": 0})
-    assert study.strategy().space.scenario is study.scenario
+    assert study.make_strategy().space.scenario is study.scenario

@@ -217,16 +217,16 @@ def test_memory_is_bounded(monkeypatch: pytest.MonkeyPatch):
 def test_a_change_is_undone_by_its_way_back(text, place, letter):
     genome = GRAMMAR.parse(text)
     change = Change(place, genome.symbols[place], letter)
-    changed = change.applied(genome)
+    changed = change.apply(genome)
     assert changed is not None
     assert changed.symbols[place] == letter
-    assert change.undone().applied(changed) == genome
+    assert change.undo().apply(changed) == genome
 
 
 def test_a_change_is_not_made_where_another_symbol_stands():
     genome = GRAMMAR.parse("abcabcabcabc")
-    assert Change(0, "b", "c").applied(genome) is None
-    assert Change(LENGTH, "a", "b").applied(genome) is None
+    assert Change(0, "b", "c").apply(genome) is None
+    assert Change(LENGTH, "a", "b").apply(genome) is None
 
 
 @given(st.floats(0, 12))

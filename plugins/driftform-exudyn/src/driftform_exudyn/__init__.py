@@ -11,18 +11,18 @@ if TYPE_CHECKING:
 @hookimpl
 def driftform_simulator() -> "type[Simulator[Any]]":
     """Flights integrated by Exudyn, which is looked for here and imported where a flight begins."""
-    from driftform.registry import require
+    from driftform.registry import require_module
     from driftform_exudyn.simulator import ExudynSimulator
 
-    require("exudyn")
+    require_module("exudyn")
     return ExudynSimulator
 
 
 @hookimpl
 def driftform_renderer() -> "type[Renderer[Any]]":
     """Films and stills by Exudyn's ray tracer."""
-    from driftform.registry import require
+    from driftform.registry import require_module
     from driftform_exudyn.film import ExudynRenderer
 
-    require("exudyn")
+    require_module("exudyn")
     return ExudynRenderer

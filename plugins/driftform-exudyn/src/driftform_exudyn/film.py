@@ -65,7 +65,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
     def film(
         self,
         agent: Agent,
-        flight: Trajectory,
+        trajectory: Trajectory,
         scenario: Scenario,
         path: Path,
         progress: Callable[[int, int], None],
@@ -76,8 +76,8 @@ class ExudynRenderer(Renderer[FilmOptions]):
 
         self.check(path)
         size, fps = self._size, self.options.fps
-        t = even_times(float(flight.t[-1]), self.options.speed / fps)
-        scene = Scene(agent, flight, scenario, t, self._letters)
+        t = even_times(float(trajectory.t[-1]), self.options.speed / fps)
+        scene = Scene(agent, trajectory, scenario, t, self._letters)
 
         def images(frames: Iterable[int]) -> "Iterator[Image]":
             yield from map(self._camera(scene), frames)
@@ -95,7 +95,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
         return WrittenFile(self.name, str(path), {"frames": len(t), "seconds": len(t) / fps, "size_px": size})
 
     def still(
-        self, agent: Agent, flight: Trajectory, scenario: Scenario, path: Path, at: float
+        self, agent: Agent, trajectory: Trajectory, scenario: Scenario, path: Path, at: float
     ) -> WrittenFile:
         """Make the still: from the side it has the agent at equal intervals too. Facts: ``t``, ``size_px``."""
         from driftform.figures.png import png_bytes
@@ -103,9 +103,11 @@ class ExudynRenderer(Renderer[FilmOptions]):
         from driftform_exudyn.scene import Scene
 
         self.check_still(path)
-        t = np.union1d(even_times(float(flight.t[-1]), STEP), at)
+        t = np.union1d(even_times(float(trajectory.t[-1]), STEP), at)
         moment = int(np.searchsorted(t, at))
-        picture = png_bytes(self._camera(Scene(agent, flight, scenario, t, self._letters, moment))(moment))
+        picture = png_bytes(
+            self._camera(Scene(agent, trajectory, scenario, t, self._letters, moment))(moment)
+        )
         _save(path, lambda part: part.write_bytes(picture))
         return WrittenFile(self.name, str(path), {"t": at, "size_px": self._size})
 

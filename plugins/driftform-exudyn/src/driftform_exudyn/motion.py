@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from driftform.dynamics.rotations import matrix_from_quaternion
-from driftform.trajectory.interpolation import attitudes, positions
+from driftform.trajectory.interpolation import interpolate_attitudes, interpolate_positions
 from driftform.types import FloatArray, Trajectory
 
 
@@ -15,7 +15,7 @@ class Pose:
     rotation: FloatArray
 
 
-def poses(flight: Trajectory, t: FloatArray) -> list[Pose]:
+def poses(trajectory: Trajectory, t: FloatArray) -> list[Pose]:
     """Return the poses at times ``t`` (s, (n,)): on the cubic path that fitness measures, and on the cubic turn."""
-    rotations = matrix_from_quaternion(attitudes(flight, t))
-    return [Pose(*pose) for pose in zip(positions(flight, t), rotations, strict=True)]
+    rotations = matrix_from_quaternion(interpolate_attitudes(trajectory, t))
+    return [Pose(*pose) for pose in zip(interpolate_positions(trajectory, t), rotations, strict=True)]

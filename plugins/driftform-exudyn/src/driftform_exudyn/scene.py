@@ -7,7 +7,7 @@ import numpy as np
 
 from driftform.figures.style import INK, VERMILLION
 from driftform.scenario import Scenario
-from driftform.trajectory.interpolation import positions
+from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform_exudyn.motion import Pose, poses
 from driftform_exudyn.shapes import Shape, ball, text
@@ -60,7 +60,7 @@ class Scene:
         """Points along the path of the core's centre, ``PER_FRAME`` for each frame, world, m, (k, 3)."""
         frames = np.arange(len(self.t))
         between = np.linspace(0, len(self.t) - 1, PER_FRAME * (len(self.t) - 1) + 1)
-        return positions(self.flight, np.interp(between, frames, self.t))
+        return interpolate_positions(self.flight, np.interp(between, frames, self.t))
 
     def flown(self, frame: int) -> FloatArray:
         """The path up to a frame, or all of it where that is a still, (k, 3)."""

@@ -57,7 +57,7 @@ class ExudynSimulator(Simulator[ExudynOptions]):
     def simulate(self, agent: Agent, scenario: Scenario) -> Trajectory:
         """Return the flight; it ends at the outlet, the horizon, or where it is no longer finite."""
         from driftform.dynamics.coordinates import motion_of
-        from driftform.dynamics.flight import finished_flight, release_state
+        from driftform.dynamics.flight import finish_trajectory, release_state
         from driftform.dynamics.integrator import Accuracy, greatest_distance, integrate
         from driftform.dynamics.model import flight_model
         from driftform_exudyn.integration import integrated, settings_for
@@ -76,4 +76,4 @@ class ExudynSimulator(Simulator[ExudynOptions]):
             tolerance, share = TIGHTENING * tolerance, TIGHTENING * share
             equal_steps = options.integrator != "DOPRI5"
             if error <= options.accuracy or equal_steps or tolerance < options.tightest:
-                return finished_flight(samples, model, horizon, options.step_limit, error, options.accuracy)
+                return finish_trajectory(samples, model, horizon, options.step_limit, error, options.accuracy)

@@ -1,8 +1,8 @@
-"""Specimen -> the OpenSCAD source that goes with its parts."""
+"""ExportJob -> the OpenSCAD source that goes with its parts."""
 
 from collections.abc import Sequence
 
-from driftform.interfaces import Specimen
+from driftform.interfaces import ExportJob
 from driftform_frusta.parametric import hull_source
 from driftform_frusta.parts import Part
 from driftform_frusta.plate import GAP
@@ -54,10 +54,10 @@ for (p = parts)
 """
 
 
-def source_of(specimen: Specimen, parts: Sequence[Part], segments: int) -> str:
+def source_of(job: ExportJob, parts: Sequence[Part], segments: int) -> str:
     """Return source that renders to the sealed hull, or to the parts of a kit side by side as they are printed."""
     if len(parts) == 1:
-        return hull_source(specimen.agent, segments, specimen.name)
+        return hull_source(job.agent, segments, job.name)
     modules = {part.name: part.name.replace(" ", "_") for part in parts}
     rows = []
     x = 0.0
@@ -69,7 +69,7 @@ def source_of(specimen: Specimen, parts: Sequence[Part], segments: int) -> str:
         rows.append(f'    ["{part.name}", {low[2]:.6f}, {high[2] - low[2]:.6f}, {turned}, {x:.3f}],')
         x += radius + GAP
     return _KIT.format(
-        title=" ".join(specimen.name.split()),
+        title=" ".join(job.name.split()),
         count=len(parts),
         names=", ".join(modules),
         definitions=definitions([part.tree for part in parts], segments),

@@ -10,7 +10,7 @@ from driftform.scenario import Scenario
 from driftform.types import Agent, Trajectory
 
 if TYPE_CHECKING:
-    from driftform.dynamics.integrator import Integrated
+    from driftform.dynamics.integrator import IntegrationResult
     from driftform.dynamics.model import FlightModel
 
 
@@ -61,7 +61,7 @@ class NativeSimulator(Simulator[NativeOptions]):
             flown = list(pool.map(self._flown, agents, scenarios))
         return [self._finished(*flight) for flight in flown]
 
-    def _flown(self, agent: Agent, scenario: Scenario) -> "tuple[FlightModel, Scenario, Integrated]":
+    def _flown(self, agent: Agent, scenario: Scenario) -> "tuple[FlightModel, Scenario, IntegrationResult]":
         # Compiled: here, and not above, or whoever asks for the names of plugins would load a compiler.
         from driftform.dynamics.flight import release_state
         from driftform.dynamics.integrator import Accuracy, integrate
@@ -75,10 +75,10 @@ class NativeSimulator(Simulator[NativeOptions]):
         start = release_state(model, scenario)
         return model, scenario, integrate(model, start, scenario.flight.horizon, accuracy)
 
-    def _finished(self, model: "FlightModel", scenario: Scenario, flown: "Integrated") -> Trajectory:
-        from driftform.dynamics.flight import finished_flight
+    def _finished(self, model: "FlightModel", scenario: Scenario, flown: "IntegrationResult") -> Trajectory:
+        from driftform.dynamics.flight import finish_trajectory
 
-        return finished_flight(
+        return finish_trajectory(
             flown.samples,
             model,
             scenario.flight.horizon,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from driftform.types import FloatArray, frozen
+from driftform.types import FloatArray, freeze
 
 SMOOTH = np.deg2rad(5)
 """Turn of a contour at a joint up to which it may be a curve that was drawn with short edges, rad."""
@@ -51,9 +51,9 @@ class Panels:
 
     def __post_init__(self) -> None:
         n = len(self.lengths)
-        object.__setattr__(self, "x", frozen(self.x, (n, 4), "Panels.x"))
-        object.__setattr__(self, "r", frozen(self.r, (n, 4), "Panels.r"))
-        object.__setattr__(self, "lengths", frozen(self.lengths, (n,), "Panels.lengths"))
+        object.__setattr__(self, "x", freeze(self.x, (n, 4), "Panels.x"))
+        object.__setattr__(self, "r", freeze(self.r, (n, 4), "Panels.r"))
+        object.__setattr__(self, "lengths", freeze(self.lengths, (n,), "Panels.lengths"))
 
     def thinnest_wall(self) -> float:
         """Return the least distance between panels that are back to back, relative to their length; infinite for none.

@@ -89,7 +89,7 @@ class MeshChecker(Checker[MeshOptions]):
         if not all(one.sound for one in studied):
             return Finding("mass", State.SKIPPED, "what is no solid has no volume")
         volume = sum(one.volume for one in studied)
-        density = None if job.specimen is None else job.specimen.agent.body.hull_density
+        density = None if job.export is None else job.export.agent.body.hull_density
         amount = f"{volume / 1000:.4f} cm3"
         if density is not None:
             amount += f", {volume / MM3_PER_M3 * density * 1000:.3f} g at {density:g} kg/m3"
@@ -102,7 +102,7 @@ class MeshChecker(Checker[MeshOptions]):
             return Finding("mass", State.PASS, told)
         if abs(difference) <= self.options.coarse:
             return Finding("mass", State.WARN, f"{told}: a coarse mesh? export it with more segments")
-        if len(studied) > 1 and difference > 0 and job.specimen is not None and _is_whole(job):
+        if len(studied) > 1 and difference > 0 and job.export is not None and _is_whole(job):
             return Finding(
                 "mass", State.WARN, f"{told}, in {len(studied)} parts: of a kit? check it with --kit"
             )
@@ -121,7 +121,7 @@ class MeshChecker(Checker[MeshOptions]):
         ways = stands(one.part.vertices, as_solid(one.shells), hollow)
         best, now = best_stand(ways, bed), ways[0]
         # The files of an agent in one piece stand on its aft end.
-        upright = job.specimen is not None and count == 1
+        upright = job.export is not None and count == 1
         words = {"as it stands": "fore end up", "upside down": "fore end down"} if upright else {}
         shown = [
             way for way in ways if way is not ways[-1] or not np.isclose(way.overhang, ways[-2].overhang)
@@ -217,8 +217,8 @@ def _shells(studied: Sequence[Studied], job: PrintJob) -> Finding:
     faults = [_turned(one.shells) for one in studied]
     if told := _among(studied, faults):
         return Finding("shells", State.FAIL, told)
-    if job.specimen is not None and len(studied) == 1 and _is_whole(job):
-        expected = 1 + bool(len(job.specimen.agent.body.cavity))
+    if job.export is not None and len(studied) == 1 and _is_whole(job):
+        expected = 1 + bool(len(job.export.agent.body.cavity))
         count = len(studied[0].shells)
         if count != expected:
             return Finding(
@@ -235,8 +235,8 @@ def _shells(studied: Sequence[Studied], job: PrintJob) -> Finding:
 
 def _is_whole(job: PrintJob) -> bool:
     """Tell whether the files are of the agent's hull in one piece, and not of a kit."""
-    assert job.specimen is not None
-    return job.volume is not None and bool(np.isclose(job.volume, hull_volume(job.specimen.agent.body)))
+    assert job.export is not None
+    return job.volume is not None and bool(np.isclose(job.volume, hull_volume(job.export.agent.body)))
 
 
 def _turned(shells: Sequence[Shell]) -> str:

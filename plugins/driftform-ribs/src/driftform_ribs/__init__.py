@@ -11,8 +11,8 @@ if TYPE_CHECKING:
 @hookimpl
 def driftform_strategy() -> "type[Strategy[Any]]":
     """MAP-Elites with an archive of pyribs, which is looked for here and imported where a search begins."""
-    from driftform.registry import require
+    from driftform.registry import require_module
     from driftform_ribs.strategy import RibsStrategy
 
-    require("ribs")
+    require_module("ribs")
     return RibsStrategy

@@ -7,7 +7,7 @@ import numpy.typing as npt
 from ribs.archives import ArchiveBase
 from ribs.emitters import EmitterBase
 
-from driftform.builtin.strategies.breeding import bred
+from driftform.builtin.strategies.breeding import breed
 from driftform.interfaces import Grammar
 from driftform.types import Genome
 
@@ -60,7 +60,7 @@ class SymbolEmitter(EmitterBase):
         genomes, evaluations = elites["solution"], elites["evaluation"]
         self.parents, offspring = [], []
         for i, j in self._rng.integers(len(genomes), size=(self._batch, 2)):
-            child, crossed = bred(
+            child, crossed = breed(
                 self._grammar,
                 genomes[i],
                 genomes[j],

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from driftform.interfaces import SearchSpace, Strategy
 from driftform.options import Table, option
-from driftform.trajectory.coverage import Cells
+from driftform.trajectory.coverage import PipeGrid
 from driftform.types import Candidate, Evaluation, FloatArray, Trajectory
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ class RibsStrategy(Strategy[RibsOptions]):
         from driftform_ribs.emitter import SymbolEmitter
 
         super().__init__(options, space)
-        self._cells = Cells.of(space.scenario)
+        self._cells = PipeGrid.of(space.scenario)
         length, height = self._cells.size[:2] * self._cells.shape
         self._stations = length * np.array(options.stations)
         self._archive = archive_of(options, float(height / 2), int(space.rng.integers(2**31)))
@@ -138,13 +138,13 @@ def archive_of(options: RibsOptions, radius: float, seed: int) -> "ArchiveBase":
         return CVTArchive(centroids=options.cells, samples=max(_SAMPLES, 10 * options.cells), **common)
 
 
-def heights(cells: Cells, flight: Trajectory, stations: FloatArray) -> FloatArray:
+def heights(cells: PipeGrid, trajectory: Trajectory, stations: FloatArray) -> FloatArray:
     """Return the height above the axis (m) at which a flight first passes each station (m along the pipe), (stations,).
 
     It is interpolated between samples along straight lines. Where a flight ends before a station, the height of its
     end stands for that at the station.
     """
-    along, up = cells.to_map(flight.position)[:, :2].T
+    along, up = cells.to_map(trajectory.position)[:, :2].T
     found = np.empty(len(stations))
     for i, station in enumerate(stations):
         beyond = int(np.argmax(along >= station))

@@ -30,8 +30,8 @@ def driftform_fitness() -> "type[Fitness[Any]]":
 @hookimpl
 def driftform_recorder() -> "list[type[Recorder[Any]]]":
     """Flights for Foxglove and RViz; what writes them is looked for here and imported where one is written."""
-    from driftform.registry import require
+    from driftform.registry import require_module
     from driftform_robotics.recording.recorders import McapRecorder, Rosbag2Recorder
 
-    require("rosbags")
+    require_module("rosbags")
     return [McapRecorder, Rosbag2Recorder]

@@ -65,11 +65,11 @@ class Leak(Fitness[LeakOptions]):
         self, trajectory: Trajectory, scenario: Scenario
     ) -> tuple[FloatArray, list[tuple["Plume", FloatArray]]]:
         """Times of the readings, s, and for each leak its plume and what is read of it, kg/m3."""
-        from driftform.trajectory.resampling import resampled
+        from driftform.trajectory.resampling import resample
         from driftform_robotics.plume import plume_of
         from driftform_robotics.sensors import places
 
-        flight = resampled(trajectory, 1 / self.options.interval)
+        flight = resample(trajectory, 1 / self.options.interval)
         where = places(flight, np.array(self.options.sensor))
         plumes = [
             plume_of(scenario, point, self.options.rate, self.options.diffusivity)

@@ -14,9 +14,11 @@ from driftform_robotics.atmosphere import ATMOSPHERE
 from driftform_robotics.models.pipe import bore_of
 
 
-def places(flight: Trajectory, point: FloatArray) -> FloatArray:
+def places(trajectory: Trajectory, point: FloatArray) -> FloatArray:
     """Return where a point of the body is at each sample, world frame, m, (k, 3)."""
-    return np.asarray(flight.position + matrix_from_quaternion(flight.quaternion) @ point, dtype=np.float64)
+    return np.asarray(
+        trajectory.position + matrix_from_quaternion(trajectory.quaternion) @ point, dtype=np.float64
+    )
 
 
 def surface_height(scenario: Scenario) -> float:
@@ -47,15 +49,15 @@ def pressure(heights: FloatArray, surface: float, fluid: Fluid, atmosphere: floa
 
 
 def specific_force(
-    flight: Trajectory, accelerations: FloatArray, point: FloatArray, gravity: float
+    trajectory: Trajectory, accelerations: FloatArray, point: FloatArray, gravity: float
 ) -> FloatArray:
     """Return what an accelerometer at a point of the body reads, R^T (a - g), in body axes, m/s2, (k, 3).
 
     At rest it reads g upward, and in free fall nothing. ``accelerations`` (k, 6) are those of the equations of motion
     (:func:`driftform.trajectory.forces.accelerations_along`), carried over to the point with the body's turning.
     """
-    up = matrix_from_quaternion(flight.quaternion)[:, 2]
-    return np.asarray(acceleration_at(flight, accelerations, point) + gravity * up, dtype=np.float64)
+    up = matrix_from_quaternion(trajectory.quaternion)[:, 2]
+    return np.asarray(acceleration_at(trajectory, accelerations, point) + gravity * up, dtype=np.float64)
 
 
 def wall_distance(points: FloatArray, pipe: Pipe) -> FloatArray:
@@ -64,7 +66,7 @@ def wall_distance(points: FloatArray, pipe: Pipe) -> FloatArray:
     return np.asarray(pipe.segments[0].radius - np.linalg.norm(across, axis=1), dtype=np.float64)
 
 
-def clearance(flight: Trajectory, body: Body, pipe: Pipe) -> FloatArray:
+def clearance(trajectory: Trajectory, body: Body, pipe: Pipe) -> FloatArray:
     """Return the smallest distance of the hull from the wall at each sample, m, (k,), negative where it presses in.
 
     The bore is convex, so that one of the rims that :func:`driftform.dynamics.model.touching_rims` finds is nearest.
@@ -72,9 +74,9 @@ def clearance(flight: Trajectory, body: Body, pipe: Pipe) -> FloatArray:
     sought by Newton's method from the farthest of sixteen of its points.
     """
     across = _across(pipe)
-    R = matrix_from_quaternion(flight.quaternion)
+    R = matrix_from_quaternion(trajectory.quaternion)
     x, r = touching_rims(body).T
-    c = ((flight.position - pipe.segments[0].start) @ across)[:, None] + x[:, None] * (
+    c = ((trajectory.position - pipe.segments[0].start) @ across)[:, None] + x[:, None] * (
         R[:, None, :, 0] @ across
     )
     p, q = (r[:, None] * (R[:, None, :, i] @ across) for i in (1, 2))

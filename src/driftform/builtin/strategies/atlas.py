@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from driftform.builtin.strategies.breeding import bred
+from driftform.builtin.strategies.breeding import breed
 from driftform.interfaces import SearchSpace, Strategy
 from driftform.options import Table, option
-from driftform.trajectory.coverage import Cells, IntArray, Reach
+from driftform.trajectory.coverage import CoverageMap, IntArray, PipeGrid
 from driftform.types import Candidate, Evaluation, FloatArray, Genome
 
 
@@ -50,7 +50,7 @@ class AtlasStrategy(Strategy[AtlasOptions]):
 
     def __init__(self, options: AtlasOptions, space: SearchSpace) -> None:
         super().__init__(options, space)
-        self._reach = Reach(Cells.of(space.scenario, options.cell))
+        self._reach = CoverageMap(PipeGrid.of(space.scenario, options.cell))
         # One for each cell, and no more: what is no elite any more is forgotten.
         self._elites: dict[int, Genome] = {}
         self._told = 0
@@ -82,7 +82,7 @@ class AtlasStrategy(Strategy[AtlasOptions]):
     def _offspring(self, a: int, b: int) -> Candidate:
         """Breed the agent of cell ``a``, with that of ``b`` where it comes to a crossover."""
         options = self.options
-        child, crossed = bred(
+        child, crossed = breed(
             self.space.grammar,
             self._elites[a],
             self._elites[b],

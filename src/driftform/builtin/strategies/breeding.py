@@ -8,7 +8,7 @@ from driftform.interfaces import Grammar
 from driftform.types import Genome
 
 
-def bred(
+def breed(
     grammar: Grammar[Any],
     one: Genome,
     other: Genome,

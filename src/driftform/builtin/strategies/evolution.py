@@ -60,11 +60,11 @@ class Change(NamedTuple):
     old: str
     new: str
 
-    def undone(self) -> "Change":
+    def undo(self) -> "Change":
         """The way back."""
         return Change(self.place, self.new, self.old)
 
-    def applied(self, genome: Genome) -> Genome | None:
+    def apply(self, genome: Genome) -> Genome | None:
         """Return the genome with the change made, ``None`` where it has another symbol there."""
         symbols = genome.symbols
         if self.place >= len(symbols) or symbols[self.place] != self.old:
@@ -126,7 +126,7 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         self._families.clear()
         self._small = None
         if any(self._elites):
-            batch = [self._child(number) for number in self._worked_for()]
+            batch = [self._child(number) for number in self._choose_target()]
         else:
             batch = [self._random() for _ in range(self.options.random)]
         self._asked = batch[:limit]
@@ -153,14 +153,14 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
             if parent and parent.early and asked.change:
                 x, y, z = (after - before for after, before in zip(early, parent.early, strict=True))
                 self._moved[asked.change] = x, y, z
-                self._moved[asked.change.undone()] = -x, -y, -z
+                self._moved[asked.change.undo()] = -x, -y, -z
         for elites, fitness in zip(self._elites, evaluation.fitness.tolist(), strict=True):
             if fitness > (elites[-1][0] if len(elites) == self.options.elites else 0):
                 elites.append((fitness, flown))
                 elites.sort(key=lambda elite: -elite[0])
                 del elites[self.options.elites :]
 
-    def _worked_for(self) -> list[int]:
+    def _choose_target(self) -> list[int]:
         """Draw the targets that the next batch works for."""
         errors = np.array([100 - elites[0][0] if elites else 100.0 for elites in self._elites])
         weights = errors**self.options.pressure
@@ -174,11 +174,11 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
             return self._random()
         # The best every other time, the next one every fourth, and so on.
         _, elite = elites[min(int(rng.geometric(0.5)), len(elites)) - 1]
-        ways = (self._explored, self._aimed)
+        ways = (self._explore, self._aim)
         first, second = ways if rng.random() < self.options.explore else ways[::-1]
         return first(elite, target) or second(elite, target) or self._random()
 
-    def _explored(self, elite: _Flown, target: str) -> _Asked | None:
+    def _explore(self, elite: _Flown, target: str) -> _Asked | None:
         """An elite with a change that was never tried, ``None`` where such are hard to find."""
         rng, parent = self.space.rng, elite.genome
         for place in rng.integers(max(1, len(parent.symbols)), size=DRAWS).tolist():
@@ -190,12 +190,12 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
                 return _Asked(self._candidate(genome, target, elite), body, elite, change)
         return None
 
-    def _aimed(self, elite: _Flown, target: str) -> _Asked | None:
+    def _aim(self, elite: _Flown, target: str) -> _Asked | None:
         """A member of the family and a change that should come nearest to the elite's early path, if there are any."""
         if elite.index not in self._guesses:
             self._guesses[elite.index] = self._nearest(elite)
         for parent, change in self._guesses[elite.index]:
-            genome = change.applied(parent.genome)
+            genome = change.apply(parent.genome)
             if genome is not None and (body := self._new_body(genome)) is not None:
                 return _Asked(self._candidate(genome, target, parent), body, parent, change)
         return None
@@ -272,16 +272,18 @@ def _change(parent: Genome, child: Genome, place: int) -> Change | None:
     if len(parent.symbols) != len(child.symbols):
         return None
     change = Change(place, parent.symbols[place], child.symbols[place])
-    return change if change.applied(parent) == child else None
+    return change if change.apply(parent) == child else None
 
 
-def place_at(flight: Trajectory, time: float) -> Place:
+def place_at(trajectory: Trajectory, time: float) -> Place:
     """Return the position at a time (s), m; the last one after the end."""
-    after = min(int(np.searchsorted(flight.t, time)), len(flight.t) - 1)
+    after = min(int(np.searchsorted(trajectory.t, time)), len(trajectory.t) - 1)
     before = max(after - 1, 0)
-    gap = flight.t[after] - flight.t[before]
-    share = min(1.0, (time - flight.t[before]) / gap) if gap > 0 else 1.0
-    x, y, z = (flight.position[before] + share * (flight.position[after] - flight.position[before])).tolist()
+    gap = trajectory.t[after] - trajectory.t[before]
+    share = min(1.0, (time - trajectory.t[before]) / gap) if gap > 0 else 1.0
+    x, y, z = (
+        trajectory.position[before] + share * (trajectory.position[after] - trajectory.position[before])
+    ).tolist()
     return x, y, z
 
 

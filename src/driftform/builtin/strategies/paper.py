@@ -85,10 +85,10 @@ class PaperStrategy(Strategy[PaperOptions]):
                 genomes = grammar.crossover(*genomes, rng)
                 lineage = [(a.index, b.index)] * 2
             for genome, of in zip(genomes, lineage, strict=True):
-                offspring.append(Candidate(self._mutated(genome), of, self._generation, target))
+                offspring.append(Candidate(self._mutate(genome), of, self._generation, target))
         return offspring[:size]
 
-    def _mutated(self, genome: Genome) -> Genome:
+    def _mutate(self, genome: Genome) -> Genome:
         rng, grammar, rate = self.space.rng, self.space.grammar, self.options.mutation_rate
         if self.options.mutation == "per_symbol":
             return grammar.mutate(genome, rng, rate)

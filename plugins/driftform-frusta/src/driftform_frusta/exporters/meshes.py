@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
-from driftform.interfaces import Exporter, Specimen
+from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table
 from driftform.types import FloatArray, WrittenFile
 from driftform_frusta.exporters.common import facts_of_all, facts_of_part, path_of_part, save
@@ -22,7 +22,7 @@ class PartFiles(Exporter[PartOptions]):
     def encode(self, mesh: Mesh) -> bytes:
         """Return a mesh in mm as a file."""
 
-    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
         """Write the meshes, checked after rounding to the single precision that files have.
 
         Facts: those of every solid (``volume_mm3`` and ``mass_kg``, ``size_mm``, ``shells``), its ``triangles``,
@@ -36,7 +36,7 @@ class PartFiles(Exporter[PartOptions]):
         from driftform_frusta.kit.accounting import kit_facts
         from driftform_frusta.parts import parts_of
 
-        body = specimen.agent.body
+        body = job.agent.body
         parts = parts_of(body, self.options)
         # All are made before the first is written: what cannot be printed leaves no files.
         meshes = [mesh_of(part.on_bed(), part.name) for part in parts]
@@ -45,7 +45,7 @@ class PartFiles(Exporter[PartOptions]):
             target = path_of_part(path, part, parts)
             save(target, self.encode(mesh))
             facts = facts_of_part(part, body) | {"triangles": len(mesh.triangles), "watertight": True}
-            facts |= kit_facts(specimen, self.options)
+            facts |= kit_facts(job, self.options)
             written.append(WrittenFile(self.name, str(target), facts))
         return tuple(written)
 
@@ -60,7 +60,7 @@ class JoinedFile(Exporter[PartOptions]):
     def encode(self, title: str, meshes: Mapping[str, Mesh]) -> bytes | str:
         """Return meshes by the names of their parts as a file."""
 
-    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
         """Write the file; facts as those of ``stl``, or their sums and the ``parts``.
 
         Raises
@@ -71,14 +71,14 @@ class JoinedFile(Exporter[PartOptions]):
         from driftform_frusta.kit.accounting import kit_facts
         from driftform_frusta.parts import parts_of
 
-        body = specimen.agent.body
+        body = job.agent.body
         parts = parts_of(body, self.options)
         meshes = {part.name: mesh_of(part.solid, part.name, self.frame) for part in parts}
-        save(path, self.encode(specimen.name, meshes))
+        save(path, self.encode(job.name, meshes))
         triangles = sum(len(mesh.triangles) for mesh in meshes.values())
         facts: dict[str, Any] = {"triangles": triangles, "watertight": True}
         return (
             WrittenFile(
-                self.name, str(path), facts_of_all(parts, body) | facts | kit_facts(specimen, self.options)
+                self.name, str(path), facts_of_all(parts, body) | facts | kit_facts(job, self.options)
             ),
         )

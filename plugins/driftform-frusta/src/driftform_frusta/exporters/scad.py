@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import ClassVar
 
-from driftform.interfaces import Exporter, Specimen
+from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table
 from driftform.types import WrittenFile
 from driftform_frusta.exporters.common import facts_of_all, save
@@ -17,7 +17,7 @@ class ScadExporter(Exporter[PartOptions]):
     suffix = ".scad"
     Options: ClassVar[type[Table]] = PartOptions
 
-    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
         """Write the source.
 
         Facts of what it renders to: ``volume_mm3``, ``mass_kg``, ``size_mm``, ``shells``; or their sums and the
@@ -32,7 +32,7 @@ class ScadExporter(Exporter[PartOptions]):
         from driftform_frusta.parts import parts_of
         from driftform_frusta.source import source_of
 
-        parts = parts_of(specimen.agent.body, self.options)
-        save(path, source_of(specimen, parts, self.options.segments))
-        facts = facts_of_all(parts, specimen.agent.body) | kit_facts(specimen, self.options)
+        parts = parts_of(job.agent.body, self.options)
+        save(path, source_of(job, parts, self.options.segments))
+        facts = facts_of_all(parts, job.agent.body) | kit_facts(job, self.options)
         return (WrittenFile(self.name, str(path), facts),)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from driftform.errors import WorkFailedError
-from driftform.interfaces import Exporter, Specimen
+from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table
 from driftform.types import WrittenFile
 from driftform_frusta.colours import channels, colour_of
@@ -32,7 +32,7 @@ class StepExporter(Exporter[PartOptions]):
     suffix = ".step"
     Options: ClassVar[type[Table]] = PartOptions
 
-    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
         """Write the solids.
 
         Facts: ``volume_mm3``, ``mass_kg``, ``shells``, ``size_mm`` or ``parts``, and the number of ``faces``.
@@ -48,7 +48,7 @@ class StepExporter(Exporter[PartOptions]):
         from driftform_frusta.printable import MM3_PER_M3
 
         require_opencascade()
-        body = specimen.agent.body
+        body = job.agent.body
         parts = parts_of(body, self.options)
         shapes = [to_brep(part.tree) for part in parts]
         for part, shape in zip(parts, shapes, strict=True):
@@ -57,7 +57,7 @@ class StepExporter(Exporter[PartOptions]):
                 raise WorkFailedError(
                     f"the exact solid of the {part.name} has {exact:.3f} mm3, its mesh {meshed:.3f} mm3"
                 )
-        save(path, step_text(specimen.name, parts, shapes))
+        save(path, step_text(job.name, parts, shapes))
         volume = sum(volume_of(shape) for shape in shapes)
         facts = facts_of_all(parts, body) | {
             "volume_mm3": volume,
@@ -66,7 +66,7 @@ class StepExporter(Exporter[PartOptions]):
         }
         if len(shapes) == 1:
             facts["size_mm"] = _size(shapes[0])
-        facts |= kit_facts(specimen, self.options)
+        facts |= kit_facts(job, self.options)
         return (WrittenFile(self.name, str(path), facts),)
 
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from driftform.interfaces import Exporter, Specimen
+from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table
 from driftform.types import WrittenFile
 from driftform_frusta.exporters.common import save
@@ -14,7 +14,7 @@ class SvgExporter(Exporter[Table]):
     name = "svg"
     suffix = ".svg"
 
-    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
         """Write the drawing; it tells no facts that are not in it.
 
         Raises
@@ -24,5 +24,5 @@ class SvgExporter(Exporter[Table]):
         """
         from driftform.figures.section import section_svg
 
-        save(path, section_svg(specimen.agent, specimen.name, specimen.scenario))
+        save(path, section_svg(job.agent, job.name, job.scenario))
         return (WrittenFile(self.name, str(path)),)

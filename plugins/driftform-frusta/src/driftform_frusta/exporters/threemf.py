@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from driftform.figures.png import png_bytes
-from driftform.interfaces import Exporter, Specimen
+from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table, option
 from driftform.types import WrittenFile
 from driftform_frusta.colours import colour_of
@@ -63,7 +63,7 @@ class ThreeMfExporter(Exporter[ThreeMfOptions]):
     suffix = ".3mf"
     Options: ClassVar[type[Table]] = ThreeMfOptions
 
-    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
         """Write the plates.
 
         Facts: as those of ``obj``, the number of ``triangles``, and whether all parts of a plate ``fit_bed``.
@@ -77,26 +77,26 @@ class ThreeMfExporter(Exporter[ThreeMfOptions]):
         from driftform_frusta.source import source_of
         from driftform_frusta.threemf import package_bytes
 
-        parts = parts_of(specimen.agent.body, self.options)
+        parts = parts_of(job.agent.body, self.options)
         placed = self._placed(parts)
         plates = 1 + max(p.plate for p in placed)
-        attachments = {"agent.scad": source_of(specimen, parts, self.options.segments)}
-        if specimen.document:
-            attachments["agent.json"] = json.dumps(dict(specimen.document), indent=1) + "\n"
+        attachments = {"agent.scad": source_of(job, parts, self.options.segments)}
+        if job.document:
+            attachments["agent.json"] = json.dumps(dict(job.document), indent=1) + "\n"
         written = []
         for number in range(plates):
             here = [p for p in placed if p.plate == number]
-            title = specimen.name if plates == 1 else f"{specimen.name}, plate {number + 1} of {plates}"
+            title = job.name if plates == 1 else f"{job.name}, plate {number + 1} of {plates}"
             target = path if plates == 1 else path.with_name(f"{path.stem}-plate-{number + 1}{path.suffix}")
-            save(target, package_bytes(self._package(title, specimen, here, attachments)))
-            written.append(WrittenFile(self.name, str(target), self._facts(specimen, here)))
+            save(target, package_bytes(self._package(title, job, here, attachments)))
+            written.append(WrittenFile(self.name, str(target), self._facts(job, here)))
         return tuple(written)
 
-    def plate_picture(self, specimen: Specimen, width: int = 400, height: int = 300) -> bytes:
+    def plate_picture(self, job: ExportJob, width: int = 400, height: int = 300) -> bytes:
         """Return the picture of the first plate, a PNG file."""
         from driftform_frusta.parts import parts_of
 
-        placed = self._placed(parts_of(specimen.agent.body, self.options))
+        placed = self._placed(parts_of(job.agent.body, self.options))
         return self._picture([p for p in placed if p.plate == 0], width, height)
 
     def _placed(self, parts: "Sequence[Part]") -> list[_Placed]:
@@ -125,11 +125,11 @@ class ThreeMfExporter(Exporter[ThreeMfOptions]):
         return _MM * x, _MM * y, _MM * z
 
     def _package(
-        self, title: str, specimen: Specimen, placed: Sequence[_Placed], attachments: dict[str, str]
+        self, title: str, job: ExportJob, placed: Sequence[_Placed], attachments: dict[str, str]
     ) -> "Package":
         from driftform_frusta.threemf import Item, Package
 
-        o, body, mass = self.options, specimen.agent.body, specimen.agent.mass
+        o, body, mass = self.options, job.agent.body, job.agent.mass
         width, depth, _ = self._bed
         grams = {p.part.name: 1e-6 * p.part.solid.volume * body.hull_density for p in placed}
         weights = ", ".join(f"{name} {weight:.2f} g" for name, weight in grams.items())
@@ -151,11 +151,11 @@ class ThreeMfExporter(Exporter[ThreeMfOptions]):
     def _picture(self, placed: Sequence[_Placed], width: int = 320, height: int = 240) -> bytes:
         return png_bytes(draw([p.shape() for p in placed], self._bed[:2], width, height))
 
-    def _facts(self, specimen: Specimen, placed: Sequence[_Placed]) -> dict[str, Any]:
+    def _facts(self, job: ExportJob, placed: Sequence[_Placed]) -> dict[str, Any]:
         from driftform_frusta.kit.accounting import kit_facts
 
-        facts = facts_of_all([p.part for p in placed], specimen.agent.body)
+        facts = facts_of_all([p.part for p in placed], job.agent.body)
         facts["triangles"] = sum(len(p.mesh.triangles) for p in placed)
         sizes = [np.ptp(p.mesh.vertices, axis=0).tolist() for p in placed]
         facts["fits_bed"] = all(fits((x, y, z), self._bed) for x, y, z in sizes)
-        return facts | kit_facts(specimen, self.options)
+        return facts | kit_facts(job, self.options)

@@ -8,8 +8,8 @@ import numpy as np
 from manifold3d import Manifold
 
 from driftform.geometry import mass_properties, solid_of_revolution
-from driftform.geometry.mass import assembled
-from driftform.interfaces import Specimen
+from driftform.geometry.mass import assemble
+from driftform.interfaces import ExportJob
 from driftform.types import Body, FloatArray, MassProperties
 from driftform_frusta.kit.engraving import Engraving
 from driftform_frusta.kit.meridian import MM, moments
@@ -42,7 +42,7 @@ def kit_mass(body: Body, options: KitOptions) -> MassProperties:
     """
     kit = kit_of(body, options)
     printed = sum((moments(p.rings) for p in kit.pieces[1:]), moments(kit.pieces[0].rings))
-    whole = assembled(printed, solid_of_revolution(body.outer), body.hull_density, body.core)
+    whole = assemble(printed, solid_of_revolution(body.outer), body.hull_density, body.core)
     texts = [removed(piece.engraved) for piece in kit.pieces if piece.engraved is not None]
     outside = options.engrave_side == "outside"
     for text in texts:
@@ -88,8 +88,8 @@ def _square(at: FloatArray) -> FloatArray:
     return square
 
 
-def kit_facts(specimen: Specimen, options: KitOptions) -> dict[str, Any]:
-    """Return what is worth telling of a specimen's kit, under the key ``kit``; nothing where none is asked for.
+def kit_facts(job: ExportJob, options: KitOptions) -> dict[str, Any]:
+    """Return what is worth telling of a job's kit, under the key ``kit``; nothing where none is asked for.
 
     ``joint``: its ``kind``, where it cuts (``x_mm``), and ``why``. ``parts``: of each its ``name``, ``mass_kg``,
     ``height_mm`` and ``bed_end``. ``balance``: mass (kg), x of the centres of gravity and of buoyancy (mm) and net
@@ -98,7 +98,7 @@ def kit_facts(specimen: Specimen, options: KitOptions) -> dict[str, Any]:
     """
     if not options.kit:
         return {}
-    body, fluid = specimen.agent.body, specimen.scenario.fluid
+    body, fluid = job.agent.body, job.scenario.fluid
     kit = kit_of(body, options)
     first = kit.core_joint.joint
     told: dict[str, Any] = {

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from driftform.dynamics.inertia import shifted
+from driftform.dynamics.inertia import shift_origin
 from driftform.scenario import Fluid
 from driftform.types import Agent, FloatArray
 
@@ -13,7 +13,7 @@ SLOWEST = 0.05
 def linear_damping(agent: Agent) -> FloatArray:
     """Return D_1 about the centre of gravity, (6, 6); it is the same damping."""
     coefficients = agent.coefficients
-    return shifted(coefficients.linear_damping, agent.mass.cog - coefficients.origin)
+    return shift_origin(coefficients.linear_damping, agent.mass.cog - coefficients.origin)
 
 
 def reference_speed(agent: Agent, fluid: Fluid) -> float:

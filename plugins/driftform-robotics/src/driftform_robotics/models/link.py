@@ -1,11 +1,11 @@
-"""Specimen -> the one link that all formats write: everything about the centre of gravity, along the body's axes."""
+"""ExportJob -> the one link that all formats write: everything about the centre of gravity, along the body's axes."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from driftform.dynamics.inertia import added_mass_at, largest_added_mass_ratio
-from driftform.interfaces import Specimen
+from driftform.interfaces import ExportJob
 from driftform.options import Table, option
 from driftform.scenario import Scenario, UniformFlow
 from driftform.types import Body, FloatArray
@@ -79,11 +79,11 @@ class Link:
         return np.concatenate((self.rotation @ along[:3], self.rotation @ along[3:]))
 
 
-def link_of(specimen: Specimen, drag_speed: float | None = None) -> Link:
-    """Return the link of a specimen, at its release."""
+def link_of(job: ExportJob, drag_speed: float | None = None) -> Link:
+    """Return the link of a job, at its release."""
     from driftform.dynamics.rotations import matrix_from_quaternion
 
-    agent, scenario = specimen.agent, specimen.scenario
+    agent, scenario = job.agent, job.scenario
     mass = agent.mass
     speed = drag_speed or reference_speed(agent, scenario.fluid)
     quaternion = scenario.release_quaternion()

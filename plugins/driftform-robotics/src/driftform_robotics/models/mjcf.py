@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from driftform.interfaces import Exporter, Specimen
+from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table, option
 from driftform.scenario import Scenario
 from driftform.types import FloatArray, WrittenFile
@@ -49,7 +49,7 @@ class MjcfExporter(Exporter[MjcfOptions]):
     suffix = "-mjcf"
     Options: ClassVar[type[Table]] = MjcfOptions
 
-    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
         """Write ``scene.xml`` with the pipe, ``agent.xml``, which it includes, and meshes.
 
         Facts: as those of ``sdf``.
@@ -59,22 +59,22 @@ class MjcfExporter(Exporter[MjcfOptions]):
         WorkFailedError
             where the body has no solid, or the files cannot be written.
         """
-        body, scenario, title = specimen.agent.body, specimen.scenario, identifier(specimen.name)
+        body, scenario, title = job.agent.body, job.scenario, identifier(job.name)
         pieces = pieces_of(body)
-        link = link_of(specimen, self.options.drag_speed)
+        link = link_of(job, self.options.drag_speed)
         ellipsoid = ellipsoid_of(link, scenario.fluid.density)
-        beware = _beware(specimen, link, ellipsoid)
-        agent = _agent(title, specimen, link, pieces, ellipsoid, self.options.step, beware)
+        beware = _beware(job, link, ellipsoid)
+        agent = _agent(title, job, link, pieces, ellipsoid, self.options.step, beware)
         files = {
             "scene.xml": document(_scene(title, scenario)),
             "agent.xml": document(agent),
-            **hull_files(body, specimen.agent.mass.cog, pieces),
+            **hull_files(body, job.agent.mass.cog, pieces),
         }
         return save(self.name, path, files, facts_of(link, beware))
 
 
-def _beware(specimen: Specimen, link: Link, ellipsoid: Ellipsoid) -> list[str]:
-    scenario = specimen.scenario
+def _beware(job: ExportJob, link: Link, ellipsoid: Ellipsoid) -> list[str]:
+    scenario = job.scenario
     surge, sway = link.added_mass[0, 0] / link.mass, link.added_mass[1, 1] / link.mass
     turning = ellipsoid.turning(scenario.fluid.density)
     about = float(link.added_mass[4, 4] - link.added_mass[1, 5] ** 2 / link.added_mass[1, 1])
@@ -83,7 +83,7 @@ def _beware(specimen: Specimen, link: Link, ellipsoid: Ellipsoid) -> list[str]:
         f"{1 + surge:.3g} times as fast along its axis, and {1 + sway:.3g} times across.",
         f"The ellipsoid has the agent's added mass along and across; in pitch {turning:.3g} kg m2, "
         f"the agent {about:.3g}.",
-        *lost_by_folding(specimen.agent.body),
+        *lost_by_folding(job.agent.body),
         *lost_by_a_uniform_current(scenario),
         *lost_by_damping(link),
     ]
@@ -96,14 +96,14 @@ def _beware(specimen: Specimen, link: Link, ellipsoid: Ellipsoid) -> list[str]:
 
 def _agent(
     title: str,
-    specimen: Specimen,
+    job: ExportJob,
     link: Link,
     pieces: list[Piece],
     ellipsoid: Ellipsoid,
     step: float,
     beware: list[str],
 ) -> ET.Element:
-    scenario, cog = specimen.scenario, specimen.agent.mass.cog
+    scenario, cog = job.scenario, job.agent.mass.cog
     fluid = scenario.fluid
     root = ET.Element("mujoco", model=title)
     note(root, ["The body's origin is the centre of gravity; x is the axis, forward; z is up.", *beware])

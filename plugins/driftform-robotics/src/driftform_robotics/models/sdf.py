@@ -13,7 +13,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from driftform.geometry.slices import slices
-from driftform.interfaces import Exporter, Specimen
+from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table, option
 from driftform.scenario import UniformFlow
 from driftform.types import FloatArray, WrittenFile
@@ -92,7 +92,7 @@ class SdfExporter(Exporter[SdfOptions]):
     suffix = "-sdf"
     Options: ClassVar[type[Table]] = SdfOptions
 
-    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
         """Write ``world.sdf``, ``model.sdf`` with its ``model.config``, and meshes.
 
         There is ``push.sh`` too for an agent that is released with a speed, and in a current ``drift.sdf``: the
@@ -106,27 +106,27 @@ class SdfExporter(Exporter[SdfOptions]):
         WorkFailedError
             where the body has no solid, or the files cannot be written.
         """
-        body, scenario = specimen.agent.body, specimen.scenario
-        gazebo, title = _GAZEBO[self.options.gazebo], identifier(specimen.name)
+        body, scenario = job.agent.body, job.scenario
+        gazebo, title = _GAZEBO[self.options.gazebo], identifier(job.name)
         pieces = pieces_of(body)
-        link = link_of(specimen, self.options.drag_speed)
-        beware = _beware(specimen, link, pieces, gazebo, PUSH)
+        link = link_of(job, self.options.drag_speed)
+        beware = _beware(job, link, pieces, gazebo, PUSH)
 
         alone = ET.Element("sdf", version=gazebo.sdf)
-        _add_model(alone, title, specimen, link, pieces, gazebo, beware)
+        _add_model(alone, title, job, link, pieces, gazebo, beware)
         pipes = [bore_of(segment).mesh() for segment in scenario.pipe.segments]
         step = self.options.step
         files = {
-            "world.sdf": document(_world(specimen, link, pieces, gazebo, step, beware)),
+            "world.sdf": document(_world(job, link, pieces, gazebo, step, beware)),
             "model.sdf": document(alone),
-            "model.config": document(_config(title, specimen.name, gazebo)),
-            **hull_files(body, specimen.agent.mass.cog, pieces),
+            "model.config": document(_config(title, job.name, gazebo)),
+            **hull_files(body, job.agent.mass.cog, pieces),
             **({PIPE: obj_text(pipes[0])} if pipes else {}),
         }
         if link.velocity.any():
             files[PUSH] = _push(title, link, gazebo, step)
         if scenario.current().any():
-            drifting = _seen_from_the_water(specimen)
+            drifting = _seen_from_the_water(job)
             adrift = link_of(drifting, self.options.drag_speed)
             told = lost_by_a_uniform_current(scenario) + _beware(drifting, adrift, pieces, gazebo, PUSH_DRIFT)
             world = _world(drifting, adrift, pieces, gazebo, step, told, -scenario.current())
@@ -136,21 +136,21 @@ class SdfExporter(Exporter[SdfOptions]):
         return save(self.name, path, files, facts_of(link, beware))
 
 
-def _seen_from_the_water(specimen: Specimen) -> Specimen:
+def _seen_from_the_water(job: ExportJob) -> ExportJob:
     """The same in the frame of the water, where the pipe moves and the current does not: motion is the same there."""
-    scenario = specimen.scenario
-    released = link_of(specimen).velocity - scenario.current()
+    scenario = job.scenario
+    released = link_of(job).velocity - scenario.current()
     x, y, z = released.tolist()
     calm = {
         "flow": UniformFlow(speed=0.0),
         "release": scenario.release.model_copy(update={"velocity": (x, y, z)}),
     }
-    return replace(specimen, scenario=scenario.model_copy(update=calm))
+    return replace(job, scenario=scenario.model_copy(update=calm))
 
 
-def _beware(specimen: Specimen, link: Link, pieces: list[Piece], gazebo: _Gazebo, push: str) -> list[str]:
-    scenario = specimen.scenario
-    found = lost_by_folding(specimen.agent.body) + lost_by_a_uniform_current(scenario) + lost_by_damping(link)
+def _beware(job: ExportJob, link: Link, pieces: list[Piece], gazebo: _Gazebo, push: str) -> list[str]:
+    scenario = job.scenario
+    found = lost_by_folding(job.agent.body) + lost_by_a_uniform_current(scenario) + lost_by_damping(link)
     solid = sum(piece.volume for piece in pieces)
     if abs(solid - link.volume) > 1e-6 * link.volume:
         found.append(
@@ -189,7 +189,7 @@ def _plugin(parent: ET.Element, gazebo: _Gazebo, system: str, name: str) -> ET.E
 
 
 def _world(
-    specimen: Specimen,
+    job: ExportJob,
     link: Link,
     pieces: list[Piece],
     gazebo: _Gazebo,
@@ -198,7 +198,7 @@ def _world(
     passing: FloatArray | None = None,
 ) -> ET.Element:
     """A world; ``passing`` is the velocity (m/s) with which the pipe moves past the water, none where it stands."""
-    scenario = specimen.scenario
+    scenario = job.scenario
     fluid = scenario.fluid
     root = ET.Element("sdf", version=gazebo.sdf)
     world = add(root, "world", name=WORLD)
@@ -210,7 +210,7 @@ def _world(
     _plugin(world, gazebo, "user-commands", "UserCommands")
     _plugin(world, gazebo, "scene-broadcaster", "SceneBroadcaster")
     _plugin(world, gazebo, "apply-link-wrench", "ApplyLinkWrench")
-    title = identifier(specimen.name)
+    title = identifier(job.name)
     buoyancy = _plugin(world, gazebo, "buoyancy", "Buoyancy")
     if fluid.water_level is None:
         add(buoyancy, "uniform_fluid_density", number(fluid.density))
@@ -232,7 +232,7 @@ def _world(
         fix(around)
     else:
         _move(around, passing, gazebo)
-    _add_model(world, title, specimen, link, pieces, gazebo, beware, pose(link.position, link.rotation))
+    _add_model(world, title, job, link, pieces, gazebo, beware, pose(link.position, link.rotation))
     return root
 
 
@@ -256,14 +256,14 @@ def _move(models: list[ET.Element | None], velocity: FloatArray, gazebo: _Gazebo
 def _add_model(
     parent: ET.Element,
     title: str,
-    specimen: Specimen,
+    job: ExportJob,
     link: Link,
     pieces: list[Piece],
     gazebo: _Gazebo,
     beware: list[str],
     place: str = "",
 ) -> None:
-    scenario, cog = specimen.scenario, specimen.agent.mass.cog
+    scenario, cog = job.scenario, job.agent.mass.cog
     model = add(parent, "model", name=title)
     note(model, ["The origin is the centre of gravity; x is the axis, forward; z is up.", *beware])
     if place:
@@ -292,16 +292,16 @@ def _add_model(
         add_mesh(collision, piece_path(index))
         add_friction(collision, scenario.contact.friction)
     if scenario.fluid.water_level is not None:
-        _add_spheres(element, specimen)
+        _add_spheres(element, job)
     # After the link, because a frame may be attached only to what is known.
     core = add(model, "frame", name="core", attached_to=LINK)
     add(core, "pose", pose(link.core))
-    _add_hydrodynamics(model, specimen, link, gazebo)
+    _add_hydrodynamics(model, job, link, gazebo)
 
 
-def _add_spheres(element: ET.Element, specimen: Specimen) -> None:
+def _add_spheres(element: ET.Element, job: ExportJob) -> None:
     """At a free surface Gazebo takes no mesh for buoyancy, and turns no shape but a sphere with the body."""
-    body, cog = specimen.agent.body, specimen.agent.mass.cog
+    body, cog = job.agent.body, job.agent.mass.cog
     count = int(np.clip(round(1.5 * body.length / body.max_diameter), 4, _MOST_SPHERES))
     note(
         element, ["Buoyancy at a free surface: spheres of the volume of slices, which nothing collides with."]
@@ -313,11 +313,11 @@ def _add_spheres(element: ET.Element, specimen: Specimen) -> None:
         add(add(add(collision, "surface"), "contact"), "collide_bitmask", "0")
 
 
-def _add_hydrodynamics(model: ET.Element, specimen: Specimen, link: Link, gazebo: _Gazebo) -> None:
+def _add_hydrodynamics(model: ET.Element, job: ExportJob, link: Link, gazebo: _Gazebo) -> None:
     plugin = _plugin(model, gazebo, "hydrodynamics", "Hydrodynamics")
     add(plugin, "link_name", LINK)
     note(plugin, ["The current, world frame, m/s."])
-    add(plugin, "default_current", numbers(specimen.scenario.current()))
+    add(plugin, "default_current", numbers(job.scenario.current()))
     lines = {
         f"{_FORCES[i]}{_RATES[j]}": -link.linear_damping[i, j] for i, j in _entries(link.linear_damping)
     } | {

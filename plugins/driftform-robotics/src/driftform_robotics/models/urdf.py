@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from driftform.interfaces import Exporter, Specimen
+from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table, option
 from driftform.types import FloatArray, WrittenFile
 from driftform_robotics.models.folder import HULL, facts_of, hull_files, piece_path, pieces_of, save
@@ -40,7 +40,7 @@ class UrdfExporter(Exporter[UrdfOptions]):
     suffix = "-urdf"
     Options: ClassVar[type[Table]] = UrdfOptions
 
-    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
         """Write ``agent.urdf``, ``package.xml`` and ``CMakeLists.txt``, and meshes.
 
         Facts: as those of ``sdf``.
@@ -50,16 +50,16 @@ class UrdfExporter(Exporter[UrdfOptions]):
         WorkFailedError
             where the body has no solid, or the files cannot be written.
         """
-        body, title = specimen.agent.body, identifier(specimen.name)
-        pieces, link = pieces_of(body), link_of(specimen)
+        body, title = job.agent.body, identifier(job.name)
+        pieces, link = pieces_of(body), link_of(job)
         files = {
-            "agent.urdf": document(self._robot(title, specimen, link, pieces)),
-            **package_files(title, specimen.name),
-            **hull_files(body, specimen.agent.mass.cog, pieces),
+            "agent.urdf": document(self._robot(title, job, link, pieces)),
+            **package_files(title, job.name),
+            **hull_files(body, job.agent.mass.cog, pieces),
         }
         return save(self.name, path, files, facts_of(link, lost_by_folding(body)))
 
-    def _robot(self, title: str, specimen: Specimen, link: Link, pieces: list[Piece]) -> ET.Element:
+    def _robot(self, title: str, job: ExportJob, link: Link, pieces: list[Piece]) -> ET.Element:
         root = ET.Element("robot", name=title)
         note(
             root,
@@ -83,7 +83,7 @@ class UrdfExporter(Exporter[UrdfOptions]):
             joint = add(root, "joint", name="floating", type="floating")
             add(joint, "parent", link="world")
             add(joint, "child", link="base_link")
-        add_link(root, "base_link", link, pieces, specimen.agent.mass.cog, f"package://{title}")
+        add_link(root, "base_link", link, pieces, job.agent.mass.cog, f"package://{title}")
         return root
 
 

@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from driftform.interfaces import Exporter, Specimen
+from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table, option
 from driftform.scenario import Scenario
 from driftform.types import Body, FloatArray, WrittenFile
@@ -64,7 +64,7 @@ class UuvExporter(Exporter[UuvOptions]):
     suffix = "-uuv"
     Options: ClassVar[type[Table]] = UuvOptions
 
-    def write(self, specimen: Specimen, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
         """Write ``urdf/agent.xacro``, ``worlds/pipe.world``, ``launch/start.launch`` and ``release.launch``, and what
         makes them a package.
 
@@ -75,26 +75,26 @@ class UuvExporter(Exporter[UuvOptions]):
         WorkFailedError
             where the body has no solid, or the files cannot be written.
         """
-        body, scenario, title = specimen.agent.body, specimen.scenario, identifier(specimen.name)
+        body, scenario, title = job.agent.body, job.scenario, identifier(job.name)
         pieces = pieces_of(body)
-        link = link_of(specimen, self.options.drag_speed)
+        link = link_of(job, self.options.drag_speed)
         level = scenario.fluid.water_level
         offset = np.array([0.0, 0.0, -self.options.depth if level is None else -level])
-        beware = _beware(specimen, link, offset)
+        beware = _beware(job, link, offset)
         files = {
             "launch/start.launch": document(_start(title, link, offset)),
             "launch/release.launch": document(_release(title, link, offset)),
-            "urdf/agent.xacro": document(_robot(title, specimen, link, pieces, beware)),
+            "urdf/agent.xacro": document(_robot(title, job, link, pieces, beware)),
             "worlds/pipe.world": document(_world(scenario, offset, self.options.step, beware)),
-            **package_files(title, specimen.name, _DEPENDS),
-            **hull_files(body, specimen.agent.mass.cog, pieces),
+            **package_files(title, job.name, _DEPENDS),
+            **hull_files(body, job.agent.mass.cog, pieces),
         }
         return save(self.name, path, files, facts_of(link, beware))
 
 
-def _beware(specimen: Specimen, link: Link, offset: FloatArray) -> list[str]:
-    scenario = specimen.scenario
-    found = lagged(link, SMOOTHING) + lost_by_folding(specimen.agent.body)
+def _beware(job: ExportJob, link: Link, offset: FloatArray) -> list[str]:
+    scenario = job.scenario
+    found = lagged(link, SMOOTHING) + lost_by_folding(job.agent.body)
     found += lost_by_a_uniform_current(scenario) + lost_by_damping(link)
     top = max((max(s.start[2], s.end[2]) + s.radius for s in scenario.pipe.segments), default=-np.inf)
     if scenario.fluid.water_level is None and top + offset[2] >= 0:
@@ -111,14 +111,14 @@ def _off_diagonal(matrix: FloatArray) -> bool:
     return bool(np.abs(apart).max() > 1e-12 * np.abs(matrix).max())
 
 
-def _robot(title: str, specimen: Specimen, link: Link, pieces: list[Piece], beware: list[str]) -> ET.Element:
-    scenario = specimen.scenario
+def _robot(title: str, job: ExportJob, link: Link, pieces: list[Piece], beware: list[str]) -> ET.Element:
+    scenario = job.scenario
     name = "$(arg namespace)/base_link"
     root = ET.Element("robot", {"name": title, "xmlns:xacro": "http://www.ros.org/wiki/xacro"})
     note(root, ["The origin is the centre of gravity; x is the axis, forward; z is up.", *beware])
     add(root, "xacro:arg", name="debug", default="0")
     add(root, "xacro:arg", name="namespace", default=title)
-    add_link(root, name, link, pieces, specimen.agent.mass.cog, f"file://$(find {title})")
+    add_link(root, name, link, pieces, job.agent.mass.cog, f"file://$(find {title})")
     surface = add(root, "gazebo", reference=name)
     for tag in ("mu1", "mu2"):
         add(surface, tag, number(scenario.contact.friction))
@@ -128,7 +128,7 @@ def _robot(title: str, specimen: Specimen, link: Link, pieces: list[Piece], bewa
     add(plugin, "fluid_density", number(scenario.fluid.density))
     add(plugin, "flow_velocity_topic", "hydrodynamics/current_velocity")
     add(plugin, "debug", "$(arg debug)")
-    _add_hydrodynamics(add(plugin, "link", name=name), link, specimen.agent.body)
+    _add_hydrodynamics(add(plugin, "link", name=name), link, job.agent.body)
     truth = add(add(root, "gazebo"), "plugin", name="pose_gt", filename="libgazebo_ros_p3d.so")
     add(truth, "robotNamespace", "$(arg namespace)")
     add(truth, "bodyName", name)

@@ -4,7 +4,7 @@ import json
 import shutil
 from pathlib import Path
 
-from driftform.interfaces import Recorder, Specimen
+from driftform.interfaces import ExportJob, Recorder
 from driftform.types import Trajectory, WrittenFile
 from driftform.util.files import write_folder, write_whole
 from driftform_robotics.recording.options import FlightOptions, Rosbag2Options, Storage
@@ -21,7 +21,7 @@ class McapRecorder(Recorder[FlightOptions]):
     suffix = ".mcap"
     Options = FlightOptions
 
-    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         """Write the file."""
         facts: dict[str, object] = {}
 
@@ -30,7 +30,7 @@ class McapRecorder(Recorder[FlightOptions]):
             scratch = part.with_name(f"{part.name}.bag")
             bag = scratch / path.stem
             try:
-                facts.update(_write(bag, specimen, flight, self.options, "mcap"))
+                facts.update(_write(bag, job, trajectory, self.options, "mcap"))
                 (bag / f"{bag.name}.mcap").replace(part)
             finally:
                 shutil.rmtree(scratch, ignore_errors=True)
@@ -49,12 +49,12 @@ class Rosbag2Recorder(Recorder[Rosbag2Options]):
     suffix = "-rosbag2"
     Options = Rosbag2Options
 
-    def write(self, specimen: Specimen, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         """Write the folder."""
         with write_folder(path) as part:
             # The writer makes a folder of its own, and names the file with the messages after it.
             bag = part / path.name
-            facts = _write(bag, specimen, flight, self.options, self.options.storage)
+            facts = _write(bag, job, trajectory, self.options, self.options.storage)
             for file in bag.iterdir():
                 file.replace(part / file.name)
             bag.rmdir()
@@ -66,16 +66,16 @@ class Rosbag2Recorder(Recorder[Rosbag2Options]):
 
 
 def _write(
-    folder: Path, specimen: Specimen, flight: Trajectory, options: FlightOptions, storage: Storage
+    folder: Path, job: ExportJob, trajectory: Trajectory, options: FlightOptions, storage: Storage
 ) -> dict[str, object]:
     from driftform_robotics.recording.bag import write_bag
     from driftform_robotics.recording.topics import FlightTopics
 
-    found = FlightTopics(specimen, flight, options)
-    notes = {"agent": specimen.name, "end": str(flight.end), "document": json.dumps(specimen.document)}
+    found = FlightTopics(job, trajectory, options)
+    notes = {"agent": job.name, "end": str(trajectory.end), "document": json.dumps(job.document)}
     counts = write_bag(folder, found.topics(), found.ros, storage, notes)
     return {
         "messages": sum(counts.values()),
-        "duration": float(flight.t[-1]),
+        "duration": float(trajectory.t[-1]),
         "topics": counts,
     }

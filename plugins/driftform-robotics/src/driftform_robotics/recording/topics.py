@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from driftform.dynamics.rotations import quaternion_from_rotation_vector
-from driftform.interfaces import Specimen
+from driftform.interfaces import ExportJob
 from driftform.trajectory.forces import accelerations_along, net_wrench
 from driftform.types import FloatArray, Trajectory
 from driftform_robotics import sensors
@@ -44,10 +44,10 @@ class Topic:
 class FlightTopics:
     """All topics of one flight."""
 
-    def __init__(self, specimen: Specimen, flight: Trajectory, options: FlightOptions) -> None:
-        self.specimen, self.flight, self.options = specimen, flight, options
+    def __init__(self, job: ExportJob, trajectory: Trajectory, options: FlightOptions) -> None:
+        self.job, self.flight, self.options = job, trajectory, options
         self.ros = Messages(options.release)
-        self.stamps = [round(options.start * SECOND) + round(float(t) * SECOND) for t in flight.t]
+        self.stamps = [round(options.start * SECOND) + round(float(t) * SECOND) for t in trajectory.t]
         self.base = f"{options.namespace}/base_link"
 
     def topics(self) -> list[Topic]:
@@ -63,7 +63,7 @@ class FlightTopics:
             Topic(f"/{name}/imu", "sensor_msgs/Imu", self._imu),
             Topic(f"/{name}/pressure", "sensor_msgs/FluidPressure", self._pressures),
         ]
-        if self.specimen.scenario.pipe.segments:
+        if self.job.scenario.pipe.segments:
             found += [
                 Topic(f"/{name}/range", "sensor_msgs/Range", self._ranges),
                 Topic(f"/{name}/clearance", "std_msgs/Float64", self._clearances),
@@ -75,7 +75,7 @@ class FlightTopics:
     @cached_property
     def accelerations(self) -> FloatArray:
         """Those of the equations of motion, (k, 6)."""
-        return accelerations_along(self.flight, self.specimen.agent, self.specimen.scenario)
+        return accelerations_along(self.flight, self.job.agent, self.job.scenario)
 
     @cached_property
     def places(self) -> FloatArray:
@@ -85,7 +85,7 @@ class FlightTopics:
     @cached_property
     def plumes(self) -> list[Plume]:
         """Those of the targets on the wall; none where the water stands still."""
-        scenario = self.specimen.scenario
+        scenario = self.job.scenario
         if not scenario.targets or scenario.flow.speed == 0:
             return []
         gaps = sensors.wall_distance(scenario.target_array(), scenario.pipe)
@@ -120,7 +120,7 @@ class FlightTopics:
             yield stamp, self.ros.new("tf2_msgs/TFMessage", transforms=[moved])
 
     def _tf_static(self) -> Iterator[tuple[int, Any]]:
-        mass, straight = self.specimen.agent.mass, np.array([1.0, 0.0, 0.0, 0.0])
+        mass, straight = self.job.agent.mass, np.array([1.0, 0.0, 0.0, 0.0])
         points = {"cog": mass.cog, "cob": mass.cob, "sensors": np.array(self.options.sensor)}
         fixed = [
             self._transform(self.stamps[0], self.base, f"{self.options.namespace}/{name}", point, straight)
@@ -163,7 +163,7 @@ class FlightTopics:
         yield self.stamps[0], self.ros.new("nav_msgs/Path", header=header, poses=poses)
 
     def _wrenches(self) -> Iterator[tuple[int, Any]]:
-        found = net_wrench(self.flight, self.accelerations, self.specimen.agent.mass)
+        found = net_wrench(self.flight, self.accelerations, self.job.agent.mass)
         for stamp, values in zip(self.stamps, found, strict=True):
             wrench = self.ros.new(
                 "geometry_msgs/Wrench",
@@ -175,7 +175,7 @@ class FlightTopics:
 
     def _imu(self) -> Iterator[tuple[int, Any]]:
         options, rng = self.options, self._noise(0)
-        gravity = self.specimen.scenario.fluid.gravity
+        gravity = self.job.scenario.fluid.gravity
         force = sensors.specific_force(self.flight, self.accelerations, np.array(options.sensor), gravity)
         force = sensors.noisy(force, options.acceleration_noise, rng)
         rates = sensors.noisy(self.flight.velocity[:, 3:], options.rate_noise, rng)
@@ -197,7 +197,7 @@ class FlightTopics:
             )
 
     def _pressures(self) -> Iterator[tuple[int, Any]]:
-        scenario, options = self.specimen.scenario, self.options
+        scenario, options = self.job.scenario, self.options
         surface = sensors.surface_height(scenario)
         found = sensors.pressure(self.places[:, 2], surface, scenario.fluid, options.atmosphere)
         for stamp, value in zip(
@@ -214,7 +214,7 @@ class FlightTopics:
             )
 
     def _ranges(self) -> Iterator[tuple[int, Any]]:
-        pipe, options = self.specimen.scenario.pipe, self.options
+        pipe, options = self.job.scenario.pipe, self.options
         found = np.maximum(sensors.wall_distance(self.places, pipe), 0.0)
         for stamp, value in zip(
             self.stamps, sensors.noisy(found, options.distance_noise, self._noise(2)), strict=True
@@ -233,7 +233,7 @@ class FlightTopics:
             )
 
     def _clearances(self) -> Iterator[tuple[int, Any]]:
-        body, pipe = self.specimen.agent.body, self.specimen.scenario.pipe
+        body, pipe = self.job.agent.body, self.job.scenario.pipe
         return self._numbers(sensors.clearance(self.flight, body, pipe), self.options.distance_noise, 3)
 
     def _concentrations(self) -> Iterator[tuple[int, Any]]:
@@ -249,7 +249,7 @@ class FlightTopics:
         return self.ros.header(stamp, f"{self.options.namespace}/sensors")
 
     def _markers(self) -> Iterator[tuple[int, Any]]:
-        scenario, stamp = self.specimen.scenario, self.stamps[0]
+        scenario, stamp = self.job.scenario, self.stamps[0]
         found = []
         for segment in scenario.pipe.segments:
             start, end = np.array(segment.start), np.array(segment.end)
@@ -265,7 +265,7 @@ class FlightTopics:
             found.append(
                 self._marker(stamp, "names", "TEXT_VIEW_FACING", VERMILLION, pose=above, size=size, text=name)
             )
-        mesh = revolved(self.specimen.agent.body.outer, SEGMENTS)
+        mesh = revolved(self.job.agent.body.outer, SEGMENTS)
         corners = [
             self.ros.vector(corner, "geometry_msgs/Point") for corner in mesh.vertices[mesh.triangles.ravel()]
         ]
