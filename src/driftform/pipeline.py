@@ -7,11 +7,20 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+from driftform.errors import WorkFailedError, describe_error
 from driftform.geometry import mass_properties
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
 from driftform.scenario import Scenario
 from driftform.scenario.disturbances import Condition, disturb_body, disturb_scenario, draw_conditions
-from driftform.types import Agent, Evaluation, Genome, Morphology, Trajectory
+from driftform.types import Agent, Evaluation, FloatArray, Genome, Morphology, Trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class ScoredFlight:
+    """A trajectory, and the fitness (%) of its flight for each target, (targets,)."""
+
+    trajectory: Trajectory
+    fitness: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +83,32 @@ class Pipeline:
     def fly(self, agents: Sequence[Agent], scenarios: Sequence[Scenario] | None = None) -> list[Trajectory]:
         """Agents -> their flights, each through a scenario of its own where ``scenarios`` are given."""
         return self.simulator.simulate_batch(agents, scenarios or [self.scenario] * len(agents))
+
+    def fly_named(self, agents: Sequence[Agent], name: str) -> list[Trajectory]:
+        """Agents -> their flights; ``name`` says in errors whose they are.
+
+        Raises
+        ------
+        WorkFailedError
+            if the simulator cannot fly one of them. A flight that ended by a failure is returned.
+        """
+        try:
+            return self.fly(agents)
+        except (ArithmeticError, RuntimeError) as error:
+            raise WorkFailedError(f"{name}: cannot be flown: {describe_error(error)}") from None
+
+    def simulate(self, agents: Sequence[Agent], name: str) -> list[ScoredFlight]:
+        """Agents -> their flights with what they score; ``name`` says in errors whose they are.
+
+        Raises
+        ------
+        WorkFailedError
+            if one of them cannot be flown, or its flight fails.
+        """
+        trajectories = self.fly_named(agents, name)
+        for trajectory in trajectories:
+            trajectory.require_success(name)
+        return [ScoredFlight(t, self.fitness.score(t, self.scenario)) for t in trajectories]
 
     def evaluate(
         self,

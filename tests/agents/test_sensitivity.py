@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from driftform.agents.opening import Opened, open_agent
-from driftform.agents.sensitivity import GRAM, flown, gram_sensitivity
+from driftform.agents.design import Design
+from driftform.agents.opening import open_agent
+from driftform.agents.sensitivity import GRAM, measure_gram_sensitivity
 from driftform.geometry import hull_mass
 
 WORD = "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB-addB-tiltp-2-L-moveB"
@@ -23,18 +24,18 @@ def neutral() -> str:
 
 
 @pytest.fixture(scope="module")
-def opened(neutral: str) -> Opened:
+def opened(neutral: str) -> Design:
     return open_agent(WORD, settings=[neutral], use=NATIVE)
 
 
-def test_a_gram_of_hull_is_a_denser_hull(opened: Opened, neutral: str) -> None:
-    found = gram_sensitivity(opened.pipeline, opened.agent, "agent")
+def test_a_gram_of_hull_is_a_denser_hull(opened: Design, neutral: str) -> None:
+    found = measure_gram_sensitivity(opened.pipeline, opened.agent, "agent")
     assert found is not None
     hull = hull_mass(opened.agent.body)
     for change, errors in ((-GRAM, found.lighter), (0.0, found.as_simulated), (GRAM, found.heavier)):
         density = opened.agent.body.hull_density * (hull + change) / hull
         other = open_agent(WORD, settings=[neutral, f"builder.hull_density={density!r}"], use=NATIVE)
-        [flight] = flown(other.pipeline, [other.agent], "agent")
+        [flight] = other.pipeline.simulate([other.agent], "agent")
         np.testing.assert_allclose(errors, 100 - flight.fitness, atol=PERCENT)
     # A gram is 2 % of its mass, and takes it to another wall.
     assert np.abs(found.heavier - found.lighter).max() > 1
@@ -43,4 +44,4 @@ def test_a_gram_of_hull_is_a_denser_hull(opened: Opened, neutral: str) -> None:
 def test_a_hull_of_less_than_a_gram_has_none_to_lose() -> None:
     light = open_agent("C", settings=["builder.hull_density=500.0"], use=NATIVE)
     assert hull_mass(light.agent.body) < GRAM
-    assert gram_sensitivity(light.pipeline, light.agent, "agent") is None
+    assert measure_gram_sensitivity(light.pipeline, light.agent, "agent") is None

@@ -251,8 +251,8 @@ def warnings_of(call: Call, agent: str, *settings: str) -> str:
     options = [option for setting in settings for option in ("--set", setting)]
     found = json.loads(call("inspect", agent, "--json", *options).stdout)["warnings"]
     text = call("inspect", agent, *options).stdout
-    assert [line for line in text.splitlines() if line.startswith("beware")] == [
-        f"beware: {w}" for w in found
+    assert [line for line in text.splitlines() if line.startswith("warning")] == [
+        f"warning: {w}" for w in found
     ]
     return "\n".join(found)
 

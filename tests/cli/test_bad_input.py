@@ -239,8 +239,8 @@ def test_an_out_that_is_in_use(refused: Refused, run_copy: Path, tmp_path: Path)
         ("gone.json", ["gone.json", "no such file"]),
         ("no/where", ["no/where", "no such file"]),
         ("gone:TP1", ["gone: no such run directory"]),
-        ("x" * 5000, ["xxx ...", "no word"]),
-        ("a\0b", ["no word"]),
+        ("x" * 5000, ["xxx ...", "not a genome"]),
+        ("a\0b", ["not a genome"]),
     ],
 )
 def test_of_an_agent(refused: Refused, agent: str, parts: list[str]) -> None:

@@ -48,7 +48,7 @@ def test_a_sound_agent_is_printable(call: Call, tmp_path: Path) -> None:
         "check": "prusa-slicer",
         "part": "",
         "state": "skipped",
-        "detail": "not asked, by --no-programs",
+        "detail": "not run, by --no-programs",
     }
     assert list(tmp_path.iterdir()) == []
 

@@ -310,15 +310,15 @@ def test_on_a_terminal_the_run_is_shown_live_and_ctrl_c_leaves_the_command_that_
     os.close(theirs)
     seen = read_until(ours, lambda text: bool(re.search(r"[1-9]\d* of 5000 evaluations", text)))
     assert "log scale" in seen
-    assert "run: Ctrl-C stops, 'driftform resume' goes on" in seen
+    assert "run: Ctrl-C stops, 'driftform resume' continues" in seen
     process.send_signal(signal.SIGINT)
-    rest = read_until(ours, lambda text: "go on with" in text and process.poll() is not None)
+    rest = read_until(ours, lambda text: "resume with" in text and process.poll() is not None)
     os.close(ours)
     # The terminal may be let go of a moment before the process has ended.
     assert process.wait(timeout=60) == 130
     assert "Traceback" not in seen + rest
     last = rest.rstrip().splitlines()[-1]
-    assert re.search(r"stopped after \d+ of 5000 evaluations; go on with: driftform resume run", last)
+    assert re.search(r"stopped after \d+ of 5000 evaluations; resume with: driftform resume run", last)
 
 
 def read_until(terminal: int, condition: Callable[[str], bool], seconds: float = 60.0) -> str:

@@ -88,7 +88,7 @@ def test_people_read_what_was_written(call: Call) -> None:
 def test_a_flight_that_failed_is_written_and_told_as_failed(call: Call) -> None:
     result = call("export-flight", WORD, *QUICK, "--set", "simulator.step_limit=20", "--out", "f")
     assert result.exit_code == 1
-    assert "step limit" in result.stderr and "the files hold what there is of it" in result.stderr
+    assert "step limit" in result.stderr and "the files hold the flight until then" in result.stderr
     assert len(list(Path("f").iterdir())) == 1
 
 

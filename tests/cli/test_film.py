@@ -152,7 +152,7 @@ def test_a_film_and_a_still_can_be_made_of_one_flight(call: Call, tmp_path: Path
     ("options", "why"),
     [
         (("--still", "flight.jpg"), "--still flight.jpg: a still by 'exudyn' ends in .png"),
-        (("--still-at", "3"), "--still-at is the moment of a still: say --still FILE too"),
+        (("--still-at", "3"), "--still-at is the moment of a still: give --still FILE too"),
         (("--still", "here.png"), "--still here.png: is a directory"),
         (("--still", "flight.png", "--film", "flight.avi"), "--film flight.avi: a film by 'exudyn' ends in"),
     ],

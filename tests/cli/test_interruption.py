@@ -148,7 +148,7 @@ def test_interrupted_it_names_the_command_that_goes_on_and_leaves_the_database_w
     assert "Traceback" not in err
     last = err.splitlines()[-1]
     assert last.startswith("stopped after ")
-    assert last.endswith("go on with: driftform resume run")
+    assert last.endswith("resume with: driftform resume run")
     wait_until(lambda: not any(alive(child) for child in started), seconds=10)
     # Whole, and in one file: what is copied is all there is.
     assert sorted(path.name for path in (tmp_path / "run").glob("run.db*")) == ["run.db"]

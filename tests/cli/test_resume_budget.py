@@ -120,13 +120,13 @@ def test_a_run_that_stopped_early_may_be_given_less(
 def test_a_crash_between_database_and_resolved_study_is_made_good(
     call: Callable[..., Any], copy: Path, fakes: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from driftform.runs import directory as run_directory
+    from driftform.runs import run as owner
 
     def crashing(*_: object) -> None:
         raise OSError("the power went")
 
     with monkeypatch.context() as patch:
-        patch.setattr(run_directory, "write_resolved", crashing)
+        patch.setattr(owner, "write_resolved", crashing)
         assert call("resume", "run", "--evaluations", 61, "--workers", 1).exit_code == 1
     assert budgets(copy) == (61, 60)
     result = call("resume", "run", "--workers", 1, "--json")

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from driftform.cli.watch import RunMonitor
 from driftform.errors import InputError
 from driftform.runs.directory import is_worked_on, lock_run
+from driftform.runs.monitor import RunMonitor
 from driftform.runs.store import EvaluationSummary, Record, Store
 from driftform.types import Candidate, Evaluation, Genome
 
@@ -42,9 +42,9 @@ STUDY = (
 
 
 def look(directory: Path) -> RunMonitor:
-    onlooker = RunMonitor(directory, directory / "run.db")
-    onlooker.look()
-    return onlooker
+    monitor = RunMonitor(directory)
+    monitor.poll()
+    return monitor
 
 
 def wait_until(condition: Callable[[], bool], seconds: float = 60.0) -> None:
@@ -80,9 +80,9 @@ def going(start: Start, tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
 
 
 def evaluations(directory: Path) -> int:
-    """How many an onlooker sees; none where the run has not begun."""
+    """How many a monitor counts; 0 while the run has not begun."""
     try:
-        return look(directory).standing.done
+        return look(directory).status.done
     except InputError:
         return 0
 
@@ -120,10 +120,10 @@ def test_a_run_that_was_killed_has_stopped_and_its_log_is_left_to_whoever_resume
     assert "run.db-wal" in before
     result = run("watch", "run", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    done = look(tmp_path / "run").standing.done
+    done = look(tmp_path / "run").status.done
     assert (
         result.stdout
-        == f"stopped after {done} of {EVALUATIONS} evaluations; go on with: driftform resume run\n"
+        == f"stopped after {done} of {EVALUATIONS} evaluations; resume with: driftform resume run\n"
     )
     assert sorted(path.name for path in (tmp_path / "run").glob("run.db*")) == before
 
@@ -179,33 +179,33 @@ def test_nothing_is_read_twice_but_what_lies_behind_a_gap(
 
     monkeypatch.setattr(Store, "read_summaries", counting)
     with brief_store(tmp_path / "run.db", 500) as store:
-        onlooker = look(tmp_path)
+        monitor = look(tmp_path)
         assert len(read) == 500
         read.clear()
-        onlooker.look()
+        monitor.poll()
         assert read == []
         add(store, 500, 503)
-        onlooker.look()
+        monitor.poll()
         assert read == [500, 503]
         read.clear()
         add(store, 502, 501)
-        onlooker.look()
+        monitor.poll()
         assert read == [501, 502, 503]
         read.clear()
-        onlooker.look()
+        monitor.poll()
         assert read == []
-        assert onlooker.standing.done == 504 == store.count()
+        assert monitor.status.done == 504 == store.count()
 
 
 def test_a_larger_budget_shows_while_one_looks_on(tmp_path: Path) -> None:
     with brief_store(tmp_path / "run.db", 5) as store, lock_run(tmp_path):
-        onlooker = look(tmp_path)
-        assert (onlooker.state, onlooker.standing.budget) == ("running", 1000)
+        monitor = look(tmp_path)
+        assert (monitor.state, monitor.status.budget) == ("running", 1000)
         store.replace_study({**store.read_study(), "run": {"evaluations": 5}})
-        onlooker.look()
-        assert (onlooker.state, onlooker.standing.budget) == ("writing the best agents", 5)
-    onlooker.look()
-    assert onlooker.state == "finished"
+        monitor.poll()
+        assert (monitor.state, monitor.status.budget) == ("writing the best agents", 5)
+    monitor.poll()
+    assert monitor.state == "finished"
 
 
 def test_a_writer_that_begins_is_never_refused_for_those_who_look_whether_it_has(tmp_path: Path) -> None:
@@ -216,8 +216,8 @@ def test_a_writer_that_begins_is_never_refused_for_those_who_look_whether_it_has
         while not over.is_set():
             is_worked_on(tmp_path)
 
-    onlookers = [threading.Thread(target=asking) for _ in range(2)]
-    for thread in onlookers:
+    monitors = [threading.Thread(target=asking) for _ in range(2)]
+    for thread in monitors:
         thread.start()
     try:
         for _ in range(50):
@@ -225,7 +225,7 @@ def test_a_writer_that_begins_is_never_refused_for_those_who_look_whether_it_has
                 pass
     finally:
         over.set()
-        for thread in onlookers:
+        for thread in monitors:
             thread.join()
 
 
@@ -249,12 +249,12 @@ def test_a_writer_ends_and_begins_as_it_likes_while_others_read(tmp_path: Path) 
     def looking() -> None:
         while not over.is_set():
             try:
-                looks.append(look(tmp_path).standing.done)
+                looks.append(look(tmp_path).status.done)
             except Exception as error:
                 trouble.append(error)
 
-    onlooker = threading.Thread(target=looking)
-    onlooker.start()
+    monitor = threading.Thread(target=looking)
+    monitor.start()
     try:
         for index in range(100, 120):
             with Store.open(tmp_path / "run.db") as store:
@@ -263,10 +263,10 @@ def test_a_writer_ends_and_begins_as_it_likes_while_others_read(tmp_path: Path) 
             assert time.monotonic() - began < 4
     finally:
         over.set()
-        onlooker.join()
+        monitor.join()
     assert trouble == []
     assert looks and looks == sorted(looks)
-    assert look(tmp_path).standing.done == 120
+    assert look(tmp_path).status.done == 120
 
 
 @pytest.mark.parametrize(

@@ -102,7 +102,7 @@ def test_a_scheduler_that_goes_away_costs_nothing_and_the_command_that_goes_on_i
     assert process.returncode == 1
     [line] = [line for line in err.splitlines() if "/60 evaluations," not in line]
     assert line.startswith(f"error: {address}: the scheduler is gone; stopped after ")
-    assert line.endswith(" of 60 evaluations; go on with: driftform resume run")
+    assert line.endswith(" of 60 evaluations; resume with: driftform resume run")
     assert int(line.split("stopped after ")[1].split()[0]) >= 20
 
     assert run("resume", "run", "--workers", 1, cwd=tmp_path).returncode == 0

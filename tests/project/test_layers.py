@@ -14,7 +14,7 @@ LAYERS = (
     *("errors", "types", "options", "scenarios", "util"),
     *("scenario", "geometry", "hydrodynamics", "dynamics", "trajectory", "tables"),
     *("interfaces", "hookspecs", "pipeline", "registry", "study", "execution"),
-    *("figures", "runs", "agents", "printing", "report", "reproduction"),
+    *("figures", "runs", "printing", "agents", "report", "reproduction"),
     *("builtin", "testing", "scaffold", "api", "cli"),
 )
 """The modules and packages of the core from the ground up: each may import those before it, and no others."""

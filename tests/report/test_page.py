@@ -9,6 +9,7 @@ import pytest
 
 from driftform.report.contents import collect_contents, viewer_data
 from driftform.report.page import page_html
+from driftform.runs.run import Run
 
 PIXELS = """
 const view = document.getElementById(arguments[0]);
@@ -86,7 +87,7 @@ def test_the_slider_is_moved_by_the_keyboard_too(page):
 
 
 def test_what_is_told_of_the_closest_approach_is_what_the_run_has(page, run_with_page):
-    contents = collect_contents(run_with_page)
+    contents = collect_contents(Run.open(run_with_page))
     for number, entry in enumerate(contents.entries[:3]):
         page.find_elements("css selector", "[data-agent]")[number].click()
         found = re.search(r"([\d.]+) (mm|m) from (\S+)$", page.find_element("id", "told").text)
@@ -153,7 +154,7 @@ def test_a_page_of_ten_agents_is_small(run_with_page):
 
 
 def test_the_viewer_has_the_flights_as_they_were_flown(run_with_page):
-    contents = collect_contents(run_with_page)
+    contents = collect_contents(Run.open(run_with_page))
     for entry, agent in zip(contents.entries, viewer_data(contents)["agents"], strict=True):
         t, position = np.array(agent["flight"]["t"]), np.array(agent["flight"]["position"])
         straight = np.column_stack([np.interp(entry.flight.t, t, p) for p in position.T])
@@ -165,7 +166,7 @@ def test_the_viewer_has_the_flights_as_they_were_flown(run_with_page):
 
 
 def test_names_of_others_cannot_write_the_page(run_with_page):
-    contents = collect_contents(run_with_page)
+    contents = collect_contents(Run.open(run_with_page))
     document = {**contents.study.document, "title": "</script><script>alert(1)</script>"}
     evil = page_html(
         type(contents)(

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from driftform.execution import InProcess
-from driftform.runs.directory import find_best_agent
-from driftform.runs.finalists import find_winner, fly_finalists
+from driftform.runs.finalists import find_best_agent, find_winner, fly_finalists
 from driftform.runs.search import run_search
 from driftform.runs.store import DisturbedResult, Store
 from driftform.scenario.disturbances import robust_fitness

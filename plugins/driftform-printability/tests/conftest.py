@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from driftform.agents.opening import Opened, open_agent
+from driftform.agents.design import Design
+from driftform.agents.opening import open_agent
 from driftform.interfaces import Printer, PrintJob
 from driftform.registry import registry
 from driftform.types import Finding
@@ -20,12 +21,12 @@ WORD = (
 
 
 @pytest.fixture(scope="session")
-def opened() -> Opened:
+def opened() -> Design:
     return open_agent(WORD, use={"simulator": "native"})
 
 
 @pytest.fixture(scope="session")
-def sound(opened: Opened, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def sound(opened: Design, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The agent's hull as STL and as OpenSCAD source; not to be changed."""
     folder = tmp_path_factory.mktemp("sound")
     for name in ("stl", "scad"):

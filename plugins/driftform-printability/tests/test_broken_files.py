@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from driftform.agents.opening import Opened, open_agent
+from driftform.agents.design import Design
+from driftform.agents.opening import open_agent
 from driftform.geometry import hull_volume
 from driftform.interfaces import Printer, PrintJob
 from driftform.types import Finding, State
@@ -33,7 +34,7 @@ def states(found: dict[str, Finding]) -> dict[str, str]:
     return {check: str(finding.state) for check, finding in found.items()}
 
 
-def known(opened: Opened) -> dict[str, object]:
+def known(opened: Design) -> dict[str, object]:
     return {"export": opened.export_job(), "volume": hull_volume(opened.agent.body)}
 
 
@@ -46,14 +47,14 @@ def alone(
     return told
 
 
-def test_the_sound_file_passes(check_mesh: CheckMesh, sound: Path, opened: Opened) -> None:
+def test_the_sound_file_passes(check_mesh: CheckMesh, sound: Path, opened: Design) -> None:
     found = check_mesh(sound, **known(opened))
     assert states(found) == alone()
     assert "better fore end down" in found["standing"].detail
 
 
 def test_missing_faces(
-    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Opened
+    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Design
 ) -> None:
     # Two that share no vertex: two holes of three edges each.
     first = 0
@@ -65,7 +66,7 @@ def test_missing_faces(
 
 
 def test_flipped_faces(
-    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Opened
+    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Design
 ) -> None:
     faces = mesh.faces.copy()
     faces[[10, 500, 3000]] = faces[[10, 500, 3000], ::-1]
@@ -76,7 +77,7 @@ def test_flipped_faces(
 
 @pytest.mark.parametrize("agent_known", [True, False])
 def test_everything_inverted(
-    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Opened, agent_known: bool
+    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Design, agent_known: bool
 ) -> None:
     found = check_mesh(written(mesh.vertices, mesh.faces[:, ::-1]), **(known(opened) if agent_known else {}))
     assert states(found) == alone("shells", skipped=("mass",))
@@ -91,7 +92,7 @@ def test_cavity_inside_out(
     mesh: trimesh.Trimesh,
     shells: tuple[np.ndarray, np.ndarray],
     written: Written,
-    opened: Opened,
+    opened: Design,
     agent_known: bool,
 ) -> None:
     outside, hollow = shells
@@ -107,7 +108,7 @@ def test_a_hollow_that_is_left_out(
     mesh: trimesh.Trimesh,
     shells: tuple[np.ndarray, np.ndarray],
     written: Written,
-    opened: Opened,
+    opened: Design,
 ) -> None:
     path = written(mesh.vertices, shells[0])
     found = check_mesh(path, **known(opened))
@@ -118,7 +119,7 @@ def test_a_hollow_that_is_left_out(
 
 @pytest.mark.parametrize("agent_known", [True, False])
 def test_metres_instead_of_millimetres(
-    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Opened, agent_known: bool
+    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Design, agent_known: bool
 ) -> None:
     path = written(mesh.vertices / 1000, mesh.faces)
     found = check_mesh(path, **(known(opened) if agent_known else {}))
@@ -146,7 +147,7 @@ def test_a_wall_of_a_fifth_of_a_millimetre(check_mesh: CheckMesh, tmp_path: Path
 
 
 def test_duplicate_faces(
-    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Opened
+    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Design
 ) -> None:
     # Once as they are, and once turned round: both are copies.
     faces = np.concatenate((mesh.faces, mesh.faces[:5], mesh.faces[7:9, ::-1]))
@@ -155,7 +156,7 @@ def test_duplicate_faces(
     assert found["duplicate faces"].detail.startswith("7 triangles twice")
 
 
-def test_too_tall_for_the_bed(check_mesh: CheckMesh, sound: Path, opened: Opened) -> None:
+def test_too_tall_for_the_bed(check_mesh: CheckMesh, sound: Path, opened: Design) -> None:
     found = check_mesh(sound, Printer(bed=(0.25, 0.21, 0.05)), **known(opened))
     assert states(found) == alone("bed")
     assert "too tall" in found["bed"].detail and "it would fit lying" in found["bed"].detail
@@ -200,7 +201,7 @@ def test_another_agent_s_file_does_not_have_this_one_s_mass(check_mesh: CheckMes
     assert states(found) == alone("mass")
 
 
-def test_a_coarse_mesh_is_a_warning(check_mesh: CheckMesh, opened: Opened, tmp_path: Path) -> None:
+def test_a_coarse_mesh_is_a_warning(check_mesh: CheckMesh, opened: Design, tmp_path: Path) -> None:
     body = opened.agent.body
     path = tmp_path / "coarse.stl"
     mesh = trimesh.creation.revolve(1000 * body.outer[:, ::-1], sections=64)

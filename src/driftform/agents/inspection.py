@@ -1,19 +1,22 @@
-"""What a built agent is, in numbers: its modules, mass, buoyancy and added mass, how it moves, what to beware of."""
+"""An agent in numbers: its modules, mass, buoyancy and added mass, how it moves, and warnings."""
 
 import math
 from typing import Any
 
 import numpy as np
 
-from driftform.agents.opening import Opened
-from driftform.agents.sensitivity import gram_sensitivity
+from driftform.agents.sensitivity import measure_gram_sensitivity
 from driftform.dynamics.inertia import added_mass_at, largest_added_mass_ratio, rigid_body_mass
 from driftform.dynamics.model import flight_model
 from driftform.dynamics.stability import stable_rest
 from driftform.dynamics.terminal import terminal_speeds
-from driftform.errors import WorkFailedError
+from driftform.errors import WorkFailedError, describe_error
 from driftform.geometry import hull_mass
 from driftform.hydrodynamics.drag import estimate_drag
+from driftform.pipeline import Pipeline
+from driftform.registry import registry
+from driftform.scenario import Fluid, Scenario
+from driftform.types import Agent, FloatArray
 
 LEAD = 11_340.0
 """Density of lead, kg/m3 (CRC Handbook of Chemistry and Physics, at 20 degrees C)."""
@@ -25,20 +28,33 @@ LARGEST_LAGGED_RATIO = 17 / 3
 """Largest eigenvalue of M_RB^-1 M_A up to which added mass from a filtered acceleration is stable: 2/0.3 - 1."""
 
 
-def body_facts(opened: Opened) -> dict[str, Any]:
-    """What there is to tell, SI units throughout."""
-    body, mass, coefficients = opened.agent.body, opened.agent.mass, opened.agent.coefficients
-    fluid = opened.study.scenario.fluid
+def inspect_agent(pipeline: Pipeline, agent: Agent, name: str, target: str | None = None) -> dict[str, Any]:
+    """Return what ``driftform inspect --json`` prints of an agent; SI units throughout.
+
+    Parameters
+    ----------
+    pipeline
+        its scenario, models and simulator.
+    agent
+        the agent, made from a genome.
+    name
+        what people call it.
+    target
+        that it was evolved for; ``None`` for the one that it comes closest to.
+    """
+    assert agent.genome is not None
+    body, mass, coefficients = agent.body, agent.mass, agent.coefficients
+    fluid = pipeline.scenario.fluid
     own, added = rigid_body_mass(mass), added_mass_at(coefficients, np.zeros(3))
     lambda_max = largest_added_mass_ratio(mass, coefficients)
-    net = (fluid.density * mass.volume - mass.mass) * fluid.gravity
-    rest = stable_rest(flight_model(opened.agent, opened.study.scenario))
-    morphology = opened.agent.morphology
+    net = mass.net_buoyancy(fluid)
+    rest = stable_rest(flight_model(agent, pipeline.scenario))
+    morphology = agent.morphology
     sides = [] if morphology is None else [("aft", m) for m in morphology.aft[::-1]]
     sides += [] if morphology is None else [("fore", m) for m in morphology.fore]
     return {
-        "agent": opened.name,
-        "genome": opened.pipeline.grammar.to_text(opened.stored.genome),
+        "agent": name,
+        "genome": pipeline.grammar.to_text(agent.genome),
         "modules": [
             {"side": side, "length": m.length, "tilt_deg": float(np.rad2deg(m.tilt))} for side, m in sides
         ],
@@ -54,64 +70,87 @@ def body_facts(opened: Opened) -> dict[str, Any]:
         "inertia": mass.inertia,
         "added_mass": coefficients.added_mass,
         "added_mass_origin": coefficients.origin,
-        "hydrodynamics": opened.pipeline.hydrodynamics.name,
+        "hydrodynamics": pipeline.hydrodynamics.name,
         "rest": {
             "pitch_deg": float(np.rad2deg(rest.pitch)),
             "height": rest.height,
             "slowest_period": rest.slowest_period,
             "eigenvalues": [[value.real, value.imag] for value in rest.eigenvalues.tolist()],
         },
-        "righting_moment": _righting_moment(opened),
-        "terminal_speeds": _terminal_speeds(opened, net, rest.pitch),
+        "righting_moment": _righting_moment(agent, fluid),
+        "terminal_speeds": _terminal_speeds(agent, fluid, net, rest.pitch),
         "lambda_max": lambda_max,
-        "sensitivity": _sensitivity(opened),
-        "warnings": _warnings(opened, float((own + added)[2, 2]), lambda_max),
+        "sensitivity": _measure_sensitivity(pipeline, agent, name, target),
+        "warnings": _list_warnings(agent, pipeline.scenario, float((own + added)[2, 2]), lambda_max),
     }
 
 
-def _righting_moment(opened: Opened) -> float:
+def compare_added_mass(pipeline: Pipeline, agent: Agent, name: str) -> dict[str, FloatArray]:
+    """Return the added mass about the centre of buoyancy, (6, 6), by every hydrodynamics model that is installed.
+
+    The pipeline's own model has its options, the others have their defaults.
+
+    Raises
+    ------
+    WorkFailedError
+        if a model cannot compute it.
+    """
+    own, found = pipeline.hydrodynamics, {}
+    for row in registry().seam("hydrodynamics"):
+        if row.available:
+            model = own if row.name == own.name else registry().create("hydrodynamics", row.name, {})
+            try:
+                coefficients = model.coefficients(agent.body, pipeline.scenario.fluid)
+            except (ValueError, ArithmeticError, RuntimeError) as error:
+                raise WorkFailedError(
+                    f"{name}: no added mass by '{row.name}': {describe_error(error)}"
+                ) from None
+            found[row.name] = added_mass_at(coefficients, agent.mass.cob)
+    return found
+
+
+def _righting_moment(agent: Agent, fluid: Fluid) -> float:
     """Largest moment (N m) of weight and buoyancy about the COG: that of the level body."""
-    mass, fluid = opened.agent.mass, opened.study.scenario.fluid
+    mass = agent.mass
     return float(fluid.density * mass.volume * fluid.gravity * abs(mass.cob[0] - mass.cog[0]))
 
 
-def _terminal_speeds(opened: Opened, net: float, pitch: float) -> dict[str, float]:
+def _terminal_speeds(agent: Agent, fluid: Fluid, net: float, pitch: float) -> dict[str, float]:
     """Speeds (m/s) at which drag by strips carries the net weight, whether the agent flies with that drag or not."""
-    fluid = opened.study.scenario.fluid
     fore_first = (net > 0) == (pitch < 0)
-    drag = opened.agent.coefficients.drag or estimate_drag(opened.agent.body, fluid.viscosity)
+    drag = agent.coefficients.drag or estimate_drag(agent.body, fluid.viscosity)
     along, across = terminal_speeds(drag, net, fore_first, fluid.density, fluid.viscosity)
     return {"along": along, "across": across}
 
 
-def _sensitivity(opened: Opened) -> dict[str, Any] | None:
-    """Errors, in percent, of the agent and of one whose hull is a gram lighter or heavier; ``None`` where none can be told."""
-    names = opened.study.scenario.target_names
+def _measure_sensitivity(
+    pipeline: Pipeline, agent: Agent, name: str, target: str | None
+) -> dict[str, Any] | None:
+    """Errors, in percent, of the agent and of one whose hull is a gram lighter or heavier; ``None`` if unknown."""
+    names = pipeline.scenario.target_names
     try:
-        found = gram_sensitivity(opened.pipeline, opened.agent, opened.name) if names else None
+        found = measure_gram_sensitivity(pipeline, agent, name) if names else None
     except WorkFailedError:
-        # An agent that cannot be flown is still a body, and `simulate` tells what is wrong with its flight.
+        # An agent that cannot be flown is still a body, and `simulate` reports what is wrong with its flight.
         return None
     if found is None:
         return None
     columns = ("as_simulated", "lighter", "heavier")
     rows = zip(*(getattr(found, column) for column in columns), strict=True)
     errors = {name: dict(zip(columns, row, strict=True)) for name, row in zip(names, rows, strict=True)}
-    target = opened.stored.result.get("target")
     if target not in errors:
         target = min(errors, key=lambda name: float(errors[name]["as_simulated"]))
     return {"target": target, "errors": errors}
 
 
-def _warnings(opened: Opened, heaving: float, lambda_max: float) -> list[str]:
-    """What to beware of; ``heaving`` is the mass, kg, that heave has to move, with that of the water."""
-    body, mass, scenario = opened.agent.body, opened.agent.mass, opened.study.scenario
-    fluid = scenario.fluid
+def _list_warnings(agent: Agent, scenario: Scenario, heaving: float, lambda_max: float) -> list[str]:
+    """What a user must know; ``heaving`` is the mass, kg, that heave has to move, with that of the water."""
+    body, mass = agent.body, agent.mass
     warnings = []
     core_density = body.core.mass / (4 / 3 * math.pi * body.core.radius**3)
     if core_density > LEAD:
         warnings.append(f"the core is denser than lead: {core_density:.0f} kg/m3")
-    net = (fluid.density * mass.volume - mass.mass) * fluid.gravity
+    net = mass.net_buoyancy(scenario.fluid)
     if scenario.pipe.segments and net != 0:
         time = math.sqrt(2 * scenario.pipe.segments[0].radius * heaving / abs(net))
         if time < 1.0:

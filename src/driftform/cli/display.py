@@ -1,4 +1,4 @@
-"""How a run's standing looks: lines of text anywhere, and a table that fits the terminal."""
+"""How a run's status looks: lines of text anywhere, and a table that fits the terminal."""
 
 import math
 from collections.abc import Sequence
@@ -57,23 +57,23 @@ def draw_sparkline(errors: Sequence[float | None], lowest: float, highest: float
     return "".join(" " if s is None else bars[min(top, math.floor(s * top + 0.5))] for s in shares)
 
 
-def format_throughput(standing: RunStatus, pace: Throughput) -> str:
+def format_throughput(status: RunStatus, throughput: Throughput) -> str:
     """How fast the run is and when it will be over, as far as that is known."""
-    recent, overall = pace.recent(standing.done), pace.overall(standing.done)
+    recent, overall = throughput.recent(status.done), throughput.overall(status.done)
     if recent is None or overall is None:
         return ""
     speed = (
         f"{recent:.3g}/s" if 0.9 < recent / overall < 1.1 else f"{recent:.3g}/s now, {overall:.3g}/s overall"
     )
-    left = standing.budget - standing.done
+    left = status.budget - status.done
     return f"{speed}, {format_duration(left / recent)} left" if left > 0 else speed
 
 
-def progress_line(standing: RunStatus, pace: Throughput) -> str:
+def progress_line(status: RunStatus, throughput: Throughput) -> str:
     """Where a run stands, in one line."""
-    best = "  ".join(f"{name} {target.best:.2f}" for name, target in standing.targets.items())
-    facts = ", ".join(filter(None, (format_throughput(standing, pace), format_failures(standing.failed))))
-    return f"{standing.done}/{standing.budget} evaluations{f', {facts}' if facts else ''}: {best}"
+    best = "  ".join(f"{name} {target.best:.2f}" for name, target in status.targets.items())
+    facts = ", ".join(filter(None, (format_throughput(status, throughput), format_failures(status.failed))))
+    return f"{status.done}/{status.budget} evaluations{f', {facts}' if facts else ''}: {best}"
 
 
 def format_failures(count: int) -> str:
@@ -83,14 +83,14 @@ def format_failures(count: int) -> str:
 
 @dataclass(frozen=True)
 class View:
-    """A run's standing as a table of its targets, a bar, and lines below, for a console of any size.
+    """A run's status as a table of its targets, a bar, and lines below, for a console of any size.
 
     ``facts`` are told in one line, those that are empty left out; ``footer`` is the last line. With ``fits`` it is no
     higher than the terminal: targets that find no room take turns.
     """
 
-    standing: RunStatus
-    pace: Throughput
+    status: RunStatus
+    throughput: Throughput
     facts: tuple[str, ...]
     footer: str
     fits: bool = True
@@ -98,10 +98,10 @@ class View:
     def __rich_console__(self, console: "Console", options: "ConsoleOptions") -> "RenderResult":
         from rich.text import Text
 
-        count = len(self.standing.targets)
+        count = len(self.status.targets)
         first, last = self._shown(console.size.height)
         shown = f"targets {first + 1} to {last} of {count}" if last - first < count else ""
-        rows = list(islice(self.standing.targets.items(), first, last))
+        rows = list(islice(self.status.targets.items(), first, last))
         yield self._table(rows, options)
         yield Text("")
         yield self._bar(min(40, max(10, options.max_width - 40)))
@@ -111,11 +111,11 @@ class View:
 
     def _shown(self, height: int) -> tuple[int, int]:
         """Which targets are shown now: the first, and the one behind the last."""
-        count, room = len(self.standing.targets), max(1, height - _AROUND)
+        count, room = len(self.status.targets), max(1, height - _AROUND)
         if not self.fits or count <= room:
             return 0, count
         pages = -(-count // room)
-        page = int(self.pace.elapsed / PAGE) % pages
+        page = int(self.throughput.elapsed / PAGE) % pages
         return page * room, min(count, (page + 1) * room)
 
     def _table(self, rows: "Sequence[tuple[str, TargetStatus]]", options: "ConsoleOptions") -> "Table":
@@ -134,7 +134,7 @@ class View:
         if options.max_width >= _ROOM_FOR_CURVES:
             # The one column that gives way where there is little room.
             table.add_column("best error\n(log scale)")
-            cells.append(Curves(tuple(target for _, target in rows), self.standing.extent))
+            cells.append(Curves(tuple(target for _, target in rows), self.status.extent))
         table.add_row(*cells)
         return table
 
@@ -145,7 +145,7 @@ class View:
 
         # A bar ends no line: side by side with its text in a grid.
         grid = Table.grid(padding=(0, 2))
-        done, budget = self.standing.done, self.standing.budget
+        done, budget = self.status.done, self.status.budget
         bar = ProgressBar(total=budget, completed=done, width=width)
         grid.add_row(bar, Text(f"{done} of {budget} evaluations"))
         return grid

@@ -39,35 +39,23 @@ def export(
     settings: Settings = None,
     json: Json = False,
 ) -> None:
-    """Write an agent's hull as files for printers and other programs; an older file of the name is replaced."""
+    """Write an agent's hull as files for printers and other programs; older files of the same name are replaced."""
     from driftform.agents.opening import open_agent
-    from driftform.cli.kit import exporter_settings
+    from driftform.cli.formats import parse_formats
     from driftform.cli.output import print_json
     from driftform.errors import InputError
-    from driftform.registry import registry
+    from driftform.printing.exporter_settings import list_exporter_settings
     from driftform.util.files import make_directory
 
-    names = [name.strip() for name in format.split(",") if name.strip()]
-    if not names:
-        raise InputError("--format is empty; name at least one, such as stl")
-    for name in names:
-        try:
-            registry().find("exporter", name)
-        except InputError as error:
-            raise InputError(f"--format {name}: {error}") from None
-    asked = _shared(kit, bed, option or ())
+    names = parse_formats(format, "exporter", "stl")
+    asked = _list_options(kit, bed, option or ())
     try:
-        opened = open_agent(agent, settings=[*(settings or ()), *exporter_settings(names, asked)])
+        design = open_agent(agent, settings=[*(settings or ()), *list_exporter_settings(names, asked)])
     except InputError as error:
         raise InputError(*(_name_option(line, names, asked) for line in error.args)) from None
     make_directory(out)
-    exporters = [opened.study.make_exporter(name) for name in names]
-    job = opened.export_job()
-    written = [
-        file
-        for exporter in exporters
-        for file in exporter.write(job, out / f"{opened.name}{exporter.suffix}")
-    ]
+    paths = {name: out / f"{design.name}{design.study.make_exporter(name).suffix}" for name in names}
+    written = [file for name, path in paths.items() for file in design.export_files(name, path)]
     if json:
         print_json({"files": [{"format": w.format, "path": w.path, **w.facts} for w in written]})
         return
@@ -76,21 +64,21 @@ def export(
         plain = {key: value for key, value in w.facts.items() if not isinstance(value, dict)}
         facts = ", ".join(f"{key} {_short(value)}" for key, value in plain.items())
         tables += [(key, value) for key, value in w.facts.items() if isinstance(value, dict)]
-        # A folder has dozens of files, and tells of the one to open.
+        # Of a folder with dozens of files, only the one to open is listed.
         if facts or Path(w.path).parent == out:
             print(f"{w.path}: {facts}" if facts else w.path)
-    for path in (out / f"{opened.name}{exporter.suffix}" for exporter in exporters):
+    for path in paths.values():
         if path.is_dir():
             print(f"{path}: {sum(path in Path(w.path).parents for w in written)} files")
-    # Files of one kit all tell of it.
+    # All files of a kit have its facts.
     for place, (key, table) in enumerate(tables):
         if (key, table) not in tables[:place]:
             _print_table(key, table)
 
 
-def _shared(kit: bool, bed: str | None, options: Sequence[str]) -> dict[str, tuple[str, str]]:
+def _list_options(kit: bool, bed: str | None, options: Sequence[str]) -> dict[str, tuple[str, str]]:
     """Options for all formats: the value of each key, and how it was asked for."""
-    from driftform.cli.kit import parse_bed
+    from driftform.cli.formats import parse_bed
     from driftform.errors import InputError
 
     found = {"kit": ("true", "--kit")} if kit else {}
@@ -105,14 +93,14 @@ def _shared(kit: bool, bed: str | None, options: Sequence[str]) -> dict[str, tup
 
 
 def _name_option(line: str, formats: Sequence[str], options: Mapping[str, tuple[str, str]]) -> str:
-    """A complaint about a setting of an exporter, as one about the option that it came from."""
-    for name, (key, (value, told)) in product(formats, options.items()):
-        line = line.replace(f"--set exporter.{name}.{key}={value}: ", f"{told}: ")
+    """An error about a setting of an exporter, as one about the option that it came from."""
+    for name, (key, (value, asked)) in product(formats, options.items()):
+        line = line.replace(f"--set exporter.{name}.{key}={value}: ", f"{asked}: ")
     return line
 
 
 def _print_table(title: str, table: dict[str, Any]) -> None:
-    """What a file tells in more than a line: single facts, and rows that have the same facts each."""
+    """Facts of a file that take more than a line: single ones, and rows that have the same facts each."""
     print(f"\n{title}")
     for key, value in table.items():
         if isinstance(value, dict):

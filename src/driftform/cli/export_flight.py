@@ -7,9 +7,6 @@ import typer
 
 from driftform.cli.options import Agent, Hydrodynamics, Json, ScenarioOption, Settings, Simulator
 
-MOST = 10_000.0
-"""Highest rate of samples, 1/s: a flight of 20 s has then two hundred thousand of them."""
-
 
 def export_flight(
     agent: Agent,
@@ -34,49 +31,45 @@ def export_flight(
     settings: Settings = None,
     json: Json = False,
 ) -> None:
-    """Fly one agent, and write its flight for other programs, such as Foxglove, RViz or pandas; an older file is replaced."""
+    """Simulate one flight and write its samples for other programs, such as Foxglove, RViz or pandas.
+
+    Older files of the same name are replaced.
+    """
     from driftform.agents.opening import open_agent
+    from driftform.cli.formats import parse_formats
     from driftform.cli.output import print_json
-    from driftform.errors import InputError, WorkFailedError
-    from driftform.registry import registry
-    from driftform.trajectory.resampling import resample
+    from driftform.errors import WorkFailedError
+    from driftform.trajectory.resampling import check_rate
     from driftform.util.files import make_directory
 
-    names = list(dict.fromkeys(name.strip() for name in format.split(",") if name.strip()))
-    if not names:
-        raise InputError("--format is empty; name at least one, such as csv")
-    for name in names:
-        try:
-            registry().find("recorder", name)
-        except InputError as error:
-            raise InputError(f"--format {name}: {error}") from None
-    if not 0 <= rate_hz <= MOST:
-        raise InputError(f"--rate-hz {rate_hz:g}: should be from 0 to {MOST:g}")
-    opened = open_agent(
+    names = parse_formats(format, "recorder", "csv")
+    check_rate(rate_hz)
+    design = open_agent(
         agent, scenario, settings or (), {"simulator": simulator, "hydrodynamics": hydrodynamics}
     )
-    folder = make_directory(out or Path("flights") / opened.name)
-    flight = opened.fly()
-    if rate_hz:
-        flight = resample(flight, rate_hz)
-    job = opened.export_job()
-    recorders = [opened.study.make_recorder(name) for name in names]
+    folder = make_directory(out or Path("flights") / design.name)
+    trajectory = design.fly()
     written = [
         file
-        for recorder in recorders
-        for file in recorder.write(job, flight, folder / f"{opened.name}{recorder.suffix}")
+        for name in names
+        for file in design.record_files(
+            name,
+            folder / f"{design.name}{design.study.make_recorder(name).suffix}",
+            rate_hz=rate_hz,
+            trajectory=trajectory,
+        )
     ]
     if json:
         print_json(
             {
-                "agent": opened.name,
-                "simulator": opened.pipeline.simulator.name,
+                "agent": design.name,
+                "simulator": design.pipeline.simulator.name,
                 "end": {
-                    "t": flight.t[-1],
-                    "position": list(flight.position[-1]),
-                    "reason": str(flight.end),
+                    "t": trajectory.t[-1],
+                    "position": list(trajectory.position[-1]),
+                    "reason": str(trajectory.end),
                 },
-                "samples": len(flight.t),
+                "samples": written[0].facts.get("samples", len(trajectory.t)),
                 "files": [{"format": w.format, "path": w.path, **w.facts} for w in written],
             }
         )
@@ -88,8 +81,5 @@ def export_flight(
                 if not isinstance(value, dict)
             )
             print(f"{w.path}: {facts}" if facts else w.path)
-    if flight.end.failed:
-        raise WorkFailedError(
-            f"{opened.name}: the flight ended after {flight.t[-1]:.3g} s: {flight.end}; "
-            "the files hold what there is of it"
-        )
+    if trajectory.failure is not None:
+        raise WorkFailedError(f"{design.name}: {trajectory.failure}; the files hold the flight until then")

@@ -1,13 +1,10 @@
 """``driftform inspect``."""
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from driftform.cli.options import Agent, Hydrodynamics, Json, ScenarioOption, Settings
-
-if TYPE_CHECKING:
-    from driftform.agents.opening import Opened
 
 
 def inspect(
@@ -17,46 +14,24 @@ def inspect(
     settings: Settings = None,
     compare: Annotated[
         bool,
-        typer.Option("--compare", help="The added mass of all installed hydrodynamics models side by side."),
+        typer.Option(
+            "--compare", help="Show the added mass by all installed hydrodynamics models side by side."
+        ),
     ] = False,
     json: Json = False,
 ) -> None:
-    """Tell what a body is: its modules, mass, buoyancy, inertia, added mass, how it moves, and what to beware of."""
-    from driftform.agents.inspection import body_facts
+    """Show an agent's modules, mass, buoyancy, inertia, added mass and warnings."""
     from driftform.agents.opening import open_agent
     from driftform.cli.output import print_json
 
-    opened = open_agent(agent, scenario, settings or (), {"hydrodynamics": hydrodynamics})
-    facts = body_facts(opened)
+    design = open_agent(agent, scenario, settings or (), {"hydrodynamics": hydrodynamics})
+    facts = design.inspect()
     if compare:
-        facts["compare"] = _compared(opened)
+        facts["compare"] = design.compare_added_mass()
     if json:
         print_json(facts)
     else:
         _print(facts)
-
-
-def _compared(opened: "Opened") -> dict[str, Any]:
-    """Added mass about the centre of buoyancy by every hydrodynamics model that is installed.
-
-    The study's own model has the study's options, the others have their defaults.
-    """
-    from driftform.dynamics.inertia import added_mass_at
-    from driftform.errors import WorkFailedError
-    from driftform.registry import registry
-
-    own, found = opened.pipeline.hydrodynamics, {}
-    for row in registry().seam("hydrodynamics"):
-        if row.available:
-            model = own if row.name == own.name else registry().create("hydrodynamics", row.name, {})
-            try:
-                coefficients = model.coefficients(opened.agent.body, opened.study.scenario.fluid)
-            except (ValueError, ArithmeticError, RuntimeError) as error:
-                raise WorkFailedError(
-                    f"{opened.name}: no added mass by '{row.name}': {type(error).__name__}: {error}"
-                ) from None
-            found[row.name] = added_mass_at(coefficients, opened.agent.mass.cob)
-    return found
 
 
 def _print(facts: dict[str, Any]) -> None:
@@ -86,14 +61,14 @@ def _print(facts: dict[str, Any]) -> None:
     ]
     speeds = facts["terminal_speeds"]
     rows += [
-        ("at rest", _rest(facts["rest"])),
+        ("at rest", _describe_rest(facts["rest"])),
         ("righting moment", f"{1000 * facts['righting_moment']:.3g} mN m, level"),
         (
             "terminal speed",
             f"{speeds['along']:.3g} m/s along its axis, {speeds['across']:.3g} across, with drag",
         ),
         ("added over own mass", f"at most {facts['lambda_max']:.3g}"),
-        ("a gram of hull", _gram(facts["sensitivity"])),
+        ("a gram of hull", _describe_gram(facts["sensitivity"])),
     ]
     print_table(("agent", facts["agent"]), rows)
     if modules:
@@ -123,13 +98,13 @@ def _print(facts: dict[str, Any]) -> None:
             right=range(1, 5),
         )
     for warning in facts["warnings"]:
-        print(f"beware: {warning}")
+        print(f"warning: {warning}")
 
 
-def _gram(sensitivity: dict[str, Any] | None) -> str:
+def _describe_gram(sensitivity: dict[str, Any] | None) -> str:
     """What one gram does to the error at the agent's target, in words."""
     if sensitivity is None:
-        return "what it does to a flight cannot be told"
+        return "its effect on a flight is not known"
     errors = sensitivity["errors"][sensitivity["target"]]
     return (
         f"{sensitivity['target']} missed by {errors['as_simulated']:.2f} % of d_max; "
@@ -137,7 +112,7 @@ def _gram(sensitivity: dict[str, Any] | None) -> str:
     )
 
 
-def _rest(rest: dict[str, Any]) -> str:
+def _describe_rest(rest: dict[str, Any]) -> str:
     """How it hangs in still water, or floats on it, in words."""
     pitch = rest["pitch_deg"]
     attitude = f"pitched {pitch:+.1f} deg"

@@ -11,6 +11,9 @@ AGENT_HELP = (
 )
 
 Agent: TypeAlias = Annotated[str, typer.Argument(metavar="AGENT", help=AGENT_HELP, show_default=False)]
+RunArgument: TypeAlias = Annotated[
+    Path, typer.Argument(metavar="RUN", help="A run directory.", show_default=False)
+]
 Json: TypeAlias = Annotated[
     bool, typer.Option("--json", help="Print one JSON document, and nothing else, on stdout.")
 ]

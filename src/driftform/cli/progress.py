@@ -1,71 +1,71 @@
-"""What a run shows while it goes on: live on a terminal, now and then a line elsewhere."""
+"""What a run shows while it advances: live on a terminal, a line now and then elsewhere."""
 
 import sys
-from pathlib import Path
-from types import TracebackType
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 
 from driftform.cli.display import View, format_duration, format_failures, format_throughput, progress_line
+from driftform.runs.run import Observer, Run
 from driftform.runs.status import RunStatus, Throughput
 from driftform.runs.store import Record
-from driftform.study import Study
-from driftform.util.progress import REFRESH
+from driftform.util.progress import REFRESH, count_progress
 
 
-class Progress:
-    """Counts evaluations and shows where the run stands, on stderr: stdout is for results."""
+class Progress(Observer):
+    """Counts evaluations and shows the state of the run on stderr: stdout is for results."""
 
-    def __init__(self, study: Study, directory: Path, stored: int = 0) -> None:
-        """Start counting; ``stored`` evaluations were there before, and say nothing about the speed."""
-        self._standing = RunStatus(study.scenario.target_names, study.evaluations)
-        self._pace = Throughput(stored)
-        self._stored = stored
+    def __init__(self, run: Run) -> None:
+        self._status = RunStatus(run.study.scenario.target_names, run.study.evaluations)
+        self._throughput = Throughput(0)
+        self._stored = 0
         self._live = sys.stdout.isatty() and sys.stderr.isatty()
-        self._footer = f"{directory}: Ctrl-C stops, 'driftform resume' goes on"
-        self._display = None
-        if self._live:
-            from rich.console import Console
-            from rich.live import Live
+        self._footer = f"{run.path}: Ctrl-C stops, 'driftform resume' continues"
 
-            self._display = Live(
-                console=Console(stderr=True),
-                refresh_per_second=REFRESH,
-                get_renderable=self._view,
-                transient=True,
-            )
+    @contextmanager
+    def open_search(self, stored: int) -> Iterator[None]:
+        """Show the search; ``stored`` evaluations were there before, and do not count for the speed."""
+        self._stored, self._throughput = stored, Throughput(stored)
+        with ExitStack() as shown:
+            if self._live:
+                from rich.console import Console
+                from rich.live import Live
 
-    def __enter__(self) -> "Progress":
-        if self._display is not None:
-            self._display.__enter__()
-        return self
+                shown.enter_context(
+                    Live(
+                        console=Console(stderr=True),
+                        refresh_per_second=REFRESH,
+                        get_renderable=self._view,
+                        transient=True,
+                    )
+                )
+            yield
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._display is not None:
-            self._display.__exit__(kind, error, trace)
+    def open_finalists(self) -> AbstractContextManager[Callable[[int, int], None]]:
+        """Show the disturbed flights."""
+        return count_progress("disturbed flights")
 
     def record(self, record: Record) -> None:
         """Count one evaluation."""
         candidate, evaluation = record.candidate, record.evaluation
         failed = evaluation.failure is not None
         fitness = evaluation.fitness.tolist()
-        self._standing.add(record.index, candidate.generation, candidate.target, failed, fitness)
-        self._pace.mark(self._standing.done)
+        self._status.add(record.index, candidate.generation, candidate.target, failed, fitness)
+        self._throughput.mark(self._status.done)
 
     def generation(self, evaluations: int) -> None:
-        """Say where the run stands, off a terminal; not for each generation that was stored before."""
-        if not self._live and (evaluations > self._stored or evaluations == self._standing.budget):
-            print(progress_line(self._standing, self._pace), file=sys.stderr, flush=True)
+        """Print a line off a terminal; not for each generation that was stored before."""
+        if not self._live and (evaluations > self._stored or evaluations == self._status.budget):
+            print(progress_line(self._status, self._throughput), file=sys.stderr, flush=True)
 
     def _state(self) -> str:
-        if self._standing.done > self._stored:
+        if self._status.done > self._stored:
             return ""
         if self._stored:
-            return f"going on after {self._stored} that are stored"
+            return f"resuming after {self._stored} stored evaluations"
         return "starting (the first run compiles the equations of motion)"
 
     def _view(self) -> View:
-        elapsed = f"elapsed {format_duration(self._pace.elapsed)}"
-        pace = format_throughput(self._standing, self._pace)
-        facts = (self._state(), pace, elapsed, format_failures(self._standing.failed))
-        return View(self._standing, self._pace, facts, self._footer)
+        elapsed = f"elapsed {format_duration(self._throughput.elapsed)}"
+        speed = format_throughput(self._status, self._throughput)
+        facts = (self._state(), speed, elapsed, format_failures(self._status.failed))
+        return View(self._status, self._throughput, facts, self._footer)

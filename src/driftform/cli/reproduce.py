@@ -12,7 +12,7 @@ def reproduce(
     repeats: Annotated[
         int,
         typer.Option(
-            "--repeats", metavar="N", min=1, max=1000, help="Repeats of each search, with seeds of their own."
+            "--repeats", metavar="N", min=1, max=1000, help="Repeats of each search, each with its own seed."
         ),
     ] = 10,
     seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the first repeat.")] = 1,
@@ -26,16 +26,16 @@ def reproduce(
     settings: Settings = None,
     json: Json = False,
 ) -> None:
-    """Repeat the paper's experiment beside random search, and lay its figures beside ours.
+    """Repeat the paper's experiment beside random search, and compare its figures with ours.
 
-    50 flights for each of ten targets and each repeat, then the best agents flown again. Interrupted or killed, the
-    same command goes on where it stopped; the same seed gives the same tables.
+    Flies 50 agents for each of ten targets and each repeat, then flies the best agents again. After an interruption
+    the same command continues where it stopped; the same seed gives the same tables.
     """
     import time
 
     from driftform.cli.executors import open_executor
     from driftform.cli.output import print_json
-    from driftform.reproduction.repeats import STRATEGIES, carry_out, load_repeat, read_results
+    from driftform.reproduction.repeats import STRATEGIES, load_repeat, read_results, search_all
     from driftform.reproduction.report import resimulate, results_document, results_markdown, write_figures
     from driftform.util.files import make_directory, write_text
     from driftform.util.progress import count_progress
@@ -51,17 +51,9 @@ def reproduce(
             open_executor(first, executor, scheduler, workers) as place,
             count_progress("flights") as progress,
         ):
-            total, done = sum(study.evaluations for study in studies.values()), 0
-            for key, study in studies.items():
-
-                def on_record(_: object) -> None:
-                    nonlocal done
-                    done += 1
-                    progress(done, total)
-
-                carry_out(runs[key], study, place, on_record)
+            search_all({runs[key]: study for key, study in studies.items()}, place, progress)
     except KeyboardInterrupt:
-        typer.echo(f"stopped; the same command goes on: driftform reproduce --out {out}", err=True)
+        typer.echo(f"stopped; the same command continues: driftform reproduce --out {out}", err=True)
         raise typer.Exit(130) from None
     found = {s: read_results(s, [(n, runs[s, n]) for n in seeds]) for s in STRATEGIES}
     again = resimulate(first, found["paper"])

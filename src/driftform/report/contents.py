@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,11 +16,11 @@ from driftform.figures.strip import Strip, strip_svg
 from driftform.figures.style import SERIES
 from driftform.figures.trend import Trend, trend_svg
 from driftform.runs.agent_file import StoredAgent
-from driftform.runs.directory import check_run, find_best_agent
-from driftform.runs.finalists import find_winner
+from driftform.runs.finalists import find_best_agent, find_winner
+from driftform.runs.run import Run
 from driftform.runs.store import Store
 from driftform.scenario import Scenario
-from driftform.study import Document, Study, load_study
+from driftform.study import Study
 from driftform.trajectory.coverage import PipeGrid, map_coverage
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.trajectory.path import closest_approach
@@ -79,19 +78,18 @@ class Contents:
         return self.study.scenario
 
 
-def collect_contents(directory: Path) -> Contents:
+def collect_contents(run: Run) -> Contents:
     """Read a run, finished or not.
 
     Raises
     ------
     InputError
-        where the directory holds no run, or a damaged one.
+        if the run is damaged.
     WorkFailedError
-        where no evaluation succeeded yet.
+        if no evaluation succeeded yet.
     """
-    database = check_run(directory)
-    with Store.open(database, read_only=True) as store:
-        study = load_study(Document(str(database), store.read_study()))
+    study = run.study
+    with run.read() as store:
         targets = study.scenario.target_names
         pipeline = study.make_pipeline()
         entries = []
@@ -99,7 +97,7 @@ def collect_contents(directory: Path) -> Contents:
             stored = find_best_agent(study, store, target)
             if stored is None:
                 raise WorkFailedError(
-                    f"{directory}: has no evaluation that did not fail; there is nothing to report"
+                    f"{run.path}: has no evaluation that did not fail; there is nothing to report"
                 )
             index = stored.result["evaluation"]
             flight = store.read_record(index, targets).evaluation.trajectory
@@ -136,7 +134,7 @@ def collect_contents(directory: Path) -> Contents:
             told = f"{len(strips[0].errors)} flights of each best agent, each a little different from what was planned"
             figures["Robustness"] = strip_svg(strips, "Under disturbed conditions", told)
         return Contents(
-            directory.resolve().name,
+            run.name,
             study,
             store.count(),
             store.count_failed(),

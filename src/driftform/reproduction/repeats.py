@@ -3,21 +3,18 @@
 Each repeat is a run of its own, in a directory of its own, so that what is interrupted goes on where it stopped.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import tomli_w
 
 from driftform.execution import Executor
 from driftform.pipeline import Pipeline
-from driftform.runs.directory import DATABASE, check_run, lock_run, write_inputs
-from driftform.runs.search import run_search
-from driftform.runs.store import Record, Store
+from driftform.runs.run import Observer, Run
+from driftform.runs.store import Record
 from driftform.scenario import Scenario, TurbulentFlow
-from driftform.study import Document, Study, load_study
+from driftform.study import Study, load_study
 from driftform.types import FloatArray, Genome, Trajectory
 
 STRATEGIES = ("paper", "random")
@@ -72,37 +69,34 @@ def load_repeat(
     )
 
 
-def carry_out(directory: Path, study: Study, executor: Executor, on_record: Callable[[Record], None]) -> None:
-    """Run one repeat in its directory, or what is left of it.
+def search_all(
+    studies: Mapping[Path, Study], executor: Executor, progress: Callable[[int, int], None]
+) -> None:
+    """Run every repeat in its directory, or continue it.
+
+    ``progress`` is called with the number of flights that are done, and of all.
 
     Raises
     ------
     InputError
-        where the directory holds a run of another study, or another process works on it.
+        if a directory holds a run of another study, or another process works on it.
     """
-    directory.mkdir(parents=True, exist_ok=True)
-    with lock_run(directory):
-        if not (directory / DATABASE).is_file():
-            write_inputs(directory, study, tomli_w.dumps(dict(study.document)))
-            Store.create(directory / DATABASE, dict(study.document)).close()
-        with Store.open(directory / DATABASE) as store:
-            stored = load_study(Document(str(directory / DATABASE), store.read_study()))
-            _check_same(directory, study, stored)
-            run_search(study, store, executor, on_record)
+    total, before = sum(study.evaluations for study in studies.values()), 0
+    for directory, study in studies.items():
+        with Run.ensure(directory, study) as run:
+            run.search(executor, _Counter(progress, before, total))
+        before += study.evaluations
 
 
-def _check_same(directory: Path, study: Study, stored: Study) -> None:
-    from driftform.errors import InputError
+class _Counter(Observer):
+    """Counts the flights of all repeats."""
 
-    if study.document != stored.document:
-        differing = sorted(
-            key
-            for key in {*study.document, *stored.document}
-            if study.document.get(key) != stored.document.get(key)
-        )
-        raise InputError(
-            f"{directory}: holds a run with other settings ({', '.join(differing)}); choose another --out"
-        )
+    def __init__(self, progress: Callable[[int, int], None], before: int, total: int) -> None:
+        self._progress, self._done, self._total = progress, before, total
+
+    def record(self, record: Record) -> None:
+        self._done += 1
+        self._progress(self._done, self._total)
 
 
 def read_results(strategy: str, runs: Sequence[tuple[int, Path]]) -> Search:
@@ -114,16 +108,17 @@ def read_results(strategy: str, runs: Sequence[tuple[int, Path]]) -> Search:
     rows, shared, failed = [], [], 0
     best: dict[int, tuple[float, Genome, int, int]] = {}
     for seed, directory in runs:
-        with _opened(directory) as (study, store):
-            targets = study.scenario.target_names
-            briefs = list(store.read_summaries(targets))
+        run = Run.open(directory)
+        with run.read() as store:
+            targets = run.study.scenario.target_names
+            summaries = list(store.read_summaries(targets))
             failed += store.count_failed()
-            shared.append(np.array([brief.fitness for brief in briefs]).max(axis=0))
+            shared.append(np.array([summary.fitness for summary in summaries]).max(axis=0))
             row = []
             for number, target in enumerate(targets):
-                own = [brief for brief in briefs if brief.population == target]
-                own = (own or briefs[number * PER_TARGET :])[:PER_TARGET]
-                fitness = np.array([brief.fitness[number] for brief in own])
+                own = [summary for summary in summaries if summary.population == target]
+                own = (own or summaries[number * PER_TARGET :])[:PER_TARGET]
+                fitness = np.array([summary.fitness[number] for summary in own])
                 row.append(np.maximum.accumulate(fitness))
                 top = int(np.argmax(fitness))
                 if number not in best or fitness[top] > best[number][0]:
@@ -132,13 +127,6 @@ def read_results(strategy: str, runs: Sequence[tuple[int, Path]]) -> Search:
         rows.append(row)
     ordered = tuple(best[number][1:] for number in sorted(best))
     return Search(strategy, np.array(rows), ordered, np.array(shared), failed)
-
-
-@contextmanager
-def _opened(directory: Path) -> Iterator[tuple[Study, Store]]:
-    database = check_run(directory)
-    with Store.open(database, read_only=True) as store:
-        yield load_study(Document(str(database), store.read_study())), store
 
 
 @dataclass(frozen=True, eq=False)

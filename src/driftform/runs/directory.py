@@ -4,7 +4,6 @@
 seed), ``run.db``, ``best/<target>/`` and ``figures/``.
 """
 
-import csv
 import json
 import platform
 import sys
@@ -22,16 +21,14 @@ from filelock import FileLock, Timeout
 from driftform import __version__
 from driftform.errors import InputError
 from driftform.registry import registry
-from driftform.runs.agent_file import StoredAgent
-from driftform.runs.finalists import find_winner
-from driftform.runs.store import Store
 from driftform.study import Study
-from driftform.tables.columns import FLIGHT_COLUMNS
-from driftform.types import Trajectory
-from driftform.util.files import write_text, write_whole
+from driftform.util.files import write_text
 
 DATABASE = "run.db"
 """Name of the file with all that a run has found."""
+
+INPUTS = ("study.toml", "resolved.toml", "environment.json")
+"""Names of the files with what a run was started with."""
 
 _LOCK = ".lock"
 LOCK_TIMEOUT_S = 0.2
@@ -94,6 +91,8 @@ def is_worked_on(directory: Path) -> bool:
 def check_new(directory: Path) -> None:
     """Refuse a directory that holds a run, or anything else that a run could spoil.
 
+    A directory with no more than the inputs of a run that never began, such as one killed in its first moment, is new.
+
     Raises
     ------
     InputError
@@ -101,12 +100,13 @@ def check_new(directory: Path) -> None:
     """
     if (directory / DATABASE).exists():
         raise InputError(
-            f"{directory} already holds a run: choose another --out, or go on with it by: "
-            f"{resume_command(directory)}"
+            f"{directory} already holds a run: choose another --out, or resume it with: {resume_command(directory)}"
         )
     if directory.exists() and not directory.is_dir():
         raise InputError(f"{directory} is a file; choose another --out")
-    if directory.is_dir() and any(entry.name != _LOCK for entry in directory.iterdir()):
+    names = {entry.name for entry in directory.iterdir()} if directory.is_dir() else set()
+    never_began = _LOCK in names and names <= {_LOCK, *INPUTS}
+    if names - {_LOCK} and not never_began:
         raise InputError(f"{directory} is not empty; choose another --out")
 
 
@@ -126,32 +126,9 @@ def check_run(directory: Path) -> Path:
     return directory / DATABASE
 
 
-def find_best_agent(study: Study, store: Store, target: str) -> StoredAgent | None:
-    """The best agent of a run for a target, named after it; ``None`` where no evaluation is sound yet.
-
-    Where finalists were flown under disturbed conditions it is the one that won then.
-    """
-    best, last_round = store.find_best(target), find_winner(study, store, target)
-    if best is None:
-        return None
-    index, fitness = best
-    record = store.read_record(index if last_round is None else last_round.index, study.scenario.target_names)
-    result: dict[str, Any] = {
-        "target": target,
-        "fitness": fitness,
-        "error_percent": 100 - fitness,
-        "evaluation": index,
-    }
-    if last_round is not None:
-        fitness = float(record.evaluation.fitness[study.scenario.target_names.index(target)])
-        result |= {"fitness": fitness, "error_percent": 100 - fitness, "evaluation": last_round.index}
-        result["robust"] = last_round.document()
-    return StoredAgent(target, record.candidate.genome, study.environment(record.index), result)
-
-
-def write_inputs(directory: Path, study: Study, source: str) -> None:
-    """Write what the run was started with."""
-    write_text(directory / "study.toml", source)
+def write_inputs(directory: Path, study: Study) -> None:
+    """Write what the run was started with: the study as given and as resolved, versions, plugins and seed."""
+    write_text(directory / "study.toml", study.given or tomli_w.dumps(dict(study.document)))
     write_resolved(directory, study.document)
     plugins = [
         {"seam": row.seam, "name": row.name, "distribution": row.distribution, "version": row.version}
@@ -175,21 +152,6 @@ def write_resolved(directory: Path, document: Mapping[str, Any]) -> None:
     path, text = directory / "resolved.toml", tomli_w.dumps(dict(document))
     if not path.is_file() or path.read_text(encoding="utf-8") != text:
         write_text(path, text)
-
-
-def write_trajectory(path: Path, trajectory: Trajectory) -> None:
-    """Write a flight as CSV: SI units, quaternion body to world, velocity in the body frame."""
-
-    def write(part: Path) -> None:
-        with part.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(FLIGHT_COLUMNS)
-            rows = zip(
-                trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, strict=True
-            )
-            writer.writerows([f"{v:.7g}" for v in (t, *p, *q, *u)] for t, p, q, u in rows)
-
-    write_whole(path, write)
 
 
 def _version(name: str) -> str:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from driftform.execution import Executor, Job
+from driftform.runs.agent_file import StoredAgent
 from driftform.runs.store import DisturbedResult, Store
 from driftform.scenario import evaluation_seed
 from driftform.scenario.disturbances import choose_finalists, measure_spread, robust_fitness
@@ -87,3 +88,26 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
         if found is None or fitness > found.fitness:
             found = Winner(index, fitness, flights, failed)
     return found
+
+
+def find_best_agent(study: Study, store: Store, target: str) -> StoredAgent | None:
+    """The best agent of a run for a target, named after it; ``None`` where no evaluation is sound yet.
+
+    Where finalists were flown under disturbed conditions it is the one that won then.
+    """
+    best, last_round = store.find_best(target), find_winner(study, store, target)
+    if best is None:
+        return None
+    index, fitness = best
+    record = store.read_record(index if last_round is None else last_round.index, study.scenario.target_names)
+    result: dict[str, Any] = {
+        "target": target,
+        "fitness": fitness,
+        "error_percent": 100 - fitness,
+        "evaluation": index,
+    }
+    if last_round is not None:
+        fitness = float(record.evaluation.fitness[study.scenario.target_names.index(target)])
+        result |= {"fitness": fitness, "error_percent": 100 - fitness, "evaluation": last_round.index}
+        result["robust"] = last_round.document()
+    return StoredAgent(target, record.candidate.genome, study.environment(record.index), result)

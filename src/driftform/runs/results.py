@@ -14,9 +14,10 @@ from driftform.figures.reach import reach_svg
 from driftform.figures.section import section_svg
 from driftform.interfaces import ExportJob
 from driftform.runs.agent_file import agent_document, write_agent
-from driftform.runs.directory import find_best_agent, write_trajectory
+from driftform.runs.finalists import find_best_agent
 from driftform.runs.store import Store
 from driftform.study import Study
+from driftform.tables.files import write_trajectory
 from driftform.trajectory.coverage import PipeGrid, map_coverage
 from driftform.trajectory.path import closest_approach
 from driftform.util.files import write_text
@@ -62,8 +63,8 @@ class Best:
         return 100 - self.fitness
 
 
-def write_best(directory: Path, study: Study, store: Store) -> tuple[list[Best], Path]:
-    """Write ``best/<target>/`` for every target, and the overview; return what there is.
+def write_best(directory: Path, study: Study, store: Store) -> list[Best]:
+    """Write ``best/<target>/`` for every target, and the overview; return the best agents.
 
     Raises
     ------
@@ -119,7 +120,7 @@ def write_best(directory: Path, study: Study, store: Store) -> tuple[list[Best],
         flights.append(GalleryEntry(target, agent, flight, results[-1].error_percent))
     overview = directory / "figures" / "overview.svg"
     write_text(overview, overview_svg(flights, study.scenario, str(study.document.get("title", ""))))
-    return results, overview
+    return results
 
 
 def write_reach(directory: Path, study: Study, store: Store) -> Path:

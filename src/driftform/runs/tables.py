@@ -6,24 +6,136 @@ Both have the column ``evaluation``, by which they are joined. SI units; frames 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from driftform import __version__
+from driftform.errors import InputError, did_you_mean
 from driftform.geometry import mass_properties
 from driftform.interfaces import Grammar, PhenotypeBuilder
-from driftform.runs.store import Record
+from driftform.runs.run import Run
+from driftform.runs.store import Record, Store
 from driftform.scenario import Fluid
 from driftform.study import Study
-from driftform.tables.columns import BODY_COLUMNS, FLIGHT_COLUMNS, Batch, Column, evaluation_columns
+from driftform.tables.columns import (
+    BODY_COLUMNS,
+    FLIGHT_COLUMNS,
+    SAMPLE_COLUMNS,
+    Batch,
+    Column,
+    evaluation_columns,
+)
+from driftform.tables.files import FORMATS, check_format
 from driftform.types import Genome
+from driftform.util.files import write_together
+from driftform.util.progress import count_progress
+
+FOLDER = "data"
+"""The folder of a run that its tables are written to where no other is named."""
+
+COLUMNS = "columns.json"
+"""The file with unit and meaning of each column."""
+
+CHUNK = 64
+"""Evaluations that are read at a time: no writer has to wait for a reader, and logs stay short."""
 
 ROWS = 4096
 """Most evaluations in a batch."""
 
 SAMPLES = 200_000
 """A batch of samples is complete with the flight that reaches so many."""
+
+
+def write_tables(
+    run: Run, folder: Path | None = None, format: str = "csv", trajectories: bool = False
+) -> dict[str, int]:
+    """Write a run as tables for data frames, and return the number of rows of each.
+
+    Parameters
+    ----------
+    run
+        finished or not; what is stored at the beginning is written.
+    folder
+        for the files; ``None`` for ``data`` in the run, whose older tables are replaced.
+    format
+        ``"csv"`` or ``"parquet"``, which needs pyarrow.
+    trajectories
+        whether the samples of all flights are written too, hundreds for each.
+
+    Raises
+    ------
+    InputError
+        if there is no such format, or the folder is not empty.
+    WorkFailedError
+        if pyarrow is missing.
+    """
+    check_output(format, folder)
+    target = folder or run.path / FOLDER
+    older = {f"{table}.{suffix}" for table in ("evaluations", "trajectories") for suffix in FORMATS}
+    with run.read(check=True) as store, write_together(target, older) as part:
+        return _write(part, run.study, store, format, trajectories)
+
+
+def check_output(format: str, folder: Path | None = None) -> None:
+    """Refuse tables that cannot be written, before anything is read.
+
+    Raises
+    ------
+    InputError
+        if there is no such format, or the folder is not empty.
+    WorkFailedError
+        if pyarrow is missing.
+    """
+    if format not in FORMATS:
+        raise InputError(f"--format {format}: no such format of tables{did_you_mean(format, FORMATS)}")
+    check_format(format)
+    if folder is not None and folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder} is a file; choose another --out")
+    if folder is not None and folder.is_dir() and any(folder.iterdir()):
+        raise InputError(f"{folder} is not an empty directory; choose another --out")
+
+
+def _write(part: Path, study: Study, store: Store, format: str, trajectories: bool) -> dict[str, int]:
+    """Write the tables and the meaning of their columns into a directory; return how many rows each has."""
+    targets = study.scenario.target_names
+    tables: dict[str, Sequence[Column]] = {"evaluations": evaluation_columns(targets)}
+    write, rows, seen = FORMATS[format], {}, set[int]()
+
+    def note(records: Iterable[Record]) -> Iterator[Record]:
+        for record in records:
+            seen.add(record.index)
+            yield record
+
+    with count_progress("evaluations") as progress:
+        records = _count(note(_read_in_chunks(store, targets)), progress, store.count())
+        path = part / f"evaluations.{format}"
+        rows["evaluations"] = write(path, tables["evaluations"], evaluation_batches(study, records))
+    if trajectories:
+        tables["trajectories"] = SAMPLE_COLUMNS
+        with count_progress("flights") as progress:
+            # What has been stored since has no row among the evaluations.
+            known = (record for record in _read_in_chunks(store, targets) if record.index in seen)
+            path = part / f"trajectories.{format}"
+            batches = sample_batches(_count(known, progress, len(seen)))
+            rows["trajectories"] = write(path, SAMPLE_COLUMNS, batches)
+    facts = {"driftform": __version__, "seed": study.seed}
+    (part / COLUMNS).write_text(describe_tables(tables, facts), encoding="utf-8")
+    return rows
+
+
+def _read_in_chunks(store: Store, targets: tuple[str, ...]) -> Iterator[Record]:
+    for first in range(0, store.last_index() + 1, CHUNK):
+        yield from list(store.read_records(targets, first, CHUNK))
+
+
+def _count(records: Iterable[Record], progress: Callable[[int, int], None], total: int) -> Iterator[Record]:
+    for number, record in enumerate(records, start=1):
+        yield record
+        # More may have been stored meanwhile.
+        progress(number, max(number, total))
 
 
 def evaluation_batches(study: Study, records: Iterable[Record]) -> Iterator[Batch]:
@@ -72,7 +184,7 @@ def _body_facts(
     except Exception:
         # A genome without a body is a failure of the run, recorded with its reason, and none of its table.
         return (None,) * len(BODY_COLUMNS)
-    net = (fluid.density * mass.volume - mass.mass) * fluid.gravity
+    net = mass.net_buoyancy(fluid)
     return (len(morphology.modules), body.length, body.max_diameter, mass.mass, mass.volume, net)
 
 

@@ -24,13 +24,14 @@ SCENARIOS = "driftform.scenarios"
 
 @dataclass(frozen=True)
 class Source:
-    """One source of keys: a file, or an option of the command line; ``label`` names it in errors."""
+    """One source of keys: a file, of which ``text`` is the content, or an option; ``label`` names it in errors."""
 
     label: str
     data: Mapping[str, Any]
     lines: Mapping[KeyPath, int] = field(default_factory=dict)
     is_option: bool = False
     replaces: Sequence[str] = REPLACED
+    text: str = ""
 
     def holds(self, path: KeyPath) -> bool:
         """True where the layer has the key."""
@@ -110,7 +111,7 @@ def read_sources(source: str, above: tuple[str, ...] = (), named_by: str = "") -
         raise InputError(f"{label}: is not valid TOML: nested too deeply") from None
     except ValueError as error:
         raise InputError(f"{label}: is not valid TOML: {error}") from None
-    layer = Source(label, data, find_key_lines(text))
+    layer = Source(label, data, find_key_lines(text), text=text)
     base = data.get("base")
     if base is None:
         return [layer]

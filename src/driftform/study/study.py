@@ -8,7 +8,7 @@ another file, or from a built-in scenario, and says only what differs. Built-in 
 
 import secrets
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -60,11 +60,17 @@ class Study:
         the environment.
     run
         seed (never ``None`` here), budget (``None`` only without a strategy) and formats.
+    name
+        the file, built-in scenario or document that it was loaded from.
+    given
+        the text of that file; empty for a document.
     """
 
     document: Mapping[str, Any]
     scenario: Scenario
     run: RunOptions
+    name: str = ""
+    given: str = ""
 
     @property
     def seed(self) -> int:
@@ -182,9 +188,12 @@ def load_study(
         one line for each thing that is wrong: file, line, key, value, and the next step.
     """
     if isinstance(source, Document):
-        layers = [Source(source.label, source.data)]
+        label = source.label
+        layers = [Source(label, source.data)]
     else:
-        layers = read_sources(DEFAULT if source is None else source)
+        label = DEFAULT if source is None else source
+        layers = read_sources(label)
+    given = layers[-1].text
     for seam, name in (use or {}).items():
         if name is not None:
             layers.append(Source(f"--{seam}", {seam: {"use": name}}, is_option=True))
@@ -197,7 +206,7 @@ def load_study(
         document = merge(document, layer.data, layer.replaces)
     # A document may come from an agent file: what is there to fly needs no strategy.
     required = [seam for seam in SELECTED if seam != "strategy" or not isinstance(source, Document)]
-    return _check(document, layers, targets, required)
+    return replace(_check(document, layers, targets, required), name=label, given=given)
 
 
 def _check(

@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 
 from driftform.errors import WorkFailedError
-from driftform.tables.columns import Batch, Column
+from driftform.tables.columns import FLIGHT_COLUMNS, Batch, Column
+from driftform.types import Trajectory
+from driftform.util.files import write_whole
 
 Write = Callable[[Path, Sequence[Column], Iterable[Batch]], int]
 """Writes a table to a path, and returns how many rows it has."""
@@ -81,3 +83,18 @@ def check_format(name: str) -> None:
         raise WorkFailedError(
             "parquet files need the package pyarrow: pip install 'driftform[parquet]', or choose --format csv"
         )
+
+
+def write_trajectory(path: Path, trajectory: Trajectory) -> None:
+    """Write a flight as CSV: SI units, quaternion body to world, velocity in the body frame."""
+
+    def write(part: Path) -> None:
+        with part.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(FLIGHT_COLUMNS)
+            rows = zip(
+                trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, strict=True
+            )
+            writer.writerows([f"{v:.7g}" for v in (t, *p, *q, *u)] for t, p, q, u in rows)
+
+    write_whole(path, write)

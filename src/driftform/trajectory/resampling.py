@@ -5,9 +5,25 @@ from dataclasses import replace
 import numpy as np
 
 from driftform.dynamics.rotations import matrix_from_quaternion
+from driftform.errors import InputError
 from driftform.trajectory.interpolation import interpolate_positions, interpolate_turns, locate_stretches
 from driftform.trajectory.path import hermite_coefficients, world_velocity
 from driftform.types import FloatArray, Trajectory
+
+MAX_RATE_HZ = 10_000.0
+"""Highest rate of samples, 1/s: a flight of 20 s then has two hundred thousand of them."""
+
+
+def check_rate(rate_hz: float) -> None:
+    """Refuse a rate of samples (1/s) that is out of range; 0 stands for the samples of the simulator.
+
+    Raises
+    ------
+    InputError
+        with the range.
+    """
+    if not 0 <= rate_hz <= MAX_RATE_HZ:
+        raise InputError(f"--rate-hz {rate_hz:g}: should be from 0 to {MAX_RATE_HZ:g}")
 
 
 def even_times(duration: float, step: float) -> FloatArray:

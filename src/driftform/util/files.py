@@ -46,6 +46,22 @@ def make_directory(path: Path, option: str = "--out") -> Path:
     return path
 
 
+def check_directory(path: Path, option: str = "--out") -> Path:
+    """Refuse what :func:`make_directory` could not make, without making it, before work that takes time; return it.
+
+    Raises
+    ------
+    InputError
+        if the path, or one above it, is a file or cannot be written to.
+    """
+    existing = next((p for p in (path, *path.absolute().parents) if p.exists()), path)
+    if not existing.is_dir():
+        raise InputError(f"{path}: cannot be made a directory: {existing} is a file; choose another {option}")
+    if not os.access(existing, os.W_OK | os.X_OK):
+        raise InputError(f"{path}: cannot be written to; choose another {option}")
+    return path
+
+
 def safe_stem(name: str) -> str:
     """A name that came with a file, fit for the name of a file: it cannot lead out of a directory.
 

@@ -1,0 +1,98 @@
+"""What ``evolve`` and ``resume`` share: advance a run, and print what it found."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+if TYPE_CHECKING:
+    from driftform.execution import Executor
+    from driftform.runs.results import Best
+    from driftform.runs.run import Run
+
+
+def advance_run(run: "Run", executor: "Executor", json: bool) -> None:
+    """Advance a run to the end of its budget and print its results; say how to resume it if it is interrupted."""
+    import time
+
+    from driftform.cli.output import print_json
+    from driftform.cli.progress import Progress
+    from driftform.errors import WorkFailedError
+    from driftform.execution import WorkersLostError
+
+    started = time.perf_counter()
+    try:
+        results = run.advance(executor, Progress(run))
+    except KeyboardInterrupt:
+        typer.echo(_describe_stop(run), err=True)
+        raise typer.Exit(130) from None
+    except WorkersLostError as error:
+        raise WorkersLostError(f"{error}; {_describe_stop(run)}") from None
+    seconds = time.perf_counter() - started
+    overview, reach = (run.path / "figures" / f"{name}.svg" for name in ("overview", "reach"))
+    if json:
+        evaluations, failed = run.count()
+        print_json(
+            {
+                "run": str(run.path),
+                "seed": run.study.seed,
+                "evaluations": evaluations,
+                "failed": failed,
+                "seconds": seconds,
+                "targets": {
+                    best.target: {
+                        "fitness": best.fitness,
+                        "error_percent": best.error_percent,
+                        "distance": best.distance,
+                        "robust": best.robust,
+                        "agent": str(best.agent),
+                        "files": [str(path) for path in best.files],
+                    }
+                    for best in results
+                },
+                "overview": str(overview),
+                "reach": str(reach),
+            }
+        )
+    else:
+        _print_results(run, results, (overview, reach), seconds)
+    problems = [problem for best in results for problem in best.problems]
+    if problems:
+        raise WorkFailedError(*problems)
+
+
+def _describe_stop(run: "Run") -> str:
+    evaluations, _ = run.count()
+    return (
+        f"stopped after {evaluations} of {run.study.evaluations} evaluations; "
+        f"resume with: {run.resume_command}"
+    )
+
+
+def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path], seconds: float) -> None:
+    from driftform.cli.output import print_table
+
+    has_spread = any(best.robust for best in results)
+    spread = ("disturbed: mean", "worst") if has_spread else ()
+    print_table(
+        ("target", "x m", "y m", "z m", "fitness %", "error % of d_max", *spread, "closest mm", "agent"),
+        (
+            (
+                best.target,
+                *(f"{c:g}" for c in run.study.scenario.targets[best.target]),
+                f"{best.fitness:.3f}",
+                f"{best.error_percent:.3f}",
+                *(f"{100 - best.robust[key]:.3f}" for key in ("mean", "worst") if best.robust),
+                f"{1000 * best.distance:.1f}",
+                str(best.agent),
+            )
+            for best in results
+        ),
+        right=(1, 2, 3, 4, 5, 6, 7, 8) if has_spread else (1, 2, 3, 4, 5, 6),
+    )
+    names = ", ".join(path.name for path in results[0].files) if results else ""
+    evaluations, failed = run.count()
+    print(f"{evaluations} evaluations ({failed} failed) in {seconds:.1f} s, seed {run.study.seed}")
+    print(f"best agents: {run.path}/best/<target>/ ({names})")
+    print(f"pictures:    {', '.join(map(str, pictures))}")
+    print(f"run:         {run.path}/ (resolved.toml, environment.json, run.db)")

@@ -1,0 +1,260 @@
+"""A run: the one owner of its directory, its store and its lock, from the first evaluation to the best agents."""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from pathlib import Path
+from typing import Any, Self
+
+from driftform.errors import InputError
+from driftform.execution import Executor
+from driftform.runs.agent_file import StoredAgent
+from driftform.runs.directory import (
+    DATABASE,
+    check_new,
+    check_run,
+    lock_run,
+    resume_command,
+    write_inputs,
+    write_resolved,
+)
+from driftform.runs.finalists import find_best_agent, fly_finalists
+from driftform.runs.results import Best, write_best, write_reach
+from driftform.runs.search import run_search
+from driftform.runs.store import Record, Store
+from driftform.study import Document, Study, load_study
+from driftform.util.files import make_directory
+
+
+class Observer:
+    """Follows a run while it advances; each method does nothing unless it is overridden."""
+
+    def open_search(self, stored: int) -> AbstractContextManager[object]:
+        """Return what is entered around the search; ``stored`` evaluations were there before."""
+        return nullcontext()
+
+    def record(self, record: Record) -> None:
+        """Take one evaluation, stored or new."""
+
+    def generation(self, evaluations: int) -> None:
+        """Take the number of evaluations so far, after the strategy has received their outcomes."""
+
+    def open_finalists(self) -> AbstractContextManager[Callable[[int, int], None]]:
+        """Return a context that yields a function of the disturbed flights done, and of their total."""
+        return nullcontext(lambda _, __: None)
+
+
+class Run:
+    """A run on disk.
+
+    A run that is opened to be read opens its store for each question, so that it sees what another process has
+    written since. A run that is created or resumed holds the lock of its directory until its context ends.
+
+    Attributes
+    ----------
+    path
+        of its directory.
+    study
+        what is searched for: scenario, plugins and their options, seed and budget.
+    """
+
+    def __init__(self, path: Path, study: Study) -> None:
+        self.path = path
+        self.study = study
+
+    @classmethod
+    def open(cls, directory: Path, *, check: bool = True) -> Self:
+        """Open a run to read it, finished or not.
+
+        Without ``check`` the database is not searched for damage first; damage is then reported where it is read.
+
+        Raises
+        ------
+        InputError
+            if the directory is not a run, or its study cannot be carried out here.
+        """
+        return cls._load(directory, check=check)
+
+    @classmethod
+    @contextmanager
+    def create(cls, directory: Path, study: Study) -> Iterator[Self]:
+        """Begin a run in a new or empty directory, and hold its lock.
+
+        Raises
+        ------
+        InputError
+            if the study has no targets, or the directory holds something else.
+        """
+        check_targets(study)
+        check_new(directory)
+        make_directory(directory)
+        with lock_run(directory):
+            # Another process may have been quicker.
+            check_new(directory)
+            yield cls._begin(directory, study)
+
+    @classmethod
+    @contextmanager
+    def resume(cls, directory: Path, evaluations: int | None = None) -> Iterator[Self]:
+        """Open a run to continue it, with a larger budget if ``evaluations`` is given, and hold its lock.
+
+        Nothing is written before the run advances.
+
+        Raises
+        ------
+        InputError
+            if the directory is not a run, another process works on it, or it holds more evaluations already.
+        """
+        check_run(directory)
+        with lock_run(directory):
+            run = cls._load(directory, evaluations)
+            if evaluations is not None:
+                run._check_budget(evaluations)
+            yield run
+
+    @classmethod
+    @contextmanager
+    def ensure(cls, directory: Path, study: Study) -> Iterator[Self]:
+        """Begin a run of this study, or continue the one that the directory holds, and hold its lock.
+
+        Raises
+        ------
+        InputError
+            if the directory holds a run of another study, or another process works on it.
+        """
+        if not (directory / DATABASE).is_file():
+            check_new(directory)
+        make_directory(directory)
+        with lock_run(directory):
+            if (directory / DATABASE).is_file():
+                run = cls._load(directory)
+                run._check_same(study)
+            else:
+                run = cls._begin(directory, study)
+            yield run
+
+    @classmethod
+    def _load(cls, directory: Path, evaluations: int | None = None, *, check: bool = True) -> Self:
+        database = check_run(directory)
+        with Store.open(database, read_only=True, check=check) as store:
+            document = Document(str(database), store.read_study())
+        return cls(directory, load_study(document, run={"evaluations": evaluations}))
+
+    @classmethod
+    def _begin(cls, directory: Path, study: Study) -> Self:
+        write_inputs(directory, study)
+        Store.create(directory / DATABASE, dict(study.document)).close()
+        return cls(directory, study)
+
+    def _check_budget(self, evaluations: int) -> None:
+        with self.read() as store:
+            # Evaluations are stored as they come: there may be gaps below the last of them.
+            least = store.last_index() + 1
+        if evaluations < least:
+            raise InputError(
+                f"--evaluations {evaluations} is less than {self.path} holds already; give at least {least}"
+            )
+
+    def _check_same(self, study: Study) -> None:
+        wanted, stored = study.document, self.study.document
+        if wanted != stored:
+            differing = sorted(key for key in {*wanted, *stored} if wanted.get(key) != stored.get(key))
+            raise InputError(
+                f"{self.path}: holds a run with other settings ({', '.join(differing)}); choose another --out"
+            )
+
+    @property
+    def name(self) -> str:
+        """The name of its directory."""
+        return self.path.resolve().name
+
+    @property
+    def resume_command(self) -> str:
+        """The command that continues it."""
+        return resume_command(self.path)
+
+    def read(self, *, check: bool = False) -> Store:
+        """Open its store for reading; a context manager that closes it."""
+        return Store.open(self.path / DATABASE, read_only=True, check=check)
+
+    @contextmanager
+    def _write(self) -> Iterator[Store]:
+        """Open its store for writing, with the study's budget in it."""
+        with Store.open(self.path / DATABASE, check=False) as store:
+            document = store.read_study()
+            table = document.get("run", {})
+            if table.get("evaluations") != self.study.evaluations:
+                document = {**document, "run": {**table, "evaluations": self.study.evaluations}}
+                store.replace_study(document)
+            # The database decides: an interruption before this line is repaired by the next call.
+            write_resolved(self.path, document)
+            yield store
+
+    def search(self, executor: Executor, observer: Observer | None = None) -> None:
+        """Ask, evaluate and store until the budget is spent; requires the lock.
+
+        Raises
+        ------
+        InputError
+            if the stored evaluations are not those that the study asks for.
+        """
+        with self._write() as store:
+            self._search(store, executor, observer or Observer())
+
+    def advance(self, executor: Executor, observer: Observer | None = None) -> list[Best]:
+        """Search to the end of the budget, fly the finalists, and write best agents and maps; requires the lock.
+
+        Raises
+        ------
+        InputError
+            if the stored evaluations are not those that the study asks for.
+        WorkFailedError
+            if every evaluation failed.
+        """
+        observer = observer or Observer()
+        with self._write() as store:
+            self._search(store, executor, observer)
+            with observer.open_finalists() as progress:
+                fly_finalists(self.study, store, executor, progress)
+            results = write_best(self.path, self.study, store)
+            write_reach(self.path, self.study, store)
+        return results
+
+    def _search(self, store: Store, executor: Executor, observer: Observer) -> None:
+        with observer.open_search(store.count()):
+            run_search(self.study, store, executor, observer.record, observer.generation)
+
+    def find_best(self, target: str) -> StoredAgent | None:
+        """Return the best agent for a target, ``None`` while every evaluation has failed."""
+        with self.read() as store:
+            return find_best_agent(self.study, store, target)
+
+    def best(self) -> Mapping[str, Mapping[str, Any]]:
+        """Return the result of the best agent of each target: fitness (%), error (% of d_max), evaluation."""
+        with self.read() as store:
+            found = {
+                target: find_best_agent(self.study, store, target) for target in self.study.scenario.targets
+            }
+        return {target: stored.result for target, stored in found.items() if stored is not None}
+
+    def count(self) -> tuple[int, int]:
+        """Return the number of evaluations stored, and how many of them failed."""
+        with self.read() as store:
+            return store.count(), store.count_failed()
+
+    def refuse_unsound(self) -> InputError:
+        """Return the error for what needs an evaluation that did not fail, while there is none."""
+        return InputError(
+            f"{self.path} has no evaluation yet that did not fail; wait, or resume it with: {self.resume_command}"
+        )
+
+
+def check_targets(study: Study) -> None:
+    """Refuse a study without targets.
+
+    Raises
+    ------
+    InputError
+        with the line to add.
+    """
+    if not study.scenario.targets:
+        raise InputError(f"{study.name}: has no [targets]; add at least one, such as leak = [4.0, 0.0, -0.9]")
