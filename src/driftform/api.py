@@ -29,7 +29,7 @@ from driftform.runs.tables import evaluation_batches
 from driftform.scenario import Scenario
 from driftform.study import Document, Study, load_study
 from driftform.tables.columns import FLIGHT_COLUMNS
-from driftform.trajectory.path import closest_approach
+from driftform.trajectory.approach import closest_approach
 from driftform.types import Agent, Coefficients, End, FloatArray, MassProperties, Trajectory
 from driftform.util.files import make_directory
 from driftform.util.notebook import show_picture, show_table

@@ -12,11 +12,11 @@ import pytest
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from driftform.dynamics.flight import SAMPLE, finish_trajectory, has_left, release_state
-from driftform.dynamics.integrator import Accuracy, integrate, slope
+from driftform.dynamics.flight import SAMPLE, finish_trajectory, has_left_pipe, release_state
+from driftform.dynamics.integrator import Accuracy, fill_rate_in_space, integrate
 from driftform.dynamics.model import flight_model, pack, unpack
 from driftform.study import load_study
-from driftform.testing.simulator import apart, positions_at
+from driftform.testing.simulator import largest_distance, positions_at
 
 pytestmark = pytest.mark.slow
 
@@ -31,7 +31,7 @@ TOLERANCE = 1e-6
 @njit
 def rate(t, y, values):
     out = np.empty(SAMPLE - 1)
-    slope(t, y, unpack(values), out)
+    fill_rate_in_space(t, y, unpack(values), out)
     return out
 
 
@@ -71,14 +71,14 @@ class Course:
         if flight.t[-1] < self.exact.t[-1] - 0.1:
             return math.inf
         times = np.arange(0, min(flight.t[-1], self.exact.t[-1]), 0.01)
-        return apart(positions_at(flight, times), positions_at(self.exact, times))
+        return largest_distance(positions_at(flight, times), positions_at(self.exact, times))
 
     def by_runge_kutta(self):
         return runge_kutta(self.values, self.start, self.exact.t[-1], STEPS)
 
     def by_scipy(self):
         def outlet(_, y):
-            return -1.0 if has_left((y[0], y[1], y[2]), self.model.pipe) else 1.0
+            return -1.0 if has_left_pipe((y[0], y[1], y[2]), self.model.pipe) else 1.0
 
         outlet.terminal = True
         solution = solve_ivp(

@@ -7,7 +7,7 @@ from driftform.builtin.closest_approach import ClosestApproach
 from driftform.options import Table
 from driftform.scenario import Pipe, Scenario, Segment
 from driftform.testing import FitnessContract
-from driftform.testing.fitness import straight_flight
+from driftform.testing.fitness import straight_trajectory
 from driftform.types import End, Trajectory
 
 PIPE = Pipe(segments=(Segment(start=(0, 0, 0), end=(9, 0, 0), radius=1.0),))
@@ -39,7 +39,7 @@ def curved_flight(times: np.ndarray) -> Trajectory:
 
 
 def test_a_straight_path_that_passes_between_two_samples_has_its_closed_form():
-    flight = straight_flight((0, 0, 0), (9, 0, 0), np.array([0.0, 9.0]))
+    flight = straight_trajectory((0, 0, 0), (9, 0, 0), np.array([0.0, 9.0]))
     # The foot of the perpendicular is 2.3 m down the pipe, 0.5 m from the target; the farthest point of the pipe
     # is on the outlet's rim, right across the axis.
     expected = 100 * (1 - 0.5 / np.hypot(9 - 2.3, 0.5 + 1))
@@ -47,7 +47,7 @@ def test_a_straight_path_that_passes_between_two_samples_has_its_closed_form():
 
 
 def test_a_slanted_path_has_its_closed_form():
-    flight = straight_flight((0, 0, 0), (9, 0, 0.9), np.array([0.0, 1.0, 8.0, 9.0]))
+    flight = straight_trajectory((0, 0, 0), (9, 0, 0.9), np.array([0.0, 1.0, 8.0, 9.0]))
     target = np.array([4.0, 0.2, -0.3])
     direction = np.array([9.0, 0, 0.9]) / np.linalg.norm([9.0, 0, 0.9])
     distance = np.linalg.norm(np.cross(target, direction))
@@ -56,7 +56,7 @@ def test_a_slanted_path_has_its_closed_form():
 
 
 def test_before_the_start_and_past_the_end_the_ends_count():
-    flight = straight_flight((2, 0, 0), (5, 0, 0), np.linspace(0, 3, 7))
+    flight = straight_trajectory((2, 0, 0), (5, 0, 0), np.linspace(0, 3, 7))
     values = score(flight, (1.0, 0.0, 0.5), (6.0, 0.0, 0.5))
     farthest = np.array([np.hypot(8.0, 1.5), np.hypot(6.0, 1.5)])
     assert values == pytest.approx(100 * (1 - np.hypot(1.0, 0.5) / farthest), rel=1e-12)
@@ -118,7 +118,7 @@ def test_a_target_is_scored_the_same_alone_and_among_others():
 
 
 def test_the_same_target_is_scored_anew_in_another_pipe():
-    flight = straight_flight((0, 0, 0), (9, 0, 0), np.array([0.0, 9.0]))
+    flight = straight_trajectory((0, 0, 0), (9, 0, 0), np.array([0.0, 9.0]))
     for length in (9.0, 12.0, 9.0):
         pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=(length, 0, 0), radius=1.0),))
         expected = 100 * (1 - 0.5 / np.hypot(length - 2.3, 0.5 + 1))
@@ -126,6 +126,6 @@ def test_the_same_target_is_scored_anew_in_another_pipe():
 
 
 def test_a_flight_that_leaves_the_pipe_far_behind_has_no_fitness_and_not_less():
-    gone = straight_flight((0, 0, 0), (0, 100, 0), np.array([0.0, 1.0]))
+    gone = straight_trajectory((0, 0, 0), (0, 100, 0), np.array([0.0, 1.0]))
     away = Trajectory(gone.t, gone.position - np.array([50, 0, 0]), gone.quaternion, gone.velocity, End.INLET)
     assert score(away, (4.0, 0.0, 0.0)) == [0.0]

@@ -12,7 +12,7 @@ from driftform.builtin.table_recorders import COLUMNS, CsvRecorder, ParquetRecor
 from driftform.errors import WorkFailedError
 from driftform.options import Table
 from driftform.testing import RecorderContract
-from driftform.testing.renderer import drift
+from driftform.testing.renderer import drifting_trajectory
 from driftform.trajectory.forces import accelerations_along, net_wrench
 
 
@@ -27,7 +27,7 @@ class TestParquet(RecorderContract):
 
 
 def test_csv_gives_every_number_back(tmp_path: Path) -> None:
-    flight = drift()
+    flight = drifting_trajectory()
     path = TestCsv().record(tmp_path, flight)
     with path.open(newline="") as file:
         rows = list(csv.reader(file))
@@ -47,7 +47,7 @@ def test_both_tables_are_the_same_to_pandas_and_polars(tmp_path: Path) -> None:
 
 
 def test_force_and_torque_are_the_last_columns(tmp_path: Path) -> None:
-    flight, job = drift(), TestCsv().export_job()
+    flight, job = drifting_trajectory(), TestCsv().export_job()
     wrench = net_wrench(flight, accelerations_along(flight, job.agent, job.scenario), job.agent.mass)
     frame = pandas.read_csv(TestCsv().record(tmp_path, flight), float_precision="round_trip")
     assert np.array_equal(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from driftform.scenario import Scenario
-from driftform.testing.simulator import apart, positions_at
+from driftform.testing.simulator import largest_distance, positions_at
 from driftform.types import Agent
 from driftform_native.simulator import NativeOptions, NativeSimulator
 
@@ -41,6 +41,6 @@ def sensitivity() -> Callable[[Agent, Scenario], float]:
         ]
         times = np.arange(0.0, min(flight.t[-1] for flight in flights), 0.01)
         here, there = (positions_at(flight, times) for flight in flights)
-        return apart(here, there) / NUDGE
+        return largest_distance(here, there) / NUDGE
 
     return times_farther

@@ -17,8 +17,8 @@ from driftform.registry import registry
 from driftform.runs.search import run_search
 from driftform.runs.store import Store
 from driftform.study import load_study
+from driftform.trajectory.approach import closest_approach
 from driftform.trajectory.coverage import CoverageMap, PipeGrid
-from driftform.trajectory.path import closest_approach
 
 pytestmark = pytest.mark.slow
 
@@ -69,7 +69,7 @@ def lit(folder: Path, strategy: str, seed: int, flights: int) -> Lit:
     directory.mkdir()
     executor = LocalProcesses(study.document, 2)
     points = random_points(study.scenario)
-    reach, milestones = CoverageMap(PipeGrid.of(study.scenario)), {}
+    reach, milestones = CoverageMap(PipeGrid.of_scenario(study.scenario)), {}
     distances = np.full(POINTS, np.inf)
     with Store.create(directory / "run.db", dict(study.document)) as store:
         try:
@@ -112,7 +112,7 @@ def test_the_atlas_lights_what_any_strategy_ever_reached_and_points_that_were_no
     points = random_points(scenario)
     counts = [milestone for milestone in MILESTONES if any(milestone in run.milestones for run in runs)]
     lines = [
-        f"Any of these runs crosses {everything} of {cells.count} cells; shares are of those {everything}.",
+        f"Any of these runs crosses {everything} of {cells.cell_count} cells; shares are of those {everything}.",
         "",
         "| strategy | seed | "
         + " | ".join(f"{count} flights" for count in counts)

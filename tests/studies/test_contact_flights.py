@@ -8,7 +8,7 @@ import pytest
 
 from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.study import load_study
-from driftform.testing.simulator import apart, depths, positions_at
+from driftform.testing.simulator import largest_distance, positions_at, wall_depths
 from driftform.types import FloatArray, Trajectory
 
 pytestmark = pytest.mark.slow
@@ -70,7 +70,7 @@ def distance(a: Trajectory, b: Trajectory, until: float = np.inf) -> float:
     """How far (m) two flights get apart before either ends."""
     until = min(until, a.t[-1], b.t[-1])
     times = np.linspace(0, until, int(100 * until) + 2)
-    return apart(positions_at(a, times), positions_at(b, times))
+    return largest_distance(positions_at(a, times), positions_at(b, times))
 
 
 def row(simulator: str, what: str, change: FloatArray) -> str:
@@ -89,7 +89,7 @@ HEAD = (
 
 def history(agent, flight: Trajectory, radius: float) -> str:
     """What happens in a flight: how often it touches the wall, and how far its axis turns after it first does."""
-    touching = depths(agent, flight, radius) > 0
+    touching = wall_depths(agent, flight, radius) > 0
     touches = int((touching[1:] & ~touching[:-1]).sum())
     axis = matrix_from_quaternion(flight.quaternion)[:, :, 0]
     later = axis[flight.t >= (flight.t[-1] if flight.contact is None else flight.contact)]

@@ -13,7 +13,7 @@ import pytest
 from driftform.geometry.slices import slices
 from driftform.scenario import Scenario, evaluation_seed
 from driftform.study import load_study
-from driftform.testing.simulator import apart, positions_at
+from driftform.testing.simulator import largest_distance, positions_at
 from driftform.types import Agent, Drag, End, Trajectory
 
 pytestmark = pytest.mark.slow
@@ -117,7 +117,7 @@ def true_errors(sound: list[Flown], settings, workers) -> tuple[list[float], int
     for flown, flight in zip(sound, again, strict=True):
         if not flight.end.failed:
             times = np.arange(0, min(flown.flight.t[-1], flight.t[-1]), 0.01)
-            errors.append(apart(positions_at(flown.flight, times), positions_at(flight, times)))
+            errors.append(largest_distance(positions_at(flown.flight, times), positions_at(flight, times)))
     return errors, len(again) - len(errors)
 
 

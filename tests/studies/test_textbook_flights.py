@@ -7,8 +7,8 @@ import pytest
 
 from driftform.scenario import Pipe
 from driftform.study import load_study
-from driftform.testing.simulator import apart, depths, positions_at
-from driftform.testing.textbook import textbook_flight
+from driftform.testing.simulator import largest_distance, positions_at, wall_depths
+from driftform.testing.textbook import textbook_states
 from driftform.types import End, Trajectory
 
 pytestmark = pytest.mark.slow
@@ -60,18 +60,18 @@ def test_free_flights_agree_with_the_textbook_to_a_millimetre(pipelines, agents,
         }
     )
     times = np.linspace(0, HORIZON, round(100 * HORIZON) + 1)
-    expected = list(workers.map(textbook_flight, drawn, repeat(scenario), repeat(times)))
+    expected = list(workers.map(textbook_states, drawn, repeat(scenario), repeat(times)))
     # The book's own error: the same to a hundred times less.
     few = drawn[:10]
-    tighter = workers.map(textbook_flight, few, repeat(scenario), repeat(times), repeat(1e-13))
-    doubt = max(apart(a[:, :3], b[:, :3]) for a, b in zip(expected, tighter, strict=False))
+    tighter = workers.map(textbook_states, few, repeat(scenario), repeat(times), repeat(1e-13))
+    doubt = max(largest_distance(a[:, :3], b[:, :3]) for a, b in zip(expected, tighter, strict=False))
 
     lines, errors = list(HEAD), {}
     for use, pipeline in pipelines.items():
         flights = list(workers.map(pipeline.simulator.simulate, drawn, repeat(scenario)))
         assert {flight.end for flight in flights} <= {End.HORIZON, End.NOT_CONVERGED}
         errors[use] = [
-            apart(positions_at(f, times), e[:, :3]) for f, e in zip(flights, expected, strict=True)
+            largest_distance(positions_at(f, times), e[:, :3]) for f, e in zip(flights, expected, strict=True)
         ]
         failed = [index for index, flight in enumerate(flights) if flight.end.failed]
         print(f"{use}: not converged: {failed}")
@@ -97,14 +97,14 @@ def test_flights_in_the_pipe_agree_with_the_textbook_up_to_the_wall(pipelines, a
         flights = list(workers.map(pipeline.simulator.simulate, drawn, repeat(scenario)))
         untils = [flight.t[-1] if flight.contact is None else flight.contact for flight in flights]
         instants = [np.linspace(0, until, int(100 * until) + 2) for until in untils]
-        expected = list(workers.map(textbook_flight, drawn, repeat(scenario), instants))
+        expected = list(workers.map(textbook_states, drawn, repeat(scenario), instants))
         errors = [
-            apart(positions_at(flight, times), path[:, :3])
+            largest_distance(positions_at(flight, times), path[:, :3])
             for flight, times, path in zip(flights, instants, expected, strict=True)
         ]
         # Where a simulator tells of the first contact, the textbook's agent must touch the wall as well.
         touching = [
-            depths(agent, as_trajectory(times[-1:], path[-1:]), radius)[0]
+            wall_depths(agent, as_trajectory(times[-1:], path[-1:]), radius)[0]
             for agent, flight, times, path in zip(drawn, flights, instants, expected, strict=True)
             if flight.contact is not None
         ]

@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 
 from driftform.errors import InputError
 from driftform.scenario import Pipe, Scenario, Segment
+from driftform.trajectory.approach import closest_approach
 from driftform.trajectory.coverage import CoverageMap, PipeGrid, find_closest_pass, map_coverage
-from driftform.trajectory.path import closest_approach, hermite_coefficients, world_velocity
+from driftform.trajectory.path import hermite_coefficients, world_velocity
 from driftform.types import End, Trajectory
 
 PIPE = Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0)
@@ -74,7 +75,7 @@ def test_the_cells_fill_the_section_of_any_pipe(segment, side):
     length = np.linalg.norm(np.subtract(segment.end, segment.start))
     assert cells.size[0] * cells.shape[0] == pytest.approx(length)
     assert cells.size[1] * cells.shape[1] == pytest.approx(2 * segment.radius)
-    assert len(cells.centres()) == cells.count
+    assert len(cells.centres()) == cells.cell_count
     for extent, size in zip((length, 2 * segment.radius), cells.size, strict=False):
         # As near to the side as a whole number of cells allows.
         assert round(extent / side) in (0, round(extent / size))
@@ -117,10 +118,10 @@ def test_in_a_vertical_pipe_upward_on_the_map_is_the_worlds_x(end):
 def test_the_centre_of_every_cell_is_in_it_and_goes_to_the_world_and_back(segment):
     cells = PipeGrid.of_segment(segment, 0.2)
     centres = cells.to_world(cells.centres())
-    np.testing.assert_array_equal(cells.cell_of(centres), np.arange(cells.count))
+    np.testing.assert_array_equal(cells.cell_of(centres), np.arange(cells.cell_count))
     np.testing.assert_allclose(cells.to_map(centres)[:, :2], cells.centres(), atol=1e-12)
     assert all(
-        Pipe(segments=(segment,)).contains(tuple(centre)) for centre in centres[:: cells.count // 5 + 1]
+        Pipe(segments=(segment,)).contains(tuple(centre)) for centre in centres[:: cells.cell_count // 5 + 1]
     )
 
 
@@ -251,7 +252,7 @@ def test_adding_a_flight_tells_where_it_is_the_closest_now():
 
 def test_open_water_has_no_map():
     with pytest.raises(InputError, match="needs a pipe"):
-        PipeGrid.of(Scenario())
+        PipeGrid.of_scenario(Scenario())
 
 
 def test_the_closest_pass_is_that_of_the_earliest_of_equals():

@@ -48,7 +48,7 @@ def simulate(
     from driftform.cli.output import print_json, print_table
     from driftform.figures.flight import flight_svg
     from driftform.runs.directory import write_trajectory
-    from driftform.trajectory.path import closest_approach
+    from driftform.trajectory.approach import closest_approach
     from driftform.util.files import make_directory, write_text
     from driftform.util.progress import count_progress
 

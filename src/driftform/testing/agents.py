@@ -22,7 +22,7 @@ GRAVITY = 9.81
 """m/s2."""
 
 
-def sphere(radius: float, mass: float, added: float = 0.5, drag: float = 0.0) -> Agent:
+def sphere_agent(radius: float, mass: float, added: float = 0.5, drag: float = 0.0) -> Agent:
     """A homogeneous sphere.
 
     Parameters
@@ -109,7 +109,7 @@ class Spheroid:
             Coefficients(np.diag([k1 * m, k2 * m, k2 * m, 0.0, added, added])),
         )
 
-    def growth(self, speed: float) -> float:
+    def growth_rate(self, speed: float) -> float:
         """Rate (1/s) at which a small angle between axis and motion at ``speed`` (m/s) grows: Munk's instability."""
         along, across, turning = self.total
         return speed * math.sqrt(along * (across - along) / (across * turning))
@@ -153,7 +153,7 @@ class Libration:
         """rad/s."""
         return self._sigma * self._k
 
-    def at(self, t: float) -> tuple[float, float, float, float]:
+    def motion_at(self, t: float) -> tuple[float, float, float, float]:
         """Surge, sway (m/s), yaw rate (rad/s) and heading (rad, 0 at the start) at time ``t`` (s)."""
         sn, cn, dn = _jacobi(self._sigma * t, self._k)
         sine, cosine = -self._k * cn / dn, self._rest / dn
@@ -177,7 +177,7 @@ def _jacobi(argument: float, k: float) -> tuple[float, float, float]:
     return sn, cn, math.sqrt(1 - (k * sn) ** 2)
 
 
-def tumbler(*, damped: bool = False) -> Agent:
+def tumbling_agent(*, damped: bool = False) -> Agent:
     """A spheroid that is not neutral, with its COG, COB and added mass about three different points off the axis.
 
     Nothing of its motion is planar, and every entry of its 6x6 matrices about the origin matters.
@@ -201,7 +201,7 @@ def tumbler(*, damped: bool = False) -> Agent:
     )
 
 
-def about(agent: Agent, offset: FloatArray) -> Agent:
+def move_origin(agent: Agent, offset: FloatArray) -> Agent:
     """The same agent in body axes that start at ``offset`` (m) of the old ones.
 
     Its body's contours stay as they are, so that it may fly in open water only.

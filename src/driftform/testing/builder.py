@@ -65,14 +65,14 @@ class BuilderContract:
         """Return the builder to be tested."""
         raise NotImplementedError
 
-    def built(self, kind: str) -> Body:
+    def build(self, kind: str) -> Body:
         """Return the body of one of the morphologies."""
         return self.plugin().build(MORPHOLOGIES[kind]())
 
     @every_morphology
     def test_contours_run_from_the_axis_to_the_axis(self, kind: str) -> None:
         """Outer contour and cavity start at the aft axis point, end at the fore one, and never go below the axis."""
-        body = self.built(kind)
+        body = self.build(kind)
         for contour in (body.outer, body.cavity):
             if not len(contour):
                 continue
@@ -85,14 +85,14 @@ class BuilderContract:
     @every_morphology
     def test_contours_do_not_cross_themselves(self, kind: str) -> None:
         """A contour bounds one region of the half-plane."""
-        body = self.built(kind)
+        body = self.build(kind)
         assert not crosses_itself(body.outer)
         assert not crosses_itself(body.cavity)
 
     @every_morphology
     def test_the_cavity_lies_inside_the_outer_contour(self, kind: str) -> None:
         """No vertex of the cavity lies outside the outer contour, nor the reverse, and there is some hull left."""
-        body = self.built(kind)
+        body = self.build(kind)
         if not len(body.cavity):
             return
         assert lies_inside(body.cavity, body.outer, self.slack).all()
@@ -105,7 +105,7 @@ class BuilderContract:
     @every_morphology
     def test_the_core_fits_in_the_cavity(self, kind: str) -> None:
         """The sphere at the origin touches no wall; in a solid body it lies within the hull."""
-        body = self.built(kind)
+        body = self.build(kind)
         room = body.cavity if len(body.cavity) else body.outer
         origin = np.zeros((1, 2))
         assert room[0, 0] < 0 < room[-1, 0]
@@ -114,7 +114,7 @@ class BuilderContract:
     @every_morphology
     def test_mass_properties_are_those_of_a_body(self, kind: str) -> None:
         """Mass, volume and moments of inertia are positive and possible; COG and COB lie within the body."""
-        body = self.built(kind)
+        body = self.build(kind)
         properties = mass_properties(body)
         assert np.isfinite(properties.inertia).all()
         assert properties.mass > 0 and properties.volume > 0
@@ -127,7 +127,7 @@ class BuilderContract:
     @every_morphology
     def test_joints_run_from_aft_to_fore_within_the_body(self, kind: str) -> None:
         """Joints are ordered, and none lies beyond the ends."""
-        body = self.built(kind)
+        body = self.build(kind)
         assert all(a <= b for a, b in pairwise(body.joints))
         assert body.outer[:, 0].min() - self.slack <= body.joints[0]
         assert body.joints[-1] <= body.outer[:, 0].max() + self.slack
@@ -145,13 +145,13 @@ class BuilderContract:
     @every_morphology
     def test_building_twice_gives_the_same_body(self, kind: str) -> None:
         """A body is decided by its morphology and the options, to the last bit."""
-        first, second = self.built(kind), self.built(kind)
+        first, second = self.build(kind), self.build(kind)
         np.testing.assert_array_equal(first.outer, second.outer)
         np.testing.assert_array_equal(first.cavity, second.cavity)
 
     def test_modules_make_the_body_longer(self) -> None:
         """The morphology is really built: modules on either side push that end outward."""
-        bare, fore, aft = self.built("no module"), self.built("all fore"), self.built("all aft")
+        bare, fore, aft = self.build("no module"), self.build("all fore"), self.build("all aft")
         assert fore.outer[-1, 0] > bare.outer[-1, 0]
         assert aft.outer[0, 0] < bare.outer[0, 0]
 

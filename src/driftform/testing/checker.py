@@ -42,19 +42,19 @@ class CheckerContract:
         """Return the checker to be tested."""
         raise NotImplementedError
 
-    def findings(self, *files: Path) -> list[Finding]:
+    def find(self, *files: Path) -> list[Finding]:
         """What it finds in files that nobody knows anything of."""
         return list(self.plugin().check(PrintJob(files)))
 
     def test_a_sound_file_fails_nothing(self, tmp_path: Path) -> None:
         """A cube of 20 mm can be printed; there is at least one line to say so, or why nobody can."""
-        found = self.findings(write_box(tmp_path / "box.stl"))
+        found = self.find(write_box(tmp_path / "box.stl"))
         assert found
         assert [f for f in found if f.state is State.FAIL] == []
 
     def test_each_finding_is_a_line_of_its_own(self, tmp_path: Path) -> None:
         """It has a name and a detail, neither with a break, and nothing is looked at twice in one part."""
-        found = self.findings(write_box(tmp_path / "box.stl"))
+        found = self.find(write_box(tmp_path / "box.stl"))
         for finding in found:
             assert isinstance(finding.state, State)
             assert finding.check and finding.detail
@@ -65,18 +65,18 @@ class CheckerContract:
         """The second time too, and from a checker that was sent to another process."""
         path = write_box(tmp_path / "box.stl")
         copy: Checker[Any] = pickle.loads(pickle.dumps(self.plugin()))
-        assert self.findings(path) == self.findings(path) == list(copy.check(PrintJob((path,))))
+        assert self.find(path) == self.find(path) == list(copy.check(PrintJob((path,))))
 
     def test_several_files_are_one_job(self, tmp_path: Path) -> None:
         """Two cubes are as sound as one."""
         files = [write_box(tmp_path / f"{name}.stl") for name in ("one", "two")]
-        assert [f for f in self.findings(*files) if f.state is State.FAIL] == []
+        assert [f for f in self.find(*files) if f.state is State.FAIL] == []
 
     def test_files_stay_as_they_are_and_alone(self, tmp_path: Path) -> None:
         """Whatever is written on the way is written elsewhere, and is gone in the end."""
         path = write_box(tmp_path / "box.stl")
         before = path.read_bytes()
-        self.findings(path)
+        self.find(path)
         assert list(tmp_path.iterdir()) == [path]
         assert path.read_bytes() == before
 
@@ -85,7 +85,7 @@ class CheckerContract:
         path = tmp_path / "box.stl"
         path.write_bytes(b"\x00\xff" * 100)
         try:
-            found = self.findings(path)
+            found = self.find(path)
         except DriftformError as error:
             assert "box.stl" in str(error)
             return
@@ -94,9 +94,9 @@ class CheckerContract:
     def test_without_its_program_it_says_so(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         """Every line is then skipped, for a reason; a checker that needs none finds what it found before."""
         path = write_box(tmp_path / "box.stl")
-        before = self.findings(path)
+        before = self.find(path)
         monkeypatch.setenv("PATH", str(tmp_path / "nowhere"))
-        found = self.findings(path)
+        found = self.find(path)
         if self.plugin().program:
             assert {f.state for f in found} == {State.SKIPPED}
         else:

@@ -33,7 +33,7 @@ class GrammarContract:
         """Return the grammar to be tested."""
         raise NotImplementedError
 
-    def drawn(self, seed: int, count: int = 1) -> list[Genome]:
+    def draw(self, seed: int, count: int = 1) -> list[Genome]:
         """Return random genomes of the grammar."""
         rng = np.random.default_rng(seed)
         return [self.plugin().random(rng) for _ in range(count)]
@@ -52,21 +52,21 @@ class GrammarContract:
     @pytest.mark.parametrize("seed", SEEDS)
     def test_a_random_genome_can_be_expressed(self, seed: int) -> None:
         """Every genome that the grammar draws grows into modules of finite length that do not fold back."""
-        self.assert_sound(self.drawn(seed)[0])
+        self.assert_sound(self.draw(seed)[0])
 
     def test_the_same_seed_draws_the_same_genomes(self) -> None:
         """All randomness comes from the generator that is passed in."""
-        assert self.drawn(7, 5) == self.drawn(7, 5)
+        assert self.draw(7, 5) == self.draw(7, 5)
 
     def test_other_seeds_draw_other_genomes(self) -> None:
         """The generator that is passed in is really used."""
-        assert len({genome for seed in SEEDS for genome in self.drawn(seed)}) > 1
+        assert len({genome for seed in SEEDS for genome in self.draw(seed)}) > 1
 
     @pytest.mark.parametrize("seed", SEEDS)
     def test_text_round_trips(self, seed: int) -> None:
         """A genome is written on one line, and reading it back gives an equal genome."""
         grammar = self.plugin()
-        for genome in self.drawn(seed, 3):
+        for genome in self.draw(seed, 3):
             text = grammar.to_text(genome)
             assert len(text.splitlines()) == 1
             assert grammar.parse(text) == genome
@@ -74,14 +74,14 @@ class GrammarContract:
     @pytest.mark.parametrize("seed", SEEDS)
     def test_expressing_twice_gives_the_same_morphology(self, seed: int) -> None:
         """A genome says all there is about its morphology."""
-        (genome,) = self.drawn(seed)
+        (genome,) = self.draw(seed)
         copy = Genome(genome.grammar, tuple(genome.symbols))
         assert self.plugin().express(genome) == self.plugin().express(copy)
 
     @pytest.mark.parametrize("seed", SEEDS)
     def test_a_flip_changes_one_symbol_at_most_and_stays_in_the_grammar(self, seed: int) -> None:
         """A flip at any index leaves all other symbols as they are, and can be expressed."""
-        (genome,) = self.drawn(seed)
+        (genome,) = self.draw(seed)
         # Not the generator of the genome, or drawing it anew would pass for a flip.
         rng = np.random.default_rng([seed, 1])
         for index in range(len(genome.symbols)):
@@ -92,7 +92,7 @@ class GrammarContract:
 
     def test_some_flip_changes_the_genome(self) -> None:
         """Mutation can leave where it is."""
-        (genome,) = self.drawn(0)
+        (genome,) = self.draw(0)
         rng = np.random.default_rng(0)
         flipped = [self.plugin().flip(genome, index, rng) for index in range(len(genome.symbols))]
         assert any(other != genome for other in flipped)
@@ -100,7 +100,7 @@ class GrammarContract:
     @pytest.mark.parametrize("seed", SEEDS)
     def test_offspring_of_a_crossover_stay_in_the_grammar(self, seed: int) -> None:
         """Two genomes have two offspring, which can be expressed and bred again."""
-        a, b = self.drawn(seed, 2)
+        a, b = self.draw(seed, 2)
         rng = np.random.default_rng([seed, 1])
         for _ in range(5):
             a, b = self.plugin().crossover(a, b, rng)
@@ -110,7 +110,7 @@ class GrammarContract:
     @pytest.mark.parametrize("rate", [0.1, 1.0])
     def test_mutants_stay_in_the_grammar(self, rate: float) -> None:
         """Genomes can be mutated over and over."""
-        (genome,) = self.drawn(1)
+        (genome,) = self.draw(1)
         rng = np.random.default_rng(1)
         for _ in range(20):
             genome = self.plugin().mutate(genome, rng, rate)
@@ -118,7 +118,7 @@ class GrammarContract:
 
     def test_mutation_at_rate_zero_changes_nothing(self) -> None:
         """The rate is a probability."""
-        (genome,) = self.drawn(2)
+        (genome,) = self.draw(2)
         assert self.plugin().mutate(genome, np.random.default_rng(2), 0.0) == genome
 
     def test_variation_is_decided_by_the_seed(self) -> None:
@@ -127,7 +127,7 @@ class GrammarContract:
         def offspring(seed: int) -> list[Genome]:
             rng = np.random.default_rng(seed)
             grammar = self.plugin()
-            a, b = self.drawn(3, 2)
+            a, b = self.draw(3, 2)
             flips = [grammar.flip(a, index, rng) for index in range(len(a.symbols))]
             return [*flips, *grammar.crossover(a, b, rng), grammar.mutate(a, rng, 0.5)]
 
@@ -144,7 +144,7 @@ class GrammarContract:
     def test_text_with_a_symbol_missing_is_an_input_error_or_another_genome(self) -> None:
         """A text that was cut off is never read as the whole."""
         grammar = self.plugin()
-        (genome,) = self.drawn(4)
+        (genome,) = self.draw(4)
         text = grammar.to_text(genome)
         for end in range(len(text)):
             try:
@@ -163,5 +163,5 @@ class GrammarContract:
         """A pickled copy draws and expresses the same."""
         copy = pickle.loads(pickle.dumps(self.plugin()))
         genome = copy.random(np.random.default_rng(5))
-        assert [genome] == self.drawn(5)
+        assert [genome] == self.draw(5)
         assert copy.express(pickle.loads(pickle.dumps(genome))) == self.plugin().express(genome)

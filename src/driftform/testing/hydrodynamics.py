@@ -60,7 +60,7 @@ class HydrodynamicsContract:
         """Return the model to be tested."""
         raise NotImplementedError
 
-    def about_origin(self, body: Body, fluid: Fluid | None = None) -> FloatArray:
+    def added_mass_about_origin(self, body: Body, fluid: Fluid | None = None) -> FloatArray:
         """Added mass about the body frame's origin, (6, 6)."""
         return added_mass_at(self.plugin().coefficients(body, fluid or Fluid()), np.zeros(3))
 
@@ -91,15 +91,15 @@ class HydrodynamicsContract:
     @every_body
     def test_translation_in_any_direction_moves_water(self, kind: str) -> None:
         """Surge, sway and heave have a positive added mass, also for a disc or a bare core."""
-        matrix = self.about_origin(BODIES[kind]())
+        matrix = self.added_mass_about_origin(BODIES[kind]())
         assert (np.diag(matrix)[:3] > 0).all()
 
     @every_body
     def test_added_mass_is_proportional_to_the_density_of_the_fluid(self, kind: str) -> None:
         """Twice as dense a fluid has twice the added mass; gravity has no say."""
         body = BODIES[kind]()
-        once = self.about_origin(body, Fluid(density=1000.0, gravity=9.81))
-        twice = self.about_origin(body, Fluid(density=2000.0, gravity=1.62))
+        once = self.added_mass_about_origin(body, Fluid(density=1000.0, gravity=9.81))
+        twice = self.added_mass_about_origin(body, Fluid(density=2000.0, gravity=1.62))
         self.assert_close(twice, 2 * once, body.length)
 
     @every_body
@@ -108,7 +108,7 @@ class HydrodynamicsContract:
         body = BODIES[kind]()
         coefficients = self.plugin().coefficients(body, Fluid())
         assert coefficients.origin[1] == coefficients.origin[2] == 0.0
-        m = self.about_origin(body)
+        m = self.added_mass_about_origin(body)
         expected = np.diag([m[0, 0], m[1, 1], m[1, 1], m[3, 3], m[5, 5], m[5, 5]])
         expected[1, 5] = expected[5, 1] = m[1, 5]
         expected[2, 4] = expected[4, 2] = -m[1, 5]
@@ -118,16 +118,16 @@ class HydrodynamicsContract:
     def test_a_mirrored_body_has_a_mirrored_matrix(self, kind: str) -> None:
         """About the mirrored origin M26 and M35 change sign, and nothing else changes."""
         body = BODIES[kind]()
-        expected = MIRROR @ self.about_origin(body) @ MIRROR
-        self.assert_close(self.about_origin(mirrored_body(body)), expected, body.length)
+        expected = MIRROR @ self.added_mass_about_origin(body) @ MIRROR
+        self.assert_close(self.added_mass_about_origin(mirrored_body(body)), expected, body.length)
 
     @every_body
     def test_a_similar_body_has_similar_coefficients(self, kind: str) -> None:
         """Potential flow knows no length of its own: masses grow with the third power of the size, and so on."""
         body = BODIES[kind]()
         scale = np.diag([1.0, 1.0, 1.0, 3.0, 3.0, 3.0])
-        expected = 27 * scale @ self.about_origin(body) @ scale
-        self.assert_close(self.about_origin(scaled_body(body, 3.0)), expected, 3 * body.length)
+        expected = 27 * scale @ self.added_mass_about_origin(body) @ scale
+        self.assert_close(self.added_mass_about_origin(scaled_body(body, 3.0)), expected, 3 * body.length)
 
     @every_body
     def test_damping_takes_energy_and_never_gives_any(self, kind: str) -> None:
@@ -141,7 +141,9 @@ class HydrodynamicsContract:
     def test_the_hollow_inside_has_no_say(self) -> None:
         """Water meets the outer contour only: a sealed cavity changes nothing."""
         hollow = hollow_body()
-        np.testing.assert_array_equal(self.about_origin(hollow), self.about_origin(make_body(hollow.outer)))
+        np.testing.assert_array_equal(
+            self.added_mass_about_origin(hollow), self.added_mass_about_origin(make_body(hollow.outer))
+        )
 
     def test_the_same_body_gives_the_same_coefficients(self) -> None:
         """A pickled copy of the model returns the same matrices, to the last bit."""

@@ -13,7 +13,7 @@ from driftform.geometry import mass_properties
 from driftform.interfaces import ExportJob, Recorder
 from driftform.scenario import Pipe, Scenario, Segment
 from driftform.testing.bodies import hollow_body
-from driftform.testing.renderer import drift
+from driftform.testing.renderer import drifting_trajectory
 from driftform.types import Agent, Coefficients, End, Trajectory
 
 
@@ -45,7 +45,7 @@ class RecorderContract:
         if scenario is not None:
             job = replace(job, scenario=scenario)
         path = path / f"agent{self.plugin().suffix}"
-        written = self.plugin().write(job, drift() if trajectory is None else trajectory, path)
+        written = self.plugin().write(job, drifting_trajectory() if trajectory is None else trajectory, path)
         assert written
         for file in written:
             found = Path(file.path)
@@ -58,7 +58,7 @@ class RecorderContract:
         """Each that is told of is there and holds something; there is none that is not told of."""
         path = self.record(tmp_path)
         assert list(tmp_path.iterdir()) == [path]
-        written = self.plugin().write(self.export_job(), drift(), path)
+        written = self.plugin().write(self.export_job(), drifting_trajectory(), path)
         assert _files(tmp_path) == sorted(Path(file.path) for file in written)
 
     def test_the_same_flight_gives_the_same_content(self, tmp_path: Path) -> None:
@@ -71,21 +71,21 @@ class RecorderContract:
         assert [(p.relative_to(first), p.stat().st_size) for p in _files(first)] == sizes
         copy: Recorder[Any] = pickle.loads(pickle.dumps(self.plugin()))
         second = tmp_path / "second" / first.name
-        copy.write(self.export_job(), drift(), second)
+        copy.write(self.export_job(), drifting_trajectory(), second)
         assert [(p.relative_to(second), p.read_bytes()) for p in _files(second)] == [
             (p.relative_to(first), p.read_bytes()) for p in _files(first)
         ]
 
     def test_a_flight_of_one_sample_is_recorded_too(self, tmp_path: Path) -> None:
         """It ended as it began."""
-        whole = drift()
+        whole = drifting_trajectory()
         start = (whole.t[:1], whole.position[:1], whole.quaternion[:1], whole.velocity[:1])
         self.record(tmp_path, Trajectory(*start, End.INLET))
 
     @pytest.mark.parametrize("end", [end for end in End if end.failed])
     def test_a_flight_that_failed_is_recorded_too(self, end: End, tmp_path: Path) -> None:
         """What there is of it is what one wants to look at."""
-        self.record(tmp_path, replace(drift(), end=end))
+        self.record(tmp_path, replace(drifting_trajectory(), end=end))
 
     def test_a_flight_in_open_water_is_recorded_too(self, tmp_path: Path) -> None:
         """There is no pipe, and there are no targets."""
@@ -95,7 +95,7 @@ class RecorderContract:
         """One that turns the other way is told from the first by what is in the files, not only by their names."""
         contents = []
         for turn in (1.0, -1.0):
-            path = self.record(tmp_path / str(turn), drift(turn=turn))
+            path = self.record(tmp_path / str(turn), drifting_trajectory(turn=turn))
             contents.append([file.read_bytes() for file in _files(path)])
         assert contents[0] != contents[1]
 

@@ -38,7 +38,7 @@ def read_film(path: Path) -> Frames:
     return frames[:, head:].reshape(-1, height, width, 3)
 
 
-def drift(seconds: float = 0.4, turn: float = 1.0) -> Trajectory:
+def drifting_trajectory(seconds: float = 0.4, turn: float = 1.0) -> Trajectory:
     """A flight along x at 1 m/s from the origin, with a pitch that grows by ``turn`` (rad) in all."""
     t = np.linspace(0, seconds, 21)
     half = turn * t / seconds / 2
@@ -92,12 +92,12 @@ class RendererContract:
 
     def film(self, path: Path, trajectory: Trajectory | None = None) -> WrittenFile:
         """Make a film of a flight, by default of one that drifts and pitches."""
-        trajectory = drift() if trajectory is None else trajectory
+        trajectory = drifting_trajectory() if trajectory is None else trajectory
         return self.plugin().film(self.agent(), trajectory, self.scenario(), path, lambda done, total: None)
 
     def still(self, path: Path, at: float = 0.2, trajectory: Trajectory | None = None) -> WrittenFile:
         """Make a still of a flight, by default of the same."""
-        trajectory = drift() if trajectory is None else trajectory
+        trajectory = drifting_trajectory() if trajectory is None else trajectory
         return self.plugin().still(self.agent(), trajectory, self.scenario(), path, at)
 
     def test_a_film_is_where_it_was_asked_for_in_every_format(self, tmp_path: Path) -> None:
@@ -117,7 +117,7 @@ class RendererContract:
         path = tmp_path / f"film{self.plugin().suffixes[0]}"
         self.film(path)
         frames = self.read(path)
-        assert abs(len(frames) - self.rate * drift().t[-1]) <= 1
+        assert abs(len(frames) - self.rate * drifting_trajectory().t[-1]) <= 1
         assert frames.shape[1:] == (self.size[1], self.size[0], 3)
 
     def test_frames_differ_while_the_agent_moves(self, tmp_path: Path) -> None:
@@ -132,7 +132,7 @@ class RendererContract:
         films = []
         for name, turn in (("straight", 0.0), ("turned", np.pi / 2)):
             path = tmp_path / f"{name}{self.plugin().suffixes[0]}"
-            self.film(path, drift(turn=turn))
+            self.film(path, drifting_trajectory(turn=turn))
             films.append(self.read(path)[-1].astype(int))
         assert np.abs(films[0] - films[1]).max() > 64
 
@@ -141,13 +141,19 @@ class RendererContract:
         suffix = self.plugin().suffixes[0]
         self.film(tmp_path / f"one{suffix}")
         copy: Renderer[Any] = pickle.loads(pickle.dumps(self.plugin()))
-        copy.film(self.agent(), drift(), self.scenario(), tmp_path / f"two{suffix}", lambda done, total: None)
+        copy.film(
+            self.agent(),
+            drifting_trajectory(),
+            self.scenario(),
+            tmp_path / f"two{suffix}",
+            lambda done, total: None,
+        )
         one, two = (self.read(tmp_path / f"{name}{suffix}") for name in ("one", "two"))
         np.testing.assert_array_equal(one, two)
 
     def test_a_flight_of_one_sample_is_a_film_too(self, tmp_path: Path) -> None:
         """It ended as it began, and is seen where it was."""
-        whole, path = drift(), tmp_path / f"film{self.plugin().suffixes[0]}"
+        whole, path = drifting_trajectory(), tmp_path / f"film{self.plugin().suffixes[0]}"
         start = (whole.t[:1], whole.position[:1], whole.quaternion[:1], whole.velocity[:1])
         self.film(path, Trajectory(*start, End.INLET))
         assert len(self.read(path)) >= 1
@@ -155,7 +161,7 @@ class RendererContract:
     def test_open_water_is_filmed_too(self, tmp_path: Path) -> None:
         """A scenario needs neither pipe nor targets."""
         path = tmp_path / f"film{self.plugin().suffixes[0]}"
-        self.plugin().film(self.agent(), drift(), Scenario(), path, lambda done, total: None)
+        self.plugin().film(self.agent(), drifting_trajectory(), Scenario(), path, lambda done, total: None)
         assert len(self.read(path)) > 1
 
     def test_progress_is_told_frame_by_frame(self, tmp_path: Path) -> None:
@@ -163,7 +169,11 @@ class RendererContract:
         told: list[tuple[int, int]] = []
         path = tmp_path / f"film{self.plugin().suffixes[0]}"
         self.plugin().film(
-            self.agent(), drift(), self.scenario(), path, lambda done, total: told.append((done, total))
+            self.agent(),
+            drifting_trajectory(),
+            self.scenario(),
+            path,
+            lambda done, total: told.append((done, total)),
         )
         count = len(self.read(path))
         assert told == [(done, count) for done in range(1, count + 1)]
@@ -190,7 +200,7 @@ class RendererContract:
                 for old in before:
                     old.write_bytes(b"old")
                 with pytest.raises(KeyboardInterrupt):
-                    self.plugin().film(self.agent(), drift(), self.scenario(), path, interrupt)
+                    self.plugin().film(self.agent(), drifting_trajectory(), self.scenario(), path, interrupt)
                 assert list(tmp_path.iterdir()) == before
                 for old in before:
                     assert old.read_bytes() == b"old"
@@ -231,7 +241,7 @@ class RendererContract:
 
     def test_a_still_needs_neither_a_path_nor_a_pipe(self, tmp_path: Path) -> None:
         """It may be of a flight of one sample, and of one through open water."""
-        whole = drift()
+        whole = drifting_trajectory()
         short = Trajectory(
             whole.t[:1], whole.position[:1], whole.quaternion[:1], whole.velocity[:1], End.INLET
         )

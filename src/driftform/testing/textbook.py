@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from driftform.scenario import FlightLimits, Fluid, Release, Scenario, UniformFlow
 from driftform.testing.agents import Spheroid
-from driftform.testing.simulator import apart, positions_at
+from driftform.testing.simulator import largest_distance, positions_at
 from driftform.types import Agent, Coefficients, FloatArray, MassProperties, Trajectory
 
 P = ParamSpec("P")
@@ -27,7 +27,7 @@ SPACING = 0.01
 """Greatest time (s) between the instants at which a flight is compared."""
 
 
-def textbook_flight(
+def textbook_states(
     agent: Agent, scenario: Scenario, times: FloatArray, rtol: float = 1e-11, atol: float = 1e-13
 ) -> FloatArray:
     """Return position (world), quaternion, and velocity over ground (body axes) at ``times`` (k,), (k, 13)."""
@@ -50,7 +50,7 @@ def textbook_flight(
     velocity = known[released] if isinstance(released, str) else np.array(released)
     start = np.concatenate([scenario.release.position, attitude, turn.inv().apply(velocity), np.zeros(3)])
     solution = solve_ivp(
-        lambda _, y: _rate(y, *arguments),
+        lambda _, y: _state_rate(y, *arguments),
         (0, times[-1]),
         start,
         method="DOP853",
@@ -65,10 +65,10 @@ def textbook_flight(
 def distance_from_textbook(trajectory: Trajectory, agent: Agent, scenario: Scenario, until: float) -> float:
     """Return how far (m) a flight gets from the textbook's between its release and ``until`` (s)."""
     times = np.linspace(0, until, int(until / SPACING) + 2)
-    return apart(positions_at(trajectory, times), textbook_flight(agent, scenario, times)[:, :3])
+    return largest_distance(positions_at(trajectory, times), textbook_states(agent, scenario, times)[:, :3])
 
 
-def random_flight(seed: int, horizon: float = 3.0) -> tuple[Agent, Scenario]:
+def random_case(seed: int, horizon: float = 3.0) -> tuple[Agent, Scenario]:
     """An agent in open water with axisymmetric added mass, everything off centre, and every other one damped."""
     rng = np.random.default_rng(seed)
     body = Spheroid(rng.uniform(0.03, 0.1), rng.uniform(0.012, 0.025)).agent().body
@@ -135,7 +135,7 @@ def _coriolis(M: FloatArray, nu: FloatArray) -> FloatArray:
 
 
 @_compiled
-def _rate(
+def _state_rate(
     y: FloatArray,
     M_RB: FloatArray,
     M_A: FloatArray,

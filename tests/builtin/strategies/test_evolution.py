@@ -11,8 +11,8 @@ from driftform.builtin.strategies.evolution import (
     Change,
     EvolutionOptions,
     EvolutionStrategy,
-    least,
-    place_at,
+    position_at,
+    smallest_indices,
 )
 from driftform.builtin.strategies.random import RandomOptions, RandomStrategy
 from driftform.interfaces import SearchSpace
@@ -204,8 +204,8 @@ def test_genomes_that_a_grammar_does_not_take_are_never_asked_for():
 
 
 def test_memory_is_bounded(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("driftform.builtin.strategies.evolution.REMEMBERED", 100)
-    monkeypatch.setattr("driftform.builtin.strategies.evolution.MEMBERS", 20)
+    monkeypatch.setattr("driftform.builtin.strategies.evolution.MAX_HASHES", 100)
+    monkeypatch.setattr("driftform.builtin.strategies.evolution.FAMILY_SIZE", 20)
     strategy = evolution(10)
     played(strategy, 600)
     assert len(strategy._known) <= 101
@@ -231,7 +231,7 @@ def test_a_change_is_not_made_where_another_symbol_stands():
 
 @given(st.floats(0, 12))
 def test_a_place_lies_between_the_samples_and_stays_at_the_end(time):
-    x, y, z = place_at(flight(4.0), time)
+    x, y, z = position_at(flight(4.0), time)
     end = min(time, 8.0)
     assert (x, y) == (pytest.approx(end, abs=1e-12), 0.0)
     # A parabola is at most curvature * gap^2 / 8 above its chord.
@@ -240,5 +240,5 @@ def test_a_place_lies_between_the_samples_and_stays_at_the_end(time):
 
 @given(st.lists(st.floats(-5, 5), max_size=30, unique=True), st.integers(1, 40))
 def test_the_least_values_are_those_that_sorting_puts_first(values, count):
-    found = least(np.array(values), count).tolist()
+    found = smallest_indices(np.array(values), count).tolist()
     assert [values[i] for i in found] == sorted(values)[:count]
