@@ -16,7 +16,8 @@ from driftform.dynamics.flight import SAMPLE, finish_trajectory, has_left_pipe, 
 from driftform.dynamics.integrator import Accuracy, fill_rate_in_space, integrate
 from driftform.dynamics.model import flight_model, pack, unpack
 from driftform.study import load_study
-from driftform.testing.simulator import largest_distance, positions_at
+from driftform.testing.simulator import largest_distance
+from driftform.trajectory.interpolation import interpolate_positions
 
 pytestmark = pytest.mark.slow
 
@@ -66,12 +67,14 @@ class Course:
     def finished(self, samples):
         return finish_trajectory(samples, self.model, self.scenario.flight.horizon, len(samples))
 
-    def error(self, flight) -> float:
+    def error(self, trajectory) -> float:
         """How far a flight gets from the exact one, m; infinite where it stops before."""
-        if flight.t[-1] < self.exact.t[-1] - 0.1:
+        if trajectory.t[-1] < self.exact.t[-1] - 0.1:
             return math.inf
-        times = np.arange(0, min(flight.t[-1], self.exact.t[-1]), 0.01)
-        return largest_distance(positions_at(flight, times), positions_at(self.exact, times))
+        times = np.arange(0, min(trajectory.t[-1], self.exact.t[-1]), 0.01)
+        return largest_distance(
+            interpolate_positions(trajectory, times), interpolate_positions(self.exact, times)
+        )
 
     def by_runge_kutta(self):
         return runge_kutta(self.values, self.start, self.exact.t[-1], STEPS)

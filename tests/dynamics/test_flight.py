@@ -50,8 +50,10 @@ def flown(agent, scenario, accuracy=TIGHT):
     """The trajectory, and the raw samples and the model that it was made of."""
     model, horizon = flight_model(agent, scenario), scenario.flight.horizon
     raw = integrate(model, release_state(model, scenario), horizon, accuracy)
-    flight = finish_trajectory(raw.samples, model, horizon, accuracy.step_limit, raw.error, accuracy.position)
-    return flight, raw.samples, model
+    trajectory = finish_trajectory(
+        raw.samples, model, horizon, accuracy.step_limit, raw.error, accuracy.position
+    )
+    return trajectory, raw.samples, model
 
 
 # Where a flight ends.
@@ -62,13 +64,13 @@ def test_a_fall_through_a_shaft_ends_when_it_has_fallen_so_far():
     acceleration = (0.05 - NEUTRAL) * GRAVITY / (0.05 + NEUTRAL / 2)
     scenario = scenario_of(5.0, radius=1.0, end=(0.0, 0.0, -3.0))
     for accuracy in (TIGHT, Accuracy(max_step=0.2)):
-        flight, samples, _ = flown(sphere_agent(0.01, 0.05), scenario, accuracy)
-        assert flight.end == End.OUTLET
-        assert flight.t[-1] == pytest.approx(math.sqrt(6.0 / acceleration), abs=1e-9)
-        assert flight.position[-1] == pytest.approx([0, 0, -3.0], abs=1e-9)
-        assert flight.velocity[-1, 2] == pytest.approx(-acceleration * flight.t[-1], rel=1e-9)
+        trajectory, samples, _ = flown(sphere_agent(0.01, 0.05), scenario, accuracy)
+        assert trajectory.end == End.OUTLET
+        assert trajectory.t[-1] == pytest.approx(math.sqrt(6.0 / acceleration), abs=1e-9)
+        assert trajectory.position[-1] == pytest.approx([0, 0, -3.0], abs=1e-9)
+        assert trajectory.velocity[-1, 2] == pytest.approx(-acceleration * trajectory.t[-1], rel=1e-9)
         assert samples[-1, 3] < -3.0 <= samples[-2, 3]
-        assert len(flight.t) == len(samples)
+        assert len(trajectory.t) == len(samples)
 
 
 def test_a_tumbling_flight_passes_the_outlet_when_a_finer_one_does():
@@ -80,10 +82,10 @@ def test_a_tumbling_flight_passes_the_outlet_when_a_finer_one_does():
         tumbling_agent(), scenario, Accuracy(position=math.inf, tolerance=1e-12, max_step=1e-3)
     )
     axis = np.array([2.0, 0.3, -0.4]) / np.linalg.norm([2.0, 0.3, -0.4])
-    for flight in (coarse, fine):
-        assert flight.end == End.OUTLET
-        assert flight.position[-1] @ axis == pytest.approx(np.linalg.norm([2.0, 0.3, -0.4]), abs=1e-9)
-        assert np.linalg.norm(flight.quaternion[-1]) == pytest.approx(1.0, abs=1e-12)
+    for trajectory in (coarse, fine):
+        assert trajectory.end == End.OUTLET
+        assert trajectory.position[-1] @ axis == pytest.approx(np.linalg.norm([2.0, 0.3, -0.4]), abs=1e-9)
+        assert np.linalg.norm(trajectory.quaternion[-1]) == pytest.approx(1.0, abs=1e-12)
     assert coarse.t[-1] == pytest.approx(fine.t[-1], abs=1e-5)
     assert coarse.position[-1] == pytest.approx(fine.position[-1], abs=1e-5)
 
@@ -98,10 +100,10 @@ def test_a_flight_that_is_not_accurate_enough_has_failed_and_tells_its_error():
         (math.nan, 1e-4, End.NOT_CONVERGED),
         (None, 1e-4, End.HORIZON),
     ):
-        flight = finish_trajectory(samples, model, 0.5, 10**6, error, accepted)
-        assert flight.end == end
-        assert flight.end.failed == (end == End.NOT_CONVERGED)
-        assert flight.error is error or flight.error == error
+        trajectory = finish_trajectory(samples, model, 0.5, 10**6, error, accepted)
+        assert trajectory.end == end
+        assert trajectory.end.failed == (end == End.NOT_CONVERGED)
+        assert trajectory.error is error or trajectory.error == error
 
 
 def test_why_a_flight_stopped_early_is_told():
@@ -131,8 +133,8 @@ def test_a_body_released_with_the_current_has_the_velocity_of_the_water_there(fl
 def test_a_sphere_touches_when_the_way_to_the_wall_is_covered(accuracy):
     # 0.2 m less its radius of 10 mm, at 0.5 m/s across.
     scenario = scenario_of(0.8, radius=0.2, velocity=(1.0, 0.3, 0.4))
-    flight, _, _ = flown(sphere_agent(0.01, NEUTRAL), scenario, accuracy)
-    assert flight.contact == pytest.approx(0.19 / 0.5, abs=1e-6)
+    trajectory, _, _ = flown(sphere_agent(0.01, NEUTRAL), scenario, accuracy)
+    assert trajectory.contact == pytest.approx(0.19 / 0.5, abs=1e-6)
 
 
 def reach_beyond(agent, rows, radius):
@@ -161,17 +163,17 @@ def test_a_tumbling_body_touches_when_a_fine_search_finds_it(pitch):
     share = -depth[k - 1] / (depth[k] - depth[k - 1])
     expected = fine[k - 1, 0] + share * (fine[k, 0] - fine[k - 1, 0])
     speed = (depth[k] - depth[k - 1]) / (fine[k, 0] - fine[k - 1, 0])
-    flight, *_ = flown(agent, scenario, Accuracy(position=math.inf, tolerance=1e-9))
+    trajectory, *_ = flown(agent, scenario, Accuracy(position=math.inf, tolerance=1e-9))
     # The rim of a blunt body touches with up to 1e-3 of its radius less; a bore that falls away takes as little.
     slack = 1e-3 * 0.02 / speed + 1e-5
-    assert flight.contact == pytest.approx(expected, abs=slack)
+    assert trajectory.contact == pytest.approx(expected, abs=slack)
 
 
 def test_a_flight_that_starts_in_the_wall_touches_at_once_and_one_that_stays_clear_never():
     sunk = scenario_of(0.3, radius=0.2, position=(0.0, 0.0, 0.195))
-    flight, _, _ = flown(sphere_agent(0.01, NEUTRAL), sunk)
-    assert flight.contact == 0.0
-    assert flight.energy_drift is None, "there is nothing before the contact"
+    trajectory, _, _ = flown(sphere_agent(0.01, NEUTRAL), sunk)
+    assert trajectory.contact == 0.0
+    assert trajectory.energy_drift is None, "there is nothing before the contact"
     clear, _, _ = flown(sphere_agent(0.01, NEUTRAL), scenario_of(0.3, radius=0.2, velocity=(1.0, 0.0, 0.4)))
     assert clear.contact is None
 
@@ -179,9 +181,9 @@ def test_a_flight_that_starts_in_the_wall_touches_at_once_and_one_that_stays_cle
 def test_past_the_outlet_no_wall_is_touched():
     # It would touch at 0.38 s, and is out at 0.3 s.
     scenario = scenario_of(0.8, radius=0.2, end=(0.3, 0.0, 0.0), velocity=(1.0, 0.0, 0.5))
-    flight, _, _ = flown(sphere_agent(0.01, NEUTRAL), scenario)
-    assert flight.end == End.OUTLET
-    assert flight.contact is None
+    trajectory, _, _ = flown(sphere_agent(0.01, NEUTRAL), scenario)
+    assert trajectory.end == End.OUTLET
+    assert trajectory.contact is None
 
 
 # How the energy drifts.
@@ -206,9 +208,9 @@ def test_the_energy_of_a_tumbling_body_is_kept_in_still_and_in_moving_water():
             velocity=(speed + 0.5, 0.2, -0.1),
             pitch_deg=20.0,
         )
-        flight, _, _ = flown(tumbling_agent(), scenario)
-        assert flight.energy_drift is not None
-        assert flight.energy_drift < 1e-6
+        trajectory, _, _ = flown(tumbling_agent(), scenario)
+        assert trajectory.energy_drift is not None
+        assert trajectory.energy_drift < 1e-6
 
 
 def test_the_drift_of_the_energy_is_what_a_false_step_adds():
@@ -239,9 +241,9 @@ def test_energy_drifts_up_to_the_contact_only():
     scenario = scenario_of(
         2.0, radius=0.2, velocity=(0.8, 0.0, 0.5), flow=UniformFlow(speed=1.0), pitch_deg=-20.0
     )
-    flight, _, _ = flown(Spheroid(0.06, 0.01).agent(), scenario)
-    assert flight.contact is not None
-    assert flight.energy_drift < 1e-6, "the wall takes energy, and that is no drift"
+    trajectory, _, _ = flown(Spheroid(0.06, 0.01).agent(), scenario)
+    assert trajectory.contact is not None
+    assert trajectory.energy_drift < 1e-6, "the wall takes energy, and that is no drift"
 
 
 @pytest.mark.parametrize(
@@ -256,8 +258,8 @@ def test_energy_drifts_up_to_the_contact_only():
     ids=["damping", "drag", "axial drag", "shear", "gusts"],
 )
 def test_where_nothing_keeps_the_energy_there_is_no_drift_to_tell(agent, flow):
-    flight, _, _ = flown(agent, scenario_of(0.2, radius=1.0, flow=flow), Accuracy())
-    assert flight.energy_drift is None
+    trajectory, _, _ = flown(agent, scenario_of(0.2, radius=1.0, flow=flow), Accuracy())
+    assert trajectory.energy_drift is None
 
 
 def test_a_current_that_carries_a_body_up_to_the_surface_does_work_on_it():
@@ -295,24 +297,24 @@ def floater(share, length=0.12, radius=0.02, cog=0.0):
 def test_a_bobbing_body_keeps_its_energy(agent, release):
     scenario = scenario_of(3.0, level=0.0, **release)
     accuracy = Accuracy(position=math.inf, tolerance=1e-9, tightest=1e-12, max_step=0.01)
-    flight, _, _ = flown(agent, scenario, accuracy)
-    assert flight.end == End.HORIZON
-    height = flight.position[:, 2]
+    trajectory, _, _ = flown(agent, scenario, accuracy)
+    assert trajectory.end == End.HORIZON
+    height = trajectory.position[:, 2]
     assert height.min() < -1e-3, "it is meant to go down"
     assert height.max() > 1e-3, "and up"
-    assert flight.energy_drift < 1e-6
+    assert trajectory.energy_drift < 1e-6
 
 
 def test_a_level_cylinder_bobs_with_the_period_of_its_waterline():
     # Small heave at half immersion: k = rho g 2 r L, on the mass with its added mass.
     agent, amplitude = floater(0.5), 2e-4
     scenario = scenario_of(2.0, level=0.0, position=(0.0, 0.0, amplitude))
-    flight, _, _ = flown(agent, scenario, Accuracy(position=math.inf, tolerance=1e-10, max_step=0.01))
+    trajectory, _, _ = flown(agent, scenario, Accuracy(position=math.inf, tolerance=1e-10, max_step=0.01))
     spring = DENSITY * GRAVITY * 2 * 0.02 * 0.12
     mass = agent.mass.mass + 0.85 * DENSITY * agent.mass.volume
     omega = math.sqrt(spring / mass)
-    expected = amplitude * np.cos(omega * flight.t)
+    expected = amplitude * np.cos(omega * trajectory.t)
     # The waterline narrows, k sqrt(1 - (z / r)^2), which lowers the frequency by the share (amplitude / r)^2 / 16.
-    slack = amplitude * (amplitude / 0.02) ** 2 / 16 * omega * flight.t[-1] + 1e-9
-    assert flight.position[:, 2] == pytest.approx(expected, abs=2 * slack)
-    assert omega * flight.t[-1] > 4 * np.pi
+    slack = amplitude * (amplitude / 0.02) ** 2 / 16 * omega * trajectory.t[-1] + 1e-9
+    assert trajectory.position[:, 2] == pytest.approx(expected, abs=2 * slack)
+    assert omega * trajectory.t[-1] > 4 * np.pi

@@ -76,12 +76,12 @@ def lit(folder: Path, strategy: str, seed: int, flights: int) -> Lit:
             run_search(study, store, executor)
         finally:
             executor.close()
-        for index, flight in store.read_trajectories():
+        for index, trajectory in store.read_trajectories():
             for milestone in MILESTONES:
                 if index >= milestone and milestone not in milestones:
                     milestones[milestone] = int(np.count_nonzero(reach.reached))
-            reach.add(index, flight)
-            distances = np.minimum(distances, closest_approach(flight, points)[0])
+            reach.add(index, trajectory)
+            distances = np.minimum(distances, closest_approach(trajectory, points)[0])
     milestones[flights] = int(np.count_nonzero(reach.reached))
     return Lit(strategy, seed, directory, milestones, reach, distances)
 

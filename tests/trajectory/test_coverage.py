@@ -24,7 +24,7 @@ segments = (
 )
 
 
-def flight(t, position, velocity) -> Trajectory:
+def make_trajectory(t, position, velocity) -> Trajectory:
     """A flight without rotation: body axes are world axes."""
     still = np.tile([1.0, 0, 0, 0], (len(t), 1))
     return Trajectory(t, position, still, np.hstack([velocity, np.zeros((len(t), 3))]), End.HORIZON)
@@ -34,7 +34,7 @@ def straight(start, end, samples: int = 2) -> Trajectory:
     """A flight of 1 s along a line."""
     t = np.linspace(0.0, 1.0, samples)
     course = np.subtract(end, start)
-    return flight(t, start + t[:, None] * course, np.tile(course, (samples, 1)))
+    return make_trajectory(t, start + t[:, None] * course, np.tile(course, (samples, 1)))
 
 
 def wild(seed: int) -> Trajectory:
@@ -42,7 +42,7 @@ def wild(seed: int) -> Trajectory:
     rng = np.random.default_rng(seed)
     t = np.cumsum(rng.uniform(0.1, 2.0, 4)) - 0.1
     position = rng.uniform((-0.5, -0.05, -1.2), (3.0, 0.05, 1.2), (4, 3))
-    return flight(t - t[0], position, rng.normal(size=(4, 3)) * (1.0, 0.05, 1.0))
+    return make_trajectory(t - t[0], position, rng.normal(size=(4, 3)) * (1.0, 0.05, 1.0))
 
 
 def smooth(seed: int) -> Trajectory:
@@ -56,7 +56,7 @@ def smooth(seed: int) -> Trajectory:
     )
     angle = np.outer(t, rate) + phase
     drift = np.array([rng.uniform(0.2, 1.0), 0.0, 0.0])
-    return flight(t, size * np.sin(angle) + np.outer(t, drift), size * rate * np.cos(angle) + drift)
+    return make_trajectory(t, size * np.sin(angle) + np.outer(t, drift), size * rate * np.cos(angle) + drift)
 
 
 seeds = st.integers(0, 2**32 - 1)
@@ -195,11 +195,14 @@ def test_what_lies_before_the_inlet_or_behind_the_outlet_is_on_no_map():
 
 def test_a_flight_of_a_single_sample_is_in_the_cell_of_its_point():
     crossed, distance = CELLS.find_crossed(
-        flight(np.zeros(1), np.array([[0.12, 0.01, 0.02]]), np.ones((1, 3)))
+        make_trajectory(np.zeros(1), np.array([[0.12, 0.01, 0.02]]), np.ones((1, 3)))
     )
     np.testing.assert_allclose(CELLS.centres()[crossed], [[0.15, 0.05]])
     np.testing.assert_allclose(distance, np.linalg.norm([0.03, 0.01, 0.03]))
-    assert len(CELLS.find_crossed(flight(np.zeros(1), np.array([[-1.0, 0, 0]]), np.ones((1, 3))))[0]) == 0
+    assert (
+        len(CELLS.find_crossed(make_trajectory(np.zeros(1), np.array([[-1.0, 0, 0]]), np.ones((1, 3))))[0])
+        == 0
+    )
 
 
 @settings(deadline=None, max_examples=40)
@@ -211,7 +214,7 @@ def test_a_pipe_that_lies_elsewhere_has_the_same_map(path, heading, slope):
     shift = np.array([3.0, -2.0, 0.5])
     segment = Segment(start=tuple(shift), end=tuple(shift + 9 * along), radius=1.0)
     # Velocities are turned by the body's attitude, which stays: as if they were given in world axes.
-    moved = flight(path.t, path.position @ turn.T + shift, path.velocity[:, :3] @ turn.T)
+    moved = make_trajectory(path.t, path.position @ turn.T + shift, path.velocity[:, :3] @ turn.T)
     cells, distance = CELLS.find_crossed(path)
     again, there = PipeGrid.of_segment(segment).find_crossed(moved)
     both, here, yonder = np.intersect1d(cells, again, return_indices=True)

@@ -64,8 +64,10 @@ def told(strategy: AtlasStrategy, flights, fitness: float = 0.0) -> list[Genome]
     strategy.tell(
         0,
         [
-            Evaluation(genome, np.full(1, fitness), flight, None if flight is not None else "it broke")
-            for genome, flight in zip(genomes, flights, strict=True)
+            Evaluation(
+                genome, np.full(1, fitness), trajectory, None if trajectory is not None else "it broke"
+            )
+            for genome, trajectory in zip(genomes, flights, strict=True)
         ],
     )
     return genomes
@@ -178,8 +180,8 @@ def test_it_lights_more_of_the_pipe_than_as_many_random_genomes_do(seed):
     while first < 600:
         candidates = strategy.ask(600 - first)
         flights = [rising(candidate.genome) for candidate in candidates]
-        for index, flight in enumerate(flights, first):
-            reach.add(index, flight)
+        for index, trajectory in enumerate(flights, first):
+            reach.add(index, trajectory)
         strategy.tell(
             first, [Evaluation(c.genome, np.zeros(1), f) for c, f in zip(candidates, flights, strict=True)]
         )
