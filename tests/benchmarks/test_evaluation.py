@@ -41,19 +41,21 @@ def test_stages_of_an_evaluation(publish, count_of, milliseconds):
         "flight model": milliseconds(lambda agent: flight_model(agent, scenario), agents),
         "simulate (native)": milliseconds(lambda agent: pipeline.fly([agent]), agents),
         "simulate (Exudyn)": milliseconds(lambda agent: pipelines["exudyn"].fly([agent]), agents),
-        "score ten targets": milliseconds(lambda flight: pipeline.fitness.score(flight, scenario), flights),
+        "score ten targets": milliseconds(
+            lambda trajectory: pipeline.fitness.score(trajectory, scenario), flights
+        ),
         "encode for the store": milliseconds(encode, flights),
     }
-    flight = np.median(stages["simulate (native)"])
+    simulation = np.median(stages["simulate (native)"])
     # A flight makes its model itself.
     part = ("flight model", "simulate (native)", "simulate (Exudyn)")
     others = sum(np.median(times) for name, times in stages.items() if name not in part)
     lines = ["| stage | median ms | 90 % ms | of a native flight |", "|---|---|---|---|"]
     for name, times in stages.items():
         median, high = np.median(times), np.quantile(times, 0.9)
-        lines.append(f"| {name} | {median:.3g} | {high:.3g} | {median / flight:.3g} |")
+        lines.append(f"| {name} | {median:.3g} | {high:.3g} | {median / simulation:.3g} |")
     lines += [
-        f"| all but the flight | {others:.3g} | | {others / flight:.3g} |",
+        f"| all but the simulation | {others:.3g} | | {others / simulation:.3g} |",
         "",
         f"{len(genomes)} random agents, each the best of three. A flight includes its model. "
         f"Python {platform.python_version()}, {os.cpu_count()} cores.",

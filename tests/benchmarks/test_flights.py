@@ -12,11 +12,12 @@ import pytest
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from driftform.dynamics.flight import SAMPLE, finish_trajectory, has_left, release_state
-from driftform.dynamics.integrator import Accuracy, integrate, slope
+from driftform.dynamics.flight import SAMPLE, finish_trajectory, has_left_pipe, release_state
+from driftform.dynamics.integrator import Accuracy, fill_rate_in_space, integrate
 from driftform.dynamics.model import flight_model, pack, unpack
 from driftform.study import load_study
-from driftform.testing.simulator import apart, positions_at
+from driftform.testing.simulator import largest_distance
+from driftform.trajectory.interpolation import interpolate_positions
 
 pytestmark = pytest.mark.slow
 
@@ -31,7 +32,7 @@ TOLERANCE = 1e-6
 @njit
 def rate(t, y, values):
     out = np.empty(SAMPLE - 1)
-    slope(t, y, unpack(values), out)
+    fill_rate_in_space(t, y, unpack(values), out)
     return out
 
 
@@ -66,19 +67,21 @@ class Course:
     def finished(self, samples):
         return finish_trajectory(samples, self.model, self.scenario.flight.horizon, len(samples))
 
-    def error(self, flight) -> float:
+    def error(self, trajectory) -> float:
         """How far a flight gets from the exact one, m; infinite where it stops before."""
-        if flight.t[-1] < self.exact.t[-1] - 0.1:
+        if trajectory.t[-1] < self.exact.t[-1] - 0.1:
             return math.inf
-        times = np.arange(0, min(flight.t[-1], self.exact.t[-1]), 0.01)
-        return apart(positions_at(flight, times), positions_at(self.exact, times))
+        times = np.arange(0, min(trajectory.t[-1], self.exact.t[-1]), 0.01)
+        return largest_distance(
+            interpolate_positions(trajectory, times), interpolate_positions(self.exact, times)
+        )
 
     def by_runge_kutta(self):
         return runge_kutta(self.values, self.start, self.exact.t[-1], STEPS)
 
     def by_scipy(self):
         def outlet(_, y):
-            return -1.0 if has_left((y[0], y[1], y[2]), self.model.pipe) else 1.0
+            return -1.0 if has_left_pipe((y[0], y[1], y[2]), self.model.pipe) else 1.0
 
         outlet.terminal = True
         solution = solve_ivp(

@@ -7,7 +7,7 @@ from driftform.builtin.closest_approach import ClosestApproach
 from driftform.options import Table
 from driftform.scenario import Pipe, Scenario, Segment
 from driftform.testing import FitnessContract
-from driftform.testing.fitness import straight_flight
+from driftform.testing.fitness import straight_trajectory
 from driftform.types import End, Trajectory
 
 PIPE = Pipe(segments=(Segment(start=(0, 0, 0), end=(9, 0, 0), radius=1.0),))
@@ -20,9 +20,9 @@ class TestClosestApproach(FitnessContract):
         return ClosestApproach(Table())
 
 
-def score(flight: Trajectory, *targets: tuple[float, float, float], pipe: Pipe = PIPE) -> np.ndarray:
+def score(trajectory: Trajectory, *targets: tuple[float, float, float], pipe: Pipe = PIPE) -> np.ndarray:
     scenario = Scenario(pipe=pipe, targets={f"T{i}": target for i, target in enumerate(targets)})
-    return ClosestApproach(Table()).score(flight, scenario)
+    return ClosestApproach(Table()).score(trajectory, scenario)
 
 
 def curved_flight(times: np.ndarray) -> Trajectory:
@@ -39,25 +39,25 @@ def curved_flight(times: np.ndarray) -> Trajectory:
 
 
 def test_a_straight_path_that_passes_between_two_samples_has_its_closed_form():
-    flight = straight_flight((0, 0, 0), (9, 0, 0), np.array([0.0, 9.0]))
+    trajectory = straight_trajectory((0, 0, 0), (9, 0, 0), np.array([0.0, 9.0]))
     # The foot of the perpendicular is 2.3 m down the pipe, 0.5 m from the target; the farthest point of the pipe
     # is on the outlet's rim, right across the axis.
     expected = 100 * (1 - 0.5 / np.hypot(9 - 2.3, 0.5 + 1))
-    assert score(flight, (2.3, 0.3, -0.4)) == pytest.approx([expected], rel=1e-12)
+    assert score(trajectory, (2.3, 0.3, -0.4)) == pytest.approx([expected], rel=1e-12)
 
 
 def test_a_slanted_path_has_its_closed_form():
-    flight = straight_flight((0, 0, 0), (9, 0, 0.9), np.array([0.0, 1.0, 8.0, 9.0]))
+    trajectory = straight_trajectory((0, 0, 0), (9, 0, 0.9), np.array([0.0, 1.0, 8.0, 9.0]))
     target = np.array([4.0, 0.2, -0.3])
     direction = np.array([9.0, 0, 0.9]) / np.linalg.norm([9.0, 0, 0.9])
     distance = np.linalg.norm(np.cross(target, direction))
     farthest = np.hypot(5.0, np.hypot(0.2, 0.3) + 1)
-    assert score(flight, tuple(target)) == pytest.approx([100 * (1 - distance / farthest)], rel=1e-12)
+    assert score(trajectory, tuple(target)) == pytest.approx([100 * (1 - distance / farthest)], rel=1e-12)
 
 
 def test_before_the_start_and_past_the_end_the_ends_count():
-    flight = straight_flight((2, 0, 0), (5, 0, 0), np.linspace(0, 3, 7))
-    values = score(flight, (1.0, 0.0, 0.5), (6.0, 0.0, 0.5))
+    trajectory = straight_trajectory((2, 0, 0), (5, 0, 0), np.linspace(0, 3, 7))
+    values = score(trajectory, (1.0, 0.0, 0.5), (6.0, 0.0, 0.5))
     farthest = np.array([np.hypot(8.0, 1.5), np.hypot(6.0, 1.5)])
     assert values == pytest.approx(100 * (1 - np.hypot(1.0, 0.5) / farthest), rel=1e-12)
 
@@ -111,21 +111,21 @@ def test_uneven_samples_make_no_difference():
 
 
 def test_a_target_is_scored_the_same_alone_and_among_others():
-    flight = curved_flight(np.linspace(0, 9, 91))
+    trajectory = curved_flight(np.linspace(0, 9, 91))
     targets = [(1.0, 0.3, 0.2), (4.2, 0.0, -0.6), (8.3, -0.5, 0.1)]
-    together = score(flight, *targets)
-    assert [score(flight, target)[0] for target in targets] == list(together)
+    together = score(trajectory, *targets)
+    assert [score(trajectory, target)[0] for target in targets] == list(together)
 
 
 def test_the_same_target_is_scored_anew_in_another_pipe():
-    flight = straight_flight((0, 0, 0), (9, 0, 0), np.array([0.0, 9.0]))
+    trajectory = straight_trajectory((0, 0, 0), (9, 0, 0), np.array([0.0, 9.0]))
     for length in (9.0, 12.0, 9.0):
         pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=(length, 0, 0), radius=1.0),))
         expected = 100 * (1 - 0.5 / np.hypot(length - 2.3, 0.5 + 1))
-        assert score(flight, (2.3, 0.3, -0.4), pipe=pipe) == pytest.approx([expected], rel=1e-12)
+        assert score(trajectory, (2.3, 0.3, -0.4), pipe=pipe) == pytest.approx([expected], rel=1e-12)
 
 
 def test_a_flight_that_leaves_the_pipe_far_behind_has_no_fitness_and_not_less():
-    gone = straight_flight((0, 0, 0), (0, 100, 0), np.array([0.0, 1.0]))
+    gone = straight_trajectory((0, 0, 0), (0, 100, 0), np.array([0.0, 1.0]))
     away = Trajectory(gone.t, gone.position - np.array([50, 0, 0]), gone.quaternion, gone.velocity, End.INLET)
     assert score(away, (4.0, 0.0, 0.0)) == [0.0]

@@ -12,7 +12,7 @@ from driftform.builtin.table_recorders import COLUMNS, CsvRecorder, ParquetRecor
 from driftform.errors import WorkFailedError
 from driftform.options import Table
 from driftform.testing import RecorderContract
-from driftform.testing.renderer import drift
+from driftform.testing.renderer import drifting_trajectory
 from driftform.trajectory.forces import accelerations_along, net_wrench
 
 
@@ -27,16 +27,16 @@ class TestParquet(RecorderContract):
 
 
 def test_csv_gives_every_number_back(tmp_path: Path) -> None:
-    flight = drift()
-    path = TestCsv().record(tmp_path, flight)
+    trajectory = drifting_trajectory()
+    path = TestCsv().record(tmp_path, trajectory)
     with path.open(newline="") as file:
         rows = list(csv.reader(file))
     assert rows[0] == [column.name for column in COLUMNS]
     values = np.array(rows[1:], dtype=float)
-    assert np.array_equal(values[:, 0], flight.t)
-    assert np.array_equal(values[:, 1:4], flight.position)
-    assert np.array_equal(values[:, 4:8], flight.quaternion)
-    assert np.array_equal(values[:, 8:14], flight.velocity)
+    assert np.array_equal(values[:, 0], trajectory.t)
+    assert np.array_equal(values[:, 1:4], trajectory.position)
+    assert np.array_equal(values[:, 4:8], trajectory.quaternion)
+    assert np.array_equal(values[:, 8:14], trajectory.velocity)
 
 
 def test_both_tables_are_the_same_to_pandas_and_polars(tmp_path: Path) -> None:
@@ -47,9 +47,9 @@ def test_both_tables_are_the_same_to_pandas_and_polars(tmp_path: Path) -> None:
 
 
 def test_force_and_torque_are_the_last_columns(tmp_path: Path) -> None:
-    flight, job = drift(), TestCsv().export_job()
-    wrench = net_wrench(flight, accelerations_along(flight, job.agent, job.scenario), job.agent.mass)
-    frame = pandas.read_csv(TestCsv().record(tmp_path, flight), float_precision="round_trip")
+    trajectory, job = drifting_trajectory(), TestCsv().export_job()
+    wrench = net_wrench(trajectory, accelerations_along(trajectory, job.agent, job.scenario), job.agent.mass)
+    frame = pandas.read_csv(TestCsv().record(tmp_path, trajectory), float_precision="round_trip")
     assert np.array_equal(
         frame[["force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z"]], wrench
     )

@@ -166,8 +166,8 @@ def test_constants_of_the_contact_are_as_told(pages: dict[str, str]) -> None:
     from driftform.dynamics import bore, contact
 
     section = pages["dataflow.md"].partition("## Contact with the wall")[2]
-    assert f"min(1, d / {1000 * contact.ONSET:g} mm)" in section
-    assert f"below about {bore.BLUNT:g}" in section
+    assert f"min(1, d / {1000 * contact.DAMPER_ONSET:g} mm)" in section
+    assert f"below about {bore.SINE_SMOOTHING:g}" in section
 
 
 def test_constants_of_runs_are_as_told(pages: dict[str, str]) -> None:

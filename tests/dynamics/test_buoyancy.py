@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from driftform.dynamics.buoyancy import buoyancy, buoyant_energy, half_height, submerged
+from driftform.dynamics.buoyancy import buoyancy, buoyant_energy, half_height, submerged_share
 from driftform.dynamics.model import flight_model
 from driftform.geometry import mass_properties
 from driftform.scenario import Fluid, Scenario
@@ -182,11 +182,11 @@ def test_the_share_under_water_has_the_mean_and_the_variance_of_a_cylinders_heig
     a = half_height(r, w, e)
     assert a**2 / 4 == pytest.approx(r**2 * (1 - e**2) / 4 + w**2 * e**2 / 12, rel=1e-9)
     xi = np.cos(np.linspace(np.pi, 0, 2001))
-    share = np.array([submerged(a * s, a) for s in xi.tolist()])
+    share = np.array([submerged_share(a * s, a) for s in xi.tolist()])
     heights = 0.5 * (xi[1:] + xi[:-1]) * a
     assert np.diff(share) @ heights**2 == pytest.approx(a**2 / 4, rel=1e-5)
     assert np.diff(share) @ heights == pytest.approx(0, abs=1e-9)
-    assert submerged(middle, a) + submerged(-middle, a) == pytest.approx(1.0, abs=1e-15)
+    assert submerged_share(middle, a) + submerged_share(-middle, a) == pytest.approx(1.0, abs=1e-15)
 
 
 @given(bodies, turns, heights, st.sampled_from([(0.0, 0.0), (0.001, -0.002)]))

@@ -7,13 +7,13 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from driftform.dynamics.contact import (
-    SLIP,
+    SLIP_SPEED,
     axis_line,
-    deepest_rim,
+    deepest_rim_depth,
+    farthest_rim_point,
     is_clear,
-    is_far,
+    is_far_from_wall,
     rim_depth,
-    rim_point,
     wall_gap,
     wall_wrench,
 )
@@ -78,7 +78,7 @@ def test_the_gap_in_an_elbow_is_that_of_the_segment_which_the_point_is_deepest_i
 def test_no_point_of_a_rim_lies_farther_along_the_normal_than_its_contact_point(turn, angle, r):
     R = Rotation.from_rotvec(turn).as_matrix()
     normal = np.array([0, np.cos(angle), np.sin(angle)])
-    point = np.array(rim_point(vector(0.05 * R[:, 0]), vector(R[:, 0]), r, vector(normal)))
+    point = np.array(farthest_rim_point(vector(0.05 * R[:, 0]), vector(R[:, 0]), r, vector(normal)))
     phi = np.linspace(0, 2 * np.pi, 721)
     rim = np.column_stack([np.full_like(phi, 0.05), r * np.cos(phi), r * np.sin(phi)]) @ R.T
     # A blunt rim touches with a little less than its radius, at most 1e-3 of it (see BLUNT).
@@ -249,7 +249,7 @@ def test_a_rim_that_is_called_clear_touches_nowhere(pose):
 def test_a_body_that_is_called_far_touches_nowhere(pose):
     position, R, x, r, pipe = pose
     reach = float(np.hypot(x, r))
-    if is_far(vector(position), reach, pipe):
+    if is_far_from_wall(vector(position), reach, pipe):
         assert reaches_beyond_the_wall(ring(position, R, x, r), pipe) < 1e-12
         assert rim_depth(vector(position), vector(R[:, 0]), x, r, pipe)[0] == 0.0
 
@@ -295,14 +295,14 @@ def test_the_deepest_rim_is_found_behind_all_short_cuts(pose):
     rims = rows([(x, r, 1.0, 0.0), (0.5 * x, 0.9 * r, 1.0, 0.0)], pipe)
     expected = max(rim_depth(vector(position), vector(R[:, 0]), *rim[:2].tolist(), pipe)[0] for rim in rims)
     reach = float(np.hypot(rims[:, 0], rims[:, 1]).max())
-    assert deepest_rim(vector(position), rotation(R), rims, reach, pipe) == expected
+    assert deepest_rim_depth(vector(position), rotation(R), rims, reach, pipe) == expected
 
 
 def test_the_short_cuts_are_taken_wherever_they_matter():
     middle, ahead = (2.0, 0.1, -0.2), (1.0, 0.0, 0.0)
-    assert is_far(middle, 0.3, PIPE)
+    assert is_far_from_wall(middle, 0.3, PIPE)
     assert is_clear(rows([(0.1, 0.05, 1.0, 0.0)]), 0, axis_line(middle, ahead, PIPE))
-    assert is_far(middle, 5.0, np.empty((0, 8))), "open water has no wall"
+    assert is_far_from_wall(middle, 5.0, np.empty((0, 8))), "open water has no wall"
     # A body of 0.2 m beside a wall that it does not touch: most of its rims need no closer look.
     rng = np.random.default_rng(1)
     taken = 0
@@ -315,7 +315,7 @@ def test_the_short_cuts_are_taken_wherever_they_matter():
 
 @given(st.floats(0, 6), st.floats(-0.9, 0.9), st.floats(-0.9, 3), st.floats(0.01, 2))
 def test_no_point_within_reach_of_a_body_far_from_an_elbows_wall_is_outside(x, y, z, reach):
-    if not is_far((x, y, z), reach, ELBOW):
+    if not is_far_from_wall((x, y, z), reach, ELBOW):
         return
     ball = np.random.default_rng(1).normal(size=(50, 3))
     ball *= reach / np.linalg.norm(ball, axis=1, keepdims=True)
@@ -383,7 +383,9 @@ def test_friction_opposes_sliding_with_mu_times_the_push(speed, angle, mu):
     force = force_on(PRESSED, slide, rims=ONE_RIM, friction=mu, mass=1e3)[:3]
     assert force[2] == pytest.approx(-PRESS, rel=1e-5)
     # Well above the speed s below which it is smooth: off by s^2 / (2 v^2).
-    assert force[:2] == pytest.approx(-mu * PRESS * slide[:2] / speed, abs=mu * PRESS * (SLIP / speed) ** 2)
+    assert force[:2] == pytest.approx(
+        -mu * PRESS * slide[:2] / speed, abs=mu * PRESS * (SLIP_SPEED / speed) ** 2
+    )
 
 
 def test_a_rim_that_does_not_slide_feels_no_friction():
@@ -432,8 +434,8 @@ def test_friction_grows_with_slip_no_faster_than_its_rate_allows(mass, mu, angle
     slopes = [friction(slip) / slip / mass for slip in (1e-7, 1e-3, 1e-2, 0.1, 1.0)]
     assert slopes == sorted(slopes, reverse=True)
     assert slopes[0] <= RATE * (1 + 1e-9)
-    assert slopes[0] == pytest.approx(min(RATE, mu * PRESS / (SLIP * mass)), rel=1e-5)
-    assert friction(10 * max(SLIP, mu * PRESS / (mass * RATE))) > 0.99 * mu * PRESS
+    assert slopes[0] == pytest.approx(min(RATE, mu * PRESS / (SLIP_SPEED * mass)), rel=1e-5)
+    assert friction(10 * max(SLIP_SPEED, mu * PRESS / (mass * RATE))) > 0.99 * mu * PRESS
 
 
 def test_the_mass_that_limits_friction_is_the_least_that_a_rim_opposes_to_a_push_along_the_wall():

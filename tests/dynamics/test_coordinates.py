@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.dynamics.coordinates import motion_of
-from driftform.dynamics.flight import SAMPLE, has_left, release_state
-from driftform.dynamics.integrator import slope
+from driftform.dynamics.coordinates import describe_motion
+from driftform.dynamics.flight import SAMPLE, has_left_pipe, release_state
+from driftform.dynamics.integrator import fill_rate_in_space
 from driftform.dynamics.model import flight_model
 from driftform.dynamics.rotations import quaternion_from_rotation_vector, rotation_vector_from_quaternion
 from driftform.scenario import Contact, Fluid, Pipe, PowerLawFlow, Release, Scenario, Segment, TurbulentFlow
@@ -28,7 +28,7 @@ def model_of(seed, scenario):
 
 def released(scenario, seed=3):
     model = model_of(seed, scenario)
-    return model, motion_of(model, release_state(model, scenario))
+    return model, describe_motion(model, release_state(model, scenario))
 
 
 def sample_of(motion, coordinates, rates, t=0.5):
@@ -50,11 +50,11 @@ def test_a_level_agent_in_calm_water_has_three_coordinates_and_one_in_a_shear_fl
 )
 def test_accelerations_in_the_plane_are_those_in_space(seed, place, pitch, rates):
     model = model_of(seed, CALM)
-    motion = motion_of(model, release_state(model, CALM))
+    motion = describe_motion(model, release_state(model, CALM))
     coordinates = np.array([*place, pitch])
     found = motion.accelerations(0.0, coordinates, np.array(rates), motion.values)
     state, expected = sample_of(motion, coordinates, rates)[0][1:], np.empty(13)
-    slope(0.0, state, model, expected)
+    fill_rate_in_space(0.0, state, model, expected)
     assert found == pytest.approx(expected[[7, 9, 11]], rel=1e-9, abs=1e-9)
 
 
@@ -67,12 +67,12 @@ def test_accelerations_in_the_plane_are_those_in_space(seed, place, pitch, rates
 )
 def test_accelerations_in_space_are_those_of_the_state(scenario, seed, place, turn, rates):
     model = model_of(seed, scenario)
-    motion = motion_of(model, release_state(model, scenario))
+    motion = describe_motion(model, release_state(model, scenario))
     coordinates = np.array([*place, *turn])
     found = motion.accelerations(0.5, coordinates, np.array(rates), motion.values)
     quaternion = quaternion_from_rotation_vector(np.array([turn]))[0]
     expected = np.empty(13)
-    slope(0.5, np.array([*place, *quaternion, *rates]), model, expected)
+    fill_rate_in_space(0.5, np.array([*place, *quaternion, *rates]), model, expected)
     assert found == pytest.approx(expected[7:], rel=1e-9, abs=1e-9)
 
 
@@ -81,7 +81,7 @@ def test_the_first_sample_is_the_release(scenario):
     tilted = scenario.model_copy(update={"release": Release(pitch_deg=30.0)})
     model = model_of(3, tilted)
     start = release_state(model, tilted)
-    motion = motion_of(model, start)
+    motion = describe_motion(model, start)
     row, goes_on = sample_of(motion, motion.coordinates, motion.rates, t=0.0)
     assert goes_on
     assert row == pytest.approx([0.0, *start], abs=1e-15)
@@ -108,7 +108,7 @@ def test_a_flight_goes_on_while_it_is_in_the_pipe(x, z):
     model, motion = released(SLOPING)
     assert len(motion.coordinates) == 3
     _, goes_on = sample_of(motion, [x, z, 0.3], [1.0, 0.0, 0.0])
-    assert goes_on == (not has_left((x, 0.0, z), model.pipe))
+    assert goes_on == (not has_left_pipe((x, 0.0, z), model.pipe))
 
 
 def test_without_a_pipe_a_flight_goes_on_anywhere():

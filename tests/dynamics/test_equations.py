@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from driftform.dynamics.coordinates import motion_of
-from driftform.dynamics.equations import accelerations, damping_wrench, surroundings
-from driftform.dynamics.flow import water
+from driftform.dynamics.coordinates import describe_motion
+from driftform.dynamics.equations import accelerations, damping_wrench, water_motion_at_cob
+from driftform.dynamics.flow import water_motion
 from driftform.dynamics.model import STEADY, flight_model
 from driftform.scenario import (
     Contact,
@@ -25,7 +25,7 @@ from driftform.scenario import (
     TurbulentFlow,
     UniformFlow,
 )
-from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere
+from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere_agent
 from driftform.testing.bodies import cylinder_body, spheroid_body
 from driftform.types import Agent, Coefficients, Drag, MassProperties
 
@@ -133,7 +133,7 @@ def test_accelerations_of_coordinates_are_those_of_the_attitude_that_their_rotat
         random_agent(rng, damped=True), scenario_of(TurbulentFlow(), level=0.1, friction=0.3)
     )
     turn, position, velocity, omega = rng.normal(size=(4, 3)) * [[1], [0.3], [1], [3]]
-    motion = motion_of(model, np.eye(13)[3])
+    motion = describe_motion(model, np.eye(13)[3])
     coordinates, rates = np.concatenate([position, turn]), np.concatenate([velocity, omega])
     R = Rotation.from_rotvec(turn).as_matrix()
     found = motion.accelerations(1.3, coordinates, rates, motion.values)
@@ -174,7 +174,7 @@ def ramp(agent, acceleration, mode, speed=0.3, radius=100.0):
 
 @pytest.mark.parametrize(("mode", "share"), [("full", 1.0), ("paper", 1 / 3)])
 def test_a_neutral_sphere_follows_accelerating_water_whole_or_by_a_third(mode, share):
-    model = ramp(sphere(0.01, NEUTRAL), [1.0, 0.0, 0.0], mode)
+    model = ramp(sphere_agent(0.01, NEUTRAL), [1.0, 0.0, 0.0], mode)
     for t in (0.0, 2.5, 9.0):
         found = accelerated(model, velocity=[0.3 + t, 0, 0], position=[1.0, 0, 0], t=t)
         assert found == pytest.approx([share, 0, 0, 0, 0, 0], abs=1e-9)
@@ -184,7 +184,7 @@ def test_a_neutral_sphere_follows_accelerating_water_whole_or_by_a_third(mode, s
 def test_a_sphere_is_pushed_by_its_displaced_and_its_added_mass(mass, added, a, velocity, R):
     # Auton, Hunt and Prud'homme: m dv/dt = rho V Du/Dt + k rho V (Du/Dt - dv/dt) + (rho V - m) g.
     for mode, displaced in (("full", NEUTRAL), ("paper", 0.0)):
-        model = ramp(sphere(0.01, mass, added=added), a, mode)
+        model = ramp(sphere_agent(0.01, mass, added=added), a, mode)
         net = (NEUTRAL - mass) * GRAVITY * np.array([0, 0, 1])
         expected = ((displaced + added * NEUTRAL) * a + net) / (mass + added * NEUTRAL)
         found = accelerated(model, R, [2.0, 1.0, -3.0], velocity, t=4.0)
@@ -252,14 +252,16 @@ SHEARED = {
 
 @cache
 def sphere_in(what, mode):
-    return flight_model(sphere(0.01, NEUTRAL), scenario_of(SHEARED[what], mode=mode))
+    return flight_model(sphere_agent(0.01, NEUTRAL), scenario_of(SHEARED[what], mode=mode))
 
 
 def change_along(model, point, velocity, h=1e-5):
     """Change of the water's velocity for who moves with ``velocity``, by differences along the way, m/s2."""
     ends = [
         np.array(
-            water(tuple((point + s * h * velocity).tolist()), 0.0, model.pipe, model.flow, model.gusts)[0]
+            water_motion(
+                tuple((point + s * h * velocity).tolist()), 0.0, model.pipe, model.flow, model.gusts
+            )[0]
         )
         for s in (1, -1)
     ]
@@ -286,7 +288,7 @@ def test_a_neutral_sphere_that_crosses_shear_feels_a_third_of_its_change_along_i
 @given(st.sampled_from(list(SHEARED)), places, vectors)
 def test_with_its_pressure_a_neutral_sphere_follows_the_waters_own_acceleration(what, place, velocity):
     model = sphere_in(what, "full")
-    stream = np.array(water(tuple(place.tolist()), 0.0, model.pipe, model.flow, model.gusts)[0])
+    stream = np.array(water_motion(tuple(place.tolist()), 0.0, model.pipe, model.flow, model.gusts)[0])
     change = change_along(model, place, stream)
     slack = 1e-6 + (what == "developing") * 2e-3 * stream[0]
     if what != "developing":
@@ -300,10 +302,10 @@ def test_with_its_pressure_a_neutral_sphere_follows_the_waters_own_acceleration(
 @given(places, vectors, st.floats(0.1, 9.0))
 def test_a_gusts_rate_is_all_the_acceleration_of_gusty_water(place, velocity, t):
     # A gust is what the water along the path does as time goes by: nothing is added for the mean shear.
-    agent = sphere(0.01, NEUTRAL)
+    agent = sphere_agent(0.01, NEUTRAL)
     for mode, share in (("full", 1.0), ("paper", 1 / 3)):
         model = flight_model(agent, scenario_of(TurbulentFlow(speed=1.2), mode=mode))
-        _, gradient, rate = water(tuple(place.tolist()), t, model.pipe, model.flow, model.gusts)
+        _, gradient, rate = water_motion(tuple(place.tolist()), t, model.pipe, model.flow, model.gusts)
         change = np.array(rate)
         if mode == "paper":
             change = change + np.array(gradient) @ velocity
@@ -313,15 +315,15 @@ def test_a_gusts_rate_is_all_the_acceleration_of_gusty_water(place, velocity, t)
 
 @given(st.sampled_from(list(SHEARED)), places, vectors, vectors, turns)
 def test_the_water_is_that_at_the_centre_of_buoyancy(what, place, velocity, omega, R):
-    agent = sphere(0.01, NEUTRAL)
+    agent = sphere_agent(0.01, NEUTRAL)
     centre = np.array([0.02, -0.01, 0.015])
     agent = replace(agent, mass=replace(agent.mass, cob=centre))
     rows = tuple(tuple(row) for row in R.tolist())
     where = tuple((place - R @ centre).tolist())
     for mode in ("full", "paper"):
         model = flight_model(agent, scenario_of(SHEARED[what], mode=mode))
-        there = water(tuple(place.tolist()), 0.0, model.pipe, model.flow, model.gusts)
-        stream, change, shear = surroundings(
+        there = water_motion(tuple(place.tolist()), 0.0, model.pipe, model.flow, model.gusts)
+        stream, change, shear = water_motion_at_cob(
             0.0, where, rows, tuple(velocity.tolist()), tuple(omega.tolist()), model
         )
         path = np.array(there[0]) if mode == "full" else velocity + R @ np.cross(omega, centre)

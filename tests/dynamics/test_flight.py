@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from driftform.dynamics.flight import finish_trajectory, release_state
-from driftform.dynamics.flow import water
+from driftform.dynamics.flow import water_motion
 from driftform.dynamics.integrator import Accuracy, integrate
 from driftform.dynamics.model import flight_model
 from driftform.geometry import mass_properties
@@ -24,7 +24,7 @@ from driftform.scenario import (
     TurbulentFlow,
     UniformFlow,
 )
-from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere, tumbler
+from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere_agent, tumbling_agent
 from driftform.testing.bodies import cylinder_body
 from driftform.types import Agent, Coefficients, Drag, End
 
@@ -50,8 +50,10 @@ def flown(agent, scenario, accuracy=TIGHT):
     """The trajectory, and the raw samples and the model that it was made of."""
     model, horizon = flight_model(agent, scenario), scenario.flight.horizon
     raw = integrate(model, release_state(model, scenario), horizon, accuracy)
-    flight = finish_trajectory(raw.samples, model, horizon, accuracy.step_limit, raw.error, accuracy.position)
-    return flight, raw.samples, model
+    trajectory = finish_trajectory(
+        raw.samples, model, horizon, accuracy.step_limit, raw.error, accuracy.position
+    )
+    return trajectory, raw.samples, model
 
 
 # Where a flight ends.
@@ -62,33 +64,35 @@ def test_a_fall_through_a_shaft_ends_when_it_has_fallen_so_far():
     acceleration = (0.05 - NEUTRAL) * GRAVITY / (0.05 + NEUTRAL / 2)
     scenario = scenario_of(5.0, radius=1.0, end=(0.0, 0.0, -3.0))
     for accuracy in (TIGHT, Accuracy(max_step=0.2)):
-        flight, samples, _ = flown(sphere(0.01, 0.05), scenario, accuracy)
-        assert flight.end == End.OUTLET
-        assert flight.t[-1] == pytest.approx(math.sqrt(6.0 / acceleration), abs=1e-9)
-        assert flight.position[-1] == pytest.approx([0, 0, -3.0], abs=1e-9)
-        assert flight.velocity[-1, 2] == pytest.approx(-acceleration * flight.t[-1], rel=1e-9)
+        trajectory, samples, _ = flown(sphere_agent(0.01, 0.05), scenario, accuracy)
+        assert trajectory.end == End.OUTLET
+        assert trajectory.t[-1] == pytest.approx(math.sqrt(6.0 / acceleration), abs=1e-9)
+        assert trajectory.position[-1] == pytest.approx([0, 0, -3.0], abs=1e-9)
+        assert trajectory.velocity[-1, 2] == pytest.approx(-acceleration * trajectory.t[-1], rel=1e-9)
         assert samples[-1, 3] < -3.0 <= samples[-2, 3]
-        assert len(flight.t) == len(samples)
+        assert len(trajectory.t) == len(samples)
 
 
 def test_a_tumbling_flight_passes_the_outlet_when_a_finer_one_does():
     scenario = scenario_of(
         9.0, radius=1.0, end=(2.0, 0.3, -0.4), flow=UniformFlow(speed=1.0), velocity=(1.0, 0.2, -0.1)
     )
-    coarse, _, _ = flown(tumbler(), scenario, Accuracy(position=math.inf, tolerance=1e-9))
-    fine, _, _ = flown(tumbler(), scenario, Accuracy(position=math.inf, tolerance=1e-12, max_step=1e-3))
+    coarse, _, _ = flown(tumbling_agent(), scenario, Accuracy(position=math.inf, tolerance=1e-9))
+    fine, _, _ = flown(
+        tumbling_agent(), scenario, Accuracy(position=math.inf, tolerance=1e-12, max_step=1e-3)
+    )
     axis = np.array([2.0, 0.3, -0.4]) / np.linalg.norm([2.0, 0.3, -0.4])
-    for flight in (coarse, fine):
-        assert flight.end == End.OUTLET
-        assert flight.position[-1] @ axis == pytest.approx(np.linalg.norm([2.0, 0.3, -0.4]), abs=1e-9)
-        assert np.linalg.norm(flight.quaternion[-1]) == pytest.approx(1.0, abs=1e-12)
+    for trajectory in (coarse, fine):
+        assert trajectory.end == End.OUTLET
+        assert trajectory.position[-1] @ axis == pytest.approx(np.linalg.norm([2.0, 0.3, -0.4]), abs=1e-9)
+        assert np.linalg.norm(trajectory.quaternion[-1]) == pytest.approx(1.0, abs=1e-12)
     assert coarse.t[-1] == pytest.approx(fine.t[-1], abs=1e-5)
     assert coarse.position[-1] == pytest.approx(fine.position[-1], abs=1e-5)
 
 
 def test_a_flight_that_is_not_accurate_enough_has_failed_and_tells_its_error():
     scenario = scenario_of(0.5)
-    _, samples, model = flown(sphere(0.01, 0.05), scenario)
+    _, samples, model = flown(sphere_agent(0.01, 0.05), scenario)
     for error, accepted, end in (
         (1e-3, 1e-2, End.HORIZON),
         (1e-3, 1e-4, End.NOT_CONVERGED),
@@ -96,15 +100,15 @@ def test_a_flight_that_is_not_accurate_enough_has_failed_and_tells_its_error():
         (math.nan, 1e-4, End.NOT_CONVERGED),
         (None, 1e-4, End.HORIZON),
     ):
-        flight = finish_trajectory(samples, model, 0.5, 10**6, error, accepted)
-        assert flight.end == end
-        assert flight.end.failed == (end == End.NOT_CONVERGED)
-        assert flight.error is error or flight.error == error
+        trajectory = finish_trajectory(samples, model, 0.5, 10**6, error, accepted)
+        assert trajectory.end == end
+        assert trajectory.end.failed == (end == End.NOT_CONVERGED)
+        assert trajectory.error is error or trajectory.error == error
 
 
 def test_why_a_flight_stopped_early_is_told():
     scenario = scenario_of(0.5)
-    _, samples, model = flown(sphere(0.01, 0.05), scenario)
+    _, samples, model = flown(sphere_agent(0.01, 0.05), scenario)
     broken = samples.copy()
     broken[5:, 9] = np.nan
     assert finish_trajectory(broken, model, 0.5, 10**6).end == End.NON_FINITE
@@ -116,8 +120,8 @@ def test_why_a_flight_stopped_early_is_told():
 @pytest.mark.parametrize("flow", [LogLawFlow(speed=0.8), TurbulentFlow(speed=0.8, seed=4)])
 def test_a_body_released_with_the_current_has_the_velocity_of_the_water_there(flow):
     scenario = scenario_of(1.0, radius=1.0, flow=flow, position=(0.0, 0.0, 0.7))
-    model = flight_model(sphere(0.01, 0.05), scenario)
-    velocity = water((0.0, 0.0, 0.7), 0.0, model.pipe, model.flow, model.gusts)[0]
+    model = flight_model(sphere_agent(0.01, 0.05), scenario)
+    velocity = water_motion((0.0, 0.0, 0.7), 0.0, model.pipe, model.flow, model.gusts)[0]
     assert release_state(model, scenario)[7:10] == pytest.approx(velocity, rel=1e-12)
     assert abs(velocity[0] - 0.8) > 1e-3
 
@@ -129,8 +133,8 @@ def test_a_body_released_with_the_current_has_the_velocity_of_the_water_there(fl
 def test_a_sphere_touches_when_the_way_to_the_wall_is_covered(accuracy):
     # 0.2 m less its radius of 10 mm, at 0.5 m/s across.
     scenario = scenario_of(0.8, radius=0.2, velocity=(1.0, 0.3, 0.4))
-    flight, _, _ = flown(sphere(0.01, NEUTRAL), scenario, accuracy)
-    assert flight.contact == pytest.approx(0.19 / 0.5, abs=1e-6)
+    trajectory, _, _ = flown(sphere_agent(0.01, NEUTRAL), scenario, accuracy)
+    assert trajectory.contact == pytest.approx(0.19 / 0.5, abs=1e-6)
 
 
 def reach_beyond(agent, rows, radius):
@@ -147,7 +151,7 @@ def reach_beyond(agent, rows, radius):
 
 @pytest.mark.parametrize("pitch", [0.0, 25.0])
 def test_a_tumbling_body_touches_when_a_fine_search_finds_it(pitch):
-    agent, radius = tumbler(), 0.15
+    agent, radius = tumbling_agent(), 0.15
     scenario = scenario_of(
         2.0, radius=radius, velocity=(0.8, 0.1, 0.15), pitch_deg=pitch, flow=UniformFlow(speed=1.0)
     )
@@ -159,27 +163,27 @@ def test_a_tumbling_body_touches_when_a_fine_search_finds_it(pitch):
     share = -depth[k - 1] / (depth[k] - depth[k - 1])
     expected = fine[k - 1, 0] + share * (fine[k, 0] - fine[k - 1, 0])
     speed = (depth[k] - depth[k - 1]) / (fine[k, 0] - fine[k - 1, 0])
-    flight, *_ = flown(agent, scenario, Accuracy(position=math.inf, tolerance=1e-9))
+    trajectory, *_ = flown(agent, scenario, Accuracy(position=math.inf, tolerance=1e-9))
     # The rim of a blunt body touches with up to 1e-3 of its radius less; a bore that falls away takes as little.
     slack = 1e-3 * 0.02 / speed + 1e-5
-    assert flight.contact == pytest.approx(expected, abs=slack)
+    assert trajectory.contact == pytest.approx(expected, abs=slack)
 
 
 def test_a_flight_that_starts_in_the_wall_touches_at_once_and_one_that_stays_clear_never():
     sunk = scenario_of(0.3, radius=0.2, position=(0.0, 0.0, 0.195))
-    flight, _, _ = flown(sphere(0.01, NEUTRAL), sunk)
-    assert flight.contact == 0.0
-    assert flight.energy_drift is None, "there is nothing before the contact"
-    clear, _, _ = flown(sphere(0.01, NEUTRAL), scenario_of(0.3, radius=0.2, velocity=(1.0, 0.0, 0.4)))
+    trajectory, _, _ = flown(sphere_agent(0.01, NEUTRAL), sunk)
+    assert trajectory.contact == 0.0
+    assert trajectory.energy_drift is None, "there is nothing before the contact"
+    clear, _, _ = flown(sphere_agent(0.01, NEUTRAL), scenario_of(0.3, radius=0.2, velocity=(1.0, 0.0, 0.4)))
     assert clear.contact is None
 
 
 def test_past_the_outlet_no_wall_is_touched():
     # It would touch at 0.38 s, and is out at 0.3 s.
     scenario = scenario_of(0.8, radius=0.2, end=(0.3, 0.0, 0.0), velocity=(1.0, 0.0, 0.5))
-    flight, _, _ = flown(sphere(0.01, NEUTRAL), scenario)
-    assert flight.end == End.OUTLET
-    assert flight.contact is None
+    trajectory, _, _ = flown(sphere_agent(0.01, NEUTRAL), scenario)
+    assert trajectory.end == End.OUTLET
+    assert trajectory.contact is None
 
 
 # How the energy drifts.
@@ -204,14 +208,14 @@ def test_the_energy_of_a_tumbling_body_is_kept_in_still_and_in_moving_water():
             velocity=(speed + 0.5, 0.2, -0.1),
             pitch_deg=20.0,
         )
-        flight, _, _ = flown(tumbler(), scenario)
-        assert flight.energy_drift is not None
-        assert flight.energy_drift < 1e-6
+        trajectory, _, _ = flown(tumbling_agent(), scenario)
+        assert trajectory.energy_drift is not None
+        assert trajectory.energy_drift < 1e-6
 
 
 def test_the_drift_of_the_energy_is_what_a_false_step_adds():
     scenario = scenario_of(1.0, gravity=0.0, velocity=(0.5, 0.0, 0.0))
-    _, samples, model = flown(sphere(0.01, NEUTRAL), scenario)
+    _, samples, model = flown(sphere_agent(0.01, NEUTRAL), scenario)
     samples[-1, 8] *= 1.01
     drift = finish_trajectory(samples, model, 1.0, 10**6).energy_drift
     assert drift == pytest.approx((1.01**2 - 1) / 1.01**2, rel=1e-6)
@@ -237,36 +241,36 @@ def test_energy_drifts_up_to_the_contact_only():
     scenario = scenario_of(
         2.0, radius=0.2, velocity=(0.8, 0.0, 0.5), flow=UniformFlow(speed=1.0), pitch_deg=-20.0
     )
-    flight, _, _ = flown(Spheroid(0.06, 0.01).agent(), scenario)
-    assert flight.contact is not None
-    assert flight.energy_drift < 1e-6, "the wall takes energy, and that is no drift"
+    trajectory, _, _ = flown(Spheroid(0.06, 0.01).agent(), scenario)
+    assert trajectory.contact is not None
+    assert trajectory.energy_drift < 1e-6, "the wall takes energy, and that is no drift"
 
 
 @pytest.mark.parametrize(
     ("agent", "flow"),
     [
-        (tumbler(damped=True), UniformFlow(speed=1.0)),
-        (with_drag(tumbler()), UniformFlow(speed=1.0)),
-        (with_axial_drag_alone(tumbler()), UniformFlow(speed=1.0)),
-        (tumbler(), LogLawFlow(speed=1.0)),
-        (tumbler(), TurbulentFlow(speed=1.0)),
+        (tumbling_agent(damped=True), UniformFlow(speed=1.0)),
+        (with_drag(tumbling_agent()), UniformFlow(speed=1.0)),
+        (with_axial_drag_alone(tumbling_agent()), UniformFlow(speed=1.0)),
+        (tumbling_agent(), LogLawFlow(speed=1.0)),
+        (tumbling_agent(), TurbulentFlow(speed=1.0)),
     ],
     ids=["damping", "drag", "axial drag", "shear", "gusts"],
 )
 def test_where_nothing_keeps_the_energy_there_is_no_drift_to_tell(agent, flow):
-    flight, _, _ = flown(agent, scenario_of(0.2, radius=1.0, flow=flow), Accuracy())
-    assert flight.energy_drift is None
+    trajectory, _, _ = flown(agent, scenario_of(0.2, radius=1.0, flow=flow), Accuracy())
+    assert trajectory.energy_drift is None
 
 
 def test_a_current_that_carries_a_body_up_to_the_surface_does_work_on_it():
     release = {"velocity": (0.5, 0.0, 0.0), "radius": 1.0, "level": 0.02}
     sloped = scenario_of(0.5, end=(9.0, 0.0, 3.0), flow=UniformFlow(speed=0.5), **release)
-    assert flown(tumbler(), sloped)[0].energy_drift is None
+    assert flown(tumbling_agent(), sloped)[0].energy_drift is None
     for still in (
         scenario_of(0.5, end=(9.0, 0.0, 3.0), **release),
         scenario_of(0.5, flow=UniformFlow(speed=0.5), **release),
     ):
-        assert flown(tumbler(), still)[0].energy_drift < 1e-6
+        assert flown(tumbling_agent(), still)[0].energy_drift < 1e-6
 
 
 def floater(share, length=0.12, radius=0.02, cog=0.0):
@@ -286,31 +290,31 @@ def floater(share, length=0.12, radius=0.02, cog=0.0):
         (floater(0.5), {"position": (0.0, 0.0, 0.005)}),
         (floater(0.5, cog=0.01), {"position": (0.0, 0.0, 0.03), "pitch_deg": 20.0}),
         (floater(0.4, cog=-0.04), {"position": (0.0, 0.0, 0.1), "pitch_deg": 80.0}),
-        (tumbler(), {"position": (0.0, 0.0, 0.0), "velocity": (0.3, 0.1, 0.5)}),
+        (tumbling_agent(), {"position": (0.0, 0.0, 0.0), "velocity": (0.3, 0.1, 0.5)}),
     ],
     ids=["level", "pitching", "upright", "tumbling"],
 )
 def test_a_bobbing_body_keeps_its_energy(agent, release):
     scenario = scenario_of(3.0, level=0.0, **release)
     accuracy = Accuracy(position=math.inf, tolerance=1e-9, tightest=1e-12, max_step=0.01)
-    flight, _, _ = flown(agent, scenario, accuracy)
-    assert flight.end == End.HORIZON
-    height = flight.position[:, 2]
+    trajectory, _, _ = flown(agent, scenario, accuracy)
+    assert trajectory.end == End.HORIZON
+    height = trajectory.position[:, 2]
     assert height.min() < -1e-3, "it is meant to go down"
     assert height.max() > 1e-3, "and up"
-    assert flight.energy_drift < 1e-6
+    assert trajectory.energy_drift < 1e-6
 
 
 def test_a_level_cylinder_bobs_with_the_period_of_its_waterline():
     # Small heave at half immersion: k = rho g 2 r L, on the mass with its added mass.
     agent, amplitude = floater(0.5), 2e-4
     scenario = scenario_of(2.0, level=0.0, position=(0.0, 0.0, amplitude))
-    flight, _, _ = flown(agent, scenario, Accuracy(position=math.inf, tolerance=1e-10, max_step=0.01))
+    trajectory, _, _ = flown(agent, scenario, Accuracy(position=math.inf, tolerance=1e-10, max_step=0.01))
     spring = DENSITY * GRAVITY * 2 * 0.02 * 0.12
     mass = agent.mass.mass + 0.85 * DENSITY * agent.mass.volume
     omega = math.sqrt(spring / mass)
-    expected = amplitude * np.cos(omega * flight.t)
+    expected = amplitude * np.cos(omega * trajectory.t)
     # The waterline narrows, k sqrt(1 - (z / r)^2), which lowers the frequency by the share (amplitude / r)^2 / 16.
-    slack = amplitude * (amplitude / 0.02) ** 2 / 16 * omega * flight.t[-1] + 1e-9
-    assert flight.position[:, 2] == pytest.approx(expected, abs=2 * slack)
-    assert omega * flight.t[-1] > 4 * np.pi
+    slack = amplitude * (amplitude / 0.02) ** 2 / 16 * omega * trajectory.t[-1] + 1e-9
+    assert trajectory.position[:, 2] == pytest.approx(expected, abs=2 * slack)
+    assert omega * trajectory.t[-1] > 4 * np.pi

@@ -13,7 +13,7 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from driftform.dynamics.flow import NEAREST, friction_factor, gust_array, water
+from driftform.dynamics.flow import MIN_WALL_DISTANCE, friction_factor, gust_array, water_motion
 from driftform.dynamics.model import flight_model
 from driftform.scenario import (
     DevelopingFlow,
@@ -27,7 +27,7 @@ from driftform.scenario import (
     TurbulentFlow,
     UniformFlow,
 )
-from driftform.testing.agents import sphere
+from driftform.testing.agents import sphere_agent
 
 SHEAR = 0.0362
 """Friction velocity of 1 m/s in the pipe of 2 m, m/s: Re = 1.9e6."""
@@ -57,11 +57,11 @@ class Stream:
     """The water of a scenario: velocity, gradient and rate at any point."""
 
     def __init__(self, scenario):
-        model = flight_model(sphere(0.01, 0.05), scenario)
+        model = flight_model(sphere_agent(0.01, 0.05), scenario)
         self._arrays = model.pipe, model.flow, model.gusts
 
     def __call__(self, point, t=0.0):
-        velocity, gradient, rate = water(tuple(float(p) for p in point), float(t), *self._arrays)
+        velocity, gradient, rate = water_motion(tuple(float(p) for p in point), float(t), *self._arrays)
         return np.array(velocity), np.array(gradient), np.array(rate)
 
     def velocity(self, point, t=0.0):
@@ -175,18 +175,24 @@ def test_the_mean_over_the_cross_section_is_the_bulk_speed(what, x):
         return 2 * r * stream.velocity([x, 0.0, r])[0]
 
     layer = min(1.0, 0.37 * x**0.8 * (1.05e-6 / flow.speed) ** 0.2)
-    ends = sorted({0.0, 1 - layer, 1 - NEAREST, 1.0})
+    ends = sorted({0.0, 1 - layer, 1 - MIN_WALL_DISTANCE, 1.0})
     mean = sum(quad(flux, a, b, epsabs=1e-12, epsrel=1e-10)[0] for a, b in pairwise(ends))
     # What the constant within NEAREST of the wall adds: by the log law 2 NEAREST u* / (0.4 U), 2e-4 of the bulk
     # speed; by a power law u ~ y^p the share 2 p / (1 + p) NEAREST^(1 + p) of the speed on the axis, 1e-4.
     if isinstance(flow, LogLawFlow):
         f = friction_factor(2 * flow.speed / 1.05e-6, flow.roughness / 2)
-        excess = 2 * math.sqrt(f / 8) / 0.4 * (NEAREST - NEAREST**2 / 4)
+        excess = 2 * math.sqrt(f / 8) / 0.4 * (MIN_WALL_DISTANCE - MIN_WALL_DISTANCE**2 / 4)
     else:
         p = 1 / flow.exponent if isinstance(flow, PowerLawFlow) else 1 / 7
         thickness = 1.0 if isinstance(flow, PowerLawFlow) else layer
         top = stream.velocity([x, 0.0, 0.0])[0] / flow.speed
-        excess = 2 * p * top * (NEAREST / thickness) ** p * (NEAREST / (1 + p) - NEAREST**2 / (2 * (2 + p)))
+        excess = (
+            2
+            * p
+            * top
+            * (MIN_WALL_DISTANCE / thickness) ** p
+            * (MIN_WALL_DISTANCE / (1 + p) - MIN_WALL_DISTANCE**2 / (2 * (2 + p)))
+        )
     assert excess < 3e-4
     assert mean / flow.speed - 1 == pytest.approx(excess, abs=1e-8)
 
@@ -243,10 +249,10 @@ def test_no_water_goes_through_the_wall(what, x):
     flow = PROFILES[what]
     stream = stream_of(flow)
     layer = 0.37 * x**0.8 * (1.05e-6 / flow.speed) ** 0.2
-    for y in (0.05, 0.01, NEAREST, 0.0):
+    for y in (0.05, 0.01, MIN_WALL_DISTANCE, 0.0):
         radial = stream.velocity(point_at(x, 1 - y, 1.0)) @ point_at(0.0, 1.0, 1.0)
         # At the layer's edge it is the growth of the displaced thickness, U d' / 8, and falls as y^(8/7).
-        bound = 1.1 * flow.speed * 0.1 * layer / x * min(1.0, max(y, NEAREST) / layer) ** (8 / 7)
+        bound = 1.1 * flow.speed * 0.1 * layer / x * min(1.0, max(y, MIN_WALL_DISTANCE) / layer) ** (8 / 7)
         assert abs(radial) <= (bound if isinstance(flow, DevelopingFlow) else 1e-15)
 
 
@@ -302,10 +308,10 @@ def test_the_flow_beyond_the_wall_and_outside_the_pipes_ends_is_finite_and_goes_
 def test_the_flow_of_the_first_segment_goes_on_in_a_second_one_in_line(x, turn):
     one = stream_of(DevelopingFlow(speed=1.0))
     scenario = scenario_of(DevelopingFlow(speed=1.0))
-    model = flight_model(sphere(0.01, 0.05), scenario)
+    model = flight_model(sphere_agent(0.01, 0.05), scenario)
     pipe = np.array([[0.0, 0, 0, 1, 0, 0, 4, 1.0], [4.0, 0, 0, 1, 0, 0, 5, 1.0]])
     point = (3.5 + x, *(0.5 * np.array(turn[:2]) / np.linalg.norm(turn)).tolist())
-    velocity, gradient, _ = water(point, 0.0, pipe, model.flow, model.gusts)
+    velocity, gradient, _ = water_motion(point, 0.0, pipe, model.flow, model.gusts)
     assert velocity == pytest.approx(one.velocity(point), rel=1e-12, abs=1e-15)
     assert np.array(gradient) == pytest.approx(one(point)[1], rel=1e-9, abs=1e-12)
 

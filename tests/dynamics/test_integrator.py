@@ -13,7 +13,7 @@ from driftform.dynamics.model import REACH, flight_model
 from driftform.dynamics.tableaus import DOP853, DOPRI5
 from driftform.scenario import FlightLimits, Fluid, Pipe, Release, Scenario, Segment, UniformFlow
 from driftform.study import load_study
-from driftform.testing.agents import Libration, Spheroid, tumbler
+from driftform.testing.agents import Libration, Spheroid, tumbling_agent
 
 SPHEROID = Spheroid(0.06, 0.01)
 SAMPLE = 14
@@ -73,7 +73,7 @@ def yaw_error(pair, horizon=1.0, **accuracy):
     motion = Libration(SPHEROID, 1.0, 0.01)
     samples = integrate(*libration(pair, horizon), horizon, Accuracy(position=math.inf, **accuracy)).samples
     assert samples[-1, 0] == horizon
-    exact = np.array([motion.at(t)[2] for t in samples[:, 0]])
+    exact = np.array([motion.motion_at(t)[2] for t in samples[:, 0]])
     return np.abs(samples[:, 13] - exact).max() / motion.max_yaw_rate
 
 
@@ -142,7 +142,7 @@ def test_an_error_falls_no_faster_than_the_tolerance():
 def test_a_flight_is_repeated_until_it_is_accurate_enough():
     pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=(9, 0, 0), radius=0.3),))
     scenario = Scenario(pipe=pipe, flight=FlightLimits(horizon=4.0))
-    model = flight_model(tumbler(), scenario)
+    model = flight_model(tumbling_agent(), scenario)
     start = release_state(model, scenario)
     for accepted in (1e-2, 1e-4, 1e-5):
         flown = integrate(model, start, 4.0, Accuracy(position=accepted, tolerance=1e-4))
@@ -250,6 +250,6 @@ def test_flights_that_do_not_end_alike_are_infinitely_far_apart():
 def test_a_flight_released_at_the_outlet_is_over_at_once_and_has_no_error():
     pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=(9, 0, 0), radius=1.0),))
     scenario = Scenario(pipe=pipe, release={"position": (9.0, 0.0, 0.0)})
-    model = flight_model(tumbler(), scenario)
+    model = flight_model(tumbling_agent(), scenario)
     flown = integrate(model, release_state(model, scenario), 4.0, Accuracy())
     assert (len(flown.samples), flown.error) == (1, 0.0)

@@ -8,12 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftform.dynamics.flight import release_state
-from driftform.dynamics.integrator import Accuracy, greatest_distance, integrate, slope
+from driftform.dynamics.integrator import Accuracy, fill_rate_in_space, greatest_distance, integrate
 from driftform.dynamics.model import DAMPED, flight_model
-from driftform.dynamics.plane import PLACES, plane_model, slope_in_plane, stays_in_plane
+from driftform.dynamics.plane import STATE_INDICES, fill_rate_in_plane, plane_model, stays_in_plane
 from driftform.scenario import Contact, Fluid, Pipe, PowerLawFlow, Release, Scenario, Segment, UniformFlow
 from driftform.study import load_study
-from driftform.testing.agents import sphere
+from driftform.testing.agents import sphere_agent
 from driftform.types import Drag
 
 HORIZON = 9.0
@@ -58,9 +58,9 @@ def test_the_rate_of_a_state_is_what_it_is_in_space(end, seed, along, off, attit
     start[3], start[5] = np.cos(attitude / 2), np.sin(attitude / 2)
     start[7], start[9], start[11] = *velocity, q
     assert stays_in_plane(start, model)
-    whole, part, places = np.empty(13), np.empty(7), list(PLACES)
-    slope(0.0, start, model, whole)
-    slope_in_plane(start[places], plane_model(model), model.rims, part)
+    whole, part, places = np.empty(13), np.empty(7), list(STATE_INDICES)
+    fill_rate_in_space(0.0, start, model, whole)
+    fill_rate_in_plane(start[places], plane_model(model), model.rims, part)
     # Rounding, of a weight and a lift that cancel each other all but a thousandth.
     assert part == pytest.approx(whole[places], rel=1e-9, abs=1e-9)
     assert np.delete(whole, places) == pytest.approx(np.zeros(6), abs=0)
@@ -110,7 +110,7 @@ def test_anything_that_the_plane_does_not_know_is_flown_in_space(parts):
 
 
 def test_a_body_that_couples_the_plane_with_what_is_across_is_flown_in_space():
-    agent, scenario = sphere(0.02, 0.05), scenario_of()
+    agent, scenario = sphere_agent(0.02, 0.05), scenario_of()
     assert in_plane(agent, scenario)
     cog = replace(agent, mass=replace(agent.mass, cog=np.array([0.0, 1e-9, 0.0])))
     assert not in_plane(cog, scenario)

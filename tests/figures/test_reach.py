@@ -15,7 +15,7 @@ def rising(fly):
 
 @pytest.fixture(scope="module")
 def reach(pipe, rising):
-    return map_coverage(rising, PipeGrid.of(pipe))
+    return map_coverage(rising, PipeGrid.of_scenario(pipe))
 
 
 def boxes(path) -> np.ndarray:
@@ -57,7 +57,7 @@ def test_what_no_flight_crosses_is_white_and_hatched(read, pipe, reach):
 
 
 def test_without_flights_all_is_bare_and_with_all_cells_lit_nothing_is(read, pipe):
-    cells = PipeGrid.of(pipe)
+    cells = PipeGrid.of_scenario(pipe)
     empty, full = CoverageMap(cells), CoverageMap(cells)
     full.visits[:], full.distance[:] = 1, 0.003
     nothing, everything = (read(reach_svg(r, pipe, "All or nothing")) for r in (empty, full))
@@ -110,7 +110,9 @@ def test_any_pipe_keeps_to_the_page_and_its_labels_apart(read, segment, name):
         pipe=Pipe(segments=(segment,)), targets={name: middle}, release={"position": segment.start}
     )
     picture = read(
-        reach_svg(CoverageMap(PipeGrid.of(scenario)), scenario, "Any pipe there may be, with a title " * 4)
+        reach_svg(
+            CoverageMap(PipeGrid.of_scenario(scenario)), scenario, "Any pipe there may be, with a title " * 4
+        )
     )
     assert picture.outside() == []
     assert picture.overlapping_texts() == []
@@ -122,7 +124,7 @@ def test_the_axes_are_the_worlds_where_the_pipe_lies_along_x_and_the_maps_elsewh
     texts = []
     for segment in (along_x, upright):
         scenario = Scenario(pipe=Pipe(segments=(segment,)), release={"position": segment.start})
-        texts.append(set(read(reach_svg(CoverageMap(PipeGrid.of(scenario)), scenario, "")).texts))
+        texts.append(set(read(reach_svg(CoverageMap(PipeGrid.of_scenario(scenario)), scenario, "")).texts))
     assert {"x (m)", "z (m)", "12", "−5.0"} <= texts[0]
     assert {"along the pipe (m)", "up (m)", "9", "0.0"} <= texts[1]
 

@@ -21,7 +21,7 @@ from driftform.hydrodynamics.drag_coefficients import (
     sphericity,
 )
 from driftform.study import load_study
-from driftform.testing.agents import sphere
+from driftform.testing.agents import sphere_agent
 from driftform.testing.bodies import (
     cylinder_body,
     dome_body,
@@ -31,7 +31,7 @@ from driftform.testing.bodies import (
     scaled_body,
     spheroid_body,
 )
-from driftform.testing.simulator import water
+from driftform.testing.simulator import water_scenario
 from driftform.types import Body, FloatArray, Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_native.simulator import NativeOptions, NativeSimulator
@@ -165,10 +165,10 @@ def test_the_bare_core_sinks_as_fast_as_the_sphere_of_benchmark_1():
 
 @pytest.mark.parametrize(("pitch_deg", "motion"), [(90.0, 0), (0.0, 1)], ids=["end on", "broadside"])
 def test_a_flight_of_the_core_comes_to_that_speed(pitch_deg, motion):
-    core = sphere(0.01, 0.05)
+    core = sphere_agent(0.01, 0.05)
     drag = estimate_drag(spheroid_body(0.01, 0.01, edges=100), NU)
     agent = replace(core, coefficients=replace(core.coefficients, drag=drag))
-    scenario = water(2.0, pitch_deg=pitch_deg)
+    scenario = water_scenario(2.0, pitch_deg=pitch_deg)
     fluid = scenario.fluid.model_copy(update={"viscosity": NU})
     scenario = scenario.model_copy(update={"fluid": fluid})
     flight = NativeSimulator(NativeOptions()).simulate(agent, scenario)

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from driftform.scenario import Scenario
-from driftform.testing.simulator import apart, positions_at
+from driftform.testing.simulator import largest_distance
+from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Agent
 from driftform_native.simulator import NativeOptions, NativeSimulator
 
@@ -39,8 +40,8 @@ def sensitivity() -> Callable[[Agent, Scenario], float]:
             exact.simulate(agent, where)
             for where in (scenario, scenario.model_copy(update={"release": aside}))
         ]
-        times = np.arange(0.0, min(flight.t[-1] for flight in flights), 0.01)
-        here, there = (positions_at(flight, times) for flight in flights)
-        return apart(here, there) / NUDGE
+        times = np.arange(0.0, min(trajectory.t[-1] for trajectory in flights), 0.01)
+        here, there = (interpolate_positions(trajectory, times) for trajectory in flights)
+        return largest_distance(here, there) / NUDGE
 
     return times_farther

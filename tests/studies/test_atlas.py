@@ -17,8 +17,8 @@ from driftform.registry import registry
 from driftform.runs.search import run_search
 from driftform.runs.store import Store
 from driftform.study import load_study
+from driftform.trajectory.approach import closest_approach
 from driftform.trajectory.coverage import CoverageMap, PipeGrid
-from driftform.trajectory.path import closest_approach
 
 pytestmark = pytest.mark.slow
 
@@ -69,19 +69,19 @@ def lit(folder: Path, strategy: str, seed: int, flights: int) -> Lit:
     directory.mkdir()
     executor = LocalProcesses(study.document, 2)
     points = random_points(study.scenario)
-    reach, milestones = CoverageMap(PipeGrid.of(study.scenario)), {}
+    reach, milestones = CoverageMap(PipeGrid.of_scenario(study.scenario)), {}
     distances = np.full(POINTS, np.inf)
     with Store.create(directory / "run.db", dict(study.document)) as store:
         try:
             run_search(study, store, executor)
         finally:
             executor.close()
-        for index, flight in store.read_trajectories():
+        for index, trajectory in store.read_trajectories():
             for milestone in MILESTONES:
                 if index >= milestone and milestone not in milestones:
                     milestones[milestone] = int(np.count_nonzero(reach.reached))
-            reach.add(index, flight)
-            distances = np.minimum(distances, closest_approach(flight, points)[0])
+            reach.add(index, trajectory)
+            distances = np.minimum(distances, closest_approach(trajectory, points)[0])
     milestones[flights] = int(np.count_nonzero(reach.reached))
     return Lit(strategy, seed, directory, milestones, reach, distances)
 
@@ -112,7 +112,7 @@ def test_the_atlas_lights_what_any_strategy_ever_reached_and_points_that_were_no
     points = random_points(scenario)
     counts = [milestone for milestone in MILESTONES if any(milestone in run.milestones for run in runs)]
     lines = [
-        f"Any of these runs crosses {everything} of {cells.count} cells; shares are of those {everything}.",
+        f"Any of these runs crosses {everything} of {cells.cell_count} cells; shares are of those {everything}.",
         "",
         "| strategy | seed | "
         + " | ".join(f"{count} flights" for count in counts)

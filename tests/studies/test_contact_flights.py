@@ -8,7 +8,8 @@ import pytest
 
 from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.study import load_study
-from driftform.testing.simulator import apart, depths, positions_at
+from driftform.testing.simulator import largest_distance, wall_depths
+from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import FloatArray, Trajectory
 
 pytestmark = pytest.mark.slow
@@ -53,8 +54,8 @@ def flown(agents, workers, count_of):
             settings.append("simulator.accuracy=1e3")
         pipeline = load_study(None, settings, use={"simulator": use}).make_pipeline()
         flights = list(workers.map(pipeline.simulator.simulate, drawn, repeat(pipeline.scenario)))
-        fitness = [pipeline.fitness.score(flight, pipeline.scenario) for flight in flights]
-        failed = np.array([flight.end.failed for flight in flights])
+        fitness = [pipeline.fitness.score(trajectory, pipeline.scenario) for trajectory in flights]
+        failed = np.array([trajectory.end.failed for trajectory in flights])
         return Flown(flights, np.where(failed[:, None], np.nan, fitness))
 
     return drawn, fly
@@ -70,7 +71,7 @@ def distance(a: Trajectory, b: Trajectory, until: float = np.inf) -> float:
     """How far (m) two flights get apart before either ends."""
     until = min(until, a.t[-1], b.t[-1])
     times = np.linspace(0, until, int(100 * until) + 2)
-    return apart(positions_at(a, times), positions_at(b, times))
+    return largest_distance(interpolate_positions(a, times), interpolate_positions(b, times))
 
 
 def row(simulator: str, what: str, change: FloatArray) -> str:
@@ -87,14 +88,14 @@ HEAD = (
 )
 
 
-def history(agent, flight: Trajectory, radius: float) -> str:
+def history(agent, trajectory: Trajectory, radius: float) -> str:
     """What happens in a flight: how often it touches the wall, and how far its axis turns after it first does."""
-    touching = depths(agent, flight, radius) > 0
+    touching = wall_depths(agent, trajectory, radius) > 0
     touches = int((touching[1:] & ~touching[:-1]).sum())
-    axis = matrix_from_quaternion(flight.quaternion)[:, :, 0]
-    later = axis[flight.t >= (flight.t[-1] if flight.contact is None else flight.contact)]
+    axis = matrix_from_quaternion(trajectory.quaternion)[:, :, 0]
+    later = axis[trajectory.t >= (trajectory.t[-1] if trajectory.contact is None else trajectory.contact)]
     turned = np.arccos(np.clip((later[1:] * later[:-1]).sum(axis=1), -1, 1)).sum()
-    first = "never" if flight.contact is None else f"at {flight.contact:.2f} s first"
+    first = "never" if trajectory.contact is None else f"at {trajectory.contact:.2f} s first"
     return (
         f"touches the wall {touches} times, {first}, and turns end over end {turned / (2 * np.pi):.1f} times"
     )
@@ -130,7 +131,9 @@ def test_both_simulators_find_the_same_fitness(flown, publish, sensitivity):
     native, exudyn = (fly(use) for use in SIMULATORS)
     change = changes(native, exudyn)
     away = [
-        distance(a, b, min(np.inf if flight.contact is None else flight.contact for flight in (a, b)))
+        distance(
+            a, b, min(np.inf if trajectory.contact is None else trajectory.contact for trajectory in (a, b))
+        )
         for a, b in zip(native.flights, exudyn.flights, strict=True)
     ]
     lines = [
@@ -178,8 +181,8 @@ def test_flights_that_hit_the_wall_are_as_exact_as_they_say(flown, publish):
     for use in SIMULATORS:
         flights = fly(use).flights
         errors = np.array([distance(a, b) for a, b in zip(flights, exact, strict=True)])
-        failed = np.array([flight.end.failed for flight in flights])
-        estimates = np.array([flight.error for flight in flights])
+        failed = np.array([trajectory.end.failed for trajectory in flights])
+        estimates = np.array([trajectory.error for trajectory in flights])
         counted = known & ~failed
         beyond = counted & (errors > MILLIMETRE)
         for index in np.flatnonzero(beyond):

@@ -13,7 +13,8 @@ import pytest
 from driftform.geometry.slices import slices
 from driftform.scenario import Scenario, evaluation_seed
 from driftform.study import load_study
-from driftform.testing.simulator import apart, positions_at
+from driftform.testing.simulator import largest_distance
+from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Agent, Drag, End, Trajectory
 
 pytestmark = pytest.mark.slow
@@ -52,7 +53,7 @@ class Flown:
     index: int
     agent: Agent
     scenario: Scenario
-    flight: Trajectory
+    trajectory: Trajectory
 
 
 def with_drag(agent: Agent) -> Agent:
@@ -80,30 +81,35 @@ def flights_of(study, dragged: bool, count: int, workers) -> Iterator[Flown]:
 
 def complaints(flown: Flown, pipeline) -> Iterator[str]:
     """What is unsound about a flight: nothing, if it is as its end says."""
-    flight, scenario = flown.flight, flown.scenario
+    trajectory, scenario = flown.trajectory, flown.scenario
     [pipe] = scenario.pipe.segments
-    if not all(np.isfinite(v).all() for v in (flight.t, flight.position, flight.quaternion, flight.velocity)):
+    if not all(
+        np.isfinite(v).all()
+        for v in (trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity)
+    ):
         yield "is not finite"
-    if (np.diff(flight.t) <= 0).any() or np.abs(np.linalg.norm(flight.quaternion, axis=1) - 1).max() > 1e-9:
+    if (np.diff(trajectory.t) <= 0).any() or np.abs(
+        np.linalg.norm(trajectory.quaternion, axis=1) - 1
+    ).max() > 1e-9:
         yield "has times out of order, or quaternions of another length than 1"
-    if flight.end.failed:
+    if trajectory.end.failed:
         return
     where = {
-        End.OUTLET: abs(flight.position[-1, 0] - pipe.end[0]) < 1e-9,
-        End.INLET: flight.position[-1, 0] < -pipe.radius,
-        End.HORIZON: abs(flight.t[-1] - scenario.flight.horizon) < 1e-9,
+        End.OUTLET: abs(trajectory.position[-1, 0] - pipe.end[0]) < 1e-9,
+        End.INLET: trajectory.position[-1, 0] < -pipe.radius,
+        End.HORIZON: abs(trajectory.t[-1] - scenario.flight.horizon) < 1e-9,
     }
-    if not where[flight.end]:
-        yield f"ends as {flight.end} after {flight.t[-1]} s at {flight.position[-1]}"
-    if flight.error is None or not flight.error <= pipeline.simulator.options.accuracy:
-        yield f"passes with an error of {flight.error} m"
+    if not where[trajectory.end]:
+        yield f"ends as {trajectory.end} after {trajectory.t[-1]} s at {trajectory.position[-1]}"
+    if trajectory.error is None or not trajectory.error <= pipeline.simulator.options.accuracy:
+        yield f"passes with an error of {trajectory.error} m"
     # The wall is soft: what comes with the speed v sinks in by v / frequency.
-    speed, spin = (np.linalg.norm(v, axis=1).max() for v in np.split(flight.velocity, 2, axis=1))
+    speed, spin = (np.linalg.norm(v, axis=1).max() for v in np.split(trajectory.velocity, 2, axis=1))
     reach = np.hypot(*flown.agent.body.outer.T).max()
     soft = (speed + spin * reach) / scenario.contact.frequency
-    if np.hypot(*flight.position[:, 1:].T).max() > pipe.radius + soft:
+    if np.hypot(*trajectory.position[:, 1:].T).max() > pipe.radius + soft:
         yield "goes through the wall"
-    fitness = pipeline.fitness.score(flight, scenario)
+    fitness = pipeline.fitness.score(trajectory, scenario)
     if not (np.isfinite(fitness).all() and (fitness >= 0).all() and (fitness <= 100).all()):
         yield f"has the fitness {fitness}"
 
@@ -114,10 +120,14 @@ def true_errors(sound: list[Flown], settings, workers) -> tuple[list[float], int
     exact = load_study(None, [*settings, *tight], use={"simulator": "native"}).make_pipeline()
     again = list(workers.map(exact.simulator.simulate, [f.agent for f in sound], [f.scenario for f in sound]))
     errors = []
-    for flown, flight in zip(sound, again, strict=True):
-        if not flight.end.failed:
-            times = np.arange(0, min(flown.flight.t[-1], flight.t[-1]), 0.01)
-            errors.append(apart(positions_at(flown.flight, times), positions_at(flight, times)))
+    for flown, trajectory in zip(sound, again, strict=True):
+        if not trajectory.end.failed:
+            times = np.arange(0, min(flown.trajectory.t[-1], trajectory.t[-1]), 0.01)
+            errors.append(
+                largest_distance(
+                    interpolate_positions(flown.trajectory, times), interpolate_positions(trajectory, times)
+                )
+            )
     return errors, len(again) - len(errors)
 
 
@@ -140,11 +150,11 @@ def test_no_flight_of_a_random_agent_fails_unseen(occupied, count_of, workers, s
         pipeline, counts = study.make_pipeline(), Counter()
         sound, failed, found = [], [], []
         for flown in flights_of(study, name in WITH_DRAG, count, workers):
-            counts[flown.flight.end] += 1
+            counts[flown.trajectory.end] += 1
             found += [
                 f"{occupied}, {name}, agent {flown.index} {what}" for what in complaints(flown, pipeline)
             ]
-            if flown.flight.end.failed:
+            if flown.trajectory.end.failed:
                 failed.append(flown)
             elif flown.index % SPOT_CHECK == 0:
                 sound.append(flown)
@@ -166,10 +176,10 @@ def test_no_flight_of_a_random_agent_fails_unseen(occupied, count_of, workers, s
         )
         print(f"    {' '.join(str(flown.index) for flown in failed)}")
         for flown in (*failed[:LOOKED_AT], *sound[:LOOKED_AT]):
-            flight, factor = flown.flight, sensitivity(flown.agent, flown.scenario)
-            touch = "never" if flight.contact is None else f"at {flight.contact:.2f} s"
+            trajectory, factor = flown.trajectory, sensitivity(flown.agent, flown.scenario)
+            touch = "never" if trajectory.contact is None else f"at {trajectory.contact:.2f} s"
             print(
-                f"    agent {flown.index}: {flight.end} at {flight.t[-1]:.2f} s, error {flight.error:.1g} m, touches the "
+                f"    agent {flown.index}: {trajectory.end} at {trajectory.t[-1]:.2f} s, error {trajectory.error:.1g} m, touches the "
                 f"wall {touch}, gets {factor:.0e} times farther off than it starts"
             )
         unsound += found

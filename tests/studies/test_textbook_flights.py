@@ -7,8 +7,9 @@ import pytest
 
 from driftform.scenario import Pipe
 from driftform.study import load_study
-from driftform.testing.simulator import apart, depths, positions_at
-from driftform.testing.textbook import textbook_flight
+from driftform.testing.simulator import largest_distance, wall_depths
+from driftform.testing.textbook import textbook_states
+from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import End, Trajectory
 
 pytestmark = pytest.mark.slow
@@ -35,7 +36,7 @@ def agents(pipelines, count_of):
 
 
 def row(where: str, use: str, flights, errors) -> str:
-    known = sum(flight.error >= error for flight, error in zip(flights, errors, strict=True))
+    known = sum(trajectory.error >= error for trajectory, error in zip(flights, errors, strict=True))
     beyond = sum(error > MILLIMETRE for error in errors)
     return (
         f"| {where} | {use} | {len(errors)} | {1e3 * np.median(errors):.2g} | {1e3 * max(errors):.2g} "
@@ -60,23 +61,24 @@ def test_free_flights_agree_with_the_textbook_to_a_millimetre(pipelines, agents,
         }
     )
     times = np.linspace(0, HORIZON, round(100 * HORIZON) + 1)
-    expected = list(workers.map(textbook_flight, drawn, repeat(scenario), repeat(times)))
+    expected = list(workers.map(textbook_states, drawn, repeat(scenario), repeat(times)))
     # The book's own error: the same to a hundred times less.
     few = drawn[:10]
-    tighter = workers.map(textbook_flight, few, repeat(scenario), repeat(times), repeat(1e-13))
-    doubt = max(apart(a[:, :3], b[:, :3]) for a, b in zip(expected, tighter, strict=False))
+    tighter = workers.map(textbook_states, few, repeat(scenario), repeat(times), repeat(1e-13))
+    doubt = max(largest_distance(a[:, :3], b[:, :3]) for a, b in zip(expected, tighter, strict=False))
 
     lines, errors = list(HEAD), {}
     for use, pipeline in pipelines.items():
         flights = list(workers.map(pipeline.simulator.simulate, drawn, repeat(scenario)))
-        assert {flight.end for flight in flights} <= {End.HORIZON, End.NOT_CONVERGED}
+        assert {trajectory.end for trajectory in flights} <= {End.HORIZON, End.NOT_CONVERGED}
         errors[use] = [
-            apart(positions_at(f, times), e[:, :3]) for f, e in zip(flights, expected, strict=True)
+            largest_distance(interpolate_positions(f, times), e[:, :3])
+            for f, e in zip(flights, expected, strict=True)
         ]
-        failed = [index for index, flight in enumerate(flights) if flight.end.failed]
+        failed = [index for index, trajectory in enumerate(flights) if trajectory.end.failed]
         print(f"{use}: not converged: {failed}")
         lines.append(row("9 s in open water", use, flights, errors[use]))
-    fastest = [float(np.abs(flight[:, 10:]).max()) for flight in expected]
+    fastest = [float(np.abs(trajectory[:, 10:]).max()) for trajectory in expected]
     lines += [
         "",
         f"The textbook's flights are known to {doubt:.1g} m. Half of the agents come to spin at more than "
@@ -95,18 +97,20 @@ def test_flights_in_the_pipe_agree_with_the_textbook_up_to_the_wall(pipelines, a
     lines, worst, reached = list(HEAD), {}, {}
     for use, pipeline in pipelines.items():
         flights = list(workers.map(pipeline.simulator.simulate, drawn, repeat(scenario)))
-        untils = [flight.t[-1] if flight.contact is None else flight.contact for flight in flights]
+        untils = [
+            trajectory.t[-1] if trajectory.contact is None else trajectory.contact for trajectory in flights
+        ]
         instants = [np.linspace(0, until, int(100 * until) + 2) for until in untils]
-        expected = list(workers.map(textbook_flight, drawn, repeat(scenario), instants))
+        expected = list(workers.map(textbook_states, drawn, repeat(scenario), instants))
         errors = [
-            apart(positions_at(flight, times), path[:, :3])
-            for flight, times, path in zip(flights, instants, expected, strict=True)
+            largest_distance(interpolate_positions(trajectory, times), path[:, :3])
+            for trajectory, times, path in zip(flights, instants, expected, strict=True)
         ]
         # Where a simulator tells of the first contact, the textbook's agent must touch the wall as well.
         touching = [
-            depths(agent, as_trajectory(times[-1:], path[-1:]), radius)[0]
-            for agent, flight, times, path in zip(drawn, flights, instants, expected, strict=True)
-            if flight.contact is not None
+            wall_depths(agent, as_trajectory(times[-1:], path[-1:]), radius)[0]
+            for agent, trajectory, times, path in zip(drawn, flights, instants, expected, strict=True)
+            if trajectory.contact is not None
         ]
         worst[use], reached[use] = max(errors), max(map(abs, touching))
         lines.append(row("in the pipe, up to the wall", use, flights, errors))

@@ -21,62 +21,62 @@ class Plain(Recorder[Table]):
     name = "plain"
     suffix = ".txt"
 
-    def write(self, job: ExportJob, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         """Write the file."""
-        rows = zip(flight.t, flight.position, flight.quaternion, strict=True)
+        rows = zip(trajectory.t, trajectory.position, trajectory.quaternion, strict=True)
         write_text(path, "".join(f"{t} {p.tolist()} {q.tolist()}\n" for t, p, q in rows))
         return (WrittenFile(self.name, str(path)),)
 
 
 class LeavesSomethingBeside(Plain):
-    def write(self, job: ExportJob, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         path.parent.mkdir(exist_ok=True, parents=True)
         path.with_suffix(".tmp").write_text("left over")
-        return super().write(job, flight, path)
+        return super().write(job, trajectory, path)
 
 
 class TellsOfNothing(Plain):
-    def write(self, job: ExportJob, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
-        super().write(job, flight, path)
+    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        super().write(job, trajectory, path)
         return ()
 
 
 class WritesTheClock(Plain):
-    def write(self, job: ExportJob, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
-        write_text(path, f"{next(TICKS)} {flight.quaternion.tolist()}")
+    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        write_text(path, f"{next(TICKS)} {trajectory.quaternion.tolist()}")
         return (WrittenFile(self.name, str(path)),)
 
 
 class NeedsTwoSamples(Plain):
-    def write(self, job: ExportJob, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
-        flight.t[1]
-        return super().write(job, flight, path)
+    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        trajectory.t[1]
+        return super().write(job, trajectory, path)
 
 
 class RefusesFailures(Plain):
-    def write(self, job: ExportJob, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
-        if flight.end.failed:
-            raise ValueError(flight.end)
-        return super().write(job, flight, path)
+    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+        if trajectory.end.failed:
+            raise ValueError(trajectory.end)
+        return super().write(job, trajectory, path)
 
 
 class NeedsAPipe(Plain):
-    def write(self, job: ExportJob, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         job.scenario.pipe.segments[0]
-        return super().write(job, flight, path)
+        return super().write(job, trajectory, path)
 
 
 class ForgetsTheFlight(Plain):
-    def write(self, job: ExportJob, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         write_text(path, job.name)
         return (WrittenFile(self.name, str(path)),)
 
 
 class LeavesHalfAFile(Plain):
-    def write(self, job: ExportJob, flight: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
+    def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         path.parent.mkdir(exist_ok=True, parents=True)
         part = path.with_suffix(".part")
-        part.write_text(str(flight.quaternion.tolist()))
+        part.write_text(str(trajectory.quaternion.tolist()))
         part.replace(path)
         return (WrittenFile(self.name, str(path)),)
 
@@ -90,12 +90,12 @@ def contract(cls: type[Plain]) -> RecorderContract:
 
 
 CHECKS: dict[str, Callable[[RecorderContract, Path], None]] = {
-    "files": lambda c, p: c.test_files_are_where_they_were_asked_for_and_nothing_else(p),
+    "files": lambda c, p: c.test_only_the_requested_files_are_written(p),
     "same": lambda c, p: c.test_the_same_flight_gives_the_same_content(p),
     "single": lambda c, p: c.test_a_flight_of_one_sample_is_recorded_too(p),
     "open": lambda c, p: c.test_a_flight_in_open_water_is_recorded_too(p),
     "other": lambda c, p: c.test_another_flight_gives_other_content(p),
-    "blocked": lambda c, p: c.test_what_cannot_be_written_leaves_nothing_behind(p),
+    "blocked": lambda c, p: c.test_a_failed_write_leaves_nothing_behind(p),
 }
 
 

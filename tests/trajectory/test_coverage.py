@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 
 from driftform.errors import InputError
 from driftform.scenario import Pipe, Scenario, Segment
+from driftform.trajectory.approach import closest_approach
 from driftform.trajectory.coverage import CoverageMap, PipeGrid, find_closest_pass, map_coverage
-from driftform.trajectory.path import closest_approach, hermite_coefficients, world_velocity
+from driftform.trajectory.path import hermite_coefficients, world_velocity
 from driftform.types import End, Trajectory
 
 PIPE = Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0)
@@ -23,7 +24,7 @@ segments = (
 )
 
 
-def flight(t, position, velocity) -> Trajectory:
+def make_trajectory(t, position, velocity) -> Trajectory:
     """A flight without rotation: body axes are world axes."""
     still = np.tile([1.0, 0, 0, 0], (len(t), 1))
     return Trajectory(t, position, still, np.hstack([velocity, np.zeros((len(t), 3))]), End.HORIZON)
@@ -33,7 +34,7 @@ def straight(start, end, samples: int = 2) -> Trajectory:
     """A flight of 1 s along a line."""
     t = np.linspace(0.0, 1.0, samples)
     course = np.subtract(end, start)
-    return flight(t, start + t[:, None] * course, np.tile(course, (samples, 1)))
+    return make_trajectory(t, start + t[:, None] * course, np.tile(course, (samples, 1)))
 
 
 def wild(seed: int) -> Trajectory:
@@ -41,7 +42,7 @@ def wild(seed: int) -> Trajectory:
     rng = np.random.default_rng(seed)
     t = np.cumsum(rng.uniform(0.1, 2.0, 4)) - 0.1
     position = rng.uniform((-0.5, -0.05, -1.2), (3.0, 0.05, 1.2), (4, 3))
-    return flight(t - t[0], position, rng.normal(size=(4, 3)) * (1.0, 0.05, 1.0))
+    return make_trajectory(t - t[0], position, rng.normal(size=(4, 3)) * (1.0, 0.05, 1.0))
 
 
 def smooth(seed: int) -> Trajectory:
@@ -55,7 +56,7 @@ def smooth(seed: int) -> Trajectory:
     )
     angle = np.outer(t, rate) + phase
     drift = np.array([rng.uniform(0.2, 1.0), 0.0, 0.0])
-    return flight(t, size * np.sin(angle) + np.outer(t, drift), size * rate * np.cos(angle) + drift)
+    return make_trajectory(t, size * np.sin(angle) + np.outer(t, drift), size * rate * np.cos(angle) + drift)
 
 
 seeds = st.integers(0, 2**32 - 1)
@@ -74,7 +75,7 @@ def test_the_cells_fill_the_section_of_any_pipe(segment, side):
     length = np.linalg.norm(np.subtract(segment.end, segment.start))
     assert cells.size[0] * cells.shape[0] == pytest.approx(length)
     assert cells.size[1] * cells.shape[1] == pytest.approx(2 * segment.radius)
-    assert len(cells.centres()) == cells.count
+    assert len(cells.centres()) == cells.cell_count
     for extent, size in zip((length, 2 * segment.radius), cells.size, strict=False):
         # As near to the side as a whole number of cells allows.
         assert round(extent / side) in (0, round(extent / size))
@@ -117,10 +118,10 @@ def test_in_a_vertical_pipe_upward_on_the_map_is_the_worlds_x(end):
 def test_the_centre_of_every_cell_is_in_it_and_goes_to_the_world_and_back(segment):
     cells = PipeGrid.of_segment(segment, 0.2)
     centres = cells.to_world(cells.centres())
-    np.testing.assert_array_equal(cells.cell_of(centres), np.arange(cells.count))
+    np.testing.assert_array_equal(cells.cell_of(centres), np.arange(cells.cell_count))
     np.testing.assert_allclose(cells.to_map(centres)[:, :2], cells.centres(), atol=1e-12)
     assert all(
-        Pipe(segments=(segment,)).contains(tuple(centre)) for centre in centres[:: cells.count // 5 + 1]
+        Pipe(segments=(segment,)).contains(tuple(centre)) for centre in centres[:: cells.cell_count // 5 + 1]
     )
 
 
@@ -194,11 +195,14 @@ def test_what_lies_before_the_inlet_or_behind_the_outlet_is_on_no_map():
 
 def test_a_flight_of_a_single_sample_is_in_the_cell_of_its_point():
     crossed, distance = CELLS.find_crossed(
-        flight(np.zeros(1), np.array([[0.12, 0.01, 0.02]]), np.ones((1, 3)))
+        make_trajectory(np.zeros(1), np.array([[0.12, 0.01, 0.02]]), np.ones((1, 3)))
     )
     np.testing.assert_allclose(CELLS.centres()[crossed], [[0.15, 0.05]])
     np.testing.assert_allclose(distance, np.linalg.norm([0.03, 0.01, 0.03]))
-    assert len(CELLS.find_crossed(flight(np.zeros(1), np.array([[-1.0, 0, 0]]), np.ones((1, 3))))[0]) == 0
+    assert (
+        len(CELLS.find_crossed(make_trajectory(np.zeros(1), np.array([[-1.0, 0, 0]]), np.ones((1, 3))))[0])
+        == 0
+    )
 
 
 @settings(deadline=None, max_examples=40)
@@ -210,7 +214,7 @@ def test_a_pipe_that_lies_elsewhere_has_the_same_map(path, heading, slope):
     shift = np.array([3.0, -2.0, 0.5])
     segment = Segment(start=tuple(shift), end=tuple(shift + 9 * along), radius=1.0)
     # Velocities are turned by the body's attitude, which stays: as if they were given in world axes.
-    moved = flight(path.t, path.position @ turn.T + shift, path.velocity[:, :3] @ turn.T)
+    moved = make_trajectory(path.t, path.position @ turn.T + shift, path.velocity[:, :3] @ turn.T)
     cells, distance = CELLS.find_crossed(path)
     again, there = PipeGrid.of_segment(segment).find_crossed(moved)
     both, here, yonder = np.intersect1d(cells, again, return_indices=True)
@@ -251,7 +255,7 @@ def test_adding_a_flight_tells_where_it_is_the_closest_now():
 
 def test_open_water_has_no_map():
     with pytest.raises(InputError, match="needs a pipe"):
-        PipeGrid.of(Scenario())
+        PipeGrid.of_scenario(Scenario())
 
 
 def test_the_closest_pass_is_that_of_the_earliest_of_equals():

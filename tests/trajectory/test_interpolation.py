@@ -10,7 +10,7 @@ from driftform.geometry import mass_properties
 from driftform.scenario import Fluid, Release, Scenario, UniformFlow
 from driftform.study import load_study
 from driftform.testing.bodies import hollow_body
-from driftform.testing.renderer import drift
+from driftform.testing.renderer import drifting_trajectory
 from driftform.trajectory.forces import acceleration_at, accelerations_along, net_wrench
 from driftform.trajectory.interpolation import interpolate_attitudes, interpolate_positions
 from driftform.trajectory.path import world_velocity
@@ -32,16 +32,16 @@ def flown() -> tuple[Agent, Scenario, Trajectory]:
     study = load_study(use={"simulator": "native"}, run={"seed": 0})
     pipeline = study.make_pipeline()
     found = pipeline.make_agent(pipeline.grammar.random(np.random.default_rng(5)))
-    [flight] = pipeline.fly([found])
-    free = flight.t < (np.inf if flight.contact is None else flight.contact)
-    flight = replace(
-        flight,
-        t=flight.t[free],
-        position=flight.position[free],
-        quaternion=flight.quaternion[free],
-        velocity=flight.velocity[free],
+    [trajectory] = pipeline.fly([found])
+    free = trajectory.t < (np.inf if trajectory.contact is None else trajectory.contact)
+    trajectory = replace(
+        trajectory,
+        t=trajectory.t[free],
+        position=trajectory.position[free],
+        quaternion=trajectory.quaternion[free],
+        velocity=trajectory.velocity[free],
     )
-    return found, study.scenario, flight
+    return found, study.scenario, trajectory
 
 
 def test_times_are_a_step_apart_and_the_end_is_one_of_them() -> None:
@@ -51,13 +51,13 @@ def test_times_are_a_step_apart_and_the_end_is_one_of_them() -> None:
 
 
 def test_between_samples_it_turns_steadily_the_short_way_round() -> None:
-    flight = drift(1.0, turn=1.2)
+    trajectory = drifting_trajectory(1.0, turn=1.2)
     coarse = Trajectory(
-        flight.t[::20],
-        flight.position[::20],
-        flight.quaternion[::20] * [[1], [-1]],
-        flight.velocity[::20],
-        flight.end,
+        trajectory.t[::20],
+        trajectory.position[::20],
+        trajectory.quaternion[::20] * [[1], [-1]],
+        trajectory.velocity[::20],
+        trajectory.end,
     )
     found = interpolate_attitudes(coarse, np.array([0.0, 0.25, 0.5, 1.0]))
     half = 1.2 * np.array([0.0, 0.25, 0.5, 1.0]) / 2
@@ -68,33 +68,33 @@ def test_between_samples_it_turns_steadily_the_short_way_round() -> None:
 def test_resampled_flights_lie_on_the_path_and_have_its_slope(
     flown: tuple[Agent, Scenario, Trajectory],
 ) -> None:
-    flight = flown[2]
-    fine = resample(flight, 1000.0)
-    assert np.diff(fine.t)[:-1] == pytest.approx(1e-3) and fine.t[-1] == flight.t[-1]
-    assert fine.position == pytest.approx(interpolate_positions(flight, fine.t))
+    trajectory = flown[2]
+    fine = resample(trajectory, 1000.0)
+    assert np.diff(fine.t)[:-1] == pytest.approx(1e-3) and fine.t[-1] == trajectory.t[-1]
+    assert fine.position == pytest.approx(interpolate_positions(trajectory, fine.t))
     slope = (
-        interpolate_positions(flight, fine.t[1:-1] + 1e-5)
-        - interpolate_positions(flight, fine.t[1:-1] - 1e-5)
+        interpolate_positions(trajectory, fine.t[1:-1] + 1e-5)
+        - interpolate_positions(trajectory, fine.t[1:-1] - 1e-5)
     ) / 2e-5
     assert world_velocity(fine)[1:-1] == pytest.approx(slope, abs=1e-6)
 
 
 def test_resampling_at_the_samples_changes_nothing() -> None:
-    flight = drift(0.4)
-    again = resample(flight, 50.0)
+    trajectory = drifting_trajectory(0.4)
+    again = resample(trajectory, 50.0)
     for name in ("t", "position", "quaternion", "velocity"):
-        assert getattr(again, name) == pytest.approx(getattr(flight, name), abs=1e-12)
+        assert getattr(again, name) == pytest.approx(getattr(trajectory, name), abs=1e-12)
 
 
 def test_a_single_sample_stays_one() -> None:
-    whole = drift()
+    whole = drifting_trajectory()
     single = Trajectory(whole.t[:1], whole.position[:1], whole.quaternion[:1], whole.velocity[:1], whole.end)
     assert resample(single, 100.0) is single
 
 
 def test_accelerations_add_up_to_the_change_of_velocity(flown: tuple[Agent, Scenario, Trajectory]) -> None:
-    agent, scenario, flight = flown
-    fine = resample(flight, 2000.0)
+    agent, scenario, trajectory = flown
+    fine = resample(trajectory, 2000.0)
     found = accelerations_along(fine, agent, scenario)
     velocity = np.column_stack([world_velocity(fine), fine.velocity[:, 3:]])
     gained = np.trapezoid(found, fine.t, axis=0)
@@ -104,28 +104,28 @@ def test_accelerations_add_up_to_the_change_of_velocity(flown: tuple[Agent, Scen
 
 def test_in_vacuum_the_net_force_is_the_weight_and_the_torque_is_none(agent: Agent) -> None:
     vacuum = Scenario(flow=UniformFlow(speed=0.0), fluid=Fluid(density=1e-12))
-    flight = drift()
-    wrench = net_wrench(flight, accelerations_along(flight, agent, vacuum), agent.mass)
-    up = matrix_from_quaternion(flight.quaternion)[:, 2]
+    trajectory = drifting_trajectory()
+    wrench = net_wrench(trajectory, accelerations_along(trajectory, agent, vacuum), agent.mass)
+    up = matrix_from_quaternion(trajectory.quaternion)[:, 2]
     assert wrench[:, :3] == pytest.approx(-9.81 * agent.mass.mass * up, rel=1e-6)
-    assert wrench[:, 3:] == pytest.approx(np.zeros((len(flight.t), 3)), abs=1e-9)
+    assert wrench[:, 3:] == pytest.approx(np.zeros((len(trajectory.t), 3)), abs=1e-9)
 
 
 def test_a_body_with_the_weight_of_the_water_feels_no_force_at_rest(agent: Agent) -> None:
     density = agent.mass.mass / agent.mass.volume
     scenario = STILL.model_copy(update={"fluid": Fluid(density=density)})
-    whole = drift()
+    whole = drifting_trajectory()
     rest = replace(whole, velocity=np.zeros_like(whole.velocity))
     wrench = net_wrench(rest, accelerations_along(rest, agent, scenario), agent.mass)
     assert np.abs(wrench[:, :3]).max() < 1e-9 * agent.mass.mass * 9.81
 
 
 def test_a_point_off_the_axis_of_a_steady_turn_is_pulled_inward(agent: Agent) -> None:
-    flight = drift(turn=1.0)
-    rate = flight.velocity[0, 4]
-    none = np.zeros((len(flight.t), 6))
-    assert acceleration_at(flight, none, np.array([0.2, 0.0, 0.0])) == pytest.approx(
-        np.tile([-0.2 * rate**2, 0.0, 0.0], (len(flight.t), 1))
+    trajectory = drifting_trajectory(turn=1.0)
+    rate = trajectory.velocity[0, 4]
+    none = np.zeros((len(trajectory.t), 6))
+    assert acceleration_at(trajectory, none, np.array([0.2, 0.0, 0.0])) == pytest.approx(
+        np.tile([-0.2 * rate**2, 0.0, 0.0], (len(trajectory.t), 1))
     )
 
 
@@ -140,7 +140,7 @@ def test_a_turn_that_grows_faster_is_followed_between_samples() -> None:
 
     still = np.zeros((6, 3))
     velocity = np.column_stack([still, (1 + 3 * t**2)[:, None] * axis])
-    fine = resample(Trajectory(t, still, turned(t), velocity, drift().end), 37.0)
+    fine = resample(Trajectory(t, still, turned(t), velocity, drifting_trajectory().end), 37.0)
     same = np.einsum("ij,ij->i", fine.quaternion, turned(fine.t))
     assert np.abs(same) == pytest.approx(1.0, abs=1e-14)
     assert fine.velocity[:, 3:] == pytest.approx((1 + 3 * fine.t**2)[:, None] * axis, rel=1e-9)
@@ -158,7 +158,9 @@ def test_a_turn_about_a_wandering_axis_is_followed_to_the_fourth_order() -> None
         )
         omega = np.column_stack([3 + 0 * times, 2 * np.sin(3 * times), 2 * np.cos(3 * times)])
         still = np.zeros((len(times), 3))
-        return Trajectory(times, still, quaternion, np.column_stack([still, omega]), drift().end)
+        return Trajectory(
+            times, still, quaternion, np.column_stack([still, omega]), drifting_trajectory().end
+        )
 
     off = []
     for count in (11, 21):

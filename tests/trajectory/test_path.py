@@ -8,11 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
-from driftform.trajectory.path import closest_approach, hermite_coefficients, select_spaced, world_velocity
+from driftform.trajectory.approach import closest_approach
+from driftform.trajectory.path import hermite_coefficients, world_velocity
+from driftform.trajectory.resampling import select_spaced
 from driftform.types import End, Trajectory
 
 
-def flight(t, position, velocity):
+def make_trajectory(t, position, velocity):
     """A flight without rotation: body axes are world axes."""
     still = np.tile([1.0, 0, 0, 0], (len(t), 1))
     return Trajectory(t, position, still, np.hstack([velocity, np.zeros((len(t), 3))]), End.HORIZON)
@@ -45,7 +47,7 @@ def exact_distance(path, point):
 @given(st.tuples(st.floats(0.5, 4.5), st.floats(-1, 1), st.floats(-1, 1)))
 def test_a_straight_path_passes_a_point_at_the_length_of_the_perpendicular(point):
     t = np.array([0.0, 0.4, 1.7, 2.0, 5.0])
-    path = flight(t, np.outer(t, [1.0, 0, 0]), np.tile([1.0, 0, 0], (5, 1)))
+    path = make_trajectory(t, np.outer(t, [1.0, 0, 0]), np.tile([1.0, 0, 0], (5, 1)))
     [distance], [when] = closest_approach(path, np.array([point]))
     assert distance == pytest.approx(np.hypot(point[1], point[2]), abs=1e-12)
     assert when == pytest.approx(point[0], abs=1e-6)
@@ -54,7 +56,7 @@ def test_a_straight_path_passes_a_point_at_the_length_of_the_perpendicular(point
 @given(st.tuples(st.floats(0, 5), st.floats(-1, 1), st.floats(-1, 1)))
 def test_a_curved_path_agrees_with_a_brute_force_search_on_the_true_curve(point):
     t = np.linspace(0, 5, 101)
-    [distance], _ = closest_approach(flight(t, *helix(t)), np.array([point]))
+    [distance], _ = closest_approach(make_trajectory(t, *helix(t)), np.array([point]))
 
     def true_distance(s):
         return float(np.linalg.norm(helix(np.atleast_1d(s))[0][0] - point))
@@ -74,7 +76,7 @@ def test_a_curved_path_agrees_with_a_brute_force_search_on_the_true_curve(point)
 def test_no_point_of_a_smooth_path_is_nearer(count, point, seed):
     rng = np.random.default_rng(seed)
     t = np.linspace(0, count * 0.04, count) + 0.01 * rng.random(count)
-    path = flight(t, *helix(t))
+    path = make_trajectory(t, *helix(t))
     [distance], _ = closest_approach(path, np.array([point]))
     assert distance == pytest.approx(exact_distance(path, point), abs=1e-12)
 
@@ -101,7 +103,7 @@ def test_on_a_path_however_wild_no_station_is_passed_by(count, speed, seed):
 def test_a_path_that_comes_straight_up_and_goes_back_is_nearest_where_it_turns(turn, gap):
     t = np.arange(200.0)
     along = np.array([0.6, 0, 0.8])
-    path = flight(
+    path = make_trajectory(
         t, np.outer(gap + 0.01 * np.abs(t - turn), along), np.outer(0.01 * np.sign(t - turn), along)
     )
     [distance], [when] = closest_approach(path, np.zeros((1, 3)))
@@ -110,14 +112,14 @@ def test_a_path_that_comes_straight_up_and_goes_back_is_nearest_where_it_turns(t
 
 def test_the_ends_of_the_path_count():
     t = np.array([0.0, 1.0])
-    path = flight(t, np.outer(t, [1.0, 0, 0]), np.tile([1.0, 0, 0], (2, 1)))
+    path = make_trajectory(t, np.outer(t, [1.0, 0, 0]), np.tile([1.0, 0, 0], (2, 1)))
     distances, times = closest_approach(path, np.array([[-1.0, 0, 0], [3.0, 0, 0]]))
     assert distances == pytest.approx([1, 2])
     assert times == pytest.approx([0, 1])
 
 
 def test_a_flight_of_one_sample_is_a_point():
-    path = flight(np.array([0.0]), np.zeros((1, 3)), np.zeros((1, 3)))
+    path = make_trajectory(np.array([0.0]), np.zeros((1, 3)), np.zeros((1, 3)))
     distances, times = closest_approach(path, np.array([[3.0, 4.0, 0.0]]))
     assert (distances[0], times[0]) == (5.0, 0.0)
 

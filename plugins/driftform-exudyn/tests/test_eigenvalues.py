@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from driftform.dynamics.coordinates import motion_of
+from driftform.dynamics.coordinates import describe_motion
 from driftform.dynamics.model import COB, COG, INVERSE, MASS, flight_model
 from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.dynamics.stability import stable_rest
@@ -22,7 +22,7 @@ def exudyn_frequencies(model, height, pitch):
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     quaternion = np.array([math.cos(pitch / 2), 0.0, math.sin(pitch / 2), 0.0])
-    motion = motion_of(model, np.array([0.0, 0.0, height, *quaternion, *np.zeros(6)]))
+    motion = describe_motion(model, np.array([0.0, 0.0, height, *quaternion, *np.zeros(6)]))
     node = mbs.AddNode(
         items.NodeRigidBodyRotVecLG(
             referenceCoordinates=[0.0] * 6,

@@ -12,7 +12,7 @@ from driftform.figures.style import BLUE, VERMILLION
 from driftform.geometry import mass_properties
 from driftform.scenario import Fluid, Pipe, Scenario, Segment
 from driftform.testing.bodies import hollow_body
-from driftform.testing.renderer import drift, read_film
+from driftform.testing.renderer import drifting_trajectory, read_film
 from driftform.types import Agent, Coefficients
 from driftform_exudyn import encoder
 from driftform_exudyn.film import ExudynRenderer, FilmOptions
@@ -36,7 +36,7 @@ def agent() -> Agent:
 
 
 def scene(agent: Agent, flight=None, scenario=None, frames: int = 5) -> Scene:
-    flight = drift(0.8, turn=0.0) if flight is None else flight
+    flight = drifting_trajectory(0.8, turn=0.0) if flight is None else flight
     t = np.linspace(0, flight.t[-1], frames)
     return Scene(agent, flight, scenario or Scenario(pipe=PIPE), t, letters=8.0)
 
@@ -90,7 +90,7 @@ def test_a_line_is_seen_before_and_behind_the_point_that_is_looked_at():
 @pytest.mark.parametrize("downstream", [(1, 0, 0), (0, 1, 0), (-0.6, 0.8, 0)])
 def test_seen_from_the_side_the_agent_goes_from_left_to_right(agent, downstream):
     pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=tuple(map(float, downstream)), radius=0.15),))
-    flight = drift(0.8, turn=0.0)
+    flight = drifting_trajectory(0.8, turn=0.0)
     flight = replace(flight, position=flight.t[:, None] * downstream, velocity=0 * flight.velocity)
     view = SideView(scene(agent, flight, Scenario(pipe=pipe)), (240, 120), rays=1, captioned=False)
     columns = [middle(view.image(frame), HULL)[0] for frame in range(5)]
@@ -111,7 +111,9 @@ def test_the_path_grows_behind_it(agent):
 
 @pytest.mark.parametrize("captioned", [False, True])
 def test_an_image_that_was_painted_over_is_the_same_as_one_that_was_painted_anew(agent, captioned):
-    flying = scene(agent, drift(0.8, turn=2.0), Scenario(pipe=PIPE, targets={"leak": (0.4, 0, 0.05)}))
+    flying = scene(
+        agent, drifting_trajectory(0.8, turn=2.0), Scenario(pipe=PIPE, targets={"leak": (0.4, 0, 0.05)})
+    )
     view = SideView(flying, (240, 120), rays=1, captioned=captioned)
     for frame in range(5):
         kept = view.image(frame)
@@ -130,7 +132,7 @@ def test_a_small_agent_is_magnified_from_the_side_and_the_image_says_so(agent):
 
 @pytest.mark.parametrize(("pitch", "where"), [(0.0, (1, 0)), (0.8, (1, 1)), (-0.8, (1, -1)), (2.5, (-1, 1))])
 def test_seen_from_close_by_the_fore_end_points_where_the_attitude_does(agent, pitch, where):
-    flight = drift(turn=0.0)
+    flight = drifting_trajectory(turn=0.0)
     half = np.full(len(flight.t), pitch / 2)
     flight = replace(flight, quaternion=np.column_stack([np.cos(half), 0 * half, np.sin(half), 0 * half]))
     image = FollowView(scene(agent, flight, Scenario()), (240, 160), rays=1).image(0)
@@ -152,7 +154,7 @@ def still_of(agent: Agent, flight, scenario: Scenario, at: float) -> Scene:
 
 def held(pitch: float):
     """A flight with the same attitude all the way."""
-    flight = drift(0.8, turn=0.0)
+    flight = drifting_trajectory(0.8, turn=0.0)
     half = np.full(len(flight.t), pitch / 2)
     zero = 0 * half
     velocity = np.column_stack([np.cos(2 * half), zero, np.sin(2 * half), zero, zero, zero])
@@ -201,7 +203,7 @@ def test_seen_from_close_by_the_agent_stays_in_the_middle_and_is_as_large_as_fit
 
 @pytest.mark.parametrize("size", [(240, 64), (64, 240)])
 def test_seen_from_close_by_the_whole_agent_is_in_a_picture_of_any_shape(agent, size):
-    flying = scene(agent, drift(0.8, turn=2.0))
+    flying = scene(agent, drifting_trajectory(0.8, turn=2.0))
     view = FollowView(flying, size, rays=1)
     for frame in range(5):
         image = view.image(frame)
@@ -243,7 +245,7 @@ def test_seen_from_close_by_the_pipe_passes(agent):
 
 
 def test_samples_are_met_and_the_path_between_them_is_the_one_that_fitness_measures():
-    flight = drift(1.0, turn=0.5)
+    flight = drifting_trajectory(1.0, turn=0.5)
     for pose, place, when in zip(poses(flight, flight.t), flight.position, flight.t, strict=True):
         assert pose.position == pytest.approx(place)
         assert pose.rotation[:, 0] == pytest.approx([np.cos(0.5 * when), 0, -np.sin(0.5 * when)])
@@ -256,7 +258,9 @@ def test_slow_motion_has_as_many_more_frames(agent, tmp_path):
     for speed in (1.0, 0.25):
         options = FilmOptions(width=64, height=64, fps=5, speed=speed, view="side", rays=1)
         path = tmp_path / f"{speed}.mp4"
-        written = ExudynRenderer(options).film(agent, drift(0.8), Scenario(pipe=PIPE), path, lambda *_: None)
+        written = ExudynRenderer(options).film(
+            agent, drifting_trajectory(0.8), Scenario(pipe=PIPE), path, lambda *_: None
+        )
         counts.append(len(read_film(path)))
         assert written.facts == {"frames": counts[-1], "seconds": counts[-1] / 5, "size_px": [64, 64]}
     assert counts == [5, 17]
@@ -267,7 +271,9 @@ def test_slow_motion_has_as_many_more_frames(agent, tmp_path):
 
 def film(agent, path):
     options = FilmOptions(width=64, height=64, fps=5, view="side", rays=1)
-    return ExudynRenderer(options).film(agent, drift(), Scenario(pipe=PIPE), path, lambda *_: None)
+    return ExudynRenderer(options).film(
+        agent, drifting_trajectory(), Scenario(pipe=PIPE), path, lambda *_: None
+    )
 
 
 def test_capital_letters_make_no_other_suffix(agent, tmp_path):

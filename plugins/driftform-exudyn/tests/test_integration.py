@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from driftform.dynamics.coordinates import motion_of
+from driftform.dynamics.coordinates import describe_motion
 from driftform.dynamics.flight import release_state
 from driftform.dynamics.integrator import greatest_distance
 from driftform.dynamics.model import DAMPED, flight_model
@@ -27,7 +27,7 @@ def motions(seed):
     damped = model._replace(table=model.table.copy())
     damped.table[DAMPED] = 1.0
     start = release_state(model, scenario)
-    return [motion_of(m, start) for m in (model, damped)]
+    return [describe_motion(m, start) for m in (model, damped)]
 
 
 @pytest.mark.parametrize("seed", range(6))

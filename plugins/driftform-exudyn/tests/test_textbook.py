@@ -7,9 +7,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from driftform.scenario import Contact, FlightLimits, Pipe, Release, Scenario, Segment
-from driftform.testing.agents import sphere
+from driftform.testing.agents import sphere_agent
 from driftform.testing.bodies import spheroid_body
-from driftform.testing.textbook import distance_from_textbook, random_flight
+from driftform.testing.textbook import distance_from_textbook, random_case
 from driftform.types import End
 from driftform_exudyn.simulator import ExudynOptions, ExudynSimulator
 
@@ -18,7 +18,7 @@ HORIZON = 3.0
 
 def error(seed: int, **options) -> float:
     """Largest distance (m) of a flight from the textbook's."""
-    agent, scenario = random_flight(seed, HORIZON)
+    agent, scenario = random_case(seed, HORIZON)
     flight = ExudynSimulator(ExudynOptions(**options)).simulate(agent, scenario)
     assert flight.end == End.HORIZON
     assert np.linalg.norm(np.diff(flight.position, axis=0), axis=1).sum() > 1.0, "it has to go somewhere"
@@ -41,14 +41,14 @@ def test_the_other_integrators_fly_the_same(integrator):
 
 
 def test_samples_are_never_further_apart_than_the_longest_step():
-    agent, scenario = random_flight(0)
+    agent, scenario = random_case(0)
     for step in (0.02, 0.005):
         flight = ExudynSimulator(ExudynOptions(max_step=step)).simulate(agent, scenario)
         assert np.diff(flight.t).max() <= step * (1 + 1e-9)
 
 
 def test_too_many_steps_are_a_failed_flight():
-    agent, scenario = random_flight(0, HORIZON)
+    agent, scenario = random_case(0, HORIZON)
     flight = ExudynSimulator(ExudynOptions(step_limit=20)).simulate(agent, scenario)
     assert flight.end == End.STEP_LIMIT
     assert flight.end.failed
@@ -56,7 +56,7 @@ def test_too_many_steps_are_a_failed_flight():
 
 
 def test_a_wall_without_damping_throws_the_agent_back_as_fast_as_it_came():
-    agent = sphere(0.01, 1024 * 4 / 3 * np.pi * 1e-6)
+    agent = sphere_agent(0.01, 1024 * 4 / 3 * np.pi * 1e-6)
     # So few edges that its widest rim alone touches: others would set it spinning.
     agent = replace(agent, body=spheroid_body(0.01, 0.01, edges=4))
     scenario = Scenario(

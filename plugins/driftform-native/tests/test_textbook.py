@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from driftform.testing.textbook import distance_from_textbook, random_flight
+from driftform.testing.textbook import distance_from_textbook, random_case
 from driftform.types import End
 from driftform_native.simulator import NativeOptions, NativeSimulator
 
@@ -13,7 +13,7 @@ SEEDS = range(10)
 
 def flown(seed: int, **options):
     """A flight, and its largest distance (m) from the textbook's."""
-    agent, scenario = random_flight(seed, HORIZON)
+    agent, scenario = random_case(seed, HORIZON)
     flight = NativeSimulator(NativeOptions(**options)).simulate(agent, scenario)
     assert flight.end == End.HORIZON
     assert np.linalg.norm(np.diff(flight.position, axis=0), axis=1).sum() > 1.0, "it has to go somewhere"
@@ -39,7 +39,7 @@ def test_an_accuracy_that_is_asked_for_is_met_by_tightening_the_tolerance():
 
 
 def test_too_many_steps_are_a_failed_flight():
-    agent, scenario = random_flight(0, HORIZON)
+    agent, scenario = random_case(0, HORIZON)
     flight = NativeSimulator(NativeOptions(step_limit=20)).simulate(agent, scenario)
     assert flight.end == End.STEP_LIMIT
     assert flight.end.failed
@@ -47,7 +47,7 @@ def test_too_many_steps_are_a_failed_flight():
 
 
 def test_samples_are_never_further_apart_than_the_longest_step():
-    agent, scenario = random_flight(0, HORIZON)
+    agent, scenario = random_case(0, HORIZON)
     for step in (0.05, 0.005):
         flight = NativeSimulator(NativeOptions(max_step=step)).simulate(agent, scenario)
         assert np.diff(flight.t).max() <= step * (1 + 1e-9)

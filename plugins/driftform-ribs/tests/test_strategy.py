@@ -20,7 +20,7 @@ from driftform_ribs.strategy import RibsOptions, RibsStrategy, archive_of, heigh
 
 GRAMMAR = LetterGrammar(Table())
 SCENARIO = Scenario(pipe=Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0),)))
-CELLS = PipeGrid.of(SCENARIO)
+CELLS = PipeGrid.of_scenario(SCENARIO)
 
 
 def flight(position) -> Trajectory:

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from driftform.interfaces import ExportJob
 from driftform.scenario import FlightLimits, Fluid, Release, Scenario, UniformFlow
 from driftform.study import Study
-from driftform.testing.simulator import positions_at
+from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Coefficients
 
 if not os.environ.get("CI"):
@@ -95,6 +95,6 @@ def test_dart_flies_as_we_do(
     folder = export("sdf", job)
     times, coarse = flight_by_dart(job, folder, inertia_of, 4e-4)
     _, fine = flight_by_dart(job, folder, inertia_of, 2e-4)
-    ours = positions_at(study.make_pipeline().simulator.simulate(job.agent, scenario), times)
+    ours = interpolate_positions(study.make_pipeline().simulator.simulate(job.agent, scenario), times)
     assert np.linalg.norm(ours[-1] - ours[0]) > 0.2
     assert np.linalg.norm(2 * fine - coarse - ours, axis=1).max() < 0.001

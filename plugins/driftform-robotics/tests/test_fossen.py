@@ -18,7 +18,7 @@ from driftform.dynamics.inertia import largest_added_mass_ratio
 from driftform.interfaces import ExportJob
 from driftform.scenario import FlightLimits, Fluid, Scenario
 from driftform.study import Study
-from driftform.testing.simulator import positions_at
+from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Coefficients
 from driftform_robotics.models.sdf import SdfExporter, SdfOptions
 
@@ -278,7 +278,7 @@ def test_how_far_gazebo_is_off_in_a_current(study: Study, tmp_path: Path, inerti
         assert np.array_equal(scenario.current(), current)
         folder = tmp_path / f"{seed}-sdf"
         SdfExporter(SdfOptions()).write(ExportJob("agent", agent, scenario), folder)
-        ours = positions_at(pipeline.simulator.simulate(agent, scenario), times)
+        ours = interpolate_positions(pipeline.simulator.simulate(agent, scenario), times)
         world, drift = (GzSim(folder / name, inertia_of) for name in ("world.sdf", "drift.sdf"))
         cog = agent.mass.cog
         flights = {

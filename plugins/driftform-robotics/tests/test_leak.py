@@ -11,7 +11,7 @@ from driftform.interfaces import Fitness
 from driftform.scenario import Pipe, Scenario, Segment, UniformFlow
 from driftform.study import Study, load_study
 from driftform.testing import FitnessContract
-from driftform.testing.fitness import straight_flight
+from driftform.testing.fitness import straight_trajectory
 from driftform.types import Trajectory
 from driftform_robotics.leak import Leak, LeakOptions
 from driftform_robotics.plume import plume_of
@@ -25,7 +25,7 @@ def scenario(*leaks: tuple[float, float, float], speed: float = 1.0) -> Scenario
 
 
 def along(y: float, z: float, seconds: float = 16.0) -> Trajectory:
-    return straight_flight((0.0, y, z), (16.0, y, z), np.linspace(0, seconds, 41))
+    return straight_trajectory((0.0, y, z), (16.0, y, z), np.linspace(0, seconds, 41))
 
 
 class TestLeakContract(FitnessContract):
@@ -44,7 +44,7 @@ def test_a_reading_at_the_threshold_counts_half() -> None:
     """An agent that stays where the concentration is C, while the water takes 14 s to the end of the pipe."""
     there, surroundings = (5.0, 0.3, 0.1), scenario((2.0, 0.5, 0.0))
     C = plume_of(surroundings, (2.0, 0.5, 0.0), 0.001).concentration(np.array([there]))[0]
-    still = straight_flight(there, there, np.linspace(0, 7.0, 8))
+    still = straight_trajectory(there, there, np.linspace(0, 7.0, 8))
     for share, expected in ((1.0, 25.0), (3.0, 37.5), (1 / 3, 12.5)):
         leak = Leak(LeakOptions(threshold=C / share))
         assert leak.score(still, surroundings) == pytest.approx([expected], rel=1e-6)

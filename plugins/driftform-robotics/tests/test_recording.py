@@ -22,7 +22,7 @@ from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.interfaces import ExportJob
 from driftform.scenario import Pipe, Release, Scenario, Segment
 from driftform.testing import RecorderContract
-from driftform.testing.renderer import drift
+from driftform.testing.renderer import drifting_trajectory
 from driftform.trajectory.forces import accelerations_along, net_wrench
 from driftform.trajectory.path import world_velocity
 from driftform.types import Trajectory
@@ -69,7 +69,7 @@ def job() -> ExportJob:
 
 @pytest.fixture(scope="module")
 def flight() -> Trajectory:
-    return drift()
+    return drifting_trajectory()
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.geometry import mass_properties
 from driftform.scenario import Fluid, Pipe, Scenario, Segment, UniformFlow
 from driftform.testing.bodies import cylinder_body, hollow_body
-from driftform.testing.renderer import drift
+from driftform.testing.renderer import drifting_trajectory
 from driftform.trajectory.forces import accelerations_along
 from driftform.types import Agent, Coefficients, Trajectory
 from driftform_robotics import sensors
@@ -30,12 +30,14 @@ def pitched(angle: float) -> np.ndarray:
 
 def at(position: tuple[float, float, float], angle: float = 0.0) -> Trajectory:
     """A flight of one sample, at rest."""
-    return Trajectory(np.zeros(1), np.array([position]), pitched(angle)[None], np.zeros((1, 6)), drift().end)
+    return Trajectory(
+        np.zeros(1), np.array([position]), pitched(angle)[None], np.zeros((1, 6)), drifting_trajectory().end
+    )
 
 
 def test_in_free_fall_an_accelerometer_at_the_centre_of_gravity_reads_nothing(agent: Agent) -> None:
     vacuum = Scenario(flow=UniformFlow(speed=0.0), fluid=Fluid(density=1e-12))
-    flight = drift()
+    flight = drifting_trajectory()
     found = sensors.specific_force(
         flight, accelerations_along(flight, agent, vacuum), agent.mass.cog, vacuum.fluid.gravity
     )
@@ -51,7 +53,7 @@ def test_at_rest_it_reads_gravity_upward(agent: Agent, angle: float) -> None:
 
 
 def test_away_from_the_centre_of_a_turn_it_reads_the_centripetal_acceleration(agent: Agent) -> None:
-    flight = drift(turn=1.0)
+    flight = drifting_trajectory(turn=1.0)
     rate = flight.velocity[0, 4]
     none = np.zeros((len(flight.t), 6))
     found = sensors.specific_force(flight, none, np.array([0.0, 0.0, 0.3]), 0.0)
@@ -104,7 +106,9 @@ def test_clearance_is_that_of_the_nearest_of_many_points_on_the_rims() -> None:
     turned = rng.normal(size=(count, 4))
     turned /= np.linalg.norm(turned, axis=1, keepdims=True)
     position = np.column_stack([rng.uniform(1, 8, count), rng.uniform(-0.4, 0.4, (count, 2))])
-    flight = Trajectory(np.arange(count) / 10, position, turned, np.zeros((count, 6)), drift().end)
+    flight = Trajectory(
+        np.arange(count) / 10, position, turned, np.zeros((count, 6)), drifting_trajectory().end
+    )
     around, offset = np.linspace(0, 2 * np.pi, 4001), np.array([0.25, 0.0, 0.0])
     rim = np.column_stack([0 * around, 0.15 * np.cos(around), 0.15 * np.sin(around)])
     points = np.concatenate([rim + offset, rim - offset])

@@ -7,7 +7,7 @@ from functools import cached_property
 from driftform.figures.flight import flight_svg
 from driftform.scenario import Scenario
 from driftform.tables.columns import FLIGHT_COLUMNS
-from driftform.trajectory.path import closest_approach
+from driftform.trajectory.approach import closest_approach
 from driftform.types import Agent, End, FloatArray, Trajectory
 from driftform.util.notebook import show_picture, show_table
 

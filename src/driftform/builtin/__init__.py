@@ -1,1 +1,1 @@
-"""What ships with the core, through the same hooks as any plugin."""
+"""Plugins that ship with the core, and register through the same hooks as any plugin."""

@@ -1,4 +1,4 @@
-"""Equation 25: how close the flight comes to each target, relative to the farthest one could be."""
+"""The paper's fitness (equation 25): the closest approach to each target, relative to the farthest possible distance."""
 
 from functools import lru_cache
 
@@ -13,8 +13,8 @@ from driftform.types import FloatArray, Trajectory
 class ClosestApproach(Fitness[Table]):
     """``100 (1 - d_min / d_max)``, in percent.
 
-    d_min is the smallest distance of the core's centre from the target along the whole flight, between samples
-    too; d_max the distance from the target to the farthest point of the pipe's volume. ``100 - fitness`` is the
+    d_min is the least distance of the core's centre from the target along the whole flight, also between samples;
+    d_max is the distance from the target to the farthest point of the pipe's volume. ``100 - fitness`` is the
     error in percent of d_max.
     """
 
@@ -22,13 +22,13 @@ class ClosestApproach(Fitness[Table]):
 
     def score(self, trajectory: Trajectory, scenario: Scenario) -> FloatArray:
         """Return the fitness for each target, 0 to 100, (targets,)."""
-        from driftform.trajectory.path import closest_approach
+        from driftform.trajectory.approach import closest_approach
 
         d_min, _ = closest_approach(trajectory, scenario.target_array())
-        d_max = _farthest(scenario.pipe, tuple(scenario.targets.values()))
+        d_max = _farthest_distances(scenario.pipe, tuple(scenario.targets.values()))
         return np.asarray(np.maximum(0.0, 100 * (1 - d_min / d_max)), dtype=np.float64)
 
 
 @lru_cache(maxsize=16)
-def _farthest(pipe: Pipe, targets: tuple[Vector, ...]) -> FloatArray:
+def _farthest_distances(pipe: Pipe, targets: tuple[Vector, ...]) -> FloatArray:
     return np.array([pipe.farthest_distance(np.array(target)) for target in targets])

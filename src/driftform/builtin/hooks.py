@@ -1,4 +1,4 @@
-"""driftform's own entry point: what is in the paper, and flights as tables, through the same hooks as any plugin."""
+"""Hook implementations of driftform itself: the paper's fitness, the strategies, and the recorders of tables."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 @hookimpl
 def driftform_fitness() -> "type[Fitness[Any]]":
-    """Equation 25."""
+    """Return the paper's fitness, equation 25."""
     from driftform.builtin.closest_approach import ClosestApproach
 
     return ClosestApproach
@@ -18,7 +18,7 @@ def driftform_fitness() -> "type[Fitness[Any]]":
 
 @hookimpl
 def driftform_recorder() -> "list[type[Recorder[Any]]]":
-    """A flight as a table."""
+    """Return the recorders of tables, CSV and Parquet."""
     from driftform.builtin.table_recorders import CsvRecorder, ParquetRecorder
 
     return [CsvRecorder, ParquetRecorder]
@@ -26,7 +26,7 @@ def driftform_recorder() -> "list[type[Recorder[Any]]]":
 
 @hookimpl
 def driftform_strategy() -> "list[type[Strategy[Any]]]":
-    """The paper's genetic algorithm, random search, one that is far better, and a map of all that can be reached."""
+    """Return MAP-Elites, evolution by single symbols, the paper's genetic algorithm, and random search."""
     from driftform.builtin.strategies.atlas import AtlasStrategy
     from driftform.builtin.strategies.evolution import EvolutionStrategy
     from driftform.builtin.strategies.paper import PaperStrategy

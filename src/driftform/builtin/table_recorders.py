@@ -1,4 +1,4 @@
-"""Flights as tables, for pandas, polars and spreadsheets: one row for each sample."""
+"""Flights as tables for pandas, polars and spreadsheets: one row per sample."""
 
 from abc import abstractmethod
 from dataclasses import replace
@@ -14,23 +14,25 @@ from driftform.types import Trajectory, WrittenFile
 from driftform.util.files import write_whole
 
 WRENCH_COLUMNS = (
-    *(Column(f"force_{axis}", "float", "N", "all that acts on the body, body frame") for axis in "xyz"),
+    *(Column(f"force_{axis}", "float", "N", "net force on the body, body frame") for axis in "xyz"),
     *(
-        Column(f"torque_{axis}", "float", "N m", "the same about the centre of gravity, body frame")
+        Column(
+            f"torque_{axis}", "float", "N m", "net torque on the body about the centre of gravity, body frame"
+        )
         for axis in "xyz"
     ),
 )
 
 COLUMNS = (*(replace(column, kind="float") for column in SAMPLE_COLUMNS[1:]), *WRENCH_COLUMNS)
-"""Those of a stored flight in full precision, and the net force and torque on the body."""
+"""The columns of a stored flight in full precision, and the net force and torque on the body."""
 
 
 class TableRecorder(Recorder[Table]):
-    """One row for each sample: time, position, attitude, velocity, and the net force and torque on the body.
+    """One row per sample: time, position, attitude, velocity, and the net force and torque on the body.
 
-    SI units; the position is that of the core's centre in the world frame, the quaternion leads from the body to the
-    world, and the rest is in the body frame. Force and torque are mass times acceleration, about the centre of
-    gravity: weight, buoyancy, the wall's push and all forces of the water together.
+    All values are in SI units. The position is that of the core's centre in the world frame, the quaternion rotates from
+    the body frame to the world frame, and all other vectors are in the body frame. Net force and torque include weight,
+    buoyancy, the contact force of the wall and all forces of the water; the torque is about the centre of gravity.
     """
 
     def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
@@ -38,8 +40,8 @@ class TableRecorder(Recorder[Table]):
         from driftform.trajectory.forces import accelerations_along, net_wrench
 
         check_format(self.name)
-        moved_by = accelerations_along(trajectory, job.agent, job.scenario)
-        wrench = net_wrench(trajectory, moved_by, job.agent.mass)
+        accelerations = accelerations_along(trajectory, job.agent, job.scenario)
+        wrench = net_wrench(trajectory, accelerations, job.agent.mass)
         parts = (trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, wrench)
         names = [column.name for column in COLUMNS]
         batch: Batch = dict(zip(names, np.column_stack(parts).T, strict=True))
@@ -53,22 +55,22 @@ class TableRecorder(Recorder[Table]):
 
 
 class CsvRecorder(TableRecorder):
-    """A flight as CSV, with the names of the columns in the first line and numbers with all their digits."""
+    """A flight as CSV: the first line holds the names of the columns, numbers have all their digits."""
 
     name = "csv"
     suffix = ".csv"
 
     def write_table(self, path: Path, rows: Batch) -> None:
-        """Write it as CSV."""
+        """Write the rows as CSV."""
         write_csv(path, COLUMNS, [rows])
 
 
 class ParquetRecorder(TableRecorder):
-    """A flight as Parquet, with unit and meaning of each column; needs ``driftform[parquet]``."""
+    """A flight as Parquet, with the unit and the meaning of each column; needs ``driftform[parquet]``."""
 
     name = "parquet"
     suffix = ".parquet"
 
     def write_table(self, path: Path, rows: Batch) -> None:
-        """Write it as Parquet."""
+        """Write the rows as Parquet."""
         write_parquet(path, COLUMNS, [rows])

@@ -1,8 +1,8 @@
-"""Motion as coordinates, their rates and accelerations: for integrators that hold it so, such as Exudyn's.
+"""Motion in coordinates, their rates and accelerations, for integrators that need this form, such as Exudyn's.
 
 In space the coordinates are the position and the rotation vector, body to world; their rates are the velocity in the
-world and the angular velocity in the body. In the vertical plane they are x, z and the pitch, whose rates are plain
-derivatives.
+world frame and the angular velocity in the body frame. In the vertical plane they are x, z and the pitch; their rates are the
+time derivatives.
 """
 
 import math
@@ -12,9 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.dynamics.equations import accelerations
-from driftform.dynamics.flight import has_left, is_finite
+from driftform.dynamics.flight import has_left_pipe, is_finite
 from driftform.dynamics.model import FlightModel, pack, unpack
-from driftform.dynamics.plane import NUMBERS, accelerations_in_plane, outside, plane_model, stays_in_plane
+from driftform.dynamics.plane import (
+    MODEL_SIZE,
+    accelerations_in_plane,
+    has_left_in_plane,
+    plane_model,
+    stays_in_plane,
+)
 from driftform.dynamics.rotations import rotation_from_vector, rotation_vector_from_quaternion
 from driftform.types import FloatArray
 from driftform.util.compiled import borrowed, compiled
@@ -22,19 +28,20 @@ from driftform.util.compiled import borrowed, compiled
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A motion in coordinates: where it starts, and the compiled functions that govern it.
+    """A motion in coordinates: its initial values, and the compiled functions that define it.
 
     Attributes
     ----------
     coordinates, rates
         at the release, (6,) in space, (3,) in the vertical plane: SI units and radians.
     values
-        numbers of the model, to be handed to both functions.
+        numbers of the model; pass them to both functions.
     accelerations
-        rates of the rates, a tuple as long as they are, at ``(t, coordinates, rates, values)``.
+        ``accelerations(t, coordinates, rates, values)`` returns the derivatives of the rates, a tuple as long as they.
     fill_sample
-        fills a raw sample of :mod:`driftform.dynamics.flight`, (14,), its first argument, from those four; and
-        returns whether the flight goes on: it is finite and inside the pipe.
+        ``fill_sample(sample, t, coordinates, rates, values)`` fills ``sample``, a raw sample of
+        :mod:`driftform.dynamics.flight`, (14,), and returns True while the flight continues: the sample is finite and
+        inside the pipe.
     """
 
     coordinates: FloatArray
@@ -44,8 +51,8 @@ class Motion:
     fill_sample: Callable[[FloatArray, float, FloatArray, FloatArray, FloatArray], bool]
 
 
-def motion_of(model: FlightModel, start: FloatArray) -> Motion:
-    """Return the motion from the state ``start`` (13,): in the vertical plane where it stays there, else in space."""
+def describe_motion(model: FlightModel, start: FloatArray) -> Motion:
+    """Return the motion from the state ``start`` (13,): in the vertical plane if it stays there, otherwise in space."""
     if stays_in_plane(start, model):
         pitch = 2.0 * math.atan2(start[5], start[3])
         return Motion(
@@ -94,7 +101,7 @@ def _fill_sample_in_space(
         sample[8 + i] = rates[i]
         sample[11 + i] = rates[3 + i]
     position = (coordinates[0], coordinates[1], coordinates[2])
-    return is_finite(sample) and not has_left(position, unpack(values).pipe)
+    return is_finite(sample) and not has_left_pipe(position, unpack(values).pipe)
 
 
 @compiled
@@ -103,7 +110,7 @@ def _accelerations_in_plane(
 ) -> tuple[float, float, float]:
     plane = borrowed(values)
     attitude = math.cos(coordinates[2]), math.sin(coordinates[2])
-    velocity, rims = (rates[0], rates[1]), plane[NUMBERS:].reshape(-1, 6)
+    velocity, rims = (rates[0], rates[1]), plane[MODEL_SIZE:].reshape(-1, 6)
     return accelerations_in_plane((coordinates[0], coordinates[1]), attitude, velocity, rates[2], plane, rims)
 
 
@@ -116,4 +123,4 @@ def _fill_sample_in_plane(
     sample[0], sample[1], sample[3] = t, coordinates[0], coordinates[1]
     sample[4], sample[6] = math.cos(0.5 * coordinates[2]), math.sin(0.5 * coordinates[2])
     sample[8], sample[10], sample[12] = rates[0], rates[1], rates[2]
-    return is_finite(sample) and not outside((coordinates[0], coordinates[1]), borrowed(values))
+    return is_finite(sample) and not has_left_in_plane((coordinates[0], coordinates[1]), borrowed(values))

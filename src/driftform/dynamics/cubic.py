@@ -1,61 +1,56 @@
-"""Cubic curves between two samples: compiled kernels."""
+"""Cubic curves in space: compiled kernels to make one, to evaluate it and to find its nearest point."""
 
 from typing import TypeAlias
 
-import numpy as np
-
-from driftform.dynamics.vectors import Vector, add, dot, scale, subtract
+from driftform.dynamics.vectors import Vector, add, distance_between, dot, scale, subtract
 from driftform.util.compiled import compiled
 
 Cubic: TypeAlias = tuple[Vector, Vector, Vector, Vector]
-"""A polynomial, lowest power first."""
+"""Coefficients of a polynomial in u, lowest power first."""
 
 
 @compiled
 def cubic_between(p: Vector, v: Vector, q: Vector, w: Vector, h: float) -> Cubic:
-    """Return the cubic in u from 0 to 1 that leads from p with the rate v to q with the rate w, in the time h."""
+    """Return the cubic in u, 0 to 1, from the point p with velocity v to the point q with velocity w, in the time h."""
     m, n, chord = scale(h, v), scale(h, w), subtract(q, p)
     return p, m, subtract(scale(3.0, chord), add(scale(2.0, m), n)), subtract(add(m, n), scale(2.0, chord))
 
 
 @compiled
-def _distance(a: Vector, b: Vector) -> float:
-    offset = subtract(a, b)
-    return float(np.sqrt(dot(offset, offset)))
-
-
-@compiled
-def at(cubic: Cubic, u: float) -> Vector:
+def cubic_point(cubic: Cubic, u: float) -> Vector:
     """Return the point of a cubic at u."""
     a, b, c, d = cubic
     return add(a, scale(u, add(b, scale(u, add(c, scale(u, d))))))
 
 
 @compiled
-def rate_at(cubic: Cubic, u: float) -> Vector:
-    """Return the slope of a cubic at u, for a unit of u."""
+def cubic_slope(cubic: Cubic, u: float) -> Vector:
+    """Return the derivative of a cubic with respect to u, at u."""
     _, b, c, d = cubic
     return add(b, scale(u, add(scale(2.0, c), scale(3.0 * u, d))))
 
 
 @compiled
-def foot(cubic: Cubic, point: Vector, u: float) -> tuple[float, float]:
-    """Return the distance of the foot of the perpendicular, or of an end, and its u: Newton's method from ``u``."""
+def nearest_on_cubic(cubic: Cubic, point: Vector, u: float) -> tuple[float, float]:
+    """Return the distance from ``point`` to the nearest point of a cubic, and that point's u.
+
+    Newton's method starts at ``u`` and finds the foot of the perpendicular, or an end of the cubic.
+    """
     _, _, c, d = cubic
-    best, best_u = _distance(at(cubic, u), point), u
+    best, best_u = distance_between(cubic_point(cubic, u), point), u
     for _ in range(20):
-        offset = subtract(at(cubic, u), point)
-        first = rate_at(cubic, u)
+        offset = subtract(cubic_point(cubic, u), point)
+        first = cubic_slope(cubic, u)
         second = add(scale(2.0, c), scale(6.0 * u, d))
         speed = dot(first, first)
         curvature = speed + dot(offset, second)
         if curvature <= 0.0:
-            # Where the distance is not convex Newton's step would climb: step as if the path were straight.
+            # If the distance is not convex, Newton's step would climb: step as if the path were straight.
             curvature = speed
         if curvature == 0.0:
             break
         new = min(1.0, max(0.0, u - dot(offset, first) / curvature))
-        distance = _distance(at(cubic, new), point)
+        distance = distance_between(cubic_point(cubic, new), point)
         if distance < best:
             best, best_u = distance, new
         if abs(new - u) < 1e-12:

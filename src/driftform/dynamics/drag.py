@@ -1,4 +1,4 @@
-"""Drag of a slender body in relative flow: strips across the axis, friction and blunt ends along it."""
+"""Drag of a slender body in relative flow: strips across the axis; friction and blunt ends along it."""
 
 import math
 
@@ -12,7 +12,7 @@ from driftform.util.compiled import compiled
 def strip_drag(
     moving: Vector, omega: Vector, shear: Vector, middle: float, water: Vector, strip: FloatArray
 ) -> Vector:
-    """Return the force on one strip, N, in body axes; it has no component along the axis.
+    """Return the force on one strip, N, in body axes; its component along the axis is zero.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ def strip_drag(
     omega
         angular velocity, rad/s.
     shear
-        change of the water's velocity along the body's axis, 1/s.
+        derivative of the water's velocity along the body's axis, 1/s.
     water
         density (kg/m3), kinematic viscosity (m2/s), and the share of the strip that is under water.
     strip
@@ -40,9 +40,9 @@ def strip_drag(
 
 @compiled
 def axial_drag(speed: float, density: float, viscosity: float, axial: FloatArray) -> float:
-    """Return the force (N) along the axis on a body that moves at ``speed`` (m/s) through the water along it.
+    """Return the force (N) along the axis on a body that moves through the water at ``speed`` (m/s) along its axis.
 
-    ``axial`` holds friction area (m2), length (m), and the drag areas ahead and astern (m2).
+    ``axial`` holds friction area (m2), length (m), and the drag areas (m2) for motion ahead and astern.
     """
     if speed == 0.0:
         return 0.0

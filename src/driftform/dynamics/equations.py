@@ -7,18 +7,18 @@ it, in body axes, and M = M_RB + M_A about that origin, the momentum of body and
     H' = H x w + P x v + T
 
 nu_r' = M^-1 (P', H') is exact in a frame that moves with the water: the added mass is solved together with the dry
-mass. Where the water accelerates with a, so does the frame, and each mass feels -a: the body's own with m a at the
-COG. The displaced water would feel the same, and its pressure gradient therefore carries rho V a at the COB
-(Froude and Krylov; Auton, Hunt and Prud'homme, J. Fluid Mech. 197, 1988, with a = Du/Dt). The paper's relative
-form has no such term, and takes for a the change of u along the body's path.
+mass. If the water accelerates with a, so does the frame, and an inertial force acts on each mass: -m a at the COG for
+the body's own. It would act on the displaced water as well, whose pressure gradient therefore exerts rho V a at the
+COB (Froude and Krylov; Auton, Hunt and Prud'homme, J. Fluid Mech. 197, 1988, with a = Du/Dt). The paper's relative
+form lacks this term, and uses for a the change of u along the body's path.
 """
 
 import numpy as np
 
-from driftform.dynamics.buoyancy import buoyancy, half_height, slice_depth, submerged
+from driftform.dynamics.buoyancy import buoyancy, half_height, slice_depth, submerged_share
 from driftform.dynamics.contact import wall_wrench
 from driftform.dynamics.drag import axial_drag, strip_drag
-from driftform.dynamics.flow import water
+from driftform.dynamics.flow import water_motion
 from driftform.dynamics.model import (
     AXIAL_DRAG,
     BODY_MASS,
@@ -49,10 +49,10 @@ from driftform.dynamics.vectors import (
     Vector,
     Wrench,
     add,
-    both,
+    add_wrenches,
+    body_axis,
     cross,
-    force_at,
-    forward,
+    force_wrench,
     scale,
     subtract,
     to_body,
@@ -63,23 +63,23 @@ from driftform.util.compiled import compiled
 
 
 @compiled
-def _vector(row: FloatArray) -> Vector:
+def _read_vector(row: FloatArray) -> Vector:
     return row[0], row[1], row[2]
 
 
 @compiled
-def _times(matrix: FloatArray, a: Vector, b: Vector) -> tuple[Vector, Vector]:
+def _multiply(matrix: FloatArray, a: Vector, b: Vector) -> tuple[Vector, Vector]:
     """Return the product of a 6x6 matrix with the six-vector (a, b)."""
-    return _half(matrix[:3], a, b), _half(matrix[3:], a, b)
+    return _multiply_half(matrix[:3], a, b), _multiply_half(matrix[3:], a, b)
 
 
 @compiled
-def _half(rows: FloatArray, a: Vector, b: Vector) -> Vector:
-    return _row(rows[0], a, b), _row(rows[1], a, b), _row(rows[2], a, b)
+def _multiply_half(rows: FloatArray, a: Vector, b: Vector) -> Vector:
+    return _multiply_row(rows[0], a, b), _multiply_row(rows[1], a, b), _multiply_row(rows[2], a, b)
 
 
 @compiled
-def _row(row: FloatArray, a: Vector, b: Vector) -> float:
+def _multiply_row(row: FloatArray, a: Vector, b: Vector) -> float:
     return float(
         row[0] * a[0] + row[1] * a[1] + row[2] * a[2] + (row[3] * b[0] + row[4] * b[1] + row[5] * b[2])
     )
@@ -87,13 +87,13 @@ def _row(row: FloatArray, a: Vector, b: Vector) -> float:
 
 @compiled
 def damping_wrench(moving: Vector, omega: Vector, table: FloatArray) -> Wrench:
-    """Return -D_1 nu - D_2 |nu| nu about the body's origin, both taken at the point that the damping refers to."""
-    point = _vector(table[DAMPING_POINT])
+    """Return -D_1 nu - D_2 |nu| nu about the body's origin; nu is taken at the point that the damping refers to."""
+    point = _read_vector(table[DAMPING_POINT])
     v = add(moving, cross(omega, point))
-    linear = _times(table[LINEAR:QUADRATIC], v, omega)
+    linear = _multiply(table[LINEAR:QUADRATIC], v, omega)
     squares = (v[0] * abs(v[0]), v[1] * abs(v[1]), v[2] * abs(v[2]))
     turns = (omega[0] * abs(omega[0]), omega[1] * abs(omega[1]), omega[2] * abs(omega[2]))
-    quadratic = _times(table[QUADRATIC:COG], squares, turns)
+    quadratic = _multiply(table[QUADRATIC:COG], squares, turns)
     force = scale(-1.0, add(linear[0], quadratic[0]))
     torque = scale(-1.0, add(linear[1], quadratic[1]))
     return force, add(torque, cross(point, force))
@@ -103,48 +103,52 @@ def damping_wrench(moving: Vector, omega: Vector, table: FloatArray) -> Wrench:
 def drag_wrench(
     height: float, R: Rotation, moving: Vector, omega: Vector, shear: Vector, model: FlightModel
 ) -> Wrench:
-    """Return strip and axial drag about the body's origin, of what is under water.
+    """Return strip and axial drag of the part under water, about the body's origin.
 
-    ``height`` is that of the body's origin, m; see :func:`driftform.dynamics.drag.strip_drag` for the rest.
+    ``height`` is that of the body's origin, m; see :func:`driftform.dynamics.drag.strip_drag` for the other arguments.
     """
     table, strips = model.table, model.strips
-    level, centre = table[WATER_LEVEL], _vector(table[COB])
+    level, centre = table[WATER_LEVEL], _read_vector(table[COB])
     wrench, under, area = (ZERO, ZERO), 0.0, 0.0
     for k in range(strips.shape[0]):
         wet = 1.0
         if level < np.inf:
             a = half_height(0.5 * strips[k, 1], strips[k, 2], R[2][0])
-            wet = submerged(slice_depth(height, R, strips[k, 0], centre, level), a)
+            wet = submerged_share(slice_depth(height, R, strips[k, 0], centre, level), a)
         area += strips[k, 1] * strips[k, 2]
         under += strips[k, 1] * strips[k, 2] * wet
         fluid = (table[DENSITY], table[VISCOSITY], wet)
         force = strip_drag(moving, omega, shear, centre[0], fluid, strips[k])
-        wrench = both(wrench, force_at((strips[k, 0], 0.0, 0.0), force))
+        wrench = add_wrenches(wrench, force_wrench((strips[k, 0], 0.0, 0.0), force))
     along = axial_drag(moving[0], table[DENSITY], table[VISCOSITY], table[AXIAL_DRAG]) * under / area
-    return both(wrench, ((along, 0.0, 0.0), ZERO))
+    return add_wrenches(wrench, ((along, 0.0, 0.0), ZERO))
 
 
 @compiled
-def surroundings(
+def water_motion_at_cob(
     t: float, position: Vector, R: Rotation, velocity: Vector, omega: Vector, model: FlightModel
 ) -> tuple[Vector, Vector, Vector]:
-    """Return the water's velocity and acceleration at the COB (world), and its shear along the axis (body frame)."""
-    centre = _vector(model.table[COB])
+    """Return the water's velocity (m/s) and acceleration (m/s2) at the COB, world frame, and its shear, body frame.
+
+    The shear is the derivative of the water's velocity along the body's axis, 1/s.
+    """
+    centre = _read_vector(model.table[COB])
     place = add(position, to_world(R, centre))
-    speed, gradient, rate = water(place, t, model.pipe, model.flow, model.gusts)
-    # What changes along the water's own path, or along the body's. A gust is given along the path already, and its
-    # rate is all of its acceleration: carried across the mean shear once more it would drag a body along the wall.
+    speed, gradient, rate = water_motion(place, t, model.pipe, model.flow, model.gusts)
+    # The velocity of the path along which the water's velocity changes: the water's own, or the body's. A gust is
+    # given along the path already, so its rate is all of its acceleration: the mean shear on top would drag a body along the
+    # wall.
     path = speed if model.gusts.shape[0] == 0 else ZERO
     if model.table[FROUDE_KRYLOV] == 0.0:
         path = add(velocity, to_world(R, cross(omega, centre)))
-    return speed, add(rate, to_world(gradient, path)), to_body(R, to_world(gradient, forward(R)))
+    return speed, add(rate, to_world(gradient, path)), to_body(R, to_world(gradient, body_axis(R)))
 
 
 @compiled
 def accelerations(
     t: float, position: Vector, R: Rotation, velocity: Vector, omega: Vector, model: FlightModel
 ) -> tuple[Vector, Vector]:
-    """Return the acceleration of the body's origin (world, m/s2) and of rotation (body, rad/s2).
+    """Return the acceleration of the body's origin (world frame, m/s2) and the angular one (body frame, rad/s2).
 
     Parameters
     ----------
@@ -158,12 +162,12 @@ def accelerations(
         angular velocity in the body frame, rad/s.
     """
     table = model.table
-    stream, change, shear = _vector(table[CURRENT]), ZERO, ZERO
+    stream, change, shear = _read_vector(table[CURRENT]), ZERO, ZERO
     if table[STEADY] == 0.0:
-        stream, change, shear = surroundings(t, position, R, velocity, omega, model)
+        stream, change, shear = water_motion_at_cob(t, position, R, velocity, omega, model)
     moving = to_body(R, subtract(velocity, stream))
     pull = to_body(R, change)
-    cog, centre = _vector(table[COG]), _vector(table[COB])
+    cog, centre = _read_vector(table[COG]), _read_vector(table[COB])
     weight = scale(-table[BODY_MASS], add(scale(table[GRAVITY], R[2]), pull))
     lift, displaced = scale(table[DISPLACED_MASS] * table[GRAVITY], R[2]), table[DISPLACED_MASS]
     wrench = (ZERO, ZERO)
@@ -173,12 +177,12 @@ def accelerations(
         )
         centre, lift, displaced = (x, centre[1], centre[2]), ZERO, table[DENSITY] * volume
     lift = add(lift, scale(displaced * table[FROUDE_KRYLOV], pull))
-    wrench = both(wrench, both(force_at(cog, weight), force_at(centre, lift)))
+    wrench = add_wrenches(wrench, add_wrenches(force_wrench(cog, weight), force_wrench(centre, lift)))
     if table[DAMPED] != 0.0:
-        wrench = both(wrench, damping_wrench(moving, omega, table))
+        wrench = add_wrenches(wrench, damping_wrench(moving, omega, table))
     if model.strips.shape[0] > 0:
-        wrench = both(wrench, drag_wrench(position[2], R, moving, omega, shear, model))
-    wrench = both(
+        wrench = add_wrenches(wrench, drag_wrench(position[2], R, moving, omega, shear, model))
+    wrench = add_wrenches(
         wrench,
         wall_wrench(
             position,
@@ -192,8 +196,8 @@ def accelerations(
             table[CONTACT_RATE],
         ),
     )
-    momentum, turning = _times(table[MASS:INVERSE], moving, omega)
+    momentum, turning = _multiply(table[MASS:INVERSE], moving, omega)
     force = add(wrench[0], cross(momentum, omega))
     torque = add(wrench[1], add(cross(turning, omega), cross(momentum, moving)))
-    v_dot, w_dot = _times(table[INVERSE:LINEAR], force, torque)
+    v_dot, w_dot = _multiply(table[INVERSE:LINEAR], force, torque)
     return add(to_world(R, add(v_dot, cross(omega, moving))), change), w_dot

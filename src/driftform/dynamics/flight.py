@@ -1,13 +1,13 @@
-"""Raw samples of an integrator -> a trajectory that ends where it should, and says how far it can be trusted."""
+"""From the raw samples of an integrator to a trajectory: its release, its end, and its diagnostics."""
 
 import math
 
 import numpy as np
 
 from driftform.dynamics.buoyancy import buoyant_energy
-from driftform.dynamics.contact import deepest_rim
-from driftform.dynamics.cubic import at, cubic_between, rate_at
-from driftform.dynamics.flow import water
+from driftform.dynamics.contact import deepest_rim_depth
+from driftform.dynamics.cubic import Cubic, cubic_between, cubic_point, cubic_slope
+from driftform.dynamics.flow import water_motion
 from driftform.dynamics.model import (
     BODY_MASS,
     COB,
@@ -36,12 +36,12 @@ SAMPLE = 14
 
 
 def release_state(model: FlightModel, scenario: Scenario) -> FloatArray:
-    """Return the state of the agent as it is released: a raw sample without its time, (13,)."""
+    """Return the state of the agent at the release: a raw sample without its time, (13,)."""
     x, y, z = scenario.release.position
     velocity: Vector | tuple[float, ...]
     match scenario.release.velocity:
         case "current":
-            velocity = water((x, y, z), 0.0, model.pipe, model.flow, model.gusts)[0]
+            velocity = water_motion((x, y, z), 0.0, model.pipe, model.flow, model.gusts)[0]
         case "rest":
             velocity = (0.0, 0.0, 0.0)
         case given:
@@ -51,7 +51,7 @@ def release_state(model: FlightModel, scenario: Scenario) -> FloatArray:
 
 @compiled
 def is_finite(values: FloatArray) -> bool:
-    """True where all of the numbers (n,) are finite."""
+    """Return True if all numbers (n,) are finite."""
     total = 0.0
     for value in values:
         total += value
@@ -59,22 +59,22 @@ def is_finite(values: FloatArray) -> bool:
 
 
 @compiled
-def has_left(position: Vector, pipe: FloatArray) -> bool:
-    """True where the body's origin is past the outlet, or more than a radius upstream of the inlet."""
+def has_left_pipe(position: Vector, pipe: FloatArray) -> bool:
+    """Return True if the body's origin is past the outlet, or more than a radius upstream of the inlet."""
     if pipe.shape[0] == 0:
         return False
-    return past_outlet(position, pipe) >= 0.0 or _along(position, pipe[0]) < -pipe[0, 7]
+    return distance_past_outlet(position, pipe) >= 0.0 or _distance_along(position, pipe[0]) < -pipe[0, 7]
 
 
 @compiled
-def past_outlet(position: Vector, pipe: FloatArray) -> float:
-    """Return how far (m) the position is past the outlet, negative before it."""
+def distance_past_outlet(position: Vector, pipe: FloatArray) -> float:
+    """Return the distance (m) of the position past the outlet; negative before it."""
     last = pipe[pipe.shape[0] - 1]
-    return float(_along(position, last) - last[6])
+    return float(_distance_along(position, last) - last[6])
 
 
 @compiled
-def _along(position: Vector, segment: FloatArray) -> float:
+def _distance_along(position: Vector, segment: FloatArray) -> float:
     off = subtract(position, (segment[0], segment[1], segment[2]))
     return dot((segment[3], segment[4], segment[5]), off)
 
@@ -87,18 +87,18 @@ def finish_trajectory(
     error: float | None = None,
     accepted: float = np.inf,
 ) -> Trajectory:
-    """Return the trajectory of raw samples (k, 14): all that is finite of it, cut exactly at the outlet.
+    """Return the trajectory of raw samples (k, 14): the finite ones, cut exactly at the outlet.
 
-    A flight that stopped before the horizon for no other reason ends as non-finite, and one whose estimated
-    ``error`` (m) is more than ``accepted`` as not converged.
+    A flight that stopped before the ``horizon`` (s) without another reason ends as non-finite, one with more than
+    ``step_limit`` steps at the step limit, and one whose estimated ``error`` (m) exceeds ``accepted`` as not converged.
     """
-    rows, broken = _count_finite(np.ascontiguousarray(samples))
+    rows, broken = _keep_finite(np.ascontiguousarray(samples))
     end = _find_end(rows, broken, len(samples) > step_limit, model, horizon)
     if not end.failed and error is not None and not error <= accepted:
         end = End.NOT_CONVERGED
     values = pack(model)
-    touched = _first_touch(rows, values)
-    contact, drift = _contact_time(rows, values, touched), _energy_drift(rows, values, touched)
+    touched = _find_touching_sample(rows, values)
+    contact, drift = _first_contact(rows, values, touched), _energy_drift(rows, values, touched)
     if len(rows) > 1 and len(model.pipe) > 0:
         _cut_at_outlet(rows[-2], rows[-1], model.pipe)
         contact = None if contact is not None and contact > rows[-1, 0] else contact
@@ -118,16 +118,16 @@ def _find_end(rows: FloatArray, broken: bool, too_long: bool, model: FlightModel
     position = (rows[-1, 1], rows[-1, 2], rows[-1, 3])
     if broken:
         return End.NON_FINITE
-    if has_left(position, model.pipe):
-        return End.OUTLET if past_outlet(position, model.pipe) >= 0 else End.INLET
+    if has_left_pipe(position, model.pipe):
+        return End.OUTLET if distance_past_outlet(position, model.pipe) >= 0 else End.INLET
     if rows[-1, 0] >= horizon * (1 - 1e-9):
         return End.HORIZON
     return End.STEP_LIMIT if too_long else End.NON_FINITE
 
 
 @compiled
-def _count_finite(samples: FloatArray) -> tuple[FloatArray, bool]:
-    """Return the samples up to the first that is not finite, each later than the one before; and if there is one."""
+def _keep_finite(samples: FloatArray) -> tuple[FloatArray, bool]:
+    """Return the samples before the first that is not finite, in strictly ascending order, and True if there is one."""
     rows, count = np.empty(samples.shape), 0
     for k in range(samples.shape[0]):
         if not is_finite(samples[k]):
@@ -141,23 +141,25 @@ def _count_finite(samples: FloatArray) -> tuple[FloatArray, bool]:
 
 @compiled
 def _cut_at_outlet(before: FloatArray, after: FloatArray, pipe: FloatArray) -> None:
-    """Move a sample back to the outlet's plane, where it lies past that and the one ``before`` does not.
+    """Move the sample ``after`` back to the outlet's plane if it lies past that plane and ``before`` does not.
 
-    Between the two, position and quaternion are cubics through values and rates at both, and the velocities their
-    derivatives.
+    Between the two, position and quaternion are cubics through the values and rates of both, and the velocities are
+    their derivatives.
     """
-    if past_outlet(position_of(after), pipe) < 0.0 or past_outlet(position_of(before), pipe) >= 0.0:
+    if (
+        distance_past_outlet(position_of(after), pipe) < 0.0
+        or distance_past_outlet(position_of(before), pipe) >= 0.0
+    ):
         return
-    h = after[0] - before[0]
-    path = cubic_between(position_of(before), velocity_of(before), position_of(after), velocity_of(after), h)
+    h, path = after[0] - before[0], sample_path(before, after)
     low, u = 0.0, 1.0
     for _ in range(60):
         middle = 0.5 * (low + u)
-        if past_outlet(at(path, middle), pipe) < 0.0:
+        if distance_past_outlet(cubic_point(path, middle), pipe) < 0.0:
             low = middle
         else:
             u = middle
-    start, end = _turning(before), _turning(after)
+    start, end = _quaternion_rate(before), _quaternion_rate(after)
     square, sign = 0.0, 0.0
     for j in range(4, 8):
         sign += before[j] * after[j]
@@ -166,21 +168,21 @@ def _cut_at_outlet(before: FloatArray, after: FloatArray, pipe: FloatArray) -> N
     for j in range(4):
         p, v = (before[4 + j], 0.0, 0.0), (start[j], 0.0, 0.0)
         curve = cubic_between(p, v, (sign * after[4 + j], 0.0, 0.0), (sign * end[j], 0.0, 0.0), h)
-        q[j], rate[j] = at(curve, u)[0], rate_at(curve, u)[0] / h
+        q[j], rate[j] = cubic_point(curve, u)[0], cubic_slope(curve, u)[0] / h
         square += q[j] * q[j]
     after[0] = before[0] + u * h
-    after[1], after[2], after[3] = at(path, u)
-    after[8], after[9], after[10] = scale(1.0 / h, rate_at(path, u))
+    after[1], after[2], after[3] = cubic_point(path, u)
+    after[8], after[9], after[10] = scale(1.0 / h, cubic_slope(path, u))
     for j in range(4):
         after[4 + j] = q[j] / math.sqrt(square)
-    # 2 q* q' has the angular velocity in its vector part.
+    # The angular velocity is the vector part of 2 q* q'.
     after[11] = 2.0 * (q[0] * rate[1] - q[1] * rate[0] + q[3] * rate[2] - q[2] * rate[3]) / square
     after[12] = 2.0 * (q[0] * rate[2] - q[2] * rate[0] + q[1] * rate[3] - q[3] * rate[1]) / square
     after[13] = 2.0 * (q[0] * rate[3] - q[3] * rate[0] + q[2] * rate[1] - q[1] * rate[2]) / square
 
 
 @compiled
-def _turning(row: FloatArray) -> tuple[float, float, float, float]:
+def _quaternion_rate(row: FloatArray) -> tuple[float, float, float, float]:
     return quaternion_rate(row[4], row[5], row[6], row[7], row[11], row[12], row[13])
 
 
@@ -189,40 +191,40 @@ def _body_velocity(rows: FloatArray) -> FloatArray:
     """Return linear and angular velocity of raw samples (k, 14), in the body frame, (k, 6)."""
     out = np.empty((rows.shape[0], 6))
     for k in range(rows.shape[0]):
-        out[k, 0], out[k, 1], out[k, 2] = to_body(_attitude(rows[k]), velocity_of(rows[k]))
+        out[k, 0], out[k, 1], out[k, 2] = to_body(_rotation(rows[k]), velocity_of(rows[k]))
         for j in range(3):
             out[k, 3 + j] = rows[k, 11 + j]
     return out
 
 
-def _contact_time(rows: FloatArray, values: FloatArray, touched: int) -> float | None:
-    """When (s) a wall is first touched, before the sample ``touched``; ``None`` where no sample touches."""
+def _first_contact(rows: FloatArray, values: FloatArray, touched: int) -> float | None:
+    """Return the time (s) of the first contact; ``touched`` is the first sample that touches, or their number if none does."""
     if touched == len(rows):
         return None
-    return float(rows[0, 0]) if touched == 0 else _touching(rows[touched - 1], rows[touched], values)
+    return float(rows[0, 0]) if touched == 0 else _locate_contact(rows[touched - 1], rows[touched], values)
 
 
 @compiled
-def _first_touch(rows: FloatArray, values: FloatArray) -> int:
-    """Return the first sample at which a rim touches, the number of samples where none does."""
+def _find_touching_sample(rows: FloatArray, values: FloatArray) -> int:
+    """Return the first sample at which a rim touches; the number of samples if none does."""
     model = unpack(values)
     for k in range(rows.shape[0]):
-        if _depth(rows[k], model) > 0.0:
+        if _contact_depth(rows[k], model) > 0.0:
             return k
     return int(rows.shape[0])
 
 
 @compiled
-def _depth(row: FloatArray, model: FlightModel) -> float:
-    return deepest_rim(position_of(row), _attitude(row), model.rims, model.table[REACH], model.pipe)
+def _contact_depth(row: FloatArray, model: FlightModel) -> float:
+    return deepest_rim_depth(position_of(row), _rotation(row), model.rims, model.table[REACH], model.pipe)
 
 
 @compiled
 def _energy_drift(rows: FloatArray, values: FloatArray, count: int) -> float:
     """Return the range of the energy over the first ``count`` samples, relative to the largest kinetic energy.
 
-    NaN where it is not conserved: with drag, in water that has more than one velocity, and where the water carries
-    the body up or down to its surface.
+    NaN if the energy is not conserved: with drag, in water that is not uniform and steady, and if a vertical current
+    carries the body towards or away from the surface.
     """
     model = unpack(values)
     table = model.table
@@ -231,23 +233,23 @@ def _energy_drift(rows: FloatArray, values: FloatArray, count: int) -> float:
     if table[WATER_LEVEL] < np.inf and table[CURRENT, 2] != 0.0:
         return math.nan
     lowest, highest, largest, far = math.inf, -math.inf, 0.0, 1.0
-    _, origin = energy(rows[0], model)
+    _, origin = energies(rows[0], model)
     for k in range(count):
-        kinetic, potential = energy(rows[k], model)
+        kinetic, potential = energies(rows[k], model)
         lowest = min(lowest, kinetic + (potential - origin))
         highest = max(highest, kinetic + (potential - origin))
         largest = max(largest, kinetic)
         far = max(far, abs(rows[k, 3]))
-    # All the energy of a body that does not move in the water is rounding: of m g z, and of speeds below 1e-12 m/s.
+    # The energy of a body that does not move in the water is rounding only: of m g z, and of speeds below 1e-12 m/s.
     masses = table[BODY_MASS] + table[DISPLACED_MASS]
     rounding = masses * (1e-14 * table[GRAVITY] * far + 1e-24)
     return float((highest - lowest) / largest) if highest - lowest > rounding else 0.0
 
 
 @compiled
-def energy(row: FloatArray, model: FlightModel) -> tuple[float, float]:
-    """Return kinetic and potential energy of body and water, J, in the frame that moves with the water."""
-    table, R = model.table, _attitude(row)
+def energies(row: FloatArray, model: FlightModel) -> tuple[float, float]:
+    """Return the kinetic and the potential energy of body and water, J, in the frame that moves with the water."""
+    table, R = model.table, _rotation(row)
     stream = (table[CURRENT, 0], table[CURRENT, 1], table[CURRENT, 2])
     v = to_body(R, subtract(velocity_of(row), stream))
     nu = (v[0], v[1], v[2], row[11], row[12], row[13])
@@ -278,25 +280,32 @@ def velocity_of(row: FloatArray) -> Vector:
 
 
 @compiled
-def _attitude(row: FloatArray) -> tuple[Vector, Vector, Vector]:
+def sample_path(before: FloatArray, after: FloatArray) -> Cubic:
+    """Return the cubic path (m, world frame) between two raw samples."""
+    h = after[0] - before[0]
+    return cubic_between(position_of(before), velocity_of(before), position_of(after), velocity_of(after), h)
+
+
+@compiled
+def _rotation(row: FloatArray) -> tuple[Vector, Vector, Vector]:
     return rotation_from_quaternion(row[4], row[5], row[6], row[7])
 
 
 @compiled
-def _touching(before: FloatArray, after: FloatArray, values: FloatArray) -> float:
-    """Return when a rim comes to touch between two samples, by bisection on the path between them."""
+def _locate_contact(before: FloatArray, after: FloatArray, values: FloatArray) -> float:
+    """Return the time (s) between two samples at which a rim first touches, by bisection on the path between them."""
     model = unpack(values)
     low, high, h = 0.0, 1.0, after[0] - before[0]
     between, sign = np.empty(SAMPLE), 1.0
     if before[4] * after[4] + before[5] * after[5] + before[6] * after[6] + before[7] * after[7] < 0.0:
         sign = -1.0
-    path = cubic_between(position_of(before), velocity_of(before), position_of(after), velocity_of(after), h)
+    path = sample_path(before, after)
     for _ in range(40):
         u = 0.5 * (low + high)
-        between[1], between[2], between[3] = at(path, u)
+        between[1], between[2], between[3] = cubic_point(path, u)
         for i in range(4, 8):
             between[i] = (1 - u) * before[i] + u * sign * after[i]
-        if _depth(between, model) > 0.0:
+        if _contact_depth(between, model) > 0.0:
             high = u
         else:
             low = u

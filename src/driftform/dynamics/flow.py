@@ -1,14 +1,14 @@
 """The water's velocity at a point of the pipe, with its derivatives: profiles of pipe flow, and gusts.
 
-All profiles are axisymmetric about the segment that the point is deepest in. ``speed`` U is the bulk velocity, R
-the bore's radius, y the distance from the wall, x that from the inlet along the pipe.
+All profiles are axisymmetric about the axis of the segment in which the point is farthest from the wall. ``speed`` U
+is the bulk velocity, R the bore's radius, y the distance from the wall, x the distance from the inlet along the pipe.
 """
 
 import math
 
 import numpy as np
 
-from driftform.dynamics.cubic import at, cubic_between, rate_at
+from driftform.dynamics.cubic import cubic_between, cubic_point, cubic_slope
 from driftform.dynamics.vectors import ZERO, Rotation, Vector, add, dot, scale, subtract
 from driftform.scenario import DevelopingFlow, LogLawFlow, PowerLawFlow, Scenario, TurbulentFlow, UniformFlow
 from driftform.types import FloatArray
@@ -17,14 +17,15 @@ from driftform.util.compiled import compiled
 UNIFORM, POWER_LAW, LOG_LAW, DEVELOPING = 0.0, 1.0, 2.0, 3.0
 
 KIND, SPEED, PARAMETER, GUST_STEP = 0, 1, 2, 3
-"""Places in the array of a flow; the parameter is the power law's 1/n, the log law's u* / (kappa U), or nu / U."""
+"""Indices in the array of a flow; the parameter is 1/n (power law), u* / (kappa U) (log law) or nu / U (developing)."""
 
 KARMAN = 0.4
+"""Von Karman's constant kappa."""
 
-NEAREST = 1e-3
-"""Distance from the wall, relative to R, below which the profiles are continued as constants.
+MIN_WALL_DISTANCE = 1e-3
+"""Distance from the wall over R below which the profiles are constant.
 
-The centre of an agent does not come that near, and the laws do not hold there.
+The centre of an agent does not come as near as that, and the laws do not hold there.
 """
 
 
@@ -50,7 +51,7 @@ def friction_factor(reynolds: float, roughness: float = 0.0) -> float:
 
 
 def flow_array(scenario: Scenario) -> FloatArray:
-    """Return what :func:`water` reads of a scenario's flow: kind, speed, parameter, time step of gusts, (4,)."""
+    """Return a scenario's flow as :func:`water_motion` reads it: kind, speed, parameter, time step of gusts, (4,)."""
     flow = scenario.flow
     match flow:
         case PowerLawFlow():
@@ -64,21 +65,21 @@ def flow_array(scenario: Scenario) -> FloatArray:
 
 
 def _friction_velocity(scenario: Scenario) -> float:
-    """u* = U sqrt(f / 8), m/s."""
+    """Return u* = U sqrt(f / 8), m/s."""
     flow, radius = scenario.flow, scenario.pipe.segments[0].radius
-    # Below 4000 the flow would be laminar, which no profile here is.
+    # Below 4000 the flow would be laminar; all profiles here are turbulent.
     reynolds = max(4e3, 2 * radius * flow.speed / scenario.fluid.viscosity)
     roughness = flow.roughness if isinstance(flow, LogLawFlow | TurbulentFlow) else 0.0
     return flow.speed * math.sqrt(friction_factor(reynolds, roughness / (2 * radius)) / 8)
 
 
 def gust_array(scenario: Scenario) -> FloatArray:
-    """Return what changes with time: velocity and its slope at equal steps of time, (k, 6); (0, 6) for nothing.
+    """Return the unsteady part of the velocity and its derivative at equal steps of time, (k, 6); (0, 6) for none.
 
-    A uniform current with an acceleration is two rows. In turbulent flow they come from its seed: each component is
-    an Ornstein-Uhlenbeck process dv = -v dt / T + sqrt(2 s^2 / T) dW that is stationary from the start, sampled
-    exactly every ``smoothing`` seconds and joined by a cubic spline: the walk itself has no acceleration, and eddies
-    smaller than the agent do not move it.
+    A uniform current with an acceleration gives two rows. In turbulent flow the seed decides the rows: each component
+    is an Ornstein-Uhlenbeck process dv = -v dt / T + sqrt(2 s^2 / T) dW that is stationary from the start, sampled
+    exactly every ``smoothing`` seconds and interpolated by a cubic spline: the process itself has no derivative, and
+    eddies smaller than the agent do not move it.
     """
     flow = scenario.flow
     if isinstance(flow, UniformFlow) and flow.acceleration:
@@ -101,7 +102,7 @@ def gust_array(scenario: Scenario) -> FloatArray:
 
 
 @compiled
-def water(
+def water_motion(
     point: Vector, t: float, pipe: FloatArray, flow: FloatArray, gusts: FloatArray
 ) -> tuple[Vector, Rotation, Vector]:
     """Return the water's velocity (m/s), its gradient du_i/dx_j (rows i, 1/s) and its rate du/dt in place (m/s2).
@@ -111,22 +112,22 @@ def water(
     """
     velocity, gradient, rate = (flow[SPEED], 0.0, 0.0), (ZERO, ZERO, ZERO), ZERO
     if pipe.shape[0] > 0:
-        velocity, gradient = _mean_flow(point, pipe, flow)
+        velocity, gradient = _mean_velocity(point, pipe, flow)
     if gusts.shape[0] > 1:
         place = t / flow[GUST_STEP]
         k = min(max(int(place), 0), gusts.shape[0] - 2)
         u = min(max(place - k, 0.0), 1.0)
-        gust, rate = _spline(gusts[k], gusts[k + 1], flow[GUST_STEP], u)
+        gust, rate = _interpolate_gust(gusts[k], gusts[k + 1], flow[GUST_STEP], u)
         velocity = add(velocity, gust)
     return velocity, gradient, rate
 
 
 @compiled
-def _mean_flow(point: Vector, pipe: FloatArray, flow: FloatArray) -> tuple[Vector, Rotation]:
+def _mean_velocity(point: Vector, pipe: FloatArray, flow: FloatArray) -> tuple[Vector, Rotation]:
     """Return the velocity of the profile, and its gradient."""
-    axis, outward, radius, x, r = _in_segment(point, pipe)
-    along, shear, stretch, radial = _profile(radius, x, r, flow)
-    # Round the axis a radial velocity proportional to r spreads in both directions alike.
+    axis, outward, radius, x, r = _locate_in_segment(point, pipe)
+    along, shear, stretch, radial = _velocity_profile(radius, x, r, flow)
+    # On the axis, a radial velocity proportional to r has the same gradient in all transverse directions.
     ring = radial / r if r > 0.0 else -0.5 * stretch
     # The gradient is a (x) v + n (x) w + ring 1, with the axis a and the outward normal n.
     v = add(scale(shear, outward), scale(stretch - ring, axis))
@@ -140,8 +141,8 @@ def _mean_flow(point: Vector, pipe: FloatArray, flow: FloatArray) -> tuple[Vecto
 
 
 @compiled
-def _in_segment(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector, float, float, float]:
-    """Return unit vectors along the segment and away from its axis, its radius, x from the inlet, and r."""
+def _locate_in_segment(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector, float, float, float]:
+    """Return unit vectors along the segment and away from its axis, its radius, x from the inlet, and r (m)."""
     best, radius, x, r, before = -np.inf, 0.0, 0.0, 0.0, 0.0
     along_axis, outward = ZERO, ZERO
     last = pipe.shape[0] - 1
@@ -165,15 +166,17 @@ def _in_segment(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector, float,
 
 
 @compiled
-def _spline(a: FloatArray, b: FloatArray, step: float, u: float) -> tuple[Vector, Vector]:
-    """Return value and slope of the gusts' spline at the share ``u`` of a time step from row ``a`` to row ``b``."""
+def _interpolate_gust(a: FloatArray, b: FloatArray, step: float, u: float) -> tuple[Vector, Vector]:
+    """Return a gust's velocity and derivative at the share ``u`` of the time ``step`` (s) from row ``a`` to row ``b``."""
     p, v, q, w = (a[0], a[1], a[2]), (a[3], a[4], a[5]), (b[0], b[1], b[2]), (b[3], b[4], b[5])
     curve = cubic_between(p, v, q, w, step)
-    return at(curve, u), scale(1.0 / step, rate_at(curve, u))
+    return cubic_point(curve, u), scale(1.0 / step, cubic_slope(curve, u))
 
 
 @compiled
-def _profile(radius: float, x: float, r: float, flow: FloatArray) -> tuple[float, float, float, float]:
+def _velocity_profile(
+    radius: float, x: float, r: float, flow: FloatArray
+) -> tuple[float, float, float, float]:
     """Return the axial velocity u, du/dr, du/dx, and the radial velocity at r from the axis, x from the inlet.
 
     * power law: u/U = (n + 1)(2n + 1) / (2 n^2) (y/R)^(1/n);
@@ -184,8 +187,8 @@ def _profile(radius: float, x: float, r: float, flow: FloatArray) -> tuple[float
     U, kind = flow[SPEED], flow[KIND]
     if kind == UNIFORM:
         return U, 0.0, 0.0, 0.0
-    y = max(radius - r, NEAREST * radius)
-    moving = 1.0 if radius - r > NEAREST * radius else 0.0
+    y = max(radius - r, MIN_WALL_DISTANCE * radius)
+    moving = 1.0 if radius - r > MIN_WALL_DISTANCE * radius else 0.0
     if kind == POWER_LAW:
         power = flow[PARAMETER]
         n = 1.0 / power
@@ -194,9 +197,9 @@ def _profile(radius: float, x: float, r: float, flow: FloatArray) -> tuple[float
     if kind == LOG_LAW:
         defect = U * flow[PARAMETER]
         u = U + defect * (1.5 + math.log(y / radius))
-        # Beside a very rough wall the law would have the water go back.
+        # Near a very rough wall the law would give a negative velocity.
         return (u, -moving * defect / y, 0.0, 0.0) if u > 0.0 else (0.0, 0.0, 0.0, 0.0)
-    x = max(x, NEAREST * radius)
+    x = max(x, MIN_WALL_DISTANCE * radius)
     layer = 0.37 * x**0.8 * flow[PARAMETER] ** 0.2
     growth = 0.8 * layer / x
     if layer > radius:

@@ -1,4 +1,4 @@
-"""6x6 matrices of a rigid body, and how they change with the point they refer to."""
+"""6x6 mass matrices of a rigid body, and their change to another reference point."""
 
 import numpy as np
 
@@ -39,9 +39,9 @@ def added_mass_at(coefficients: Coefficients, point: FloatArray) -> FloatArray:
 
 
 def largest_added_mass_ratio(mass: MassProperties, coefficients: Coefficients) -> float:
-    """Return lambda_max, the largest eigenvalue of M_RB^-1 M_A: added over own mass, in the direction of most.
+    """Return lambda_max, the largest eigenvalue of M_RB^-1 M_A: the largest ratio of added to own mass in any direction.
 
-    The point that both refer to does not matter.
+    It does not depend on the point that both refer to.
     """
     own, added = rigid_body_mass(mass), added_mass_at(coefficients, np.zeros(3))
     return float(np.linalg.eigvals(np.linalg.solve(own, added)).real.max())

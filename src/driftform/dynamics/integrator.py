@@ -1,10 +1,10 @@
-"""Flights integrated adaptively in compiled code, and checked against themselves.
+"""Adaptive integration of flights in compiled code, with an estimate of the error of the whole flight.
 
 A body that is clear of the wall moves smoothly, and DOP853 takes the longest steps; near the wall, where forces have
-kinks and are stiff, DOPRI5 does. Both errors are controlled step by step. An error made early has the rest of the
-flight to grow in, from collision to collision, so the tolerance of a step grows with time. What a whole flight is off
-is not told by its steps: it is estimated as twice its distance from a second one with ten times the tolerance. Where
-that is more than asked for, the tolerance is tightened, again and again.
+kinks and are stiff, DOPRI5 does. The error of every step is controlled. An early error has the rest of the flight to
+grow, from collision to collision, so the tolerance of a step grows with time. The errors of the steps do not give the
+error of the whole flight: it is estimated as twice the distance from a second integration with ten times the
+tolerance. The tolerance is tightened until this error is small enough.
 
 A motion that stays in the vertical plane is integrated there: the same steps, of seven numbers instead of thirteen.
 """
@@ -14,14 +14,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.dynamics.contact import is_far
-from driftform.dynamics.cubic import at, cubic_between
+from driftform.dynamics.contact import is_far_from_wall
+from driftform.dynamics.cubic import cubic_point
 from driftform.dynamics.equations import accelerations
-from driftform.dynamics.flight import SAMPLE, has_left, is_finite, position_of, velocity_of
+from driftform.dynamics.flight import SAMPLE, has_left_pipe, is_finite, position_of, sample_path
 from driftform.dynamics.model import REACH, FlightModel, pack, unpack
-from driftform.dynamics.plane import PLACES, plane_model, slope_in_plane, stays_in_plane
+from driftform.dynamics.plane import STATE_INDICES, fill_rate_in_plane, plane_model, stays_in_plane
 from driftform.dynamics.rotations import quaternion_rate, rotation_from_quaternion
-from driftform.dynamics.tableaus import DOP853, DOPRI5, Pair
+from driftform.dynamics.tableaus import DOP853, DOPRI5, RungeKuttaPair
 from driftform.dynamics.vectors import dot, subtract
 from driftform.types import FloatArray
 from driftform.util.compiled import borrowed, compiled
@@ -30,45 +30,49 @@ STATE = SAMPLE - 1
 """Numbers in a state: position (3) and velocity (3) in the world, quaternion between them, body rates (3) at the end."""
 
 TOLERANCE_RATIO = 10.0
-"""Ratio of the tolerances of the two flights that are compared."""
+"""Ratio of the tolerances of the two integrations that are compared."""
 
 SAFETY_FACTOR = 2.0
-"""Error of a flight over its distance from the second one, which errs alike at times: after the same collision."""
+"""Estimated error of a flight over its distance from the second integration.
 
-GROWTH = 0.5
-"""Rate (1/s) at which the tolerance grows along a flight: about that at which small differences do.
+The two errors may be alike, for example after the same collision, so the distance alone would be too small.
+"""
 
-Two flights with 1.6 times fewer steps are so as near to each other as with one tolerance throughout.
+TOLERANCE_GROWTH = 0.5
+"""Rate (1/s) at which the tolerance grows along a flight: about the rate at which small differences grow.
+
+The two integrations then take 1.6 times fewer steps than with a constant tolerance, and differ by as much.
 """
 
 LOOSEST_RATIO = 100.0
 """Ratio of the tolerance at the end of a long flight to that at its release."""
 
-SMOOTH = 1e-2
-"""Share of the tolerance that is granted to smooth motion, which costs little: what error there is comes of contact."""
+SMOOTH_SHARE = 1e-2
+"""Factor of the tolerance during smooth motion, whose accuracy costs little: contact causes nearly all of the error."""
 
 FIRST_STEP = 1e-3
+"""Length of the first step, s."""
 
 LOG_MIN_ERROR = math.log(1e-4)
-"""Logarithm of the error over tolerance of a step, below which the next one's length does not ask for it."""
+"""Lower bound of the logarithm of a step's error over tolerance, as used for the length of the next step."""
 
 
 @dataclass(frozen=True)
 class Accuracy:
-    """How well to integrate.
+    """Accuracy of an integration.
 
     Attributes
     ----------
     position
-        largest estimated error of the position that is accepted, m.
+        largest accepted estimate of the error of the position, m.
     tolerance
-        of a step at the release, relative to 1 + |value| in every coordinate (SI), to begin with.
+        initial tolerance of a step at the release, relative to 1 + |value| in every coordinate (SI).
     tightest
         tolerance below which a flight counts as not converged.
     max_step
         longest step and gap between samples, s.
     step_limit
-        steps after which a flight has failed.
+        number of steps after which a flight fails.
     """
 
     position: float = 1e-3
@@ -80,7 +84,7 @@ class Accuracy:
 
 @dataclass(frozen=True, eq=False)
 class IntegrationResult:
-    """Raw samples of a flight, (k, 14), its estimated error in m, and the tolerance that it took."""
+    """Raw samples of a flight, (k, 14), its estimated error (m), and the tolerance that it needed."""
 
     samples: FloatArray
     error: float
@@ -90,10 +94,10 @@ class IntegrationResult:
 def integrate(model: FlightModel, start: FloatArray, horizon: float, accuracy: Accuracy) -> IntegrationResult:
     """Return a flight from ``start`` (13,) to the outlet or to ``horizon`` (s); see :class:`Accuracy`.
 
-    Where no tolerance makes the error small enough it is returned with that error, infinite where the two flights
-    do not end alike.
+    If no tolerance makes the error small enough, the result has the last error: infinite if the two integrations do
+    not end alike.
     """
-    samples, error, tolerance = _converged(
+    samples, error, tolerance = _integrate_to_accuracy(
         pack(model),
         start,
         horizon,
@@ -109,7 +113,7 @@ def integrate(model: FlightModel, start: FloatArray, horizon: float, accuracy: A
 
 
 @compiled
-def _converged(
+def _integrate_to_accuracy(
     values: FloatArray,
     start: FloatArray,
     horizon: float,
@@ -118,17 +122,19 @@ def _converged(
     tightest: float,
     max_step: float,
     step_limit: int,
-    smooth: Pair,
-    stiff: Pair,
+    smooth: RungeKuttaPair,
+    stiff: RungeKuttaPair,
 ) -> tuple[FloatArray, float, float]:
     model, work = unpack(values), np.empty((smooth.b.shape[0] + 3) * STATE)
-    pairs = _borrowed(smooth), _borrowed(stiff)
-    coarse = _fly(model, start, horizon, TOLERANCE_RATIO * tolerance, max_step, step_limit, pairs, work)
+    pairs = _borrow_arrays(smooth), _borrow_arrays(stiff)
+    coarse = _integrate_at_tolerance(
+        model, start, horizon, TOLERANCE_RATIO * tolerance, max_step, step_limit, pairs, work
+    )
     least = 0.0
     while True:
-        fine = _fly(model, start, horizon, tolerance, max_step, step_limit, pairs, work)
+        fine = _integrate_at_tolerance(model, start, horizon, tolerance, max_step, step_limit, pairs, work)
         distance = greatest_distance(coarse, fine)
-        # Distances that fall faster than the tolerance do so by chance.
+        # A distance that falls faster than the tolerance does so by chance.
         error = SAFETY_FACTOR * max(distance, least)
         if error <= accepted or tolerance / TOLERANCE_RATIO < tightest:
             return fine, error, tolerance
@@ -137,15 +143,15 @@ def _converged(
 
 @compiled
 def greatest_distance(a: FloatArray, b: FloatArray) -> float:
-    """Return how far apart two flights get, m, at the samples of ``b``; both are raw samples, (k, 14).
+    """Return the greatest distance (m) between two flights, at the samples of ``b``; both are raw samples, (k, 14).
 
-    Infinite where one ends well before the other, or is not finite.
+    Infinite if one ends well before the other, or is not finite.
     """
     last_a, last_b = a.shape[0] - 1, b.shape[0] - 1
     if not (is_finite(a[last_a]) and is_finite(b[last_b])):
         return math.inf
     if last_a == 0 or last_b == 0:
-        # Released past the outlet: there is no path to compare.
+        # Both were released past the outlet: a single sample has no path to compare.
         return 0.0 if last_a == last_b else math.inf
     end = min(a[last_a, 0], b[last_b, 0])
     # They may end up to a step apart, past the outlet.
@@ -161,18 +167,15 @@ def greatest_distance(a: FloatArray, b: FloatArray) -> float:
             break
         while k < last_a - 1 and a[k + 1, 0] < t:
             k += 1
-        h = a[k + 1, 0] - a[k, 0]
-        path = cubic_between(
-            position_of(a[k]), velocity_of(a[k]), position_of(a[k + 1]), velocity_of(a[k + 1]), h
-        )
-        apart = subtract(at(path, (t - a[k, 0]) / h), position_of(b[row]))
+        u = (t - a[k, 0]) / (a[k + 1, 0] - a[k, 0])
+        apart = subtract(cubic_point(sample_path(a[k], a[k + 1]), u), position_of(b[row]))
         greatest = max(greatest, dot(apart, apart))
     return math.sqrt(greatest)
 
 
 @compiled
-def _borrowed(pair: Pair) -> Pair:
-    return Pair(
+def _borrow_arrays(pair: RungeKuttaPair) -> RungeKuttaPair:
+    return RungeKuttaPair(
         borrowed(pair.a),
         borrowed(pair.b),
         borrowed(pair.c),
@@ -183,31 +186,31 @@ def _borrowed(pair: Pair) -> Pair:
 
 
 @compiled
-def _fly(
+def _integrate_at_tolerance(
     model: FlightModel,
     start: FloatArray,
     horizon: float,
     tolerance: float,
     max_step: float,
     step_limit: int,
-    pairs: tuple[Pair, Pair],
+    pairs: tuple[RungeKuttaPair, RungeKuttaPair],
     work: FloatArray,
 ) -> FloatArray:
-    """Return the release and the end of every step, (k, 14), up to the first that is past the outlet.
+    """Return raw samples (k, 14) of the release and the end of every step, up to the first one past the outlet.
 
-    ``pairs`` are those for smooth and for stiff motion, ``work`` is room for two states and the slopes of a step.
+    ``pairs`` holds the methods for smooth and for stiff motion, ``work`` the memory for two states and the slopes.
     """
     samples = np.empty((256, SAMPLE))
     plane, places = np.empty(0), np.arange(STATE)
     if stays_in_plane(start, model):
-        plane, places = plane_model(model), np.array(PLACES)
+        plane, places = plane_model(model), np.array(STATE_INDICES)
     size = places.shape[0]
     room = borrowed(work)[: (pairs[0].b.shape[0] + 3) * size]
     y, new, slopes = room[:size], room[size : 2 * size], room[2 * size :].reshape(-1, size)
     for i in range(size):
         y[i] = start[places[i]]
     t, h, earlier, count = 0.0, min(FIRST_STEP, horizon), LOG_MIN_ERROR, 0
-    _rate(t, y, model, plane, slopes[0])
+    _fill_rate(t, y, model, plane, slopes[0])
     while True:
         if count == samples.shape[0]:
             longer = np.empty((2 * count, SAMPLE))
@@ -220,15 +223,15 @@ def _fly(
             samples[count, 1 + places[i]] = y[i]
         position = position_of(samples[count])
         count += 1
-        if not is_finite(y) or t >= horizon or count > step_limit or has_left(position, model.pipe):
+        if not is_finite(y) or t >= horizon or count > step_limit or has_left_pipe(position, model.pipe):
             break
-        pair, sharp = pairs[1], tolerance * min(LOOSEST_RATIO, math.exp(GROWTH * t))
-        if is_far(position, model.table[REACH], model.pipe):
-            pair, sharp = pairs[0], SMOOTH * sharp
+        pair, sharp = pairs[1], tolerance * min(LOOSEST_RATIO, math.exp(TOLERANCE_GROWTH * t))
+        if is_far_from_wall(position, model.table[REACH], model.pipe):
+            pair, sharp = pairs[0], SMOOTH_SHARE * sharp
         h = min(h, max_step)
         while True:
             h = min(h, horizon - t)
-            error = _step(t, h, y, new, slopes, pair, model, plane, sharp)
+            error = _take_step(t, h, y, new, slopes, pair, model, plane, sharp)
             if error <= 1.0:
                 break
             h *= max(0.2, 0.9 * error ** (-1.0 / pair.power)) if math.isfinite(error) else 0.2
@@ -238,7 +241,7 @@ def _fly(
         t = horizon if horizon - t <= h * (1.0 + 1e-12) else t + h
         _copy(new, y)
         _copy(slopes[pair.b.shape[0]], slopes[0])
-        # Gustafsson's controller: it looks at the step before too, and so has few steps rejected.
+        # Gustafsson's controller uses the step before as well, and so rejects few steps.
         now = math.log(max(error, 1e-8))
         h *= min(5.0, max(0.2, 0.9 * math.exp((0.4 * earlier - 0.7 * now) / pair.power)))
         earlier = max(now, LOG_MIN_ERROR)
@@ -247,24 +250,24 @@ def _fly(
 
 @compiled
 def _copy(source: FloatArray, target: FloatArray) -> None:
-    """Fill one array with another; a loop, because an assignment of slices takes ten times as long to compile."""
+    """Copy ``source`` into ``target``, in a loop: an assignment of slices takes ten times as long to compile."""
     for j in range(source.shape[0]):
         target[j] = source[j]
 
 
 @compiled
-def _step(
+def _take_step(
     t: float,
     h: float,
     y: FloatArray,
     new: FloatArray,
     slopes: FloatArray,
-    pair: Pair,
+    pair: RungeKuttaPair,
     model: FlightModel,
     plane: FloatArray,
     tolerance: float,
 ) -> float:
-    """Fill ``new`` with the state after ``h``, ``slopes`` with those of all stages; return error over tolerance."""
+    """Fill ``new`` with the state after ``h`` (s) and ``slopes`` with those of all stages; return error over tolerance."""
     stages = pair.b.shape[0]
     for s in range(1, stages + 1):
         last = s == stages
@@ -273,24 +276,24 @@ def _step(
             share = h * (pair.b[k] if last else pair.a[s, k])
             for j in range(y.shape[0]):
                 new[j] += share * slopes[k, j]
-        _rate(t + (1.0 if last else pair.c[s]) * h, new, model, plane, slopes[s])
-    first = _weigh_slopes(pair.error, slopes, y, new, tolerance)
-    second = _weigh_slopes(pair.second, slopes, y, new, tolerance) if pair.second.shape[0] > 0 else 0.0
-    # The quaternion's length is no part of the motion.
+        _fill_rate(t + (1.0 if last else pair.c[s]) * h, new, model, plane, slopes[s])
+    first = _squared_error(pair.error, slopes, y, new, tolerance)
+    second = _squared_error(pair.second, slopes, y, new, tolerance) if pair.second.shape[0] > 0 else 0.0
+    # Normalise the quaternion: its length is not part of the motion.
     begin, end = (2, 4) if plane.shape[0] > 0 else (3, 7)
     square = 0.0
     for j in range(begin, end):
         square += new[j] * new[j]
     for j in range(begin, end):
         new[j] /= math.sqrt(square)
-    # Numbers that a motion in the plane leaves alone have no error, and count as they would in space.
+    # Divide by the number of values in space: those that a motion in the plane leaves at zero have no error.
     if second > 0.0:
         return float(h * first / math.sqrt((first + 0.01 * second) * STATE))
     return float(h * math.sqrt(first / STATE))
 
 
 @compiled
-def _weigh_slopes(
+def _squared_error(
     weights: FloatArray, slopes: FloatArray, y: FloatArray, new: FloatArray, tolerance: float
 ) -> float:
     """Return the sum over all coordinates of ((weighted sum of slopes) / (tolerance (1 + |value|)))^2."""
@@ -304,17 +307,17 @@ def _weigh_slopes(
 
 
 @compiled
-def _rate(t: float, y: FloatArray, model: FlightModel, plane: FloatArray, out: FloatArray) -> None:
-    """Fill ``out`` with the rate of a state in space (13,), or in the plane where there is a model of that (7,)."""
+def _fill_rate(t: float, y: FloatArray, model: FlightModel, plane: FloatArray, out: FloatArray) -> None:
+    """Fill ``out`` with the rate of a state in space (13,), or in the plane (7,) unless ``plane`` is empty."""
     if plane.shape[0] > 0:
-        slope_in_plane(y, plane, model.rims, out)
+        fill_rate_in_plane(y, plane, model.rims, out)
     else:
-        slope(t, y, model, out)
+        fill_rate_in_space(t, y, model, out)
 
 
 @compiled
-def slope(t: float, y: FloatArray, model: FlightModel, out: FloatArray) -> None:
-    """Fill ``out`` (13,) with the rate of the state ``y`` (13,)."""
+def fill_rate_in_space(t: float, y: FloatArray, model: FlightModel, out: FloatArray) -> None:
+    """Fill ``out`` (13,) with the time derivative of the state ``y`` (13,)."""
     p, q, r = y[10], y[11], y[12]
     R = rotation_from_quaternion(y[3], y[4], y[5], y[6])
     a, alpha = accelerations(t, (y[0], y[1], y[2]), R, (y[7], y[8], y[9]), (p, q, r), model)

@@ -1,4 +1,4 @@
-"""An agent in a scenario as plain arrays: all that the compiled equations of motion read."""
+"""An agent in a scenario as plain arrays: the input of the compiled equations of motion."""
 
 from typing import NamedTuple
 
@@ -19,7 +19,7 @@ CURRENT = 27
 AXIAL_DRAG = 28
 ROWS = 31
 
-# Places of single numbers in it.
+# Indices of single numbers in it.
 DAMPED = (DAMPING_POINT, 3)
 STEADY = (CURRENT, 3)
 BODY_MASS, DISPLACED_MASS = (29, 0), (29, 1)
@@ -30,26 +30,26 @@ _FEWEST, _MOST_SLICES = 16, 64
 
 
 class FlightModel(NamedTuple):
-    """What the kernels read; about the body's origin and in body axes where nothing else is said.
+    """Input of the kernels; about the body's origin and in body axes unless noted otherwise.
 
     Attributes
     ----------
     table
         (31, 6): total mass M_RB + M_A, its inverse, linear damping, quadratic damping; then one row each of COG,
-        COB, (point that the damping refers to, 1 where there is any), (the water's velocity in the world frame,
-        1 where it is the same everywhere and always), axial drag (see :func:`driftform.dynamics.drag.axial_drag`);
+        COB, (point that the damping refers to, 1 if the body is damped), (the water's velocity in the world frame,
+        1 if it is uniform and steady), axial drag (see :func:`driftform.dynamics.drag.axial_drag`);
         (mass, mass of the displaced water, gravity, density, viscosity, height of the free surface, infinite
-        without one); (1 where accelerating water pushes with its pressure gradient, coefficient of friction,
+        without one); (1 if the pressure gradient of accelerating water acts on the body, coefficient of friction,
         fastest rate of friction 1/s, greatest distance of a rim from the origin).
     rims
-        circles of the body that can touch a wall: x, r (m), spring (N/m), damper (N s/m), mass opposed to a
-        push along the wall (kg), how much deeper than at first sight it can be in the wall (m), (k, 6).
+        circles of the body that can touch a wall: x, r (m), spring (N/m), damper (N s/m), effective mass against a
+        push along the wall (kg), greatest fall of the bore from its tangent within the radius (m), (k, 6).
     pipe
         rows of start (3), unit vector downstream (3), length, radius, (segments, 8).
     flow, gusts
         see :mod:`driftform.dynamics.flow`.
     slices
-        of the displaced volume: x, radius (m), volume (m3), width (m), (n, 4); (0, 4) where the pipe is full.
+        of the displaced volume: x, radius (m), volume (m3), width (m), (n, 4); (0, 4) if the pipe is full.
     strips
         of drag: see :class:`driftform.types.Drag`, (n, 4); (0, 4) without any.
     """
@@ -64,11 +64,11 @@ class FlightModel(NamedTuple):
 
 
 def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
-    """Return the arrays for one flight."""
+    """Return the arrays of an agent in a scenario."""
     mass, fluid, coefficients = agent.mass, scenario.fluid, agent.coefficients
     total = rigid_body_mass(mass) + added_mass_at(coefficients, np.zeros(3))
-    inverse = mass_inverse(total, max(agent.body.length, agent.body.max_diameter))
-    rims = _springs(touching_rims(agent.body), inverse, scenario)
+    inverse = invert_mass(total, max(agent.body.length, agent.body.max_diameter))
+    rims = _rim_springs(touching_rims(agent.body), inverse, scenario)
     flow, gusts = flow_array(scenario), gust_array(scenario)
     drag = coefficients.drag or Drag(np.empty((0, 4)))
     table = np.zeros((ROWS, 6))
@@ -90,16 +90,16 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     return FlightModel(
         table,
         rims,
-        _bores(scenario),
+        _pipe_rows(scenario),
         flow,
         gusts,
-        np.empty((0, 4)) if fluid.water_level is None else _slices(agent),
-        _strips(agent),
+        np.empty((0, 4)) if fluid.water_level is None else _buoyancy_slices(agent),
+        _drag_strips(agent),
     )
 
 
 def pack(model: FlightModel) -> FloatArray:
-    """Return all arrays of a model as one, which is cheaper to hand to a kernel: see :func:`unpack`."""
+    """Return all arrays of a model as one, which is cheaper to pass to a kernel; see :func:`unpack`."""
     flat: list[FloatArray] = [np.array([float(len(array)) for array in model])]
     flat.extend(array.ravel() for array in model)
     return np.concatenate(flat)
@@ -107,7 +107,7 @@ def pack(model: FlightModel) -> FloatArray:
 
 @compiled
 def unpack(values: FloatArray) -> FlightModel:
-    """Return the model whose arrays :func:`packed` has put into one; they share its memory."""
+    """Return the model that :func:`pack` put into one array; its arrays share that memory."""
     values = borrowed(values)
     rims = 7 + 6 * int(values[0])
     pipe = rims + 6 * int(values[1])
@@ -126,11 +126,11 @@ def unpack(values: FloatArray) -> FlightModel:
     )
 
 
-def mass_inverse(total: FloatArray, length: float) -> FloatArray:
-    """Invert a 6x6 mass matrix in units of kg and ``length``, so that its blocks are of one size.
+def invert_mass(total: FloatArray, length: float) -> FloatArray:
+    """Invert a 6x6 mass matrix in units of kg and ``length`` (m), so that its blocks are of similar size.
 
-    A direction without any inertia (roll of a massless body) gets no acceleration instead of an infinite one. A
-    matrix that is not finite has an inverse of NaN, with which a flight fails at its first step.
+    A direction without inertia (roll of a massless body) gets an acceleration of zero instead of an infinite one. The
+    inverse of a matrix that is not finite is NaN, and the flight fails at its first step.
     """
     if not np.isfinite(total).all():
         return np.full((6, 6), np.nan)
@@ -139,15 +139,15 @@ def mass_inverse(total: FloatArray, length: float) -> FloatArray:
     kept = values > 1e-13 * values.max()
     axes = scale @ vectors[:, kept]
     inverse = (axes / values[kept]) @ axes.T
-    # The inverse of a planar-symmetric body couples no plane with another; rounding must not either, or it
-    # would seed an out-of-plane motion that the undamped equations then amplify.
+    # The inverse for a body with a plane of symmetry does not couple motions in and out of that plane. Rounding must
+    # not couple them either: it would start an out-of-plane motion that the undamped equations amplify.
     return np.where(np.abs(inverse) > 1e-14 * np.abs(inverse).max(), inverse, 0.0)
 
 
 def touching_rims(body: Body) -> FloatArray:
     """Return (x, r) of the rims that can touch a wall, m, (k, 2).
 
-    The bore of a pipe is convex, so a body is inside it exactly if its convex hull is: only vertices of the
+    The bore of a pipe is convex, so a body is inside exactly if its convex hull is: only vertices of the
     convex hull of the meridian can touch.
     """
     x, r = body.outer.T
@@ -157,7 +157,7 @@ def touching_rims(body: Body) -> FloatArray:
 
 @compiled
 def _upper_hull(points: FloatArray) -> FloatArray:
-    """Return those of the points (n, 2), sorted by x, that are vertices of their upper convex hull (Andrew 1979)."""
+    """Return the vertices of the upper convex hull of points (n, 2) that are sorted by x (Andrew 1979)."""
     hull = np.empty_like(points)
     count = 0
     for k in range(points.shape[0]):
@@ -172,13 +172,13 @@ def _upper_hull(points: FloatArray) -> FloatArray:
     return hull[:count]
 
 
-def _springs(rims: FloatArray, inverse: FloatArray, scenario: Scenario) -> FloatArray:
-    # 1 / (effective mass) of each rim against a push across the axis: J M^-1 J^T with J of a force along z.
+def _rim_springs(rims: FloatArray, inverse: FloatArray, scenario: Scenario) -> FloatArray:
+    # 1 / (effective mass) of each rim against a push across the axis is J M^-1 J^T, with J of a force along z.
     omega, zeta = scenario.contact.frequency, scenario.contact.damping_ratio
     push = np.zeros((3, len(rims), 6))
     x, r = rims.T
     push[0, :, 2], push[0, :, 4] = 1.0, -x
-    # Along the wall at the rim's top: along the axis, and around it.
+    # Along the wall at the top of the rim: along the axis, and around it.
     push[1, :, 0], push[1, :, 4] = 1.0, r
     push[2, :, 1], push[2, :, 3], push[2, :, 5] = 1.0, -r, x
     across, along, around = 1 / np.einsum("aki,ij,akj->ak", push, inverse, push)
@@ -189,29 +189,29 @@ def _springs(rims: FloatArray, inverse: FloatArray, scenario: Scenario) -> Float
     )
 
 
-def _bores(scenario: Scenario) -> FloatArray:
+def _pipe_rows(scenario: Scenario) -> FloatArray:
     rows = scenario.pipe.array()
     axis = rows[:, 3:6] - rows[:, :3]
     length = np.linalg.norm(axis, axis=1, keepdims=True)
     return np.column_stack([rows[:, :3], axis / length, length, rows[:, 6]])
 
 
-def _strips(agent: Agent) -> FloatArray:
+def _drag_strips(agent: Agent) -> FloatArray:
     drag = agent.coefficients.drag
     if drag is None:
         return np.empty((0, 4))
     if len(drag.strips) > 0:
         return np.array(drag.strips)
-    # Of a body that has drag along its axis alone, a strip without any tells how much of it is under water.
+    # A body with axial drag only: a strip without drag gives the share of the body that is under water.
     return np.array([[agent.mass.cob[0], agent.body.max_diameter, agent.body.length, 0.0]])
 
 
-def _slices(agent: Agent) -> FloatArray:
-    """Slices about as wide as a quarter of the diameter: x, radius, volume, width."""
+def _buoyancy_slices(agent: Agent) -> FloatArray:
+    """Return slices about a quarter of the diameter wide: x, radius (m), volume (m3), width (m), (n, 4)."""
     body = agent.body
     count = int(np.clip(4 * body.length / body.max_diameter, _FEWEST, _MOST_SLICES))
     x, volume, width = slices(body.outer, count).T
-    # A body whose displaced volume is given otherwise than by its contour keeps that volume and its centre.
+    # If the displaced volume differs from that of the contour, the slices keep the displaced volume and its centre.
     volume = volume * agent.mass.volume / volume.sum()
     x = x + agent.mass.cob[0] - x @ volume / volume.sum()
     return np.column_stack([x, np.sqrt(volume / (np.pi * width)), volume, width])

@@ -1,13 +1,13 @@
-"""Motion in the vertical plane: surge, heave and pitch alone, for a fraction of the work of motion in space.
+"""Motion in the vertical plane: surge, heave and pitch only, for a fraction of the work of motion in space.
 
-A body of revolution that is released level, in water that flows alike everywhere along a level pipe, never leaves the
-plane of its axis and the pipe's: sway, roll and yaw are zero for ever, and so are their forces. What is then left of
-:mod:`driftform.dynamics.equations` is written out here: with u, v the velocities relative to the water along the
+A body of revolution that is released without yaw, in a uniform steady flow along a pipe in the vertical plane, never
+leaves the plane of its axis and the pipe's: sway, roll and yaw are always zero, and so are their forces. The remaining
+terms of :mod:`driftform.dynamics.equations` are written out here. With u, v the velocities relative to the water along the
 body's x and z axes, q the pitch rate, and (P_x, P_z, H) = M (u, v, q) the momentum,::
 
     P_x' = X - P_z q        P_z' = Z + P_x q        H' = N + P_z u - P_x v
 
-X, Z and N are those of weight and buoyancy and of the wall.
+X, Z and N are the forces and the moment of weight, buoyancy and the wall.
 """
 
 import math
@@ -39,25 +39,25 @@ from driftform.util.compiled import compiled
 Point: TypeAlias = tuple[float, float]
 """Components along x and z of the world, or two numbers like them."""
 
-PLACES = (0, 2, 3, 5, 7, 9, 11)
-"""Places of what changes in a state of 13 numbers: x, z, the quaternion's w and y, the velocities along x and z, q."""
+STATE_INDICES = (0, 2, 3, 5, 7, 9, 11)
+"""Indices of the numbers that change in a state (13,): x, z, the quaternion's w and y, velocity along x and z, q."""
 
-# Places in the array of a plane's model. Symmetric 3x3 matrices of surge, heave and pitch: rows from the diagonal on.
+# Indices in the array of a plane's model. Symmetric 3x3 matrices of surge, heave and pitch: rows from the diagonal on.
 INERTIA, RESPONSE = 0, 6
 NET_WEIGHT, HANGING, TRIM = 12, 13, 14
 STREAM = 15
 RADIUS, NEAR = 17, 18
 ACROSS, INLET, LENGTH = 19, 21, 23
-NUMBERS = 24
+MODEL_SIZE = 24
 
 
 @compiled
 def stays_in_plane(start: FloatArray, model: FlightModel) -> bool:
-    """Return True where :func:`slope_in_plane` is all there is to a motion from the state ``start`` (13,).
+    """Return True if :func:`fill_rate_in_plane` describes the whole motion from the state ``start`` (13,).
 
-    Everything that lies across the plane is exactly zero, the water is calm, the pipe is full, straight and at least
-    four times as wide as the body reaches (the wall that is near is then the same all along the body), and nothing but
-    weight, buoyancy, added mass and the smooth wall acts.
+    The conditions: all components across the plane are exactly zero; the water is uniform and steady; the pipe is full
+    and straight, and its radius is at least twice the greatest distance of a rim from the origin (the near wall is then
+    the same all along the body); and only weight, buoyancy, added mass and the frictionless wall act.
     """
     table, pipe = model.table, model.pipe
     if table[STEADY] == 0.0 or table[WATER_LEVEL] < np.inf or table[DAMPED] != 0.0 or table[FRICTION] != 0.0:
@@ -79,13 +79,14 @@ def stays_in_plane(start: FloatArray, model: FlightModel) -> bool:
 
 @compiled
 def plane_model(model: FlightModel) -> FloatArray:
-    """Return what :func:`accelerations_in_plane` reads beside the rims, (24,).
+    """Return the input of :func:`accelerations_in_plane` except the rims, (24,).
 
-    Total mass and its inverse; weight less buoyancy (N), their moments about the origin by heights and by lengths along
-    the body (N m); the water's velocity (x, z); the bore's radius, and how far from its axis the wall begins to be near
-    (m); in the world, the unit vector across the bore and a point on its axis (x, z each); the bore's length (m).
+    Total mass and its inverse; weight less buoyancy (N), their moments about the origin from heights and from lengths along
+    the body (N m); the water's velocity (x, z); the bore's radius, and the distance from its axis beyond which a rim may
+    touch (m); in the world frame, the unit vector across the bore and a point on its axis (x, z each); the bore's
+    length (m).
     """
-    table, out = model.table, np.zeros(NUMBERS)
+    table, out = model.table, np.zeros(MODEL_SIZE)
     place = INERTIA
     for first in (MASS, INVERSE):
         for i in range(0, 6, 2):
@@ -107,10 +108,10 @@ def plane_model(model: FlightModel) -> FloatArray:
 
 
 @compiled
-def slope_in_plane(y: FloatArray, plane: FloatArray, rims: FloatArray, out: FloatArray) -> None:
-    """Fill ``out`` (7,) with the rate of ``y`` (7,), the numbers of a state that :data:`PLACES` names.
+def fill_rate_in_plane(y: FloatArray, plane: FloatArray, rims: FloatArray, out: FloatArray) -> None:
+    """Fill ``out`` (7,) with the time derivative of ``y`` (7,), the numbers of a state at :data:`STATE_INDICES`.
 
-    ``plane`` is that of :func:`plane_model`, ``rims`` are those of its :class:`FlightModel`.
+    ``plane`` is the result of :func:`plane_model`, ``rims`` are those of its :class:`FlightModel`.
     """
     w, h, q = y[2], y[3], y[6]
     double = 2.0 / (w * w + h * h)
@@ -124,7 +125,7 @@ def slope_in_plane(y: FloatArray, plane: FloatArray, rims: FloatArray, out: Floa
 def accelerations_in_plane(
     position: Point, attitude: Point, velocity: Point, q: float, plane: FloatArray, rims: FloatArray
 ) -> tuple[float, float, float]:
-    """Return the accelerations along x and z of the world (m/s2) and that of the pitch (rad/s2).
+    """Return the accelerations along x and z of the world (m/s2), and the pitch acceleration (rad/s2).
 
     Parameters
     ----------
@@ -135,7 +136,7 @@ def accelerations_in_plane(
     q
         pitch rate (rad/s).
     plane
-        of :func:`plane_model`.
+        the result of :func:`plane_model`.
     rims
         those of its :class:`FlightModel`.
     """
@@ -150,7 +151,7 @@ def accelerations_in_plane(
         n_x, n_z = side * plane[ACROSS], side * plane[ACROSS + 1]
         tilt, upright = c * n_x - s * n_z, s * n_x + c * n_z
         gap, speed = plane[RADIUS] - side * off, n_x * velocity[0] + n_z * velocity[1]
-        # The axis times the normal is -upright along y.
+        # The cross product of axis and normal is -upright along y.
         force, torque, _ = coplanar_force(rims, tilt, gap, speed, -upright * q)
         X, Z, N = X - force * tilt, Z - force * upright, N + torque * upright
     P_x = plane[INERTIA] * u + plane[INERTIA + 1] * v + plane[INERTIA + 2] * q
@@ -163,8 +164,8 @@ def accelerations_in_plane(
 
 
 @compiled
-def outside(position: Point, plane: FloatArray) -> bool:
-    """Return what :func:`driftform.dynamics.flight.has_left` does of the position (x, z), m."""
+def has_left_in_plane(position: Point, plane: FloatArray) -> bool:
+    """Return what :func:`driftform.dynamics.flight.has_left_pipe` does, for the position (x, z), m."""
     x, z = position[0] - plane[INLET], position[1] - plane[INLET + 1]
     along = plane[ACROSS + 1] * x - plane[ACROSS] * z
     return bool(along >= plane[LENGTH] or along < -plane[RADIUS])

@@ -27,7 +27,7 @@ def rotation_from_vector(x: float, y: float, z: float) -> Rotation:
 
 @compiled
 def rotation_from_quaternion(w: float, x: float, y: float, z: float) -> Rotation:
-    """Return the rotation of a quaternion of any length but zero."""
+    """Return the rotation of a quaternion, whose length may be any but zero."""
     c = 2.0 / (w * w + x * x + y * y + z * z)
     return (
         (1.0 - c * (y * y + z * z), c * (x * y - w * z), c * (x * z + w * y)),
@@ -52,12 +52,12 @@ def quaternion_rate(
 def quaternion_from_rotation_vector(vector: FloatArray) -> FloatArray:
     """Return the quaternions (w, x, y, z) of rotation vectors (k, 3), (k, 4)."""
     half = np.linalg.norm(vector, axis=1, keepdims=True) / 2
-    # sinc(x) is sin(pi x) / (pi x): finite where the vector vanishes.
+    # sinc(x) is sin(pi x) / (pi x): finite for a vector of zero.
     return np.concatenate([np.cos(half), np.sinc(half / np.pi) * vector / 2], axis=1)
 
 
 def rotation_vector_from_quaternion(quaternion: FloatArray) -> FloatArray:
-    """Return the rotation vector (3,) of one unit quaternion, of angle at most pi."""
+    """Return the rotation vector (rad, (3,)) of a unit quaternion; its angle is at most pi."""
     w, axis = quaternion[0], quaternion[1:]
     sine = np.linalg.norm(axis)
     if sine < 1e-12:

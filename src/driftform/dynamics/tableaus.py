@@ -11,7 +11,7 @@ import numpy as np
 from driftform.types import FloatArray
 
 
-class Pair(NamedTuple):
+class RungeKuttaPair(NamedTuple):
     """An explicit Runge-Kutta method of s stages, whose last evaluation is the first of the next step.
 
     Attributes
@@ -19,10 +19,10 @@ class Pair(NamedTuple):
     a, b, c
         the coefficients: stages (s, s), weights (s,), times (s,).
     error, second
-        weights of the error estimate, the slope at the end included, (s + 1,), and of the second one that DOP853
-        divides by (Hairer's 3rd-order estimate), empty for a pair without.
+        weights of the error estimate, with the slope at the end, (s + 1,), and of the second estimate that DOP853
+        divides by (Hairer's 3rd-order estimate); empty for a method without it.
     power
-        what a step's error is proportional to: h to this.
+        order of the error estimate: the error of a step is proportional to h to this power.
     """
 
     a: FloatArray
@@ -33,16 +33,16 @@ class Pair(NamedTuple):
     power: float
 
 
-def _lower(*rows: tuple[float, ...]) -> FloatArray:
-    """The square matrix whose rows, from the second on, begin with these numbers."""
+def _lower_triangle(*rows: tuple[float, ...]) -> FloatArray:
+    """Return the square matrix whose rows, from the second on, begin with these numbers."""
     matrix = np.zeros((len(rows) + 1, len(rows) + 1))
     for i, row in enumerate(rows, start=1):
         matrix[i, : len(row)] = row
     return matrix
 
 
-DOPRI5 = Pair(
-    a=_lower(
+DOPRI5 = RungeKuttaPair(
+    a=_lower_triangle(
         (0.2,),
         (0.075, 0.225),
         (0.9777777777777777, -3.7333333333333334, 3.5555555555555554),
@@ -81,8 +81,8 @@ DOPRI5 = Pair(
     power=5.0,
 )
 
-DOP853 = Pair(
-    a=_lower(
+DOP853 = RungeKuttaPair(
+    a=_lower_triangle(
         (0.05260015195876773,),
         (0.0197250569845379, 0.0591751709536137),
         (0.02958758547680685, 0.0, 0.08876275643042054),

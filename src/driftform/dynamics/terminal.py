@@ -1,4 +1,4 @@
-"""How fast a body rises or sinks where its drag carries its net weight."""
+"""Terminal speed: the speed at which the drag of a body equals its net weight."""
 
 from collections.abc import Callable
 
@@ -7,7 +7,7 @@ import numpy as np
 from driftform.dynamics.drag import axial_drag, strip_drag
 from driftform.types import Drag
 
-_FASTEST = 100.0
+_MAX_SPEED = 100.0
 
 
 def terminal_speeds(
@@ -18,9 +18,9 @@ def terminal_speeds(
     Parameters
     ----------
     net
-        net weight or buoyancy, N, of either sign.
+        net weight or net buoyancy, N; its sign is ignored.
     fore_first
-        whether it moves with its fore end first along the axis.
+        True if the body moves along its axis with its fore end first.
     density, viscosity
         of the water, kg/m3 and m2/s.
     """
@@ -37,11 +37,11 @@ def terminal_speeds(
             abs(strip_drag((0.0, 0.0, speed), rest, rest, 0.0, fluid, strip)[2]) for strip in drag.strips
         )
 
-    return _balance(along, abs(net)), _balance(across, abs(net))
+    return _balance_speed(along, abs(net)), _balance_speed(across, abs(net))
 
 
-def _balance(drag: Callable[[float], float], force: float) -> float:
-    low, high = 0.0, _FASTEST
+def _balance_speed(drag: Callable[[float], float], force: float) -> float:
+    low, high = 0.0, _MAX_SPEED
     for _ in range(60):
         middle = (low + high) / 2
         low, high = (middle, high) if drag(middle) < force else (low, middle)

@@ -1,6 +1,8 @@
-"""Vectors and rotations as tuples: kernels made of them allocate nothing, and read like the formulas."""
+"""Vectors and rotations as tuples: kernels that use them allocate nothing and read like the formulas."""
 
 from typing import TypeAlias
+
+import numpy as np
 
 from driftform.util.compiled import compiled
 
@@ -28,7 +30,7 @@ def subtract(a: Vector, b: Vector) -> Vector:
 
 @compiled
 def scale(factor: float, a: Vector) -> Vector:
-    """Return factor a."""
+    """Return the vector times a number."""
     return factor * a[0], factor * a[1], factor * a[2]
 
 
@@ -45,30 +47,42 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 
 @compiled
+def norm(a: Vector) -> float:
+    """Return the length of a vector."""
+    return float(np.sqrt(dot(a, a)))
+
+
+@compiled
+def distance_between(a: Vector, b: Vector) -> float:
+    """Return the distance between two points."""
+    return norm(subtract(a, b))
+
+
+@compiled
 def to_world(R: Rotation, a: Vector) -> Vector:
-    """Return a body vector in the world frame, R a."""
+    """Return the vector ``a`` of the body frame in the world frame, R a."""
     return dot(R[0], a), dot(R[1], a), dot(R[2], a)
 
 
 @compiled
 def to_body(R: Rotation, a: Vector) -> Vector:
-    """Return a world vector in the body frame, R^T a."""
+    """Return the vector ``a`` of the world frame in the body frame, R^T a."""
     return add(scale(a[0], R[0]), add(scale(a[1], R[1]), scale(a[2], R[2])))
 
 
 @compiled
-def forward(R: Rotation) -> Vector:
+def body_axis(R: Rotation) -> Vector:
     """Return the body's axis in the world frame, R e_x."""
     return R[0][0], R[1][0], R[2][0]
 
 
 @compiled
-def both(a: Wrench, b: Wrench) -> Wrench:
+def add_wrenches(a: Wrench, b: Wrench) -> Wrench:
     """Return the sum of two wrenches."""
     return add(a[0], b[0]), add(a[1], b[1])
 
 
 @compiled
-def force_at(point: Vector, force: Vector) -> Wrench:
-    """Return the wrench of a force at a point."""
+def force_wrench(point: Vector, force: Vector) -> Wrench:
+    """Return the wrench of a force that acts at a point."""
     return force, cross(point, force)

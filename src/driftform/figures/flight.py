@@ -20,12 +20,8 @@ from driftform.figures.plot import (
 from driftform.figures.projection import PLAN, SIDE, drawing_times, resample_polyline
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, VERMILLION, tint
 from driftform.scenario import Scenario
-from driftform.trajectory.interpolation import (
-    Approach,
-    find_approaches,
-    interpolate_pose,
-    interpolate_positions,
-)
+from driftform.trajectory.approach import Approach, find_approaches
+from driftform.trajectory.interpolation import interpolate_pose, interpolate_positions
 from driftform.types import Body, FloatArray, Trajectory
 
 _WIDTH, _LEFT, _RIGHT = 900.0, 62.0, 24.0

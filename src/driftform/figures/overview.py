@@ -21,7 +21,8 @@ from driftform.figures.plot import (
 from driftform.figures.projection import SIDE, drawing_times, resample_polyline
 from driftform.figures.style import INK, MUTED, tint
 from driftform.scenario import Scenario
-from driftform.trajectory.interpolation import Approach, find_approaches, interpolate_positions
+from driftform.trajectory.approach import Approach, find_approaches
+from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import FloatArray
 
 _LEFT, _RIGHT = 58.0, 22.0

@@ -79,9 +79,9 @@ def _straighten(cells: PipeGrid, shift: FloatArray) -> Pipe:
 def _describe(reach: CoverageMap) -> str:
     reached = int(np.count_nonzero(reach.reached))
     width, height = 100 * reach.cells.size[:2]
-    share = 100 * reached / reach.cells.count
+    share = 100 * reached / reach.cells.cell_count
     return (
-        f"{reach.flights} flights cross {reached} of {reach.cells.count} cells of {width:.3g} cm x {height:.3g} cm "
+        f"{reach.flights} flights cross {reached} of {reach.cells.cell_count} cells of {width:.3g} cm x {height:.3g} cm "
         f"({share:.1f} %)"
     )
 

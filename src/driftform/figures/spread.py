@@ -14,7 +14,8 @@ from driftform.figures.plot import Window, draw_axes, draw_cross, draw_walls, dr
 from driftform.figures.projection import SIDE
 from driftform.figures.style import INK, MUTED, SERIES, tint
 from driftform.scenario import Scenario
-from driftform.trajectory.interpolation import find_approaches, interpolate_positions
+from driftform.trajectory.approach import find_approaches
+from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import FloatArray, Trajectory
 
 COLUMNS = 2

@@ -21,9 +21,9 @@ from driftform.runs.run import Run
 from driftform.runs.store import Store
 from driftform.scenario import Scenario
 from driftform.study import Study
+from driftform.trajectory.approach import closest_approach
 from driftform.trajectory.coverage import PipeGrid, map_coverage
 from driftform.trajectory.interpolation import interpolate_positions
-from driftform.trajectory.path import closest_approach
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform.util.progress import track_progress
 
@@ -123,7 +123,9 @@ def collect_contents(run: Run) -> Contents:
         figures = {
             "Flights and bodies": overview_svg(flights, study.scenario, title),
             "Search": trend_svg(_trends(store, targets), "Best fitness so far", _strategy(study)),
-            "Reach": reach_svg(map_coverage(seen, PipeGrid.of(study.scenario)), study.scenario, title),
+            "Reach": reach_svg(
+                map_coverage(seen, PipeGrid.of_scenario(study.scenario)), study.scenario, title
+            ),
         }
         strips = [
             Strip(e.target, e.error_percent, 100 - won.flights)

@@ -18,8 +18,8 @@ from driftform.runs.finalists import find_best_agent
 from driftform.runs.store import Store
 from driftform.study import Study
 from driftform.tables.files import write_trajectory
+from driftform.trajectory.approach import closest_approach
 from driftform.trajectory.coverage import PipeGrid, map_coverage
-from driftform.trajectory.path import closest_approach
 from driftform.util.files import write_text
 from driftform.util.progress import track_progress
 
@@ -133,7 +133,8 @@ def write_reach(directory: Path, study: Study, store: Store) -> Path:
     """
     path = directory / "figures" / "reach.svg"
     reach = map_coverage(
-        track_progress(store.read_trajectories(), store.count_sound(), "flights"), PipeGrid.of(study.scenario)
+        track_progress(store.read_trajectories(), store.count_sound(), "flights"),
+        PipeGrid.of_scenario(study.scenario),
     )
     write_text(path, reach_svg(reach, study.scenario, str(study.document.get("title", ""))))
     return path

@@ -1,6 +1,6 @@
-"""Contract tests that a plugin inherits: one class for each seam.
+"""Contract tests that a plugin inherits: one class per seam.
 
-A plugin's whole test of its seam is a subclass that says how the plugin is made::
+To test a plugin against its seam, write a subclass that makes the plugin::
 
     from driftform.testing import SimulatorContract
     from my_package import MyOptions, MySimulator
@@ -10,11 +10,11 @@ A plugin's whole test of its seam is a subclass that says how the plugin is made
         def plugin(self) -> MySimulator:
             return MySimulator(MyOptions())
 
-pytest then runs every ``test_`` method of the contract on it. Each method's docstring is one sentence of what the
-seam demands; attributes of the class are tolerances, which a subclass may tighten.
+pytest then runs every ``test_`` method of the contract on the plugin. The docstring of a method states one requirement
+of the seam; attributes of the class are tolerances, which a subclass may tighten.
 
-This package is the only one of driftform that imports pytest, which is no runtime dependency of driftform:
-install it where the tests run.
+Only this package of driftform imports pytest, which is not a runtime dependency of driftform: install it where the tests
+run.
 """
 
 import pytest
@@ -32,7 +32,7 @@ _CONTRACTS = (
     "checker",
 )
 
-# pytest rewrites the assertions of test files only, unless told: the values behind a failure would not be shown.
+# By default pytest rewrites assertions in test files only, and would not show the values of a failed one here.
 pytest.register_assert_rewrite(*(f"{__name__}.{module}" for module in _CONTRACTS))
 
 from driftform.testing.builder import BuilderContract  # noqa: E402

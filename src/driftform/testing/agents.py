@@ -1,7 +1,7 @@
-"""Agents made directly of values, whose motion is known in closed form or by conservation laws.
+"""Agents made from given values, whose motion is known in closed form or from conservation laws.
 
-All are in units of SI, in water of 1024 kg/m3. Kirchhoff's equations for a spheroid that moves in a plane are
-those of a pendulum, whose solution is in Jacobi's elliptic functions (Lamb, Hydrodynamics, 6th ed., section 127).
+All values are in SI units, in water of 1024 kg/m3. Kirchhoff's equations for a spheroid that moves in a plane are
+those of a pendulum, whose solution are Jacobi's elliptic functions (Lamb, Hydrodynamics, 6th ed., section 127).
 """
 
 import math
@@ -16,19 +16,19 @@ from driftform.testing.bodies import spheroid_body
 from driftform.types import Agent, Coefficients, FloatArray, MassProperties, Trajectory
 
 DENSITY = 1024.0
-"""Of the water, kg/m3."""
+"""Density of the water, kg/m3."""
 
 GRAVITY = 9.81
-"""m/s2."""
+"""Gravitational acceleration, m/s2."""
 
 
-def sphere(radius: float, mass: float, added: float = 0.5, drag: float = 0.0) -> Agent:
-    """A homogeneous sphere.
+def sphere_agent(radius: float, mass: float, added: float = 0.5, drag: float = 0.0) -> Agent:
+    """Return a homogeneous sphere.
 
     Parameters
     ----------
     radius, mass
-        m, kg.
+        of the sphere, m and kg.
     added
         added mass over displaced mass; 1/2 in potential flow.
     drag
@@ -79,7 +79,7 @@ class Spheroid:
 
     @property
     def factors(self) -> tuple[float, float, float]:
-        """k1, k2, k'."""
+        """The factors k1, k2 and k'."""
         e = math.sqrt(1 - (self.b / self.a) ** 2)
         alpha = 2 * (1 - e * e) / e**3 * (math.atanh(e) - e)
         beta = (2 - alpha) / 2
@@ -94,7 +94,7 @@ class Spheroid:
         return (1 + k1) * self.mass, (1 + k2) * self.mass, (1 + turning) * self.inertia
 
     def agent(self) -> Agent:
-        """The agent, with its origin at the centre."""
+        """Return the agent, with its origin at the centre."""
         k1, k2, turning = self.factors
         m, added = self.mass, turning * self.inertia
         return Agent(
@@ -109,13 +109,13 @@ class Spheroid:
             Coefficients(np.diag([k1 * m, k2 * m, k2 * m, 0.0, added, added])),
         )
 
-    def growth(self, speed: float) -> float:
-        """Rate (1/s) at which a small angle between axis and motion at ``speed`` (m/s) grows: Munk's instability."""
+    def growth_rate(self, speed: float) -> float:
+        """Return the rate (1/s) at which a small angle between axis and motion at ``speed`` (m/s) grows: Munk's instability."""
         along, across, turning = self.total
         return speed * math.sqrt(along * (across - along) / (across * turning))
 
     def munk_moment(self, speed: float, angle: float) -> float:
-        """Destabilising moment (N m) of motion at ``speed`` (m/s) and ``angle`` (rad) to the axis."""
+        """Return the destabilising moment (N m) of motion at ``speed`` (m/s) and ``angle`` (rad) to the axis."""
         k1, k2, _ = self.factors
         return 0.5 * (k2 - k1) * self.mass * speed**2 * math.sin(2 * angle)
 
@@ -123,7 +123,7 @@ class Spheroid:
 class Libration:
     """Planar motion of a spheroid in still water that starts with surge ``u`` and sway ``v`` (m/s) and no yaw rate.
 
-    The impulse (M11 u, M22 v) = P (cos psi, sin psi) keeps its length and its direction in the world, so that
+    The impulse (M11 u, M22 v) = P (cos psi, sin psi) has constant length and direction in the world, so that
     psi' = -r. With chi = psi - pi/2 and sigma^2 = P^2 (M22 - M11) / (I M11 M22) the motion is the pendulum
     chi'^2 = sigma^2 (k^2 - sin^2 chi), k the sine of the amplitude, solved by sin chi = -k cd(sigma t | k^2).
     """
@@ -150,11 +150,11 @@ class Libration:
 
     @property
     def max_yaw_rate(self) -> float:
-        """rad/s."""
+        """Greatest yaw rate, rad/s."""
         return self._sigma * self._k
 
-    def at(self, t: float) -> tuple[float, float, float, float]:
-        """Surge, sway (m/s), yaw rate (rad/s) and heading (rad, 0 at the start) at time ``t`` (s)."""
+    def motion_at(self, t: float) -> tuple[float, float, float, float]:
+        """Return surge, sway (m/s), yaw rate (rad/s) and heading (rad, 0 at the start) at time ``t`` (s)."""
         sn, cn, dn = _jacobi(self._sigma * t, self._k)
         sine, cosine = -self._k * cn / dn, self._rest / dn
         return (
@@ -166,7 +166,7 @@ class Libration:
 
 
 def _jacobi(argument: float, k: float) -> tuple[float, float, float]:
-    """sn, cn and dn of modulus k, by descending means (Abramowitz and Stegun, 16.4)."""
+    """Return sn, cn and dn of modulus k, by descending means (Abramowitz and Stegun, 16.4)."""
     a, b, c = [1.0], math.sqrt(1 - k * k), [k]
     while abs(c[-1]) > 1e-15:
         a, b, c = [*a, (a[-1] + b) / 2], math.sqrt(a[-1] * b), [*c, (a[-1] - b) / 2]
@@ -177,10 +177,10 @@ def _jacobi(argument: float, k: float) -> tuple[float, float, float]:
     return sn, cn, math.sqrt(1 - (k * sn) ** 2)
 
 
-def tumbler(*, damped: bool = False) -> Agent:
-    """A spheroid that is not neutral, with its COG, COB and added mass about three different points off the axis.
+def tumbling_agent(*, damped: bool = False) -> Agent:
+    """Return a spheroid that is not neutral, with COG, COB and added mass at three different points off the axis.
 
-    Nothing of its motion is planar, and every entry of its 6x6 matrices about the origin matters.
+    Its motion is not planar, and every entry of its 6x6 matrices about the origin matters.
     """
     agent = Spheroid(0.06, 0.02).agent()
     return replace(
@@ -201,10 +201,10 @@ def tumbler(*, damped: bool = False) -> Agent:
     )
 
 
-def about(agent: Agent, offset: FloatArray) -> Agent:
-    """The same agent in body axes that start at ``offset`` (m) of the old ones.
+def move_origin(agent: Agent, offset: FloatArray) -> Agent:
+    """Return the same agent with its origin moved to ``offset`` (m, (3,)) in the old body axes.
 
-    Its body's contours stay as they are, so that it may fly in open water only.
+    The contours of its body are not moved, so that it may fly in open water only.
     """
     return replace(
         agent,
@@ -215,14 +215,14 @@ def about(agent: Agent, offset: FloatArray) -> Agent:
 
 @dataclass(frozen=True, eq=False)
 class Invariants:
-    """What forces can change along a flight in a uniform current, seen from the water.
+    """Energy and impulses along a flight in a uniform current, seen from the water.
 
     Attributes
     ----------
     kinetic
         kinetic energy of body and water, J, (k,).
     energy
-        that and the potential energy of weight and buoyancy, J, (k,).
+        kinetic energy plus the potential energy of weight and buoyancy, J, (k,).
     impulse
         in the world frame, N s, (k, 3).
     angular_impulse
@@ -236,7 +236,7 @@ class Invariants:
 
 
 def invariants(agent: Agent, scenario: Scenario, trajectory: Trajectory) -> Invariants:
-    """Return energy and impulses of every sample of a flight."""
+    """Return energy and impulses at every sample of a trajectory."""
     matrix = rigid_body_mass(agent.mass) + added_mass_at(agent.coefficients, np.zeros(3))
     R = matrix_from_quaternion(trajectory.quaternion)
     current = scenario.current()

@@ -1,4 +1,4 @@
-"""Bodies made directly of contours, and plain geometry of meridian polylines, independent of any builder."""
+"""Bodies made from given contours, and geometry of meridian polylines, independent of any builder."""
 
 from dataclasses import replace
 
@@ -10,7 +10,7 @@ from driftform.types import Body, Core, FloatArray
 
 
 def make_body(outer: npt.ArrayLike, cavity: npt.ArrayLike = ()) -> Body:
-    """Return a body of contours in m, of ABS, around a core that weighs nothing."""
+    """Return a body of ABS with the given contours (m), around a core without mass."""
     contour: FloatArray = np.asarray(outer, dtype=np.float64)
     return Body(
         outer=contour,
@@ -23,7 +23,7 @@ def make_body(outer: npt.ArrayLike, cavity: npt.ArrayLike = ()) -> Body:
 
 
 def spheroid_body(a: float, b: float, edges: int = 64) -> Body:
-    """A solid spheroid about the origin, with the half axis ``a`` along x and the radius ``b``, m."""
+    """Return a solid spheroid about the origin, with the half axis ``a`` along x and the radius ``b``, m."""
     angles = np.linspace(np.pi, 0, edges + 1)
     contour = np.column_stack([a * np.cos(angles), b * np.sin(angles)])
     contour[[0, -1], 1] = 0.0
@@ -31,13 +31,13 @@ def spheroid_body(a: float, b: float, edges: int = 64) -> Body:
 
 
 def cylinder_body(length: float, radius: float) -> Body:
-    """A solid cylinder about the origin, m."""
+    """Return a solid cylinder about the origin, m."""
     h = length / 2
     return make_body([(-h, 0), (-h, radius), (h, radius), (h, 0)])
 
 
 def dome_body(radius: float, edges: int = 32) -> Body:
-    """A solid half sphere, round aft and flat in front, m."""
+    """Return a solid half sphere, round aft and flat at the fore end, m."""
     angles = np.linspace(np.pi, np.pi / 2, edges + 1)
     contour = radius * np.column_stack([np.cos(angles), np.sin(angles)])
     contour[0, 1] = contour[-1, 0] = 0.0
@@ -45,7 +45,7 @@ def dome_body(radius: float, edges: int = 32) -> Body:
 
 
 def remus_body(edges: int = 40) -> Body:
-    """The bare hull of the vehicle REMUS 100, 1.333 m long and 0.191 m thick, with ``edges`` for bow and stern each.
+    """Return the bare hull of the vehicle REMUS 100, 1.333 m long and 0.191 m thick, with ``edges`` each for bow and stern.
 
     Myring's profile with a little of nose and tail cut off (Prestero, Verification of a six-degree of freedom
     simulation model for the REMUS autonomous underwater vehicle, MIT 2001, eq. 2.1 and 2.2, table 2.1). The origin
@@ -53,7 +53,7 @@ def remus_body(edges: int = 40) -> Body:
     """
     a, b, c, d, theta = 0.191, 0.654, 0.541, 0.191, 0.436
     blunt, cut = 0.0165, 0.0368
-    # From the nose: the bow with shorter edges where it is steep, and the stern behind the middle body.
+    # Distances from the nose: the bow has shorter edges where it is steep; the stern follows the middle body.
     bow = (a - blunt) * (1 - np.cos(np.linspace(0, np.pi / 2, edges + 1)))
     stern = np.linspace(0, c - cut, edges + 1)
     slope = np.tan(theta)
@@ -68,19 +68,19 @@ def remus_body(edges: int = 40) -> Body:
 
 
 def hollow_body() -> Body:
-    """A capped tube, 60 mm long and 30 mm thick, wide enough for a core of 10 mm radius at the origin."""
+    """Return a capped tube, 60 mm long and 30 mm thick, wide enough for a core of 10 mm radius at the origin."""
     hull = [(-0.03, 0), (-0.03, 0.015), (0.02, 0.015), (0.03, 0.012), (0.03, 0)]
     cavity = [(-0.028, 0), (-0.028, 0.013), (0.02, 0.013), (0.028, 0.0105), (0.028, 0)]
     return replace(make_body(hull, cavity), core=Core(radius=0.01, mass=0.05))
 
 
 def mirrored_contour(contour: FloatArray) -> FloatArray:
-    """The contour with fore and aft exchanged, again from the aft to the fore axis point, (n, 2)."""
+    """Return the contour with fore and aft exchanged, from the aft to the fore axis point, (n, 2)."""
     return np.asarray(contour[::-1] * (-1.0, 1.0), dtype=np.float64)
 
 
 def mirrored_body(body: Body) -> Body:
-    """The body with fore and aft exchanged."""
+    """Return the body with fore and aft exchanged."""
     return replace(
         body,
         outer=mirrored_contour(body.outer),
@@ -90,7 +90,7 @@ def mirrored_body(body: Body) -> Body:
 
 
 def scaled_body(body: Body, factor: float) -> Body:
-    """A geometrically similar body."""
+    """Return a geometrically similar body."""
     return replace(
         body,
         outer=factor * body.outer,
@@ -102,7 +102,7 @@ def scaled_body(body: Body, factor: float) -> Body:
 
 
 def lies_inside(points: FloatArray, contour: FloatArray, slack: float) -> npt.NDArray[np.bool_]:
-    """Tell which points (n, 2) lie between a contour and the axis, or within ``slack`` (m) of the contour, (n,).
+    """Return True for the points (n, 2) that lie between a contour and the axis, or within ``slack`` (m) of the contour, (n,).
 
     A ray from the point away from the axis crosses the contour an odd number of times if the point is inside.
     """
@@ -116,7 +116,7 @@ def lies_inside(points: FloatArray, contour: FloatArray, slack: float) -> npt.ND
 
 
 def crosses_itself(contour: FloatArray) -> bool:
-    """True where two edges of a polyline that are no neighbours properly cross each other."""
+    """Return True if two edges of a polyline that are not neighbours properly cross each other."""
     p, q = contour[:-1, None], contour[1:, None]
     a, b = contour[None, :-1], contour[None, 1:]
 

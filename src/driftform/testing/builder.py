@@ -1,4 +1,4 @@
-"""What every builder must do."""
+"""Contract of builders."""
 
 import pickle
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from driftform.types import Body, FloatArray, Module, Morphology
 
 
 def random_morphology(seed: int, count: int = 39) -> Morphology:
-    """Modules of the paper's lengths and tilts, on either side of the core."""
+    """Return modules with the paper's lengths and tilts, on either side of the core."""
     rng = np.random.default_rng(seed)
     lengths = rng.choice([0.0025, 0.005, 0.01], size=count)
     tilts = np.deg2rad(rng.choice([-20, -10, 0, 10, 20], size=count))
@@ -47,7 +47,7 @@ every_morphology = pytest.mark.parametrize("kind", MORPHOLOGIES)
 
 
 class BuilderContract:
-    """Inherit, and say how the builder is made::
+    """Inherit this class, and make the builder::
 
         class TestMyBuilder(BuilderContract):
             def plugin(self) -> MyBuilder:
@@ -56,7 +56,7 @@ class BuilderContract:
     Attributes
     ----------
     slack
-        how far apart (m) two points may be that ought to be the same: the resolution of the builder's geometry.
+        greatest distance (m) of two points that should coincide: the resolution of the builder's geometry.
     """
 
     slack: ClassVar[float] = 2e-7
@@ -65,14 +65,14 @@ class BuilderContract:
         """Return the builder to be tested."""
         raise NotImplementedError
 
-    def built(self, kind: str) -> Body:
+    def build(self, kind: str) -> Body:
         """Return the body of one of the morphologies."""
         return self.plugin().build(MORPHOLOGIES[kind]())
 
     @every_morphology
     def test_contours_run_from_the_axis_to_the_axis(self, kind: str) -> None:
         """Outer contour and cavity start at the aft axis point, end at the fore one, and never go below the axis."""
-        body = self.built(kind)
+        body = self.build(kind)
         for contour in (body.outer, body.cavity):
             if not len(contour):
                 continue
@@ -84,15 +84,15 @@ class BuilderContract:
 
     @every_morphology
     def test_contours_do_not_cross_themselves(self, kind: str) -> None:
-        """A contour bounds one region of the half-plane."""
-        body = self.built(kind)
+        """A contour bounds one region of the half-plane: it does not cross itself."""
+        body = self.build(kind)
         assert not crosses_itself(body.outer)
         assert not crosses_itself(body.cavity)
 
     @every_morphology
     def test_the_cavity_lies_inside_the_outer_contour(self, kind: str) -> None:
-        """No vertex of the cavity lies outside the outer contour, nor the reverse, and there is some hull left."""
-        body = self.built(kind)
+        """No vertex of the cavity lies outside the outer contour, no outer vertex inside the cavity; the hull has a volume."""
+        body = self.build(kind)
         if not len(body.cavity):
             return
         assert lies_inside(body.cavity, body.outer, self.slack).all()
@@ -104,8 +104,8 @@ class BuilderContract:
 
     @every_morphology
     def test_the_core_fits_in_the_cavity(self, kind: str) -> None:
-        """The sphere at the origin touches no wall; in a solid body it lies within the hull."""
-        body = self.built(kind)
+        """The sphere at the origin does not overlap a wall; in a solid body it lies within the hull."""
+        body = self.build(kind)
         room = body.cavity if len(body.cavity) else body.outer
         origin = np.zeros((1, 2))
         assert room[0, 0] < 0 < room[-1, 0]
@@ -113,8 +113,8 @@ class BuilderContract:
 
     @every_morphology
     def test_mass_properties_are_those_of_a_body(self, kind: str) -> None:
-        """Mass, volume and moments of inertia are positive and possible; COG and COB lie within the body."""
-        body = self.built(kind)
+        """Mass, volume and moments of inertia are positive and physically possible; COG and COB lie within the body."""
+        body = self.build(kind)
         properties = mass_properties(body)
         assert np.isfinite(properties.inertia).all()
         assert properties.mass > 0 and properties.volume > 0
@@ -126,15 +126,15 @@ class BuilderContract:
 
     @every_morphology
     def test_joints_run_from_aft_to_fore_within_the_body(self, kind: str) -> None:
-        """Joints are ordered, and none lies beyond the ends."""
-        body = self.built(kind)
+        """Joints are in order, and lie between the ends of the body."""
+        body = self.build(kind)
         assert all(a <= b for a, b in pairwise(body.joints))
         assert body.outer[:, 0].min() - self.slack <= body.joints[0]
         assert body.joints[-1] <= body.outer[:, 0].max() + self.slack
 
     @every_morphology
     def test_a_mirrored_morphology_gives_a_mirrored_body(self, kind: str) -> None:
-        """Fore and aft are treated alike: exchanging the modules exchanges the ends of the body."""
+        """Fore and aft are equivalent: exchanging the modules exchanges the ends of the body."""
         morphology = MORPHOLOGIES[kind]()
         there = self.plugin().build(morphology)
         back = self.plugin().build(Morphology(fore=morphology.aft, aft=morphology.fore))
@@ -144,23 +144,23 @@ class BuilderContract:
 
     @every_morphology
     def test_building_twice_gives_the_same_body(self, kind: str) -> None:
-        """A body is decided by its morphology and the options, to the last bit."""
-        first, second = self.built(kind), self.built(kind)
+        """Morphology and options determine the body to the last bit."""
+        first, second = self.build(kind), self.build(kind)
         np.testing.assert_array_equal(first.outer, second.outer)
         np.testing.assert_array_equal(first.cavity, second.cavity)
 
     def test_modules_make_the_body_longer(self) -> None:
-        """The morphology is really built: modules on either side push that end outward."""
-        bare, fore, aft = self.built("no module"), self.built("all fore"), self.built("all aft")
+        """Modules on either side of the core move that end of the body outward."""
+        bare, fore, aft = self.build("no module"), self.build("all fore"), self.build("all aft")
         assert fore.outer[-1, 0] > bare.outer[-1, 0]
         assert aft.outer[0, 0] < bare.outer[0, 0]
 
     def test_it_can_be_sent_to_a_worker_process(self) -> None:
-        """A pickled copy builds the same, and bodies can be pickled."""
+        """A pickled copy builds the same body, and bodies can be pickled."""
         copy = pickle.loads(pickle.dumps(self.plugin()))
         body = pickle.loads(pickle.dumps(copy.build(random_morphology(0))))
         np.testing.assert_array_equal(body.outer, self.plugin().build(random_morphology(0)).outer)
 
     def _apart(self, a: FloatArray, b: FloatArray) -> float:
-        """Largest distance of a vertex of either contour from the other one, m."""
+        """Return the largest distance of a vertex of either contour from the other contour, m."""
         return float(max(distance_from(a, b).max(), distance_from(b, a).max()))

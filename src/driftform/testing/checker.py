@@ -1,4 +1,4 @@
-"""What every checker must do."""
+"""Contract of checkers."""
 
 import pickle
 from itertools import product
@@ -12,11 +12,11 @@ from driftform.interfaces import Checker, PrintJob
 from driftform.types import Finding, State
 
 _FACES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
-"""Of a box whose corner 4 x + 2 y + z is at x, y, z; counterclockwise seen from inside."""
+"""Faces of a box whose corner 4 x + 2 y + z is at x, y, z; counterclockwise seen from inside."""
 
 
 def write_box(path: Path, side: float = 20.0) -> Path:
-    """Write a sound printable file: a cube of ``side`` mm on the bed, as an STL in text."""
+    """Write a sound printable file: a cube of ``side`` mm on the bed, as a text STL; return its path."""
     corners = [tuple(side * c for c in corner) for corner in product((0, 1), repeat=3)]
     lines = ["solid box"]
     for a, b, c, d in _FACES:
@@ -29,32 +29,32 @@ def write_box(path: Path, side: float = 20.0) -> Path:
 
 
 class CheckerContract:
-    """Inherit, and say how the checker is made::
+    """Inherit this class, and make the checker::
 
     class TestMyChecker(CheckerContract):
         def plugin(self) -> MyChecker:
             return MyChecker(MyOptions())
 
-    A checker that runs a program is held to less where the program is not on PATH.
+    A checker that runs a program may skip its checks if the program is not on PATH.
     """
 
     def plugin(self) -> Checker[Any]:
         """Return the checker to be tested."""
         raise NotImplementedError
 
-    def findings(self, *files: Path) -> list[Finding]:
-        """What it finds in files that nobody knows anything of."""
+    def find(self, *files: Path) -> list[Finding]:
+        """Return the findings in files of unknown origin."""
         return list(self.plugin().check(PrintJob(files)))
 
-    def test_a_sound_file_fails_nothing(self, tmp_path: Path) -> None:
-        """A cube of 20 mm can be printed; there is at least one line to say so, or why nobody can."""
-        found = self.findings(write_box(tmp_path / "box.stl"))
+    def test_a_sound_file_does_not_fail(self, tmp_path: Path) -> None:
+        """A cube of 20 mm can be printed; at least one finding says so, or why the check was skipped."""
+        found = self.find(write_box(tmp_path / "box.stl"))
         assert found
         assert [f for f in found if f.state is State.FAIL] == []
 
-    def test_each_finding_is_a_line_of_its_own(self, tmp_path: Path) -> None:
-        """It has a name and a detail, neither with a break, and nothing is looked at twice in one part."""
-        found = self.findings(write_box(tmp_path / "box.stl"))
+    def test_each_finding_is_one_line(self, tmp_path: Path) -> None:
+        """A finding has a name and a detail without line breaks, and each part has at most one finding per check."""
+        found = self.find(write_box(tmp_path / "box.stl"))
         for finding in found:
             assert isinstance(finding.state, State)
             assert finding.check and finding.detail
@@ -62,41 +62,41 @@ class CheckerContract:
         assert len({(f.check, f.part) for f in found}) == len(found)
 
     def test_the_same_file_gives_the_same_findings(self, tmp_path: Path) -> None:
-        """The second time too, and from a checker that was sent to another process."""
+        """The findings are the same the second time, and from a checker that was sent to another process."""
         path = write_box(tmp_path / "box.stl")
         copy: Checker[Any] = pickle.loads(pickle.dumps(self.plugin()))
-        assert self.findings(path) == self.findings(path) == list(copy.check(PrintJob((path,))))
+        assert self.find(path) == self.find(path) == list(copy.check(PrintJob((path,))))
 
     def test_several_files_are_one_job(self, tmp_path: Path) -> None:
-        """Two cubes are as sound as one."""
+        """Two cubes pass like one."""
         files = [write_box(tmp_path / f"{name}.stl") for name in ("one", "two")]
-        assert [f for f in self.findings(*files) if f.state is State.FAIL] == []
+        assert [f for f in self.find(*files) if f.state is State.FAIL] == []
 
-    def test_files_stay_as_they_are_and_alone(self, tmp_path: Path) -> None:
-        """Whatever is written on the way is written elsewhere, and is gone in the end."""
+    def test_the_files_are_not_changed_and_nothing_is_added(self, tmp_path: Path) -> None:
+        """Temporary files are written elsewhere, and removed in the end."""
         path = write_box(tmp_path / "box.stl")
         before = path.read_bytes()
-        self.findings(path)
+        self.find(path)
         assert list(tmp_path.iterdir()) == [path]
         assert path.read_bytes() == before
 
-    def test_what_is_no_mesh_passes_nothing(self, tmp_path: Path) -> None:
-        """A file that cannot be read is an error or a finding, and never praised."""
+    def test_a_file_that_is_not_a_mesh_does_not_pass(self, tmp_path: Path) -> None:
+        """A file that cannot be read gives an error with its name, or findings that fail or are skipped; it never passes."""
         path = tmp_path / "box.stl"
         path.write_bytes(b"\x00\xff" * 100)
         try:
-            found = self.findings(path)
+            found = self.find(path)
         except DriftformError as error:
             assert "box.stl" in str(error)
             return
         assert {f.state for f in found} <= {State.FAIL, State.SKIPPED}
 
-    def test_without_its_program_it_says_so(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        """Every line is then skipped, for a reason; a checker that needs none finds what it found before."""
+    def test_a_missing_program_is_reported(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Without its program on PATH every check is skipped; a checker that runs no program finds the same as before."""
         path = write_box(tmp_path / "box.stl")
-        before = self.findings(path)
+        before = self.find(path)
         monkeypatch.setenv("PATH", str(tmp_path / "nowhere"))
-        found = self.findings(path)
+        found = self.find(path)
         if self.plugin().program:
             assert {f.state for f in found} == {State.SKIPPED}
         else:

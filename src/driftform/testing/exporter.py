@@ -1,4 +1,4 @@
-"""What every exporter must do."""
+"""Contract of exporters."""
 
 import pickle
 from pathlib import Path
@@ -16,7 +16,7 @@ from driftform.types import Agent, Coefficients
 
 
 class ExporterContract:
-    """Inherit, and say how the exporter is made::
+    """Inherit this class, and make the exporter::
 
     class TestMyExporter(ExporterContract):
         def plugin(self) -> MyExporter:
@@ -36,11 +36,11 @@ class ExporterContract:
         return ExportJob("agent", agent, scenario)
 
     def path(self, directory: Path) -> Path:
-        """Return the path that commands ask an exporter to write to."""
+        """Return the path that commands pass to the exporter."""
         return directory / f"agent{self.plugin().suffix}"
 
-    def test_every_file_is_there_under_the_name_that_was_asked_for(self, tmp_path: Path) -> None:
-        """Each that is told of exists, is not empty, and its name begins with that of the path."""
+    def test_every_file_exists_under_the_requested_name(self, tmp_path: Path) -> None:
+        """Every reported file exists and is not empty, and its name begins with that of the path."""
         written = self.plugin().write(self.export_job(), self.path(tmp_path))
         assert written
         for file in written:
@@ -50,18 +50,18 @@ class ExporterContract:
             assert path.relative_to(tmp_path).parts[0].startswith("agent")
 
     def test_the_suffix_ends_the_name_of_a_file_or_of_a_folder(self) -> None:
-        """A dot and something after it for a file, something that does not begin with a dot for a folder."""
+        """A suffix is a dot and more characters for a file; for a folder it does not begin with a dot."""
         suffix = self.plugin().suffix
         assert len(suffix) > 1
         assert Path(f"agent{suffix}").name == f"agent{suffix}" and not suffix.endswith(".")
 
-    def test_nothing_else_is_left_beside_the_files(self, tmp_path: Path) -> None:
-        """What is written on the way is gone in the end, and no file is there that is not told of."""
+    def test_no_other_files_remain(self, tmp_path: Path) -> None:
+        """Temporary files are removed in the end, and every file that is written is reported."""
         written = self.plugin().write(self.export_job(), self.path(tmp_path))
         assert _files(tmp_path) == sorted(Path(file.path) for file in written)
 
-    def test_a_file_that_is_there_already_is_replaced(self, tmp_path: Path) -> None:
-        """A second export leaves what a first one would have left, and nothing of the old files."""
+    def test_an_existing_file_is_replaced(self, tmp_path: Path) -> None:
+        """A second export replaces the files of the first completely."""
         fresh, old = tmp_path / "fresh", tmp_path / "old"
         sizes = []
         for directory in (fresh, old):
@@ -73,10 +73,10 @@ class ExporterContract:
             sizes.append([(path.relative_to(directory), path.stat().st_size) for path in _files(directory)])
         assert sizes[0] == sizes[1]
 
-    def test_of_an_older_folder_nothing_stays(self, tmp_path: Path) -> None:
-        """What an older export left in the folder, or anybody, goes with it, and no empty folder is left beside it.
+    def test_an_older_folder_is_replaced_completely(self, tmp_path: Path) -> None:
+        """An export to a folder removes all older files in that folder, and leaves no empty folders.
 
-        A format that is no folder leaves alone what is beside its file.
+        An export to a file does not change other files in the same directory.
         """
         path = self.path(tmp_path)
         is_folder = not Path(f"agent{self.plugin().suffix}").suffix
@@ -90,9 +90,9 @@ class ExporterContract:
         assert sorted(found for found in tmp_path.rglob("*") if found not in needed) == []
 
     def test_a_file_that_cannot_be_written_leaves_nothing_behind(self, tmp_path: Path) -> None:
-        """Where a folder stands in the place of a file, or a file in that of a folder, the export fails.
+        """The export fails if a folder is in the place of a file, or a file in the place of a folder.
 
-        No half of a file remains.
+        It leaves no partial file.
         """
         first = Path(self.plugin().write(self.export_job(), self.path(tmp_path / "sound"))[0].path)
         part = first.relative_to(tmp_path / "sound").parts[0]
@@ -108,7 +108,7 @@ class ExporterContract:
         assert blocked.is_file() or not list(blocked.iterdir())
 
     def test_it_can_be_sent_to_a_worker_process(self, tmp_path: Path) -> None:
-        """A pickled copy writes too."""
+        """A pickled copy writes the files too."""
         copy = pickle.loads(pickle.dumps(self.plugin()))
         assert all(Path(file.path).is_file() for file in copy.write(self.export_job(), self.path(tmp_path)))
 

@@ -1,4 +1,4 @@
-"""What every grammar must do."""
+"""Contract of grammars."""
 
 import math
 import pickle
@@ -15,7 +15,7 @@ SEEDS = range(12)
 
 
 class GrammarContract:
-    """Inherit, and say how the grammar is made::
+    """Inherit this class, and make the grammar::
 
         class TestMyGrammar(GrammarContract):
             def plugin(self) -> MyGrammar:
@@ -24,7 +24,7 @@ class GrammarContract:
     Attributes
     ----------
     nonsense
-        texts that are no genome of the grammar.
+        texts that are not genomes of the grammar.
     """
 
     nonsense: ClassVar[tuple[str, ...]] = ("", "   ", "nonsense", "?!", "a genome\nin two lines", "\0")
@@ -33,13 +33,13 @@ class GrammarContract:
         """Return the grammar to be tested."""
         raise NotImplementedError
 
-    def drawn(self, seed: int, count: int = 1) -> list[Genome]:
+    def draw(self, seed: int, count: int = 1) -> list[Genome]:
         """Return random genomes of the grammar."""
         rng = np.random.default_rng(seed)
         return [self.plugin().random(rng) for _ in range(count)]
 
     def assert_sound(self, genome: Genome) -> Morphology:
-        """Check that a genome is one of the grammar, and return what it grows into."""
+        """Assert that a genome belongs to the grammar, and return its morphology."""
         grammar = self.plugin()
         assert genome.grammar == grammar.name
         assert all(type(symbol) is str for symbol in genome.symbols)
@@ -51,38 +51,38 @@ class GrammarContract:
 
     @pytest.mark.parametrize("seed", SEEDS)
     def test_a_random_genome_can_be_expressed(self, seed: int) -> None:
-        """Every genome that the grammar draws grows into modules of finite length that do not fold back."""
-        self.assert_sound(self.drawn(seed)[0])
+        """Every random genome grows into modules of finite length and a tilt below 90 degrees."""
+        self.assert_sound(self.draw(seed)[0])
 
     def test_the_same_seed_draws_the_same_genomes(self) -> None:
-        """All randomness comes from the generator that is passed in."""
-        assert self.drawn(7, 5) == self.drawn(7, 5)
+        """All randomness comes from the generator that is passed."""
+        assert self.draw(7, 5) == self.draw(7, 5)
 
     def test_other_seeds_draw_other_genomes(self) -> None:
-        """The generator that is passed in is really used."""
-        assert len({genome for seed in SEEDS for genome in self.drawn(seed)}) > 1
+        """The grammar uses the generator that is passed."""
+        assert len({genome for seed in SEEDS for genome in self.draw(seed)}) > 1
 
     @pytest.mark.parametrize("seed", SEEDS)
     def test_text_round_trips(self, seed: int) -> None:
         """A genome is written on one line, and reading it back gives an equal genome."""
         grammar = self.plugin()
-        for genome in self.drawn(seed, 3):
+        for genome in self.draw(seed, 3):
             text = grammar.to_text(genome)
             assert len(text.splitlines()) == 1
             assert grammar.parse(text) == genome
 
     @pytest.mark.parametrize("seed", SEEDS)
     def test_expressing_twice_gives_the_same_morphology(self, seed: int) -> None:
-        """A genome says all there is about its morphology."""
-        (genome,) = self.drawn(seed)
+        """A genome determines its morphology."""
+        (genome,) = self.draw(seed)
         copy = Genome(genome.grammar, tuple(genome.symbols))
         assert self.plugin().express(genome) == self.plugin().express(copy)
 
     @pytest.mark.parametrize("seed", SEEDS)
     def test_a_flip_changes_one_symbol_at_most_and_stays_in_the_grammar(self, seed: int) -> None:
         """A flip at any index leaves all other symbols as they are, and can be expressed."""
-        (genome,) = self.drawn(seed)
-        # Not the generator of the genome, or drawing it anew would pass for a flip.
+        (genome,) = self.draw(seed)
+        # Not the generator of the genome: a flip that draws a new genome from it would otherwise pass.
         rng = np.random.default_rng([seed, 1])
         for index in range(len(genome.symbols)):
             flipped = self.plugin().flip(genome, index, rng)
@@ -91,16 +91,16 @@ class GrammarContract:
             assert {i for i, (old, new) in enumerate(pairs) if old != new} <= {index}
 
     def test_some_flip_changes_the_genome(self) -> None:
-        """Mutation can leave where it is."""
-        (genome,) = self.drawn(0)
+        """A mutation can lead to another genome."""
+        (genome,) = self.draw(0)
         rng = np.random.default_rng(0)
         flipped = [self.plugin().flip(genome, index, rng) for index in range(len(genome.symbols))]
         assert any(other != genome for other in flipped)
 
     @pytest.mark.parametrize("seed", SEEDS)
     def test_offspring_of_a_crossover_stay_in_the_grammar(self, seed: int) -> None:
-        """Two genomes have two offspring, which can be expressed and bred again."""
-        a, b = self.drawn(seed, 2)
+        """Two genomes have two offspring that can be expressed and bred again."""
+        a, b = self.draw(seed, 2)
         rng = np.random.default_rng([seed, 1])
         for _ in range(5):
             a, b = self.plugin().crossover(a, b, rng)
@@ -109,42 +109,42 @@ class GrammarContract:
 
     @pytest.mark.parametrize("rate", [0.1, 1.0])
     def test_mutants_stay_in_the_grammar(self, rate: float) -> None:
-        """Genomes can be mutated over and over."""
-        (genome,) = self.drawn(1)
+        """A genome can be mutated again and again."""
+        (genome,) = self.draw(1)
         rng = np.random.default_rng(1)
         for _ in range(20):
             genome = self.plugin().mutate(genome, rng, rate)
             self.assert_sound(genome)
 
     def test_mutation_at_rate_zero_changes_nothing(self) -> None:
-        """The rate is a probability."""
-        (genome,) = self.drawn(2)
+        """The rate is the probability of each symbol to change."""
+        (genome,) = self.draw(2)
         assert self.plugin().mutate(genome, np.random.default_rng(2), 0.0) == genome
 
     def test_variation_is_decided_by_the_seed(self) -> None:
-        """Flip, mutation and crossover draw from the generator that is passed in."""
+        """Flip, mutation and crossover draw from the generator that is passed."""
 
         def offspring(seed: int) -> list[Genome]:
             rng = np.random.default_rng(seed)
             grammar = self.plugin()
-            a, b = self.drawn(3, 2)
+            a, b = self.draw(3, 2)
             flips = [grammar.flip(a, index, rng) for index in range(len(a.symbols))]
             return [*flips, *grammar.crossover(a, b, rng), grammar.mutate(a, rng, 0.5)]
 
         assert offspring(11) == offspring(11)
         assert len({tuple(offspring(seed)) for seed in SEEDS}) > 1
 
-    def test_text_that_is_no_genome_is_an_input_error_that_says_why(self) -> None:
-        """What a user mistypes ends in one line of explanation, not in a traceback."""
+    def test_text_that_is_not_a_genome_is_an_input_error_with_a_reason(self) -> None:
+        """A mistyped genome gives an InputError with a reason, not a traceback."""
         for text in self.nonsense:
             with pytest.raises(InputError) as caught:
                 self.plugin().parse(text)
-            assert str(caught.value).strip(), f"nothing is said about {text!r}"
+            assert str(caught.value).strip(), f"the error message for {text!r} is empty"
 
     def test_text_with_a_symbol_missing_is_an_input_error_or_another_genome(self) -> None:
-        """A text that was cut off is never read as the whole."""
+        """A truncated text is never read as the whole genome."""
         grammar = self.plugin()
-        (genome,) = self.drawn(4)
+        (genome,) = self.draw(4)
         text = grammar.to_text(genome)
         for end in range(len(text)):
             try:
@@ -155,13 +155,13 @@ class GrammarContract:
             self.assert_sound(shorter)
 
     def test_a_genome_of_another_grammar_is_a_value_error(self) -> None:
-        """Genomes know their grammar, and a grammar takes no other's."""
+        """A genome holds the name of its grammar, and other grammars reject it."""
         with pytest.raises(ValueError):
             self.plugin().express(Genome("some other grammar", ("no", "symbol", "of", "ours")))
 
     def test_it_can_be_sent_to_a_worker_process(self) -> None:
-        """A pickled copy draws and expresses the same."""
+        """A pickled copy draws and expresses the same genomes."""
         copy = pickle.loads(pickle.dumps(self.plugin()))
         genome = copy.random(np.random.default_rng(5))
-        assert [genome] == self.drawn(5)
+        assert [genome] == self.draw(5)
         assert copy.express(pickle.loads(pickle.dumps(genome))) == self.plugin().express(genome)

@@ -1,4 +1,4 @@
-"""What every model of hydrodynamic coefficients must do."""
+"""Contract of models of hydrodynamic coefficients."""
 
 import pickle
 from collections.abc import Callable
@@ -35,13 +35,12 @@ BODIES: dict[str, Callable[[], Body]] = {
 
 every_body = pytest.mark.parametrize("kind", BODIES)
 
-# A mirror image across the y-z plane: surge turns round, and of the rotations, which are axial vectors, those
-# about y and z.
+# A mirror image across the y-z plane reverses surge, and the rotations about y and z, which are axial vectors.
 MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])
 
 
 class HydrodynamicsContract:
-    """Inherit, and say how the model is made::
+    """Inherit this class, and make the model::
 
         class TestMyModel(HydrodynamicsContract):
             def plugin(self) -> MyModel:
@@ -50,8 +49,8 @@ class HydrodynamicsContract:
     Attributes
     ----------
     tolerance
-        relative error at which two coefficients count as equal: that of the method's own arithmetic, not of its
-        physics.
+        relative difference up to which two coefficients count as equal: the error of the method's arithmetic, not of
+        its physics.
     """
 
     tolerance: ClassVar[float] = 1e-6
@@ -60,12 +59,12 @@ class HydrodynamicsContract:
         """Return the model to be tested."""
         raise NotImplementedError
 
-    def about_origin(self, body: Body, fluid: Fluid | None = None) -> FloatArray:
-        """Added mass about the body frame's origin, (6, 6)."""
+    def added_mass_about_origin(self, body: Body, fluid: Fluid | None = None) -> FloatArray:
+        """Return the added mass about the body frame's origin, (6, 6)."""
         return added_mass_at(self.plugin().coefficients(body, fluid or Fluid()), np.zeros(3))
 
     def assert_close(self, actual: FloatArray, expected: FloatArray, length: float) -> None:
-        """Compare two 6x6 matrices in units in which their blocks are of one size."""
+        """Compare two 6x6 matrices in units in which their blocks are of similar size; ``length`` is in m."""
         scale = np.array([1.0, 1.0, 1.0, length, length, length])
         unit = float(np.abs(expected / np.outer(scale, scale)).max())
         np.testing.assert_allclose(
@@ -77,7 +76,7 @@ class HydrodynamicsContract:
 
     @every_body
     def test_added_mass_is_finite_symmetric_and_positive_semi_definite(self, kind: str) -> None:
-        """Water that is set in motion has positive kinetic energy, whatever the motion."""
+        """The kinetic energy of the water is positive or zero for any motion of the body."""
         body = BODIES[kind]()
         matrix = self.plugin().coefficients(body, Fluid()).added_mass
         assert np.isfinite(matrix).all()
@@ -91,15 +90,15 @@ class HydrodynamicsContract:
     @every_body
     def test_translation_in_any_direction_moves_water(self, kind: str) -> None:
         """Surge, sway and heave have a positive added mass, also for a disc or a bare core."""
-        matrix = self.about_origin(BODIES[kind]())
+        matrix = self.added_mass_about_origin(BODIES[kind]())
         assert (np.diag(matrix)[:3] > 0).all()
 
     @every_body
     def test_added_mass_is_proportional_to_the_density_of_the_fluid(self, kind: str) -> None:
-        """Twice as dense a fluid has twice the added mass; gravity has no say."""
+        """Twice the density gives twice the added mass; gravity does not matter."""
         body = BODIES[kind]()
-        once = self.about_origin(body, Fluid(density=1000.0, gravity=9.81))
-        twice = self.about_origin(body, Fluid(density=2000.0, gravity=1.62))
+        once = self.added_mass_about_origin(body, Fluid(density=1000.0, gravity=9.81))
+        twice = self.added_mass_about_origin(body, Fluid(density=2000.0, gravity=1.62))
         self.assert_close(twice, 2 * once, body.length)
 
     @every_body
@@ -108,7 +107,7 @@ class HydrodynamicsContract:
         body = BODIES[kind]()
         coefficients = self.plugin().coefficients(body, Fluid())
         assert coefficients.origin[1] == coefficients.origin[2] == 0.0
-        m = self.about_origin(body)
+        m = self.added_mass_about_origin(body)
         expected = np.diag([m[0, 0], m[1, 1], m[1, 1], m[3, 3], m[5, 5], m[5, 5]])
         expected[1, 5] = expected[5, 1] = m[1, 5]
         expected[2, 4] = expected[4, 2] = -m[1, 5]
@@ -118,16 +117,16 @@ class HydrodynamicsContract:
     def test_a_mirrored_body_has_a_mirrored_matrix(self, kind: str) -> None:
         """About the mirrored origin M26 and M35 change sign, and nothing else changes."""
         body = BODIES[kind]()
-        expected = MIRROR @ self.about_origin(body) @ MIRROR
-        self.assert_close(self.about_origin(mirrored_body(body)), expected, body.length)
+        expected = MIRROR @ self.added_mass_about_origin(body) @ MIRROR
+        self.assert_close(self.added_mass_about_origin(mirrored_body(body)), expected, body.length)
 
     @every_body
     def test_a_similar_body_has_similar_coefficients(self, kind: str) -> None:
-        """Potential flow knows no length of its own: masses grow with the third power of the size, and so on."""
+        """Potential flow has no length scale: masses grow with the third power of the size, moments of inertia with the fifth."""
         body = BODIES[kind]()
         scale = np.diag([1.0, 1.0, 1.0, 3.0, 3.0, 3.0])
-        expected = 27 * scale @ self.about_origin(body) @ scale
-        self.assert_close(self.about_origin(scaled_body(body, 3.0)), expected, 3 * body.length)
+        expected = 27 * scale @ self.added_mass_about_origin(body) @ scale
+        self.assert_close(self.added_mass_about_origin(scaled_body(body, 3.0)), expected, 3 * body.length)
 
     @every_body
     def test_damping_takes_energy_and_never_gives_any(self, kind: str) -> None:
@@ -138,10 +137,12 @@ class HydrodynamicsContract:
             assert np.isfinite(drag).all()
             assert nu @ drag >= 0.0
 
-    def test_the_hollow_inside_has_no_say(self) -> None:
-        """Water meets the outer contour only: a sealed cavity changes nothing."""
+    def test_a_cavity_changes_nothing(self) -> None:
+        """The water meets the outer contour only: a sealed cavity does not change the coefficients."""
         hollow = hollow_body()
-        np.testing.assert_array_equal(self.about_origin(hollow), self.about_origin(make_body(hollow.outer)))
+        np.testing.assert_array_equal(
+            self.added_mass_about_origin(hollow), self.added_mass_about_origin(make_body(hollow.outer))
+        )
 
     def test_the_same_body_gives_the_same_coefficients(self) -> None:
         """A pickled copy of the model returns the same matrices, to the last bit."""

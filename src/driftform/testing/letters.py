@@ -1,4 +1,4 @@
-"""A grammar of three letters: what the contract of a strategy lets it search, and an example of a small grammar."""
+"""A grammar of three letters: the contract of strategies searches it, and it is an example of a small grammar."""
 
 import numpy as np
 
@@ -8,14 +8,14 @@ from driftform.options import Table
 from driftform.types import Genome, Module, Morphology
 
 TILTS = {"a": 0.2, "b": 0.0, "c": -0.2}
-"""Tilt (rad) of the module that each letter stands for."""
+"""Tilt (rad) of the module that each letter encodes."""
 
 LENGTH = 12
-"""Letters in a genome: the first half stands fore of the core, the second aft."""
+"""Number of letters in a genome: the first half is fore of the core, the second aft."""
 
 
 class LetterGrammar(Grammar[Table]):
-    """Twelve letters a, b or c, each a module of 5 mm that widens, goes on or narrows."""
+    """Twelve letters a, b or c; each encodes a module of 5 mm that widens, keeps its width or narrows."""
 
     name = "letters"
 
@@ -42,7 +42,7 @@ class LetterGrammar(Grammar[Table]):
         Raises
         ------
         ValueError
-            where the genome is not one of this grammar.
+            if the genome does not belong to this grammar.
         """
         if genome.grammar != self.name or (fault := _fault("".join(genome.symbols))):
             raise ValueError(fault if genome.grammar == self.name else f"a genome of {genome.grammar!r}")
@@ -59,7 +59,7 @@ class LetterGrammar(Grammar[Table]):
         Raises
         ------
         InputError
-            where there are others, or more or fewer.
+            if the text has other letters, or not twelve.
         """
         if fault := _fault(text):
             raise InputError(fault)

@@ -1,4 +1,4 @@
-"""What every recorder must do."""
+"""Contract of recorders."""
 
 import pickle
 from dataclasses import replace
@@ -13,12 +13,12 @@ from driftform.geometry import mass_properties
 from driftform.interfaces import ExportJob, Recorder
 from driftform.scenario import Pipe, Scenario, Segment
 from driftform.testing.bodies import hollow_body
-from driftform.testing.renderer import drift
+from driftform.testing.renderer import drifting_trajectory
 from driftform.types import Agent, Coefficients, End, Trajectory
 
 
 class RecorderContract:
-    """Inherit, and say how the recorder is made::
+    """Inherit this class, and make the recorder::
 
     class TestMyRecorder(RecorderContract):
         def plugin(self) -> MyRecorder:
@@ -30,7 +30,7 @@ class RecorderContract:
         raise NotImplementedError
 
     def export_job(self) -> ExportJob:
-        """Return whose flight it is: a capped hollow tube, without a genome, in a pipe with a target."""
+        """Return the agent of the flight: a capped hollow tube, without a genome, in a pipe with a target."""
         body = hollow_body()
         agent = Agent(body, mass_properties(body), Coefficients(0.01 * np.eye(6)))
         segment = Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0)
@@ -40,12 +40,12 @@ class RecorderContract:
     def record(
         self, path: Path, trajectory: Trajectory | None = None, scenario: Scenario | None = None
     ) -> Path:
-        """Record a flight, by default one that drifts and pitches; return the file or the folder."""
+        """Record a trajectory, by default one that drifts and pitches; return the path of the file or the folder."""
         job = self.export_job()
         if scenario is not None:
             job = replace(job, scenario=scenario)
         path = path / f"agent{self.plugin().suffix}"
-        written = self.plugin().write(job, drift() if trajectory is None else trajectory, path)
+        written = self.plugin().write(job, drifting_trajectory() if trajectory is None else trajectory, path)
         assert written
         for file in written:
             found = Path(file.path)
@@ -54,15 +54,15 @@ class RecorderContract:
             assert found == path or path in found.parents
         return path
 
-    def test_files_are_where_they_were_asked_for_and_nothing_else(self, tmp_path: Path) -> None:
-        """Each that is told of is there and holds something; there is none that is not told of."""
+    def test_only_the_requested_files_are_written(self, tmp_path: Path) -> None:
+        """Every reported file exists and is not empty, and every file that is written is reported."""
         path = self.record(tmp_path)
         assert list(tmp_path.iterdir()) == [path]
-        written = self.plugin().write(self.export_job(), drift(), path)
+        written = self.plugin().write(self.export_job(), drifting_trajectory(), path)
         assert _files(tmp_path) == sorted(Path(file.path) for file in written)
 
     def test_the_same_flight_gives_the_same_content(self, tmp_path: Path) -> None:
-        """Also from a recorder that was sent to another process, and over files that were there before."""
+        """The content is the same from a recorder that was sent to another process, and when files are replaced."""
         first = self.record(tmp_path / "first")
         sizes = [(p.relative_to(first), p.stat().st_size) for p in _files(first)]
         for old in _files(first):
@@ -71,36 +71,36 @@ class RecorderContract:
         assert [(p.relative_to(first), p.stat().st_size) for p in _files(first)] == sizes
         copy: Recorder[Any] = pickle.loads(pickle.dumps(self.plugin()))
         second = tmp_path / "second" / first.name
-        copy.write(self.export_job(), drift(), second)
+        copy.write(self.export_job(), drifting_trajectory(), second)
         assert [(p.relative_to(second), p.read_bytes()) for p in _files(second)] == [
             (p.relative_to(first), p.read_bytes()) for p in _files(first)
         ]
 
     def test_a_flight_of_one_sample_is_recorded_too(self, tmp_path: Path) -> None:
-        """It ended as it began."""
-        whole = drift()
+        """A flight that ended at its release has one sample."""
+        whole = drifting_trajectory()
         start = (whole.t[:1], whole.position[:1], whole.quaternion[:1], whole.velocity[:1])
         self.record(tmp_path, Trajectory(*start, End.INLET))
 
     @pytest.mark.parametrize("end", [end for end in End if end.failed])
     def test_a_flight_that_failed_is_recorded_too(self, end: End, tmp_path: Path) -> None:
-        """What there is of it is what one wants to look at."""
-        self.record(tmp_path, replace(drift(), end=end))
+        """The samples of a failed flight help to find the cause."""
+        self.record(tmp_path, replace(drifting_trajectory(), end=end))
 
     def test_a_flight_in_open_water_is_recorded_too(self, tmp_path: Path) -> None:
-        """There is no pipe, and there are no targets."""
+        """A scenario may have neither a pipe nor targets."""
         self.record(tmp_path, scenario=Scenario())
 
     def test_another_flight_gives_other_content(self, tmp_path: Path) -> None:
-        """One that turns the other way is told from the first by what is in the files, not only by their names."""
+        """A flight that turns the other way differs in the content of the files, not only in their names."""
         contents = []
         for turn in (1.0, -1.0):
-            path = self.record(tmp_path / str(turn), drift(turn=turn))
+            path = self.record(tmp_path / str(turn), drifting_trajectory(turn=turn))
             contents.append([file.read_bytes() for file in _files(path)])
         assert contents[0] != contents[1]
 
-    def test_what_cannot_be_written_leaves_nothing_behind(self, tmp_path: Path) -> None:
-        """Where a folder stands in the place of a file, or a file in that of a folder; no half of a file remains."""
+    def test_a_failed_write_leaves_nothing_behind(self, tmp_path: Path) -> None:
+        """If a folder is in the place of a file, or a file in that of a folder, writing fails and leaves no partial file."""
         path = tmp_path / f"agent{self.plugin().suffix}"
         is_file = self.record(tmp_path / "sound").is_file()
         blocked = tmp_path / "blocked" / path.name
@@ -116,5 +116,5 @@ class RecorderContract:
 
 
 def _files(path: Path) -> list[Path]:
-    """The file, or all of a folder."""
+    """Return the file itself, or all files of a folder."""
     return [path] if path.is_file() else sorted(found for found in path.rglob("*") if found.is_file())

@@ -1,4 +1,4 @@
-"""What every renderer must do."""
+"""Contract of renderers."""
 
 import pickle
 import subprocess
@@ -17,14 +17,14 @@ from driftform.testing.bodies import hollow_body
 from driftform.types import Agent, Coefficients, End, Trajectory, WrittenFile
 
 Frames: TypeAlias = npt.NDArray[np.uint8]
-"""Of a film: (frames, height, width, 3), red, green and blue."""
+"""Frames of a film, (frames, height, width, 3): red, green and blue."""
 
 
 def read_film(path: Path) -> Frames:
     """Return the frames of a film, read by the ffmpeg of the package imageio-ffmpeg."""
     from imageio_ffmpeg import get_ffmpeg_exe
 
-    # As a sequence of PPM images, because each begins with its size.
+    # Read a sequence of PPM images, because each begins with its size.
     command = [get_ffmpeg_exe(), "-v", "error", "-i", path, "-fps_mode", "passthrough"]
     done = subprocess.run(
         [*command, "-f", "image2pipe", "-c:v", "ppm", "-"], capture_output=True, check=False
@@ -38,8 +38,8 @@ def read_film(path: Path) -> Frames:
     return frames[:, head:].reshape(-1, height, width, 3)
 
 
-def drift(seconds: float = 0.4, turn: float = 1.0) -> Trajectory:
-    """A flight along x at 1 m/s from the origin, with a pitch that grows by ``turn`` (rad) in all."""
+def drifting_trajectory(seconds: float = 0.4, turn: float = 1.0) -> Trajectory:
+    """Return a trajectory along x at 1 m/s from the origin, during which the pitch grows by ``turn`` (rad)."""
     t = np.linspace(0, seconds, 21)
     half = turn * t / seconds / 2
     zero = 0 * t
@@ -51,7 +51,7 @@ def drift(seconds: float = 0.4, turn: float = 1.0) -> Trajectory:
 
 
 class RendererContract:
-    """Inherit, and say how the renderer is made, what its films are like, and how they are read::
+    """Inherit this class, make the renderer, and set the rate and the size of its films::
 
     class TestMyRenderer(RendererContract):
         rate, size = 10.0, (160, 90)
@@ -64,7 +64,7 @@ class RendererContract:
     Attributes
     ----------
     rate
-        frames for each second of the flight.
+        frames per second of the flight.
     size
         width and height of a frame, px.
     """
@@ -81,27 +81,27 @@ class RendererContract:
         return read_film(path)
 
     def agent(self) -> Agent:
-        """Return an agent to be seen: a capped hollow tube, without a genome."""
+        """Return the agent of the film: a capped hollow tube, without a genome."""
         body = hollow_body()
         return Agent(body, mass_properties(body), Coefficients(0.01 * np.eye(6)))
 
     def scenario(self) -> Scenario:
-        """Return what is around it: half a metre of pipe, with a target."""
+        """Return the scenario of the film: half a metre of pipe, with a target."""
         segment = Segment(start=(0.0, 0.0, 0.0), end=(0.5, 0.0, 0.0), radius=0.1)
         return Scenario(pipe=Pipe(segments=(segment,)), targets={"leak": (0.3, 0.0, 0.05)})
 
     def film(self, path: Path, trajectory: Trajectory | None = None) -> WrittenFile:
-        """Make a film of a flight, by default of one that drifts and pitches."""
-        trajectory = drift() if trajectory is None else trajectory
+        """Make a film of a trajectory, by default of one that drifts and pitches."""
+        trajectory = drifting_trajectory() if trajectory is None else trajectory
         return self.plugin().film(self.agent(), trajectory, self.scenario(), path, lambda done, total: None)
 
     def still(self, path: Path, at: float = 0.2, trajectory: Trajectory | None = None) -> WrittenFile:
-        """Make a still of a flight, by default of the same."""
-        trajectory = drift() if trajectory is None else trajectory
+        """Make a still of a trajectory, by default of the same one."""
+        trajectory = drifting_trajectory() if trajectory is None else trajectory
         return self.plugin().still(self.agent(), trajectory, self.scenario(), path, at)
 
     def test_a_film_is_where_it_was_asked_for_in_every_format(self, tmp_path: Path) -> None:
-        """Each suffix gives a film that can be read, and nothing else is left beside it."""
+        """Each suffix gives a film that can be read, and no other file is written."""
         renderer = self.plugin()
         assert renderer.suffixes
         for suffix in renderer.suffixes:
@@ -113,41 +113,47 @@ class RendererContract:
             assert len(self.read(path)) > 1
 
     def test_it_has_the_frames_and_the_size_that_were_asked_for(self, tmp_path: Path) -> None:
-        """As many frames as the duration has at its rate, give or take one for the ends."""
+        """The number of frames is duration times rate, within one frame for the ends."""
         path = tmp_path / f"film{self.plugin().suffixes[0]}"
         self.film(path)
         frames = self.read(path)
-        assert abs(len(frames) - self.rate * drift().t[-1]) <= 1
+        assert abs(len(frames) - self.rate * drifting_trajectory().t[-1]) <= 1
         assert frames.shape[1:] == (self.size[1], self.size[0], 3)
 
     def test_frames_differ_while_the_agent_moves(self, tmp_path: Path) -> None:
-        """From each frame to the next some pixels change clearly."""
+        """Between consecutive frames some pixels change clearly."""
         path = tmp_path / f"film{self.plugin().suffixes[0]}"
         self.film(path)
         change = np.abs(np.diff(self.read(path).astype(int), axis=0)).max(axis=(1, 2, 3))
         assert (change > 32).all()
 
-    def test_attitude_is_seen(self, tmp_path: Path) -> None:
-        """A flight that ends turned by a right angle ends in another frame than one that does not turn."""
+    def test_the_attitude_is_visible(self, tmp_path: Path) -> None:
+        """The last frame of a flight that turns by a right angle differs from that of a flight that does not turn."""
         films = []
         for name, turn in (("straight", 0.0), ("turned", np.pi / 2)):
             path = tmp_path / f"{name}{self.plugin().suffixes[0]}"
-            self.film(path, drift(turn=turn))
+            self.film(path, drifting_trajectory(turn=turn))
             films.append(self.read(path)[-1].astype(int))
         assert np.abs(films[0] - films[1]).max() > 64
 
     def test_the_same_flight_gives_the_same_frames(self, tmp_path: Path) -> None:
-        """Also from a renderer that was sent to another process."""
+        """A renderer that was sent to another process makes the same frames."""
         suffix = self.plugin().suffixes[0]
         self.film(tmp_path / f"one{suffix}")
         copy: Renderer[Any] = pickle.loads(pickle.dumps(self.plugin()))
-        copy.film(self.agent(), drift(), self.scenario(), tmp_path / f"two{suffix}", lambda done, total: None)
+        copy.film(
+            self.agent(),
+            drifting_trajectory(),
+            self.scenario(),
+            tmp_path / f"two{suffix}",
+            lambda done, total: None,
+        )
         one, two = (self.read(tmp_path / f"{name}{suffix}") for name in ("one", "two"))
         np.testing.assert_array_equal(one, two)
 
     def test_a_flight_of_one_sample_is_a_film_too(self, tmp_path: Path) -> None:
-        """It ended as it began, and is seen where it was."""
-        whole, path = drift(), tmp_path / f"film{self.plugin().suffixes[0]}"
+        """A flight that ended at its release has one sample; the film shows it there."""
+        whole, path = drifting_trajectory(), tmp_path / f"film{self.plugin().suffixes[0]}"
         start = (whole.t[:1], whole.position[:1], whole.quaternion[:1], whole.velocity[:1])
         self.film(path, Trajectory(*start, End.INLET))
         assert len(self.read(path)) >= 1
@@ -155,30 +161,34 @@ class RendererContract:
     def test_open_water_is_filmed_too(self, tmp_path: Path) -> None:
         """A scenario needs neither pipe nor targets."""
         path = tmp_path / f"film{self.plugin().suffixes[0]}"
-        self.plugin().film(self.agent(), drift(), Scenario(), path, lambda done, total: None)
+        self.plugin().film(self.agent(), drifting_trajectory(), Scenario(), path, lambda done, total: None)
         assert len(self.read(path)) > 1
 
-    def test_progress_is_told_frame_by_frame(self, tmp_path: Path) -> None:
-        """Each call has one more than the one before, up to the number of all."""
-        told: list[tuple[int, int]] = []
+    def test_progress_is_reported_frame_by_frame(self, tmp_path: Path) -> None:
+        """Each call reports one more frame than the call before, up to the number of frames."""
+        reported: list[tuple[int, int]] = []
         path = tmp_path / f"film{self.plugin().suffixes[0]}"
         self.plugin().film(
-            self.agent(), drift(), self.scenario(), path, lambda done, total: told.append((done, total))
+            self.agent(),
+            drifting_trajectory(),
+            self.scenario(),
+            path,
+            lambda done, total: reported.append((done, total)),
         )
         count = len(self.read(path))
-        assert told == [(done, count) for done in range(1, count + 1)]
+        assert reported == [(done, count) for done in range(1, count + 1)]
 
     @pytest.mark.parametrize("name", ["film.mkw", "film", "film.", ".mp4"])
-    def test_a_suffix_that_it_does_not_know_is_refused(self, name: str, tmp_path: Path) -> None:
-        """Before the flight, and when the film is to be made; nothing is written."""
+    def test_an_unknown_suffix_is_refused(self, name: str, tmp_path: Path) -> None:
+        """``check`` refuses it before the flight, and so does ``film``; nothing is written."""
         with pytest.raises(InputError, match=self.plugin().suffixes[0]):
             self.plugin().check(tmp_path / name)
         with pytest.raises(InputError):
             self.film(tmp_path / name)
         assert list(tmp_path.iterdir()) == []
 
-    def test_an_interrupted_film_leaves_nothing_and_an_older_one_as_it_was(self, tmp_path: Path) -> None:
-        """In whatever format, and be it at the last frame."""
+    def test_an_interrupted_film_leaves_nothing_behind_and_keeps_an_older_one(self, tmp_path: Path) -> None:
+        """This holds for every format, also if the interruption is at the last frame."""
 
         def interrupt(done: int, total: int) -> None:
             if done == total:
@@ -190,14 +200,14 @@ class RendererContract:
                 for old in before:
                     old.write_bytes(b"old")
                 with pytest.raises(KeyboardInterrupt):
-                    self.plugin().film(self.agent(), drift(), self.scenario(), path, interrupt)
+                    self.plugin().film(self.agent(), drifting_trajectory(), self.scenario(), path, interrupt)
                 assert list(tmp_path.iterdir()) == before
                 for old in before:
                     assert old.read_bytes() == b"old"
                     old.unlink()
 
     def test_an_older_film_is_replaced(self, tmp_path: Path) -> None:
-        """What is longer than the new film leaves no rest of it."""
+        """No part of a longer older file remains."""
         suffix = self.plugin().suffixes[0]
         path = tmp_path / f"film{suffix}"
         path.write_bytes(b"old " * 1_000_000)
@@ -219,7 +229,7 @@ class RendererContract:
             assert self.read(path).shape == (1, self.size[1], self.size[0], 3)
 
     def test_a_still_shows_the_moment_that_was_asked_for(self, tmp_path: Path) -> None:
-        """From the release to the end, each moment gives another picture, and always the same."""
+        """Release and end give different pictures, and the same moment always gives the same picture."""
         for suffix in self.plugin().stills:
             images = []
             for name, at in (("release", 0.0), ("end", 0.4), ("again", 0.4)):
@@ -230,20 +240,23 @@ class RendererContract:
             np.testing.assert_array_equal(images[1], images[2])
 
     def test_a_still_needs_neither_a_path_nor_a_pipe(self, tmp_path: Path) -> None:
-        """It may be of a flight of one sample, and of one through open water."""
-        whole = drift()
+        """A still may show a flight of one sample, and a flight in open water."""
+        whole = drifting_trajectory()
         short = Trajectory(
             whole.t[:1], whole.position[:1], whole.quaternion[:1], whole.velocity[:1], End.INLET
         )
         for suffix in self.plugin().stills:
-            for name, flight, scenario in (("short", short, self.scenario()), ("open", whole, Scenario())):
+            for name, trajectory, scenario in (
+                ("short", short, self.scenario()),
+                ("open", whole, Scenario()),
+            ):
                 path = tmp_path / f"{name}{suffix}"
-                self.plugin().still(self.agent(), flight, scenario, path, 0.0)
+                self.plugin().still(self.agent(), trajectory, scenario, path, 0.0)
                 assert len(self.read(path)) == 1
 
     @pytest.mark.parametrize("name", ["still.mkw", "still", "still.", ".png"])
-    def test_a_suffix_that_no_still_of_it_has_is_refused(self, name: str, tmp_path: Path) -> None:
-        """So is any where it makes no stills; nothing is written."""
+    def test_an_unknown_suffix_of_a_still_is_refused(self, name: str, tmp_path: Path) -> None:
+        """Every suffix is unknown to a renderer that makes no stills; nothing is written."""
         with pytest.raises(InputError):
             self.plugin().check_still(tmp_path / name)
         with pytest.raises(InputError):

@@ -1,4 +1,4 @@
-"""What every simulator must do: benchmark motions with a known answer, the ends of a flight, contact, failures."""
+"""Contract of simulators: motions with a known solution, the ends of a flight, contact, and failures."""
 
 import math
 import pickle
@@ -30,24 +30,25 @@ from driftform.testing.agents import (
     GRAVITY,
     Libration,
     Spheroid,
-    about,
     invariants,
-    sphere,
-    tumbler,
+    move_origin,
+    sphere_agent,
+    tumbling_agent,
 )
 from driftform.testing.bodies import spheroid_body
-from driftform.trajectory.path import hermite_coefficients, world_velocity
+from driftform.trajectory.interpolation import interpolate_positions
+from driftform.trajectory.path import evaluate_path, world_velocity
 from driftform.types import Agent, Coefficients, Drag, End, FloatArray, Trajectory
 
 SPHEROID = Spheroid(0.06, 0.01)
-"""Neutral, 120 mm long and 20 mm thick."""
+"""A neutral spheroid, 120 mm long and 20 mm thick."""
 
 CORE_RADIUS = 0.01
 NEUTRAL_MASS = DENSITY * 4 / 3 * math.pi * CORE_RADIUS**3
-"""Of a sphere of the core's radius, kg."""
+"""Mass of a neutral sphere with the core's radius, kg."""
 
 
-def water(
+def water_scenario(
     horizon: float,
     velocity: str | Vector = "current",
     *,
@@ -58,7 +59,7 @@ def water(
     pipe: tuple[float, float] | None = None,
     frequency: float = 100.0,
 ) -> Scenario:
-    """Water at rest, or with a current of ``speed`` m/s along x; open, or in a ``pipe`` of (length, radius), m."""
+    """Return a scenario with a current of ``speed`` (m/s) along x, in open water or in a ``pipe`` of (length, radius), m."""
     segments = (Segment(start=(0.0, 0.0, 0.0), end=(pipe[0], 0.0, 0.0), radius=pipe[1]),) if pipe else ()
     return Scenario(
         pipe=Pipe(segments=segments),
@@ -74,20 +75,20 @@ def water(
 
 def _not_finite() -> dict[str, Callable[[], Agent]]:
     def broken_added_mass() -> Agent:
-        return replace(sphere(CORE_RADIUS, 0.05), coefficients=Coefficients(np.full((6, 6), np.nan)))
+        return replace(sphere_agent(CORE_RADIUS, 0.05), coefficients=Coefficients(np.full((6, 6), np.nan)))
 
     def broken_mass(**values: Any) -> Agent:
-        agent = sphere(CORE_RADIUS, 0.05)
+        agent = sphere_agent(CORE_RADIUS, 0.05)
         return replace(agent, mass=replace(agent.mass, **values))
 
     def runaway() -> Agent:
-        agent = sphere(CORE_RADIUS, 0.05)
+        agent = sphere_agent(CORE_RADIUS, 0.05)
         feeding = replace(agent.coefficients, linear_damping=-1e3 * np.eye(6))
         return replace(agent, coefficients=feeding)
 
     return {
-        "an added mass that is no number": broken_added_mass,
-        "a centre of gravity that is no number": lambda: broken_mass(cog=np.full(3, np.nan)),
+        "an added mass that is not a number": broken_added_mass,
+        "a centre of gravity that is not a number": lambda: broken_mass(cog=np.full(3, np.nan)),
         "an infinite volume": lambda: broken_mass(volume=math.inf),
         "damping that feeds the motion": runaway,
     }
@@ -97,7 +98,7 @@ NOT_FINITE = _not_finite()
 
 
 class SimulatorContract:
-    """Inherit, and say how the simulator is made::
+    """Inherit this class, and make the simulator::
 
         class TestMySimulator(SimulatorContract):
             def plugin(self) -> MySimulator:
@@ -106,11 +107,11 @@ class SimulatorContract:
     Attributes
     ----------
     drift
-        how far energy and impulse of a free motion may drift in 3 s, relative to what they are of.
+        greatest change of energy and impulse of a free motion in 3 s, relative to their size.
     accuracy
-        relative error of motions that are known in closed form.
+        greatest relative error of motions that are known in closed form.
     agreement
-        m: how far apart two flights may be, anywhere, that are one and the same motion described in two ways.
+        greatest distance (m) at any time between two flights that are the same motion described in two ways.
     """
 
     drift: ClassVar[float] = 1e-5
@@ -122,67 +123,69 @@ class SimulatorContract:
         raise NotImplementedError
 
     def fly(self, agent: Agent, scenario: Scenario) -> Trajectory:
-        """Return a flight that has to come to its horizon."""
-        flight = self.plugin().simulate(agent, scenario)
-        assert flight.end == End.HORIZON
-        assert flight.t[-1] == pytest.approx(scenario.flight.horizon, rel=1e-9)
-        return flight
+        """Return the trajectory of a flight that must reach its horizon."""
+        trajectory = self.plugin().simulate(agent, scenario)
+        assert trajectory.end == End.HORIZON
+        assert trajectory.t[-1] == pytest.approx(scenario.flight.horizon, rel=1e-9)
+        return trajectory
 
-    # What a trajectory holds.
+    # The samples of a trajectory.
 
     def test_a_flight_starts_as_released(self) -> None:
         """The first sample is the release: time 0, and its position, attitude and velocity."""
-        scenario = water(0.5, (0.4, 0.3, -0.2), speed=1.0, pitch_deg=30.0, position=(0.1, 0.2, 0.3))
-        flight = self.fly(tumbler(), scenario)
-        assert flight.t[0] == 0.0
-        np.testing.assert_allclose(flight.position[0], (0.1, 0.2, 0.3), atol=1e-12)
+        scenario = water_scenario(0.5, (0.4, 0.3, -0.2), speed=1.0, pitch_deg=30.0, position=(0.1, 0.2, 0.3))
+        trajectory = self.fly(tumbling_agent(), scenario)
+        assert trajectory.t[0] == 0.0
+        np.testing.assert_allclose(trajectory.position[0], (0.1, 0.2, 0.3), atol=1e-12)
         half = math.radians(15)
-        turned = flight.quaternion[0] * np.sign(flight.quaternion[0, 0])
+        turned = trajectory.quaternion[0] * np.sign(trajectory.quaternion[0, 0])
         np.testing.assert_allclose(turned, (math.cos(half), 0, math.sin(half), 0), atol=1e-12)
-        np.testing.assert_allclose(world_velocity(flight)[0], (0.4, 0.3, -0.2), atol=1e-12)
-        np.testing.assert_allclose(flight.velocity[0, 3:], 0, atol=1e-12)
+        np.testing.assert_allclose(world_velocity(trajectory)[0], (0.4, 0.3, -0.2), atol=1e-12)
+        np.testing.assert_allclose(trajectory.velocity[0, 3:], 0, atol=1e-12)
 
     def test_samples_are_finite_and_in_order(self) -> None:
-        """Times increase strictly, quaternions are of unit length, everything is finite."""
-        flight = self.fly(tumbler(), water(1.0, (0.4, 0.3, -0.2)))
-        assert (np.diff(flight.t) > 0).all()
-        np.testing.assert_allclose(np.linalg.norm(flight.quaternion, axis=1), 1, atol=1e-12)
-        for values in (flight.t, flight.position, flight.quaternion, flight.velocity):
+        """Times increase strictly, quaternions have unit length, and all values are finite."""
+        trajectory = self.fly(tumbling_agent(), water_scenario(1.0, (0.4, 0.3, -0.2)))
+        assert (np.diff(trajectory.t) > 0).all()
+        np.testing.assert_allclose(np.linalg.norm(trajectory.quaternion, axis=1), 1, atol=1e-12)
+        for values in (trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity):
             assert np.isfinite(values).all()
 
     def test_velocity_is_the_rate_of_position_over_ground(self) -> None:
-        """The path that position and velocity describe together is smooth: the one is the rate of the other."""
-        flight = self.fly(tumbler(), water(1.0, (0.4, 0.3, -0.2), speed=1.0))
-        world = world_velocity(flight)
-        # Simpson's rule needs the velocity half-way, which the Hermite curve lacks: the trapezoid is off by
-        # h^3 a' / 12, a' being a few times 100 m/s3 here.
-        h = np.diff(flight.t)[:, None]
+        """The velocity, turned into the world frame, is the time derivative of the position."""
+        trajectory = self.fly(tumbling_agent(), water_scenario(1.0, (0.4, 0.3, -0.2), speed=1.0))
+        world = world_velocity(trajectory)
+        # Simpson's rule would need the velocity half-way, which the Hermite curve lacks. The error of the trapezoid
+        # is h^3 a' / 12, where a' is a few times 100 m/s3 here.
+        h = np.diff(trajectory.t)[:, None]
         moved = 0.5 * h * (world[:-1] + world[1:])
         np.testing.assert_allclose(
-            np.diff(flight.position, axis=0) / h, moved / h, atol=1000 * h.max() ** 2 / 12
+            np.diff(trajectory.position, axis=0) / h, moved / h, atol=1000 * h.max() ** 2 / 12
         )
 
     # Motions in a straight line.
 
     def test_the_core_alone_falls_with_its_added_mass(self) -> None:
-        """a = (m - rho V) g / (m + rho V / 2): 0.05 kg in a sphere of 10 mm radius fall with 8.59957 m/s2."""
+        """a = (m - rho V) g / (m + rho V / 2): a sphere of 0.05 kg and 10 mm radius falls with 8.59957 m/s2."""
         acceleration = (0.05 - NEUTRAL_MASS) * GRAVITY / (0.05 + NEUTRAL_MASS / 2)
         assert acceleration == pytest.approx(8.59957, abs=5e-6)
-        flight = self.fly(sphere(CORE_RADIUS, 0.05), water(0.5))
-        np.testing.assert_allclose(flight.position[:, 2], -0.5 * acceleration * flight.t**2, atol=1e-6)
-        np.testing.assert_allclose(flight.velocity[:, 2], -acceleration * flight.t, atol=1e-6)
-        assert np.abs(flight.position[:, :2]).max() < 1e-9
+        trajectory = self.fly(sphere_agent(CORE_RADIUS, 0.05), water_scenario(0.5))
+        np.testing.assert_allclose(
+            trajectory.position[:, 2], -0.5 * acceleration * trajectory.t**2, atol=1e-6
+        )
+        np.testing.assert_allclose(trajectory.velocity[:, 2], -acceleration * trajectory.t, atol=1e-6)
+        assert np.abs(trajectory.position[:, :2]).max() < 1e-9
 
     def test_without_added_mass_it_falls_faster(self) -> None:
-        """Coefficients of zero are taken as they are: 8.968 m/s2, the net weight over the mass."""
-        flight = self.fly(sphere(CORE_RADIUS, 0.05, added=0.0), water(0.5))
-        assert flight.velocity[-1, 2] / flight.t[-1] == pytest.approx(-8.96844, rel=1e-5)
+        """Coefficients of zero are valid: 8.968 m/s2, the net weight over the mass."""
+        trajectory = self.fly(sphere_agent(CORE_RADIUS, 0.05, added=0.0), water_scenario(0.5))
+        assert trajectory.velocity[-1, 2] / trajectory.t[-1] == pytest.approx(-8.96844, rel=1e-5)
 
     def test_a_massless_sphere_rises_with_twice_gravity(self) -> None:
-        """Only the added mass resists: rho V g / (rho V / 2), exactly. No inertia at all is no error."""
-        flight = self.fly(sphere(CORE_RADIUS, 0.0), water(0.5))
-        np.testing.assert_allclose(flight.position[:, 2], GRAVITY * flight.t**2, atol=1e-6)
-        np.testing.assert_allclose(flight.velocity[:, 3:], 0, atol=1e-9)
+        """Only the added mass resists: rho V g / (rho V / 2), exactly. A body without inertia is valid."""
+        trajectory = self.fly(sphere_agent(CORE_RADIUS, 0.0), water_scenario(0.5))
+        np.testing.assert_allclose(trajectory.position[:, 2], GRAVITY * trajectory.t**2, atol=1e-6)
+        np.testing.assert_allclose(trajectory.velocity[:, 3:], 0, atol=1e-9)
 
     def test_drag_leads_to_the_terminal_velocity(self) -> None:
         """v = v_t tanh(t / tau) with quadratic damping: for Cd 0.47, 2.4355 m/s and 0.28321 s; 42.133 mm in 0.1 s."""
@@ -192,120 +195,120 @@ class SimulatorContract:
         tau = (0.05 + NEUTRAL_MASS / 2) * terminal / weight
         assert (terminal, tau) == pytest.approx((2.4355, 0.28321), abs=5e-5)
         assert terminal * tau * math.log(math.cosh(0.1 / tau)) == pytest.approx(0.042133, abs=5e-7)
-        agent = sphere(CORE_RADIUS, 0.05, drag=0.47)
+        agent = sphere_agent(CORE_RADIUS, 0.05, drag=0.47)
         for horizon in (0.1, 1.0):
-            flight = self.fly(agent, water(horizon))
-            fallen = terminal * tau * np.log(np.cosh(flight.t / tau))
-            np.testing.assert_allclose(-flight.position[:, 2], fallen, atol=self.accuracy * 1e-2)
-            speed = terminal * np.tanh(flight.t / tau)
-            np.testing.assert_allclose(-flight.velocity[:, 2], speed, atol=self.accuracy * 1e-1)
+            trajectory = self.fly(agent, water_scenario(horizon))
+            fallen = terminal * tau * np.log(np.cosh(trajectory.t / tau))
+            np.testing.assert_allclose(-trajectory.position[:, 2], fallen, atol=self.accuracy * 1e-2)
+            speed = terminal * np.tanh(trajectory.t / tau)
+            np.testing.assert_allclose(-trajectory.velocity[:, 2], speed, atol=self.accuracy * 1e-1)
 
     def test_linear_damping_decays_exponentially(self) -> None:
-        """m v' = -D v: with a rate of 2 1/s a neutral sphere comes to rest in a path of v / 2, relative to the water."""
-        agent = sphere(CORE_RADIUS, NEUTRAL_MASS)
+        """m v' = -D v: with a rate of 2 1/s a neutral sphere stops after a path of v / 2, relative to the water."""
+        agent = sphere_agent(CORE_RADIUS, NEUTRAL_MASS)
         rate = 2 * 1.5 * NEUTRAL_MASS
         damping = np.diag([rate] * 3 + [0.0] * 3)
         agent = replace(agent, coefficients=replace(agent.coefficients, linear_damping=damping))
-        flight = self.fly(agent, water(2.0, "rest", speed=1.0))
-        expected = flight.t - (1 - np.exp(-2 * flight.t)) / 2
-        np.testing.assert_allclose(flight.position[:, 0], expected, atol=self.accuracy * 1e-2)
+        trajectory = self.fly(agent, water_scenario(2.0, "rest", speed=1.0))
+        expected = trajectory.t - (1 - np.exp(-2 * trajectory.t)) / 2
+        np.testing.assert_allclose(trajectory.position[:, 0], expected, atol=self.accuracy * 1e-2)
 
     def test_a_body_released_with_the_current_drifts_with_it(self) -> None:
-        """release.velocity = "current": a neutral body without relative motion is carried and never turns."""
-        flight = self.fly(SPHEROID.agent(), water(3.0, "current", speed=0.7))
-        np.testing.assert_allclose(flight.position[:, 0], 0.7 * flight.t, atol=1e-9)
-        np.testing.assert_allclose(flight.velocity[:, 0], 0.7, atol=1e-9)
-        np.testing.assert_allclose(flight.velocity[:, 1:], 0, atol=1e-9)
+        """A neutral body with ``release.velocity = "current"`` drifts with the water and never turns."""
+        trajectory = self.fly(SPHEROID.agent(), water_scenario(3.0, "current", speed=0.7))
+        np.testing.assert_allclose(trajectory.position[:, 0], 0.7 * trajectory.t, atol=1e-9)
+        np.testing.assert_allclose(trajectory.velocity[:, 0], 0.7, atol=1e-9)
+        np.testing.assert_allclose(trajectory.velocity[:, 1:], 0, atol=1e-9)
 
     # Kirchhoff's equations.
 
     def test_the_spheroid_librates_as_in_closed_form(self) -> None:
         """From u = 1, v = 0.01, r = 0 surge, sway, yaw rate and heading follow Jacobi's elliptic functions."""
         motion = Libration(SPHEROID, 1.0, 0.01)
-        flight = self.fly(SPHEROID.agent(), water(1.0, (1.0, 0.01, 0.0)))
-        expected = np.array([motion.at(t) for t in flight.t])
+        trajectory = self.fly(SPHEROID.agent(), water_scenario(1.0, (1.0, 0.01, 0.0)))
+        expected = np.array([motion.motion_at(t) for t in trajectory.t])
         np.testing.assert_allclose(expected[-1, :3], (0.994499, 0.057973, 1.999774), atol=5e-7)
         size = np.abs(expected[:, :3]).max(axis=0)
         np.testing.assert_allclose(
-            flight.velocity[:, [0, 1, 5]] / size, expected[:, :3] / size, atol=self.accuracy
+            trajectory.velocity[:, [0, 1, 5]] / size, expected[:, :3] / size, atol=self.accuracy
         )
-        heading = np.unwrap(2 * np.arctan2(flight.quaternion[:, 3], flight.quaternion[:, 0]))
+        heading = np.unwrap(2 * np.arctan2(trajectory.quaternion[:, 3], trajectory.quaternion[:, 0]))
         np.testing.assert_allclose(heading, expected[:, 3], atol=self.accuracy * math.pi)
-        assert np.abs(flight.velocity[:, [2, 3, 4]]).max() < 1e-6, "the motion has left its plane"
+        assert np.abs(trajectory.velocity[:, [2, 3, 4]]).max() < 1e-6, "the motion has left its plane"
 
     def test_the_libration_has_its_period_and_its_greatest_rate(self) -> None:
         """1.128094 s, four quarter periods of a pendulum, and 19.09224 rad/s."""
         motion = Libration(SPHEROID, 1.0, 0.01)
         assert (motion.period, motion.max_yaw_rate) == pytest.approx((1.128094, 19.09224), abs=5e-6)
-        flight = self.fly(SPHEROID.agent(), water(1.3, (1.0, 0.01, 0.0)))
-        rate = flight.velocity[:, 5]
+        trajectory = self.fly(SPHEROID.agent(), water_scenario(1.3, (1.0, 0.01, 0.0)))
+        rate = trajectory.velocity[:, 5]
         # The rate vanishes at the release, after half a period and after a whole one.
         turns = [i for i in range(2, len(rate) - 2) if rate[i - 1] * rate[i] < 0]
         assert len(turns) == 2
         near = slice(turns[1] - 2, turns[1] + 2)
-        period = np.polynomial.Polynomial.fit(rate[near], flight.t[near], 3)(0.0)
+        period = np.polynomial.Polynomial.fit(rate[near], trajectory.t[near], 3)(0.0)
         assert period == pytest.approx(motion.period, rel=self.accuracy)
         assert motion.max_yaw_rate * (1 - 0.05) < np.abs(rate).max()
         assert np.abs(rate).max() < motion.max_yaw_rate * (1 + self.accuracy)
 
     def test_the_libration_conserves_energy_and_impulse(self) -> None:
-        """0.0134518 J of body and water, and an impulse that keeps its direction in the world."""
-        scenario = water(1.2, (1.0, 0.01, 0.0))
+        """The energy of body and water, 0.0134518 J, and the impulse in the world frame are constant."""
+        scenario = water_scenario(1.2, (1.0, 0.01, 0.0))
         kept = invariants(SPHEROID.agent(), scenario, self.fly(SPHEROID.agent(), scenario))
         assert kept.energy[0] == pytest.approx(0.0134518, abs=5e-8)
-        assert drift_of(kept.energy) <= self.drift * kept.energy[0]
+        assert largest_drift(kept.energy) <= self.drift * kept.energy[0]
         scale = float(np.linalg.norm(kept.impulse[0]))
-        assert drift_of(kept.impulse) <= self.drift * scale
+        assert largest_drift(kept.impulse) <= self.drift * scale
 
     def test_motion_at_an_angle_feels_munks_moment(self) -> None:
-        """At 1 m/s and 10 degrees 0.0038375 N m turn the nose further away: rate of pitch = moment / (I + A55)."""
+        """At 1 m/s and 10 degrees a moment of 0.0038375 N m turns the nose away: pitch acceleration = moment / (I + A55)."""
         angle = math.radians(10)
         moment = SPHEROID.munk_moment(1.0, angle)
         assert moment == pytest.approx(0.0038375, abs=5e-9)
-        flight = self.fly(SPHEROID.agent(), water(1e-4, (1.0, 0.0, 0.0), pitch_deg=10.0))
-        rate = flight.velocity[-1, 4] / flight.t[-1]
+        trajectory = self.fly(SPHEROID.agent(), water_scenario(1e-4, (1.0, 0.0, 0.0), pitch_deg=10.0))
+        rate = trajectory.velocity[-1, 4] / trajectory.t[-1]
         assert rate == pytest.approx(moment / SPHEROID.total[2], rel=1e-4)
 
     def test_a_small_angle_grows_exponentially(self) -> None:
-        """Rate 19.0922 1/s at 1 m/s, as long as the angle is small."""
-        growth = SPHEROID.growth(1.0)
+        """The rate is 19.0922 1/s at 1 m/s, as long as the angle is small."""
+        growth = SPHEROID.growth_rate(1.0)
         assert growth == pytest.approx(19.0922, abs=5e-5)
-        flight = self.fly(SPHEROID.agent(), water(0.35, (1.0, 1e-5, 0.0)))
-        # From rest the sway grows as cosh(growth t); the angle is 7e-3 at the end, and linear theory off by its square.
-        window = flight.t >= 0.15
+        trajectory = self.fly(SPHEROID.agent(), water_scenario(0.35, (1.0, 1e-5, 0.0)))
+        # From rest the sway grows as cosh(growth t); the angle is 7e-3 at the end, the error of linear theory its square.
+        window = trajectory.t >= 0.15
         assert window.sum() >= 4
-        argument = np.arccosh(flight.velocity[window, 1] / 1e-5)
-        slope = np.polyfit(flight.t[window], argument, 1)[0]
+        argument = np.arccosh(trajectory.velocity[window, 1] / 1e-5)
+        slope = np.polyfit(trajectory.t[window], argument, 1)[0]
         assert slope == pytest.approx(growth, rel=max(self.accuracy, 1e-4))
 
     # Invariances.
 
     def test_uniform_flow_exerts_no_steady_force(self) -> None:
-        """D'Alembert: across the stream the spheroid keeps its velocity; at an angle the moment alone sets in."""
-        across = self.fly(SPHEROID.agent(), water(3.0, (1.0, 0.0, 0.0), pitch_deg=90.0))
+        """D'Alembert: across the stream the spheroid keeps its velocity; at an angle only a moment acts at first."""
+        across = self.fly(SPHEROID.agent(), water_scenario(3.0, (1.0, 0.0, 0.0), pitch_deg=90.0))
         np.testing.assert_allclose(world_velocity(across) - [1.0, 0.0, 0.0], 0, atol=1e-9)
-        at_rest = self.fly(SPHEROID.agent(), water(3.0, "rest", speed=1.0, pitch_deg=90.0))
+        at_rest = self.fly(SPHEROID.agent(), water_scenario(3.0, "rest", speed=1.0, pitch_deg=90.0))
         np.testing.assert_allclose(at_rest.position, 0, atol=1e-9)
         tiny = 1e-5
-        flight = self.fly(SPHEROID.agent(), water(tiny, "rest", speed=1.0, pitch_deg=10.0))
-        assert np.abs(flight.velocity[-1, :3]).max() / tiny < 1e-2
-        assert abs(flight.velocity[-1, 4]) / tiny > 100
+        trajectory = self.fly(SPHEROID.agent(), water_scenario(tiny, "rest", speed=1.0, pitch_deg=10.0))
+        assert np.abs(trajectory.velocity[-1, :3]).max() / tiny < 1e-2
+        assert abs(trajectory.velocity[-1, 4]) / tiny > 100
 
     def test_a_current_is_a_change_of_frame(self) -> None:
-        """Galilei: in a uniform steady current U the motion is that in still water with v - U, carried along."""
-        agent = tumbler(damped=True)
-        there = self.fly(agent, water(2.0, (1.3, 0.2, -0.1), speed=1.0, pitch_deg=20.0))
-        here = self.fly(agent, water(2.0, (0.3, 0.2, -0.1), speed=0.0, pitch_deg=20.0))
+        """Galilei: the motion in a uniform steady current U is that in still water with the velocity v - U, plus the drift U t."""
+        agent = tumbling_agent(damped=True)
+        there = self.fly(agent, water_scenario(2.0, (1.3, 0.2, -0.1), speed=1.0, pitch_deg=20.0))
+        here = self.fly(agent, water_scenario(2.0, (0.3, 0.2, -0.1), speed=0.0, pitch_deg=20.0))
         times = np.linspace(0, 2.0, 201)
-        carried = positions_at(here, times) + np.outer(times, [1.0, 0.0, 0.0])
-        assert apart(positions_at(there, times), carried) < self.agreement
-        R, Q = (matrix_from_quaternion(flight.quaternion[-1]) for flight in (there, here))
+        carried = interpolate_positions(here, times) + np.outer(times, [1.0, 0.0, 0.0])
+        assert largest_distance(interpolate_positions(there, times), carried) < self.agreement
+        R, Q = (matrix_from_quaternion(trajectory.quaternion[-1]) for trajectory in (there, here))
         np.testing.assert_allclose(R, Q, atol=10 * self.agreement)
 
     def test_the_choice_of_origin_does_not_matter(self) -> None:
-        """The same agent in body axes from another origin flies the same: A' = H^T A H for all its matrices."""
-        agent, offset = tumbler(damped=True), np.array([0.02, -0.01, 0.005])
-        moved = about(agent, offset)
+        """The same agent with another origin of its body axes flies the same: A' = H^T A H for all its matrices."""
+        agent, offset = tumbling_agent(damped=True), np.array([0.02, -0.01, 0.005])
+        moved = move_origin(agent, offset)
         for point in (np.zeros(3), np.array([0.1, 0.0, 0.05])):
             np.testing.assert_allclose(
                 added_mass_at(moved.coefficients, point - offset),
@@ -315,8 +318,8 @@ class SimulatorContract:
         self._assert_flies_the_same(agent, moved, offset)
 
     def test_coefficients_may_refer_to_any_point(self) -> None:
-        """Coefficients.origin is honoured: the added mass about another point is the same added mass."""
-        agent = tumbler()
+        """``Coefficients.origin`` counts: the added mass may refer to another point."""
+        agent = tumbling_agent()
         c = agent.coefficients
         elsewhere = np.array([-0.03, 0.0, 0.02])
         matrix = shift_origin(c.added_mass, elsewhere - c.origin)
@@ -327,103 +330,111 @@ class SimulatorContract:
         self._assert_flies_the_same(agent, other, np.zeros(3))
 
     def test_free_motion_conserves_energy_impulse_and_angular_impulse(self) -> None:
-        """Without gravity a tumbling body exchanges them with the water, and the sum stays what it was."""
-        agent = tumbler()
-        scenario = water(3.0, (1.0, 0.2, -0.1), pitch_deg=20.0, speed=0.5, gravity=0.0)
-        flight = self.fly(agent, scenario)
-        assert (np.abs(flight.velocity[:, 3:]).max(axis=0) > 1).all(), "it has to tumble about all three axes"
-        kept = invariants(agent, scenario, flight)
-        assert drift_of(kept.energy) <= self.drift * kept.energy[0]
+        """Without gravity a tumbling body exchanges them with the water, and the sums are constant."""
+        agent = tumbling_agent()
+        scenario = water_scenario(3.0, (1.0, 0.2, -0.1), pitch_deg=20.0, speed=0.5, gravity=0.0)
+        trajectory = self.fly(agent, scenario)
+        assert (np.abs(trajectory.velocity[:, 3:]).max(axis=0) > 1).all(), (
+            "the body must tumble about all three axes"
+        )
+        kept = invariants(agent, scenario, trajectory)
+        assert largest_drift(kept.energy) <= self.drift * kept.energy[0]
         scale = float(np.linalg.norm(kept.impulse[0]))
-        assert drift_of(kept.impulse) <= self.drift * scale
-        assert drift_of(kept.angular_impulse) <= self.drift * scale * agent.body.length
+        assert largest_drift(kept.impulse) <= self.drift * scale
+        assert largest_drift(kept.angular_impulse) <= self.drift * scale * agent.body.length
 
     def test_weight_and_buoyancy_do_the_work_of_their_heights(self) -> None:
-        """With gravity energy is conserved too, and so are the impulses that a vertical force cannot change."""
-        agent = tumbler()
-        scenario = water(3.0, (0.5, 0.1, 0.0), pitch_deg=20.0)
+        """With gravity the energy is conserved too, and so are the impulses that a vertical force cannot change."""
+        agent = tumbling_agent()
+        scenario = water_scenario(3.0, (0.5, 0.1, 0.0), pitch_deg=20.0)
         kept = invariants(agent, scenario, self.fly(agent, scenario))
-        assert drift_of(kept.energy) <= self.drift * kept.kinetic.max()
+        assert largest_drift(kept.energy) <= self.drift * kept.kinetic.max()
         scale = float(np.linalg.norm(kept.impulse, axis=1).max())
-        assert drift_of(kept.impulse[:, :2]) <= self.drift * scale
-        assert drift_of(kept.angular_impulse[:, 2]) <= self.drift * scale * agent.body.length
+        assert largest_drift(kept.impulse[:, :2]) <= self.drift * scale
+        assert largest_drift(kept.angular_impulse[:, 2]) <= self.drift * scale * agent.body.length
         net = (DENSITY * agent.mass.volume - agent.mass.mass) * GRAVITY
         assert kept.impulse[-1, 2] - kept.impulse[0, 2] == pytest.approx(3.0 * net, rel=1e-4)
 
-    # Water that is not the same everywhere and always.
+    # Water that is not uniform and steady.
 
     @pytest.mark.parametrize(("force", "share"), [("full", 1.0), ("paper", 1 / 3)])
     def test_a_neutral_sphere_in_accelerating_water(
         self, force: Literal["full", "paper"], share: float
     ) -> None:
-        """It goes with the water; without its pressure gradient, as in the paper, with a third of it (m_A / (m + m_A))."""
-        scenario = water(2.0).model_copy(
+        """It moves with the water; without the pressure gradient, as in the paper, with a third of it (m_A / (m + m_A))."""
+        scenario = water_scenario(2.0).model_copy(
             update={
                 "flow": UniformFlow(speed=0.0, acceleration=1.0),
                 "fluid": Fluid(density=DENSITY, gravity=GRAVITY, flow_force=force),
             }
         )
-        flight = self.fly(sphere(CORE_RADIUS, NEUTRAL_MASS), scenario)
-        np.testing.assert_allclose(flight.position[:, 0], 0.5 * share * flight.t**2, atol=1e-6)
-        assert np.abs(flight.position[:, 1:]).max() < 1e-9
+        trajectory = self.fly(sphere_agent(CORE_RADIUS, NEUTRAL_MASS), scenario)
+        np.testing.assert_allclose(trajectory.position[:, 0], 0.5 * share * trajectory.t**2, atol=1e-6)
+        assert np.abs(trajectory.position[:, 1:]).max() < 1e-9
 
-    def test_a_body_of_any_shape_that_is_neutral_goes_with_accelerating_water(self) -> None:
-        """At any attitude: its pressure gradient moves the body as it moves the water that it displaces."""
-        scenario = water(2.0, pitch_deg=35.0).model_copy(update={"flow": UniformFlow(acceleration=-0.3)})
-        flight = self.fly(SPHEROID.agent(), scenario)
-        np.testing.assert_allclose(flight.position[:, 0], flight.t - 0.15 * flight.t**2, atol=1e-6)
-        np.testing.assert_allclose(flight.velocity[:, 3:], 0, atol=1e-6)
+    def test_a_neutral_body_of_any_shape_moves_with_accelerating_water(self) -> None:
+        """This holds at any attitude: the pressure gradient moves the body like the water that it displaces."""
+        scenario = water_scenario(2.0, pitch_deg=35.0).model_copy(
+            update={"flow": UniformFlow(acceleration=-0.3)}
+        )
+        trajectory = self.fly(SPHEROID.agent(), scenario)
+        np.testing.assert_allclose(
+            trajectory.position[:, 0], trajectory.t - 0.15 * trajectory.t**2, atol=1e-6
+        )
+        np.testing.assert_allclose(trajectory.velocity[:, 3:], 0, atol=1e-6)
 
     def test_a_neutral_sphere_is_carried_by_the_profile_where_it_is(self) -> None:
         """On the axis of a pipe the power law with n = 7 is 120/98 of the bulk velocity."""
-        scenario = water(3.0, speed=0.8, pipe=(9.0, 1.0)).model_copy(
+        scenario = water_scenario(3.0, speed=0.8, pipe=(9.0, 1.0)).model_copy(
             update={"flow": PowerLawFlow(speed=0.8, exponent=7.0)}
         )
-        flight = self.fly(sphere(CORE_RADIUS, NEUTRAL_MASS), scenario)
-        np.testing.assert_allclose(flight.position[:, 0], 0.8 * 120 / 98 * flight.t, atol=1e-6)
+        trajectory = self.fly(sphere_agent(CORE_RADIUS, NEUTRAL_MASS), scenario)
+        np.testing.assert_allclose(trajectory.position[:, 0], 0.8 * 120 / 98 * trajectory.t, atol=1e-6)
 
-    def test_gusts_are_those_of_the_seed(self) -> None:
-        """The same seed gives the same flight to the last bit, another seed another one, which wanders off."""
+    def test_the_seed_decides_the_gusts(self) -> None:
+        """The same seed gives the same flight to the last bit, another seed another flight."""
 
         def flown(seed: int) -> Trajectory:
             turbulent = TurbulentFlow(speed=1.0, seed=seed)
-            scenario = water(3.0, speed=1.0, pipe=(9.0, 1.0)).model_copy(update={"flow": turbulent})
+            scenario = water_scenario(3.0, speed=1.0, pipe=(9.0, 1.0)).model_copy(update={"flow": turbulent})
             return self.fly(SPHEROID.agent(), scenario)
 
         first = flown(1)
         assert_identical(first, flown(1))
-        assert apart(first.position[-1:], flown(2).position[-1:]) > 1e-3
+        assert largest_distance(first.position[-1:], flown(2).position[-1:]) > 1e-3
         assert np.abs(first.position[-1, 1:]).max() > 1e-3
 
     def test_a_floating_sphere_bobs_with_the_stiffness_of_its_waterline(self) -> None:
-        """Half as heavy as the water that it could displace it floats half under; pi r^2 rho g over its mass swings it."""
-        agent = sphere(0.05, 0.5 * DENSITY * 4 / 3 * math.pi * 0.05**3)
-        scenario = water(2.0, position=(0.0, 0.0, 0.003)).model_copy(
+        """A sphere of half the density of water floats half under; the square of its frequency is pi r^2 rho g over its mass."""
+        agent = sphere_agent(0.05, 0.5 * DENSITY * 4 / 3 * math.pi * 0.05**3)
+        scenario = water_scenario(2.0, position=(0.0, 0.0, 0.003)).model_copy(
             update={"fluid": Fluid(density=DENSITY, gravity=GRAVITY, water_level=0.0)}
         )
-        flight = self.fly(agent, scenario)
+        trajectory = self.fly(agent, scenario)
         stiffness = math.pi * 0.05**2 * DENSITY * GRAVITY
         swinging = agent.mass.mass + agent.coefficients.added_mass[2, 2]
-        height = flight.position[:, 2]
+        height = trajectory.position[:, 2]
         np.testing.assert_allclose(height.max(), 0.003, rtol=self.accuracy)
         k = np.flatnonzero(np.sign(height[1:]) != np.sign(height[:-1]))
-        crossings = flight.t[k] - height[k] * (flight.t[k + 1] - flight.t[k]) / (height[k + 1] - height[k])
+        crossings = trajectory.t[k] - height[k] * (trajectory.t[k + 1] - trajectory.t[k]) / (
+            height[k + 1] - height[k]
+        )
         half_period = float(np.diff(crossings).mean())
-        # The waterline narrows away from the middle, and is made of slices: a percent each.
+        # The waterline narrows away from the middle, and the body is divided into slices: an error of one percent each.
         assert half_period == pytest.approx(math.pi * math.sqrt(swinging / stiffness), rel=0.02)
 
-    def test_a_body_far_below_the_surface_does_not_know_of_it(self) -> None:
-        """It flies as in a full pipe."""
-        scenario = water(1.5, (0.5, 0.1, 0.0), pitch_deg=20.0)
+    def test_a_body_far_below_the_surface_moves_as_in_a_full_pipe(self) -> None:
+        """A surface far above the body does not change its motion."""
+        scenario = water_scenario(1.5, (0.5, 0.1, 0.0), pitch_deg=20.0)
         deep = scenario.model_copy(
             update={"fluid": Fluid(density=DENSITY, gravity=GRAVITY, water_level=50.0)}
         )
         times = np.linspace(0, 1.5, 151)
-        there, here = (positions_at(self.fly(SPHEROID.agent(), s), times) for s in (scenario, deep))
-        assert apart(there, here) < self.agreement
+        there, here = (interpolate_positions(self.fly(SPHEROID.agent(), s), times) for s in (scenario, deep))
+        assert largest_distance(there, here) < self.agreement
 
     def test_strips_across_the_axis_slow_a_body_that_falls_broadside(self) -> None:
-        """A cylinder of C_d = 1 + 10 Re^(-2/3) comes to the speed at which its drag carries its weight."""
+        """A cylinder of C_d = 1 + 10 Re^(-2/3) reaches the speed at which its drag equals its net weight."""
         length, diameter, mass = 0.3, 0.02, 1.2 * SPHEROID.mass
         strips = np.array([[x, diameter, length / 6, 1.0] for x in np.linspace(-0.125, 0.125, 6)])
         agent = SPHEROID.agent()
@@ -432,8 +443,8 @@ class SimulatorContract:
             mass=replace(agent.mass, mass=mass),
             coefficients=replace(agent.coefficients, drag=Drag(strips)),
         )
-        flight = self.fly(agent, water(4.0))
-        speed = -float(flight.velocity[-1, 2])
+        trajectory = self.fly(agent, water_scenario(4.0))
+        speed = -float(trajectory.velocity[-1, 2])
         coefficient = 1 + 10 * (speed * diameter / 1.05e-6) ** (-2 / 3)
         drag = 0.5 * DENSITY * coefficient * diameter * length * speed**2
         assert drag == pytest.approx((mass - SPHEROID.mass) * GRAVITY, rel=self.accuracy)
@@ -441,147 +452,155 @@ class SimulatorContract:
     # Ends of a flight.
 
     def test_a_flight_ends_exactly_at_the_outlet(self) -> None:
-        """The last sample lies on the outlet's plane, interpolated and not overshot."""
-        flight = self.plugin().simulate(
-            sphere(CORE_RADIUS, NEUTRAL_MASS), water(20.0, "current", speed=0.83, pipe=(3.0, 1.0))
+        """The last sample is interpolated to the outlet's plane, and does not lie beyond it."""
+        trajectory = self.plugin().simulate(
+            sphere_agent(CORE_RADIUS, NEUTRAL_MASS),
+            water_scenario(20.0, "current", speed=0.83, pipe=(3.0, 1.0)),
         )
-        assert flight.end == End.OUTLET
-        assert flight.position[-1, 0] == pytest.approx(3.0, abs=1e-9)
-        assert flight.t[-1] == pytest.approx(3.0 / 0.83, abs=1e-9)
-        assert (flight.position[:-1, 0] < 3.0).all()
+        assert trajectory.end == End.OUTLET
+        assert trajectory.position[-1, 0] == pytest.approx(3.0, abs=1e-9)
+        assert trajectory.t[-1] == pytest.approx(3.0 / 0.83, abs=1e-9)
+        assert (trajectory.position[:-1, 0] < 3.0).all()
 
     def test_a_tumbling_flight_ends_exactly_at_the_outlet_too(self) -> None:
-        """Also where it does not move in a straight line."""
-        flight = self.plugin().simulate(tumbler(), water(20.0, "current", speed=1.0, pipe=(2.0, 1.0)))
-        assert flight.end == End.OUTLET
-        assert flight.position[-1, 0] == pytest.approx(2.0, abs=1e-9)
+        """This holds also for a path that is not straight."""
+        trajectory = self.plugin().simulate(
+            tumbling_agent(), water_scenario(20.0, "current", speed=1.0, pipe=(2.0, 1.0))
+        )
+        assert trajectory.end == End.OUTLET
+        assert trajectory.position[-1, 0] == pytest.approx(2.0, abs=1e-9)
 
     def test_a_pipe_may_run_in_any_direction(self) -> None:
-        """The current follows the pipe, and the outlet is the plane across its end."""
+        """The current follows the pipe, and the outlet is the plane perpendicular to the pipe at its end."""
         end = (2.0, 3.0, -1.0)
-        scenario = water(20.0, "current", speed=1.0)
+        scenario = water_scenario(20.0, "current", speed=1.0)
         pipe = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=end, radius=0.5),))
-        flight = self.plugin().simulate(
-            sphere(CORE_RADIUS, NEUTRAL_MASS), scenario.model_copy(update={"pipe": pipe})
+        trajectory = self.plugin().simulate(
+            sphere_agent(CORE_RADIUS, NEUTRAL_MASS), scenario.model_copy(update={"pipe": pipe})
         )
-        assert flight.end == End.OUTLET
-        np.testing.assert_allclose(flight.position[-1], end, atol=1e-9)
+        assert trajectory.end == End.OUTLET
+        np.testing.assert_allclose(trajectory.position[-1], end, atol=1e-9)
 
     def test_a_flight_that_does_not_arrive_ends_at_the_horizon(self) -> None:
-        """It ends at that time, exactly, wherever it is."""
-        flight = self.plugin().simulate(
-            sphere(CORE_RADIUS, NEUTRAL_MASS), water(1.234, "current", speed=1.0, pipe=(9.0, 1.0))
+        """The flight ends exactly at that time, wherever the agent is."""
+        trajectory = self.plugin().simulate(
+            sphere_agent(CORE_RADIUS, NEUTRAL_MASS),
+            water_scenario(1.234, "current", speed=1.0, pipe=(9.0, 1.0)),
         )
-        assert flight.end == End.HORIZON
-        assert flight.t[-1] == pytest.approx(1.234, abs=1e-9)
-        assert flight.position[-1, 0] == pytest.approx(1.234, abs=1e-9)
+        assert trajectory.end == End.HORIZON
+        assert trajectory.t[-1] == pytest.approx(1.234, abs=1e-9)
+        assert trajectory.position[-1, 0] == pytest.approx(1.234, abs=1e-9)
 
     def test_a_flight_that_goes_back_through_the_inlet_ends_there(self) -> None:
-        """An agent that leaves upstream is gone, though no error."""
-        flight = self.plugin().simulate(
-            sphere(CORE_RADIUS, NEUTRAL_MASS), water(20.0, (-1.0, 0.0, 0.0), pipe=(9.0, 0.5))
+        """An agent that leaves upstream ends its flight, which is not a failure."""
+        trajectory = self.plugin().simulate(
+            sphere_agent(CORE_RADIUS, NEUTRAL_MASS), water_scenario(20.0, (-1.0, 0.0, 0.0), pipe=(9.0, 0.5))
         )
-        assert flight.end == End.INLET
-        assert not flight.end.failed
-        assert flight.position[-1, 0] < 0
+        assert trajectory.end == End.INLET
+        assert not trajectory.end.failed
+        assert trajectory.position[-1, 0] < 0
 
     @pytest.mark.parametrize("what", NOT_FINITE)
-    def test_an_impossible_agent_is_a_failed_flight_and_no_exception(self, what: str) -> None:
-        """The flight says that it failed, and holds what is finite of it: at least the release."""
-        flight = self.plugin().simulate(NOT_FINITE[what](), water(1.0, "current", speed=1.0, pipe=(9.0, 1.0)))
-        assert flight.end.failed
-        assert len(flight.t) >= 1 and flight.t[0] == 0.0
-        for values in (flight.t, flight.position, flight.quaternion, flight.velocity):
+    def test_an_impossible_agent_gives_a_failed_flight_instead_of_an_exception(self, what: str) -> None:
+        """The flight has failed, and its trajectory holds the finite samples: at least the release."""
+        trajectory = self.plugin().simulate(
+            NOT_FINITE[what](), water_scenario(1.0, "current", speed=1.0, pipe=(9.0, 1.0))
+        )
+        assert trajectory.end.failed
+        assert len(trajectory.t) >= 1 and trajectory.t[0] == 0.0
+        for values in (trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity):
             assert np.isfinite(values).all()
 
     # Contact with the wall.
 
     @pytest.mark.parametrize("frequency", [50.0, 100.0, 300.0])
     def test_a_sphere_that_hits_the_wall_stays_inside_and_loses_energy(self, frequency: float) -> None:
-        """It enters no deeper than v / frequency, slides on, and comes back with less than half of its speed.
+        """It enters no deeper than v / frequency, slides on, and rebounds with less than half of its speed.
 
-        An undamped spring would be pressed in by v / frequency. At critical damping, with a wall that never
-        pulls, exp(-2) = 0.135 of the speed is left; a damper that sets in gently leaves more of it.
+        An undamped spring would yield by v / frequency. At critical damping, with a wall that never pulls,
+        exp(-2) = 0.135 of the speed remains; a damper that sets in gradually leaves more of it.
         """
-        agent, hit, radius = sphere(CORE_RADIUS, NEUTRAL_MASS), 0.5, 0.2
-        flight = self.fly(
-            agent, water(0.8, (1.0, 0.0, hit), speed=1.0, pipe=(9.0, radius), frequency=frequency)
+        agent, hit, radius = sphere_agent(CORE_RADIUS, NEUTRAL_MASS), 0.5, 0.2
+        trajectory = self.fly(
+            agent, water_scenario(0.8, (1.0, 0.0, hit), speed=1.0, pipe=(9.0, radius), frequency=frequency)
         )
-        depth = depths(agent, flight, radius)
-        assert depth.max() > 0, "it was meant to reach the wall"
+        depth = wall_depths(agent, trajectory, radius)
+        assert depth.max() > 0, "the sphere must reach the wall"
         assert depth.max() <= hit / frequency * 1.02
-        speed = world_velocity(flight)[-1]
+        speed = world_velocity(trajectory)[-1]
         assert speed[0] == pytest.approx(1.0, abs=1e-6), "the wall is frictionless"
         assert -hit / 2 < speed[2] <= 0
 
     def test_a_long_body_that_hits_the_wall_obliquely_stays_inside_and_loses_energy(self) -> None:
-        """No rim enters deeper than the kinetic energy can press its spring, sqrt(2 E / m) / frequency.
+        """No rim enters deeper than the kinetic energy E can compress its spring, sqrt(2 E / m) / frequency.
 
-        m is the mass that the body opposes to a push at that rim, so that m frequency^2 is the spring.
+        m is the effective mass of the body at that rim, so that m frequency^2 is the stiffness of the spring.
         """
         agent, radius = SPHEROID.agent(), 0.2
-        scenario = water(2.0, (1.0, 0.0, 0.4), speed=1.0, pitch_deg=-20.0, pipe=(9.0, radius))
-        flight = self.fly(agent, scenario)
-        energy = invariants(agent, scenario, flight).energy
+        scenario = water_scenario(2.0, (1.0, 0.0, 0.4), speed=1.0, pitch_deg=-20.0, pipe=(9.0, radius))
+        trajectory = self.fly(agent, scenario)
+        energy = invariants(agent, scenario, trajectory).energy
         inverse = np.linalg.pinv(rigid_body_mass(agent.mass) + added_mass_at(agent.coefficients, np.zeros(3)))
         push = np.zeros((len(agent.body.outer), 6))
         push[:, 2], push[:, 4] = 1.0, -agent.body.outer[:, 0]
         lightest = 1 / np.einsum("ki,ij,kj->k", push, inverse, push).max()
-        depth = depths(agent, flight, radius)
+        depth = wall_depths(agent, trajectory, radius)
         assert 0 < depth.max() <= math.sqrt(2 * energy[0] / lightest) / scenario.contact.frequency
         assert energy[-1] < 0.9 * energy[0]
-        # The wall never gives energy back beyond what its springs hold: past the first blow it stays below.
+        # The wall never returns more energy than its springs hold: the energy never exceeds the initial one.
         assert energy.max() <= energy[0] * (1 + 100 * self.drift)
 
     def test_a_light_body_comes_to_rest_against_the_wall(self) -> None:
-        """It rests where the spring carries the net buoyancy, a / frequency^2 deep, and drifts on with the water."""
+        """It rests at the depth a / frequency^2, where the spring balances the net buoyancy, and drifts with the water."""
         agent, radius, frequency = SPHEROID.agent(), 0.1, 100.0
-        # So few edges that its widest rim alone touches.
+        # So few edges that only the widest rim touches.
         body = spheroid_body(SPHEROID.a, SPHEROID.b, edges=4)
         agent = replace(agent, body=body, mass=replace(agent.mass, mass=0.5 * SPHEROID.mass))
-        flight = self.fly(agent, water(3.0, "current", speed=1.0, pipe=(9.0, radius), frequency=frequency))
+        trajectory = self.fly(
+            agent, water_scenario(3.0, "current", speed=1.0, pipe=(9.0, radius), frequency=frequency)
+        )
         acceleration = 0.5 * GRAVITY / (0.5 + SPHEROID.factors[1])
         static, way = acceleration / frequency**2, radius - SPHEROID.b
-        assert flight.position[-1, 2] - way == pytest.approx(static, rel=0.02)
-        np.testing.assert_allclose(world_velocity(flight)[-1], [1.0, 0.0, 0.0], atol=1e-3)
-        # It arrives with sqrt(2 a s), and that energy and its own push press it in no deeper than this.
+        assert trajectory.position[-1, 2] - way == pytest.approx(static, rel=0.02)
+        np.testing.assert_allclose(world_velocity(trajectory)[-1], [1.0, 0.0, 0.0], atol=1e-3)
+        # It arrives with the speed sqrt(2 a s); this energy and the net buoyancy press it no deeper than this.
         hit = math.sqrt(2 * acceleration * way)
-        assert depths(agent, flight, radius).max() <= static + math.hypot(static, hit / frequency)
+        assert wall_depths(agent, trajectory, radius).max() <= static + math.hypot(static, hit / frequency)
 
     def test_friction_brings_a_body_on_the_wall_to_rest(self) -> None:
-        """It slides in still water and slows down to nothing, and never goes back."""
+        """A body that slides in still water slows down to rest."""
         agent = SPHEROID.agent()
         agent = replace(agent, mass=replace(agent.mass, mass=1.5 * SPHEROID.mass))
         rough = Contact(frequency=100.0, friction=0.4)
-        still = water(4.0, (0.5, 0.0, 0.0), position=(1.0, 0.0, -0.089), pipe=(9.0, 0.1))
-        flight = self.fly(agent, still.model_copy(update={"contact": rough}))
-        along = world_velocity(flight)[:, 0]
+        still = water_scenario(4.0, (0.5, 0.0, 0.0), position=(1.0, 0.0, -0.089), pipe=(9.0, 0.1))
+        trajectory = self.fly(agent, still.model_copy(update={"contact": rough}))
+        along = world_velocity(trajectory)[:, 0]
         assert abs(along[-1]) < 1e-3
-        assert flight.position[-1, 0] > 1.0
-        # Sliding alone, with mu times a third of its weight, it would go this far; rocking shortens the way.
+        assert trajectory.position[-1, 0] > 1.0
+        # By sliding only, with mu times a third of its weight, it would move this far; rocking shortens the path.
         slowing = 0.4 * (0.5 / 1.5) * GRAVITY / (1 + SPHEROID.factors[0] / 1.5)
-        assert flight.position[-1, 0] - 1.0 < 1.5 * 0.5**2 / (2 * slowing)
+        assert trajectory.position[-1, 0] - 1.0 < 1.5 * 0.5**2 / (2 * slowing)
 
-    # How far a flight can be trusted.
+    # Diagnostics of a flight.
 
-    def test_a_flight_tells_when_it_first_touches_the_wall(self) -> None:
-        """A sphere that falls freely through half a metre touches after sqrt(2 s / a); one in open water never."""
-        agent = sphere(CORE_RADIUS, 0.05)
+    def test_the_first_contact_with_the_wall_is_recorded(self) -> None:
+        """A sphere that falls freely through half a metre touches after sqrt(2 s / a); in open water ``contact`` is ``None``."""
+        agent = sphere_agent(CORE_RADIUS, 0.05)
         acceleration = (0.05 - NEUTRAL_MASS) * GRAVITY / (0.05 + NEUTRAL_MASS / 2)
-        flight = self.fly(agent, water(0.6, speed=1.0, pipe=(9.0, 0.5)))
-        # Its rims are those of 24 edges, and none of them is as wide as the sphere.
+        trajectory = self.fly(agent, water_scenario(0.6, speed=1.0, pipe=(9.0, 0.5)))
+        # The body has 24 edges, and its widest rim is narrower than the sphere.
         widest = float(agent.body.outer[:, 1].max())
         fallen = math.sqrt(2 * (0.5 - widest) / acceleration)
-        assert flight.contact == pytest.approx(fallen, rel=self.accuracy)
-        assert self.fly(agent, water(0.5)).contact is None
+        assert trajectory.contact == pytest.approx(fallen, rel=self.accuracy)
+        assert self.fly(agent, water_scenario(0.5)).contact is None
 
-    def test_a_flight_tells_how_far_it_may_be_off(self) -> None:
-        """The estimated error covers what the libration's closed form shows, and is no more than a millimetre."""
+    def test_the_estimated_error_covers_the_true_error(self) -> None:
+        """The estimate covers the error against the libration's closed form, and is at most 1 mm."""
         motion = Libration(SPHEROID, 1.0, 0.01)
-        flight = self.fly(SPHEROID.agent(), water(1.0, (1.0, 0.01, 0.0)))
-        assert flight.error is not None and 0 <= flight.error <= 1e-3
-        expected = np.array([motion.at(t) for t in flight.t])
-        speed = world_velocity(flight)[:, :2]
+        trajectory = self.fly(SPHEROID.agent(), water_scenario(1.0, (1.0, 0.01, 0.0)))
+        assert trajectory.error is not None and 0 <= trajectory.error <= 1e-3
+        expected = np.array([motion.motion_at(t) for t in trajectory.t])
+        speed = world_velocity(trajectory)[:, :2]
         turned = np.stack(
             [
                 expected[:, 0] * np.cos(expected[:, 3]) - expected[:, 1] * np.sin(expected[:, 3]),
@@ -589,94 +608,84 @@ class SimulatorContract:
             ],
             axis=1,
         )
-        # What the velocities are off, summed up, is what the position at the end is off.
-        off = np.linalg.norm(np.trapezoid(speed - turned, flight.t, axis=0))
-        assert off <= 3 * flight.error + 1e-6
+        # The integral of the error of the velocity is the error of the position at the end.
+        off = np.linalg.norm(np.trapezoid(speed - turned, trajectory.t, axis=0))
+        assert off <= 3 * trajectory.error + 1e-6
 
-    def test_a_flight_tells_how_its_energy_drifts_where_something_conserves_it(self) -> None:
-        """Free motion keeps it; damped motion does not, and tells nothing."""
-        flight = self.fly(SPHEROID.agent(), water(1.2, (1.0, 0.01, 0.0)))
-        assert flight.energy_drift is not None and flight.energy_drift <= self.drift
-        assert self.fly(tumbler(damped=True), water(0.5)).energy_drift is None
+    def test_the_energy_drift_is_recorded_if_energy_is_conserved(self) -> None:
+        """Free motion conserves the energy; for damped motion ``energy_drift`` is ``None``."""
+        trajectory = self.fly(SPHEROID.agent(), water_scenario(1.2, (1.0, 0.01, 0.0)))
+        assert trajectory.energy_drift is not None and trajectory.energy_drift <= self.drift
+        assert self.fly(tumbling_agent(damped=True), water_scenario(0.5)).energy_drift is None
 
     # Many flights.
 
     def test_a_batch_is_exactly_its_single_flights(self) -> None:
-        """Every flight of a batch equals that of the agent alone to the last bit, whoever flies beside it."""
+        """Every flight of a batch equals the flight of its agent alone to the last bit, whatever the other agents."""
         agents = [
-            tumbler(),
-            sphere(CORE_RADIUS, 0.05),
-            NOT_FINITE["an added mass that is no number"](),
+            tumbling_agent(),
+            sphere_agent(CORE_RADIUS, 0.05),
+            NOT_FINITE["an added mass that is not a number"](),
             SPHEROID.agent(),
         ]
-        scenario = water(1.5, (1.0, 0.2, 0.3), speed=1.0, pipe=(2.0, 0.3))
+        scenario = water_scenario(1.5, (1.0, 0.2, 0.3), speed=1.0, pipe=(2.0, 0.3))
         simulator = self.plugin()
         flights = simulator.simulate_batch(agents, [scenario] * len(agents))
         assert len(flights) == len(agents)
-        for agent, flight in zip(agents, flights, strict=True):
-            assert_identical(flight, simulator.simulate(agent, scenario))
+        for agent, trajectory in zip(agents, flights, strict=True):
+            assert_identical(trajectory, simulator.simulate(agent, scenario))
         back = simulator.simulate_batch(agents[::-1], [scenario] * len(agents))[::-1]
-        for flight, reverse in zip(flights, back, strict=True):
-            assert_identical(flight, reverse)
+        for trajectory, reverse in zip(flights, back, strict=True):
+            assert_identical(trajectory, reverse)
         assert simulator.simulate_batch([], []) == []
 
     def test_the_same_flight_twice_is_the_same_to_the_last_bit(self) -> None:
-        """Nothing is left over from earlier flights, and a pickled copy in a worker process flies the same."""
-        scenario = water(1.5, (1.0, 0.2, 0.3), speed=1.0, pitch_deg=10.0, pipe=(9.0, 0.3))
+        """Earlier flights have no effect, and a pickled copy in a worker process gives the same flight."""
+        scenario = water_scenario(1.5, (1.0, 0.2, 0.3), speed=1.0, pitch_deg=10.0, pipe=(9.0, 0.3))
         simulator = self.plugin()
-        first = simulator.simulate(tumbler(damped=True), scenario)
-        simulator.simulate(sphere(CORE_RADIUS, 0.05), water(0.5))
-        assert_identical(first, simulator.simulate(tumbler(damped=True), scenario))
+        first = simulator.simulate(tumbling_agent(damped=True), scenario)
+        simulator.simulate(sphere_agent(CORE_RADIUS, 0.05), water_scenario(0.5))
+        assert_identical(first, simulator.simulate(tumbling_agent(damped=True), scenario))
         copy = pickle.loads(pickle.dumps(simulator))
-        assert_identical(first, copy.simulate(*pickle.loads(pickle.dumps((tumbler(damped=True), scenario)))))
+        assert_identical(
+            first, copy.simulate(*pickle.loads(pickle.dumps((tumbling_agent(damped=True), scenario))))
+        )
 
     def _assert_flies_the_same(self, agent: Agent, other: Agent, offset: FloatArray) -> None:
-        """Fly two descriptions of one agent, whose origins lie ``offset`` (m) apart in its body axes."""
-        scenario = water(2.0, (0.3, 0.2, -0.1), pitch_deg=20.0)
+        """Assert that two descriptions of one agent, with origins ``offset`` (m) apart in its body axes, fly the same."""
+        scenario = water_scenario(2.0, (0.3, 0.2, -0.1), pitch_deg=20.0)
         R = matrix_from_quaternion(scenario.release_quaternion())
         start = R @ offset
-        elsewhere = water(
+        elsewhere = water_scenario(
             2.0,
             (0.3, 0.2, -0.1),
             pitch_deg=20.0,
             position=(float(start[0]), float(start[1]), float(start[2])),
         )
-        flight, again = self.fly(agent, scenario), self.fly(other, elsewhere)
+        trajectory, again = self.fly(agent, scenario), self.fly(other, elsewhere)
         turned = np.einsum("kij,j->ki", matrix_from_quaternion(again.quaternion), offset)
         velocity = world_velocity(again) - np.einsum(
             "kij,kj->ki", matrix_from_quaternion(again.quaternion), np.cross(again.velocity[:, 3:], offset)
         )
         times = np.linspace(0, 2.0, 201)
-        back = _interpolated(again.t, again.position - turned, velocity, times)
-        assert apart(positions_at(flight, times), back) < self.agreement
+        back = evaluate_path(again.t, again.position - turned, velocity, times)
+        assert largest_distance(interpolate_positions(trajectory, times), back) < self.agreement
 
 
-def _interpolated(t: FloatArray, position: FloatArray, velocity: FloatArray, times: FloatArray) -> FloatArray:
-    curve = hermite_coefficients(t, position, velocity)
-    index = np.clip(np.searchsorted(t, times, side="right") - 1, 0, len(t) - 2)
-    u = (times - t[index]) / (t[index + 1] - t[index])
-    return np.asarray(np.einsum("kpi,kp->ki", curve[index], u[:, None] ** np.arange(4)), dtype=np.float64)
-
-
-def positions_at(trajectory: Trajectory, times: FloatArray) -> FloatArray:
-    """Positions (m) at any times within a flight, along its Hermite curve, (n, 3)."""
-    return _interpolated(trajectory.t, trajectory.position, world_velocity(trajectory), times)
-
-
-def drift_of(values: FloatArray) -> float:
-    """Largest change of any component since the first sample."""
+def largest_drift(values: FloatArray) -> float:
+    """Return the largest change of any component since the first sample."""
     return float(np.abs(values - values[0]).max())
 
 
-def apart(a: FloatArray, b: FloatArray) -> float:
-    """Largest distance (m) between corresponding points."""
+def largest_distance(a: FloatArray, b: FloatArray) -> float:
+    """Return the largest distance (m) between corresponding points."""
     return float(np.linalg.norm(a - b, axis=1).max())
 
 
-def depths(agent: Agent, trajectory: Trajectory, radius: float) -> FloatArray:
-    """How far (m) the agent reaches beyond the wall of a pipe about x of this radius, at each sample, (k,).
+def wall_depths(agent: Agent, trajectory: Trajectory, radius: float) -> FloatArray:
+    """Return how far (m) the agent extends beyond the wall of a pipe along x, at each sample, (k,).
 
-    Every rim of the body is walked round in steps of 5 degrees.
+    ``radius`` (m) is the pipe's. Every rim of the body is sampled in steps of 5 degrees.
     """
     R = matrix_from_quaternion(trajectory.quaternion)
     angles = np.deg2rad(np.arange(0, 360, 5))
@@ -693,7 +702,7 @@ def depths(agent: Agent, trajectory: Trajectory, radius: float) -> FloatArray:
 
 
 def assert_identical(a: Trajectory, b: Trajectory) -> None:
-    """Check that two flights are equal to the last bit."""
+    """Assert that two trajectories are equal to the last bit."""
     assert a.end == b.end
     for name in ("t", "position", "quaternion", "velocity"):
         np.testing.assert_array_equal(getattr(a, name), getattr(b, name))

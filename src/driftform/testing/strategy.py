@@ -1,4 +1,4 @@
-"""What every strategy must do."""
+"""Contract of strategies."""
 
 from collections.abc import Callable
 from typing import Any, ClassVar
@@ -15,28 +15,28 @@ from driftform.types import Candidate, End, Evaluation, FloatArray, Genome, Traj
 Score = Callable[[Genome], FloatArray]
 
 
-def two_aims(genome: Genome) -> FloatArray:
-    """Fitness for two targets that want opposite things, from the symbols alone, (2,)."""
+def two_target_fitness(genome: Genome) -> FloatArray:
+    """Return the fitness for two opposite targets, computed from the symbols only, (2,)."""
     share = sum(ord(symbol[0]) % 3 for symbol in genome.symbols) / (2 * len(genome.symbols))
     return np.array([100 * share, 100 * (1 - share)])
 
 
-def nothing(genome: Genome) -> FloatArray:
-    """No fitness at all, (2,)."""
+def zero_fitness(genome: Genome) -> FloatArray:
+    """Return a fitness of zero for two targets, (2,)."""
     return np.zeros(2)
 
 
-def straight(genome: Genome) -> Trajectory:
-    """A flight of 9 m that rises or sinks as the symbols say."""
+def straight_trajectory(genome: Genome) -> Trajectory:
+    """Return a trajectory of 9 m along x that rises or sinks according to the symbols."""
     t = np.linspace(0.0, 9.0, 19)
-    course = np.array([1.0, 0.0, (two_aims(genome)[0] - 50) / 250])
+    course = np.array([1.0, 0.0, (two_target_fitness(genome)[0] - 50) / 250])
     turn = np.tile([1.0, 0.0, 0.0, 0.0], (len(t), 1))
     velocity = np.tile([*course, 0.0, 0.0, 0.0], (len(t), 1))
     return Trajectory(t, t[:, None] * course, turn, velocity, End.OUTLET)
 
 
 def search_space(grammar: Grammar[Any], targets: tuple[str, ...], seed: int = 0) -> SearchSpace:
-    """What there is to search: any number of targets along a pipe of 9 m."""
+    """Return a search space with any number of targets along a pipe of 9 m."""
     segment = Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0)
     points = {name: (9.0 * (i + 1) / (len(targets) + 1), 0.0, 0.0) for i, name in enumerate(targets)}
     scenario = Scenario(pipe=Pipe(segments=(segment,)), targets=points)
@@ -44,7 +44,7 @@ def search_space(grammar: Grammar[Any], targets: tuple[str, ...], seed: int = 0)
 
 
 class StrategyContract:
-    """Inherit, and say how the strategy is made for a search space::
+    """Inherit this class, and make the strategy for a search space::
 
         class TestMyStrategy(StrategyContract):
             def plugin(self, space: SearchSpace) -> MyStrategy:
@@ -53,33 +53,34 @@ class StrategyContract:
     Attributes
     ----------
     targets
-        names of the targets that are searched for; the contract's fitness has two.
+        names of the two targets of the contract's fitness.
     """
 
     targets: ClassVar[tuple[str, str]] = ("left", "right")
 
     def plugin(self, space: SearchSpace) -> Strategy[Any]:
-        """Return the strategy to be tested, at the beginning of its search."""
+        """Return the strategy to be tested, at the start of its search."""
         raise NotImplementedError
 
     def grammar(self) -> Grammar[Any]:
-        """Return the grammar to search; override where the strategy needs a special one."""
+        """Return the grammar to search; override it if the strategy needs a special one."""
         return LetterGrammar(Table())
 
-    def begun(self, seed: int = 0) -> Strategy[Any]:
-        """Return a strategy with random numbers of its own."""
+    def start(self, seed: int = 0) -> Strategy[Any]:
+        """Return a new strategy whose random numbers come from the seed."""
         return self.plugin(search_space(self.grammar(), self.targets, seed))
 
-    def played(
-        self, strategy: Strategy[Any], budget: int, score: Score = two_aims, seconds: float = 0.0
+    def play(
+        self, strategy: Strategy[Any], budget: int, score: Score = two_target_fitness, seconds: float = 0.0
     ) -> list[Candidate]:
-        """Ask and tell until the budget is spent, and return all that was asked for, in order."""
+        """Ask and tell until the budget is spent; return all candidates in order."""
         asked: list[Candidate] = []
         while len(asked) < budget:
             candidates = strategy.ask(budget - len(asked))
             assert 1 <= len(candidates) <= budget - len(asked)
             outcomes = [
-                Evaluation(c.genome, score(c.genome), straight(c.genome), seconds=seconds) for c in candidates
+                Evaluation(c.genome, score(c.genome), straight_trajectory(c.genome), seconds=seconds)
+                for c in candidates
             ]
             strategy.tell(len(asked), outcomes)
             asked += candidates
@@ -87,36 +88,40 @@ class StrategyContract:
 
     @pytest.mark.parametrize("limit", [1, 2, 3, 7, 20, 1000])
     def test_an_ask_is_never_empty_and_never_beyond_the_limit(self, limit: int) -> None:
-        """At least one candidate, so that a run ends, and at most as many as there are flights left."""
-        assert 1 <= len(self.begun().ask(limit)) <= limit
+        """A batch has at least one candidate, so that the run ends, and at most the remaining number of evaluations."""
+        assert 1 <= len(self.start().ask(limit)) <= limit
 
     @pytest.mark.parametrize("budget", [1, 13, 100])
     def test_a_budget_is_spent_exactly(self, budget: int) -> None:
-        """Also where it ends in the middle of what the strategy would have asked for."""
-        assert len(self.played(self.begun(), budget)) == budget
+        """This holds also if the budget ends in the middle of a batch."""
+        assert len(self.play(self.start(), budget)) == budget
 
     def test_a_budget_may_be_handed_out_in_small_pieces(self) -> None:
-        """A limit of one to three candidates at a time, with outcomes in between, is no obstacle."""
-        strategy = self.begun()
+        """The strategy works with limits of one to three candidates at a time."""
+        strategy = self.start()
         first = 0
         for limit in (1, 2, 3) * 10:
             candidates = strategy.ask(limit)
             assert 1 <= len(candidates) <= limit
             strategy.tell(
-                first, [Evaluation(c.genome, two_aims(c.genome), straight(c.genome)) for c in candidates]
+                first,
+                [
+                    Evaluation(c.genome, two_target_fitness(c.genome), straight_trajectory(c.genome))
+                    for c in candidates
+                ],
             )
             first += len(candidates)
 
     def test_candidates_are_genomes_of_the_grammar(self) -> None:
-        """Whatever the strategy breeds can be expressed."""
+        """All candidates can be expressed."""
         grammar = self.grammar()
-        for candidate in self.played(self.begun(), 100):
+        for candidate in self.play(self.start(), 100):
             assert candidate.genome.grammar == grammar.name
             grammar.express(candidate.genome)
 
     def test_parents_are_earlier_evaluations(self) -> None:
-        """Candidate.parents are indices in the run, of what was told before the candidate was asked for."""
-        strategy = self.begun()
+        """``Candidate.parents`` are indices of evaluations that ``tell`` received before the candidate was asked for."""
+        strategy = self.start()
         first = 0
         for _ in range(6):
             candidates = strategy.ask(40)
@@ -125,37 +130,41 @@ class StrategyContract:
                 assert candidate.generation >= 0
                 assert candidate.target in (*self.targets, "")
             strategy.tell(
-                first, [Evaluation(c.genome, two_aims(c.genome), straight(c.genome)) for c in candidates]
+                first,
+                [
+                    Evaluation(c.genome, two_target_fitness(c.genome), straight_trajectory(c.genome))
+                    for c in candidates
+                ],
             )
             first += len(candidates)
 
     def test_the_same_seed_asks_for_the_same_candidates(self) -> None:
-        """All randomness comes from space.rng."""
-        assert self.played(self.begun(3), 100) == self.played(self.begun(3), 100)
+        """All randomness comes from ``space.rng``."""
+        assert self.play(self.start(3), 100) == self.play(self.start(3), 100)
 
     def test_another_seed_asks_for_other_candidates(self) -> None:
-        """And space.rng is really used."""
-        assert self.played(self.begun(3), 40) != self.played(self.begun(4), 40)
+        """The strategy uses ``space.rng``."""
+        assert self.play(self.start(3), 40) != self.play(self.start(4), 40)
 
-    def test_a_replay_goes_on_as_the_run_would_have(self) -> None:
-        """A resumed run tells a fresh strategy what was stored; how long it took has no say."""
-        whole = self.played(self.begun(5), 100)
-        replayed = self.played(self.begun(5), 100, seconds=17.0)
+    def test_a_replay_continues_as_the_run_would_have(self) -> None:
+        """A resumed run replays the stored evaluations to a new strategy; their computing times do not matter."""
+        whole = self.play(self.start(5), 100)
+        replayed = self.play(self.start(5), 100, seconds=17.0)
         assert replayed == whole
 
     @pytest.mark.parametrize("budget", [1, 13, 60, 99])
     def test_a_larger_budget_begins_with_the_same_candidates(self, budget: int) -> None:
-        """The limit cuts what is asked for and changes nothing of it, so that a run may be given more later."""
-        assert self.played(self.begun(6), budget) == self.played(self.begun(6), 150)[:budget]
+        """The limit shortens a batch without changing its candidates, so that a run can be extended later."""
+        assert self.play(self.start(6), budget) == self.play(self.start(6), 150)[:budget]
 
-    def test_it_goes_on_where_nothing_has_any_fitness(self) -> None:
-        """Zeros everywhere are no division by zero, and the search goes on."""
-        asked = self.played(self.begun(), 100, nothing)
+    def test_the_search_continues_if_all_fitness_is_zero(self) -> None:
+        """A fitness of zero everywhere does not cause a division by zero, and the search continues."""
+        asked = self.play(self.start(), 100, zero_fitness)
         assert len({candidate.genome for candidate in asked}) > 1
 
-    def test_it_goes_on_where_every_evaluation_failed(self) -> None:
-        """A failure is an outcome with no fitness."""
-        strategy = self.begun()
+    def test_the_search_continues_if_every_evaluation_failed(self) -> None:
+        """A failed evaluation has a fitness of zero, and the search continues."""
+        strategy = self.start()
         first = 0
         while first < 60:
             candidates = strategy.ask(60 - first)
@@ -164,9 +173,9 @@ class StrategyContract:
         assert 1 <= len(strategy.ask(10)) <= 10
 
     def test_it_works_for_one_target_and_for_many(self) -> None:
-        """Nothing assumes a number of targets."""
+        """The strategy does not assume a number of targets."""
         for count in (1, 5):
             targets = tuple(f"T{number}" for number in range(count))
             strategy = self.plugin(search_space(self.grammar(), targets))
-            asked = self.played(strategy, 30, lambda genome, n=count: np.full(n, two_aims(genome)[0]))  # type: ignore[misc]
+            asked = self.play(strategy, 30, lambda genome, n=count: np.full(n, two_target_fitness(genome)[0]))  # type: ignore[misc]
             assert {candidate.target for candidate in asked} <= {*targets, ""}

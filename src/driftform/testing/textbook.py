@@ -1,10 +1,10 @@
 """Flights by another implementation: Fossen's 6x6 matrices, quaternions, and scipy's DOP853.
 
-Nothing here is shared with driftform's kernels. Inertial and relative velocity are kept apart, as in Fossen,
+This module shares no code with driftform's kernels. Inertial and relative velocity are separate, as in Fossen,
 Handbook of Marine Craft Hydrodynamics and Motion Control (2011), theorem 3.2 and section 8.1, so that the
-equations do not lean on a change of frame. They hold in a uniform current that flows along x, clear of any wall.
+equations do not rely on a change of frame. They hold in a uniform current along x, clear of any wall.
 
-This module needs scipy, which is no dependency of driftform.
+This module needs scipy, which is not a dependency of driftform.
 """
 
 from collections.abc import Callable
@@ -17,24 +17,25 @@ from scipy.spatial.transform import Rotation
 
 from driftform.scenario import FlightLimits, Fluid, Release, Scenario, UniformFlow
 from driftform.testing.agents import Spheroid
-from driftform.testing.simulator import apart, positions_at
+from driftform.testing.simulator import largest_distance
+from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Agent, Coefficients, FloatArray, MassProperties, Trajectory
 
 P = ParamSpec("P")
 R = TypeVar("R")
 
 SPACING = 0.01
-"""Greatest time (s) between the instants at which a flight is compared."""
+"""Greatest time (s) between the instants at which two flights are compared."""
 
 
-def textbook_flight(
+def textbook_states(
     agent: Agent, scenario: Scenario, times: FloatArray, rtol: float = 1e-11, atol: float = 1e-13
 ) -> FloatArray:
-    """Return position (world), quaternion, and velocity over ground (body axes) at ``times`` (k,), (k, 13)."""
+    """Return position (world, m), quaternion, and velocity over ground (body axes, SI) at ``times`` (s, (k,)), (k, 13)."""
     mass, coefficients = agent.mass, agent.coefficients
     m, S = mass.mass, _skew(mass.cog)
     M_RB = np.block([[m * np.eye(3), -m * S], [m * S, mass.inertia - m * S @ S]])
-    # Velocity of the coefficients' origin from that of the body's origin; forces go back with its transpose.
+    # H maps the velocity of the body's origin to that of the coefficients' origin; its transpose maps forces back.
     H = np.block([[np.eye(3), -_skew(coefficients.origin)], [np.zeros((3, 3)), np.eye(3)]])
     M_A = H.T @ coefficients.added_mass @ H
     U = np.array([scenario.flow.speed, 0.0, 0.0])
@@ -50,7 +51,7 @@ def textbook_flight(
     velocity = known[released] if isinstance(released, str) else np.array(released)
     start = np.concatenate([scenario.release.position, attitude, turn.inv().apply(velocity), np.zeros(3)])
     solution = solve_ivp(
-        lambda _, y: _rate(y, *arguments),
+        lambda _, y: _state_rate(y, *arguments),
         (0, times[-1]),
         start,
         method="DOP853",
@@ -63,13 +64,15 @@ def textbook_flight(
 
 
 def distance_from_textbook(trajectory: Trajectory, agent: Agent, scenario: Scenario, until: float) -> float:
-    """Return how far (m) a flight gets from the textbook's between its release and ``until`` (s)."""
+    """Return the greatest distance (m) from the textbook's flight between the release and ``until`` (s)."""
     times = np.linspace(0, until, int(until / SPACING) + 2)
-    return apart(positions_at(trajectory, times), textbook_flight(agent, scenario, times)[:, :3])
+    return largest_distance(
+        interpolate_positions(trajectory, times), textbook_states(agent, scenario, times)[:, :3]
+    )
 
 
-def random_flight(seed: int, horizon: float = 3.0) -> tuple[Agent, Scenario]:
-    """An agent in open water with axisymmetric added mass, everything off centre, and every other one damped."""
+def random_case(seed: int, horizon: float = 3.0) -> tuple[Agent, Scenario]:
+    """Return an agent in open water with axisymmetric added mass and all centres off the origin; odd seeds have damping."""
     rng = np.random.default_rng(seed)
     body = Spheroid(rng.uniform(0.03, 0.1), rng.uniform(0.012, 0.025)).agent().body
     volume = 4 / 3 * np.pi * (body.length / 2) * (body.max_diameter / 2) ** 2
@@ -114,7 +117,7 @@ def _skew(a: FloatArray) -> FloatArray:
 
 
 def _compiled(function: Callable[P, R]) -> Callable[P, R]:
-    # A tight tolerance takes 150 000 evaluations. They are still of matrices, as the book has them.
+    # A tight tolerance takes 150 000 evaluations, so compile them; they still use matrices, as in the book.
     fast: Callable[P, R] = njit(cache=True)(function)
     return fast
 
@@ -126,7 +129,7 @@ def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
 
 @_compiled
 def _coriolis(M: FloatArray, nu: FloatArray) -> FloatArray:
-    """Theorem 3.2: C(nu) nu, C being made of a symmetric 6x6 mass matrix."""
+    """Return C(nu) nu of theorem 3.2 for a symmetric 6x6 mass matrix."""
     force, moment = M[:3] @ nu, M[3:] @ nu
     out = np.empty(6)
     out[:3] = -_cross(force, nu[3:])
@@ -135,7 +138,7 @@ def _coriolis(M: FloatArray, nu: FloatArray) -> FloatArray:
 
 
 @_compiled
-def _rate(
+def _state_rate(
     y: FloatArray,
     M_RB: FloatArray,
     M_A: FloatArray,

@@ -1,1 +1,1 @@
-"""What is done with a flight once it is there: its path, its compression, and the cells that it covers."""
+"""Trajectories after the simulation: interpolation, closest approach, forces, compression and coverage."""

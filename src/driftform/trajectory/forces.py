@@ -1,4 +1,4 @@
-"""What moves a body along its trajectory: accelerations and forces."""
+"""Accelerations and forces along a trajectory."""
 
 import numpy as np
 
@@ -9,10 +9,10 @@ from driftform.types import Agent, FloatArray, MassProperties, Trajectory
 
 
 def accelerations_along(trajectory: Trajectory, agent: Agent, scenario: Scenario) -> FloatArray:
-    """Return what the equations of motion say at each sample, (k, 6).
+    """Return the accelerations that the equations of motion give at each sample, (k, 6).
 
-    The acceleration of the body's origin in the world frame (m/s2), and that of rotation in the body frame (rad/s2).
-    They are no differences of velocities, so that they are as exact as the samples, and one sample is enough.
+    The linear acceleration of the body's origin is in the world frame (m/s2), the angular acceleration in the body frame
+    (rad/s2). They are not differences of velocities: they are as exact as the samples, and one sample is enough.
     """
     from driftform.dynamics.equations import accelerations
     from driftform.dynamics.model import flight_model
@@ -20,7 +20,7 @@ def accelerations_along(trajectory: Trajectory, agent: Agent, scenario: Scenario
 
     model = flight_model(agent, scenario)
     velocity = world_velocity(trajectory)
-    found = np.empty((len(trajectory.t), 6))
+    out = np.empty((len(trajectory.t), 6))
     rows = zip(
         trajectory.t,
         trajectory.position,
@@ -29,20 +29,20 @@ def accelerations_along(trajectory: Trajectory, agent: Agent, scenario: Scenario
         trajectory.velocity[:, 3:],
         strict=True,
     )
-    for k, (t, place, turned, moving, turning) in enumerate(rows):
-        R = rotation_from_quaternion(*turned.tolist())
+    for k, (t, position, quaternion, v, omega) in enumerate(rows):
+        R = rotation_from_quaternion(*quaternion.tolist())
         a, alpha = accelerations(
-            float(t), tuple(place.tolist()), R, tuple(moving.tolist()), tuple(turning.tolist()), model
+            float(t), tuple(position.tolist()), R, tuple(v.tolist()), tuple(omega.tolist()), model
         )
-        found[k] = (*a, *alpha)
-    return found
+        out[k] = (*a, *alpha)
+    return out
 
 
 def net_wrench(trajectory: Trajectory, accelerations: FloatArray, mass: MassProperties) -> FloatArray:
-    """Return the sum of all that acts on the body, about its centre of gravity, in body axes, (k, 6), N and N m.
+    """Return the net force (N) and torque (N m) on the body about its centre of gravity, in body axes, (k, 6).
 
-    Newton's and Euler's laws: F = m a and T = I w' + w x I w, with the acceleration a of the centre of gravity. So
-    weight, buoyancy, the wall's push and all forces of the water are in it, those of the added mass too.
+    Newton's and Euler's laws: F = m a and T = I w' + w x I w, where a is the acceleration of the centre of gravity. The
+    sum includes weight, buoyancy, the contact force of the wall and all forces of the water, also of the added mass.
     ``accelerations`` (k, 6) are those of :func:`accelerations_along`.
     """
     omega, alpha = trajectory.velocity[:, 3:], accelerations[:, 3:]
@@ -52,7 +52,7 @@ def net_wrench(trajectory: Trajectory, accelerations: FloatArray, mass: MassProp
 
 
 def acceleration_at(trajectory: Trajectory, accelerations: FloatArray, point: FloatArray) -> FloatArray:
-    """Return the acceleration of a point of the body (m, (3,)), in body axes, m/s2, (k, 3).
+    """Return the acceleration (m/s2, (k, 3)) of a ``point`` of the body (m, (3,)), both in body axes.
 
     ``accelerations`` (k, 6) are those of :func:`accelerations_along`.
     """

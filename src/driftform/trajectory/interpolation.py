@@ -1,75 +1,55 @@
-"""Where a body is between the samples of its trajectory."""
+"""Positions and attitudes between the samples of a trajectory."""
 
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from driftform.dynamics.rotations import quaternion_from_rotation_vector
-from driftform.trajectory.path import closest_approach, hermite_coefficients, world_velocity
+from driftform.trajectory.path import evaluate_path, locate_stretches, world_velocity
 from driftform.types import FloatArray, Trajectory
 
 
 @dataclass(frozen=True, eq=False)
-class Approach:
-    """Where a flight is closest to a point: ``distance`` (m), ``t`` (s), ``position`` (world, m, (3,))."""
-
-    distance: float
-    t: float
-    position: FloatArray
-
-
-def interpolate_positions(trajectory: Trajectory, t: FloatArray) -> FloatArray:
-    """Return the core's centre at times ``t`` (n,), world, m, (n, 3), on the path that fitness measures."""
-    if len(trajectory.t) == 1:
-        return np.repeat(trajectory.position, len(t), axis=0)
-    curve = hermite_coefficients(trajectory.t, trajectory.position, world_velocity(trajectory))
-    i = np.clip(np.searchsorted(trajectory.t, t, side="right") - 1, 0, len(curve) - 1)
-    u = (t - trajectory.t[i]) / (trajectory.t[i + 1] - trajectory.t[i])
-    return np.asarray(np.einsum("np,npd->nd", u[:, None] ** np.arange(4), curve[i]), dtype=np.float64)
-
-
-def find_approaches(trajectory: Trajectory, points: FloatArray) -> list[Approach]:
-    """Return the closest approach to each of ``points``, world frame, m, (n, 3)."""
-    distances, times = closest_approach(trajectory, points)
-    places = interpolate_positions(trajectory, times)
-    return [Approach(float(d), float(t), p) for d, t, p in zip(distances, times, places, strict=True)]
-
-
-@dataclass(frozen=True, eq=False)
 class Pose:
-    """Where and how a body lies: ``position`` (world, m, (3,)), ``quaternion`` (body to world, (4,))."""
+    """Position and attitude of a body: ``position`` (world, m, (3,)), ``quaternion`` (body to world, (4,))."""
 
     position: FloatArray
     quaternion: FloatArray
 
 
 def interpolate_pose(trajectory: Trajectory, t: float) -> Pose:
-    """Return the pose at time ``t`` (s); the attitude is the nearest sample's: it is shown, not measured."""
+    """Return the pose at time ``t`` (s), for display: the attitude is that of the nearest sample."""
     nearest = int(np.argmin(np.abs(trajectory.t - t)))
     return Pose(interpolate_positions(trajectory, np.array([t]))[0], trajectory.quaternion[nearest])
 
 
+def interpolate_positions(trajectory: Trajectory, t: FloatArray) -> FloatArray:
+    """Return the core's centre at times ``t`` (s, (n,)), world, m, (n, 3), on the path that fitness measures."""
+    if len(trajectory.t) == 1:
+        return np.repeat(trajectory.position, len(t), axis=0)
+    return evaluate_path(trajectory.t, trajectory.position, world_velocity(trajectory), t)
+
+
 def interpolate_attitudes(trajectory: Trajectory, t: FloatArray) -> FloatArray:
-    """Return the quaternions at times ``t`` (s, (n,)), on the cubic turn between samples, (n, 4)."""
+    """Return the quaternions at times ``t`` (s, (n,)), on the cubic rotation between samples, (n, 4)."""
     return interpolate_turns(trajectory, t)[0]
 
 
 def interpolate_turns(trajectory: Trajectory, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Quaternions (n, 4) and angular velocities in the body frame (rad/s, (n, 3)) at times ``t``.
+    """Return quaternions (n, 4) and angular velocities in the body frame (rad/s, (n, 3)) at times ``t`` (s, (n,)).
 
-    Between two samples the rotation vector that leads on from the first is the cubic that has the angular velocities
-    of both. A rotation vector a that changes with a' turns at J(a) a', J being the right Jacobian of the rotations
+    Between two samples, the rotation vector from the first attitude is the cubic that has the angular velocities of
+    both samples. A rotation vector a with the rate a' turns at J(a) a', where J is the right Jacobian of the rotations
     (Chirikjian, Stochastic Models, Information Theory, and Lie Groups, volume 2, 2012).
     """
     if len(trajectory.t) == 1:
         return np.repeat(trajectory.quaternion, len(t), axis=0), np.repeat(
             trajectory.velocity[:, 3:], len(t), axis=0
         )
-    i, step, u = locate_stretches(trajectory, t)
+    i, step, u = locate_stretches(trajectory.t, t)
     first, omega = trajectory.quaternion[i], trajectory.velocity[:, 3:]
     gap = _multiply(first * [1, -1, -1, -1], trajectory.quaternion[i + 1])
-    # q and -q are one attitude: the nearer one is meant.
+    # q and -q are one attitude: take the nearer one.
     gap = np.where(gap[:, :1] < 0, -gap, gap)
     sine = np.linalg.norm(gap[:, 1:], axis=1, keepdims=True)
     half = np.arctan2(sine, gap[:, :1])
@@ -91,16 +71,7 @@ def interpolate_turns(trajectory: Trajectory, t: FloatArray) -> tuple[FloatArray
 
 
 def _multiply(p: FloatArray, q: FloatArray) -> FloatArray:
-    """The quaternions p q, (n, 4)."""
+    """Return the quaternions p q, (n, 4)."""
     scalar = p[:, :1] * q[:, :1] - np.einsum("ki,ki->k", p[:, 1:], q[:, 1:])[:, None]
     vector = p[:, :1] * q[:, 1:] + q[:, :1] * p[:, 1:] + np.cross(p[:, 1:], q[:, 1:])
     return np.concatenate([scalar, vector], axis=1)
-
-
-def locate_stretches(
-    trajectory: Trajectory, t: FloatArray
-) -> tuple[npt.NDArray[np.intp], FloatArray, FloatArray]:
-    """The stretch between two samples that each time lies in (n,), how long that takes (s), and the share, (n, 1)."""
-    i = np.clip(np.searchsorted(trajectory.t, t, side="right") - 1, 0, len(trajectory.t) - 2)
-    step = (trajectory.t[i + 1] - trajectory.t[i])[:, None]
-    return i, step, (t - trajectory.t[i])[:, None] / step

@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from driftform.builtin.strategies.atlas import AtlasOptions, AtlasStrategy, favour
+from driftform.builtin.strategies.atlas import AtlasOptions, AtlasStrategy, breeding_probabilities
 from driftform.builtin.strategies.breeding import breed
 from driftform.errors import InputError
 from driftform.interfaces import SearchSpace
@@ -64,17 +64,19 @@ def told(strategy: AtlasStrategy, flights, fitness: float = 0.0) -> list[Genome]
     strategy.tell(
         0,
         [
-            Evaluation(genome, np.full(1, fitness), flight, None if flight is not None else "it broke")
-            for genome, flight in zip(genomes, flights, strict=True)
+            Evaluation(
+                genome, np.full(1, fitness), trajectory, None if trajectory is not None else "it broke"
+            )
+            for genome, trajectory in zip(genomes, flights, strict=True)
         ],
     )
     return genomes
 
 
 def test_cells_that_few_flights_cross_are_favoured_in_proportion():
-    np.testing.assert_allclose(favour(np.array([1, 2, 4]), 1.0), np.array([4, 2, 1]) / 7)
-    np.testing.assert_allclose(favour(np.array([1, 2, 4]), 2.0), np.array([16, 4, 1]) / 21)
-    np.testing.assert_allclose(favour(np.array([1, 2, 4]), 0.0), [1 / 3] * 3)
+    np.testing.assert_allclose(breeding_probabilities(np.array([1, 2, 4]), 1.0), np.array([4, 2, 1]) / 7)
+    np.testing.assert_allclose(breeding_probabilities(np.array([1, 2, 4]), 2.0), np.array([16, 4, 1]) / 21)
+    np.testing.assert_allclose(breeding_probabilities(np.array([1, 2, 4]), 0.0), [1 / 3] * 3)
 
 
 def test_parents_are_the_closest_flights_of_cells_and_the_rarer_the_cell_the_oftener():
@@ -168,23 +170,23 @@ def test_no_more_genomes_are_remembered_than_there_are_cells():
         candidates = strategy.ask(100)
         strategy.tell(first, [Evaluation(c.genome, np.zeros(1), rising(c.genome)) for c in candidates])
         first += len(candidates)
-    assert len(strategy._elites) <= PipeGrid.of(SCENARIO, 1.0).count == 18
+    assert len(strategy._elites) <= PipeGrid.of_scenario(SCENARIO, 1.0).cell_count == 18
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_it_lights_more_of_the_pipe_than_as_many_random_genomes_do(seed):
-    reach, first = CoverageMap(PipeGrid.of(SCENARIO)), 0
+    reach, first = CoverageMap(PipeGrid.of_scenario(SCENARIO)), 0
     strategy = AtlasStrategy(AtlasOptions(random=50, batch=25), space(seed))
     while first < 600:
         candidates = strategy.ask(600 - first)
         flights = [rising(candidate.genome) for candidate in candidates]
-        for index, flight in enumerate(flights, first):
-            reach.add(index, flight)
+        for index, trajectory in enumerate(flights, first):
+            reach.add(index, trajectory)
         strategy.tell(
             first, [Evaluation(c.genome, np.zeros(1), f) for c, f in zip(candidates, flights, strict=True)]
         )
         first += len(candidates)
-    rng, by_chance = np.random.default_rng(seed), CoverageMap(PipeGrid.of(SCENARIO))
+    rng, by_chance = np.random.default_rng(seed), CoverageMap(PipeGrid.of_scenario(SCENARIO))
     for index in range(600):
         by_chance.add(index, rising(GRAMMAR.random(rng)))
     assert np.count_nonzero(reach.reached) > 1.1 * np.count_nonzero(by_chance.reached)

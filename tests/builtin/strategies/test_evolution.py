@@ -11,8 +11,8 @@ from driftform.builtin.strategies.evolution import (
     Change,
     EvolutionOptions,
     EvolutionStrategy,
-    least,
-    place_at,
+    position_at,
+    smallest_indices,
 )
 from driftform.builtin.strategies.random import RandomOptions, RandomStrategy
 from driftform.interfaces import SearchSpace
@@ -68,7 +68,7 @@ def lift(genome: Genome) -> float:
     return float(sum(WEIGHTS[place, "abc".index(letter)] for place, letter in enumerate(genome.symbols)))
 
 
-def flight(height: float) -> Trajectory:
+def make_trajectory(height: float) -> Trajectory:
     t = np.linspace(0.0, 8.0, 81)
     position = np.column_stack([t, np.zeros_like(t), height * (t / 8) ** 2])
     return Trajectory(t, position, np.tile([1.0, 0, 0, 0], (81, 1)), np.zeros((81, 6)), End.OUTLET)
@@ -78,7 +78,7 @@ def flown(genome: Genome, heights=(0.0,)) -> Evaluation:
     """A flight that rises by the letters' lift, scored for targets at these heights of its end."""
     height = lift(genome)
     fitness = [max(0.0, 100 - 10 * abs(height - wanted)) for wanted in heights]
-    return Evaluation(genome, np.array(fitness), flight(height))
+    return Evaluation(genome, np.array(fitness), make_trajectory(height))
 
 
 def played(strategy, budget: int, heights=(0.0,), evaluate=flown) -> tuple[list[Candidate], np.ndarray]:
@@ -154,7 +154,7 @@ def test_aimed_children_stray_less_than_explored_ones():
 def test_targets_with_a_larger_error_get_more_children():
     strategy = evolution(4, ("near", "far"), random=20, batch=1000, pressure=1.0)
     genomes = [c.genome for c in strategy.ask(20)]
-    strategy.tell(0, [Evaluation(g, np.array([90.0, 70.0]), flight(lift(g))) for g in genomes])
+    strategy.tell(0, [Evaluation(g, np.array([90.0, 70.0]), make_trajectory(lift(g))) for g in genomes])
     counts = Counter(c.target for c in strategy.ask(1000) if c.parents)
     total = counts["near"] + counts["far"]
     assert abs(counts["far"] - 0.75 * total) < 5 * np.sqrt(total * 0.75 * 0.25)
@@ -163,14 +163,14 @@ def test_targets_with_a_larger_error_get_more_children():
 def test_targets_that_are_all_reached_still_get_children():
     strategy = evolution(5, ("one", "other"))
     genomes = [c.genome for c in strategy.ask(100)]
-    strategy.tell(0, [Evaluation(g, np.array([100.0, 100.0]), flight(0.0)) for g in genomes])
+    strategy.tell(0, [Evaluation(g, np.array([100.0, 100.0]), make_trajectory(0.0)) for g in genomes])
     assert {c.target for c in strategy.ask(1000)} == {"one", "other"}
 
 
 def test_a_failed_flight_is_no_parent():
     strategy = evolution(6, random=10)
     candidates = strategy.ask(10)
-    outcomes = [Evaluation.failed(c.genome, 1, "it broke", flight(0.0)) for c in candidates]
+    outcomes = [Evaluation.failed(c.genome, 1, "it broke", make_trajectory(0.0)) for c in candidates]
     outcomes[7] = flown(candidates[7].genome)
     strategy.tell(0, outcomes)
     assert {c.parents for c in strategy.ask(100)} == {(7,)}
@@ -193,7 +193,9 @@ def test_a_grammar_with_nothing_to_change_is_no_obstacle():
     for first in range(0, 60, 20):
         candidates = strategy.ask(20)
         assert 1 <= len(candidates) <= 20
-        strategy.tell(first, [Evaluation(c.genome, np.array([50.0]), flight(0.0)) for c in candidates])
+        strategy.tell(
+            first, [Evaluation(c.genome, np.array([50.0]), make_trajectory(0.0)) for c in candidates]
+        )
 
 
 def test_genomes_that_a_grammar_does_not_take_are_never_asked_for():
@@ -204,8 +206,8 @@ def test_genomes_that_a_grammar_does_not_take_are_never_asked_for():
 
 
 def test_memory_is_bounded(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("driftform.builtin.strategies.evolution.REMEMBERED", 100)
-    monkeypatch.setattr("driftform.builtin.strategies.evolution.MEMBERS", 20)
+    monkeypatch.setattr("driftform.builtin.strategies.evolution.MAX_HASHES", 100)
+    monkeypatch.setattr("driftform.builtin.strategies.evolution.FAMILY_SIZE", 20)
     strategy = evolution(10)
     played(strategy, 600)
     assert len(strategy._known) <= 101
@@ -231,7 +233,7 @@ def test_a_change_is_not_made_where_another_symbol_stands():
 
 @given(st.floats(0, 12))
 def test_a_place_lies_between_the_samples_and_stays_at_the_end(time):
-    x, y, z = place_at(flight(4.0), time)
+    x, y, z = position_at(make_trajectory(4.0), time)
     end = min(time, 8.0)
     assert (x, y) == (pytest.approx(end, abs=1e-12), 0.0)
     # A parabola is at most curvature * gap^2 / 8 above its chord.
@@ -240,5 +242,5 @@ def test_a_place_lies_between_the_samples_and_stays_at_the_end(time):
 
 @given(st.lists(st.floats(-5, 5), max_size=30, unique=True), st.integers(1, 40))
 def test_the_least_values_are_those_that_sorting_puts_first(values, count):
-    found = least(np.array(values), count).tolist()
+    found = smallest_indices(np.array(values), count).tolist()
     assert [values[i] for i in found] == sorted(values)[:count]

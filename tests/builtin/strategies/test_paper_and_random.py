@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from driftform.builtin.strategies.paper import PaperOptions, PaperStrategy, roulette
+from driftform.builtin.strategies.paper import PaperOptions, PaperStrategy, roulette_probabilities
 from driftform.builtin.strategies.random import RandomOptions, RandomStrategy
 from driftform.interfaces import SearchSpace
 from driftform.options import Table
@@ -54,11 +54,11 @@ def differences(a: Genome, b: Genome) -> int:
 
 
 def test_the_wheel_turns_in_proportion_to_fitness():
-    np.testing.assert_allclose(roulette([1.0, 3.0, 0.0, 4.0]), [1 / 8, 3 / 8, 0, 1 / 2])
+    np.testing.assert_allclose(roulette_probabilities([1.0, 3.0, 0.0, 4.0]), [1 / 8, 3 / 8, 0, 1 / 2])
 
 
 def test_without_any_fitness_the_wheel_is_even():
-    np.testing.assert_array_equal(roulette([0.0] * 4), [0.25] * 4)
+    np.testing.assert_array_equal(roulette_probabilities([0.0] * 4), [0.25] * 4)
 
 
 def test_parents_are_drawn_in_proportion_to_fitness():

@@ -56,7 +56,7 @@ class ExudynSimulator(Simulator[ExudynOptions]):
 
     def simulate(self, agent: Agent, scenario: Scenario) -> Trajectory:
         """Return the flight; it ends at the outlet, the horizon, or where it is no longer finite."""
-        from driftform.dynamics.coordinates import motion_of
+        from driftform.dynamics.coordinates import describe_motion
         from driftform.dynamics.flight import finish_trajectory, release_state
         from driftform.dynamics.integrator import Accuracy, greatest_distance, integrate
         from driftform.dynamics.model import flight_model
@@ -65,7 +65,7 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         options, horizon = self.options, scenario.flight.horizon
         model = flight_model(agent, scenario)
         start = release_state(model, scenario)
-        motion = motion_of(model, start)
+        motion = describe_motion(model, start)
         tolerance, share = options.tolerance, REFERENCE
         while True:
             known = Accuracy(share * options.accuracy, step_limit=options.step_limit)

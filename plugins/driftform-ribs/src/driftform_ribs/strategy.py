@@ -66,7 +66,7 @@ class RibsStrategy(Strategy[RibsOptions]):
         from driftform_ribs.emitter import SymbolEmitter
 
         super().__init__(options, space)
-        self._cells = PipeGrid.of(space.scenario)
+        self._cells = PipeGrid.of_scenario(space.scenario)
         length, height = self._cells.size[:2] * self._cells.shape
         self._stations = length * np.array(options.stations)
         self._archive = archive_of(options, float(height / 2), int(space.rng.integers(2**31)))

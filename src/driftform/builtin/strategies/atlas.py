@@ -1,4 +1,4 @@
-"""Illumination: a map of the pipe, and in each of its cells the agent that comes closest to the middle."""
+"""MAP-Elites: a map of the pipe that keeps, for each cell, the agent that comes closest to its centre."""
 
 from collections.abc import Sequence
 
@@ -12,21 +12,21 @@ from driftform.types import Candidate, Evaluation, FloatArray, Genome
 
 
 class AtlasOptions(Table):
-    """The map, and how its elites breed."""
+    """Options of the map and of the breeding of its elites."""
 
     cell: float | None = option(
         None,
-        "side of the cells of the map; a tenth of the pipe's radius where none is given",
+        "side of the cells of the map (default: a tenth of the pipe's radius)",
         "m",
         ge=0.001,
         strict=True,
     )
-    random: int = option(200, "random genomes to begin with", "", gt=0)
-    batch: int = option(50, "candidates asked for at once", "", gt=0)
+    random: int = option(200, "random genomes at the start", "", gt=0)
+    batch: int = option(50, "candidates per batch", "", gt=0)
     novelty: float = option(
         1.0,
-        "how much rarely crossed cells are favoured: a cell breeds in proportion to this negative power of the "
-        "number of flights across it",
+        "preference for rarely crossed cells: the probability that a cell breeds is proportional to the number of "
+        "flights across it to the power of minus this value",
         "",
         ge=0,
         le=4,
@@ -36,13 +36,13 @@ class AtlasOptions(Table):
 
 
 class AtlasStrategy(Strategy[AtlasOptions]):
-    """MAP-Elites over the section of the pipe by the vertical plane through its axis, blind to the targets.
+    """MAP-Elites: a map of the pipe's section in the vertical plane through its axis; ignores the targets.
 
-    Every flight is credited with every cell that it crosses, and each cell keeps the agent whose flight comes closest
-    to its middle. After some random genomes, parents are the agents of cells drawn at random, those preferred that few
-    flights cross; the offspring always differs from them. So the map fills where it is hard to reach, and a point that
-    was no target has an agent that passes it: `driftform pick` finds it. (Mouret and Clune 2015, arXiv:1504.04909;
-    there each solution has one cell.)
+    Every flight counts for every cell that it crosses, and each cell keeps the agent whose flight comes closest to its
+    centre. After some random genomes, parents are the agents of randomly drawn cells, preferably of cells that few
+    flights cross; the offspring always differs from them. The map so fills in places that are hard to reach, and
+    `driftform pick` finds an agent that passes a given point, even if that point was not a target. (Mouret and Clune
+    2015, arXiv:1504.04909; there each solution belongs to one cell.)
     """
 
     name = "atlas"
@@ -50,37 +50,37 @@ class AtlasStrategy(Strategy[AtlasOptions]):
 
     def __init__(self, options: AtlasOptions, space: SearchSpace) -> None:
         super().__init__(options, space)
-        self._reach = CoverageMap(PipeGrid.of(space.scenario, options.cell))
-        # One for each cell, and no more: what is no elite any more is forgotten.
+        self._coverage = CoverageMap(PipeGrid.of_scenario(space.scenario, options.cell))
+        # One genome per cell: a genome that is replaced in all its cells is forgotten.
         self._elites: dict[int, Genome] = {}
-        self._told = 0
+        self._evaluated = 0
         self._generation = 0
 
     def ask(self, limit: int) -> list[Candidate]:
-        """Return the next batch, cut at ``limit``."""
+        """Return the next batch, at most ``limit`` candidates."""
         size, rng = self.options.batch, self.space.rng
-        to_come = self.options.random - self._told
-        if to_come > 0 or not self._elites:
+        remaining = self.options.random - self._evaluated
+        if remaining > 0 or not self._elites:
             genomes = [
-                self.space.grammar.random(rng) for _ in range(min(size, to_come) if to_come > 0 else size)
+                self.space.grammar.random(rng) for _ in range(min(size, remaining) if remaining > 0 else size)
             ]
             return [Candidate(genome, (), self._generation) for genome in genomes][:limit]
-        cells = np.flatnonzero(self._reach.reached)
-        chance = favour(self._reach.visits[cells], self.options.novelty)
+        cells = np.flatnonzero(self._coverage.reached)
+        chance = breeding_probabilities(self._coverage.visits[cells], self.options.novelty)
         pairs = rng.choice(cells, size=(size, 2), p=chance)
-        return [self._offspring(int(a), int(b)) for a, b in pairs][:limit]
+        return [self._breed(int(a), int(b)) for a, b in pairs][:limit]
 
     def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
-        """Credit the flights with the cells that they cross."""
+        """Add the flights to the map."""
         for index, evaluation in enumerate(evaluations, first):
             if evaluation.failure is None and evaluation.trajectory is not None:
-                for cell in self._reach.add(index, evaluation.trajectory).tolist():
+                for cell in self._coverage.add(index, evaluation.trajectory).tolist():
                     self._elites[cell] = evaluation.genome
-        self._told += len(evaluations)
+        self._evaluated += len(evaluations)
         self._generation += 1
 
-    def _offspring(self, a: int, b: int) -> Candidate:
-        """Breed the agent of cell ``a``, with that of ``b`` where it comes to a crossover."""
+    def _breed(self, a: int, b: int) -> Candidate:
+        """Breed the agent of cell ``a``, and that of ``b`` if there is a crossover."""
         options = self.options
         child, crossed = breed(
             self.space.grammar,
@@ -90,14 +90,14 @@ class AtlasStrategy(Strategy[AtlasOptions]):
             crossover=options.crossover,
             mutation_rate=options.mutation_rate,
         )
-        parents = self._reach.evaluation[[a, b] if crossed else [a]]
+        parents = self._coverage.evaluation[[a, b] if crossed else [a]]
         return Candidate(child, tuple(parents.tolist()), self._generation)
 
 
-def favour(visits: IntArray, novelty: float) -> FloatArray:
-    """Return probabilities in proportion to ``visits`` (positive) to the power of ``-novelty``, (n,).
+def breeding_probabilities(visits: IntArray, novelty: float) -> FloatArray:
+    """Return probabilities proportional to ``visits`` (positive) to the power of ``-novelty``, (n,).
 
-    >>> favour(np.array([1, 3]), 1.0)
+    >>> breeding_probabilities(np.array([1, 3]), 1.0)
     array([0.75, 0.25])
     """
     weights = np.asarray(visits, dtype=np.float64) ** -novelty

@@ -1,4 +1,4 @@
-"""Offspring of one parent or of two, by the operators of any grammar."""
+"""Offspring of one or two parents, by the operators of any grammar."""
 
 from typing import Any
 
@@ -17,10 +17,10 @@ def breed(
     crossover: float,
     mutation_rate: float,
 ) -> tuple[Genome, bool]:
-    """Return a child that differs from both, and whether it descends from ``other`` too.
+    """Return a child that differs from both parents, and True if it descends from ``other`` too.
 
-    ``crossover`` is the probability of that, ``mutation_rate`` that of each symbol to flip. A child that comes out
-    like a parent has one symbol flipped: it would fly as the parent did.
+    ``crossover`` is the probability of two parents, ``mutation_rate`` that of each symbol to flip. If the child equals a
+    parent, one of its symbols is flipped: otherwise it would fly as the parent did.
     """
     crossed = bool(rng.random() < crossover)
     child = grammar.crossover(one, other, rng)[0] if crossed else one

@@ -1,4 +1,4 @@
-"""Evolution by one symbol at a time, each chosen by what it did to an earlier flight."""
+"""Evolution that changes one symbol at a time, chosen by its effect on earlier flights."""
 
 from collections import deque
 from collections.abc import Iterator, Sequence
@@ -13,59 +13,62 @@ from driftform.interfaces import SearchSpace, Strategy
 from driftform.options import Table, option
 from driftform.types import Candidate, Evaluation, FloatArray, Genome, Trajectory
 
-MEMBERS = 256
-"""Flights that a family remembers, the latest ones."""
+FAMILY_SIZE = 256
+"""Number of latest flights that a family keeps."""
 
-NEAREST = 64
-"""Members of a family, and changes of symbols, that are combined: the nearest, and those that did least."""
+COMBINED = 64
+"""Number of a family's members (the nearest), and of changes (those with the least effect), that are combined."""
 
-GUESSES = 512
-"""Combinations that are looked at before it is given up to find a new one among them."""
+MAX_GUESSES = 512
+"""Number of combinations that are tried in the search for one that is new."""
 
-DRAWS = 4
-"""Changes of symbols, or random genomes, that are drawn before it is given up to find a new one."""
+MAX_DRAWS = 4
+"""Number of changes, or of random genomes, that are drawn in the search for one that is new."""
 
-REMEMBERED = 200_000
-"""Hashes of genomes and bodies that are kept, so that no body flies twice."""
+MAX_HASHES = 200_000
+"""Number of hashes of genomes and bodies that are kept, so that no body flies twice."""
 
-Place: TypeAlias = tuple[float, float, float]
+Position: TypeAlias = tuple[float, float, float]
+"""In the world frame, m."""
 
 
 class EvolutionOptions(Table):
     """Options of the evolution."""
 
-    random: int = option(30, "random genomes to begin with", "", gt=0)
-    batch: int = option(10, "children asked for at once", "", gt=0)
-    elites: int = option(5, "best flights of each target that its children descend from or aim at", "", gt=0)
-    explore: float = option(0.5, "share of the children that try out a change of symbol", "", ge=0, le=1)
+    random: int = option(30, "random genomes at the start", "", gt=0)
+    batch: int = option(10, "children per batch", "", gt=0)
+    elites: int = option(
+        5, "best flights kept for each target; its children descend from them or aim at them", "", gt=0
+    )
+    explore: float = option(0.5, "share of the children that try a new change of a symbol", "", ge=0, le=1)
     pressure: float = option(
-        2.0, "a target gets children in proportion to this power of its error", "", ge=0, le=10
+        2.0, "the share of children for a target is proportional to this power of its error", "", ge=0, le=10
     )
     early: float = option(
         0.125,
-        "share of a flight after which paths are compared, before walls blur what a change did",
+        "share of the flight after which paths are compared, before contact with walls hides the effect of a change",
         "",
         gt=0,
         le=1,
     )
     doubt: float = option(
-        0.1, "how far off a guess is thought to be, relative to what the change did before", "", ge=0, le=10
+        0.1, "assumed error of a guess, relative to the earlier effect of the change", "", ge=0, le=10
     )
 
 
 class Change(NamedTuple):
-    """One symbol exchanged for another at a place of the genome."""
+    """The replacement of the symbol ``old`` at an index of a genome by ``new``."""
 
     place: int
     old: str
     new: str
 
     def undo(self) -> "Change":
-        """The way back."""
+        """Return the opposite change."""
         return Change(self.place, self.new, self.old)
 
     def apply(self, genome: Genome) -> Genome | None:
-        """Return the genome with the change made, ``None`` where it has another symbol there."""
+        """Return the changed genome, or ``None`` if it does not have the symbol ``old`` there."""
         symbols = genome.symbols
         if self.place >= len(symbols) or symbols[self.place] != self.old:
             return None
@@ -73,34 +76,34 @@ class Change(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class _Flown:
-    """A flight: the index of its evaluation, its family, and where it was early on, m, (3,)."""
+class _FlightRecord:
+    """A flight: the index of its evaluation, its genome, its family, and its early position (m)."""
 
     index: int
     genome: Genome
-    family: "deque[_Flown]"
-    early: Place | None
+    family: "deque[_FlightRecord]"
+    early: Position | None
 
 
 @dataclass(frozen=True, eq=False)
-class _Asked:
-    """A candidate, the hash of its body, and how it came of its parent, where that was one change of a symbol."""
+class _Request:
+    """A candidate, the hash of its body, its parent, and the change if it differs from the parent by one symbol."""
 
     candidate: Candidate
     body: int | None
-    parent: _Flown | None = None
+    parent: _FlightRecord | None = None
     change: Change | None = None
 
 
 class EvolutionStrategy(Strategy[EvolutionOptions]):
-    """One symbol at a time, chosen by what it did to an earlier flight.
+    """Evolution that changes one symbol at a time, chosen by its effect on earlier flights.
 
     After some random genomes, every child differs by one symbol from a genome that was flown. Each target keeps its
-    best flights, its elites, and gets children in proportion to the square of its error. Half of them explore: an
-    elite with a change of symbol that was never tried. The other half are aimed. How far a change moved the early
-    path, an eighth of the flight after the release, is taken for what it does to any genome; of all that descend from
-    the same random genome as an elite, and all changes, the two are combined that should come nearest to the elite's
-    early path. Where the guess was wrong, the child is one more to start from. No body flies twice.
+    best flights, its elites, and gets children in proportion to the square of its error. Half of the children explore:
+    an elite with a change that was never tried. The other half are aimed: the displacement of the early path (an eighth
+    of the flight after the release) by a change is assumed to be the same for any genome. Among all descendants of the
+    same random genome as an elite, and all changes, the strategy combines the two that should come nearest to the
+    elite's early path. If the guess was wrong, the child is one more genome to start from. No body flies twice.
     """
 
     name = "evolution"
@@ -108,175 +111,177 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
 
     def __init__(self, options: EvolutionOptions, space: SearchSpace) -> None:
         super().__init__(options, space)
-        self._elites: list[list[tuple[float, _Flown]]] = [[] for _ in space.targets]
-        self._moved: dict[Change, Place] = {}
+        self._elites: list[list[tuple[float, _FlightRecord]]] = [[] for _ in space.targets]
+        self._moved: dict[Change, Position] = {}
         self._time: float | None = None
         self._known: dict[int, None] = {}
         self._generation = 0
-        self._asked: list[_Asked] = []
-        self._asked_bodies: set[int] = set()
-        self._guesses: dict[int, Iterator[tuple[_Flown, Change]]] = {}
-        self._families: dict[int, tuple[list[_Flown], FloatArray]] = {}
+        self._requests: list[_Request] = []
+        self._requested_bodies: set[int] = set()
+        self._guesses: dict[int, Iterator[tuple[_FlightRecord, Change]]] = {}
+        self._families: dict[int, tuple[list[_FlightRecord], FloatArray]] = {}
         self._small: tuple[list[Change], FloatArray, FloatArray] | None = None
 
     def ask(self, limit: int) -> list[Candidate]:
-        """Return random genomes until one has flown with any success, and children after that."""
-        self._asked_bodies.clear()
+        """Return random genomes until one of them has a fitness above zero, and children after that."""
+        self._requested_bodies.clear()
         self._guesses.clear()
         self._families.clear()
         self._small = None
         if any(self._elites):
-            batch = [self._child(number) for number in self._choose_target()]
+            batch = [self._make_child(number) for number in self._choose_targets()]
         else:
-            batch = [self._random() for _ in range(self.options.random)]
-        self._asked = batch[:limit]
-        return [asked.candidate for asked in self._asked]
+            batch = [self._draw_random() for _ in range(self.options.random)]
+        self._requests = batch[:limit]
+        return [request.candidate for request in self._requests]
 
     def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
-        """Learn from each flight what its change of symbol did, and whether it is one of the best."""
+        """Learn the effect of each change, and keep the best flights."""
         if self._time is None:
             durations = [e.trajectory.t[-1] for e in evaluations if e.trajectory and e.failure is None]
             self._time = self.options.early * float(np.median(durations)) if durations else None
-        for index, (asked, evaluation) in enumerate(zip(self._asked, evaluations, strict=True), first):
-            self._remember(hash(asked.candidate.genome), asked.body)
+        for index, (request, evaluation) in enumerate(zip(self._requests, evaluations, strict=True), first):
+            self._remember(hash(request.candidate.genome), request.body)
             if evaluation.failure is None:
-                self._learn(index, asked, evaluation)
+                self._learn(index, request, evaluation)
         self._generation += 1
 
-    def _learn(self, index: int, asked: _Asked, evaluation: Evaluation) -> None:
-        parent, flight = asked.parent, evaluation.trajectory
-        early = place_at(flight, self._time) if flight is not None and self._time is not None else None
-        family: deque[_Flown] = parent.family if parent else deque(maxlen=MEMBERS)
-        flown = _Flown(index, asked.candidate.genome, family, early)
+    def _learn(self, index: int, request: _Request, evaluation: Evaluation) -> None:
+        parent, trajectory = request.parent, evaluation.trajectory
+        early = (
+            position_at(trajectory, self._time) if trajectory is not None and self._time is not None else None
+        )
+        family: deque[_FlightRecord] = parent.family if parent else deque(maxlen=FAMILY_SIZE)
+        record = _FlightRecord(index, request.candidate.genome, family, early)
         if early is not None:
-            family.append(flown)
-            if parent and parent.early and asked.change:
+            family.append(record)
+            if parent and parent.early and request.change:
                 x, y, z = (after - before for after, before in zip(early, parent.early, strict=True))
-                self._moved[asked.change] = x, y, z
-                self._moved[asked.change.undo()] = -x, -y, -z
+                self._moved[request.change] = x, y, z
+                self._moved[request.change.undo()] = -x, -y, -z
         for elites, fitness in zip(self._elites, evaluation.fitness.tolist(), strict=True):
             if fitness > (elites[-1][0] if len(elites) == self.options.elites else 0):
-                elites.append((fitness, flown))
+                elites.append((fitness, record))
                 elites.sort(key=lambda elite: -elite[0])
                 del elites[self.options.elites :]
 
-    def _choose_target(self) -> list[int]:
-        """Draw the targets that the next batch works for."""
+    def _choose_targets(self) -> list[int]:
+        """Return randomly drawn indices of the targets that the next batch works for."""
         errors = np.array([100 - elites[0][0] if elites else 100.0 for elites in self._elites])
         weights = errors**self.options.pressure
         chance = weights / weights.sum() if weights.any() else None
         numbers: list[int] = self.space.rng.choice(len(errors), size=self.options.batch, p=chance).tolist()
         return numbers
 
-    def _child(self, number: int) -> _Asked:
+    def _make_child(self, number: int) -> _Request:
         rng, elites, target = self.space.rng, self._elites[number], self.space.targets[number]
         if not elites:
-            return self._random()
-        # The best every other time, the next one every fourth, and so on.
+            return self._draw_random()
+        # The best with probability 1/2, the second with 1/4, and so on.
         _, elite = elites[min(int(rng.geometric(0.5)), len(elites)) - 1]
         ways = (self._explore, self._aim)
         first, second = ways if rng.random() < self.options.explore else ways[::-1]
-        return first(elite, target) or second(elite, target) or self._random()
+        return first(elite, target) or second(elite, target) or self._draw_random()
 
-    def _explore(self, elite: _Flown, target: str) -> _Asked | None:
-        """An elite with a change that was never tried, ``None`` where such are hard to find."""
+    def _explore(self, elite: _FlightRecord, target: str) -> _Request | None:
+        """Return an elite with a change that was never tried, or ``None`` if none is found."""
         rng, parent = self.space.rng, elite.genome
-        for place in rng.integers(max(1, len(parent.symbols)), size=DRAWS).tolist():
+        for place in rng.integers(max(1, len(parent.symbols)), size=MAX_DRAWS).tolist():
             if not parent.symbols:
                 break
             genome = self.space.grammar.flip(parent, place, rng)
-            change = _change(parent, genome, place)
-            if change not in self._moved and (body := self._new_body(genome)) is not None:
-                return _Asked(self._candidate(genome, target, elite), body, elite, change)
+            change = _find_change(parent, genome, place)
+            if change not in self._moved and (body := self._hash_new_body(genome)) is not None:
+                return _Request(self._make_candidate(genome, target, elite), body, elite, change)
         return None
 
-    def _aim(self, elite: _Flown, target: str) -> _Asked | None:
-        """A member of the family and a change that should come nearest to the elite's early path, if there are any."""
+    def _aim(self, elite: _FlightRecord, target: str) -> _Request | None:
+        """Return the member of the family and the change that should come nearest to the elite's early path, or ``None``."""
         if elite.index not in self._guesses:
-            self._guesses[elite.index] = self._nearest(elite)
+            self._guesses[elite.index] = self._rank_guesses(elite)
         for parent, change in self._guesses[elite.index]:
             genome = change.apply(parent.genome)
-            if genome is not None and (body := self._new_body(genome)) is not None:
-                return _Asked(self._candidate(genome, target, parent), body, parent, change)
+            if genome is not None and (body := self._hash_new_body(genome)) is not None:
+                return _Request(self._make_candidate(genome, target, parent), body, parent, change)
         return None
 
-    def _nearest(self, elite: _Flown) -> Iterator[tuple[_Flown, Change]]:
-        """Yield members of the elite's family and changes, those first that should come nearest to its early path."""
+    def _rank_guesses(self, elite: _FlightRecord) -> Iterator[tuple[_FlightRecord, Change]]:
+        """Yield members of the elite's family with changes, in the order of their expected distance from its early path."""
         if elite.early is None or not self._moved:
             return
-        changes, moved, size = self._smallest()
+        changes, moved, size = self._smallest_changes()
         members = self._family_of(elite)
         away = members[1] - elite.early
-        near = least(np.einsum("ij,ij->i", away, away), NEAREST)
+        near = smallest_indices(np.einsum("ij,ij->i", away, away), COMBINED)
         off = away[near, None] + moved
         miss = np.sqrt(np.einsum("ijk,ijk->ij", off, off)) + self.options.doubt * size
-        for guess in least(miss.ravel(), GUESSES).tolist():
+        for guess in smallest_indices(miss.ravel(), MAX_GUESSES).tolist():
             row, column = divmod(guess, len(changes))
             yield members[0][near[row]], changes[column]
 
-    def _family_of(self, elite: _Flown) -> tuple[list[_Flown], FloatArray]:
-        """The members of the elite's family, and where they were early on, m, (n, 3)."""
+    def _family_of(self, elite: _FlightRecord) -> tuple[list[_FlightRecord], FloatArray]:
+        """Return the members of the elite's family, and their early positions, m, (n, 3)."""
         key = id(elite.family)
         if key not in self._families:
             members = list(elite.family)
             self._families[key] = members, np.array([member.early for member in members])
         return self._families[key]
 
-    def _smallest(self) -> tuple[list[Change], FloatArray, FloatArray]:
-        """The changes that moved the early path least, how they moved it, m, (n, 3), and how far, (n,)."""
+    def _smallest_changes(self) -> tuple[list[Change], FloatArray, FloatArray]:
+        """Return the changes that moved the early path least, their displacements (m, (n, 3)), and their lengths (m, (n,))."""
         if self._small is None:
             changes, moved = list(self._moved), np.array(list(self._moved.values()))
             size = np.sqrt((moved**2).sum(axis=1))
-            first = least(size, NEAREST)
+            first = smallest_indices(size, COMBINED)
             self._small = [changes[i] for i in first.tolist()], moved[first], size[first]
         return self._small
 
-    def _random(self) -> _Asked:
-        for _ in range(DRAWS):
+    def _draw_random(self) -> _Request:
+        for _ in range(MAX_DRAWS):
             genome = self.space.grammar.random(self.space.rng)
-            body = self._new_body(genome)
+            body = self._hash_new_body(genome)
             if body is not None:
                 break
-        return _Asked(Candidate(genome, (), self._generation), body)
+        return _Request(Candidate(genome, (), self._generation), body)
 
-    def _candidate(self, genome: Genome, target: str, parent: _Flown) -> Candidate:
+    def _make_candidate(self, genome: Genome, target: str, parent: _FlightRecord) -> Candidate:
         return Candidate(genome, (parent.index,), self._generation, target)
 
-    def _new_body(self, genome: Genome) -> int | None:
-        """Return the hash of the body that a genome grows into, ``None`` where that has flown or is about to."""
+    def _hash_new_body(self, genome: Genome) -> int | None:
+        """Return the hash of the body that a genome grows into, or ``None`` if that body was already asked for."""
         name = hash(genome)
         if name in self._known:
             return None
         try:
             body = hash(self.space.grammar.express(genome))
         except ValueError:
-            # Not in every grammar may each symbol stand beside any other.
+            # A grammar may forbid some combinations of symbols.
             self._remember(name)
             return None
         if body in self._known:
             self._remember(name)
             return None
-        if body in self._asked_bodies:
+        if body in self._requested_bodies:
             return None
-        self._asked_bodies.add(body)
+        self._requested_bodies.add(body)
         return body
 
     def _remember(self, *hashes: int | None) -> None:
         self._known.update(dict.fromkeys(known for known in hashes if known is not None))
-        if len(self._known) > REMEMBERED:
-            self._known = dict.fromkeys(islice(self._known, REMEMBERED // 2, None))
+        if len(self._known) > MAX_HASHES:
+            self._known = dict.fromkeys(islice(self._known, MAX_HASHES // 2, None))
 
 
-def _change(parent: Genome, child: Genome, place: int) -> Change | None:
-    """The change that made a child of its parent, ``None`` where it was more than the symbol at ``place``."""
+def _find_change(parent: Genome, child: Genome, place: int) -> Change | None:
+    """Return the change from parent to child, or ``None`` if more than the symbol at ``place`` differs."""
     if len(parent.symbols) != len(child.symbols):
         return None
     change = Change(place, parent.symbols[place], child.symbols[place])
     return change if change.apply(parent) == child else None
 
 
-def place_at(trajectory: Trajectory, time: float) -> Place:
-    """Return the position at a time (s), m; the last one after the end."""
+def position_at(trajectory: Trajectory, time: float) -> Position:
+    """Return the linearly interpolated position (m) at a time (s); the last position after the end."""
     after = min(int(np.searchsorted(trajectory.t, time)), len(trajectory.t) - 1)
     before = max(after - 1, 0)
     gap = trajectory.t[after] - trajectory.t[before]
@@ -287,10 +292,10 @@ def place_at(trajectory: Trajectory, time: float) -> Place:
     return x, y, z
 
 
-def least(values: FloatArray, count: int) -> npt.NDArray[np.intp]:
-    """Return where the least values are, in their order, at most ``count``.
+def smallest_indices(values: FloatArray, count: int) -> npt.NDArray[np.intp]:
+    """Return the indices of the ``count`` smallest values, smallest first.
 
-    >>> least(np.array([3.0, 1.0, 2.0]), 2)
+    >>> smallest_indices(np.array([3.0, 1.0, 2.0]), 2)
     array([1, 2])
     """
     if len(values) > count:

@@ -1,4 +1,4 @@
-"""The paper's genetic algorithm: roulette wheel on raw fitness, no elitism, one population for each target."""
+"""The paper's genetic algorithm: roulette wheel on raw fitness, no elitism, one population per target."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,12 +14,12 @@ from driftform.types import Candidate, Evaluation, FloatArray, Genome
 class PaperOptions(Table):
     """The paper's hyper-parameters (section 3)."""
 
-    population: int = option(10, "size of each target's population", "", ge=2)
+    population: int = option(10, "individuals in the population of each target", "", ge=2)
     crossover: float = option(0.9, "probability that two parents exchange rules", "", ge=0, le=1)
     mutation: Literal["per_symbol", "per_offspring"] = option(
         "per_symbol",
-        "'per_symbol': mutation_rate is the probability of each symbol to flip; 'per_offspring': that of an "
-        "offspring to have one symbol flipped",
+        "'per_symbol': mutation_rate is the probability that a symbol flips; 'per_offspring': the probability "
+        "that one symbol of an offspring flips",
     )
     mutation_rate: float = option(0.1, "probability of mutation", "", ge=0, le=1)
 
@@ -32,11 +32,11 @@ class _Individual:
 
 
 class PaperStrategy(Strategy[PaperOptions]):
-    """Section 2.3 for many targets at once.
+    """The paper's genetic algorithm (section 2.3) for many targets at once.
 
-    Every target has a population of its own, selected by the fitness for that target alone. Each flight still
-    scores every target, so the run's best for a target may come from another one's population. 50 evaluations
-    for each target are the paper's 5 generations of 10.
+    Every target has its own population, selected by the fitness for that target only. Each flight still scores every
+    target, so the best agent of a run for a target may come from another target's population. 50 evaluations per
+    target are the paper's 5 generations of 10.
     """
 
     name = "paper"
@@ -49,7 +49,7 @@ class PaperStrategy(Strategy[PaperOptions]):
         self._populations: list[list[_Individual]] = [[] for _ in space.targets]
 
     def ask(self, limit: int) -> list[Candidate]:
-        """Return the next generation of every population, cut at ``limit``."""
+        """Return the next generation of every population, at most ``limit`` candidates."""
         candidates = [
             candidate
             for number, target in enumerate(self.space.targets)
@@ -59,12 +59,12 @@ class PaperStrategy(Strategy[PaperOptions]):
         return list(self._asked)
 
     def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
-        """Let the generation just evaluated replace its parents: constant size, no elitism."""
+        """Replace the parents by the generation just evaluated: constant size, no elitism."""
         populations: dict[str, list[_Individual]] = {target: [] for target in self.space.targets}
         for offset, (candidate, evaluation) in enumerate(zip(self._asked, evaluations, strict=True)):
             individual = _Individual(first + offset, evaluation.genome, evaluation.fitness)
             populations[candidate.target].append(individual)
-        # A generation that the budget cut short leaves some populations unasked: they stay as they were.
+        # If the budget cut the generation short, the populations without candidates keep their parents.
         for number, target in enumerate(self.space.targets):
             self._populations[number] = populations[target] or self._populations[number]
         self._generation += 1
@@ -74,7 +74,7 @@ class PaperStrategy(Strategy[PaperOptions]):
         parents = self._populations[number]
         if not parents:
             return [Candidate(grammar.random(rng), (), self._generation, target) for _ in range(size)]
-        chance = roulette([parent.fitness[number] for parent in parents])
+        chance = roulette_probabilities([parent.fitness[number] for parent in parents])
         offspring: list[Candidate] = []
         while len(offspring) < size:
             i, j = rng.choice(len(parents), size=2, p=chance)
@@ -97,10 +97,10 @@ class PaperStrategy(Strategy[PaperOptions]):
         return genome
 
 
-def roulette(fitness: Sequence[float] | FloatArray) -> FloatArray:
-    """Return probabilities proportional to fitness, uniform where there is none, (n,).
+def roulette_probabilities(fitness: Sequence[float] | FloatArray) -> FloatArray:
+    """Return probabilities proportional to fitness, uniform if all fitness is zero, (n,).
 
-    >>> roulette([1.0, 3.0])
+    >>> roulette_probabilities([1.0, 3.0])
     array([0.25, 0.75])
     """
     weights = np.asarray(fitness, dtype=np.float64)

@@ -1,4 +1,4 @@
-"""Random search: the baseline that every study needs."""
+"""Random search: the baseline of every study."""
 
 from collections.abc import Sequence
 
@@ -10,11 +10,11 @@ from driftform.types import Candidate, Evaluation
 class RandomOptions(Table):
     """Options of random search."""
 
-    batch: int = option(100, "candidates asked for at once", "", gt=0)
+    batch: int = option(100, "candidates per batch", "", gt=0)
 
 
 class RandomStrategy(Strategy[RandomOptions]):
-    """Genomes drawn from the whole space, without regard to any outcome."""
+    """Random search: genomes drawn from the whole space, whatever the outcomes."""
 
     name = "random"
     Options = RandomOptions
