@@ -409,18 +409,18 @@ function start() {
   const agentView = new View(find("agent-view"), agentScene, { yaw: 0.45, pitch: 0.35, distance: 1.25 });
   const flightView = new View(find("flight-view"), flightScene, { yaw: 0.28, pitch: 0.22, distance: 1.18 });
 
-  const told = () => {
+  const showMoment = () => {
     const { time, place, attitude: [w, x, y, z] } = atTime();
     const agent = data.agents[chosen];
     const target = data.targets.find(({ name }) => name === agent.target);
     const gap = Math.hypot(...sub(place, target.position));
     const nose = (180 / Math.PI) * Math.asin(Math.max(-1, Math.min(1, 2 * (x * z - w * y))));
-    const said = `${time.toFixed(2)} s: x ${place[0].toFixed(2)} m, z ${place[2].toFixed(2)} m, nose ${Math.abs(nose).toFixed(0)}° ` +
+    const text = `${time.toFixed(2)} s: x ${place[0].toFixed(2)} m, z ${place[2].toFixed(2)} m, nose ${Math.abs(nose).toFixed(0)}° ` +
       `${nose < 0 ? "down" : "up"}, ${gap < 1 ? `${(1000 * gap).toFixed(0)} mm` : `${gap.toFixed(2)} m`} from ${agent.target}`;
-    find("told").textContent = said;
-    slider.setAttribute("aria-valuetext", said);
+    find("moment").textContent = text;
+    slider.setAttribute("aria-valuetext", text);
   };
-  const drawFlight = () => { told(); flightView.draw(); };
+  const drawFlight = () => { showMoment(); flightView.draw(); };
 
   const choose = (number) => {
     chosen = number;
