@@ -86,6 +86,19 @@ def test_a_filling_where_no_ball_has_room() -> None:
     assert piece.lump.transverse == pytest.approx(0.3 * (3 * 0.012**2 + length**2) / 12, rel=2e-3)
 
 
+@given(mass=st.floats(0.25, 0.4), share=st.floats(0, 0.999))
+@settings(deadline=None)
+def test_a_filling_has_its_centre_where_the_ballast_is_wanted(mass: float, share: float) -> None:
+    aftmost, foremost = (
+        place_nearest(BODY, RequiredBallast(mass, mass * end), LEAD)[0].lump.x for end in (-1.0, 1.0)
+    )
+    x = aftmost + share * (foremost - aftmost)
+    [piece] = place_ballast(BODY, RequiredBallast(mass, mass * x), LEAD)
+    assert piece.diameter is None
+    assert piece.lump.mass == pytest.approx(mass, rel=1e-9)
+    assert piece.lump.x == pytest.approx(x, abs=1e-10)
+
+
 def test_all_of_the_bore_but_the_core_can_be_filled() -> None:
     volume = np.pi * 0.012**2 * 0.126 - 4 / 3 * np.pi * 0.01**3
     for share, room in ((0.999, True), (1.001, False)):

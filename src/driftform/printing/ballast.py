@@ -151,21 +151,23 @@ def _two_balls(body: Body, mass: float, x: float, density: float) -> tuple[Piece
 
 
 def _filling(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
+    # SciPy's optimisers take a third of a second to import, and most prints need no filling.
+    from scipy.optimize import brentq
+
     bore = _Bore(body)
     volume = mass / density
     if volume > bore.whole:
         return ()
-    # The centre moves forward with the aft end of the filling: found by halving.
-    low, high = 0.0, bore.whole - volume
-    if not bore.filling(low, volume, density).lump.x <= x <= bore.filling(high, volume, density).lump.x:
+    latest = bore.whole - volume
+
+    def excess(first: float) -> float:
+        return bore.filling(first, volume, density).lump.x - x
+
+    # The centre moves forward with the aft end of the filling, so that it passes x once at most.
+    if not excess(0.0) <= 0 <= excess(latest):
         return ()
-    for _ in range(60):
-        middle = (low + high) / 2
-        if bore.filling(middle, volume, density).lump.x < x:
-            low = middle
-        else:
-            high = middle
-    return (bore.filling((low + high) / 2, volume, density),)
+    first = brentq(excess, 0.0, latest, xtol=1e-12 * bore.whole, rtol=1e-12)
+    return (bore.filling(float(first), volume, density),)
 
 
 class _Bore:
