@@ -70,4 +70,4 @@ def draw_rims(
         r = radius_at(body.outer, float(x))
         data += svg.polyline(place.to_page(np.array([[x, r], [x, -below * r]])))
     if data:
-        svg.add(parent, "path", class_="joints", d=data, fill="none", stroke=colour, stroke_width=width)
+        svg.add_line(parent, data, colour, width, "joints")

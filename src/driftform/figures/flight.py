@@ -5,15 +5,13 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.layout import Box, place_labels, shorten, text_width, write
+from driftform.figures.layout import WIDTH, shorten, write
 from driftform.figures.plot import (
     Window,
-    draw_axes,
     draw_cross,
-    draw_current,
+    draw_scene,
     draw_silhouette,
-    draw_walls,
-    draw_water,
+    label_points,
     pipe_ink,
     pipe_points,
 )
@@ -28,7 +26,7 @@ from driftform.trajectory.interpolation import (
 )
 from driftform.types import Body, FloatArray, Trajectory
 
-_WIDTH, _LEFT, _RIGHT = 900.0, 62.0, 24.0
+_LEFT, _RIGHT = 62.0, 24.0
 _TALLEST = 440.0
 _READABLE = 28.0
 """A silhouette shorter than this, in px, is magnified until attitude can be read off it."""
@@ -69,19 +67,19 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
             room = 1.5 * max(body.length, body.max_diameter)
             points.append(line[0] + room * np.vstack([np.eye(3), -np.eye(3)]))
         shown = np.vstack(points)
-        tight = Window.around(view, shown, _LEFT, top, _WIDTH - _LEFT - _RIGHT, _TALLEST, 26)
+        tight = Window.around(view, shown, _LEFT, top, WIDTH - _LEFT - _RIGHT, _TALLEST, 26)
         if view == SIDE:
             magnification = _magnification(body, tight.px_per_m)
         # A silhouette may stick out by as much as it reaches from the core; the window grows by that.
         reach = 0.0 if body is None else float(np.hypot(*body.outer.T).max()) * magnification * tight.px_per_m
-        width = _WIDTH - _LEFT - _RIGHT
+        width = WIDTH - _LEFT - _RIGHT
         windows.append(Window.around(view, shown, _LEFT, top, width, _TALLEST, max(26.0, reach + 3)))
         top = windows[-1].box.bottom + 74
 
     captions = _captions(trajectory, scenario, body, magnification, approaches, nearest)
     height = windows[-1].box.bottom + 52 + 17 * len(captions) + 6
-    root = svg.document(_WIDTH, height, title or "Flight of an agent", " ".join(captions))
-    width = _WIDTH - _LEFT - _RIGHT
+    root = svg.document(WIDTH, height, title or "Flight of an agent", " ".join(captions))
+    width = WIDTH - _LEFT - _RIGHT
     write(root, 22, 34, shorten(title or "Flight", 17, width, bold=True), 17, bold=True)
     headings = {SIDE: "Side view", PLAN: "Plan view, from above"}
     for window in windows:
@@ -149,21 +147,9 @@ def _draw_view(
 ) -> None:
     line = interpolate_positions(trajectory, drawing_times(trajectory))
     seen = window.to_page(line)
-    draw_water(root, window, scenario.pipe)
-    draw_axes(root, window)
-    draw_walls(root, window, scenario.pipe)
-    draw_current(root, window, scenario.current())
-    svg.add(
-        root,
-        "path",
-        class_="path",
-        d=window.line(line),
-        fill="none",
-        stroke=BLUE,
-        stroke_width=2,
-        stroke_linejoin="round",
-        stroke_linecap="round",
-    )
+    draw_scene(root, window, scenario)
+    data = window.line(line)
+    svg.add_line(root, data, BLUE, 2, "path", stroke_linejoin="round", stroke_linecap="round")
     ink = [resample_polyline(seen, 3), pipe_ink(window, scenario.pipe)]
     if body is not None:
         size = max(body.length, body.max_diameter) * magnification * window.px_per_m
@@ -176,7 +162,6 @@ def _draw_view(
     x, y = seen[0]
     svg.add(root, "circle", class_="start", cx=x, cy=y, r=4.5, fill="#ffffff", stroke=BLUE, stroke_width=2)
 
-    names = ["start", *(shorten(name, 12, 140, bold=True) for name in scenario.target_names)]
     anchors = np.vstack([seen[:1], window.to_page(scenario.target_array())])
     for i, (x, y) in enumerate(anchors[1:]):
         draw_cross(root, x, y, 6, VERMILLION if i == nearest else INK)
@@ -203,14 +188,11 @@ def _draw_view(
             stroke_width=1.8,
         )
         ink.append(resample_polyline(np.array([foot, target]), 3))
-    widths = [text_width(name, 12, bold=True) for name in names]
-    frame = window.box
-    page = Box(frame.left + 2, frame.top + 2, frame.right - 2, frame.bottom - 2)
-    boxes = place_labels(anchors, widths, 14, np.vstack(ink), page)
-    for i, (name, box) in enumerate(zip(names, boxes, strict=True)):
-        colour = VERMILLION if nearest is not None and i == 1 + nearest else INK
-        x, y = (box.left + box.right) / 2, box.bottom - 3
-        write(root, x, y, name, 12, MUTED if i == 0 else colour, "middle", bold=i > 0, halo=True)
+    names = [("start", MUTED, False)]
+    names += [
+        (name, VERMILLION if i == nearest else INK, True) for i, name in enumerate(scenario.target_names)
+    ]
+    label_points(root, window, anchors, names, ink, keep=9)
 
 
 def _moments(trajectory: Trajectory, seen: FloatArray, size: float) -> list[float]:

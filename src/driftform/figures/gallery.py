@@ -6,11 +6,10 @@ from xml.etree import ElementTree as ET
 
 from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading
-from driftform.figures.layout import nice_below, shorten, text_width, write
+from driftform.figures.layout import MARGIN, WIDTH, draw_scale_bar, shorten, start_page, text_width, write
 from driftform.figures.style import GRID, INK, MUTED, SERIES, tint
 from driftform.types import Agent, Trajectory
 
-WIDTH, MARGIN = 900.0, 22.0
 COLUMNS = 5
 TALLEST = 150.0
 GAP, NARROWEST = 24.0, 132.0
@@ -26,18 +25,17 @@ class GalleryEntry:
     error_percent: float
 
 
-def gallery_svg(flights: Sequence[GalleryEntry], title: str, told: str) -> str:
-    """Return the bodies of flights as SVG, at one scale, fore end to the right; ``told`` stands below the title."""
+def gallery_svg(flights: Sequence[GalleryEntry], title: str, subtitle: str) -> str:
+    """Return the bodies of flights as SVG, at one scale, fore end to the right."""
     rows, px_per_m = arrange(flights)
     top = 130.0
-    root = svg.document(
-        WIDTH,
+    names = ", ".join(flight.name for flight in flights) or "none"
+    root = start_page(
         top + sum(row.height for row in rows) + 2,
         title,
-        f"Bodies of revolution at one scale: {', '.join(f.name for f in flights) or 'none'}. {told}",
+        subtitle,
+        f"Bodies of revolution at one scale: {names}. {subtitle}",
     )
-    write(root, MARGIN, 36, shorten(title, 20, WIDTH - 2 * MARGIN, bold=True), 20, bold=True)
-    write(root, MARGIN, 58, told, 12, MUTED)
     draw_gallery(root, rows, px_per_m, top)
     return svg.render(root)
 
@@ -92,14 +90,7 @@ def draw_gallery(root: ET.Element, rows: list[Row], px_per_m: float, top: float)
         return
     svg.add(root, "line", x1=MARGIN, y1=top - 38, x2=WIDTH - MARGIN, y2=top - 38, stroke=GRID)
     write(root, MARGIN, top - 14, "The bodies, to one scale, fore end to the right", 12, MUTED)
-    bar = nice_below(110 / px_per_m)
-    end, base = WIDTH - MARGIN, top - 12
-    ticks = [(end - bar * px_per_m, base - 4), (end - bar * px_per_m, base), (end, base), (end, base - 4)]
-    svg.add(
-        root, "path", class_="scale-bar", d=svg.polyline(ticks), fill="none", stroke=INK, stroke_width=1.2
-    )
-    middle = end - bar * px_per_m / 2
-    write(root, middle, base - 6, f"{1000 * bar:g} mm", 11, MUTED, "middle", class_="scale-bar-label")
+    draw_scale_bar(root, WIDTH - MARGIN, top - 12, px_per_m, 110, MUTED)
 
     for row in rows:
         x = MARGIN
@@ -134,15 +125,7 @@ def _draw_body(root: ET.Element, flight: GalleryEntry, colour: str, place: Place
     body = flight.agent.body
     draw_shading(root, body, place, colour, below=1, bands=6)
     draw_rims(root, body, place, tint(colour, 0.5), 0.5, below=1)
-    svg.add(
-        root,
-        "path",
-        class_="outline",
-        d=svg.polyline(place.to_page(closed_outline(body.outer)), closed=True),
-        fill="none",
-        stroke=colour,
-        stroke_width=1.1,
-        stroke_linejoin="round",
-    )
+    outline = svg.polyline(place.to_page(closed_outline(body.outer)), closed=True)
+    svg.add_line(root, outline, colour, 1.1, "outline", stroke_linejoin="round")
     radius = max(1.5, body.core.radius * place.px_per_m)
     svg.add(root, "circle", class_="core", cx=place.x, cy=place.y, r=radius, fill=colour)

@@ -11,8 +11,11 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.style import INK
+from driftform.figures.style import INK, MUTED
 from driftform.types import FloatArray
+
+WIDTH, MARGIN = 900.0, 22.0
+"""Width of a page, and the room beside its text, px."""
 
 _NARROW = frozenset(" iljItfr.,:;'|!()[]-")
 _BROAD = frozenset("mwMW%@")
@@ -70,6 +73,30 @@ def write(
     if anchor != "start":
         attributes["text_anchor"] = anchor
     svg.add(parent, "text", content, x=x, y=y, font_size=size, fill=fill, **attributes)
+
+
+def start_page(height: float, title: str, subtitle: str, description: str) -> ET.Element:
+    """Return a picture :data:`WIDTH` px wide with a title, and a line of text below it."""
+    root = svg.document(WIDTH, height, title, description)
+    write(root, MARGIN, 36, shorten(title, 20, WIDTH - 2 * MARGIN, bold=True), 20, bold=True)
+    write(root, MARGIN, 58, subtitle, 12, MUTED)
+    return root
+
+
+def draw_scale_bar(
+    root: ET.Element, right: float, base: float, px_per_m: float, longest: float, fill: str = INK
+) -> float:
+    """Draw a bar of a round length, at most ``longest`` px, that ends at ``right``; return where it starts, px.
+
+    ``fill`` is the colour of its length, which is written above it.
+    """
+    bar = nice_below(longest / px_per_m)
+    left = right - bar * px_per_m
+    ends = [(left, base - 4), (left, base), (right, base), (right, base - 4)]
+    svg.add_line(root, svg.polyline(ends), INK, 1.2, "scale-bar")
+    text = f"{1000 * bar:g} mm"
+    write(root, (left + right) / 2, base - 6, text, 11, fill, "middle", class_="scale-bar-label")
+    return left
 
 
 @dataclass(frozen=True)

@@ -6,18 +6,9 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.gallery import MARGIN, WIDTH, GalleryEntry, arrange, assign_colours, draw_gallery
-from driftform.figures.layout import Box, place_labels, shorten, text_width, write
-from driftform.figures.plot import (
-    Window,
-    draw_axes,
-    draw_cross,
-    draw_current,
-    draw_walls,
-    draw_water,
-    pipe_ink,
-    pipe_points,
-)
+from driftform.figures.gallery import GalleryEntry, arrange, assign_colours, draw_gallery
+from driftform.figures.layout import WIDTH, start_page
+from driftform.figures.plot import Window, draw_cross, draw_scene, label_points, pipe_ink, pipe_points
 from driftform.figures.projection import SIDE, drawing_times, resample_polyline
 from driftform.figures.style import INK, MUTED, tint
 from driftform.scenario import Scenario
@@ -54,21 +45,19 @@ def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str
 
     worst = max((f.error_percent for f in flights), default=0.0)
     best = ", ".join(f"{f.name} {f.error_percent:.2f} %" for f in flights)
-    root = svg.document(
-        WIDTH,
+    root = start_page(
         height,
         title,
+        _subtitle(len(flights), worst),
         "Above, the pipe in side view with the best flight for each target; below, the bodies that flew, "
         f"at one scale. Error by target: {best or 'no flights'}.",
     )
-    write(root, MARGIN, 36, shorten(title, 20, WIDTH - 2 * MARGIN, bold=True), 20, bold=True)
-    write(root, MARGIN, 58, _subtitle(scenario, len(flights), worst), 12, MUTED)
     _draw_flights(root, window, flights, lines, scenario)
     draw_gallery(root, rows, px_per_m, top)
     return svg.render(root)
 
 
-def _subtitle(scenario: Scenario, count: int, worst: float) -> str:
+def _subtitle(count: int, worst: float) -> str:
     if not count:
         return "No flights"
     flights = "The flight" if count == 1 else f"The {count} flights"
@@ -90,10 +79,7 @@ def _draw_flights(
     lines: list[FloatArray],
     scenario: Scenario,
 ) -> None:
-    draw_water(root, window, scenario.pipe)
-    draw_axes(root, window)
-    draw_walls(root, window, scenario.pipe)
-    draw_current(root, window, scenario.current())
+    draw_scene(root, window, scenario)
     colours = assign_colours(flights)
     approaches = [_approach(flight, scenario) for flight in flights]
     firm = [
@@ -117,28 +103,11 @@ def _draw_flights(
     owner = {flight.name: colour for flight, colour in zip(flights, colours, strict=True)}
     for name, (x, y) in zip(names, anchors, strict=True):
         draw_cross(root, x, y, 5.5, owner.get(name, MUTED), 2.4)
-    frame = window.box
-    page = Box(frame.left + 2, frame.top + 2, frame.right - 2, frame.bottom - 2)
-    labels = [shorten(name, 12, 140, bold=True) for name in names]
-    widths = [text_width(label, 12, bold=True) for label in labels]
-    boxes = place_labels(anchors, widths, 14, np.vstack(ink), page, keep=8)
-    for label, box in zip(labels, boxes, strict=True):
-        write(
-            root, (box.left + box.right) / 2, box.bottom - 3, label, 12, INK, "middle", bold=True, halo=True
-        )
+    label_points(root, window, anchors, [(name, INK, True) for name in names], ink, keep=8)
 
 
 def _draw_line(
     root: ET.Element, window: Window, line: FloatArray, colour: str, width: float, class_: str
 ) -> None:
-    svg.add(
-        root,
-        "path",
-        class_=class_,
-        d=window.line(line),
-        fill="none",
-        stroke=colour,
-        stroke_width=width,
-        stroke_linejoin="round",
-        stroke_linecap="round",
-    )
+    data = window.line(line)
+    svg.add_line(root, data, colour, width, class_, stroke_linejoin="round", stroke_linecap="round")

@@ -1,15 +1,16 @@
 """A window onto the world from one side: to scale, with axes in metres, and the pipe in it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.layout import Box, nice_below, signed, ticks, write
+from driftform.figures.layout import Box, nice_below, place_labels, shorten, signed, text_width, ticks, write
 from driftform.figures.projection import View, resample_polyline, silhouette, simplify_polyline
 from driftform.figures.style import GRID, INK, MUTED, WALL, WATER
-from driftform.scenario import Pipe
+from driftform.scenario import Pipe, Scenario
 from driftform.trajectory.interpolation import Pose
 from driftform.types import Body, FloatArray
 
@@ -109,6 +110,14 @@ def draw_axes(root: ET.Element, window: Window, names: tuple[str, str] | None = 
     write(root, box.left - 8, box.top - 10, f"{up} (m)", 11, MUTED, "end")
 
 
+def draw_scene(root: ET.Element, window: Window, scenario: Scenario) -> None:
+    """Draw what surrounds a flight: the pipe with its water, the axes, and the current."""
+    draw_water(root, window, scenario.pipe)
+    draw_axes(root, window)
+    draw_walls(root, window, scenario.pipe)
+    draw_current(root, window, scenario.current())
+
+
 def draw_water(root: ET.Element, window: Window, pipe: Pipe) -> None:
     """Fill the inside of the pipe."""
     for corners in _segments(window, pipe):
@@ -191,6 +200,35 @@ def draw_cross(root: ET.Element, x: float, y: float, arm: float, colour: str = I
     svg.add(root, "path", class_="target", d=data, stroke=colour, stroke_width=width, stroke_linecap="round")
 
 
+def label_points(
+    root: ET.Element,
+    window: Window,
+    anchors: FloatArray,
+    names: Sequence[tuple[str, str, bool]],
+    ink: Sequence[FloatArray],
+    keep: float,
+) -> None:
+    """Write names beside points of the page, off each other and off what is drawn.
+
+    Parameters
+    ----------
+    anchors
+        the points, (n, 2) in px.
+    names
+        text, colour, and whether it is bold, for each point.
+    ink, keep
+        as :func:`driftform.figures.layout.place_labels` takes them, ``ink`` in parts.
+    """
+    texts = [shorten(name, 12, 140, bold=True) for name, _, _ in names]
+    frame = window.box
+    page = Box(frame.left + 2, frame.top + 2, frame.right - 2, frame.bottom - 2)
+    widths = [text_width(text, 12, bold=True) for text in texts]
+    boxes = place_labels(anchors, widths, 14, np.vstack(ink), page, keep)
+    for text, (_, colour, bold), box in zip(texts, names, boxes, strict=True):
+        middle = (box.left + box.right) / 2
+        write(root, middle, box.bottom - 3, text, 12, colour, "middle", bold=bold, halo=True)
+
+
 def draw_silhouette(
     root: ET.Element,
     window: Window,
@@ -212,7 +250,7 @@ def draw_silhouette(
     ]
     data = "".join(svg.polyline(polygon, closed=True) for polygon in polygons)
     # Stroked first and filled on top: only the outline of the union is left of the strokes.
-    svg.add(root, "path", d=data, fill="none", stroke=edge, stroke_width=1.6, stroke_linejoin="round")
+    svg.add_line(root, data, edge, 1.6, stroke_linejoin="round")
     svg.add(root, "path", class_="silhouette", d=data, fill=fill, stroke=fill, stroke_width=0.2)
     svg.add(root, "circle", cx=centre[0], cy=centre[1], r=2.5, fill=dot)
     return np.vstack([centre[None], *polygons])

@@ -5,13 +5,14 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.layout import Box, place_labels, shorten, text_width, write
+from driftform.figures.layout import MARGIN, WIDTH, start_page, write
 from driftform.figures.plot import (
     Window,
     draw_axes,
     draw_cross,
     draw_current,
     draw_walls,
+    label_points,
     pipe_ink,
     pipe_points,
 )
@@ -21,7 +22,7 @@ from driftform.scenario import Pipe, Scenario, Segment
 from driftform.trajectory.coverage import CoverageMap, PipeGrid
 from driftform.types import FloatArray
 
-_WIDTH, _LEFT, _RIGHT, _MARGIN = 900.0, 58.0, 22.0, 22.0
+_LEFT, _RIGHT = 58.0, 22.0
 _SWATCH, _STEP = (34.0, 14.0), 74.0
 
 BOUNDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05)
@@ -49,17 +50,15 @@ def reach_svg(reach: CoverageMap, scenario: Scenario, title: str) -> str:
     is_world = bool(np.allclose(cells.axes[:2], ((1, 0, 0), (0, 0, 1))))
     shift = cells.origin[[0, 2]] if is_world else np.zeros(2)
     pipe = _straighten(cells, shift)
-    window = Window.around(SIDE, pipe_points(pipe, SIDE), _LEFT, 92, _WIDTH - _LEFT - _RIGHT, 460, 14)
+    window = Window.around(SIDE, pipe_points(pipe, SIDE), _LEFT, 92, WIDTH - _LEFT - _RIGHT, 460, 14)
     base = window.box.bottom + 62
-    told = _describe(reach)
-    root = svg.document(
-        _WIDTH,
+    subtitle = _describe(reach)
+    root = start_page(
         base + 46,
         title,
-        f"The pipe in section, in cells coloured by the closest approach to the middle of each. {told}.",
+        subtitle,
+        f"The pipe in section, in cells coloured by the closest approach to the middle of each. {subtitle}.",
     )
-    write(root, _MARGIN, 36, shorten(title, 20, _WIDTH - 2 * _MARGIN, bold=True), 20, bold=True)
-    write(root, _MARGIN, 58, told, 12, MUTED)
     draw_axes(root, window, None if is_world else ("along the pipe", "up"))
     _draw_cells(root, window, reach, shift)
     draw_walls(root, window, pipe)
@@ -138,23 +137,16 @@ def _draw_points(
     anchors = window.to_page(cells.to_map(scenario.target_array())[:, :2] + shift)
     for x, y in anchors:
         draw_cross(root, x, y, 5.5, INK, 2.4)
-    labels = [shorten(name, 12, 140, bold=True) for name in scenario.target_names]
-    widths = [text_width(label, 12, bold=True) for label in labels]
-    frame = window.box
-    page = Box(frame.left + 2, frame.top + 2, frame.right - 2, frame.bottom - 2)
-    boxes = place_labels(anchors, widths, 14, pipe_ink(window, pipe), page, keep=8)
-    for label, box in zip(labels, boxes, strict=True):
-        write(
-            root, (box.left + box.right) / 2, box.bottom - 3, label, 12, INK, "middle", bold=True, halo=True
-        )
+    names = [(name, INK, True) for name in scenario.target_names]
+    label_points(root, window, anchors, names, [pipe_ink(window, pipe)], keep=8)
 
 
 def _draw_legend(root: ET.Element, top: float) -> None:
     """Draw the colours with the distances between them, and what is not reached."""
     width, height = _SWATCH
-    svg.add(root, "line", x1=_MARGIN, y1=top - 16, x2=_WIDTH - _MARGIN, y2=top - 16, stroke=GRID)
-    write(root, _MARGIN, top + 11, "Closest approach to the middle of the cell (mm)", 12, MUTED)
-    x = _WIDTH - _MARGIN - len(RAMP) * width - 150
+    svg.add(root, "line", x1=MARGIN, y1=top - 16, x2=WIDTH - MARGIN, y2=top - 16, stroke=GRID)
+    write(root, MARGIN, top + 11, "Closest approach to the middle of the cell (mm)", 12, MUTED)
+    x = WIDTH - MARGIN - len(RAMP) * width - 150
     for number, colour in enumerate(RAMP):
         svg.add(root, "rect", class_="swatch", x=x, y=top, width=width, height=height, fill=colour)
         if number < len(BOUNDS):

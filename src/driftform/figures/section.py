@@ -7,7 +7,7 @@ import numpy as np
 
 from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading, inner_joints
-from driftform.figures.layout import nice_below, shorten, signed, text_width, write
+from driftform.figures.layout import MARGIN, draw_scale_bar, shorten, signed, text_width, write
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, tint
 from driftform.figures.surface import Surface, find_rest, find_surface
 from driftform.figures.svg import PX_PER_MM
@@ -18,7 +18,7 @@ from driftform.types import Agent, Body, FloatArray
 _STEEL = "#3d5a73"
 _WIDEST, _TALLEST = 800.0, 580.0
 _HEADER, _LABELS, _CALLOUTS, _DIMENSION, _FOOTER, _BLOCK = 62.0, 44.0, 34.0, 46.0, 40.0, 46.0
-_LEFT, _RIGHT, _MARGIN = 138.0, 62.0, 22.0
+_LEFT, _RIGHT = 138.0, 62.0
 _SCALE = 280.0
 """Room for the scale and its bar, px."""
 
@@ -71,7 +71,7 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None)
     facts, block = _facts(agent), title_block(agent, scenario)
     rest = None if scenario is None else find_rest(agent, scenario)
     legend = 0.0 if rest is None else 34 + text_width(rest.text, 11) + _SCALE
-    least = max(text_width(facts, 12), _block_width(block), legend, 556.0) + 2 * _MARGIN
+    least = max(text_width(facts, 12), _block_width(block), legend, 556.0) + 2 * MARGIN
     width = max(length + _LEFT + _RIGHT, least)
     if length < _NARROW:
         width = max(width, length + _LEFT + _RIGHT + 2 * _BESIDE)
@@ -90,8 +90,8 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None)
         f"axis, cut open below; the fore end is on the right. {facts}; {told}.",
         unit="mm",
     )
-    write(root, _MARGIN, 32, shorten(title or "Section", 17, width - 2 * _MARGIN, bold=True), 17, bold=True)
-    write(root, _MARGIN, 52, facts, 12, MUTED)
+    write(root, MARGIN, 32, shorten(title or "Section", 17, width - 2 * MARGIN, bold=True), 17, bold=True)
+    write(root, MARGIN, 52, facts, 12, MUTED)
     surface = (
         None
         if rest is None or rest.height is None
@@ -103,16 +103,7 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None)
     draw_rims(root, body, place, tint(_STEEL, 0.62), 0.7, below=0)
     _draw_cut(root, body, place)
     outline = svg.polyline(place.to_page(closed_outline(body.outer)), closed=True)
-    svg.add(
-        root,
-        "path",
-        class_="outline",
-        d=outline,
-        fill="none",
-        stroke=INK,
-        stroke_width=1.3,
-        stroke_linejoin="round",
-    )
+    svg.add_line(root, outline, INK, 1.3, "outline", stroke_linejoin="round")
     _draw_axis(root, body, place)
     if surface is not None:
         _draw_water_line(root, surface)
@@ -178,26 +169,17 @@ def _draw_cut(root: ET.Element, body: Body, place: Placement) -> None:
     spacing = 4.0 if body.wall * place.px_per_m < 8 else 6.0
     lines = "".join(svg.polyline(pair) for pair in hatch([wall, cavity], spacing))
     if lines:
-        svg.add(root, "path", class_="hatch", d=lines, fill="none", stroke=_STEEL, stroke_width=0.8)
+        svg.add_line(root, lines, _STEEL, 0.8, "hatch")
     if len(cavity):
-        svg.add(
-            root,
-            "path",
-            class_="cavity",
-            d=svg.polyline(cavity),
-            fill="none",
-            stroke=INK,
-            stroke_width=0.9,
-            stroke_linejoin="round",
-        )
+        svg.add_line(root, svg.polyline(cavity), INK, 0.9, "cavity", stroke_linejoin="round")
     radius = body.core.radius * place.px_per_m
     svg.add(root, "circle", class_="core", cx=place.x, cy=place.y, r=radius, fill=ORANGE)
     # Above the axis the core is behind the wall: lighter, with the dashes of a hidden edge.
     r, y = svg.number(radius), svg.number(place.y)
     upper = f"M{svg.number(place.x - radius)} {y}A{r} {r} 0 0 1 {svg.number(place.x + radius)} {y}"
     svg.add(root, "path", d=upper + "Z", fill=tint(ORANGE, 0.5))
-    svg.add(root, "path", d=upper, fill="none", stroke="#7a5300", stroke_width=0.9, stroke_dasharray="4 3")
-    svg.add(root, "path", d=upper.replace("0 0 1", "0 0 0"), fill="none", stroke="#7a5300", stroke_width=1.1)
+    svg.add_line(root, upper, "#7a5300", 0.9, stroke_dasharray="4 3")
+    svg.add_line(root, upper.replace("0 0 1", "0 0 0"), "#7a5300", 1.1)
 
 
 def hatch(polygons: list[FloatArray], spacing: float) -> list[FloatArray]:
@@ -248,17 +230,8 @@ def _draw_axis(root: ET.Element, body: Body, place: Placement) -> None:
 def _draw_water_line(root: ET.Element, surface: Surface) -> None:
     """Draw the surface, with the triangle that drawings mark it by."""
     line = svg.polyline(surface.line)
-    svg.add(root, "path", d=line, fill="none", stroke="#ffffff", stroke_width=3.2)
-    svg.add(
-        root,
-        "path",
-        class_="water-line",
-        d=line,
-        fill="none",
-        stroke=BLUE,
-        stroke_width=1.4,
-        stroke_dasharray="9 3",
-    )
+    svg.add_line(root, line, "#ffffff", 3.2)
+    svg.add_line(root, line, BLUE, 1.4, "water-line", stroke_dasharray="9 3")
     (start, end), up = surface.line, surface.up
     # Off the labels: those of the centres are above the body, that of the axis is on the right.
     tip = max(start, end, key=lambda point: float(point[1] - point[0]))
@@ -270,10 +243,10 @@ def _draw_water_line(root: ET.Element, surface: Surface) -> None:
 
 
 def _draw_legend(root: ET.Element, text: str, floats: bool, base: float) -> None:
-    x = _MARGIN
+    x = MARGIN
     if floats:
         line = svg.polyline([(x, base - 4), (x + 26, base - 4)])
-        svg.add(root, "path", d=line, fill="none", stroke=BLUE, stroke_width=1.4, stroke_dasharray="9 3")
+        svg.add_line(root, line, BLUE, 1.4, stroke_dasharray="9 3")
         x += 34
     write(root, x, base, text, 11, MUTED, class_="rest")
 
@@ -291,7 +264,7 @@ def _draw_dimensions(root: ET.Element, body: Body, place: Placement) -> None:
         svg.polyline([(x, level), (x, level + 5)]) for x in place.x + place.px_per_m * inner_joints(body)
     )
     if joints:
-        svg.add(root, "path", class_="ticks", d=joints, fill="none", stroke=MUTED, stroke_width=0.8)
+        svg.add_line(root, joints, MUTED, 0.8, "ticks")
     text = _mm(body.length)
     fits = right - left > text_width(text, 12) + 20
     write(
@@ -405,7 +378,7 @@ def _draw_centres(root: ET.Element, agent: Agent, place: Placement, width: float
     top = place.y - agent.body.max_diameter / 2 * place.px_per_m
     for (_, at, _, radius), centre in zip(marks, centres, strict=True):
         leader = [(at[0], at[1] - radius), (at[0], top - 8), (centre, top - 18)]
-        svg.add(root, "path", d=svg.polyline(leader), fill="none", stroke=INK, stroke_width=0.8)
+        svg.add_line(root, svg.polyline(leader), INK, 0.8)
     _draw_buoyancy(root, float(cob[0]), float(cob[1]), 9)
     _draw_gravity(root, float(cog[0]), float(cog[1]), 6)
     for (name, _, label, _), centre, size in zip(marks, centres, sizes, strict=True):
@@ -442,28 +415,16 @@ def _draw_buoyancy(root: ET.Element, x: float, y: float, r: float) -> None:
 
 
 def _draw_scale(root: ET.Element, ratio: Ratio, px_per_m: float, width: float, base: float) -> None:
-    bar = nice_below(130 / px_per_m)
-    span = bar * px_per_m
-    end = width - _MARGIN
-    svg.add(
-        root,
-        "path",
-        class_="scale-bar",
-        d=svg.polyline([(end - span, base - 4), (end - span, base), (end, base), (end, base - 4)]),
-        fill="none",
-        stroke=INK,
-        stroke_width=1.2,
-    )
-    write(root, end - span / 2, base - 6, f"{1000 * bar:g} mm", 11, anchor="middle", class_="scale-bar-label")
-    write(root, end - span - 16, base, f"Scale {ratio.text}", 11, MUTED, anchor="end", class_="scale")
+    left = draw_scale_bar(root, width - MARGIN, base, px_per_m, 130)
+    write(root, left - 16, base, f"Scale {ratio.text}", 11, MUTED, anchor="end", class_="scale")
 
 
 def _draw_block(root: ET.Element, block: list[tuple[str, str]], width: float, top: float) -> None:
     """Draw the title block: cells side by side, a name above each value."""
-    x, bottom = _MARGIN, top + 34
-    spare = (width - 2 * _MARGIN - _block_width(block)) / len(block)
+    x, bottom = MARGIN, top + 34
+    spare = (width - 2 * MARGIN - _block_width(block)) / len(block)
     lines = svg.polyline(
-        [(x, top), (width - _MARGIN, top), (width - _MARGIN, bottom), (x, bottom)], closed=True
+        [(x, top), (width - MARGIN, top), (width - MARGIN, bottom), (x, bottom)], closed=True
     )
     for index, (name, value) in enumerate(block):
         if index:
@@ -471,7 +432,7 @@ def _draw_block(root: ET.Element, block: list[tuple[str, str]], width: float, to
         write(root, x + 8, top + 13, name, 10, MUTED)
         write(root, x + 8, top + 28, value, 12, class_="cell")
         x += _cell_width(name, value) + spare
-    svg.add(root, "path", class_="block", d=lines, fill="none", stroke=MUTED, stroke_width=0.8)
+    svg.add_line(root, lines, MUTED, 0.8, "block")
 
 
 def _cell_width(name: str, value: str) -> float:

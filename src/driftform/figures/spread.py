@@ -8,11 +8,10 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.gallery import MARGIN, WIDTH
-from driftform.figures.layout import shorten, write
+from driftform.figures.layout import MARGIN, WIDTH, shorten, start_page, write
 from driftform.figures.plot import Window, draw_axes, draw_cross, draw_walls, draw_water, pipe_points
 from driftform.figures.projection import SIDE
-from driftform.figures.style import INK, MUTED, SERIES, tint
+from driftform.figures.style import INK, SERIES, tint
 from driftform.scenario import Scenario
 from driftform.trajectory.interpolation import find_approaches, interpolate_positions
 from driftform.types import FloatArray, Trajectory
@@ -26,15 +25,15 @@ STATIONS = 240
 class FlightSpread:
     """Flights of one agent for one target, cut at their closest approach as in the paper's Figure 7.
 
-    ``told`` is a few words that stand beside the target's name.
+    ``note`` is a few words that are written beside the target's name.
     """
 
     name: str
     flights: tuple[Trajectory, ...]
-    told: str = ""
+    note: str = ""
 
 
-def spread_svg(repeats: Sequence[FlightSpread], scenario: Scenario, title: str, told: str) -> str:
+def spread_svg(repeats: Sequence[FlightSpread], scenario: Scenario, title: str, subtitle: str) -> str:
     """Return a panel for each target: every flight faintly, their mean firmly, one standard deviation as a band.
 
     Mean and deviation are those of the height at equal ways along x, of all flights that get so far.
@@ -47,9 +46,8 @@ def spread_svg(repeats: Sequence[FlightSpread], scenario: Scenario, title: str, 
     ]
     tallest = max((w.box.bottom - w.box.top for w in panels), default=0.0)
     rows = ceil(len(repeats) / COLUMNS)
-    root = svg.document(WIDTH, TOP + rows * (tallest + 74), title, f"{told} A panel for each target.")
-    write(root, MARGIN, 36, shorten(title, 20, WIDTH - 2 * MARGIN, bold=True), 20, bold=True)
-    write(root, MARGIN, 58, told, 12, MUTED)
+    height = TOP + rows * (tallest + 74)
+    root = start_page(height, title, subtitle, f"{subtitle} A panel for each target.")
     for number, repeated in enumerate(repeats):
         row, column = divmod(number, COLUMNS)
         window = Window.around(
@@ -91,9 +89,9 @@ def _draw_panel(
     outline = np.vstack([edge[0], edge[1][::-1]])
     svg.add(root, "path", class_="band", d=svg.polyline(outline, closed=True), fill=tint(colour, 0.3))
     for path in paths:
-        svg.add(root, "path", d=window.line(path), fill="none", stroke=tint(colour, 0.55), stroke_width=0.8)
-    svg.add(root, "path", class_="mean", d=window.line(mean), fill="none", stroke=colour, stroke_width=2)
+        svg.add_line(root, window.line(path), tint(colour, 0.55), 0.8)
+    svg.add_line(root, window.line(mean), colour, 2, "mean")
     x, y = window.to_page(target[None])[0]
     draw_cross(root, x, y, 5, INK, 2)
-    name = f"{repeated.name}  {repeated.told}".strip()
+    name = f"{repeated.name}  {repeated.note}".strip()
     write(root, window.box.left, window.box.top - 8, shorten(name, 12, 330, bold=True), 12, bold=True)

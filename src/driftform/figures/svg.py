@@ -62,6 +62,14 @@ def add(parent: ET.Element, tag: str, content: str = "", **attributes: str | flo
     return element
 
 
+def add_line(
+    parent: ET.Element, data: str, stroke: str, width: float, class_: str = "", **attributes: str | float
+) -> None:
+    """Append a line of path ``data`` (see :func:`polyline`) and of ``width`` px, without a filling."""
+    named = {"class_": class_} if class_ else {}
+    add(parent, "path", "", **named, d=data, fill="none", stroke=stroke, stroke_width=width, **attributes)
+
+
 def polyline(points: npt.ArrayLike, closed: bool = False) -> str:
     """Return path data through ``points``, (n, 2) in px; those that round to one place are drawn once."""
     pairs: list[str] = []

@@ -8,8 +8,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.gallery import MARGIN, WIDTH
-from driftform.figures.layout import Box, nice_below, shorten, signed, ticks, write
+from driftform.figures.layout import MARGIN, WIDTH, Box, nice_below, shorten, signed, start_page, ticks, write
 from driftform.figures.style import BLUE, GRID, INK, MUTED, tint
 from driftform.types import FloatArray
 
@@ -49,16 +48,14 @@ def trend_svg(trends: Sequence[Trend], title: str, strategy: str, baseline: str 
     All panels share their axes. With one repeat there is no deviation to be drawn.
     """
     rows = ceil(len(trends) / COLUMNS)
-    root = svg.document(
-        WIDTH,
-        TOP + rows * (HEIGHT + ROW_GAP) - 20,
-        title,
-        f"For each target, the best fitness so far of {strategy} against flights; {baseline} as a band.",
-    )
-    write(root, MARGIN, 36, shorten(title, 20, WIDTH - 2 * MARGIN, bold=True), 20, bold=True)
     repeats = max((len(trend.fitness) for trend in trends), default=0)
     over = f"mean and standard deviation over {repeats} repeats" if repeats > 1 else "one run"
-    write(root, MARGIN, 58, f"Best fitness so far (%) against flights for the target: {over}", 12, MUTED)
+    root = start_page(
+        TOP + rows * (HEIGHT + ROW_GAP) - 20,
+        title,
+        f"Best fitness so far (%) against flights for the target: {over}",
+        f"For each target, the best fitness so far of {strategy} against flights; {baseline} as a band.",
+    )
     _draw_legend(root, strategy, baseline if any(len(t.baseline) for t in trends) else "")
     low = _lowest(trends)
     width = (WIDTH - LEFT - MARGIN - (COLUMNS - 1) * GUTTER) / COLUMNS
@@ -107,14 +104,14 @@ def _draw_panel(root: ET.Element, trend: Trend, box: Box, low: float) -> None:
         band = np.vstack([place(trend.flights, mean + spread), place(trend.flights, mean - spread)[::-1]])
         svg.add(root, "path", class_="band", d=svg.polyline(band, closed=True), fill=tint(BASELINE, 0.3))
         line = svg.polyline(place(trend.flights, mean))
-        svg.add(root, "path", d=line, fill="none", stroke=BASELINE, stroke_width=1.4, stroke_dasharray="4 3")
+        svg.add_line(root, line, BASELINE, 1.4, stroke_dasharray="4 3")
     mean, spread = trend.fitness.mean(axis=0), trend.fitness.std(axis=0)
     if len(trend.fitness) > 1:
         tops, feet = place(trend.flights, mean + spread), place(trend.flights, mean - spread)
         bars = "".join(svg.polyline([t, f]) for t, f in zip(tops, feet, strict=True))
         svg.add(root, "path", class_="deviation", d=bars, stroke=BLUE, stroke_width=1.2)
     points = place(trend.flights, mean)
-    svg.add(root, "path", class_="mean", d=svg.polyline(points), fill="none", stroke=BLUE, stroke_width=2.2)
+    svg.add_line(root, svg.polyline(points), BLUE, 2.2, "mean")
     # Among many values dots would hide the line.
     if len(points) <= 12:
         for x, y in points:
