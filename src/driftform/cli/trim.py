@@ -196,7 +196,7 @@ def _trimmed(
         trimmed = _loaded(opened, lumps)
     elif wanted.mass > 0:
         found = place_ballast(body, wanted, density) or place_nearest(body, wanted, density)
-        trimmed = _loaded(opened, lumps + [piece.lump for piece in found]) if found else None
+        trimmed = _loaded(opened, lumps + [piece.element for piece in found]) if found else None
     else:
         trimmed, buoyancy = _lifted(opened, lumps, wanted)
         buoyancy["hull_excess"] = -wanted.mass / lumps[0].mass
@@ -206,8 +206,8 @@ def _trimmed(
     return trimmed, {
         "pieces": [
             {
-                "mass": piece.lump.mass,
-                "x": piece.lump.x,
+                "mass": piece.element.mass,
+                "x": piece.element.x,
                 "start": piece.start,
                 "end": piece.end,
                 "diameter": piece.diameter,

@@ -25,7 +25,7 @@ class Placement:
         return np.array([self.x, self.y]) + self.px_per_m * np.asarray(points) * (1.0, -1.0)
 
     @classmethod
-    def centred(cls, body: Body, x: float, y: float, px_per_m: float) -> "Placement":
+    def centre_body(cls, body: Body, x: float, y: float, px_per_m: float) -> "Placement":
         """Return the placement that puts the middle of the body's length at a point of the page."""
         middle = (body.outer[0, 0] + body.outer[-1, 0]) / 2
         return cls(x - px_per_m * float(middle), y, px_per_m)
@@ -50,7 +50,7 @@ def draw_shading(
         bottom = below if lit == 0 else min(below, 0.78 - 0.78 * lit)
         edge = np.vstack([np.column_stack([x, top * r]), np.column_stack([x, -bottom * r])[::-1]])
         fill = tint(colour, 0.14 + 0.3 * float(1 - lit) ** 1.5)
-        svg.add(parent, "path", d=svg.polyline(place.to_page(edge), closed=True), fill=fill)
+        svg.add(parent, "path", d=svg.path_data(place.to_page(edge), closed=True), fill=fill)
 
 
 def inner_joints(body: Body) -> FloatArray:
@@ -68,6 +68,6 @@ def draw_rims(
     data = ""
     for x in inner_joints(body):
         r = radius_at(body.outer, float(x))
-        data += svg.polyline(place.to_page(np.array([[x, r], [x, -below * r]])))
+        data += svg.path_data(place.to_page(np.array([[x, r], [x, -below * r]])))
     if data:
         svg.add_line(parent, data, colour, width, "joints")

@@ -69,16 +69,16 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
         shown = np.vstack(points)
         tight = Window.around(view, shown, _LEFT, top, WIDTH - _LEFT - _RIGHT, _TALLEST, 26)
         if view == SIDE:
-            magnification = _magnification(body, tight.px_per_m)
+            magnification = _choose_magnification(body, tight.px_per_m)
         # A silhouette may stick out by as much as it reaches from the core; the window grows by that.
         reach = 0.0 if body is None else float(np.hypot(*body.outer.T).max()) * magnification * tight.px_per_m
         width = WIDTH - _LEFT - _RIGHT
         windows.append(Window.around(view, shown, _LEFT, top, width, _TALLEST, max(26.0, reach + 3)))
         top = windows[-1].box.bottom + 74
 
-    captions = _captions(trajectory, scenario, body, magnification, approaches, nearest)
+    captions = _write_captions(trajectory, scenario, body, magnification, approaches, nearest)
     height = windows[-1].box.bottom + 52 + 17 * len(captions) + 6
-    root = svg.document(WIDTH, height, title or "Flight of an agent", " ".join(captions))
+    root = svg.start_document(WIDTH, height, title or "Flight of an agent", " ".join(captions))
     width = WIDTH - _LEFT - _RIGHT
     write(root, 22, 34, shorten(title or "Flight", 17, width, bold=True), 17, bold=True)
     headings = {SIDE: "Side view", PLAN: "Plan view, from above"}
@@ -91,14 +91,14 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
     return svg.render(root)
 
 
-def _magnification(body: Body | None, px_per_m: float) -> int:
+def _choose_magnification(body: Body | None, px_per_m: float) -> int:
     if body is None:
         return 1
     natural = max(body.length, body.max_diameter) * px_per_m
     return next((m for m in _MAGNIFICATIONS if m * natural >= _READABLE), _MAGNIFICATIONS[-1])
 
 
-def _captions(
+def _write_captions(
     trajectory: Trajectory,
     scenario: Scenario,
     body: Body | None,
@@ -110,7 +110,7 @@ def _captions(
     if nearest is not None:
         approach, name = approaches[nearest], scenario.target_names[nearest]
         captions.insert(
-            0, f"Closest to {name}: {_distance(approach.distance)} away after {approach.t:.2f} s."
+            0, f"Closest to {name}: {_format_distance(approach.distance)} away after {approach.t:.2f} s."
         )
     if body is not None:
         scale = "to scale" if magnification == 1 else f"magnified {magnification} times about the core"
@@ -131,7 +131,7 @@ _ENDS = {
 }
 
 
-def _distance(metres: float) -> str:
+def _format_distance(metres: float) -> str:
     return f"{1000 * metres:.1f} mm" if metres < 0.0995 else f"{metres:.2f} m"
 
 
@@ -148,12 +148,12 @@ def _draw_view(
     line = interpolate_positions(trajectory, drawing_times(trajectory))
     seen = window.to_page(line)
     draw_scene(root, window, scenario)
-    data = window.line(line)
+    data = window.path_data(line)
     svg.add_line(root, data, BLUE, 2, "path", stroke_linejoin="round", stroke_linecap="round")
     ink = [resample_polyline(seen, 3), pipe_ink(window, scenario.pipe)]
     if body is not None:
         size = max(body.length, body.max_diameter) * magnification * window.px_per_m
-        for t in _moments(trajectory, seen, size):
+        for t in _choose_times(trajectory, seen, size):
             pale = (tint(BLUE, 0.22), INK, ORANGE)
             corners = draw_silhouette(
                 root, window, body, interpolate_pose(trajectory, t), magnification, pale
@@ -171,7 +171,7 @@ def _draw_view(
         svg.add(
             root,
             "path",
-            d=svg.polyline([foot, target]),
+            d=svg.path_data([foot, target]),
             stroke=VERMILLION,
             stroke_width=1.2,
             stroke_dasharray="3 2",
@@ -195,7 +195,7 @@ def _draw_view(
     label_points(root, window, anchors, names, ink, keep=9)
 
 
-def _moments(trajectory: Trajectory, seen: FloatArray, size: float) -> list[float]:
+def _choose_times(trajectory: Trajectory, seen: FloatArray, size: float) -> list[float]:
     """Return times at equal distances along the path, so far apart that bodies of ``size`` px are clear."""
     s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(seen, axis=0), axis=1))])
     count = int(np.clip(s[-1] / (1.9 * size), 1, 7))

@@ -27,7 +27,7 @@ class GalleryEntry:
 
 def gallery_svg(flights: Sequence[GalleryEntry], title: str, subtitle: str) -> str:
     """Return the bodies of flights as SVG, at one scale, fore end to the right."""
-    rows, px_per_m = arrange(flights)
+    rows, px_per_m = arrange_rows(flights)
     top = 130.0
     names = ", ".join(flight.name for flight in flights) or "none"
     root = start_page(
@@ -54,7 +54,7 @@ class Row:
     height: float
 
 
-def arrange(flights: Sequence[GalleryEntry]) -> tuple[list[Row], float]:
+def arrange_rows(flights: Sequence[GalleryEntry]) -> tuple[list[Row], float]:
     """Return the rows of the gallery, and the px for a metre, the same in all of them."""
     if not flights:
         return [], 1.0
@@ -97,7 +97,9 @@ def draw_gallery(root: ET.Element, rows: list[Row], px_per_m: float, top: float)
         for flight, colour, cell in row.cells:
             x += cell / 2
             body = flight.agent.body
-            _draw_body(root, flight, colour, Placement.centred(body, x, top + 12 + row.tallest / 2, px_per_m))
+            _draw_body(
+                root, flight, colour, Placement.centre_body(body, x, top + 12 + row.tallest / 2, px_per_m)
+            )
             base = top + row.tallest + 36
             name = shorten(flight.name, 13, cell - 84, bold=True)
             error = f"{flight.error_percent:.2f} %"
@@ -125,7 +127,7 @@ def _draw_body(root: ET.Element, flight: GalleryEntry, colour: str, place: Place
     body = flight.agent.body
     draw_shading(root, body, place, colour, below=1, bands=6)
     draw_rims(root, body, place, tint(colour, 0.5), 0.5, below=1)
-    outline = svg.polyline(place.to_page(closed_outline(body.outer)), closed=True)
+    outline = svg.path_data(place.to_page(closed_outline(body.outer)), closed=True)
     svg.add_line(root, outline, colour, 1.1, "outline", stroke_linejoin="round")
     radius = max(1.5, body.core.radius * place.px_per_m)
     svg.add(root, "circle", class_="core", cx=place.x, cy=place.y, r=radius, fill=colour)

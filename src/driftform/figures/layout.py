@@ -77,7 +77,7 @@ def write(
 
 def start_page(height: float, title: str, subtitle: str, description: str) -> ET.Element:
     """Return a picture :data:`WIDTH` px wide with a title, and a line of text below it."""
-    root = svg.document(WIDTH, height, title, description)
+    root = svg.start_document(WIDTH, height, title, description)
     write(root, MARGIN, 36, shorten(title, 20, WIDTH - 2 * MARGIN, bold=True), 20, bold=True)
     write(root, MARGIN, 58, subtitle, 12, MUTED)
     return root
@@ -90,10 +90,10 @@ def draw_scale_bar(
 
     ``fill`` is the colour of its length, which is written above it.
     """
-    bar = nice_below(longest / px_per_m)
+    bar = floor_to_nice_number(longest / px_per_m)
     left = right - bar * px_per_m
     ends = [(left, base - 4), (left, base), (right, base), (right, base - 4)]
-    svg.add_line(root, svg.polyline(ends), INK, 1.2, "scale-bar")
+    svg.add_line(root, svg.path_data(ends), INK, 1.2, "scale-bar")
     text = f"{1000 * bar:g} mm"
     write(root, (left + right) / 2, base - 6, text, 11, fill, "middle", class_="scale-bar-label")
     return left
@@ -113,13 +113,13 @@ class Box:
         """Return the box of that size centred on a point."""
         return cls(x - width / 2, y - height / 2, x + width / 2, y + height / 2)
 
-    def overlap(self, other: "Box") -> float:
+    def overlap_area(self, other: "Box") -> float:
         """Return the area that two boxes share, px2."""
         w = min(self.right, other.right) - max(self.left, other.left)
         h = min(self.bottom, other.bottom) - max(self.top, other.top)
         return max(w, 0.0) * max(h, 0.0)
 
-    def holds(self, points: FloatArray) -> int:
+    def count_inside(self, points: FloatArray) -> int:
         """Return how many of ``points``, (n, 2), lie inside."""
         inside = (points > (self.left, self.top)) & (points < (self.right, self.bottom))
         return int(np.count_nonzero(inside.all(axis=1)))
@@ -158,8 +158,8 @@ def place_labels(
                 height,
             )
             area = widths[index] * height
-            cost = sum(box.overlap(other) for other in others) + 10 * (area - box.overlap(page))
-            cost = 100 * cost + 12 * box.holds(ink) + gap
+            cost = sum(box.overlap_area(other) for other in others) + 10 * (area - box.overlap_area(page))
+            cost = 100 * cost + 12 * box.count_inside(ink) + gap
             if cost < best - 1e-9:
                 best, placed[index] = cost, box
     return [box for box in placed if box is not None]
@@ -169,19 +169,19 @@ def place_labels(
 _DIRECTIONS = ((1, 0), (0, -1), (0, 1), (-1, 0), (0.8, -0.9), (0.8, 0.9), (-0.8, -0.9), (-0.8, 0.9))
 
 
-def nice_below(value: float) -> float:
+def floor_to_nice_number(value: float) -> float:
     """Return the greatest 1, 2 or 5 times a power of ten that is not above ``value`` (positive)."""
     power = 10.0 ** np.floor(np.log10(value) + 1e-9)
     return float(max(step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)))
 
 
-def ticks(low: float, high: float, step: float) -> FloatArray:
+def tick_values(low: float, high: float, step: float) -> FloatArray:
     """Return the multiples of ``step`` from ``low`` to ``high``."""
     first, last = np.ceil(low / step - 1e-6), np.floor(high / step + 1e-6)
     return np.asarray(np.arange(first, last + 1) * step, dtype=np.float64)
 
 
-def signed(value: float, digits: int) -> str:
+def format_signed(value: float, digits: int) -> str:
     """Return a number with a true minus sign, and none before zero."""
     text = f"{value:.{digits}f}"
     return (text.lstrip("-") if float(text) == 0 else text).replace("-", "\u2212")

@@ -6,7 +6,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.gallery import GalleryEntry, arrange, assign_colours, draw_gallery
+from driftform.figures.gallery import GalleryEntry, arrange_rows, assign_colours, draw_gallery
 from driftform.figures.layout import WIDTH, start_page
 from driftform.figures.plot import Window, draw_cross, draw_scene, label_points, pipe_ink, pipe_points
 from driftform.figures.projection import SIDE, drawing_times, resample_polyline
@@ -39,7 +39,7 @@ def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str
         [targets, pipe_points(scenario.pipe, SIDE), np.array([scenario.release.position]), *lines]
     )
     window = Window.around(SIDE, shown, _LEFT, 92, WIDTH - _LEFT - _RIGHT, 460, 14)
-    rows, px_per_m = arrange(flights)
+    rows, px_per_m = arrange_rows(flights)
     top = window.box.bottom + 84
     height = top + sum(row.height for row in rows) + (2 if rows else -34)
 
@@ -48,7 +48,7 @@ def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str
     root = start_page(
         height,
         title,
-        _subtitle(len(flights), worst),
+        _describe_flights(len(flights), worst),
         "Above, the pipe in side view with the best flight for each target; below, the bodies that flew, "
         f"at one scale. Error by target: {best or 'no flights'}.",
     )
@@ -57,14 +57,14 @@ def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str
     return svg.render(root)
 
 
-def _subtitle(count: int, worst: float) -> str:
+def _describe_flights(count: int, worst: float) -> str:
     if not count:
         return "No flights"
     flights = "The flight" if count == 1 else f"The {count} flights"
     return f"{flights}, firm up to the closest approach and faint after; largest error {worst:.2f} %"
 
 
-def _approach(flight: GalleryEntry, scenario: Scenario) -> Approach | None:
+def _find_approach(flight: GalleryEntry, scenario: Scenario) -> Approach | None:
     """Return the closest approach to the flight's own target, or to any where it has none."""
     target = scenario.targets.get(flight.name)
     points = scenario.target_array() if target is None else np.array([target])
@@ -81,7 +81,7 @@ def _draw_flights(
 ) -> None:
     draw_scene(root, window, scenario)
     colours = assign_colours(flights)
-    approaches = [_approach(flight, scenario) for flight in flights]
+    approaches = [_find_approach(flight, scenario) for flight in flights]
     firm = [
         interpolate_positions(f.trajectory, drawing_times(f.trajectory, stop=np.inf if a is None else a.t))
         for f, a in zip(flights, approaches, strict=True)
@@ -109,5 +109,5 @@ def _draw_flights(
 def _draw_line(
     root: ET.Element, window: Window, line: FloatArray, colour: str, width: float, class_: str
 ) -> None:
-    data = window.line(line)
+    data = window.path_data(line)
     svg.add_line(root, data, colour, width, class_, stroke_linejoin="round", stroke_linecap="round")

@@ -7,7 +7,16 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.layout import Box, nice_below, place_labels, shorten, signed, text_width, ticks, write
+from driftform.figures.layout import (
+    Box,
+    floor_to_nice_number,
+    format_signed,
+    place_labels,
+    shorten,
+    text_width,
+    tick_values,
+    write,
+)
 from driftform.figures.projection import View, resample_polyline, silhouette, simplify_polyline
 from driftform.figures.style import GRID, INK, MUTED, WALL, WATER
 from driftform.scenario import Pipe, Scenario
@@ -75,9 +84,9 @@ class Window:
         corner = np.array([self.box.left, self.box.bottom])
         return corner + self.px_per_m * (seen - self.low) * (1.0, -1.0)
 
-    def line(self, points: FloatArray, tolerance: float = 0.15) -> str:
+    def path_data(self, points: FloatArray, tolerance: float = 0.15) -> str:
         """Return path data through world points (n, 3), true to ``tolerance`` px."""
-        return svg.polyline(simplify_polyline(self.to_page(points), tolerance))
+        return svg.path_data(simplify_polyline(self.to_page(points), tolerance))
 
 
 def draw_axes(root: ET.Element, window: Window, names: tuple[str, str] | None = None) -> None:
@@ -87,12 +96,12 @@ def draw_axes(root: ET.Element, window: Window, names: tuple[str, str] | None = 
     """
     box, low, high = window.box, window.low, window.high
     # Labels of 11 px want about 40 px to themselves.
-    steps = [nice_below(2.49 * wanted / window.px_per_m) for wanted in (40, 26)]
+    steps = [floor_to_nice_number(2.49 * wanted / window.px_per_m) for wanted in (40, 26)]
     for axis, step in enumerate(steps):
         digits = max(0, -int(np.floor(np.log10(step) + 1e-9)))
-        for value in ticks(float(low[axis]), float(high[axis]), step):
+        for value in tick_values(float(low[axis]), float(high[axis]), step):
             offset = (value - low[axis]) * window.px_per_m
-            label = signed(value, digits)
+            label = format_signed(value, digits)
             if axis == 0:
                 x = box.left + offset
                 svg.add(
@@ -120,19 +129,19 @@ def draw_scene(root: ET.Element, window: Window, scenario: Scenario) -> None:
 
 def draw_water(root: ET.Element, window: Window, pipe: Pipe) -> None:
     """Fill the inside of the pipe."""
-    for corners in _segments(window, pipe):
-        svg.add(root, "path", class_="water", d=svg.polyline(corners, closed=True), fill=WATER)
+    for corners in _segment_corners(window, pipe):
+        svg.add(root, "path", class_="water", d=svg.path_data(corners, closed=True), fill=WATER)
 
 
 def draw_walls(root: ET.Element, window: Window, pipe: Pipe) -> None:
     """Draw the pipe's walls, and its open ends as dashes."""
-    for a, b, c, d in _segments(window, pipe):
+    for a, b, c, d in _segment_corners(window, pipe):
         for ends in ((a, b), (d, c)):
             svg.add(
                 root,
                 "path",
                 class_="wall",
-                d=svg.polyline(np.array(ends)),
+                d=svg.path_data(np.array(ends)),
                 stroke=WALL,
                 stroke_width=2.5,
                 stroke_linecap="square",
@@ -141,7 +150,7 @@ def draw_walls(root: ET.Element, window: Window, pipe: Pipe) -> None:
             svg.add(
                 root,
                 "path",
-                d=svg.polyline(np.array(ends)),
+                d=svg.path_data(np.array(ends)),
                 stroke=WALL,
                 stroke_width=0.8,
                 stroke_dasharray="3 4",
@@ -150,10 +159,10 @@ def draw_walls(root: ET.Element, window: Window, pipe: Pipe) -> None:
 
 def pipe_points(pipe: Pipe, view: View) -> FloatArray:
     """Return the world points, (n, 3) in m, between which the pipe lies in this view."""
-    return np.vstack([np.zeros((0, 3)), *(_corners(row, view) for row in pipe.array())])
+    return np.vstack([np.zeros((0, 3)), *(_section_corners(row, view) for row in pipe.array())])
 
 
-def _corners(row: FloatArray, view: View) -> FloatArray:
+def _section_corners(row: FloatArray, view: View) -> FloatArray:
     """Return the corners of a segment's long section, in the view's plane: start, end, end, start; (4, 3)."""
     start, end, radius = row[:3], row[3:6], row[6]
     across = np.zeros(3)
@@ -168,12 +177,12 @@ def _corners(row: FloatArray, view: View) -> FloatArray:
 
 def pipe_ink(window: Window, pipe: Pipe) -> FloatArray:
     """Return points along the walls and ends, 3 px apart, that labels had better not cover; px, (n, 2)."""
-    corners = _segments(window, pipe)
+    corners = _segment_corners(window, pipe)
     return np.vstack([np.zeros((0, 2)), *(resample_polyline(np.vstack([c, c[:1]]), 3) for c in corners)])
 
 
-def _segments(window: Window, pipe: Pipe) -> list[FloatArray]:
-    return [window.to_page(_corners(row, window.view)) for row in pipe.array()]
+def _segment_corners(window: Window, pipe: Pipe) -> list[FloatArray]:
+    return [window.to_page(_section_corners(row, window.view)) for row in pipe.array()]
 
 
 def draw_current(root: ET.Element, window: Window, current: FloatArray) -> None:
@@ -186,16 +195,16 @@ def draw_current(root: ET.Element, window: Window, current: FloatArray) -> None:
     aside = np.array([-along[1], along[0]])
     middle = np.array([window.box.right - 13, window.box.top - 14])
     tip = middle + 13 * along
-    svg.add(root, "path", d=svg.polyline([middle - 13 * along, tip]), stroke=MUTED, stroke_width=1.2)
+    svg.add(root, "path", d=svg.path_data([middle - 13 * along, tip]), stroke=MUTED, stroke_width=1.2)
     head = np.array([tip, tip - 7 * along + 3 * aside, tip - 7 * along - 3 * aside])
-    svg.add(root, "path", d=svg.polyline(head, closed=True), fill=MUTED)
+    svg.add(root, "path", d=svg.path_data(head, closed=True), fill=MUTED)
     text = f"current {float(np.linalg.norm(current)):g} m/s"
     write(root, middle[0] - 20, middle[1] + 4, text, 11, MUTED, "end")
 
 
 def draw_cross(root: ET.Element, x: float, y: float, arm: float, colour: str = INK, width: float = 2) -> None:
     """Draw a target: an upright cross, with a halo that lifts it off lines."""
-    data = svg.polyline([(x - arm, y), (x + arm, y)]) + svg.polyline([(x, y - arm), (x, y + arm)])
+    data = svg.path_data([(x - arm, y), (x + arm, y)]) + svg.path_data([(x, y - arm), (x, y + arm)])
     svg.add(root, "path", d=data, stroke="#ffffff", stroke_width=width + 2.5, stroke_linecap="round")
     svg.add(root, "path", class_="target", d=data, stroke=colour, stroke_width=width, stroke_linecap="round")
 
@@ -248,7 +257,7 @@ def draw_silhouette(
         centre + size * polygon * (1.0, -1.0)
         for polygon in silhouette(body, pose.quaternion, window.view, 0.2 / size)
     ]
-    data = "".join(svg.polyline(polygon, closed=True) for polygon in polygons)
+    data = "".join(svg.path_data(polygon, closed=True) for polygon in polygons)
     # Stroked first and filled on top: only the outline of the union is left of the strokes.
     svg.add_line(root, data, edge, 1.6, stroke_linejoin="round")
     svg.add(root, "path", class_="silhouette", d=data, fill=fill, stroke=fill, stroke_width=0.2)

@@ -103,7 +103,7 @@ def _draw_cells(root: ET.Element, window: Window, reach: CoverageMap, shift: Flo
                 (x + (end - start) * width, z + height),
                 (x, z + height),
             ]
-            shapes[int(classes[start, row])].append(svg.polyline(window.to_page(np.array(box)), closed=True))
+            shapes[int(classes[start, row])].append(svg.path_data(window.to_page(np.array(box)), closed=True))
     for number, data in shapes.items():
         if data:
             colour = RAMP[number] if number >= 0 else "#ffffff"
@@ -123,7 +123,7 @@ def _draw_cells(root: ET.Element, window: Window, reach: CoverageMap, shift: Flo
 
 
 def _draw_hatching(root: ET.Element, diagonals: list[FloatArray]) -> None:
-    data = "".join(svg.polyline(pair) for pair in diagonals)
+    data = "".join(svg.path_data(pair) for pair in diagonals)
     svg.add(root, "path", class_="hatching", d=data, stroke=MUTED, stroke_width=0.8)
 
 

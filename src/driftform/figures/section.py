@@ -7,7 +7,7 @@ import numpy as np
 
 from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading, inner_joints
-from driftform.figures.layout import MARGIN, draw_scale_bar, shorten, signed, text_width, write
+from driftform.figures.layout import MARGIN, draw_scale_bar, format_signed, shorten, text_width, write
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, tint
 from driftform.figures.surface import Surface, find_rest, find_surface
 from driftform.figures.svg import PX_PER_MM
@@ -65,10 +65,10 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None)
     The natural size is stated in millimetres: printed at it, the picture is to the scale that it names.
     """
     body = agent.body
-    ratio = _ratio(body)
+    ratio = _choose_ratio(body)
     px_per_m = 1000 * PX_PER_MM * ratio.paper / ratio.body
     length, diameter = body.length * px_per_m, body.max_diameter * px_per_m
-    facts, block = _facts(agent), title_block(agent, scenario)
+    facts, block = _describe_agent(agent), title_block(agent, scenario)
     rest = None if scenario is None else find_rest(agent, scenario)
     legend = 0.0 if rest is None else 34 + text_width(rest.text, 11) + _SCALE
     least = max(text_width(facts, 12), _block_width(block), legend, 556.0) + 2 * MARGIN
@@ -80,9 +80,9 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None)
     left = _LEFT + (width - _LEFT - _RIGHT - length) / 2
     place = Placement(left - px_per_m * float(body.outer[0, 0]), above + diameter / 2, px_per_m)
 
-    size = f"{_mm(body.length)} long, {_mm(body.max_diameter)} in diameter"
+    size = f"{_format_mm(body.length)} long, {_format_mm(body.max_diameter)} in diameter"
     told = "; ".join(f"{name} {value}" for name, value in block)
-    root = svg.document(
+    root = svg.start_document(
         width,
         height,
         title or "Section of an agent",
@@ -98,11 +98,11 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None)
         else find_surface(rest.pitch, rest.height, body, place, _AROUND)
     )
     if surface is not None:
-        svg.add(root, "path", class_="water", d=svg.polyline(surface.wet, closed=True), fill=tint(BLUE, 0.1))
+        svg.add(root, "path", class_="water", d=svg.path_data(surface.wet, closed=True), fill=tint(BLUE, 0.1))
     draw_shading(root, body, place, _STEEL, below=0)
     draw_rims(root, body, place, tint(_STEEL, 0.62), 0.7, below=0)
     _draw_cut(root, body, place)
-    outline = svg.polyline(place.to_page(closed_outline(body.outer)), closed=True)
+    outline = svg.path_data(place.to_page(closed_outline(body.outer)), closed=True)
     svg.add_line(root, outline, INK, 1.3, "outline", stroke_linejoin="round")
     _draw_axis(root, body, place)
     if surface is not None:
@@ -118,7 +118,7 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None)
     return svg.render(root)
 
 
-def _ratio(body: Body) -> Ratio:
+def _choose_ratio(body: Body) -> Ratio:
     fits = (
         ratio
         for ratio in _RATIOS
@@ -128,7 +128,7 @@ def _ratio(body: Body) -> Ratio:
     return next(fits, _RATIOS[-1])
 
 
-def _facts(agent: Agent) -> str:
+def _describe_agent(agent: Agent) -> str:
     mass = agent.mass
     modules = (
         max(len(agent.body.joints) - 1, 0) if agent.morphology is None else len(agent.morphology.modules)
@@ -155,7 +155,7 @@ def title_block(agent: Agent, scenario: Scenario | None) -> list[tuple[str, str]
     return block
 
 
-def _mm(metres: float) -> str:
+def _format_mm(metres: float) -> str:
     return f"{1000 * metres:.1f} mm"
 
 
@@ -163,20 +163,22 @@ def _draw_cut(root: ET.Element, body: Body, place: Placement) -> None:
     flip = (1.0, -1.0)
     wall = place.to_page(body.outer * flip)
     cavity = place.to_page(body.cavity * flip)
-    data = svg.polyline(wall, closed=True) + svg.polyline(cavity, closed=True)
+    data = svg.path_data(wall, closed=True) + svg.path_data(cavity, closed=True)
     svg.add(root, "path", class_="wall", d=data, fill=tint(_STEEL, 0.16), fill_rule="evenodd")
     # A wall of a few px needs close lines to look hatched at all.
     spacing = 4.0 if body.wall * place.px_per_m < 8 else 6.0
-    lines = "".join(svg.polyline(pair) for pair in hatch([wall, cavity], spacing))
+    lines = "".join(svg.path_data(pair) for pair in hatch([wall, cavity], spacing))
     if lines:
         svg.add_line(root, lines, _STEEL, 0.8, "hatch")
     if len(cavity):
-        svg.add_line(root, svg.polyline(cavity), INK, 0.9, "cavity", stroke_linejoin="round")
+        svg.add_line(root, svg.path_data(cavity), INK, 0.9, "cavity", stroke_linejoin="round")
     radius = body.core.radius * place.px_per_m
     svg.add(root, "circle", class_="core", cx=place.x, cy=place.y, r=radius, fill=ORANGE)
     # Above the axis the core is behind the wall: lighter, with the dashes of a hidden edge.
-    r, y = svg.number(radius), svg.number(place.y)
-    upper = f"M{svg.number(place.x - radius)} {y}A{r} {r} 0 0 1 {svg.number(place.x + radius)} {y}"
+    r, y = svg.format_number(radius), svg.format_number(place.y)
+    upper = (
+        f"M{svg.format_number(place.x - radius)} {y}A{r} {r} 0 0 1 {svg.format_number(place.x + radius)} {y}"
+    )
     svg.add(root, "path", d=upper + "Z", fill=tint(ORANGE, 0.5))
     svg.add_line(root, upper, "#7a5300", 0.9, stroke_dasharray="4 3")
     svg.add_line(root, upper.replace("0 0 1", "0 0 0"), "#7a5300", 1.1)
@@ -229,7 +231,7 @@ def _draw_axis(root: ET.Element, body: Body, place: Placement) -> None:
 
 def _draw_water_line(root: ET.Element, surface: Surface) -> None:
     """Draw the surface, with the triangle that drawings mark it by."""
-    line = svg.polyline(surface.line)
+    line = svg.path_data(surface.line)
     svg.add_line(root, line, "#ffffff", 3.2)
     svg.add_line(root, line, BLUE, 1.4, "water-line", stroke_dasharray="9 3")
     (start, end), up = surface.line, surface.up
@@ -239,13 +241,15 @@ def _draw_water_line(root: ET.Element, surface: Surface) -> None:
     tip = tip + 9 * inward / max(float(np.hypot(*inward)), 1e-9)
     along = np.array([-up[1], up[0]])
     corners = np.array([tip, tip + 8 * up + 5 * along, tip + 8 * up - 5 * along])
-    svg.add(root, "path", d=svg.polyline(corners, closed=True), fill="#ffffff", stroke=BLUE, stroke_width=1.2)
+    svg.add(
+        root, "path", d=svg.path_data(corners, closed=True), fill="#ffffff", stroke=BLUE, stroke_width=1.2
+    )
 
 
 def _draw_legend(root: ET.Element, text: str, floats: bool, base: float) -> None:
     x = MARGIN
     if floats:
-        line = svg.polyline([(x, base - 4), (x + 26, base - 4)])
+        line = svg.path_data([(x, base - 4), (x + 26, base - 4)])
         svg.add_line(root, line, BLUE, 1.4, stroke_dasharray="9 3")
         x += 34
     write(root, x, base, text, 11, MUTED, class_="rest")
@@ -261,11 +265,11 @@ def _draw_dimensions(root: ET.Element, body: Body, place: Placement) -> None:
         _draw_thin(root, x, edge + 4, x, level + 5)
     _draw_arrow(root, left, level, right, level)
     joints = "".join(
-        svg.polyline([(x, level), (x, level + 5)]) for x in place.x + place.px_per_m * inner_joints(body)
+        svg.path_data([(x, level), (x, level + 5)]) for x in place.x + place.px_per_m * inner_joints(body)
     )
     if joints:
         svg.add_line(root, joints, MUTED, 0.8, "ticks")
-    text = _mm(body.length)
+    text = _format_mm(body.length)
     fits = right - left > text_width(text, 12) + 20
     write(
         root,
@@ -283,7 +287,15 @@ def _draw_dimensions(root: ET.Element, body: Body, place: Placement) -> None:
     for y in (top[1], 2 * place.y - top[1]):
         _draw_thin(root, top[0] - 4, y, column - 5, y)
     _draw_arrow(root, column, top[1], column, 2 * place.y - top[1])
-    write(root, column - 9, place.y + 4, f"Ø {_mm(body.max_diameter)}", 12, anchor="end", class_="diameter")
+    write(
+        root,
+        column - 9,
+        place.y + 4,
+        f"Ø {_format_mm(body.max_diameter)}",
+        12,
+        anchor="end",
+        class_="diameter",
+    )
 
 
 def _draw_callouts(root: ET.Element, body: Body, place: Placement) -> None:
@@ -291,15 +303,15 @@ def _draw_callouts(root: ET.Element, body: Body, place: Placement) -> None:
     bottom = place.y + body.max_diameter / 2 * place.px_per_m
     left, right = (place.x + place.px_per_m * float(x) for x in body.outer[[0, -1], 0])
     base = bottom + 26
-    wall = _wall_spot(body, place)
-    labels = [("core", place.x, f"core Ø {_plain(2000 * body.core.radius)} mm")]
+    wall = _find_wall_spot(body, place)
+    labels = [("core", place.x, f"core Ø {_format_number(2000 * body.core.radius)} mm")]
     if wall is not None:
-        labels.append(("wall", float(wall[0][0]), f"wall {_plain(1000 * body.wall)} mm"))
+        labels.append(("wall", float(wall[0][0]), f"wall {_format_number(1000 * body.wall)} mm"))
     labels.sort(key=lambda label: label[1])
     widths = [text_width(text, 12) + 8 for _, _, text in labels]
     if right - left >= _NARROW and sum(widths) + 20 < right - left:
         wanted = [at for _, at, _ in labels]
-        centres = _spread(wanted, widths, left + 4, right - 4) if len(labels) == 2 else wanted
+        centres = _space_labels(wanted, widths, left + 4, right - 4) if len(labels) == 2 else wanted
     else:
         # Beside the lines that carry the length down, and on the side that the wall faces, so as not to cross it.
         faces_aft = wall is None or wall[0][0] < wall[1][0]
@@ -322,7 +334,7 @@ def _draw_callouts(root: ET.Element, body: Body, place: Placement) -> None:
                 _draw_head(root, tip, tip + away, 6.0)
 
 
-def _wall_spot(body: Body, place: Placement) -> tuple[FloatArray, FloatArray] | None:
+def _find_wall_spot(body: Body, place: Placement) -> tuple[FloatArray, FloatArray] | None:
     """Where the wall is dimensioned, on its outside and inside: in the middle of an edge of the cavity.
 
     The edge is long, runs along the axis rather than across it, and lies far out and off the core's label.
@@ -339,7 +351,7 @@ def _wall_spot(body: Body, place: Placement) -> tuple[FloatArray, FloatArray] | 
     return outside, inside
 
 
-def _plain(value: float) -> str:
+def _format_number(value: float) -> str:
     return f"{value:.3f}".rstrip("0").rstrip(".")
 
 
@@ -363,22 +375,22 @@ def _draw_head(root: ET.Element, tip: FloatArray, tail: FloatArray, size: float 
     back = size * (tail - tip) / np.hypot(*(tail - tip))
     aside = 0.22 * np.array([-back[1], back[0]])
     corners = np.array([tip, tip + back + aside, tip + back - aside])
-    svg.add(root, "path", d=svg.polyline(corners, closed=True), fill=MUTED)
+    svg.add(root, "path", d=svg.path_data(corners, closed=True), fill=MUTED)
 
 
 def _draw_centres(root: ET.Element, agent: Agent, place: Placement, width: float) -> None:
     cob, cog = (place.to_page(c[None, [0, 2]])[0] for c in (agent.mass.cob, agent.mass.cog))
     marks = [
-        ("COG", cog, f"COG x = {signed(1000 * agent.mass.cog[0], 1)} mm", 6.0),
-        ("COB", cob, f"COB x = {signed(1000 * agent.mass.cob[0], 1)} mm", 9.0),
+        ("COG", cog, f"COG x = {format_signed(1000 * agent.mass.cog[0], 1)} mm", 6.0),
+        ("COB", cob, f"COB x = {format_signed(1000 * agent.mass.cob[0], 1)} mm", 9.0),
     ]
     marks.sort(key=lambda mark: float(mark[1][0]))
     sizes = [text_width(label, 12, bold=True) + 20 for _, _, label, _ in marks]
-    centres = _spread([float(mark[1][0]) for mark in marks], sizes, 16, width - 16)
+    centres = _space_labels([float(mark[1][0]) for mark in marks], sizes, 16, width - 16)
     top = place.y - agent.body.max_diameter / 2 * place.px_per_m
     for (_, at, _, radius), centre in zip(marks, centres, strict=True):
         leader = [(at[0], at[1] - radius), (at[0], top - 8), (centre, top - 18)]
-        svg.add_line(root, svg.polyline(leader), INK, 0.8)
+        svg.add_line(root, svg.path_data(leader), INK, 0.8)
     _draw_buoyancy(root, float(cob[0]), float(cob[1]), 9)
     _draw_gravity(root, float(cog[0]), float(cog[1]), 6)
     for (name, _, label, _), centre, size in zip(marks, centres, sizes, strict=True):
@@ -390,7 +402,7 @@ def _draw_centres(root: ET.Element, agent: Agent, place: Placement, width: float
         write(root, x + 18, top - 24, label, 12, class_=name.lower())
 
 
-def _spread(wanted: list[float], widths: list[float], low: float, high: float) -> list[float]:
+def _space_labels(wanted: list[float], widths: list[float], low: float, high: float) -> list[float]:
     """Return the centres of two labels in a row, as near to ``wanted`` (ascending) as they fit."""
     apart = (widths[0] + widths[1]) / 2 + 10
     lack = max(0.0, apart - (wanted[1] - wanted[0])) / 2
@@ -402,7 +414,7 @@ def _spread(wanted: list[float], widths: list[float], low: float, high: float) -
 
 def _draw_gravity(root: ET.Element, x: float, y: float, r: float) -> None:
     svg.add(root, "circle", class_="cog", cx=x, cy=y, r=r, fill="#ffffff", stroke=INK, stroke_width=1.2)
-    n = svg.number
+    n = svg.format_number
     quarters = "".join(
         f"M{n(x)} {n(y)}L{n(x + a * r)} {n(y)}A{n(r)} {n(r)} 0 0 0 {n(x)} {n(y - a * r)}Z" for a in (1, -1)
     )
@@ -423,12 +435,12 @@ def _draw_block(root: ET.Element, block: list[tuple[str, str]], width: float, to
     """Draw the title block: cells side by side, a name above each value."""
     x, bottom = MARGIN, top + 34
     spare = (width - 2 * MARGIN - _block_width(block)) / len(block)
-    lines = svg.polyline(
+    lines = svg.path_data(
         [(x, top), (width - MARGIN, top), (width - MARGIN, bottom), (x, bottom)], closed=True
     )
     for index, (name, value) in enumerate(block):
         if index:
-            lines += svg.polyline([(x, top), (x, bottom)])
+            lines += svg.path_data([(x, top), (x, bottom)])
         write(root, x + 8, top + 13, name, 10, MUTED)
         write(root, x + 8, top + 28, value, 12, class_="cell")
         x += _cell_width(name, value) + spare

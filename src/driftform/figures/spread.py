@@ -29,7 +29,7 @@ class FlightSpread:
     """
 
     name: str
-    flights: tuple[Trajectory, ...]
+    trajectories: tuple[Trajectory, ...]
     note: str = ""
 
 
@@ -57,7 +57,7 @@ def spread_svg(repeats: Sequence[FlightSpread], scenario: Scenario, title: str, 
     return svg.render(root)
 
 
-def band(
+def compute_band(
     flights: Sequence[Trajectory], target: FloatArray
 ) -> tuple[list[FloatArray], FloatArray, FloatArray]:
     """Return the flights' paths up to their closest approach to ``target`` (3,), their mean, and its deviation.
@@ -83,14 +83,14 @@ def _draw_panel(
     draw_axes(root, window)
     draw_walls(root, window, scenario.pipe)
     target = np.array(scenario.targets[repeated.name])
-    paths, mean, deviation = band(repeated.flights, target)
+    paths, mean, deviation = compute_band(repeated.trajectories, target)
     up = np.array([0.0, 0.0, 1.0])
     edge = [window.to_page(mean + sign * deviation[:, None] * up) for sign in (1, -1)]
     outline = np.vstack([edge[0], edge[1][::-1]])
-    svg.add(root, "path", class_="band", d=svg.polyline(outline, closed=True), fill=tint(colour, 0.3))
+    svg.add(root, "path", class_="band", d=svg.path_data(outline, closed=True), fill=tint(colour, 0.3))
     for path in paths:
-        svg.add_line(root, window.line(path), tint(colour, 0.55), 0.8)
-    svg.add_line(root, window.line(mean), colour, 2, "mean")
+        svg.add_line(root, window.path_data(path), tint(colour, 0.55), 0.8)
+    svg.add_line(root, window.path_data(mean), colour, 2, "mean")
     x, y = window.to_page(target[None])[0]
     draw_cross(root, x, y, 5, INK, 2)
     name = f"{repeated.name}  {repeated.note}".strip()

@@ -81,5 +81,5 @@ def _draw_dot(root: ET.Element, x: float, y: float, **class_: str) -> None:
 
 
 def _draw_diamond(root: ET.Element, x: float, y: float, **class_: str) -> None:
-    data = svg.polyline([(x, y - 6), (x + 6, y), (x, y + 6), (x - 6, y)], closed=True)
+    data = svg.path_data([(x, y - 6), (x + 6, y), (x, y + 6), (x - 6, y)], closed=True)
     svg.add(root, "path", **class_, d=data, fill="#ffffff", stroke=VERMILLION, stroke_width=2)

@@ -67,7 +67,7 @@ def find_rest(agent: Agent, scenario: Scenario) -> WaterRest | None:
         return None
     open_water = scenario.model_copy(update={"fluid": fluid.model_copy(update={"water_level": 0.0})})
     rest = stable_rest(flight_model(agent, open_water))
-    attitude = _attitude(rest.pitch)
+    attitude = _describe_attitude(rest.pitch)
     if rest.height is None:
         lever = abs(float(mass.cob[0] - mass.cog[0]))
         attitude = attitude if lever > _NO_LEVER else "in any attitude"
@@ -80,7 +80,7 @@ def find_rest(agent: Agent, scenario: Scenario) -> WaterRest | None:
     return WaterRest(text, rest.pitch, rest.height)
 
 
-def _attitude(pitch: float) -> str:
+def _describe_attitude(pitch: float) -> str:
     nose = "nose down" if pitch > 0 else "nose up"
     if abs(pitch) < _STRAIGHT:
         return "level"

@@ -19,13 +19,13 @@ PX_PER_MM = 96 / 25.4
 _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
-def number(value: float) -> str:
+def format_number(value: float) -> str:
     """Return ``value`` to a hundredth, without trailing zeros or a negative zero."""
     text = f"{value:.2f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
 
 
-def document(
+def start_document(
     width: float, height: float, title: str, description: str, unit: Literal["px", "mm"] = "px"
 ) -> ET.Element:
     """Return an empty white picture of ``width`` by ``height`` px.
@@ -38,9 +38,9 @@ def document(
         "svg",
         {
             "xmlns": "http://www.w3.org/2000/svg",
-            "width": number(width * size) + suffix,
-            "height": number(height * size) + suffix,
-            "viewBox": f"0 0 {number(width)} {number(height)}",
+            "width": format_number(width * size) + suffix,
+            "height": format_number(height * size) + suffix,
+            "viewBox": f"0 0 {format_number(width)} {format_number(height)}",
             "role": "img",
             "font-family": FONTS,
         },
@@ -56,25 +56,25 @@ def add(parent: ET.Element, tag: str, content: str = "", **attributes: str | flo
     element = ET.SubElement(parent, tag)
     for key, value in attributes.items():
         name = key.rstrip("_").replace("_", "-")
-        element.set(name, _legal(value) if isinstance(value, str) else number(value))
+        element.set(name, _replace_illegal(value) if isinstance(value, str) else format_number(value))
     if content:
-        element.text = _legal(content)
+        element.text = _replace_illegal(content)
     return element
 
 
 def add_line(
     parent: ET.Element, data: str, stroke: str, width: float, class_: str = "", **attributes: str | float
 ) -> None:
-    """Append a line of path ``data`` (see :func:`polyline`) and of ``width`` px, without a filling."""
+    """Append a line of path ``data`` (see :func:`path_data`) and of ``width`` px, without a filling."""
     named = {"class_": class_} if class_ else {}
     add(parent, "path", "", **named, d=data, fill="none", stroke=stroke, stroke_width=width, **attributes)
 
 
-def polyline(points: npt.ArrayLike, closed: bool = False) -> str:
+def path_data(points: npt.ArrayLike, closed: bool = False) -> str:
     """Return path data through ``points``, (n, 2) in px; those that round to one place are drawn once."""
     pairs: list[str] = []
     for x, y in np.asarray(points, dtype=np.float64).reshape(-1, 2):
-        pair = f"{number(x)} {number(y)}"
+        pair = f"{format_number(x)} {format_number(y)}"
         if not pairs or pair != pairs[-1]:
             pairs.append(pair)
     if not pairs:
@@ -90,6 +90,6 @@ def render(root: ET.Element) -> str:
     return ET.tostring(root, encoding="unicode") + "\n"
 
 
-def _legal(text: str) -> str:
+def _replace_illegal(text: str) -> str:
     """XML has no way to write most control characters, not even escaped."""
     return _NOT_XML.sub("�", text)

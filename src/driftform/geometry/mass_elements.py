@@ -56,21 +56,21 @@ def ball_element(mass: float, x: float, radius: float) -> MassElement:
     return MassElement(mass, x, inertia, inertia)
 
 
-def combine(lumps: Iterable[MassElement], like: MassProperties) -> MassProperties:
-    """Lumps as one body (Steiner), which displaces what ``like`` does.
+def combine(elements: Iterable[MassElement], like: MassProperties) -> MassProperties:
+    """Elements as one body (Steiner), which displaces what ``like`` does.
 
     Raises
     ------
     ValueError
         where their mass is not above zero.
     """
-    lumps = list(lumps)
-    mass = sum(lump.mass for lump in lumps)
+    elements = list(elements)
+    mass = sum(element.mass for element in elements)
     if not mass > 0:
         raise ValueError(f"a body needs a mass above 0, not {mass:g} kg")
-    x = sum(lump.mass * lump.x for lump in lumps) / mass
-    axial = sum(lump.axial for lump in lumps)
-    transverse = sum(lump.transverse + lump.mass * (lump.x - x) ** 2 for lump in lumps)
+    x = sum(element.mass * element.x for element in elements) / mass
+    axial = sum(element.axial for element in elements)
+    transverse = sum(element.transverse + element.mass * (element.x - x) ** 2 for element in elements)
     return replace(
         like, mass=mass, cog=np.array([x, 0.0, 0.0]), inertia=np.diag([axial, transverse, transverse])
     )
@@ -97,5 +97,5 @@ def reweigh(agent: Agent, mass: float, x: float | None = None) -> Agent:
 
     Its shape, and so its coefficients, are what they were.
     """
-    lumps = (printed_hull_element(agent.body, mass, x), core_element(agent.body))
-    return replace(agent, mass=combine(lumps, agent.mass))
+    elements = (printed_hull_element(agent.body, mass, x), core_element(agent.body))
+    return replace(agent, mass=combine(elements, agent.mass))

@@ -6,7 +6,7 @@ import numpy.typing as npt
 from driftform.types import FloatArray
 
 
-def slices(contour: npt.ArrayLike, count: int) -> FloatArray:
+def slice_solid(contour: npt.ArrayLike, count: int) -> FloatArray:
     """Cut a solid of revolution into ``count`` slices of equal width.
 
     Parameters

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from driftform.geometry.slices import slices
+from driftform.geometry.slices import slice_solid
 from driftform.hydrodynamics.drag_coefficients import (
     base_coefficient,
     finite_length_factor,
@@ -48,7 +48,7 @@ def estimate_drag(body: Body, viscosity: float) -> Drag:
     """
     sphere = max(0.0, (sphericity(body.outer) - SLENDER) / (1 - SLENDER))
     slender, round_area = 1 - sphere, sphere * SPHERE * math.pi * body.max_diameter**2 / 4
-    x, volume, width = slices(body.outer, STRIPS).T
+    x, volume, width = slice_solid(body.outer, STRIPS).T
     diameter = 2 * np.sqrt(volume / (math.pi * width))
     finite = finite_length_factor(body.length**2 / float(diameter @ width))
     factor = slender * finite + sphere * SPHERE
@@ -70,14 +70,16 @@ def _end_area(contour: FloatArray, rubbed: float, viscosity: float) -> float:
     radius = float(r.max())
     frontal = math.pi * radius**2
     widest = np.flatnonzero(r > (1 - 1e-9) * radius)
-    nose = nose_coefficient(_shoulder(contour[widest[-1] :]), float(x[widest[-1]] - x[0]) / (2 * radius))
+    nose = nose_coefficient(
+        _shoulder_angle(contour[widest[-1] :]), float(x[widest[-1]] - x[0]) / (2 * radius)
+    )
     length = float(x.max() - x.min())
     friction = friction_coefficient(REFERENCE_SPEED * length / viscosity) * rubbed / frontal
     base = base_coefficient(_base_radius(contour[widest[0] :: -1]) / radius, friction)
     return frontal * (nose + base)
 
 
-def _shoulder(nose: FloatArray) -> float:
+def _shoulder_angle(nose: FloatArray) -> float:
     """Inclination (rad) of a nose, from its widest point to its tip, over the outermost part of its radius."""
     x, r = nose.T
     inner = SHOULDER * r[0]

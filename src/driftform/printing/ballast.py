@@ -55,7 +55,7 @@ class Piece:
     ``start`` and ``end`` are the x (m) that it lies between.
     """
 
-    lump: MassElement
+    element: MassElement
     start: float
     end: float
     diameter: float | None = None
@@ -84,9 +84,9 @@ def place_ballast(body: Body, wanted: RequiredBallast, density: float) -> tuple[
     if not len(body.cavity) or wanted.x is None or wanted.mass < 0:
         return ()
     return (
-        _one_ball(body, wanted.mass, wanted.x, density)
-        or _two_balls(body, wanted.mass, wanted.x, density)
-        or _filling(body, wanted.mass, wanted.x, density)
+        _place_one_ball(body, wanted.mass, wanted.x, density)
+        or _place_two_balls(body, wanted.mass, wanted.x, density)
+        or _place_filling(body, wanted.mass, wanted.x, density)
     )
 
 
@@ -96,18 +96,18 @@ def place_nearest(body: Body, wanted: RequiredBallast, density: float) -> tuple[
         return ()
     place = wanted.x
     x = _stations(body)
-    fits = room_for_ball(body, x) >= ball_diameter(wanted.mass, density) / 2
+    fits = max_ball_radius(body, x) >= ball_diameter(wanted.mass, density) / 2
     if fits.any():
-        return (_ball_piece(wanted.mass, float(x[fits][np.abs(x[fits] - place).argmin()]), density),)
+        return (_make_ball(wanted.mass, float(x[fits][np.abs(x[fits] - place).argmin()]), density),)
     bore = _Bore(body)
     volume = wanted.mass / density
-    if volume > bore.whole:
+    if volume > bore.volume:
         return ()
-    at_the_ends = [bore.filling(first, volume, density) for first in (0.0, bore.whole - volume)]
-    return (min(at_the_ends, key=lambda piece: abs(piece.lump.x - place)),)
+    at_the_ends = [bore.fill(first, volume, density) for first in (0.0, bore.volume - volume)]
+    return (min(at_the_ends, key=lambda piece: abs(piece.element.x - place)),)
 
 
-def room_for_ball(body: Body, x: FloatArray) -> FloatArray:
+def max_ball_radius(body: Body, x: FloatArray) -> FloatArray:
     """Radius (m) of the largest ball on the axis at each ``x`` (n,) that touches neither wall nor core; 0 for none."""
     on_axis = np.column_stack((x, np.zeros_like(x)))
     inside = (x > body.cavity[0, 0]) & (x < body.cavity[-1, 0])
@@ -119,20 +119,20 @@ def _stations(body: Body) -> FloatArray:
     return np.linspace(body.cavity[0, 0], body.cavity[-1, 0], _STATIONS + 2)[1:-1]
 
 
-def _ball_piece(mass: float, x: float, density: float) -> Piece:
+def _make_ball(mass: float, x: float, density: float) -> Piece:
     diameter = ball_diameter(mass, density)
     return Piece(ball_element(mass, x, diameter / 2), x - diameter / 2, x + diameter / 2, diameter)
 
 
-def _one_ball(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
-    piece = _ball_piece(mass, x, density)
-    return (piece,) if room_for_ball(body, np.array([x]))[0] >= piece.lump.x - piece.start else ()
+def _place_one_ball(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
+    piece = _make_ball(mass, x, density)
+    return (piece,) if max_ball_radius(body, np.array([x]))[0] >= piece.element.x - piece.start else ()
 
 
-def _two_balls(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
+def _place_two_balls(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
     """Of those that fit, the pair that lies nearest together: it changes the inertia least."""
     stations = _stations(body)
-    room = room_for_ball(body, stations)
+    room = max_ball_radius(body, stations)
     aft, fore = stations[stations < x], stations[stations > x]
     if not len(aft) or not len(fore):
         return ()
@@ -145,29 +145,29 @@ def _two_balls(body: Body, mass: float, x: float, density: float) -> tuple[Piece
     i, j = np.unravel_index(np.where(fits, fore[None] - aft[:, None], np.inf).argmin(), fits.shape)
     heavier = float(share[i, j])
     return (
-        _ball_piece(mass * (1 - heavier), float(aft[i]), density),
-        _ball_piece(mass * heavier, float(fore[j]), density),
+        _make_ball(mass * (1 - heavier), float(aft[i]), density),
+        _make_ball(mass * heavier, float(fore[j]), density),
     )
 
 
-def _filling(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
+def _place_filling(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
     # SciPy's optimisers take a third of a second to import, and most prints need no filling.
     from scipy.optimize import brentq
 
     bore = _Bore(body)
     volume = mass / density
-    if volume > bore.whole:
+    if volume > bore.volume:
         return ()
-    latest = bore.whole - volume
+    latest = bore.volume - volume
 
     def excess(first: float) -> float:
-        return bore.filling(first, volume, density).lump.x - x
+        return bore.fill(first, volume, density).element.x - x
 
     # The centre moves forward with the aft end of the filling, so that it passes x once at most.
     if not excess(0.0) <= 0 <= excess(latest):
         return ()
-    first = brentq(excess, 0.0, latest, xtol=1e-12 * bore.whole, rtol=1e-12)
-    return (bore.filling(float(first), volume, density),)
+    first = brentq(excess, 0.0, latest, xtol=1e-12 * bore.volume, rtol=1e-12)
+    return (bore.fill(float(first), volume, density),)
 
 
 class _Bore:
@@ -185,11 +185,11 @@ class _Bore:
         self.before = np.concatenate(([0.0], np.cumsum(self.area * self.width)))
 
     @property
-    def whole(self) -> float:
+    def volume(self) -> float:
         """All of it, m3."""
         return float(self.before[-1])
 
-    def filling(self, first: float, volume: float, density: float) -> Piece:
+    def fill(self, first: float, volume: float, density: float) -> Piece:
         """What fills ``volume`` (m3) of it, after the ``first`` m3 from aft."""
         parts = np.diff(np.clip(self.before, first, first + volume))
         share = parts / np.maximum(self.area * self.width, 1e-300)

@@ -28,13 +28,13 @@ from driftform.trajectory.path import closest_approach
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform.util.progress import track_progress
 
-SAMPLES = 240
+MAX_SAMPLES = 240
 """Most moments of a flight that a page holds."""
 
-EXACT = 5e-5
+CONTOUR_TOLERANCE = 5e-5
 """What a page may leave out of a contour, m."""
 
-STEPS = 60
+TREND_POINTS = 60
 """Points of a trend."""
 
 
@@ -49,7 +49,7 @@ class Entry:
     t: float
     stored: StoredAgent
     agent: Agent
-    flight: Trajectory
+    trajectory: Trajectory
 
     @property
     def error_percent(self) -> float:
@@ -120,11 +120,11 @@ def collect_contents(directory: Path) -> Contents:
                 )
             )
         title = str(study.document.get("title", ""))
-        flights = [GalleryEntry(e.target, e.agent, e.flight, e.error_percent) for e in entries]
+        flights = [GalleryEntry(e.target, e.agent, e.trajectory, e.error_percent) for e in entries]
         seen = track_progress(store.read_trajectories(), store.count_sound(), "flights")
         figures = {
             "Flights and bodies": overview_svg(flights, study.scenario, title),
-            "Search": trend_svg(_trends(store, targets), "Best fitness so far", _strategy(study)),
+            "Search": trend_svg(_read_trends(store, targets), "Best fitness so far", _strategy_name(study)),
             "Reach": reach_svg(map_coverage(seen, PipeGrid.of(study.scenario)), study.scenario, title),
         }
         strips = [
@@ -147,15 +147,15 @@ def collect_contents(directory: Path) -> Contents:
         )
 
 
-def _strategy(study: Study) -> str:
+def _strategy_name(study: Study) -> str:
     return str(study.document.get("strategy", {}).get("use", "search"))
 
 
-def _trends(store: Store, targets: Sequence[str]) -> list[Trend]:
+def _read_trends(store: Store, targets: Sequence[str]) -> list[Trend]:
     """The best fitness of a run for each target, over all of its flights."""
     fitness = np.array([brief.fitness for brief in store.read_summaries(targets)]).reshape(-1, len(targets))
     best = np.maximum.accumulate(fitness, axis=0)
-    at = np.unique(np.linspace(1, len(best), min(STEPS, len(best))).astype(int))
+    at = np.unique(np.linspace(1, len(best), min(TREND_POINTS, len(best))).astype(int))
     none = np.zeros((0, len(at)))
     return [
         Trend(target, at.astype(np.float64), best[None, at - 1, number], none)
@@ -173,7 +173,7 @@ def viewer_data(contents: Contents) -> dict[str, Any]:
     length = float(np.linalg.norm(high - low))
     longest = max(entry.agent.body.length for entry in contents.entries)
     return {
-        "agents": [_agent(entry, SERIES[i % len(SERIES)]) for i, entry in enumerate(contents.entries)],
+        "agents": [_viewer_agent(entry, SERIES[i % len(SERIES)]) for i, entry in enumerate(contents.entries)],
         "pipe": [{"start": _round(r[:3]), "end": _round(r[3:6]), "radius": float(r[6])} for r in rows],
         "targets": [{"name": name, "position": list(point)} for name, point in scenario.targets.items()],
         "water": scenario.fluid.water_level,
@@ -186,16 +186,16 @@ def viewer_data(contents: Contents) -> dict[str, Any]:
     }
 
 
-def _agent(entry: Entry, colour: str) -> dict[str, Any]:
-    body, flight = entry.agent.body, entry.flight
+def _viewer_agent(entry: Entry, colour: str) -> dict[str, Any]:
+    body, flight = entry.agent.body, entry.trajectory
     # Evenly in time, and the moment of the closest approach among them.
-    t = np.unique(np.append(np.linspace(flight.t[0], flight.t[-1], SAMPLES - 1), entry.t))
+    t = np.unique(np.append(np.linspace(flight.t[0], flight.t[-1], MAX_SAMPLES - 1), entry.t))
     nearest = np.clip(np.searchsorted(flight.t, t), 0, len(flight.t) - 1)
     return {
         "target": entry.target,
         "colour": colour,
-        "outer": _round(simplify_polyline(body.outer, EXACT), 6),
-        "cavity": _round(simplify_polyline(body.cavity, EXACT), 6) if len(body.cavity) else [],
+        "outer": _round(simplify_polyline(body.outer, CONTOUR_TOLERANCE), 6),
+        "cavity": _round(simplify_polyline(body.cavity, CONTOUR_TOLERANCE), 6) if len(body.cavity) else [],
         "joints": _round(body.joints, 6),
         "core": body.core.radius,
         "closest": round(entry.t, 4),
