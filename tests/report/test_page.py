@@ -1,4 +1,4 @@
-"""The page of a run, as its readers have it: from disk, in a browser, without a network."""
+"""The page of a run, opened from disk in a browser without a network."""
 
 import json
 import re
@@ -49,7 +49,7 @@ def pixels(page, view):
     return share, digest
 
 
-def test_the_page_opens_without_a_network_and_without_a_word_on_the_console(page):
+def test_the_page_opens_without_a_network_and_without_a_console_message(page):
     page.get_log("performance")
     page.refresh()
     asked = [
@@ -87,7 +87,7 @@ def test_the_slider_is_moved_by_the_keyboard_too(page):
     assert slider.get_attribute("aria-valuetext") == page.find_element("id", "moment").text
 
 
-def test_what_is_told_of_the_closest_approach_is_what_the_run_has(page, run_with_page):
+def test_the_closest_approach_on_the_page_is_that_of_the_run(page, run_with_page):
     contents = collect_contents(run_with_page)
     for number, entry in enumerate(contents.entries[:3]):
         page.find_elements("css selector", "[data-agent]")[number].click()
@@ -213,13 +213,13 @@ class PageReader(HTMLParser):
         self.is_data = False
 
 
-def test_the_command_says_where_the_page_is(run, run_with_page, tmp_path):
+def test_the_command_prints_the_path_of_the_page(run, run_with_page, tmp_path):
     out = tmp_path / "pages" / "mine.html"
     document = json.loads(run("report", run_with_page, "--out", out, "--json", cwd=tmp_path).stdout)
     assert Path(document["report"]) == out and out.stat().st_size == document["bytes"]
 
 
-def test_a_directory_that_is_no_run_is_told_in_one_line(run, tmp_path):
+def test_a_directory_that_is_not_a_run_is_refused_in_one_line(run, tmp_path):
     result = run("report", tmp_path, cwd=tmp_path)
     assert result.returncode == 2
     assert result.stderr == f"error: {tmp_path} holds no run.db: it is not a run directory\n"

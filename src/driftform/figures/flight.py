@@ -1,4 +1,4 @@
-"""One flight through the pipe: the path, the attitude, and how near it comes to a target."""
+"""One flight through the pipe: the path, the attitude, and the closest approach to a target."""
 
 from xml.etree import ElementTree as ET
 
@@ -29,10 +29,10 @@ from driftform.types import Body, FloatArray, Trajectory
 _LEFT, _RIGHT = 62.0, 24.0
 _TALLEST = 440.0
 _READABLE = 28.0
-"""A silhouette shorter than this, in px, is magnified until attitude can be read off it."""
+"""A silhouette shorter than this, in px, is magnified until its attitude can be seen."""
 _MAGNIFICATIONS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 50, 75, 100)
 _SIDEWAYS = 0.01
-"""A flight that leaves the plane it started in by more than this, in m, is shown from above as well."""
+"""A flight that moves sideways (along y) by more than this, in m, is shown from above as well."""
 
 
 def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body: Body | None = None) -> str:
@@ -41,15 +41,15 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
     Parameters
     ----------
     trajectory
-        the path is drawn as fitness measures it, smooth between samples.
+        its path is drawn with the interpolation between samples that fitness uses.
     scenario
-        pipe, current and targets; in open water the window fits the path and the targets.
+        pipe, current and targets; in open water, the window fits the path and the targets.
     title
         a line above the picture.
     body
-        its silhouette is shown in its attitude at some moments, magnified where it would be too small.
+        its silhouette is drawn in its attitude at several moments, magnified if it would be too small.
 
-    A flight that moves sideways, too, gets a plan view (x to the right, y upward) below the side view.
+    A flight that also moves sideways gets a plan view (x to the right, y upward) below the side view.
     """
     line = interpolate_positions(trajectory, drawing_times(trajectory))
     targets = scenario.target_array()
@@ -63,14 +63,14 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
     for view in views:
         points = [line, targets, pipe_points(scenario.pipe, view)]
         if body is not None and not scenario.pipe.segments:
-            # Else a body that hardly moves would fill the window.
+            # Without this margin, a body that hardly moves would fill the window.
             room = 1.5 * max(body.length, body.max_diameter)
             points.append(line[0] + room * np.vstack([np.eye(3), -np.eye(3)]))
         shown = np.vstack(points)
         tight = Window.around(view, shown, _LEFT, top, WIDTH - _LEFT - _RIGHT, _TALLEST, 26)
         if view == SIDE:
             magnification = _choose_magnification(body, tight.px_per_m)
-        # A silhouette may stick out by as much as it reaches from the core; the window grows by that.
+        # A silhouette extends beyond the path by its reach from the core; the window grows by that.
         reach = 0.0 if body is None else float(np.hypot(*body.outer.T).max()) * magnification * tight.px_per_m
         width = WIDTH - _LEFT - _RIGHT
         windows.append(Window.around(view, shown, _LEFT, top, width, _TALLEST, max(26.0, reach + 3)))
@@ -114,7 +114,7 @@ def _write_captions(
         )
     if body is not None:
         scale = "to scale" if magnification == 1 else f"magnified {magnification} times about the core"
-        # Said, since a body that slides along the wall looks as if it were stuck in it.
+        # A magnified body that slides along the wall looks as if it were stuck in the wall.
         scale += ", so some cross the wall" if magnification > 1 and scenario.pipe.segments else ""
         captions.append(f"Silhouettes: attitude at equal distances along the path, {scale}.")
     # Two short sentences share a line.
@@ -124,10 +124,10 @@ def _write_captions(
 _ENDS = {
     "outlet": "it left through the outlet",
     "inlet": "it left through the inlet",
-    "horizon": "time was up",
-    "non-finite": "the simulation broke down",
-    "step limit": "the simulation ran out of steps",
-    "not converged": "its error could not be made small enough, and it counts as failed",
+    "horizon": "it reached the time limit",
+    "non-finite": "the simulation produced a value that is not finite",
+    "step limit": "the simulation reached its step limit",
+    "not converged": "the simulation did not reach its accuracy, so the flight counts as failed",
 }
 
 
@@ -196,9 +196,9 @@ def _draw_view(
 
 
 def _choose_times(trajectory: Trajectory, seen: FloatArray, size: float) -> list[float]:
-    """Return times at equal distances along the path, so far apart that bodies of ``size`` px are clear."""
+    """Return times (s) at equal distances along the path, far enough apart that bodies of ``size`` px do not overlap."""
     s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(seen, axis=0), axis=1))])
     count = int(np.clip(s[-1] / (1.9 * size), 1, 7))
-    # Off both ends, where the start and the outlet are.
+    # Keep off both ends, where the start and the outlet are.
     wanted = s[-1] * (np.arange(count) + 0.5) / count
     return [float(t) for t in np.interp(wanted, s, drawing_times(trajectory))]

@@ -1,4 +1,4 @@
-"""Bodies side by side at one scale: the gallery of what a study evolved."""
+"""A gallery of evolved bodies, side by side at one scale."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ GAP, NARROWEST = 24.0, 132.0
 
 @dataclass(frozen=True, eq=False)
 class GalleryEntry:
-    """The best flight for a target: ``name`` is the target's, ``error_percent`` is 100 (1 - fitness)."""
+    """The best flight for a target: the target's name, the agent, its path, and the error, 100 % less the fitness."""
 
     name: str
     agent: Agent
@@ -41,13 +41,13 @@ def gallery_svg(flights: Sequence[GalleryEntry], title: str, subtitle: str) -> s
 
 
 def assign_colours(flights: Sequence[GalleryEntry]) -> list[str]:
-    """A colour for each flight."""
+    """Return a colour for each flight."""
     return [SERIES[i % len(SERIES)] for i in range(len(flights))]
 
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """Some bodies side by side: each with its colour and its cell's width, the tallest, and the row; px."""
+    """Bodies side by side: each with its colour and the width of its cell; height of the tallest body and of the row (px)."""
 
     cells: list[tuple[GalleryEntry, str, float]]
     tallest: float
@@ -55,7 +55,7 @@ class Row:
 
 
 def arrange_rows(flights: Sequence[GalleryEntry]) -> tuple[list[Row], float]:
-    """Return the rows of the gallery, and the px for a metre, the same in all of them."""
+    """Return the rows of the gallery, and their common scale (px per metre)."""
     if not flights:
         return [], 1.0
     bodies = [flight.agent.body for flight in flights]
@@ -66,7 +66,7 @@ def arrange_rows(flights: Sequence[GalleryEntry]) -> tuple[list[Row], float]:
     def cells(row: list[tuple[GalleryEntry, str]], px_per_m: float) -> list[float]:
         return [max(f.agent.body.length * px_per_m + GAP, NARROWEST) for f, _ in row]
 
-    # The largest scale at which every row fits: widths only grow with it, so bisection finds it.
+    # Bisect for the largest scale at which every row fits: widths only grow with the scale.
     low, high = 0.0, TALLEST / max(body.max_diameter for body in bodies)
     for _ in range(50):
         middle = (low + high) / 2
@@ -75,7 +75,7 @@ def arrange_rows(flights: Sequence[GalleryEntry]) -> tuple[list[Row], float]:
     rows = []
     for row in split:
         widths = cells(row, low)
-        # A short last row keeps to the left, in cells like those above it.
+        # A short last row is aligned to the left, in cells as wide as those above.
         spare = (inner - sum(widths)) / len(row) if len(row) == COLUMNS else 0.0
         tallest = max(f.agent.body.max_diameter for f, _ in row) * low
         rows.append(
@@ -85,7 +85,7 @@ def arrange_rows(flights: Sequence[GalleryEntry]) -> tuple[list[Row], float]:
 
 
 def draw_gallery(root: ET.Element, rows: list[Row], px_per_m: float, top: float) -> None:
-    """Draw the rows from ``top`` (px) down, with a line above that has a scale bar."""
+    """Draw the rows from ``top`` (px) down, below a line of text with a scale bar."""
     if not rows:
         return
     svg.add(root, "line", x1=MARGIN, y1=top - 38, x2=WIDTH - MARGIN, y2=top - 38, stroke=GRID)
@@ -103,7 +103,7 @@ def draw_gallery(root: ET.Element, rows: list[Row], px_per_m: float, top: float)
             base = top + row.tallest + 36
             name = shorten(flight.name, 13, cell - 84, bold=True)
             error = f"{flight.error_percent:.2f} %"
-            # The name, in the colour of its line, and the error stand as one centred group.
+            # A line in the flight's colour, the name and the error form one centred group.
             group = [20.0, text_width(name, 13, bold=True) + 4, text_width(error, 12)]
             left = x - sum(group) / 2
             svg.add(

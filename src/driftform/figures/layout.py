@@ -1,4 +1,4 @@
-"""Where text goes: how wide it is, how to shorten it, and how labels keep out of each other's way.
+"""Text on a page: its width, shortening it, and placing labels so that they do not overlap.
 
 All lengths are in px of the page, y downward.
 """
@@ -15,16 +15,16 @@ from driftform.figures.style import INK, MUTED
 from driftform.types import FloatArray
 
 WIDTH, MARGIN = 900.0, 22.0
-"""Width of a page, and the room beside its text, px."""
+"""Width of a page and of its margins, px."""
 
 _NARROW = frozenset(" iljItfr.,:;'|!()[]-")
 _BROAD = frozenset("mwMW%@")
 
 
 def text_width(text: str, size: float, bold: bool = False) -> float:
-    """Return how wide ``text`` is at most, in px at font size ``size``.
+    """Return an upper bound of the width of ``text`` at font size ``size``, both in px.
 
-    Which font the reader has is unknown; the widths are those of DejaVu Sans, the broadest of the usual ones.
+    The reader's font is unknown; the widths are those of DejaVu Sans, the widest of the common ones.
     """
     em = 0.0
     for letter in text:
@@ -38,7 +38,7 @@ def text_width(text: str, size: float, bold: bool = False) -> float:
 
 
 def shorten(text: str, size: float, width: float, bold: bool = False) -> str:
-    """Return ``text``, cut and ended with an ellipsis where it is wider than ``width``."""
+    """Return ``text``; if it is wider than ``width`` (px), cut it and end it with an ellipsis."""
     text = " ".join(text.split())
     if text_width(text, size, bold) <= width:
         return text
@@ -76,7 +76,7 @@ def write(
 
 
 def start_page(height: float, title: str, subtitle: str, description: str) -> ET.Element:
-    """Return a picture :data:`WIDTH` px wide with a title, and a line of text below it."""
+    """Return a picture :data:`WIDTH` px wide that has a title, and a subtitle below it."""
     root = svg.start_document(WIDTH, height, title, description)
     write(root, MARGIN, 36, shorten(title, 20, WIDTH - 2 * MARGIN, bold=True), 20, bold=True)
     write(root, MARGIN, 58, subtitle, 12, MUTED)
@@ -86,9 +86,9 @@ def start_page(height: float, title: str, subtitle: str, description: str) -> ET
 def draw_scale_bar(
     root: ET.Element, right: float, base: float, px_per_m: float, longest: float, fill: str = INK
 ) -> float:
-    """Draw a bar of a round length, at most ``longest`` px, that ends at ``right``; return where it starts, px.
+    """Draw a scale bar of a round length, at most ``longest`` px, that ends at ``right``; return its left end (px).
 
-    ``fill`` is the colour of its length, which is written above it.
+    Its length is written above it in the colour ``fill``.
     """
     bar = floor_to_nice_number(longest / px_per_m)
     left = right - bar * px_per_m
@@ -120,7 +120,7 @@ class Box:
         return max(w, 0.0) * max(h, 0.0)
 
     def count_inside(self, points: FloatArray) -> int:
-        """Return how many of ``points``, (n, 2), lie inside."""
+        """Return the number of ``points``, (n, 2), that lie inside."""
         inside = (points > (self.left, self.top)) & (points < (self.right, self.bottom))
         return int(np.count_nonzero(inside.all(axis=1)))
 
@@ -128,24 +128,24 @@ class Box:
 def place_labels(
     anchors: FloatArray, widths: Sequence[float], height: float, ink: FloatArray, page: Box, keep: float = 9
 ) -> list[Box]:
-    """Return a box for each label: near its anchor, off other labels and anchors, if it can be off ``ink``.
+    """Return a box for each label: near its anchor, off other labels and anchors, and off ``ink`` if possible.
 
     Parameters
     ----------
     anchors
-        the points to be labelled, (n, 2).
+        the points to label, (n, 2).
     widths, height
-        size of each label.
+        the width of each label, and the height of all.
     ink
-        points of what is drawn already, (m, 2), about 3 px apart.
+        points on the lines that are drawn already, (m, 2), about 3 px apart.
     page
-        where labels may go.
+        the rectangle that labels should stay in.
     keep
         half the side of the square around each anchor that labels must leave free.
     """
     marks = [Box.around(x, y, 2 * keep, 2 * keep) for x, y in anchors]
     placed: list[Box | None] = [None] * len(marks)
-    # Greedy, then over again: the second round lets early labels make room for late ones.
+    # Greedy, in three rounds: the later ones let early labels make room for late ones.
     for _, index in product(range(3), range(len(marks))):
         others = [box for i, box in enumerate(placed) if box is not None and i != index] + marks
         x, y = anchors[index]
@@ -165,12 +165,12 @@ def place_labels(
     return [box for box in placed if box is not None]
 
 
-# Beside and above first, since that is where the eye looks for a name.
+# To the right and above first, where readers look for a name.
 _DIRECTIONS = ((1, 0), (0, -1), (0, 1), (-1, 0), (0.8, -0.9), (0.8, 0.9), (-0.8, -0.9), (-0.8, 0.9))
 
 
 def floor_to_nice_number(value: float) -> float:
-    """Return the greatest 1, 2 or 5 times a power of ten that is not above ``value`` (positive)."""
+    """Return the greatest number at most ``value`` (positive) that is 1, 2 or 5 times a power of ten."""
     power = 10.0 ** np.floor(np.log10(value) + 1e-9)
     return float(max(step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)))
 
@@ -182,6 +182,6 @@ def tick_values(low: float, high: float, step: float) -> FloatArray:
 
 
 def format_signed(value: float, digits: int) -> str:
-    """Return a number with a true minus sign, and none before zero."""
+    """Return a number with ``digits`` decimals and a true minus sign, and zero without a sign."""
     text = f"{value:.{digits}f}"
     return (text.lstrip("-") if float(text) == 0 else text).replace("-", "\u2212")

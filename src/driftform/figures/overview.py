@@ -1,4 +1,4 @@
-"""The result of a study in one picture: the best flight for each target, and the bodies that flew them."""
+"""The result of a study in one picture: the best flight for each target, and the bodies."""
 
 from collections.abc import Sequence
 from xml.etree import ElementTree as ET
@@ -24,8 +24,8 @@ def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str
     Parameters
     ----------
     flights
-        each in a colour of its own, firm up to its closest approach and faint after. A flight whose name is
-        no target of the scenario is cut at the target that it comes closest to.
+        each gets its colour, and is solid up to its closest approach and faint after it. If the scenario has no target
+        of the flight's name, the closest approach is that to the nearest target.
     scenario
         pipe, current and targets; x to the right, z upward, to scale.
     title
@@ -49,7 +49,7 @@ def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str
         height,
         title,
         _describe_flights(len(flights), worst),
-        "Above, the pipe in side view with the best flight for each target; below, the bodies that flew, "
+        "Above: the pipe in side view with the best flight for each target. Below: the bodies, "
         f"at one scale. Error by target: {best or 'no flights'}.",
     )
     _draw_flights(root, window, flights, lines, scenario)
@@ -60,12 +60,12 @@ def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str
 def _describe_flights(count: int, worst: float) -> str:
     if not count:
         return "No flights"
-    flights = "The flight" if count == 1 else f"The {count} flights"
-    return f"{flights}, firm up to the closest approach and faint after; largest error {worst:.2f} %"
+    flights = "1 flight" if count == 1 else f"{count} flights"
+    return f"{flights}, solid up to the closest approach and faint after it; largest error {worst:.2f} %"
 
 
 def _find_approach(flight: GalleryEntry, scenario: Scenario) -> Approach | None:
-    """Return the closest approach to the flight's own target, or to any where it has none."""
+    """Return the closest approach to the flight's target; if the scenario lacks it, to the nearest target."""
     target = scenario.targets.get(flight.name)
     points = scenario.target_array() if target is None else np.array([target])
     approaches = find_approaches(flight.trajectory, points) if len(points) else []
@@ -91,7 +91,7 @@ def _draw_flights(
     for line, colour in zip(firm, colours, strict=True):
         _draw_line(root, window, line, colour, 2.2, "firm")
     ink = [pipe_ink(window, scenario.pipe), *(resample_polyline(window.to_page(line), 3) for line in firm)]
-    # Faint lines count for less: a label may cross one where all else is taken.
+    # Faint lines count for less: a label may cross one if there is no free place.
     ink += [resample_polyline(window.to_page(line), 9) for line in lines]
     start = window.to_page(np.array([scenario.release.position]))
     svg.add(

@@ -1,4 +1,4 @@
-"""A window onto the world from one side: to scale, with axes in metres, and the pipe in it."""
+"""A view of the pipe from one side: to scale, with axes in metres."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,18 +28,18 @@ _NAMES = "xyz"
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """What part of a view is seen, and where on the page.
+    """The visible part of a view, and its place on the page.
 
     Attributes
     ----------
     view
-        the world coordinates that run to the right and upward.
+        the indices of the world coordinates that run to the right and upward.
     box
         the window on the page, px.
     low
         the world point (m, (2,)) at its lower left corner.
     px_per_m
-        one scale for both directions.
+        the scale, the same in both directions.
     """
 
     view: View
@@ -58,9 +58,9 @@ class Window:
         tallest: float,
         margin: float,
     ) -> "Window":
-        """Return the window, ``width`` px wide and as tall as it needs, that shows all of ``points``.
+        """Return the window, ``width`` px wide and as tall as needed, that shows all of ``points``.
 
-        ``points``, (n, 3) in m, keep ``margin`` px from the frame; none of it grows taller than ``tallest``.
+        ``points``, (n, 3) in m, keep ``margin`` px from the frame; the window is at most ``tallest`` px tall.
         """
         seen = points[:, list(view)]
         low, high = seen.min(axis=0), seen.max(axis=0)
@@ -85,17 +85,17 @@ class Window:
         return corner + self.px_per_m * (seen - self.low) * (1.0, -1.0)
 
     def path_data(self, points: FloatArray, tolerance: float = 0.15) -> str:
-        """Return path data through world points (n, 3), true to ``tolerance`` px."""
+        """Return path data through world points (n, 3), exact to ``tolerance`` px."""
         return svg.path_data(simplify_polyline(self.to_page(points), tolerance))
 
 
 def draw_axes(root: ET.Element, window: Window, names: tuple[str, str] | None = None) -> None:
-    """Draw ticks and their values, with faint lines across: metres below, and on the left.
+    """Draw ticks with their values (m) below and on the left, and faint grid lines.
 
-    ``names`` are what runs to the right and upward, where it is not the view's world coordinates.
+    ``names`` are the labels of the axes to the right and upward; by default the view's world coordinates.
     """
     box, low, high = window.box, window.low, window.high
-    # Labels of 11 px want about 40 px to themselves.
+    # Labels of 11 px need about 40 px each.
     steps = [floor_to_nice_number(2.49 * wanted / window.px_per_m) for wanted in (40, 26)]
     for axis, step in enumerate(steps):
         digits = max(0, -int(np.floor(np.log10(step) + 1e-9)))
@@ -120,7 +120,7 @@ def draw_axes(root: ET.Element, window: Window, names: tuple[str, str] | None = 
 
 
 def draw_scene(root: ET.Element, window: Window, scenario: Scenario) -> None:
-    """Draw what surrounds a flight: the pipe with its water, the axes, and the current."""
+    """Draw the surroundings of a flight: the pipe with its water, the axes and the current."""
     draw_water(root, window, scenario.pipe)
     draw_axes(root, window)
     draw_walls(root, window, scenario.pipe)
@@ -134,7 +134,7 @@ def draw_water(root: ET.Element, window: Window, pipe: Pipe) -> None:
 
 
 def draw_walls(root: ET.Element, window: Window, pipe: Pipe) -> None:
-    """Draw the pipe's walls, and its open ends as dashes."""
+    """Draw the pipe's walls as solid lines, and its open ends as dashed ones."""
     for a, b, c, d in _segment_corners(window, pipe):
         for ends in ((a, b), (d, c)):
             svg.add(
@@ -158,7 +158,7 @@ def draw_walls(root: ET.Element, window: Window, pipe: Pipe) -> None:
 
 
 def pipe_points(pipe: Pipe, view: View) -> FloatArray:
-    """Return the world points, (n, 3) in m, between which the pipe lies in this view."""
+    """Return world points, (n, 3) in m, that bound the pipe in this view."""
     return np.vstack([np.zeros((0, 3)), *(_section_corners(row, view) for row in pipe.array())])
 
 
@@ -167,7 +167,7 @@ def _section_corners(row: FloatArray, view: View) -> FloatArray:
     start, end, radius = row[:3], row[3:6], row[6]
     across = np.zeros(3)
     along = end - start
-    # This direction lies in the view and is square to the axis: the wall is exactly one radius away along it.
+    # This direction lies in the view and is perpendicular to the axis: the wall is one radius away along it.
     across[view[0]], across[view[1]] = -along[view[1]], along[view[0]]
     if not across.any():
         across[view[0]] = 1.0
@@ -176,7 +176,7 @@ def _section_corners(row: FloatArray, view: View) -> FloatArray:
 
 
 def pipe_ink(window: Window, pipe: Pipe) -> FloatArray:
-    """Return points along the walls and ends, 3 px apart, that labels had better not cover; px, (n, 2)."""
+    """Return points along the walls and ends, 3 px apart, for labels to avoid; px, (n, 2)."""
     corners = _segment_corners(window, pipe)
     return np.vstack([np.zeros((0, 2)), *(resample_polyline(np.vstack([c, c[:1]]), 3) for c in corners)])
 
@@ -186,7 +186,7 @@ def _segment_corners(window: Window, pipe: Pipe) -> list[FloatArray]:
 
 
 def draw_current(root: ET.Element, window: Window, current: FloatArray) -> None:
-    """Write the speed of the water above the window's right end, with an arrow along it."""
+    """Write the speed of the water above the window's right end, with an arrow in its direction."""
     seen = current[list(window.view)] * (1.0, -1.0)
     speed = float(np.linalg.norm(seen))
     if speed < 1e-9:
@@ -203,7 +203,7 @@ def draw_current(root: ET.Element, window: Window, current: FloatArray) -> None:
 
 
 def draw_cross(root: ET.Element, x: float, y: float, arm: float, colour: str = INK, width: float = 2) -> None:
-    """Draw a target: an upright cross, with a halo that lifts it off lines."""
+    """Draw a target as an upright cross, with a white halo that sets it off from lines."""
     data = svg.path_data([(x - arm, y), (x + arm, y)]) + svg.path_data([(x, y - arm), (x, y + arm)])
     svg.add(root, "path", d=data, stroke="#ffffff", stroke_width=width + 2.5, stroke_linecap="round")
     svg.add(root, "path", class_="target", d=data, stroke=colour, stroke_width=width, stroke_linecap="round")
@@ -217,16 +217,16 @@ def label_points(
     ink: Sequence[FloatArray],
     keep: float,
 ) -> None:
-    """Write names beside points of the page, off each other and off what is drawn.
+    """Write names beside points of the page so that they overlap neither each other nor, if possible, lines.
 
     Parameters
     ----------
     anchors
         the points, (n, 2) in px.
     names
-        text, colour, and whether it is bold, for each point.
+        text, colour and boldness, for each point.
     ink, keep
-        as :func:`driftform.figures.layout.place_labels` takes them, ``ink`` in parts.
+        as in :func:`driftform.figures.layout.place_labels`, with ``ink`` as a list of parts.
     """
     texts = [shorten(name, 12, 140, bold=True) for name, _, _ in names]
     frame = window.box
@@ -248,7 +248,7 @@ def draw_silhouette(
 ) -> FloatArray:
     """Draw a body's outline in its attitude, magnified about its core; ``colours`` are fill, edge and core.
 
-    Returns the corners of what was drawn, (n, 2) in px.
+    Return the corners of the drawn polygons and the core's centre, (n, 2) in px.
     """
     fill, edge, dot = colours
     size = window.px_per_m * magnification
@@ -258,7 +258,7 @@ def draw_silhouette(
         for polygon in silhouette(body, pose.quaternion, window.view, 0.2 / size)
     ]
     data = "".join(svg.path_data(polygon, closed=True) for polygon in polygons)
-    # Stroked first and filled on top: only the outline of the union is left of the strokes.
+    # The filling covers the inner strokes, so that only the outline of the union remains.
     svg.add_line(root, data, edge, 1.6, stroke_linejoin="round")
     svg.add(root, "path", class_="silhouette", d=data, fill=fill, stroke=fill, stroke_width=0.2)
     svg.add(root, "circle", cx=centre[0], cy=centre[1], r=2.5, fill=dot)

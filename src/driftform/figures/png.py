@@ -16,7 +16,7 @@ def png_bytes(pixels: npt.NDArray[np.uint8]) -> bytes:
     """Return a picture, (height, width, 3) of red, green and blue, as a PNG file."""
     height, width, _ = pixels.shape
     rows = np.empty((height, 1 + 3 * width), dtype=np.uint8)
-    # Each row as its difference from the one above, which packs far better.
+    # Each row is stored as its difference from the row above, which compresses far better.
     rows[:, 0] = _UP
     flat = pixels.reshape(height, -1)
     rows[0, 1:] = flat[0]

@@ -1,4 +1,4 @@
-"""What a run reaches: how close its flights come to every part of the pipe, and what none of them crosses."""
+"""Coverage of the pipe by a run: the closest approach of its flights to each cell, and the cells not crossed."""
 
 from xml.etree import ElementTree as ET
 
@@ -29,18 +29,19 @@ BOUNDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05)
 """Distances at which the colour changes, m."""
 
 RAMP = ("#440154", "#443983", "#31688e", "#21918c", "#35b779", "#90d743", "#fde725")
-"""Viridis, whose steps differ in lightness for any colour vision: the closer, the darker."""
+"""Viridis, whose steps differ in lightness for any colour vision; closer is darker."""
 
 
 def reach_svg(reach: CoverageMap, scenario: Scenario, title: str) -> str:
-    """Return the map of what flights reach as SVG: the pipe in section, each cell coloured by the closest flight.
+    """Return a coverage map as SVG: the pipe in section, each cell coloured by the closest flight.
 
     Parameters
     ----------
     reach
-        the map: along the pipe to the right, upward as :class:`driftform.trajectory.coverage.PipeGrid` has it; to scale.
+        the map, drawn to scale: along the pipe to the right, and upward as in
+        :class:`driftform.trajectory.coverage.PipeGrid`.
     scenario
-        current, release and targets. Where its pipe lies along the world's x, the axes are those of the world.
+        current, release and targets. If its pipe lies along the world's x, the axes are those of the world.
     title
         a line above the picture.
 
@@ -69,7 +70,7 @@ def reach_svg(reach: CoverageMap, scenario: Scenario, title: str) -> str:
 
 
 def _straighten(cells: PipeGrid, shift: FloatArray) -> Pipe:
-    """The pipe as it lies on the map, in the plane y = 0."""
+    """Return the pipe in the coordinates of the map, in the plane y = 0."""
     length, radius = cells.size[:2] * cells.shape * (1, 0.5)
     x, z = shift
     return Pipe(segments=(Segment(start=(x, 0.0, z), end=(x + length, 0.0, z), radius=float(radius)),))
@@ -93,7 +94,7 @@ def _draw_cells(root: ET.Element, window: Window, reach: CoverageMap, shift: Flo
     width, height = reach.cells.size[:2]
     shapes: dict[int, list[str]] = {number: [] for number in range(-1, len(RAMP))}
     for row in range(rows):
-        # Equal neighbours along the pipe are one rectangle.
+        # Equal neighbours along the pipe are drawn as one rectangle.
         starts = np.flatnonzero(np.diff(classes[:, row], prepend=-2))
         for start, end in zip(starts, [*starts[1:], columns], strict=True):
             x, z = low[start, row]
@@ -107,7 +108,7 @@ def _draw_cells(root: ET.Element, window: Window, reach: CoverageMap, shift: Flo
     for number, data in shapes.items():
         if data:
             colour = RAMP[number] if number >= 0 else "#ffffff"
-            # The edge closes the seams that a browser leaves between neighbours.
+            # The stroke closes the seams that browsers leave between neighbours.
             svg.add(
                 root,
                 "path",
@@ -130,7 +131,7 @@ def _draw_hatching(root: ET.Element, diagonals: list[FloatArray]) -> None:
 def _draw_points(
     root: ET.Element, window: Window, scenario: Scenario, cells: PipeGrid, shift: FloatArray, pipe: Pipe
 ) -> None:
-    """Draw where agents are released, and the targets with their names."""
+    """Draw the release point, and the targets with their names."""
     release = cells.to_map(np.array([scenario.release.position]))[:, :2] + shift
     [(x, y)] = window.to_page(release)
     svg.add(root, "circle", cx=x, cy=y, r=4.5, fill="#ffffff", stroke=INK, stroke_width=1.6)
@@ -142,7 +143,7 @@ def _draw_points(
 
 
 def _draw_legend(root: ET.Element, top: float) -> None:
-    """Draw the colours with the distances between them, and what is not reached."""
+    """Draw the colours with the distances between them, and the hatching of cells that no flight crosses."""
     width, height = _SWATCH
     svg.add(root, "line", x1=MARGIN, y1=top - 16, x2=WIDTH - MARGIN, y2=top - 16, stroke=GRID)
     write(root, MARGIN, top + 11, "Closest approach to the middle of the cell (mm)", 12, MUTED)

@@ -1,4 +1,4 @@
-"""One body to scale, as a half section: the outside above the axis, the cut below it."""
+"""One body to scale, as a half section: the outside above the axis, the section below it."""
 
 from typing import NamedTuple
 from xml.etree import ElementTree as ET
@@ -20,13 +20,13 @@ _WIDEST, _TALLEST = 800.0, 580.0
 _HEADER, _LABELS, _CALLOUTS, _DIMENSION, _FOOTER, _BLOCK = 62.0, 44.0, 34.0, 46.0, 40.0, 46.0
 _LEFT, _RIGHT = 138.0, 62.0
 _SCALE = 280.0
-"""Room for the scale and its bar, px."""
+"""Width kept free for the scale and its bar, px."""
 
 _NARROW, _BESIDE = 230.0, 160.0
-"""The labels of wall and core stand beside a body that is shorter than the first, and take the second, px."""
+"""If the body is shorter than the first (px), the labels of wall and core are beside it and take the second (px)."""
 
 _AROUND = 10.0
-"""How far water is drawn beside the body, px."""
+"""Width of the water that is drawn beside the body, px."""
 
 
 class Ratio(NamedTuple):
@@ -37,11 +37,11 @@ class Ratio(NamedTuple):
 
     @property
     def text(self) -> str:
-        """How a drawing states it."""
+        """The ratio as drawings write it."""
         return f"{self.paper} : {self.body}"
 
 
-# The scales that ISO 5455 recommends, and that a ruler can be read against.
+# The scales that ISO 5455 recommends.
 _RATIOS = tuple(
     [Ratio(a * 10**n, 1) for n in (2, 1, 0) for a in (5, 2, 1)]
     + [Ratio(1, a * 10**n) for n in range(6) for a in (2, 5, 10)]
@@ -54,15 +54,15 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None)
     Parameters
     ----------
     agent
-        its body frame has x to the right and z upward on the page. The centres of gravity (a quartered
-        circle) and of buoyancy (a ring) are those of ``agent.mass``. Ticks below the length are the joints of modules.
+        drawn with the body's x to the right and z upward. The centres of gravity (a quartered circle) and of
+        buoyancy (a ring) are those of ``agent.mass``. Ticks below the length mark the joints between modules.
     title
         a line above the picture.
     scenario
-        its water gives the net buoyancy, and the water line of a body that floats: where the surface is when it has
-        come to rest, far from any wall. Without a surface in the scenario, it is where one would be.
+        its water gives the net buoyancy, and the water line of a body that floats: the surface when the body is at
+        rest, far from any wall. If the scenario has no surface, the line is where one would be.
 
-    The natural size is stated in millimetres: printed at it, the picture is to the scale that it names.
+    The natural size is in millimetres: printed at that size, the picture has the scale that it states.
     """
     body = agent.body
     ratio = _choose_ratio(body)
@@ -81,13 +81,13 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None)
     place = Placement(left - px_per_m * float(body.outer[0, 0]), above + diameter / 2, px_per_m)
 
     size = f"{_format_mm(body.length)} long, {_format_mm(body.max_diameter)} in diameter"
-    told = "; ".join(f"{name} {value}" for name, value in block)
+    values = "; ".join(f"{name} {value}" for name, value in block)
     root = svg.start_document(
         width,
         height,
         title or "Section of an agent",
         f"Half section of a body of revolution, {size}, at a scale of {ratio.text}: outside above the "
-        f"axis, cut open below; the fore end is on the right. {facts}; {told}.",
+        f"axis, cut open below; the fore end is on the right. {facts}; {values}.",
         unit="mm",
     )
     write(root, MARGIN, 32, shorten(title or "Section", 17, width - 2 * MARGIN, bold=True), 17, bold=True)
@@ -139,7 +139,7 @@ def _describe_agent(agent: Agent) -> str:
 
 
 def title_block(agent: Agent, scenario: Scenario | None) -> list[tuple[str, str]]:
-    """Return names and values of the title block: what the agent weighs and displaces, and how that is in water."""
+    """Return names and values of the title block: masses and volume, and with a scenario the net buoyancy."""
     body, mass = agent.body, agent.mass
     block = [
         ("mass", f"{1000 * mass.mass:.1f} g"),
@@ -165,7 +165,7 @@ def _draw_cut(root: ET.Element, body: Body, place: Placement) -> None:
     cavity = place.to_page(body.cavity * flip)
     data = svg.path_data(wall, closed=True) + svg.path_data(cavity, closed=True)
     svg.add(root, "path", class_="wall", d=data, fill=tint(_STEEL, 0.16), fill_rule="evenodd")
-    # A wall of a few px needs close lines to look hatched at all.
+    # A wall of a few px needs close lines to look hatched.
     spacing = 4.0 if body.wall * place.px_per_m < 8 else 6.0
     lines = "".join(svg.path_data(pair) for pair in hatch([wall, cavity], spacing))
     if lines:
@@ -174,7 +174,7 @@ def _draw_cut(root: ET.Element, body: Body, place: Placement) -> None:
         svg.add_line(root, svg.path_data(cavity), INK, 0.9, "cavity", stroke_linejoin="round")
     radius = body.core.radius * place.px_per_m
     svg.add(root, "circle", class_="core", cx=place.x, cy=place.y, r=radius, fill=ORANGE)
-    # Above the axis the core is behind the wall: lighter, with the dashes of a hidden edge.
+    # Above the axis the core is behind the wall: lighter, with a dashed (hidden) edge.
     r, y = svg.format_number(radius), svg.format_number(place.y)
     upper = (
         f"M{svg.format_number(place.x - radius)} {y}A{r} {r} 0 0 1 {svg.format_number(place.x + radius)} {y}"
@@ -187,7 +187,7 @@ def _draw_cut(root: ET.Element, body: Body, place: Placement) -> None:
 def hatch(polygons: list[FloatArray], spacing: float) -> list[FloatArray]:
     """Return the pieces, (2, 2) each, of 45 degree lines ``spacing`` apart that lie inside ``polygons``.
 
-    Inside is by the even-odd rule. A pattern fill would do the same, but needs an id.
+    The even-odd rule decides what is inside. An SVG pattern would do the same, but needs an id.
     """
     root = np.sqrt(0.5)
     turned = [
@@ -200,7 +200,7 @@ def hatch(polygons: list[FloatArray], spacing: float) -> list[FloatArray]:
         np.arange(np.ceil(starts[:, 0].min() / spacing), np.floor(starts[:, 0].max() / spacing) + 1) * spacing
     )
     for u in lines:
-        # Half-open, so that a line through a corner meets one of its two edges.
+        # Half-open intervals, so that a line through a corner meets only one of its two edges.
         meets = (starts[:, 0] <= u) != (ends[:, 0] <= u)
         a, b = starts[meets], ends[meets]
         v = np.sort(a[:, 1] + (u - a[:, 0]) / (b[:, 0] - a[:, 0]) * (b[:, 1] - a[:, 1]))
@@ -230,12 +230,12 @@ def _draw_axis(root: ET.Element, body: Body, place: Placement) -> None:
 
 
 def _draw_water_line(root: ET.Element, surface: Surface) -> None:
-    """Draw the surface, with the triangle that drawings mark it by."""
+    """Draw the water's surface with its symbol, a triangle."""
     line = svg.path_data(surface.line)
     svg.add_line(root, line, "#ffffff", 3.2)
     svg.add_line(root, line, BLUE, 1.4, "water-line", stroke_dasharray="9 3")
     (start, end), up = surface.line, surface.up
-    # Off the labels: those of the centres are above the body, that of the axis is on the right.
+    # Keep off the labels: those of the centres are above the body, that of the axis is on the right.
     tip = max(start, end, key=lambda point: float(point[1] - point[0]))
     inward = (start + end) / 2 - tip
     tip = tip + 9 * inward / max(float(np.hypot(*inward)), 1e-9)
@@ -299,7 +299,7 @@ def _draw_dimensions(root: ET.Element, body: Body, place: Placement) -> None:
 
 
 def _draw_callouts(root: ET.Element, body: Body, place: Placement) -> None:
-    """Wall and core, each with a leader from a label below the body."""
+    """Draw the dimensions of wall and core, each with a leader from a label below the body."""
     bottom = place.y + body.max_diameter / 2 * place.px_per_m
     left, right = (place.x + place.px_per_m * float(x) for x in body.outer[[0, -1], 0])
     base = bottom + 26
@@ -313,7 +313,7 @@ def _draw_callouts(root: ET.Element, body: Body, place: Placement) -> None:
         wanted = [at for _, at, _ in labels]
         centres = _space_labels(wanted, widths, left + 4, right - 4) if len(labels) == 2 else wanted
     else:
-        # Beside the lines that carry the length down, and on the side that the wall faces, so as not to cross it.
+        # Beside the extension lines of the length, on the side that the wall faces, so that no leader crosses it.
         faces_aft = wall is None or wall[0][0] < wall[1][0]
         first = left - 10 - sum(widths) if faces_aft else right + 10
         centres = [first + sum(widths[:i]) + widths[i] / 2 for i in range(len(widths))]
@@ -335,9 +335,9 @@ def _draw_callouts(root: ET.Element, body: Body, place: Placement) -> None:
 
 
 def _find_wall_spot(body: Body, place: Placement) -> tuple[FloatArray, FloatArray] | None:
-    """Where the wall is dimensioned, on its outside and inside: in the middle of an edge of the cavity.
+    """Return the outer and inner point where the wall is dimensioned: the middle of an edge of the cavity.
 
-    The edge is long, runs along the axis rather than across it, and lies far out and off the core's label.
+    The edge chosen is long, runs along the axis rather than across it, and lies far from the axis and the core's label.
     """
     if not len(body.cavity):
         return None
@@ -371,7 +371,7 @@ def _draw_arrow(root: ET.Element, x1: float, y1: float, x2: float, y2: float) ->
 
 
 def _draw_head(root: ET.Element, tip: FloatArray, tail: FloatArray, size: float = 8.0) -> None:
-    """Draw a slim arrowhead at ``tip``, of an arrow that comes from ``tail``."""
+    """Draw a slim arrowhead at ``tip`` of an arrow from ``tail``."""
     back = size * (tail - tip) / np.hypot(*(tail - tip))
     aside = 0.22 * np.array([-back[1], back[0]])
     corners = np.array([tip, tip + back + aside, tip + back - aside])
@@ -403,7 +403,7 @@ def _draw_centres(root: ET.Element, agent: Agent, place: Placement, width: float
 
 
 def _space_labels(wanted: list[float], widths: list[float], low: float, high: float) -> list[float]:
-    """Return the centres of two labels in a row, as near to ``wanted`` (ascending) as they fit."""
+    """Return the centres of two labels in a row, as near to ``wanted`` (ascending) as possible without overlap."""
     apart = (widths[0] + widths[1]) / 2 + 10
     lack = max(0.0, apart - (wanted[1] - wanted[0])) / 2
     first, second = wanted[0] - lack, wanted[1] + lack
@@ -432,7 +432,7 @@ def _draw_scale(root: ET.Element, ratio: Ratio, px_per_m: float, width: float, b
 
 
 def _draw_block(root: ET.Element, block: list[tuple[str, str]], width: float, top: float) -> None:
-    """Draw the title block: cells side by side, a name above each value."""
+    """Draw the title block: cells side by side, each with a name above its value."""
     x, bottom = MARGIN, top + 34
     spare = (width - 2 * MARGIN - _block_width(block)) / len(block)
     lines = svg.path_data(

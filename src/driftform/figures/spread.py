@@ -1,4 +1,4 @@
-"""Flights of the same agents under different conditions: how far apart they take them."""
+"""Flights of the same agents under different conditions: the spread of their paths."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ STATIONS = 240
 class FlightSpread:
     """Flights of one agent for one target, cut at their closest approach as in the paper's Figure 7.
 
-    ``note`` is a few words that are written beside the target's name.
+    ``note`` is written beside the target's name.
     """
 
     name: str
@@ -34,9 +34,9 @@ class FlightSpread:
 
 
 def spread_svg(repeats: Sequence[FlightSpread], scenario: Scenario, title: str, subtitle: str) -> str:
-    """Return a panel for each target: every flight faintly, their mean firmly, one standard deviation as a band.
+    """Return a panel for each target: every flight faint, their mean solid, one standard deviation as a band.
 
-    Mean and deviation are those of the height at equal ways along x, of all flights that get so far.
+    Mean and deviation are those of the height at equal x, over the range of x that all flights cover.
     """
     width = (WIDTH - LEFT - MARGIN - (COLUMNS - 1) * GUTTER) / COLUMNS
     shown = np.vstack([pipe_points(scenario.pipe, SIDE), scenario.target_array()])
@@ -60,7 +60,7 @@ def spread_svg(repeats: Sequence[FlightSpread], scenario: Scenario, title: str, 
 def compute_band(
     flights: Sequence[Trajectory], target: FloatArray
 ) -> tuple[list[FloatArray], FloatArray, FloatArray]:
-    """Return the flights' paths up to their closest approach to ``target`` (3,), their mean, and its deviation.
+    """Return the paths up to their closest approach to ``target`` (3,), their mean, and the standard deviation.
 
     Paths are (n, 3) each, the mean (k, 3), the deviation of the height (k,); world frame, m.
     """
@@ -70,7 +70,7 @@ def compute_band(
         t = np.linspace(flight.t[0], max(approach.t, flight.t[0] + 1e-6), STATIONS)
         paths.append(interpolate_positions(flight, np.minimum(t, flight.t[-1])))
     along = np.linspace(max(path[0, 0] for path in paths), min(path[:, 0].max() for path in paths), STATIONS)
-    # A path may turn back for a moment: it is the first time at a station that counts.
+    # A path may turn back for a moment: the first time at a station counts.
     heights = np.array([np.interp(along, np.maximum.accumulate(path[:, 0]), path[:, 2]) for path in paths])
     mean = np.column_stack([along, np.zeros_like(along), heights.mean(axis=0)])
     return paths, mean, heights.std(axis=0)

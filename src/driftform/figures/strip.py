@@ -1,4 +1,4 @@
-"""Errors under disturbed conditions, a strip for each target: how much of a result is luck."""
+"""Errors under disturbed conditions, a strip for each target: the robustness of a result."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,12 +13,12 @@ from driftform.types import FloatArray
 
 LEFT, RIGHT, TOP, ROW = 110.0, 110.0, 112.0, 30.0
 SMALLEST = 1e-3
-"""Error (%) at the left edge at least: a logarithmic axis has no zero."""
+"""Smallest error (%) that is drawn: a logarithmic axis has no zero."""
 
 
 @dataclass(frozen=True, eq=False)
 class Strip:
-    """Errors (%) of the best agent for one target: that of the undisturbed flight, and of the others, (n,)."""
+    """Errors (%) of the best agent for one target: of the undisturbed flight, and of the disturbed ones, (n,)."""
 
     name: str
     planned: float
@@ -26,7 +26,7 @@ class Strip:
 
 
 def strip_svg(strips: Sequence[Strip], title: str, subtitle: str) -> str:
-    """Return the errors as SVG: a dot for each disturbed flight, their mean, and the undisturbed one as a diamond."""
+    """Return the errors as SVG: a dot for each disturbed flight, a line at their mean, a diamond for the undisturbed one."""
     height = TOP + ROW * len(strips) + 52
     root = start_page(
         height, title, subtitle, f"{subtitle} A row of dots for each target, errors in percent."

@@ -1,4 +1,4 @@
-"""Fitness against flights spent, a panel for each target: what a search gains by going on."""
+"""Best fitness against the number of flights, a panel for each target."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -32,18 +32,18 @@ BASELINE = "#7f8b96"
 
 @dataclass(frozen=True, eq=False)
 class Trend:
-    """How the best fitness for one target grew.
+    """Growth of the best fitness for one target.
 
     Attributes
     ----------
     name
         of the target.
     flights
-        how many were spent when each value was taken, (g,).
+        number of flights up to each value, (g,).
     fitness
-        the best up to then, %, a row for each repeat, (repeats, g).
+        the best so far, %, a row for each repeat, (repeats, g).
     baseline
-        the same of a search without selection, (repeats, g); (0, g) without one.
+        the same for a search without selection, (repeats, g), or (0, g) if there was no such search.
     """
 
     name: str
@@ -53,9 +53,9 @@ class Trend:
 
 
 def trend_svg(trends: Sequence[Trend], title: str, strategy: str, baseline: str = "random search") -> str:
-    """Return the trends as SVG: mean and standard deviation over repeats, those of the baseline as a band.
+    """Return the trends as SVG: mean and standard deviation over repeats, and those of the baseline as a band.
 
-    All panels share their axes. With one repeat there is no deviation to be drawn.
+    All panels share their axes. With one repeat, no deviation is drawn.
     """
     rows = ceil(len(trends) / COLUMNS)
     repeats = max((len(trend.fitness) for trend in trends), default=0)
@@ -77,7 +77,7 @@ def trend_svg(trends: Sequence[Trend], title: str, strategy: str, baseline: str 
 
 
 def _find_lowest(trends: Sequence[Trend]) -> float:
-    """The value at the foot of all panels: round, and below all that is drawn."""
+    """Return the lower limit of all panels, %: a round number below all values."""
     lowest = 99.9
     for trend in trends:
         for values in (trend.fitness, trend.baseline):
@@ -122,7 +122,7 @@ def _draw_panel(root: ET.Element, trend: Trend, box: Box, low: float) -> None:
         svg.add(root, "path", class_="deviation", d=bars, stroke=BLUE, stroke_width=1.2)
     points = place(trend.flights, mean)
     svg.add_line(root, svg.path_data(points), BLUE, 2.2, "mean")
-    # Among many values dots would hide the line.
+    # Many dots would hide the line.
     if len(points) <= 12:
         for x, y in points:
             svg.add(root, "circle", cx=x, cy=y, r=2.6, fill=BLUE)

@@ -1,4 +1,4 @@
-"""A run -> all that its page tells: the best agents, their flights, and the pictures."""
+"""A run -> the contents of its page: the best agents, their flights, and the pictures."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -29,18 +29,18 @@ from driftform.types import Agent, FloatArray, Trajectory
 from driftform.util.progress import track_progress
 
 MAX_SAMPLES = 240
-"""Most moments of a flight that a page holds."""
+"""Greatest number of samples of a flight on a page."""
 
 CONTOUR_TOLERANCE = 5e-5
-"""What a page may leave out of a contour, m."""
+"""Tolerance to which the contours of a page are simplified, m."""
 
 TREND_POINTS = 60
-"""Points of a trend."""
+"""Greatest number of points of a trend."""
 
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """The best agent for one target: its evaluation's ``index``, and how near it comes (``distance`` in m at ``t`` s)."""
+    """The best agent for one target: the ``index`` of its evaluation, and its closest approach (``distance``, m, at ``t``, s)."""
 
     target: str
     index: int
@@ -59,9 +59,9 @@ class Entry:
 
 @dataclass(frozen=True, eq=False)
 class Contents:
-    """What the page of a run tells.
+    """Contents of the page of a run.
 
-    ``seconds`` is what all evaluations took together on the machines that made them.
+    ``seconds`` is the total time of all evaluations on the machines that made them.
     """
 
     name: str
@@ -75,7 +75,7 @@ class Contents:
 
     @property
     def scenario(self) -> Scenario:
-        """Where the agents fly."""
+        """The scenario of the study."""
         return self.study.scenario
 
 
@@ -85,9 +85,9 @@ def collect_contents(directory: Path) -> Contents:
     Raises
     ------
     InputError
-        where the directory holds no run, or a damaged one.
+        if the directory is not a run, or a damaged one.
     WorkFailedError
-        where no evaluation succeeded yet.
+        if no evaluation has succeeded yet.
     """
     database = check_run(directory)
     with Store.open(database, read_only=True) as store:
@@ -98,9 +98,7 @@ def collect_contents(directory: Path) -> Contents:
         for target in targets:
             stored = find_best_agent(study, store, target)
             if stored is None:
-                raise WorkFailedError(
-                    f"{directory}: has no evaluation that did not fail; there is nothing to report"
-                )
+                raise WorkFailedError(f"{directory}: has no successful evaluation to report")
             index = stored.result["evaluation"]
             flight = store.read_record(index, targets).evaluation.trajectory
             assert flight is not None
@@ -133,8 +131,10 @@ def collect_contents(directory: Path) -> Contents:
             if (won := find_winner(study, store, e.target)) is not None
         ]
         if strips:
-            told = f"{len(strips[0].errors)} flights of each best agent, each a little different from what was planned"
-            figures["Robustness"] = strip_svg(strips, "Under disturbed conditions", told)
+            subtitle = (
+                f"{len(strips[0].errors)} flights of each best agent under randomly disturbed conditions"
+            )
+            figures["Robustness"] = strip_svg(strips, "Under disturbed conditions", subtitle)
         return Contents(
             directory.resolve().name,
             study,
@@ -152,7 +152,7 @@ def _strategy_name(study: Study) -> str:
 
 
 def _read_trends(store: Store, targets: Sequence[str]) -> list[Trend]:
-    """The best fitness of a run for each target, over all of its flights."""
+    """Return the best fitness so far of a run for each target, over all of its flights."""
     fitness = np.array([brief.fitness for brief in store.read_summaries(targets)]).reshape(-1, len(targets))
     best = np.maximum.accumulate(fitness, axis=0)
     at = np.unique(np.linspace(1, len(best), min(TREND_POINTS, len(best))).astype(int))
@@ -164,7 +164,7 @@ def _read_trends(store: Store, targets: Sequence[str]) -> list[Trend]:
 
 
 def viewer_data(contents: Contents) -> dict[str, Any]:
-    """What the page's viewer draws: agents, flights, pipe and targets; SI units, rounded to what can be seen."""
+    """Return the data of the page's viewer: agents, flights, pipe and targets; SI units, rounded to what is visible."""
     scenario = contents.scenario
     rows = scenario.pipe.array()
     ends = np.vstack([rows[:, :3], rows[:, 3:6]])
@@ -181,14 +181,14 @@ def viewer_data(contents: Contents) -> dict[str, Any]:
         "extent": [_round(low[:2] - radius), _round(high[:2] + radius)],
         "length": length,
         "size": radius,
-        # Agents are many times smaller than their pipe: drawn as long as its radius they can be seen.
+        # Agents are many times smaller than their pipe, so the longest is drawn as long as its radius.
         "magnification": max(1.0, round(radius / longest, 1)),
     }
 
 
 def _viewer_agent(entry: Entry, colour: str) -> dict[str, Any]:
     body, flight = entry.agent.body, entry.trajectory
-    # Evenly in time, and the moment of the closest approach among them.
+    # Evenly in time, and at the closest approach.
     t = np.unique(np.append(np.linspace(flight.t[0], flight.t[-1], MAX_SAMPLES - 1), entry.t))
     nearest = np.clip(np.searchsorted(flight.t, t), 0, len(flight.t) - 1)
     return {

@@ -18,7 +18,7 @@ SEAMS = ("grammar", "builder", "hydrodynamics", "simulator", "fitness", "strateg
 
 
 def page_html(contents: Contents) -> str:
-    """Return the page: a summary first, then pictures, agents and the viewer. It loads nothing from anywhere."""
+    """Return the page: a summary, the best agents, a viewer, and pictures. It loads nothing over the network."""
     import tomli_w
     from jinja2 import Environment, StrictUndefined
 
@@ -57,8 +57,8 @@ def _summarise(contents: Contents) -> str:
     if len(errors) == 1:
         subject = "The target is" if reached else "The target is not"
     return (
-        f"{subject} reached within {GOOD:g} % of the farthest distance in the pipe; the worst is "
-        f"{worst.target} with {worst.error_percent:.2f} %, {_format_length(worst.distance)} away."
+        f"{subject} reached within {GOOD:g} % of the farthest distance in the pipe; the largest error is "
+        f"{worst.error_percent:.2f} % ({worst.target}, {_format_length(worst.distance)} away)."
     )
 
 
@@ -68,8 +68,8 @@ def _list_numbers(contents: Contents) -> dict[str, str]:
     return {
         "flights": f"{contents.evaluations}",
         "failed": f"{contents.failed}",
-        "time of all flights": f"{seconds:.0f} s" if seconds < 600 else f"{seconds / 60:.0f} min",
-        "per processor": f"{rate:.3g} flights/s",
+        "computing time": f"{seconds:.0f} s" if seconds < 600 else f"{seconds / 60:.0f} min",
+        "rate per processor": f"{rate:.3g} flights/s",
         "strategy": str(contents.study.document.get("strategy", {}).get("use", "")),
         "seed": f"{contents.study.seed}",
     }

@@ -1,5 +1,5 @@
 "use strict";
-// A body of revolution and its flight, drawn by WebGL without any library. World: x downstream, z up; lengths in m.
+// Draws a body of revolution and its flight with WebGL, without a library. World: x downstream, z up; lengths in m.
 
 const ROUND = 48;
 
@@ -24,7 +24,7 @@ const shaders = {
       if (cut > 0.5 && shown.y < 0.0) discard;
       vec3 view = normalize(eye - there);
       vec3 n = normalize(facing);
-      // A wall has two sides, and both are lit.
+      // Both sides of a wall are lit.
       if (dot(n, view) < 0.0) n = -n;
       float light = 0.55 + 0.45 * max(0.0, dot(n, normalize(view + vec3(0.0, 0.0, 1.2))))
         + 0.12 * pow(max(0.0, dot(n, view)), 8.0);
@@ -32,7 +32,7 @@ const shaders = {
     }`,
 };
 
-// Vectors and matrices: column-major, as WebGL takes them.
+// Vectors and matrices; matrices are column-major, as in WebGL.
 const sub = (a, b) => a.map((v, i) => v - b[i]);
 const dot = (a, b) => a.reduce((sum, v, i) => sum + v * b[i], 0);
 const scale = (a, f) => a.map((v) => v * f);
@@ -63,7 +63,7 @@ function lookAt(eye, centre) {
   ];
 }
 
-// Where a body lies: rotated by the quaternion (w, x, y, z), body to world, magnified, and moved.
+// The pose of a body: rotated by the quaternion (w, x, y, z), body to world, magnified by size, moved to place.
 function poseMatrix([w, x, y, z], place, size) {
   const s = size;
   return [
@@ -74,7 +74,7 @@ function poseMatrix([w, x, y, z], place, size) {
   ];
 }
 
-// Meshes: {places, normals} of triangles, or of lines where there are no normals.
+// Meshes: {places, normals} of triangles, or {places} of lines.
 function revolve(profile, inward) {
   const places = [], normals = [];
   for (let i = 0; i + 1 < profile.length; i++) {
@@ -105,7 +105,7 @@ function radiusAt(profile, x) {
   return 0;
 }
 
-// What a cut through the axis shows of the hull's material, in the plane y = 0, above the axis and below.
+// The section of the hull's material in the plane y = 0, above and below the axis.
 function section(outer, cavity) {
   const nudge = 1e-7;
   const stations = [...new Set([...outer, ...cavity].flatMap(([x]) => [x - nudge, x + nudge]))].sort((a, b) => a - b);
@@ -143,7 +143,7 @@ function rings(profile, stations) {
   return { places };
 }
 
-// A tube along a path, so that it is as thick as it looks right.
+// A tube along a path: WebGL lines have a fixed width.
 function tube(path, radius) {
   const places = [], normals = [];
   const sides = 6;
@@ -187,7 +187,7 @@ function bore(segments) {
   return { places };
 }
 
-// A picture on a canvas that turns and zooms; `scene` returns what is to be drawn.
+// A picture on a canvas that rotates and zooms; `scene` returns the items to draw.
 class View {
   constructor(canvas, scene, camera) {
     this.canvas = canvas;
@@ -197,7 +197,7 @@ class View {
     this.gl = canvas.getContext("webgl", { antialias: true, preserveDrawingBuffer: true });
     if (!this.gl) {
       canvas.replaceWith(Object.assign(document.createElement("p"), {
-        className: "missing", textContent: "This browser shows no 3-D pictures (WebGL); all else on this page works.",
+        className: "missing", textContent: "This browser does not support 3-D graphics (WebGL); the rest of this page works.",
       }));
       return;
     }
@@ -250,7 +250,7 @@ class View {
     });
     for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => (held = null));
     canvas.addEventListener("wheel", (event) => {
-      // The page goes on scrolling unless the picture was chosen.
+      // The wheel scrolls the page unless the canvas has the focus.
       if (document.activeElement !== canvas) return;
       event.preventDefault();
       this.zoom(Math.exp(event.deltaY * 0.001));
@@ -293,7 +293,7 @@ class View {
     const { items, centre, size } = this.scene();
     const { yaw, pitch, distance } = this.camera;
     const angle = 0.5;
-    // The scene is as wide as the picture, but no taller than half of it.
+    // The scene is as wide as the picture; in a very wide picture its height limits it.
     const far = (distance * size) / (2 * Math.tan(angle / 2) * Math.min(width / height, 3));
     const eye = centre.map((v, i) => v + far * [Math.sin(yaw) * Math.cos(pitch), -Math.cos(yaw) * Math.cos(pitch), Math.sin(pitch)][i]);
     const camera = product(perspective(angle, width / height, 0.02 * far, 4 * far + 4 * size), lookAt(eye, centre));
@@ -345,7 +345,7 @@ function start() {
   const cut = find("cut");
   const meshes = new Map();
 
-  // The meshes of an agent are made when it is first looked at.
+  // The meshes of an agent are made when it is first shown.
   const meshesOfAgent = () => {
     if (!meshes.has(chosen)) {
       const agent = data.agents[chosen];
@@ -427,7 +427,7 @@ function start() {
     find("agent-name").textContent = data.agents[chosen].target;
     for (const button of document.querySelectorAll("[data-agent]"))
       button.setAttribute("aria-pressed", String(Number(button.dataset.agent) === chosen));
-    // The moment of the closest approach is what one wants to see first.
+    // Start at the closest approach.
     const { t } = data.agents[chosen].flight;
     slider.value = Math.round((slider.max * data.agents[chosen].closest) / (t[t.length - 1] || 1));
     agentView.draw();
@@ -465,7 +465,7 @@ function start() {
   choose(0);
 }
 
-// The free surface, over the box that the pipe lies in.
+// The free surface, over the bounding box of the pipe.
 function surfaceMesh(data) {
   const [[x0, y0], [x1, y1]] = data.extent;
   const corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y0], [x1, y1], [x0, y1]];
