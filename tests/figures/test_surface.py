@@ -22,7 +22,7 @@ def water(**options):
 
 @pytest.fixture
 def tube(make_agent):
-    """A cylinder from x = -0.1 m to 0.1 m, of a given share of the water's density, its COG where it is asked for."""
+    """A cylinder from x = -0.1 m to 0.1 m, of a given share of the water's density, its COG at ``cog``."""
 
     def make(share, cog=0.0):
         agent = make_agent(LENGTH / 2, LENGTH / 2, [RADIUS] * 5)

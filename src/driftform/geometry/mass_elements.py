@@ -88,7 +88,7 @@ def printed_hull_element(body: Body, mass: float, x: float | None = None) -> Mas
     """
     hull = mass - body.core.mass
     if not hull > 0:
-        raise ValueError(f"{mass:g} kg is no more than the core's {body.core.mass:g} kg alone")
+        raise ValueError(f"{mass:g} kg is not more than the core's {body.core.mass:g} kg alone")
     return hull_element(body, hull, None if x is None else mass * x / hull)
 
 

@@ -156,9 +156,9 @@ def _read_trends(store: Store, targets: Sequence[str]) -> list[Trend]:
     fitness = np.array([brief.fitness for brief in store.read_summaries(targets)]).reshape(-1, len(targets))
     best = np.maximum.accumulate(fitness, axis=0)
     at = np.unique(np.linspace(1, len(best), min(TREND_POINTS, len(best))).astype(int))
-    none = np.zeros((0, len(at)))
+    no_baseline = np.zeros((0, len(at)))
     return [
-        Trend(target, at.astype(np.float64), best[None, at - 1, number], none)
+        Trend(target, at.astype(np.float64), best[None, at - 1, number], no_baseline)
         for number, target in enumerate(targets)
     ]
 
