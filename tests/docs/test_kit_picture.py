@@ -10,7 +10,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures.style import INK, MUTED, tint
-from driftform.figures.svg import add, document, polyline, render
+from driftform.figures.svg import add, path_data, render, start_document
 from driftform.types import Body, Module, Morphology
 
 SCALE = 9.0  # px for a millimetre
@@ -58,10 +58,10 @@ def panel(root: ET.Element, title: str, left: float, top: float) -> None:
     angle = np.linspace(0, np.pi, 90)
     ball = kit.hull.core * np.column_stack((np.cos(angle), np.sin(angle)))
     if kit.hull.core > middle - SPAN:
-        add(root, "path", d=polyline(at(*ball.T), closed=True), fill=tint(MUTED, 0.25))
+        add(root, "path", d=path_data(at(*ball.T), closed=True), fill=tint(MUTED, 0.25))
     for index, piece in enumerate(kit.pieces):
         for ring in _within(piece.rings[0], clip + np.array([middle, 0.0])):
-            add(root, "path", d=polyline(at(ring[:, 0], ring[:, 1]), closed=True), fill=colour_of(index))
+            add(root, "path", d=path_data(at(ring[:, 0], ring[:, 1]), closed=True), fill=colour_of(index))
     add(root, "path", d=f"M{left} {axis:g}H{left + WIDTH:g}", stroke=MUTED, stroke_dasharray="12 3 2 3")
     add(root, "text", title, x=left, y=top - 12, font_size=13, fill=INK)
 
@@ -75,7 +75,7 @@ def _within(ring: Any, window: Any) -> list[Any]:
 
 
 def picture() -> str:
-    root = document(
+    root = start_document(
         2 * WIDTH + 60,
         2 * (HEIGHT + HEAD) + 40,
         "Joints of kits",

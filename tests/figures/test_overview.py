@@ -76,7 +76,7 @@ def test_any_bodies_and_any_number_of_them_keep_to_the_page(read, fly, pipe, age
     assert picture.overlapping_texts() == []
 
 
-def test_a_flight_whose_name_is_no_target_is_cut_at_the_nearest(read, points, pipe, fly, make_agent):
+def test_a_flight_whose_name_is_not_a_target_is_cut_at_the_nearest(read, points, pipe, fly, make_agent):
     flight = GalleryEntry("mine", make_agent(0.05, 0.05, [0.02, 0.02]), fly(), 1.0)
     picture = read(overview_svg([flight], pipe, "One"))
     assert picture.to_world(points(picture.one("firm")))[-1] == pytest.approx([4.5, 0], abs=2e-3)

@@ -43,7 +43,7 @@ def test_a_simplified_line_stays_within_its_tolerance(line):
         assert np.linalg.norm(starts + s[:, None] * chords - point, axis=1).min() <= 2.0 + 1e-9
 
 
-def test_the_path_goes_through_the_samples_and_ends_where_it_is_told(fly):
+def test_the_path_passes_through_the_samples_and_ends_at_the_given_time(fly):
     trajectory = fly(rise=0.1, samples=10)
     assert interpolate_positions(trajectory, trajectory.t) == pytest.approx(trajectory.position)
     cut = interpolate_positions(trajectory, drawing_times(trajectory, stop=4.3))

@@ -74,7 +74,7 @@ def test_each_joint_between_modules_has_a_tick_below_the_length(read, points, ma
     assert (ticks[:, 1, 1] > ticks[:, 0, 1]).all()
 
 
-def test_the_title_block_tells_mass_and_volume(read, make_agent):
+def test_the_title_block_has_mass_and_volume(read, make_agent):
     agent = make_agent(0.08, 0.08, [0.03, 0.02, 0.03])
     cells = [e.text for e in read(section_svg(agent)).all("cell")]
     assert f"{1000 * agent.mass.mass:.1f} g" in cells

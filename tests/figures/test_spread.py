@@ -3,19 +3,19 @@
 import numpy as np
 import pytest
 
-from driftform.figures.spread import FlightSpread, band, spread_svg
+from driftform.figures.spread import FlightSpread, compute_band, spread_svg
 
 
 def test_the_band_is_the_deviation_of_the_height_along_the_pipe(fly):
     flights = [fly(rise=rise) for rise in (-0.05, 0.05)]
-    paths, mean, deviation = band(flights, np.array([8.0, 0.0, 0.0]))
+    paths, mean, deviation = compute_band(flights, np.array([8.0, 0.0, 0.0]))
     assert len(paths) == 2
     assert mean[:, 2] == pytest.approx(np.zeros(len(mean)), abs=1e-9)
     assert deviation == pytest.approx(0.05 * mean[:, 0], abs=1e-6)
 
 
 def test_every_path_ends_at_its_closest_approach(fly):
-    [path], mean, deviation = band([fly(rise=0.1)], np.array([3.0, 0.0, 0.5]))
+    [path], mean, deviation = compute_band([fly(rise=0.1)], np.array([3.0, 0.0, 0.5]))
     # The foot of the perpendicular from the target: (3 + 0.05) / (1 + 0.01).
     assert path[-1, 0] == pytest.approx(3.05 / 1.01, abs=1e-3)
     assert mean[-1, 0] == pytest.approx(path[-1, 0])
@@ -24,7 +24,7 @@ def test_every_path_ends_at_its_closest_approach(fly):
 
 def test_there_is_a_panel_with_all_flights_for_each_target(read, pipe, fly, points):
     repeats = [
-        FlightSpread(name, tuple(fly(rise=rise) for rise in (0.0, 0.02, 0.04)), "told")
+        FlightSpread(name, tuple(fly(rise=rise) for rise in (0.0, 0.02, 0.04)), "a note")
         for name in pipe.targets
     ]
     picture = read(spread_svg(repeats, pipe, "Flown again", "Three times each."))

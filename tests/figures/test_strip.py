@@ -20,7 +20,7 @@ def test_every_disturbed_flight_is_a_dot_at_its_error(read, points):
     assert planned[:, 0].mean() == pytest.approx(x[0], abs=0.02)
 
 
-def test_the_mean_is_drawn_and_told(read, points):
+def test_the_mean_is_drawn_and_written(read, points):
     picture = drawn(read, Strip("TP1", 0.1, np.array([1.0, 3.0])))
     assert "2.00 %" in picture.texts
     x = [points(dot).mean(axis=0)[0] for dot in picture.all("disturbed")]

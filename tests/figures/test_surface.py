@@ -22,7 +22,7 @@ def water(**options):
 
 @pytest.fixture
 def tube(make_agent):
-    """A cylinder from x = -0.1 m to 0.1 m, of a given share of the water's density, its COG where it is asked for."""
+    """A cylinder from x = -0.1 m to 0.1 m, of a given share of the water's density, its COG at ``cog``."""
 
     def make(share, cog=0.0):
         agent = make_agent(LENGTH / 2, LENGTH / 2, [RADIUS] * 5)
@@ -38,12 +38,12 @@ def test_a_long_log_of_half_the_density_floats_level_with_its_axis_in_the_surfac
     rest = find_rest(tube(0.5), water())
     assert rest.pitch == pytest.approx(0, abs=0.02)
     assert rest.height == pytest.approx(0, abs=1e-4)
-    assert "float level, 50 % of it under water" in rest.text
+    assert "float level, 50 % under water" in rest.text
 
 
 @pytest.mark.parametrize(("cog", "nose"), [(-0.08, "nose up"), (0.08, "nose down")])
 @pytest.mark.parametrize("share", [0.3, 0.5, 0.8])
-def test_a_float_with_a_weight_at_one_end_stands_upright_as_deep_as_archimedes_says(tube, share, cog, nose):
+def test_a_float_with_a_weight_at_one_end_floats_upright_as_deep_as_archimedes_says(tube, share, cog, nose):
     rest = find_rest(tube(share, cog), water())
     assert f"upright, {nose}, {100 * share:.0f} %" in rest.text
     # The heavy end is below; of the length, that share is under water.
@@ -52,15 +52,15 @@ def test_a_float_with_a_weight_at_one_end_stands_upright_as_deep_as_archimedes_s
 
 
 def test_a_body_heavier_than_water_sinks_and_hangs_by_its_centre_of_buoyancy(tube):
-    assert find_rest(tube(1.2, 0.05), water()).text == "Sinks, and hangs upright, nose down."
-    assert find_rest(tube(1.2, -0.05), water()).text == "Sinks, and hangs upright, nose up."
-    assert find_rest(tube(1.2), water()).text == "Sinks, and hangs in any attitude."
+    assert find_rest(tube(1.2, 0.05), water()).text == "Sinks and hangs upright, nose down."
+    assert find_rest(tube(1.2, -0.05), water()).text == "Sinks and hangs upright, nose up."
+    assert find_rest(tube(1.2), water()).text == "Sinks and hangs in any attitude."
     assert find_rest(tube(1.2, 0.05), water()).height is None
 
 
-def test_whether_there_is_a_surface_at_all_is_said(tube):
-    assert find_rest(tube(0.5), water()).text.startswith("Rises; on a surface it would float")
-    assert find_rest(tube(0.5), water(water_level=0.3)).text.startswith("Water line: it floats")
+def test_the_text_depends_on_whether_the_scenario_has_a_surface(tube):
+    assert find_rest(tube(0.5), water()).text.startswith("Rises; at a surface it would float")
+    assert find_rest(tube(0.5), water(water_level=0.3)).text.startswith("Water line: floats")
 
 
 def test_without_gravity_nothing_floats(tube):
@@ -98,7 +98,7 @@ def test_the_water_line_is_drawn_where_the_body_floats(read, points, tube):
 def test_a_heavy_body_has_no_water_line_and_says_so(read, tube):
     picture = read(section_svg(tube(1.2, 0.05), "", water()))
     assert picture.all("water-line") == picture.all("water") == []
-    assert picture.one("rest").text == "Sinks, and hangs upright, nose down."
+    assert picture.one("rest").text == "Sinks and hangs upright, nose down."
 
 
 def test_net_buoyancy_is_that_of_the_scenario_s_water(read, tube):

@@ -2,11 +2,19 @@ import numpy as np
 import pytest
 
 from driftform.figures import svg
-from driftform.figures.layout import Box, nice_below, place_labels, shorten, signed, text_width, ticks
+from driftform.figures.layout import (
+    Box,
+    floor_to_nice_number,
+    format_signed,
+    place_labels,
+    shorten,
+    text_width,
+    tick_values,
+)
 
 
 def test_text_is_escaped_and_comes_back_as_it_was(read):
-    root = svg.document(100, 50, "a < b & c", 'd "e" > f')
+    root = svg.start_document(100, 50, "a < b & c", 'd "e" > f')
     svg.add(root, "text", "x < y & z", x=1, y=2, font_size=12)
     picture = read(svg.render(root))
     assert picture.texts == ["x < y & z"]
@@ -14,7 +22,7 @@ def test_text_is_escaped_and_comes_back_as_it_was(read):
 
 
 def test_characters_that_xml_cannot_hold_are_replaced(read):
-    root = svg.document(100, 50, "bell \x07 null \x00 half a pair \ud800", "")
+    root = svg.start_document(100, 50, "bell \x07 null \x00 half a pair \ud800", "")
     assert read(svg.render(root)).root[0].text == "bell \ufffd null \ufffd half a pair \ufffd"
 
 
@@ -22,16 +30,16 @@ def test_characters_that_xml_cannot_hold_are_replaced(read):
     ("value", "text"), [(1.0, "1"), (-0.001, "0"), (2.506, "2.51"), (-3.10, "-3.1"), (100.0, "100")]
 )
 def test_numbers_are_short(value, text):
-    assert svg.number(value) == text
+    assert svg.format_number(value) == text
 
 
 def test_points_that_coincide_on_the_page_are_drawn_once():
-    assert svg.polyline([(0, 0), (0.001, 0), (1, 1)]) == "M0 0L1 1"
-    assert svg.polyline(np.zeros((0, 2))) == ""
+    assert svg.path_data([(0, 0), (0.001, 0), (1, 1)]) == "M0 0L1 1"
+    assert svg.path_data(np.zeros((0, 2))) == ""
 
 
 def test_a_size_in_millimetres_prints_to_scale():
-    root = svg.document(96, 192, "", "", unit="mm")
+    root = svg.start_document(96, 192, "", "", unit="mm")
     assert (root.get("width"), root.get("height"), root.get("viewBox")) == ("25.4mm", "50.8mm", "0 0 96 192")
 
 
@@ -50,20 +58,20 @@ def test_labels_of_neighbours_keep_off_each_other_and_stay_on_the_page():
     page = Box(0, 0, 400, 200)
     boxes = place_labels(anchors, [40] * len(anchors), 14, np.zeros((0, 2)), page)
     for i, box in enumerate(boxes):
-        assert box.overlap(page) == pytest.approx(40 * 14)
-        assert all(box.overlap(other) == 0 for other in boxes[:i])
+        assert box.overlap_area(page) == pytest.approx(40 * 14)
+        assert all(box.overlap_area(other) == 0 for other in boxes[:i])
 
 
 @pytest.mark.parametrize(
     ("value", "nice"), [(0.99, 0.5), (1.0, 1.0), (4.9, 2.0), (130.0, 100.0), (0.05, 0.05)]
 )
 def test_nice_steps_are_1_2_5(value, nice):
-    assert nice_below(value) == pytest.approx(nice)
+    assert floor_to_nice_number(value) == pytest.approx(nice)
 
 
 def test_ticks_include_both_ends():
-    assert ticks(-0.4, 0.4, 0.2) == pytest.approx([-0.4, -0.2, 0, 0.2, 0.4])
+    assert tick_values(-0.4, 0.4, 0.2) == pytest.approx([-0.4, -0.2, 0, 0.2, 0.4])
 
 
 def test_zero_has_no_sign():
-    assert (signed(-0.01, 1), signed(-2.34, 1)) == ("0.0", "\u22122.3")
+    assert (format_signed(-0.01, 1), format_signed(-2.34, 1)) == ("0.0", "\u22122.3")

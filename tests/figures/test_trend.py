@@ -31,7 +31,7 @@ def test_the_mean_over_repeats_is_drawn_where_the_axes_say(read, points):
     slope, shift = np.polyfit([y for _, y in lines], [value for value, _ in lines], 1)
     mean = points(picture.one("mean"))
     assert slope * mean[:, 1] + shift == pytest.approx([91, 95, 99], abs=0.02)
-    # Ten flights to the right each: the panel begins at none.
+    # Ten flights to the right each: the panel begins at zero.
     assert np.diff(mean[:, 0]) == pytest.approx(np.diff(mean[:, 0])[0], abs=0.02)
 
 

@@ -49,7 +49,7 @@ def test_two_balls_are_a_dumbbell() -> None:
 
 
 @given(share=st.floats(0.05, 20.0))
-def test_material_without_a_measured_balance_is_spread_as_it_was(share: float) -> None:
+def test_without_a_measured_balance_the_material_keeps_its_distribution(share: float) -> None:
     hull = MASS.mass - BODY.core.mass
     found = printed_hull_element(BODY, BODY.core.mass + share * hull)
     whole = hull_element(BODY)
@@ -65,7 +65,7 @@ def test_a_measured_balance_is_that_of_print_and_core_together(x: float, mass: f
     assert found.cog[0] == pytest.approx(x, abs=1e-12)
 
 
-def test_what_it_displaces_is_its_shape_s() -> None:
+def test_the_displaced_volume_is_that_of_the_shape() -> None:
     found = reweigh(AGENT, 2 * MASS.mass).mass
     assert found.volume == MASS.volume
     np.testing.assert_array_equal(found.cob, MASS.cob)

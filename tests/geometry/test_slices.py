@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftform.geometry import solid_of_revolution
-from driftform.geometry.slices import slices
+from driftform.geometry.slices import slice_solid
 from driftform.testing.bodies import make_body, mirrored_contour, spheroid_body
 
 counts = st.integers(1, 40)
@@ -48,7 +48,7 @@ solids = st.one_of(chains().map(capped), cups(), cups().map(mirrored_contour))
 @given(solids, counts)
 def test_slices_have_the_volume_and_the_centroid_of_the_solid_together(contour, count):
     solid = solid_of_revolution(contour)
-    x, volume, width = slices(contour, count).T
+    x, volume, width = slice_solid(contour, count).T
     # Rounding is that of what lies aft of each cut, whose moments are taken about the frame's origin.
     largest = np.abs(contour[:, 0]).max()
     swept = np.pi * np.abs(np.diff(contour[:, 0])).sum() * contour[:, 1].max() ** 2
@@ -60,7 +60,7 @@ def test_slices_have_the_volume_and_the_centroid_of_the_solid_together(contour, 
 
 @given(solids, counts)
 def test_every_centroid_lies_in_its_slice(contour, count):
-    x, volume, width = slices(contour, count).T
+    x, volume, width = slice_solid(contour, count).T
     edges = np.linspace(contour[:, 0].min(), contour[:, 0].max(), count + 1)
     # In a slice with next to no volume the centroid is all rounding.
     swept = np.pi * np.abs(np.diff(contour[:, 0])).sum() * contour[:, 1].max() ** 2
@@ -84,7 +84,7 @@ def test_each_slice_has_the_volume_and_the_centroid_of_quadrature(chain, count):
                 total += 0.5 * (high - low) * np.pi * weights @ (x**power * r**2)
         return total
 
-    for (x, volume, _), (a, b) in zip(slices(capped(chain), count), pairwise(edges), strict=True):
+    for (x, volume, _), (a, b) in zip(slice_solid(capped(chain), count), pairwise(edges), strict=True):
         assert volume == pytest.approx(integral(0, a, b), rel=1e-9)
         assert x * volume == pytest.approx(integral(1, a, b), abs=1e-9 * volume)
 
@@ -93,13 +93,13 @@ def test_each_slice_has_the_volume_and_the_centroid_of_quadrature(chain, count):
 def test_even_a_contour_that_crosses_itself_loses_no_volume(points, count):
     contour = np.array([(points[0][0], 0.0), *points, (points[-1][0], 0.0)]) * [1e-3, 1.0]
     swept = np.pi * np.abs(np.diff(contour[:, 0])).sum() * 0.25
-    volumes = slices(contour, count)[:, 1]
+    volumes = slice_solid(contour, count)[:, 1]
     assert volumes.sum() == pytest.approx(solid_of_revolution(contour).volume, abs=1e-12 * (swept + 1e-12))
 
 
 def test_the_middle_slice_of_a_cylinder_is_a_disc():
     contour = [(-0.05, 0), (-0.05, 0.02), (0.05, 0.02), (0.05, 0)]
-    table = slices(contour, 5)
+    table = slice_solid(contour, 5)
     assert table[:, 0] == pytest.approx([-0.04, -0.02, 0.0, 0.02, 0.04], abs=1e-15)
     assert table[:, 1] == pytest.approx(np.full(5, np.pi * 0.02**2 * 0.02), rel=1e-12)
     assert table[:, 2] == pytest.approx(np.full(5, 0.02), rel=1e-12)
@@ -107,7 +107,7 @@ def test_the_middle_slice_of_a_cylinder_is_a_disc():
 
 def test_slices_of_a_mirrored_body_are_mirrored():
     contour = make_body([(-0.05, 0), (-0.05, 0.01), (0.02, 0.03), (0.08, 0.0)]).outer
-    there, back = slices(contour, 7), slices(mirrored_contour(contour), 7)[::-1]
+    there, back = slice_solid(contour, 7), slice_solid(mirrored_contour(contour), 7)[::-1]
     assert there[:, 0] == pytest.approx(-back[:, 0], abs=1e-12)
     assert there[:, 1] == pytest.approx(back[:, 1], rel=1e-9)
 
@@ -116,7 +116,7 @@ def test_the_empty_slices_of_a_dumbbell_stay_in_their_places():
     # A contour that runs along the axis between two balls has no volume there, and no centroid to speak of.
     ball = spheroid_body(0.01, 0.01, edges=16).outer
     contour = np.vstack([ball - np.array([0.1, 0]), ball + np.array([0.1, 0])])
-    x, volume, _ = slices(contour, 11).T
+    x, volume, _ = slice_solid(contour, 11).T
     assert volume[5] == pytest.approx(0, abs=1e-20)
     assert x[5] == pytest.approx(0.0, abs=1e-12)
     assert np.isfinite(x).all()

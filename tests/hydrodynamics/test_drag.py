@@ -164,7 +164,7 @@ def test_the_bare_core_sinks_as_fast_as_the_sphere_of_benchmark_1():
 
 
 @pytest.mark.parametrize(("pitch_deg", "motion"), [(90.0, 0), (0.0, 1)], ids=["end on", "broadside"])
-def test_a_flight_of_the_core_comes_to_that_speed(pitch_deg, motion):
+def test_a_flight_of_the_core_reaches_that_speed(pitch_deg, motion):
     core = sphere_agent(0.01, 0.05)
     drag = estimate_drag(spheroid_body(0.01, 0.01, edges=100), NU)
     agent = replace(core, coefficients=replace(core.coefficients, drag=drag))
@@ -176,7 +176,7 @@ def test_a_flight_of_the_core_comes_to_that_speed(pitch_deg, motion):
     assert speed == pytest.approx(core_speeds()[motion], rel=1e-4)
 
 
-def test_the_page_tells_how_good_the_drag_is(published):
+def test_the_page_has_the_errors_of_the_drag(published):
     rows = [
         (case.name, case.motion.__name__, f"{case.reynolds:.0e}", case.found, case.measured, case.source)
         for case in CASES
@@ -205,7 +205,7 @@ def test_the_page_tells_how_good_the_drag_is(published):
     )
 
 
-def test_a_body_goes_over_into_a_sphere_without_a_jump():
+def test_drag_changes_continuously_from_slender_bodies_to_spheres():
     lengths = np.linspace(0.9, 2.5, 161)
     drags = np.array(
         [[f(spheroid_body(a * RADIUS, RADIUS, edges=200), 0.5) for f in (along, across)] for a in lengths]
@@ -216,7 +216,7 @@ def test_a_body_goes_over_into_a_sphere_without_a_jump():
 
 
 def test_a_sphere_that_moves_obliquely_has_too_little_drag_as_the_page_says(pytestconfig):
-    """The two directions know nothing of each other, which is right for slender bodies only."""
+    """The two directions are independent of each other, which is correct for slender bodies only."""
     drag = estimate_drag(spheroid_body(RADIUS, RADIUS, edges=100), NU)
     axial = np.array([drag.friction_area, drag.length, drag.ahead, drag.astern])
     speed, still = math.sqrt(0.5), (0.0, 0.0, 0.0)

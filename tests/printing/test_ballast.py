@@ -11,10 +11,10 @@ from driftform.printing.ballast import (
     MATERIALS,
     RequiredBallast,
     ball_diameter,
+    max_ball_radius,
     place_ballast,
     place_nearest,
     required_ballast,
-    room_for_ball,
 )
 from driftform.types import Agent, Body, Coefficients, Core
 
@@ -41,8 +41,8 @@ def test_print_and_ballast_weigh_and_balance_as_simulated(missing: float, x: flo
     wanted = required_ballast(SIMULATED, printed.mass)
     found = place_ballast(BODY, wanted, LEAD)
     assume(found)
-    lumps = [printed_hull_element(BODY, mass, x), core_element(BODY), *(piece.lump for piece in found)]
-    trimmed = combine(lumps, SIMULATED)
+    elements = [printed_hull_element(BODY, mass, x), core_element(BODY), *(piece.element for piece in found)]
+    trimmed = combine(elements, SIMULATED)
     assert trimmed.mass == pytest.approx(SIMULATED.mass, rel=1e-9)
     assert trimmed.cog[0] == pytest.approx(SIMULATED.cog[0], abs=1e-7)
 
@@ -56,13 +56,13 @@ def test_pieces_lie_in_the_bore_beside_the_core(mass: float, x: float, density: 
         assert -0.048 - 1e-9 <= piece.start < piece.end <= 0.078 + 1e-9
         if piece.diameter is not None:
             assert piece.diameter / 2 <= 0.012 + 1e-9
-            assert abs(piece.lump.x) >= 0.01 + piece.diameter / 2 - 1e-9
-            assert piece.diameter == pytest.approx(np.cbrt(6 * piece.lump.mass / (np.pi * density)))
+            assert abs(piece.element.x) >= 0.01 + piece.diameter / 2 - 1e-9
+            assert piece.diameter == pytest.approx(np.cbrt(6 * piece.element.mass / (np.pi * density)))
 
 
 def test_one_ball_where_there_is_room() -> None:
     [piece] = place_ballast(BODY, RequiredBallast(0.01, 0.01 * 0.04), LEAD)
-    assert piece.lump.x == pytest.approx(0.04)
+    assert piece.element.x == pytest.approx(0.04)
     # 10 g of lead: 4/3 pi r^3 = 0.8818 cm3.
     assert piece.diameter == pytest.approx(0.011897, rel=1e-3)
 
@@ -70,8 +70,8 @@ def test_one_ball_where_there_is_room() -> None:
 def test_two_balls_where_the_core_is_in_the_way() -> None:
     aft, fore = place_ballast(BODY, RequiredBallast(0.01, 0.01 * 0.002), LEAD)
     assert aft.end < -0.01 + 1e-9 and fore.start > 0.01 - 1e-9
-    assert aft.lump.mass + fore.lump.mass == pytest.approx(0.01)
-    assert aft.lump.mass * aft.lump.x + fore.lump.mass * fore.lump.x == pytest.approx(2e-5)
+    assert aft.element.mass + fore.element.mass == pytest.approx(0.01)
+    assert aft.element.mass * aft.element.x + fore.element.mass * fore.element.x == pytest.approx(2e-5)
 
 
 def test_a_filling_where_no_ball_has_room() -> None:
@@ -79,11 +79,24 @@ def test_a_filling_where_no_ball_has_room() -> None:
     [piece] = place_ballast(BODY, RequiredBallast(0.3, 0.3 * 0.045), LEAD)
     assert piece.diameter is None
     assert piece.end - piece.start == pytest.approx(0.3 / LEAD / (np.pi * 0.012**2), rel=1e-3)
-    assert piece.lump.x == pytest.approx(0.045, abs=1e-6)
+    assert piece.element.x == pytest.approx(0.045, abs=1e-6)
     # A cylinder: m (3 r^2 + l^2) / 12 across, m r^2 / 2 along.
     length = piece.end - piece.start
-    assert piece.lump.axial == pytest.approx(0.3 * 0.012**2 / 2, rel=2e-3)
-    assert piece.lump.transverse == pytest.approx(0.3 * (3 * 0.012**2 + length**2) / 12, rel=2e-3)
+    assert piece.element.axial == pytest.approx(0.3 * 0.012**2 / 2, rel=2e-3)
+    assert piece.element.transverse == pytest.approx(0.3 * (3 * 0.012**2 + length**2) / 12, rel=2e-3)
+
+
+@given(mass=st.floats(0.25, 0.4), share=st.floats(0, 0.999))
+@settings(deadline=None)
+def test_a_filling_has_its_centre_where_the_ballast_is_wanted(mass: float, share: float) -> None:
+    aftmost, foremost = (
+        place_nearest(BODY, RequiredBallast(mass, mass * end), LEAD)[0].element.x for end in (-1.0, 1.0)
+    )
+    x = aftmost + share * (foremost - aftmost)
+    [piece] = place_ballast(BODY, RequiredBallast(mass, mass * x), LEAD)
+    assert piece.diameter is None
+    assert piece.element.mass == pytest.approx(mass, rel=1e-9)
+    assert piece.element.x == pytest.approx(x, abs=1e-10)
 
 
 def test_all_of_the_bore_but_the_core_can_be_filled() -> None:
@@ -126,7 +139,7 @@ def test_too_heavy_a_print_needs_buoyancy_where_its_excess_is() -> None:
 
 def test_room_ends_at_the_walls_and_at_the_core() -> None:
     x = np.array([-0.06, -0.047, 0.0, 0.009, 0.015, 0.04, 0.076, 0.079])
-    np.testing.assert_allclose(room_for_ball(BODY, x), [0, 0.001, 0, 0, 0.005, 0.012, 0.002, 0], atol=1e-12)
+    np.testing.assert_allclose(max_ball_radius(BODY, x), [0, 0.001, 0, 0, 0.005, 0.012, 0.002, 0], atol=1e-12)
 
 
 def test_a_ball_of_lead_of_a_kilogram() -> None:

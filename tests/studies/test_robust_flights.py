@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from driftform.geometry.slices import slices
+from driftform.geometry.slices import slice_solid
 from driftform.scenario import Scenario, evaluation_seed
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
@@ -58,7 +58,7 @@ class Flown:
 
 def with_drag(agent: Agent) -> Agent:
     """The agent with strips as wide as its slices, friction on all that is wet, and blunt ends."""
-    x, volume, width = slices(agent.body.outer, STRIPS).T
+    x, volume, width = slice_solid(agent.body.outer, STRIPS).T
     strips = np.column_stack([x, 2 * np.sqrt(volume / (np.pi * width)), width, np.ones(STRIPS)])
     edges, radii = np.diff(agent.body.outer, axis=0), agent.body.outer[:, 1]
     wetted = float(np.pi * ((radii[1:] + radii[:-1]) * np.hypot(*edges.T)).sum())

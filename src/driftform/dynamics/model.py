@@ -6,7 +6,7 @@ import numpy as np
 
 from driftform.dynamics.flow import UNIFORM, flow_array, gust_array
 from driftform.dynamics.inertia import added_mass_at, rigid_body_mass
-from driftform.geometry.slices import slices
+from driftform.geometry.slices import slice_solid
 from driftform.scenario import Scenario
 from driftform.types import Agent, Body, Drag, FloatArray
 from driftform.util.compiled import borrowed, compiled
@@ -210,7 +210,7 @@ def _buoyancy_slices(agent: Agent) -> FloatArray:
     """Return slices about a quarter of the diameter wide: x, radius (m), volume (m3), width (m), (n, 4)."""
     body = agent.body
     count = int(np.clip(4 * body.length / body.max_diameter, _FEWEST, _MOST_SLICES))
-    x, volume, width = slices(body.outer, count).T
+    x, volume, width = slice_solid(body.outer, count).T
     # If the displaced volume differs from that of the contour, the slices keep the displaced volume and its centre.
     volume = volume * agent.mass.volume / volume.sum()
     x = x + agent.mass.cob[0] - x @ volume / volume.sum()

@@ -1,4 +1,4 @@
-"""A body of revolution drawn along its axis, fore end to the right: the shapes that pictures share."""
+"""Drawing a body of revolution along its axis, with the fore end to the right."""
 
 from dataclasses import dataclass
 from xml.etree import ElementTree as ET
@@ -14,7 +14,7 @@ from driftform.types import Body, FloatArray
 
 @dataclass(frozen=True)
 class Placement:
-    """Where the body frame's origin lies on the page (px), and how many px a metre takes."""
+    """Position of the body frame's origin on the page (px), and the scale (px per metre)."""
 
     x: float
     y: float
@@ -25,7 +25,7 @@ class Placement:
         return np.array([self.x, self.y]) + self.px_per_m * np.asarray(points) * (1.0, -1.0)
 
     @classmethod
-    def centred(cls, body: Body, x: float, y: float, px_per_m: float) -> "Placement":
+    def centre_body(cls, body: Body, x: float, y: float, px_per_m: float) -> "Placement":
         """Return the placement that puts the middle of the body's length at a point of the page."""
         middle = (body.outer[0, 0] + body.outer[-1, 0]) / 2
         return cls(x - px_per_m * float(middle), y, px_per_m)
@@ -39,23 +39,23 @@ def closed_outline(contour: FloatArray) -> FloatArray:
 def draw_shading(
     parent: ET.Element, body: Body, place: Placement, colour: str, below: float, bands: int = 12
 ) -> None:
-    """Fill the outside with bands that are lightest a third above the axis, as a turned part in daylight.
+    """Fill the outside with bands that are lightest a third of the radius above the axis, like a lit cylinder.
 
-    ``below`` is how far down they reach, as a multiple of the radius: 0 stops at the axis, 1 fills the body.
+    ``below`` is how far the bands reach below the axis, in radii: 0 stops at the axis, 1 fills the body.
     """
     x, r = simplify_polyline(body.outer, 0.1 / place.px_per_m).T
     for lit in np.linspace(0, 1, bands):
-        # Highlights end before the shaded side does, so each band is narrower below than above.
+        # The highlight ends above the shaded side, so each band is narrower below the axis than above it.
         top = 1 - 0.62 * lit
         bottom = below if lit == 0 else min(below, 0.78 - 0.78 * lit)
         edge = np.vstack([np.column_stack([x, top * r]), np.column_stack([x, -bottom * r])[::-1]])
         fill = tint(colour, 0.14 + 0.3 * float(1 - lit) ** 1.5)
-        svg.add(parent, "path", d=svg.polyline(place.to_page(edge), closed=True), fill=fill)
+        svg.add(parent, "path", d=svg.path_data(place.to_page(edge), closed=True), fill=fill)
 
 
 def inner_joints(body: Body) -> FloatArray:
-    """Return the x (m) of the joints between modules, without those at the ends."""
-    # A single joint is where modules would start: a bare core has no rim there.
+    """Return x (m) of the joints between modules, without the two ends."""
+    # A bare core has a single joint, where modules would start, and no rim there.
     joints = body.joints if len(body.joints) > 1 else body.joints[:0]
     inner: FloatArray = joints[(joints > body.outer[0, 0] + 1e-6) & (joints < body.outer[-1, 0] - 1e-6)]
     return inner
@@ -68,6 +68,6 @@ def draw_rims(
     data = ""
     for x in inner_joints(body):
         r = radius_at(body.outer, float(x))
-        data += svg.polyline(place.to_page(np.array([[x, r], [x, -below * r]])))
+        data += svg.path_data(place.to_page(np.array([[x, r], [x, -below * r]])))
     if data:
-        svg.add(parent, "path", class_="joints", d=data, fill="none", stroke=colour, stroke_width=width)
+        svg.add_line(parent, data, colour, width, "joints")

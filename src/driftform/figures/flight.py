@@ -1,19 +1,17 @@
-"""One flight through the pipe: the path, the attitude, and how near it comes to a target."""
+"""One flight through the pipe: the path, the attitude, and the closest approach to a target."""
 
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.layout import Box, place_labels, shorten, text_width, write
+from driftform.figures.layout import WIDTH, shorten, write
 from driftform.figures.plot import (
     Window,
-    draw_axes,
     draw_cross,
-    draw_current,
+    draw_scene,
     draw_silhouette,
-    draw_walls,
-    draw_water,
+    label_points,
     pipe_ink,
     pipe_points,
 )
@@ -24,13 +22,13 @@ from driftform.trajectory.approach import Approach, find_approaches
 from driftform.trajectory.interpolation import interpolate_pose, interpolate_positions
 from driftform.types import Body, FloatArray, Trajectory
 
-_WIDTH, _LEFT, _RIGHT = 900.0, 62.0, 24.0
+_LEFT, _RIGHT = 62.0, 24.0
 _TALLEST = 440.0
 _READABLE = 28.0
-"""A silhouette shorter than this, in px, is magnified until attitude can be read off it."""
+"""A silhouette shorter than this, in px, is magnified until its attitude can be seen."""
 _MAGNIFICATIONS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 50, 75, 100)
 _SIDEWAYS = 0.01
-"""A flight that leaves the plane it started in by more than this, in m, is shown from above as well."""
+"""A flight that moves sideways (along y) by more than this, in m, is shown from above as well."""
 
 
 def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body: Body | None = None) -> str:
@@ -39,15 +37,15 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
     Parameters
     ----------
     trajectory
-        the path is drawn as fitness measures it, smooth between samples.
+        its path is drawn with the interpolation between samples that fitness uses.
     scenario
-        pipe, current and targets; in open water the window fits the path and the targets.
+        pipe, current and targets; in open water, the window fits the path and the targets.
     title
         a line above the picture.
     body
-        its silhouette is shown in its attitude at some moments, magnified where it would be too small.
+        its silhouette is drawn in its attitude at several moments, magnified if it would be too small.
 
-    A flight that moves sideways, too, gets a plan view (x to the right, y upward) below the side view.
+    A flight that also moves sideways gets a plan view (x to the right, y upward) below the side view.
     """
     line = interpolate_positions(trajectory, drawing_times(trajectory))
     targets = scenario.target_array()
@@ -61,23 +59,23 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
     for view in views:
         points = [line, targets, pipe_points(scenario.pipe, view)]
         if body is not None and not scenario.pipe.segments:
-            # Else a body that hardly moves would fill the window.
+            # Without this margin, a body that hardly moves would fill the window.
             room = 1.5 * max(body.length, body.max_diameter)
             points.append(line[0] + room * np.vstack([np.eye(3), -np.eye(3)]))
         shown = np.vstack(points)
-        tight = Window.around(view, shown, _LEFT, top, _WIDTH - _LEFT - _RIGHT, _TALLEST, 26)
+        tight = Window.around(view, shown, _LEFT, top, WIDTH - _LEFT - _RIGHT, _TALLEST, 26)
         if view == SIDE:
-            magnification = _magnification(body, tight.px_per_m)
-        # A silhouette may stick out by as much as it reaches from the core; the window grows by that.
+            magnification = _choose_magnification(body, tight.px_per_m)
+        # A silhouette extends beyond the path by its reach from the core; the window grows by that.
         reach = 0.0 if body is None else float(np.hypot(*body.outer.T).max()) * magnification * tight.px_per_m
-        width = _WIDTH - _LEFT - _RIGHT
+        width = WIDTH - _LEFT - _RIGHT
         windows.append(Window.around(view, shown, _LEFT, top, width, _TALLEST, max(26.0, reach + 3)))
         top = windows[-1].box.bottom + 74
 
-    captions = _captions(trajectory, scenario, body, magnification, approaches, nearest)
+    captions = _write_captions(trajectory, scenario, body, magnification, approaches, nearest)
     height = windows[-1].box.bottom + 52 + 17 * len(captions) + 6
-    root = svg.document(_WIDTH, height, title or "Flight of an agent", " ".join(captions))
-    width = _WIDTH - _LEFT - _RIGHT
+    root = svg.start_document(WIDTH, height, title or "Flight of an agent", " ".join(captions))
+    width = WIDTH - _LEFT - _RIGHT
     write(root, 22, 34, shorten(title or "Flight", 17, width, bold=True), 17, bold=True)
     headings = {SIDE: "Side view", PLAN: "Plan view, from above"}
     for window in windows:
@@ -89,14 +87,14 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
     return svg.render(root)
 
 
-def _magnification(body: Body | None, px_per_m: float) -> int:
+def _choose_magnification(body: Body | None, px_per_m: float) -> int:
     if body is None:
         return 1
     natural = max(body.length, body.max_diameter) * px_per_m
     return next((m for m in _MAGNIFICATIONS if m * natural >= _READABLE), _MAGNIFICATIONS[-1])
 
 
-def _captions(
+def _write_captions(
     trajectory: Trajectory,
     scenario: Scenario,
     body: Body | None,
@@ -108,11 +106,11 @@ def _captions(
     if nearest is not None:
         approach, name = approaches[nearest], scenario.target_names[nearest]
         captions.insert(
-            0, f"Closest to {name}: {_distance(approach.distance)} away after {approach.t:.2f} s."
+            0, f"Closest to {name}: {_format_distance(approach.distance)} away after {approach.t:.2f} s."
         )
     if body is not None:
         scale = "to scale" if magnification == 1 else f"magnified {magnification} times about the core"
-        # Said, since a body that slides along the wall looks as if it were stuck in it.
+        # A magnified body that slides along the wall looks as if it were stuck in the wall.
         scale += ", so some cross the wall" if magnification > 1 and scenario.pipe.segments else ""
         captions.append(f"Silhouettes: attitude at equal distances along the path, {scale}.")
     # Two short sentences share a line.
@@ -122,14 +120,14 @@ def _captions(
 _ENDS = {
     "outlet": "it left through the outlet",
     "inlet": "it left through the inlet",
-    "horizon": "time was up",
-    "non-finite": "the simulation broke down",
-    "step limit": "the simulation ran out of steps",
-    "not converged": "its error could not be made small enough, and it counts as failed",
+    "horizon": "it reached the time limit",
+    "non-finite": "the simulation produced a value that is not finite",
+    "step limit": "the simulation reached its step limit",
+    "not converged": "the simulation did not reach its accuracy, so the flight counts as failed",
 }
 
 
-def _distance(metres: float) -> str:
+def _format_distance(metres: float) -> str:
     return f"{1000 * metres:.1f} mm" if metres < 0.0995 else f"{metres:.2f} m"
 
 
@@ -145,25 +143,13 @@ def _draw_view(
 ) -> None:
     line = interpolate_positions(trajectory, drawing_times(trajectory))
     seen = window.to_page(line)
-    draw_water(root, window, scenario.pipe)
-    draw_axes(root, window)
-    draw_walls(root, window, scenario.pipe)
-    draw_current(root, window, scenario.current())
-    svg.add(
-        root,
-        "path",
-        class_="path",
-        d=window.line(line),
-        fill="none",
-        stroke=BLUE,
-        stroke_width=2,
-        stroke_linejoin="round",
-        stroke_linecap="round",
-    )
+    draw_scene(root, window, scenario)
+    data = window.path_data(line)
+    svg.add_line(root, data, BLUE, 2, "path", stroke_linejoin="round", stroke_linecap="round")
     ink = [resample_polyline(seen, 3), pipe_ink(window, scenario.pipe)]
     if body is not None:
         size = max(body.length, body.max_diameter) * magnification * window.px_per_m
-        for t in _moments(trajectory, seen, size):
+        for t in _choose_times(trajectory, seen, size):
             pale = (tint(BLUE, 0.22), INK, ORANGE)
             corners = draw_silhouette(
                 root, window, body, interpolate_pose(trajectory, t), magnification, pale
@@ -172,7 +158,6 @@ def _draw_view(
     x, y = seen[0]
     svg.add(root, "circle", class_="start", cx=x, cy=y, r=4.5, fill="#ffffff", stroke=BLUE, stroke_width=2)
 
-    names = ["start", *(shorten(name, 12, 140, bold=True) for name in scenario.target_names)]
     anchors = np.vstack([seen[:1], window.to_page(scenario.target_array())])
     for i, (x, y) in enumerate(anchors[1:]):
         draw_cross(root, x, y, 6, VERMILLION if i == nearest else INK)
@@ -182,7 +167,7 @@ def _draw_view(
         svg.add(
             root,
             "path",
-            d=svg.polyline([foot, target]),
+            d=svg.path_data([foot, target]),
             stroke=VERMILLION,
             stroke_width=1.2,
             stroke_dasharray="3 2",
@@ -199,20 +184,17 @@ def _draw_view(
             stroke_width=1.8,
         )
         ink.append(resample_polyline(np.array([foot, target]), 3))
-    widths = [text_width(name, 12, bold=True) for name in names]
-    frame = window.box
-    page = Box(frame.left + 2, frame.top + 2, frame.right - 2, frame.bottom - 2)
-    boxes = place_labels(anchors, widths, 14, np.vstack(ink), page)
-    for i, (name, box) in enumerate(zip(names, boxes, strict=True)):
-        colour = VERMILLION if nearest is not None and i == 1 + nearest else INK
-        x, y = (box.left + box.right) / 2, box.bottom - 3
-        write(root, x, y, name, 12, MUTED if i == 0 else colour, "middle", bold=i > 0, halo=True)
+    names = [("start", MUTED, False)]
+    names += [
+        (name, VERMILLION if i == nearest else INK, True) for i, name in enumerate(scenario.target_names)
+    ]
+    label_points(root, window, anchors, names, ink, keep=9)
 
 
-def _moments(trajectory: Trajectory, seen: FloatArray, size: float) -> list[float]:
-    """Return times at equal distances along the path, so far apart that bodies of ``size`` px are clear."""
+def _choose_times(trajectory: Trajectory, seen: FloatArray, size: float) -> list[float]:
+    """Return times (s) at equal distances along the path, far enough apart that bodies of ``size`` px do not overlap."""
     s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(seen, axis=0), axis=1))])
     count = int(np.clip(s[-1] / (1.9 * size), 1, 7))
-    # Off both ends, where the start and the outlet are.
+    # Keep off both ends, where the start and the outlet are.
     wanted = s[-1] * (np.arange(count) + 0.5) / count
     return [float(t) for t in np.interp(wanted, s, drawing_times(trajectory))]

@@ -1,4 +1,4 @@
-"""Bodies side by side at one scale: the gallery of what a study evolved."""
+"""A gallery of evolved bodies, side by side at one scale."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,11 +6,10 @@ from xml.etree import ElementTree as ET
 
 from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading
-from driftform.figures.layout import nice_below, shorten, text_width, write
+from driftform.figures.layout import MARGIN, WIDTH, draw_scale_bar, shorten, start_page, text_width, write
 from driftform.figures.style import GRID, INK, MUTED, SERIES, tint
 from driftform.types import Agent, Trajectory
 
-WIDTH, MARGIN = 900.0, 22.0
 COLUMNS = 5
 TALLEST = 150.0
 GAP, NARROWEST = 24.0, 132.0
@@ -18,7 +17,7 @@ GAP, NARROWEST = 24.0, 132.0
 
 @dataclass(frozen=True, eq=False)
 class GalleryEntry:
-    """The best flight for a target: ``name`` is the target's, ``error_percent`` is 100 (1 - fitness)."""
+    """The best flight for a target: the target's name, the agent, its path, and the error, 100 % less the fitness."""
 
     name: str
     agent: Agent
@@ -26,38 +25,37 @@ class GalleryEntry:
     error_percent: float
 
 
-def gallery_svg(flights: Sequence[GalleryEntry], title: str, told: str) -> str:
-    """Return the bodies of flights as SVG, at one scale, fore end to the right; ``told`` stands below the title."""
-    rows, px_per_m = arrange(flights)
+def gallery_svg(flights: Sequence[GalleryEntry], title: str, subtitle: str) -> str:
+    """Return the bodies of flights as SVG, at one scale, fore end to the right."""
+    rows, px_per_m = arrange_rows(flights)
     top = 130.0
-    root = svg.document(
-        WIDTH,
+    names = ", ".join(flight.name for flight in flights) or "none"
+    root = start_page(
         top + sum(row.height for row in rows) + 2,
         title,
-        f"Bodies of revolution at one scale: {', '.join(f.name for f in flights) or 'none'}. {told}",
+        subtitle,
+        f"Bodies of revolution at one scale: {names}. {subtitle}",
     )
-    write(root, MARGIN, 36, shorten(title, 20, WIDTH - 2 * MARGIN, bold=True), 20, bold=True)
-    write(root, MARGIN, 58, told, 12, MUTED)
     draw_gallery(root, rows, px_per_m, top)
     return svg.render(root)
 
 
 def assign_colours(flights: Sequence[GalleryEntry]) -> list[str]:
-    """A colour for each flight."""
+    """Return a colour for each flight."""
     return [SERIES[i % len(SERIES)] for i in range(len(flights))]
 
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """Some bodies side by side: each with its colour and its cell's width, the tallest, and the row; px."""
+    """Bodies side by side: each with its colour and the width of its cell; height of the tallest body and of the row (px)."""
 
     cells: list[tuple[GalleryEntry, str, float]]
     tallest: float
     height: float
 
 
-def arrange(flights: Sequence[GalleryEntry]) -> tuple[list[Row], float]:
-    """Return the rows of the gallery, and the px for a metre, the same in all of them."""
+def arrange_rows(flights: Sequence[GalleryEntry]) -> tuple[list[Row], float]:
+    """Return the rows of the gallery, and their common scale (px per metre)."""
     if not flights:
         return [], 1.0
     bodies = [flight.agent.body for flight in flights]
@@ -68,7 +66,7 @@ def arrange(flights: Sequence[GalleryEntry]) -> tuple[list[Row], float]:
     def cells(row: list[tuple[GalleryEntry, str]], px_per_m: float) -> list[float]:
         return [max(f.agent.body.length * px_per_m + GAP, NARROWEST) for f, _ in row]
 
-    # The largest scale at which every row fits: widths only grow with it, so bisection finds it.
+    # Bisect for the largest scale at which every row fits: widths only grow with the scale.
     low, high = 0.0, TALLEST / max(body.max_diameter for body in bodies)
     for _ in range(50):
         middle = (low + high) / 2
@@ -77,7 +75,7 @@ def arrange(flights: Sequence[GalleryEntry]) -> tuple[list[Row], float]:
     rows = []
     for row in split:
         widths = cells(row, low)
-        # A short last row keeps to the left, in cells like those above it.
+        # A short last row is aligned to the left, in cells as wide as those above.
         spare = (inner - sum(widths)) / len(row) if len(row) == COLUMNS else 0.0
         tallest = max(f.agent.body.max_diameter for f, _ in row) * low
         rows.append(
@@ -87,30 +85,25 @@ def arrange(flights: Sequence[GalleryEntry]) -> tuple[list[Row], float]:
 
 
 def draw_gallery(root: ET.Element, rows: list[Row], px_per_m: float, top: float) -> None:
-    """Draw the rows from ``top`` (px) down, with a line above that has a scale bar."""
+    """Draw the rows from ``top`` (px) down, below a line of text with a scale bar."""
     if not rows:
         return
     svg.add(root, "line", x1=MARGIN, y1=top - 38, x2=WIDTH - MARGIN, y2=top - 38, stroke=GRID)
     write(root, MARGIN, top - 14, "The bodies, to one scale, fore end to the right", 12, MUTED)
-    bar = nice_below(110 / px_per_m)
-    end, base = WIDTH - MARGIN, top - 12
-    ticks = [(end - bar * px_per_m, base - 4), (end - bar * px_per_m, base), (end, base), (end, base - 4)]
-    svg.add(
-        root, "path", class_="scale-bar", d=svg.polyline(ticks), fill="none", stroke=INK, stroke_width=1.2
-    )
-    middle = end - bar * px_per_m / 2
-    write(root, middle, base - 6, f"{1000 * bar:g} mm", 11, MUTED, "middle", class_="scale-bar-label")
+    draw_scale_bar(root, WIDTH - MARGIN, top - 12, px_per_m, 110, MUTED)
 
     for row in rows:
         x = MARGIN
         for flight, colour, cell in row.cells:
             x += cell / 2
             body = flight.agent.body
-            _draw_body(root, flight, colour, Placement.centred(body, x, top + 12 + row.tallest / 2, px_per_m))
+            _draw_body(
+                root, flight, colour, Placement.centre_body(body, x, top + 12 + row.tallest / 2, px_per_m)
+            )
             base = top + row.tallest + 36
             name = shorten(flight.name, 13, cell - 84, bold=True)
             error = f"{flight.error_percent:.2f} %"
-            # The name, in the colour of its line, and the error stand as one centred group.
+            # A line in the flight's colour, the name and the error form one centred group.
             group = [20.0, text_width(name, 13, bold=True) + 4, text_width(error, 12)]
             left = x - sum(group) / 2
             svg.add(
@@ -134,15 +127,7 @@ def _draw_body(root: ET.Element, flight: GalleryEntry, colour: str, place: Place
     body = flight.agent.body
     draw_shading(root, body, place, colour, below=1, bands=6)
     draw_rims(root, body, place, tint(colour, 0.5), 0.5, below=1)
-    svg.add(
-        root,
-        "path",
-        class_="outline",
-        d=svg.polyline(place.to_page(closed_outline(body.outer)), closed=True),
-        fill="none",
-        stroke=colour,
-        stroke_width=1.1,
-        stroke_linejoin="round",
-    )
+    outline = svg.path_data(place.to_page(closed_outline(body.outer)), closed=True)
+    svg.add_line(root, outline, colour, 1.1, "outline", stroke_linejoin="round")
     radius = max(1.5, body.core.radius * place.px_per_m)
     svg.add(root, "circle", class_="core", cx=place.x, cy=place.y, r=radius, fill=colour)

@@ -1,4 +1,4 @@
-"""Where text goes: how wide it is, how to shorten it, and how labels keep out of each other's way.
+"""Text on a page: its width, shortening it, and placing labels so that they do not overlap.
 
 All lengths are in px of the page, y downward.
 """
@@ -11,17 +11,20 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.style import INK
+from driftform.figures.style import INK, MUTED
 from driftform.types import FloatArray
+
+WIDTH, MARGIN = 900.0, 22.0
+"""Width of a page and of its margins, px."""
 
 _NARROW = frozenset(" iljItfr.,:;'|!()[]-")
 _BROAD = frozenset("mwMW%@")
 
 
 def text_width(text: str, size: float, bold: bool = False) -> float:
-    """Return how wide ``text`` is at most, in px at font size ``size``.
+    """Return an upper bound of the width of ``text`` at font size ``size``, both in px.
 
-    Which font the reader has is unknown; the widths are those of DejaVu Sans, the broadest of the usual ones.
+    The reader's font is unknown; the widths are those of DejaVu Sans, the widest of the common ones.
     """
     em = 0.0
     for letter in text:
@@ -35,7 +38,7 @@ def text_width(text: str, size: float, bold: bool = False) -> float:
 
 
 def shorten(text: str, size: float, width: float, bold: bool = False) -> str:
-    """Return ``text``, cut and ended with an ellipsis where it is wider than ``width``."""
+    """Return ``text``; if it is wider than ``width`` (px), cut it and end it with an ellipsis."""
     text = " ".join(text.split())
     if text_width(text, size, bold) <= width:
         return text
@@ -72,6 +75,30 @@ def write(
     svg.add(parent, "text", content, x=x, y=y, font_size=size, fill=fill, **attributes)
 
 
+def start_page(height: float, title: str, subtitle: str, description: str) -> ET.Element:
+    """Return a picture :data:`WIDTH` px wide that has a title, and a subtitle below it."""
+    root = svg.start_document(WIDTH, height, title, description)
+    write(root, MARGIN, 36, shorten(title, 20, WIDTH - 2 * MARGIN, bold=True), 20, bold=True)
+    write(root, MARGIN, 58, subtitle, 12, MUTED)
+    return root
+
+
+def draw_scale_bar(
+    root: ET.Element, right: float, base: float, px_per_m: float, longest: float, fill: str = INK
+) -> float:
+    """Draw a scale bar of a round length, at most ``longest`` px, that ends at ``right``; return its left end (px).
+
+    Its length is written above it in the colour ``fill``.
+    """
+    bar = floor_to_nice_number(longest / px_per_m)
+    left = right - bar * px_per_m
+    ends = [(left, base - 4), (left, base), (right, base), (right, base - 4)]
+    svg.add_line(root, svg.path_data(ends), INK, 1.2, "scale-bar")
+    text = f"{1000 * bar:g} mm"
+    write(root, (left + right) / 2, base - 6, text, 11, fill, "middle", class_="scale-bar-label")
+    return left
+
+
 @dataclass(frozen=True)
 class Box:
     """A rectangle on the page."""
@@ -86,14 +113,14 @@ class Box:
         """Return the box of that size centred on a point."""
         return cls(x - width / 2, y - height / 2, x + width / 2, y + height / 2)
 
-    def overlap(self, other: "Box") -> float:
+    def overlap_area(self, other: "Box") -> float:
         """Return the area that two boxes share, px2."""
         w = min(self.right, other.right) - max(self.left, other.left)
         h = min(self.bottom, other.bottom) - max(self.top, other.top)
         return max(w, 0.0) * max(h, 0.0)
 
-    def holds(self, points: FloatArray) -> int:
-        """Return how many of ``points``, (n, 2), lie inside."""
+    def count_inside(self, points: FloatArray) -> int:
+        """Return the number of ``points``, (n, 2), that lie inside."""
         inside = (points > (self.left, self.top)) & (points < (self.right, self.bottom))
         return int(np.count_nonzero(inside.all(axis=1)))
 
@@ -101,24 +128,24 @@ class Box:
 def place_labels(
     anchors: FloatArray, widths: Sequence[float], height: float, ink: FloatArray, page: Box, keep: float = 9
 ) -> list[Box]:
-    """Return a box for each label: near its anchor, off other labels and anchors, if it can be off ``ink``.
+    """Return a box for each label: near its anchor, off other labels and anchors, and off ``ink`` if possible.
 
     Parameters
     ----------
     anchors
-        the points to be labelled, (n, 2).
+        the points to label, (n, 2).
     widths, height
-        size of each label.
+        the width of each label, and the height of all.
     ink
-        points of what is drawn already, (m, 2), about 3 px apart.
+        points on the lines that are drawn already, (m, 2), about 3 px apart.
     page
-        where labels may go.
+        the rectangle that labels should stay in.
     keep
         half the side of the square around each anchor that labels must leave free.
     """
     marks = [Box.around(x, y, 2 * keep, 2 * keep) for x, y in anchors]
     placed: list[Box | None] = [None] * len(marks)
-    # Greedy, then over again: the second round lets early labels make room for late ones.
+    # Greedy, in three rounds: the later ones let early labels make room for late ones.
     for _, index in product(range(3), range(len(marks))):
         others = [box for i, box in enumerate(placed) if box is not None and i != index] + marks
         x, y = anchors[index]
@@ -131,30 +158,30 @@ def place_labels(
                 height,
             )
             area = widths[index] * height
-            cost = sum(box.overlap(other) for other in others) + 10 * (area - box.overlap(page))
-            cost = 100 * cost + 12 * box.holds(ink) + gap
+            cost = sum(box.overlap_area(other) for other in others) + 10 * (area - box.overlap_area(page))
+            cost = 100 * cost + 12 * box.count_inside(ink) + gap
             if cost < best - 1e-9:
                 best, placed[index] = cost, box
     return [box for box in placed if box is not None]
 
 
-# Beside and above first, since that is where the eye looks for a name.
+# To the right and above first, where readers look for a name.
 _DIRECTIONS = ((1, 0), (0, -1), (0, 1), (-1, 0), (0.8, -0.9), (0.8, 0.9), (-0.8, -0.9), (-0.8, 0.9))
 
 
-def nice_below(value: float) -> float:
-    """Return the greatest 1, 2 or 5 times a power of ten that is not above ``value`` (positive)."""
+def floor_to_nice_number(value: float) -> float:
+    """Return the greatest number at most ``value`` (positive) that is 1, 2 or 5 times a power of ten."""
     power = 10.0 ** np.floor(np.log10(value) + 1e-9)
     return float(max(step * power for step in (1, 2, 5) if step * power <= value * (1 + 1e-9)))
 
 
-def ticks(low: float, high: float, step: float) -> FloatArray:
+def tick_values(low: float, high: float, step: float) -> FloatArray:
     """Return the multiples of ``step`` from ``low`` to ``high``."""
     first, last = np.ceil(low / step - 1e-6), np.floor(high / step + 1e-6)
     return np.asarray(np.arange(first, last + 1) * step, dtype=np.float64)
 
 
-def signed(value: float, digits: int) -> str:
-    """Return a number with a true minus sign, and none before zero."""
+def format_signed(value: float, digits: int) -> str:
+    """Return a number with ``digits`` decimals and a true minus sign, and zero without a sign."""
     text = f"{value:.{digits}f}"
     return (text.lstrip("-") if float(text) == 0 else text).replace("-", "\u2212")

@@ -1,4 +1,4 @@
-"""The result of a study in one picture: the best flight for each target, and the bodies that flew them."""
+"""The result of a study in one picture: the best flight for each target, and the bodies."""
 
 from collections.abc import Sequence
 from xml.etree import ElementTree as ET
@@ -6,18 +6,9 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.gallery import MARGIN, WIDTH, GalleryEntry, arrange, assign_colours, draw_gallery
-from driftform.figures.layout import Box, place_labels, shorten, text_width, write
-from driftform.figures.plot import (
-    Window,
-    draw_axes,
-    draw_cross,
-    draw_current,
-    draw_walls,
-    draw_water,
-    pipe_ink,
-    pipe_points,
-)
+from driftform.figures.gallery import GalleryEntry, arrange_rows, assign_colours, draw_gallery
+from driftform.figures.layout import WIDTH, start_page
+from driftform.figures.plot import Window, draw_cross, draw_scene, label_points, pipe_ink, pipe_points
 from driftform.figures.projection import SIDE, drawing_times, resample_polyline
 from driftform.figures.style import INK, MUTED, tint
 from driftform.scenario import Scenario
@@ -34,8 +25,8 @@ def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str
     Parameters
     ----------
     flights
-        each in a colour of its own, firm up to its closest approach and faint after. A flight whose name is
-        no target of the scenario is cut at the target that it comes closest to.
+        each gets its colour, and is solid up to its closest approach and faint after it. If the scenario has no target
+        of the flight's name, the closest approach is that to the nearest target.
     scenario
         pipe, current and targets; x to the right, z upward, to scale.
     title
@@ -49,35 +40,33 @@ def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str
         [targets, pipe_points(scenario.pipe, SIDE), np.array([scenario.release.position]), *lines]
     )
     window = Window.around(SIDE, shown, _LEFT, 92, WIDTH - _LEFT - _RIGHT, 460, 14)
-    rows, px_per_m = arrange(flights)
+    rows, px_per_m = arrange_rows(flights)
     top = window.box.bottom + 84
     height = top + sum(row.height for row in rows) + (2 if rows else -34)
 
     worst = max((f.error_percent for f in flights), default=0.0)
     best = ", ".join(f"{f.name} {f.error_percent:.2f} %" for f in flights)
-    root = svg.document(
-        WIDTH,
+    root = start_page(
         height,
         title,
-        "Above, the pipe in side view with the best flight for each target; below, the bodies that flew, "
+        _describe_flights(len(flights), worst),
+        "Above: the pipe in side view with the best flight for each target. Below: the bodies, "
         f"at one scale. Error by target: {best or 'no flights'}.",
     )
-    write(root, MARGIN, 36, shorten(title, 20, WIDTH - 2 * MARGIN, bold=True), 20, bold=True)
-    write(root, MARGIN, 58, _subtitle(scenario, len(flights), worst), 12, MUTED)
     _draw_flights(root, window, flights, lines, scenario)
     draw_gallery(root, rows, px_per_m, top)
     return svg.render(root)
 
 
-def _subtitle(scenario: Scenario, count: int, worst: float) -> str:
+def _describe_flights(count: int, worst: float) -> str:
     if not count:
         return "No flights"
-    flights = "The flight" if count == 1 else f"The {count} flights"
-    return f"{flights}, firm up to the closest approach and faint after; largest error {worst:.2f} %"
+    flights = "1 flight" if count == 1 else f"{count} flights"
+    return f"{flights}, solid up to the closest approach and faint after it; largest error {worst:.2f} %"
 
 
-def _approach(flight: GalleryEntry, scenario: Scenario) -> Approach | None:
-    """Return the closest approach to the flight's own target, or to any where it has none."""
+def _find_approach(flight: GalleryEntry, scenario: Scenario) -> Approach | None:
+    """Return the closest approach to the flight's target; if the scenario lacks it, to the nearest target."""
     target = scenario.targets.get(flight.name)
     points = scenario.target_array() if target is None else np.array([target])
     approaches = find_approaches(flight.trajectory, points) if len(points) else []
@@ -91,12 +80,9 @@ def _draw_flights(
     lines: list[FloatArray],
     scenario: Scenario,
 ) -> None:
-    draw_water(root, window, scenario.pipe)
-    draw_axes(root, window)
-    draw_walls(root, window, scenario.pipe)
-    draw_current(root, window, scenario.current())
+    draw_scene(root, window, scenario)
     colours = assign_colours(flights)
-    approaches = [_approach(flight, scenario) for flight in flights]
+    approaches = [_find_approach(flight, scenario) for flight in flights]
     firm = [
         interpolate_positions(f.trajectory, drawing_times(f.trajectory, stop=np.inf if a is None else a.t))
         for f, a in zip(flights, approaches, strict=True)
@@ -106,7 +92,7 @@ def _draw_flights(
     for line, colour in zip(firm, colours, strict=True):
         _draw_line(root, window, line, colour, 2.2, "firm")
     ink = [pipe_ink(window, scenario.pipe), *(resample_polyline(window.to_page(line), 3) for line in firm)]
-    # Faint lines count for less: a label may cross one where all else is taken.
+    # Faint lines count for less: a label may cross one if there is no free place.
     ink += [resample_polyline(window.to_page(line), 9) for line in lines]
     start = window.to_page(np.array([scenario.release.position]))
     svg.add(
@@ -118,28 +104,11 @@ def _draw_flights(
     owner = {flight.name: colour for flight, colour in zip(flights, colours, strict=True)}
     for name, (x, y) in zip(names, anchors, strict=True):
         draw_cross(root, x, y, 5.5, owner.get(name, MUTED), 2.4)
-    frame = window.box
-    page = Box(frame.left + 2, frame.top + 2, frame.right - 2, frame.bottom - 2)
-    labels = [shorten(name, 12, 140, bold=True) for name in names]
-    widths = [text_width(label, 12, bold=True) for label in labels]
-    boxes = place_labels(anchors, widths, 14, np.vstack(ink), page, keep=8)
-    for label, box in zip(labels, boxes, strict=True):
-        write(
-            root, (box.left + box.right) / 2, box.bottom - 3, label, 12, INK, "middle", bold=True, halo=True
-        )
+    label_points(root, window, anchors, [(name, INK, True) for name in names], ink, keep=8)
 
 
 def _draw_line(
     root: ET.Element, window: Window, line: FloatArray, colour: str, width: float, class_: str
 ) -> None:
-    svg.add(
-        root,
-        "path",
-        class_=class_,
-        d=window.line(line),
-        fill="none",
-        stroke=colour,
-        stroke_width=width,
-        stroke_linejoin="round",
-        stroke_linecap="round",
-    )
+    data = window.path_data(line)
+    svg.add_line(root, data, colour, width, class_, stroke_linejoin="round", stroke_linecap="round")

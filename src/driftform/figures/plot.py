@@ -1,15 +1,25 @@
-"""A window onto the world from one side: to scale, with axes in metres, and the pipe in it."""
+"""A view of the pipe from one side: to scale, with axes in metres."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.layout import Box, nice_below, signed, ticks, write
+from driftform.figures.layout import (
+    Box,
+    floor_to_nice_number,
+    format_signed,
+    place_labels,
+    shorten,
+    text_width,
+    tick_values,
+    write,
+)
 from driftform.figures.projection import View, resample_polyline, silhouette, simplify_polyline
 from driftform.figures.style import GRID, INK, MUTED, WALL, WATER
-from driftform.scenario import Pipe
+from driftform.scenario import Pipe, Scenario
 from driftform.trajectory.interpolation import Pose
 from driftform.types import Body, FloatArray
 
@@ -18,18 +28,18 @@ _NAMES = "xyz"
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """What part of a view is seen, and where on the page.
+    """The visible part of a view, and its place on the page.
 
     Attributes
     ----------
     view
-        the world coordinates that run to the right and upward.
+        the indices of the world coordinates that run to the right and upward.
     box
         the window on the page, px.
     low
         the world point (m, (2,)) at its lower left corner.
     px_per_m
-        one scale for both directions.
+        the scale, the same in both directions.
     """
 
     view: View
@@ -48,9 +58,9 @@ class Window:
         tallest: float,
         margin: float,
     ) -> "Window":
-        """Return the window, ``width`` px wide and as tall as it needs, that shows all of ``points``.
+        """Return the window, ``width`` px wide and as tall as needed, that shows all of ``points``.
 
-        ``points``, (n, 3) in m, keep ``margin`` px from the frame; none of it grows taller than ``tallest``.
+        ``points``, (n, 3) in m, keep ``margin`` px from the frame; the window is at most ``tallest`` px tall.
         """
         seen = points[:, list(view)]
         low, high = seen.min(axis=0), seen.max(axis=0)
@@ -74,24 +84,24 @@ class Window:
         corner = np.array([self.box.left, self.box.bottom])
         return corner + self.px_per_m * (seen - self.low) * (1.0, -1.0)
 
-    def line(self, points: FloatArray, tolerance: float = 0.15) -> str:
-        """Return path data through world points (n, 3), true to ``tolerance`` px."""
-        return svg.polyline(simplify_polyline(self.to_page(points), tolerance))
+    def path_data(self, points: FloatArray, tolerance: float = 0.15) -> str:
+        """Return path data through world points (n, 3), exact to ``tolerance`` px."""
+        return svg.path_data(simplify_polyline(self.to_page(points), tolerance))
 
 
 def draw_axes(root: ET.Element, window: Window, names: tuple[str, str] | None = None) -> None:
-    """Draw ticks and their values, with faint lines across: metres below, and on the left.
+    """Draw ticks with their values (m) below and on the left, and faint grid lines.
 
-    ``names`` are what runs to the right and upward, where it is not the view's world coordinates.
+    ``names`` are the labels of the axes to the right and upward; by default the view's world coordinates.
     """
     box, low, high = window.box, window.low, window.high
-    # Labels of 11 px want about 40 px to themselves.
-    steps = [nice_below(2.49 * wanted / window.px_per_m) for wanted in (40, 26)]
+    # Labels of 11 px need about 40 px each.
+    steps = [floor_to_nice_number(2.49 * wanted / window.px_per_m) for wanted in (40, 26)]
     for axis, step in enumerate(steps):
         digits = max(0, -int(np.floor(np.log10(step) + 1e-9)))
-        for value in ticks(float(low[axis]), float(high[axis]), step):
+        for value in tick_values(float(low[axis]), float(high[axis]), step):
             offset = (value - low[axis]) * window.px_per_m
-            label = signed(value, digits)
+            label = format_signed(value, digits)
             if axis == 0:
                 x = box.left + offset
                 svg.add(
@@ -109,21 +119,29 @@ def draw_axes(root: ET.Element, window: Window, names: tuple[str, str] | None = 
     write(root, box.left - 8, box.top - 10, f"{up} (m)", 11, MUTED, "end")
 
 
+def draw_scene(root: ET.Element, window: Window, scenario: Scenario) -> None:
+    """Draw the surroundings of a flight: the pipe with its water, the axes and the current."""
+    draw_water(root, window, scenario.pipe)
+    draw_axes(root, window)
+    draw_walls(root, window, scenario.pipe)
+    draw_current(root, window, scenario.current())
+
+
 def draw_water(root: ET.Element, window: Window, pipe: Pipe) -> None:
     """Fill the inside of the pipe."""
-    for corners in _segments(window, pipe):
-        svg.add(root, "path", class_="water", d=svg.polyline(corners, closed=True), fill=WATER)
+    for corners in _segment_corners(window, pipe):
+        svg.add(root, "path", class_="water", d=svg.path_data(corners, closed=True), fill=WATER)
 
 
 def draw_walls(root: ET.Element, window: Window, pipe: Pipe) -> None:
-    """Draw the pipe's walls, and its open ends as dashes."""
-    for a, b, c, d in _segments(window, pipe):
+    """Draw the pipe's walls as solid lines, and its open ends as dashed ones."""
+    for a, b, c, d in _segment_corners(window, pipe):
         for ends in ((a, b), (d, c)):
             svg.add(
                 root,
                 "path",
                 class_="wall",
-                d=svg.polyline(np.array(ends)),
+                d=svg.path_data(np.array(ends)),
                 stroke=WALL,
                 stroke_width=2.5,
                 stroke_linecap="square",
@@ -132,7 +150,7 @@ def draw_walls(root: ET.Element, window: Window, pipe: Pipe) -> None:
             svg.add(
                 root,
                 "path",
-                d=svg.polyline(np.array(ends)),
+                d=svg.path_data(np.array(ends)),
                 stroke=WALL,
                 stroke_width=0.8,
                 stroke_dasharray="3 4",
@@ -140,16 +158,16 @@ def draw_walls(root: ET.Element, window: Window, pipe: Pipe) -> None:
 
 
 def pipe_points(pipe: Pipe, view: View) -> FloatArray:
-    """Return the world points, (n, 3) in m, between which the pipe lies in this view."""
-    return np.vstack([np.zeros((0, 3)), *(_corners(row, view) for row in pipe.array())])
+    """Return world points, (n, 3) in m, that bound the pipe in this view."""
+    return np.vstack([np.zeros((0, 3)), *(_section_corners(row, view) for row in pipe.array())])
 
 
-def _corners(row: FloatArray, view: View) -> FloatArray:
+def _section_corners(row: FloatArray, view: View) -> FloatArray:
     """Return the corners of a segment's long section, in the view's plane: start, end, end, start; (4, 3)."""
     start, end, radius = row[:3], row[3:6], row[6]
     across = np.zeros(3)
     along = end - start
-    # This direction lies in the view and is square to the axis: the wall is exactly one radius away along it.
+    # This direction lies in the view and is perpendicular to the axis: the wall is one radius away along it.
     across[view[0]], across[view[1]] = -along[view[1]], along[view[0]]
     if not across.any():
         across[view[0]] = 1.0
@@ -158,17 +176,17 @@ def _corners(row: FloatArray, view: View) -> FloatArray:
 
 
 def pipe_ink(window: Window, pipe: Pipe) -> FloatArray:
-    """Return points along the walls and ends, 3 px apart, that labels had better not cover; px, (n, 2)."""
-    corners = _segments(window, pipe)
+    """Return points along the walls and ends, 3 px apart, for labels to avoid; px, (n, 2)."""
+    corners = _segment_corners(window, pipe)
     return np.vstack([np.zeros((0, 2)), *(resample_polyline(np.vstack([c, c[:1]]), 3) for c in corners)])
 
 
-def _segments(window: Window, pipe: Pipe) -> list[FloatArray]:
-    return [window.to_page(_corners(row, window.view)) for row in pipe.array()]
+def _segment_corners(window: Window, pipe: Pipe) -> list[FloatArray]:
+    return [window.to_page(_section_corners(row, window.view)) for row in pipe.array()]
 
 
 def draw_current(root: ET.Element, window: Window, current: FloatArray) -> None:
-    """Write the speed of the water above the window's right end, with an arrow along it."""
+    """Write the speed of the water above the window's right end, with an arrow in its direction."""
     seen = current[list(window.view)] * (1.0, -1.0)
     speed = float(np.linalg.norm(seen))
     if speed < 1e-9:
@@ -177,18 +195,47 @@ def draw_current(root: ET.Element, window: Window, current: FloatArray) -> None:
     aside = np.array([-along[1], along[0]])
     middle = np.array([window.box.right - 13, window.box.top - 14])
     tip = middle + 13 * along
-    svg.add(root, "path", d=svg.polyline([middle - 13 * along, tip]), stroke=MUTED, stroke_width=1.2)
+    svg.add(root, "path", d=svg.path_data([middle - 13 * along, tip]), stroke=MUTED, stroke_width=1.2)
     head = np.array([tip, tip - 7 * along + 3 * aside, tip - 7 * along - 3 * aside])
-    svg.add(root, "path", d=svg.polyline(head, closed=True), fill=MUTED)
+    svg.add(root, "path", d=svg.path_data(head, closed=True), fill=MUTED)
     text = f"current {float(np.linalg.norm(current)):g} m/s"
     write(root, middle[0] - 20, middle[1] + 4, text, 11, MUTED, "end")
 
 
 def draw_cross(root: ET.Element, x: float, y: float, arm: float, colour: str = INK, width: float = 2) -> None:
-    """Draw a target: an upright cross, with a halo that lifts it off lines."""
-    data = svg.polyline([(x - arm, y), (x + arm, y)]) + svg.polyline([(x, y - arm), (x, y + arm)])
+    """Draw a target as an upright cross, with a white halo that sets it off from lines."""
+    data = svg.path_data([(x - arm, y), (x + arm, y)]) + svg.path_data([(x, y - arm), (x, y + arm)])
     svg.add(root, "path", d=data, stroke="#ffffff", stroke_width=width + 2.5, stroke_linecap="round")
     svg.add(root, "path", class_="target", d=data, stroke=colour, stroke_width=width, stroke_linecap="round")
+
+
+def label_points(
+    root: ET.Element,
+    window: Window,
+    anchors: FloatArray,
+    names: Sequence[tuple[str, str, bool]],
+    ink: Sequence[FloatArray],
+    keep: float,
+) -> None:
+    """Write names beside points of the page so that they overlap neither each other nor, if possible, lines.
+
+    Parameters
+    ----------
+    anchors
+        the points, (n, 2) in px.
+    names
+        text, colour and boldness, for each point.
+    ink, keep
+        as in :func:`driftform.figures.layout.place_labels`, with ``ink`` as a list of parts.
+    """
+    texts = [shorten(name, 12, 140, bold=True) for name, _, _ in names]
+    frame = window.box
+    page = Box(frame.left + 2, frame.top + 2, frame.right - 2, frame.bottom - 2)
+    widths = [text_width(text, 12, bold=True) for text in texts]
+    boxes = place_labels(anchors, widths, 14, np.vstack(ink), page, keep)
+    for text, (_, colour, bold), box in zip(texts, names, boxes, strict=True):
+        middle = (box.left + box.right) / 2
+        write(root, middle, box.bottom - 3, text, 12, colour, "middle", bold=bold, halo=True)
 
 
 def draw_silhouette(
@@ -201,7 +248,7 @@ def draw_silhouette(
 ) -> FloatArray:
     """Draw a body's outline in its attitude, magnified about its core; ``colours`` are fill, edge and core.
 
-    Returns the corners of what was drawn, (n, 2) in px.
+    Return the corners of the drawn polygons and the core's centre, (n, 2) in px.
     """
     fill, edge, dot = colours
     size = window.px_per_m * magnification
@@ -210,9 +257,9 @@ def draw_silhouette(
         centre + size * polygon * (1.0, -1.0)
         for polygon in silhouette(body, pose.quaternion, window.view, 0.2 / size)
     ]
-    data = "".join(svg.polyline(polygon, closed=True) for polygon in polygons)
-    # Stroked first and filled on top: only the outline of the union is left of the strokes.
-    svg.add(root, "path", d=data, fill="none", stroke=edge, stroke_width=1.6, stroke_linejoin="round")
+    data = "".join(svg.path_data(polygon, closed=True) for polygon in polygons)
+    # The filling covers the inner strokes, so that only the outline of the union remains.
+    svg.add_line(root, data, edge, 1.6, stroke_linejoin="round")
     svg.add(root, "path", class_="silhouette", d=data, fill=fill, stroke=fill, stroke_width=0.2)
     svg.add(root, "circle", cx=centre[0], cy=centre[1], r=2.5, fill=dot)
     return np.vstack([centre[None], *polygons])

@@ -16,17 +16,17 @@ def png_bytes(pixels: npt.NDArray[np.uint8]) -> bytes:
     """Return a picture, (height, width, 3) of red, green and blue, as a PNG file."""
     height, width, _ = pixels.shape
     rows = np.empty((height, 1 + 3 * width), dtype=np.uint8)
-    # Each row as its difference from the one above, which packs far better.
+    # Each row is stored as its difference from the row above, which compresses far better.
     rows[:, 0] = _UP
     flat = pixels.reshape(height, -1)
     rows[0, 1:] = flat[0]
     rows[1:, 1:] = flat[1:] - flat[:-1]
     header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
     return b"\x89PNG\r\n\x1a\n" + b"".join(
-        _chunk(kind, data)
+        _make_chunk(kind, data)
         for kind, data in ((b"IHDR", header), (b"IDAT", zlib.compress(rows.tobytes(), 6)), (b"IEND", b""))
     )
 
 
-def _chunk(kind: bytes, data: bytes) -> bytes:
+def _make_chunk(kind: bytes, data: bytes) -> bytes:
     return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))

@@ -1,4 +1,4 @@
-"""Flights and bodies as they are seen from one side: plain geometry, in metres."""
+"""Projections of flights and bodies onto a plane: geometry, in metres."""
 
 from itertools import pairwise
 from typing import TypeAlias
@@ -9,26 +9,26 @@ from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.types import Body, FloatArray, Trajectory
 
 View: TypeAlias = tuple[int, int]
-"""Which world coordinates run to the right and upward on the page."""
+"""Indices of the world coordinates that run to the right and upward on the page."""
 
 SIDE: View = (0, 2)
 PLAN: View = (0, 1)
 
 
 def drawing_times(trajectory: Trajectory, start: float = 0.0, stop: float = np.inf) -> FloatArray:
-    """Return the times from ``start`` to ``stop`` (s) between which the path looks straight, (n,)."""
+    """Return times from ``start`` to ``stop`` (s), dense enough to draw the path with straight lines, (n,)."""
     t = trajectory.t
     start, stop = min(max(start, t[0]), t[-1]), max(min(stop, t[-1]), t[0])
-    # Three stations between samples: enough for the cubic between them to look like one.
+    # Three stations between samples are enough for the interpolating cubic to look smooth.
     fine = np.interp(np.arange(0, len(t) - 0.75, 0.25), np.arange(len(t)), t)
     return np.concatenate([[start], fine[(fine > start) & (fine < stop)], [stop]])
 
 
 def silhouette(body: Body, quaternion: FloatArray, view: View, tolerance: float) -> list[FloatArray]:
-    """Return convex polygons whose union is what ``body`` covers in ``view``, in m from the core's centre.
+    """Return convex polygons whose union is the silhouette of ``body`` in ``view``, in m from the core's centre.
 
-    The contour is taken to within ``tolerance`` (m). A frustum is convex, so it covers the convex hull of
-    what its two rims cover. All polygons turn the same way: in one path with the nonzero rule, they merge.
+    The contour is simplified to within ``tolerance`` (m). A frustum is convex, so its silhouette is the convex hull
+    of those of its two rims. All polygons turn the same way: in one path with the nonzero rule, they merge.
     """
     axis = matrix_from_quaternion(quaternion)[:, 0]
     across = np.zeros(3)
@@ -37,7 +37,7 @@ def silhouette(body: Body, quaternion: FloatArray, view: View, tolerance: float)
     if size < 1e-9:
         across[view[0]], size = 1.0, 1.0
     across /= size
-    # Angles 0 and pi are the silhouette's own edges, so the width is exact however few points there are.
+    # Angles 0 and pi are the silhouette's edges, so the width is exact with any number of points.
     angles = np.linspace(0, 2 * np.pi, 20, endpoint=False)
     circle = np.cos(angles)[:, None] * across + np.sin(angles)[:, None] * np.cross(axis, across)
     outer = simplify_polyline(body.outer, tolerance)
@@ -49,28 +49,28 @@ def silhouette(body: Body, quaternion: FloatArray, view: View, tolerance: float)
 def convex_hull(points: FloatArray) -> FloatArray:
     """Return the corners of the convex hull of ``points``, (n, 2) in m, anticlockwise, to 0.1 um (Andrew, 1979).
 
-    On whole numbers the turns are exact: seen on edge, a rim is so thin that rounding would lose its corners.
+    In integers the turns are exact: a rim that is seen edge-on is so thin that rounding would lose its corners.
     """
     ordered = sorted({(int(x), int(y)) for x, y in np.rint(points * 1e7)})
     chains: list[tuple[int, int]] = []
     for run in (ordered, ordered[::-1]):
         chain: list[tuple[int, int]] = []
         for p in run:
-            while len(chain) > 1 and _turn(chain[-2], chain[-1], p) <= 0:
+            while len(chain) > 1 and _cross_product(chain[-2], chain[-1], p) <= 0:
                 chain.pop()
             chain.append(p)
         chains += chain[:-1]
     return np.array(chains, dtype=np.float64).reshape(-1, 2) / 1e7
 
 
-def _turn(o: tuple[int, int], a: tuple[int, int], b: tuple[int, int]) -> int:
+def _cross_product(o: tuple[int, int], a: tuple[int, int], b: tuple[int, int]) -> int:
     return (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
 
 
 def simplify_polyline(points: FloatArray, tolerance: float) -> FloatArray:
-    """Return the corners of a polyline, (n, 2), that it must keep to stay within ``tolerance`` of itself.
+    """Return the corners, (n, 2), that a polyline needs to stay within ``tolerance`` of the original.
 
-    Ramer, Douglas and Peucker: a flight has thousands of samples, and its picture needs some dozens.
+    The algorithm is that of Ramer, Douglas and Peucker. A flight has thousands of samples; its picture needs dozens.
     """
     keep = np.zeros(len(points), dtype=bool)
     keep[:1] = keep[-1:] = True

@@ -1,17 +1,18 @@
-"""What a run reaches: how close its flights come to every part of the pipe, and what none of them crosses."""
+"""Coverage of the pipe by a run: the closest approach of its flights to each cell, and the cells not crossed."""
 
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.layout import Box, place_labels, shorten, text_width, write
+from driftform.figures.layout import MARGIN, WIDTH, start_page, write
 from driftform.figures.plot import (
     Window,
     draw_axes,
     draw_cross,
     draw_current,
     draw_walls,
+    label_points,
     pipe_ink,
     pipe_points,
 )
@@ -21,25 +22,26 @@ from driftform.scenario import Pipe, Scenario, Segment
 from driftform.trajectory.coverage import CoverageMap, PipeGrid
 from driftform.types import FloatArray
 
-_WIDTH, _LEFT, _RIGHT, _MARGIN = 900.0, 58.0, 22.0, 22.0
+_LEFT, _RIGHT = 58.0, 22.0
 _SWATCH, _STEP = (34.0, 14.0), 74.0
 
 BOUNDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05)
 """Distances at which the colour changes, m."""
 
 RAMP = ("#440154", "#443983", "#31688e", "#21918c", "#35b779", "#90d743", "#fde725")
-"""Viridis, whose steps differ in lightness for any colour vision: the closer, the darker."""
+"""Viridis, whose steps differ in lightness for any colour vision; closer is darker."""
 
 
 def reach_svg(reach: CoverageMap, scenario: Scenario, title: str) -> str:
-    """Return the map of what flights reach as SVG: the pipe in section, each cell coloured by the closest flight.
+    """Return a coverage map as SVG: the pipe in section, each cell coloured by the closest flight.
 
     Parameters
     ----------
     reach
-        the map: along the pipe to the right, upward as :class:`driftform.trajectory.coverage.PipeGrid` has it; to scale.
+        the map, drawn to scale: along the pipe to the right, and upward as in
+        :class:`driftform.trajectory.coverage.PipeGrid`.
     scenario
-        current, release and targets. Where its pipe lies along the world's x, the axes are those of the world.
+        current, release and targets. If its pipe lies along the world's x, the axes are those of the world.
     title
         a line above the picture.
 
@@ -49,17 +51,15 @@ def reach_svg(reach: CoverageMap, scenario: Scenario, title: str) -> str:
     is_world = bool(np.allclose(cells.axes[:2], ((1, 0, 0), (0, 0, 1))))
     shift = cells.origin[[0, 2]] if is_world else np.zeros(2)
     pipe = _straighten(cells, shift)
-    window = Window.around(SIDE, pipe_points(pipe, SIDE), _LEFT, 92, _WIDTH - _LEFT - _RIGHT, 460, 14)
+    window = Window.around(SIDE, pipe_points(pipe, SIDE), _LEFT, 92, WIDTH - _LEFT - _RIGHT, 460, 14)
     base = window.box.bottom + 62
-    told = _describe(reach)
-    root = svg.document(
-        _WIDTH,
+    subtitle = _describe(reach)
+    root = start_page(
         base + 46,
         title,
-        f"The pipe in section, in cells coloured by the closest approach to the middle of each. {told}.",
+        subtitle,
+        f"The pipe in section, in cells coloured by the closest approach to the middle of each. {subtitle}.",
     )
-    write(root, _MARGIN, 36, shorten(title, 20, _WIDTH - 2 * _MARGIN, bold=True), 20, bold=True)
-    write(root, _MARGIN, 58, told, 12, MUTED)
     draw_axes(root, window, None if is_world else ("along the pipe", "up"))
     _draw_cells(root, window, reach, shift)
     draw_walls(root, window, pipe)
@@ -70,7 +70,7 @@ def reach_svg(reach: CoverageMap, scenario: Scenario, title: str) -> str:
 
 
 def _straighten(cells: PipeGrid, shift: FloatArray) -> Pipe:
-    """The pipe as it lies on the map, in the plane y = 0."""
+    """Return the pipe in the coordinates of the map, in the plane y = 0."""
     length, radius = cells.size[:2] * cells.shape * (1, 0.5)
     x, z = shift
     return Pipe(segments=(Segment(start=(x, 0.0, z), end=(x + length, 0.0, z), radius=float(radius)),))
@@ -94,7 +94,7 @@ def _draw_cells(root: ET.Element, window: Window, reach: CoverageMap, shift: Flo
     width, height = reach.cells.size[:2]
     shapes: dict[int, list[str]] = {number: [] for number in range(-1, len(RAMP))}
     for row in range(rows):
-        # Equal neighbours along the pipe are one rectangle.
+        # Equal neighbours along the pipe are drawn as one rectangle.
         starts = np.flatnonzero(np.diff(classes[:, row], prepend=-2))
         for start, end in zip(starts, [*starts[1:], columns], strict=True):
             x, z = low[start, row]
@@ -104,11 +104,11 @@ def _draw_cells(root: ET.Element, window: Window, reach: CoverageMap, shift: Flo
                 (x + (end - start) * width, z + height),
                 (x, z + height),
             ]
-            shapes[int(classes[start, row])].append(svg.polyline(window.to_page(np.array(box)), closed=True))
+            shapes[int(classes[start, row])].append(svg.path_data(window.to_page(np.array(box)), closed=True))
     for number, data in shapes.items():
         if data:
             colour = RAMP[number] if number >= 0 else "#ffffff"
-            # The edge closes the seams that a browser leaves between neighbours.
+            # The stroke closes the seams that browsers leave between neighbours.
             svg.add(
                 root,
                 "path",
@@ -124,37 +124,30 @@ def _draw_cells(root: ET.Element, window: Window, reach: CoverageMap, shift: Flo
 
 
 def _draw_hatching(root: ET.Element, diagonals: list[FloatArray]) -> None:
-    data = "".join(svg.polyline(pair) for pair in diagonals)
+    data = "".join(svg.path_data(pair) for pair in diagonals)
     svg.add(root, "path", class_="hatching", d=data, stroke=MUTED, stroke_width=0.8)
 
 
 def _draw_points(
     root: ET.Element, window: Window, scenario: Scenario, cells: PipeGrid, shift: FloatArray, pipe: Pipe
 ) -> None:
-    """Draw where agents are released, and the targets with their names."""
+    """Draw the release point, and the targets with their names."""
     release = cells.to_map(np.array([scenario.release.position]))[:, :2] + shift
     [(x, y)] = window.to_page(release)
     svg.add(root, "circle", cx=x, cy=y, r=4.5, fill="#ffffff", stroke=INK, stroke_width=1.6)
     anchors = window.to_page(cells.to_map(scenario.target_array())[:, :2] + shift)
     for x, y in anchors:
         draw_cross(root, x, y, 5.5, INK, 2.4)
-    labels = [shorten(name, 12, 140, bold=True) for name in scenario.target_names]
-    widths = [text_width(label, 12, bold=True) for label in labels]
-    frame = window.box
-    page = Box(frame.left + 2, frame.top + 2, frame.right - 2, frame.bottom - 2)
-    boxes = place_labels(anchors, widths, 14, pipe_ink(window, pipe), page, keep=8)
-    for label, box in zip(labels, boxes, strict=True):
-        write(
-            root, (box.left + box.right) / 2, box.bottom - 3, label, 12, INK, "middle", bold=True, halo=True
-        )
+    names = [(name, INK, True) for name in scenario.target_names]
+    label_points(root, window, anchors, names, [pipe_ink(window, pipe)], keep=8)
 
 
 def _draw_legend(root: ET.Element, top: float) -> None:
-    """Draw the colours with the distances between them, and what is not reached."""
+    """Draw the colours with the distances between them, and the hatching of cells that no flight crosses."""
     width, height = _SWATCH
-    svg.add(root, "line", x1=_MARGIN, y1=top - 16, x2=_WIDTH - _MARGIN, y2=top - 16, stroke=GRID)
-    write(root, _MARGIN, top + 11, "Closest approach to the middle of the cell (mm)", 12, MUTED)
-    x = _WIDTH - _MARGIN - len(RAMP) * width - 150
+    svg.add(root, "line", x1=MARGIN, y1=top - 16, x2=WIDTH - MARGIN, y2=top - 16, stroke=GRID)
+    write(root, MARGIN, top + 11, "Closest approach to the middle of the cell (mm)", 12, MUTED)
+    x = WIDTH - MARGIN - len(RAMP) * width - 150
     for number, colour in enumerate(RAMP):
         svg.add(root, "rect", class_="swatch", x=x, y=top, width=width, height=height, fill=colour)
         if number < len(BOUNDS):

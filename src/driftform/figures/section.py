@@ -1,4 +1,4 @@
-"""One body to scale, as a half section: the outside above the axis, the cut below it."""
+"""One body to scale, as a half section: the outside above the axis, the section below it."""
 
 from typing import NamedTuple
 from xml.etree import ElementTree as ET
@@ -7,7 +7,7 @@ import numpy as np
 
 from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading, inner_joints
-from driftform.figures.layout import nice_below, shorten, signed, text_width, write
+from driftform.figures.layout import MARGIN, draw_scale_bar, format_signed, shorten, text_width, write
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, tint
 from driftform.figures.surface import Surface, find_rest, find_surface
 from driftform.figures.svg import PX_PER_MM
@@ -18,15 +18,15 @@ from driftform.types import Agent, Body, FloatArray
 _STEEL = "#3d5a73"
 _WIDEST, _TALLEST = 800.0, 580.0
 _HEADER, _LABELS, _CALLOUTS, _DIMENSION, _FOOTER, _BLOCK = 62.0, 44.0, 34.0, 46.0, 40.0, 46.0
-_LEFT, _RIGHT, _MARGIN = 138.0, 62.0, 22.0
+_LEFT, _RIGHT = 138.0, 62.0
 _SCALE = 280.0
-"""Room for the scale and its bar, px."""
+"""Width kept free for the scale and its bar, px."""
 
 _NARROW, _BESIDE = 230.0, 160.0
-"""The labels of wall and core stand beside a body that is shorter than the first, and take the second, px."""
+"""If the body is shorter than the first (px), the labels of wall and core are beside it and take the second (px)."""
 
 _AROUND = 10.0
-"""How far water is drawn beside the body, px."""
+"""Width of the water that is drawn beside the body, px."""
 
 
 class Ratio(NamedTuple):
@@ -37,11 +37,11 @@ class Ratio(NamedTuple):
 
     @property
     def text(self) -> str:
-        """How a drawing states it."""
+        """The ratio as drawings write it."""
         return f"{self.paper} : {self.body}"
 
 
-# The scales that ISO 5455 recommends, and that a ruler can be read against.
+# The scales that ISO 5455 recommends.
 _RATIOS = tuple(
     [Ratio(a * 10**n, 1) for n in (2, 1, 0) for a in (5, 2, 1)]
     + [Ratio(1, a * 10**n) for n in range(6) for a in (2, 5, 10)]
@@ -54,24 +54,24 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None)
     Parameters
     ----------
     agent
-        its body frame has x to the right and z upward on the page. The centres of gravity (a quartered
-        circle) and of buoyancy (a ring) are those of ``agent.mass``. Ticks below the length are the joints of modules.
+        drawn with the body's x to the right and z upward. The centres of gravity (a quartered circle) and of
+        buoyancy (a ring) are those of ``agent.mass``. Ticks below the length mark the joints between modules.
     title
         a line above the picture.
     scenario
-        its water gives the net buoyancy, and the water line of a body that floats: where the surface is when it has
-        come to rest, far from any wall. Without a surface in the scenario, it is where one would be.
+        its water gives the net buoyancy, and the water line of a body that floats: the surface when the body is at
+        rest, far from any wall. If the scenario has no surface, the line is where one would be.
 
-    The natural size is stated in millimetres: printed at it, the picture is to the scale that it names.
+    The natural size is in millimetres: printed at that size, the picture has the scale that it states.
     """
     body = agent.body
-    ratio = _ratio(body)
+    ratio = _choose_ratio(body)
     px_per_m = 1000 * PX_PER_MM * ratio.paper / ratio.body
     length, diameter = body.length * px_per_m, body.max_diameter * px_per_m
-    facts, block = _facts(agent), title_block(agent, scenario)
+    facts, block = _describe_agent(agent), title_block(agent, scenario)
     rest = None if scenario is None else find_rest(agent, scenario)
     legend = 0.0 if rest is None else 34 + text_width(rest.text, 11) + _SCALE
-    least = max(text_width(facts, 12), _block_width(block), legend, 556.0) + 2 * _MARGIN
+    least = max(text_width(facts, 12), _block_width(block), legend, 556.0) + 2 * MARGIN
     width = max(length + _LEFT + _RIGHT, least)
     if length < _NARROW:
         width = max(width, length + _LEFT + _RIGHT + 2 * _BESIDE)
@@ -80,39 +80,30 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None)
     left = _LEFT + (width - _LEFT - _RIGHT - length) / 2
     place = Placement(left - px_per_m * float(body.outer[0, 0]), above + diameter / 2, px_per_m)
 
-    size = f"{_mm(body.length)} long, {_mm(body.max_diameter)} in diameter"
-    told = "; ".join(f"{name} {value}" for name, value in block)
-    root = svg.document(
+    size = f"{_format_mm(body.length)} long, {_format_mm(body.max_diameter)} in diameter"
+    values = "; ".join(f"{name} {value}" for name, value in block)
+    root = svg.start_document(
         width,
         height,
         title or "Section of an agent",
         f"Half section of a body of revolution, {size}, at a scale of {ratio.text}: outside above the "
-        f"axis, cut open below; the fore end is on the right. {facts}; {told}.",
+        f"axis, cut open below; the fore end is on the right. {facts}; {values}.",
         unit="mm",
     )
-    write(root, _MARGIN, 32, shorten(title or "Section", 17, width - 2 * _MARGIN, bold=True), 17, bold=True)
-    write(root, _MARGIN, 52, facts, 12, MUTED)
+    write(root, MARGIN, 32, shorten(title or "Section", 17, width - 2 * MARGIN, bold=True), 17, bold=True)
+    write(root, MARGIN, 52, facts, 12, MUTED)
     surface = (
         None
         if rest is None or rest.height is None
         else find_surface(rest.pitch, rest.height, body, place, _AROUND)
     )
     if surface is not None:
-        svg.add(root, "path", class_="water", d=svg.polyline(surface.wet, closed=True), fill=tint(BLUE, 0.1))
+        svg.add(root, "path", class_="water", d=svg.path_data(surface.wet, closed=True), fill=tint(BLUE, 0.1))
     draw_shading(root, body, place, _STEEL, below=0)
     draw_rims(root, body, place, tint(_STEEL, 0.62), 0.7, below=0)
     _draw_cut(root, body, place)
-    outline = svg.polyline(place.to_page(closed_outline(body.outer)), closed=True)
-    svg.add(
-        root,
-        "path",
-        class_="outline",
-        d=outline,
-        fill="none",
-        stroke=INK,
-        stroke_width=1.3,
-        stroke_linejoin="round",
-    )
+    outline = svg.path_data(place.to_page(closed_outline(body.outer)), closed=True)
+    svg.add_line(root, outline, INK, 1.3, "outline", stroke_linejoin="round")
     _draw_axis(root, body, place)
     if surface is not None:
         _draw_water_line(root, surface)
@@ -127,7 +118,7 @@ def section_svg(agent: Agent, title: str = "", scenario: Scenario | None = None)
     return svg.render(root)
 
 
-def _ratio(body: Body) -> Ratio:
+def _choose_ratio(body: Body) -> Ratio:
     fits = (
         ratio
         for ratio in _RATIOS
@@ -137,7 +128,7 @@ def _ratio(body: Body) -> Ratio:
     return next(fits, _RATIOS[-1])
 
 
-def _facts(agent: Agent) -> str:
+def _describe_agent(agent: Agent) -> str:
     mass = agent.mass
     modules = (
         max(len(agent.body.joints) - 1, 0) if agent.morphology is None else len(agent.morphology.modules)
@@ -148,7 +139,7 @@ def _facts(agent: Agent) -> str:
 
 
 def title_block(agent: Agent, scenario: Scenario | None) -> list[tuple[str, str]]:
-    """Return names and values of the title block: what the agent weighs and displaces, and how that is in water."""
+    """Return names and values of the title block: masses and volume, and with a scenario the net buoyancy."""
     body, mass = agent.body, agent.mass
     block = [
         ("mass", f"{1000 * mass.mass:.1f} g"),
@@ -164,7 +155,7 @@ def title_block(agent: Agent, scenario: Scenario | None) -> list[tuple[str, str]
     return block
 
 
-def _mm(metres: float) -> str:
+def _format_mm(metres: float) -> str:
     return f"{1000 * metres:.1f} mm"
 
 
@@ -172,38 +163,31 @@ def _draw_cut(root: ET.Element, body: Body, place: Placement) -> None:
     flip = (1.0, -1.0)
     wall = place.to_page(body.outer * flip)
     cavity = place.to_page(body.cavity * flip)
-    data = svg.polyline(wall, closed=True) + svg.polyline(cavity, closed=True)
+    data = svg.path_data(wall, closed=True) + svg.path_data(cavity, closed=True)
     svg.add(root, "path", class_="wall", d=data, fill=tint(_STEEL, 0.16), fill_rule="evenodd")
-    # A wall of a few px needs close lines to look hatched at all.
+    # A wall of a few px needs close lines to look hatched.
     spacing = 4.0 if body.wall * place.px_per_m < 8 else 6.0
-    lines = "".join(svg.polyline(pair) for pair in hatch([wall, cavity], spacing))
+    lines = "".join(svg.path_data(pair) for pair in hatch([wall, cavity], spacing))
     if lines:
-        svg.add(root, "path", class_="hatch", d=lines, fill="none", stroke=_STEEL, stroke_width=0.8)
+        svg.add_line(root, lines, _STEEL, 0.8, "hatch")
     if len(cavity):
-        svg.add(
-            root,
-            "path",
-            class_="cavity",
-            d=svg.polyline(cavity),
-            fill="none",
-            stroke=INK,
-            stroke_width=0.9,
-            stroke_linejoin="round",
-        )
+        svg.add_line(root, svg.path_data(cavity), INK, 0.9, "cavity", stroke_linejoin="round")
     radius = body.core.radius * place.px_per_m
     svg.add(root, "circle", class_="core", cx=place.x, cy=place.y, r=radius, fill=ORANGE)
-    # Above the axis the core is behind the wall: lighter, with the dashes of a hidden edge.
-    r, y = svg.number(radius), svg.number(place.y)
-    upper = f"M{svg.number(place.x - radius)} {y}A{r} {r} 0 0 1 {svg.number(place.x + radius)} {y}"
+    # Above the axis the core is behind the wall: lighter, with a dashed (hidden) edge.
+    r, y = svg.format_number(radius), svg.format_number(place.y)
+    upper = (
+        f"M{svg.format_number(place.x - radius)} {y}A{r} {r} 0 0 1 {svg.format_number(place.x + radius)} {y}"
+    )
     svg.add(root, "path", d=upper + "Z", fill=tint(ORANGE, 0.5))
-    svg.add(root, "path", d=upper, fill="none", stroke="#7a5300", stroke_width=0.9, stroke_dasharray="4 3")
-    svg.add(root, "path", d=upper.replace("0 0 1", "0 0 0"), fill="none", stroke="#7a5300", stroke_width=1.1)
+    svg.add_line(root, upper, "#7a5300", 0.9, stroke_dasharray="4 3")
+    svg.add_line(root, upper.replace("0 0 1", "0 0 0"), "#7a5300", 1.1)
 
 
 def hatch(polygons: list[FloatArray], spacing: float) -> list[FloatArray]:
     """Return the pieces, (2, 2) each, of 45 degree lines ``spacing`` apart that lie inside ``polygons``.
 
-    Inside is by the even-odd rule. A pattern fill would do the same, but needs an id.
+    The even-odd rule decides what is inside. An SVG pattern would do the same, but needs an id.
     """
     root = np.sqrt(0.5)
     turned = [
@@ -216,7 +200,7 @@ def hatch(polygons: list[FloatArray], spacing: float) -> list[FloatArray]:
         np.arange(np.ceil(starts[:, 0].min() / spacing), np.floor(starts[:, 0].max() / spacing) + 1) * spacing
     )
     for u in lines:
-        # Half-open, so that a line through a corner meets one of its two edges.
+        # Half-open intervals, so that a line through a corner meets only one of its two edges.
         meets = (starts[:, 0] <= u) != (ends[:, 0] <= u)
         a, b = starts[meets], ends[meets]
         v = np.sort(a[:, 1] + (u - a[:, 0]) / (b[:, 0] - a[:, 0]) * (b[:, 1] - a[:, 1]))
@@ -246,34 +230,27 @@ def _draw_axis(root: ET.Element, body: Body, place: Placement) -> None:
 
 
 def _draw_water_line(root: ET.Element, surface: Surface) -> None:
-    """Draw the surface, with the triangle that drawings mark it by."""
-    line = svg.polyline(surface.line)
-    svg.add(root, "path", d=line, fill="none", stroke="#ffffff", stroke_width=3.2)
-    svg.add(
-        root,
-        "path",
-        class_="water-line",
-        d=line,
-        fill="none",
-        stroke=BLUE,
-        stroke_width=1.4,
-        stroke_dasharray="9 3",
-    )
+    """Draw the water's surface with its symbol, a triangle."""
+    line = svg.path_data(surface.line)
+    svg.add_line(root, line, "#ffffff", 3.2)
+    svg.add_line(root, line, BLUE, 1.4, "water-line", stroke_dasharray="9 3")
     (start, end), up = surface.line, surface.up
-    # Off the labels: those of the centres are above the body, that of the axis is on the right.
+    # Keep off the labels: those of the centres are above the body, that of the axis is on the right.
     tip = max(start, end, key=lambda point: float(point[1] - point[0]))
     inward = (start + end) / 2 - tip
     tip = tip + 9 * inward / max(float(np.hypot(*inward)), 1e-9)
     along = np.array([-up[1], up[0]])
     corners = np.array([tip, tip + 8 * up + 5 * along, tip + 8 * up - 5 * along])
-    svg.add(root, "path", d=svg.polyline(corners, closed=True), fill="#ffffff", stroke=BLUE, stroke_width=1.2)
+    svg.add(
+        root, "path", d=svg.path_data(corners, closed=True), fill="#ffffff", stroke=BLUE, stroke_width=1.2
+    )
 
 
 def _draw_legend(root: ET.Element, text: str, floats: bool, base: float) -> None:
-    x = _MARGIN
+    x = MARGIN
     if floats:
-        line = svg.polyline([(x, base - 4), (x + 26, base - 4)])
-        svg.add(root, "path", d=line, fill="none", stroke=BLUE, stroke_width=1.4, stroke_dasharray="9 3")
+        line = svg.path_data([(x, base - 4), (x + 26, base - 4)])
+        svg.add_line(root, line, BLUE, 1.4, stroke_dasharray="9 3")
         x += 34
     write(root, x, base, text, 11, MUTED, class_="rest")
 
@@ -288,11 +265,11 @@ def _draw_dimensions(root: ET.Element, body: Body, place: Placement) -> None:
         _draw_thin(root, x, edge + 4, x, level + 5)
     _draw_arrow(root, left, level, right, level)
     joints = "".join(
-        svg.polyline([(x, level), (x, level + 5)]) for x in place.x + place.px_per_m * inner_joints(body)
+        svg.path_data([(x, level), (x, level + 5)]) for x in place.x + place.px_per_m * inner_joints(body)
     )
     if joints:
-        svg.add(root, "path", class_="ticks", d=joints, fill="none", stroke=MUTED, stroke_width=0.8)
-    text = _mm(body.length)
+        svg.add_line(root, joints, MUTED, 0.8, "ticks")
+    text = _format_mm(body.length)
     fits = right - left > text_width(text, 12) + 20
     write(
         root,
@@ -310,25 +287,33 @@ def _draw_dimensions(root: ET.Element, body: Body, place: Placement) -> None:
     for y in (top[1], 2 * place.y - top[1]):
         _draw_thin(root, top[0] - 4, y, column - 5, y)
     _draw_arrow(root, column, top[1], column, 2 * place.y - top[1])
-    write(root, column - 9, place.y + 4, f"Ø {_mm(body.max_diameter)}", 12, anchor="end", class_="diameter")
+    write(
+        root,
+        column - 9,
+        place.y + 4,
+        f"Ø {_format_mm(body.max_diameter)}",
+        12,
+        anchor="end",
+        class_="diameter",
+    )
 
 
 def _draw_callouts(root: ET.Element, body: Body, place: Placement) -> None:
-    """Wall and core, each with a leader from a label below the body."""
+    """Draw the dimensions of wall and core, each with a leader from a label below the body."""
     bottom = place.y + body.max_diameter / 2 * place.px_per_m
     left, right = (place.x + place.px_per_m * float(x) for x in body.outer[[0, -1], 0])
     base = bottom + 26
-    wall = _wall_spot(body, place)
-    labels = [("core", place.x, f"core Ø {_plain(2000 * body.core.radius)} mm")]
+    wall = _find_wall_spot(body, place)
+    labels = [("core", place.x, f"core Ø {_format_number(2000 * body.core.radius)} mm")]
     if wall is not None:
-        labels.append(("wall", float(wall[0][0]), f"wall {_plain(1000 * body.wall)} mm"))
+        labels.append(("wall", float(wall[0][0]), f"wall {_format_number(1000 * body.wall)} mm"))
     labels.sort(key=lambda label: label[1])
     widths = [text_width(text, 12) + 8 for _, _, text in labels]
     if right - left >= _NARROW and sum(widths) + 20 < right - left:
         wanted = [at for _, at, _ in labels]
-        centres = _spread(wanted, widths, left + 4, right - 4) if len(labels) == 2 else wanted
+        centres = _space_labels(wanted, widths, left + 4, right - 4) if len(labels) == 2 else wanted
     else:
-        # Beside the lines that carry the length down, and on the side that the wall faces, so as not to cross it.
+        # Beside the extension lines of the length, on the side that the wall faces, so that no leader crosses it.
         faces_aft = wall is None or wall[0][0] < wall[1][0]
         first = left - 10 - sum(widths) if faces_aft else right + 10
         centres = [first + sum(widths[:i]) + widths[i] / 2 for i in range(len(widths))]
@@ -349,10 +334,10 @@ def _draw_callouts(root: ET.Element, body: Body, place: Placement) -> None:
                 _draw_head(root, tip, tip + away, 6.0)
 
 
-def _wall_spot(body: Body, place: Placement) -> tuple[FloatArray, FloatArray] | None:
-    """Where the wall is dimensioned, on its outside and inside: in the middle of an edge of the cavity.
+def _find_wall_spot(body: Body, place: Placement) -> tuple[FloatArray, FloatArray] | None:
+    """Return the outer and inner point where the wall is dimensioned: the middle of an edge of the cavity.
 
-    The edge is long, runs along the axis rather than across it, and lies far out and off the core's label.
+    The edge chosen is long, runs along the axis rather than across it, and lies far from the axis and the core's label.
     """
     if not len(body.cavity):
         return None
@@ -366,7 +351,7 @@ def _wall_spot(body: Body, place: Placement) -> tuple[FloatArray, FloatArray] | 
     return outside, inside
 
 
-def _plain(value: float) -> str:
+def _format_number(value: float) -> str:
     return f"{value:.3f}".rstrip("0").rstrip(".")
 
 
@@ -386,26 +371,26 @@ def _draw_arrow(root: ET.Element, x1: float, y1: float, x2: float, y2: float) ->
 
 
 def _draw_head(root: ET.Element, tip: FloatArray, tail: FloatArray, size: float = 8.0) -> None:
-    """Draw a slim arrowhead at ``tip``, of an arrow that comes from ``tail``."""
+    """Draw a slim arrowhead at ``tip`` of an arrow from ``tail``."""
     back = size * (tail - tip) / np.hypot(*(tail - tip))
     aside = 0.22 * np.array([-back[1], back[0]])
     corners = np.array([tip, tip + back + aside, tip + back - aside])
-    svg.add(root, "path", d=svg.polyline(corners, closed=True), fill=MUTED)
+    svg.add(root, "path", d=svg.path_data(corners, closed=True), fill=MUTED)
 
 
 def _draw_centres(root: ET.Element, agent: Agent, place: Placement, width: float) -> None:
     cob, cog = (place.to_page(c[None, [0, 2]])[0] for c in (agent.mass.cob, agent.mass.cog))
     marks = [
-        ("COG", cog, f"COG x = {signed(1000 * agent.mass.cog[0], 1)} mm", 6.0),
-        ("COB", cob, f"COB x = {signed(1000 * agent.mass.cob[0], 1)} mm", 9.0),
+        ("COG", cog, f"COG x = {format_signed(1000 * agent.mass.cog[0], 1)} mm", 6.0),
+        ("COB", cob, f"COB x = {format_signed(1000 * agent.mass.cob[0], 1)} mm", 9.0),
     ]
     marks.sort(key=lambda mark: float(mark[1][0]))
     sizes = [text_width(label, 12, bold=True) + 20 for _, _, label, _ in marks]
-    centres = _spread([float(mark[1][0]) for mark in marks], sizes, 16, width - 16)
+    centres = _space_labels([float(mark[1][0]) for mark in marks], sizes, 16, width - 16)
     top = place.y - agent.body.max_diameter / 2 * place.px_per_m
     for (_, at, _, radius), centre in zip(marks, centres, strict=True):
         leader = [(at[0], at[1] - radius), (at[0], top - 8), (centre, top - 18)]
-        svg.add(root, "path", d=svg.polyline(leader), fill="none", stroke=INK, stroke_width=0.8)
+        svg.add_line(root, svg.path_data(leader), INK, 0.8)
     _draw_buoyancy(root, float(cob[0]), float(cob[1]), 9)
     _draw_gravity(root, float(cog[0]), float(cog[1]), 6)
     for (name, _, label, _), centre, size in zip(marks, centres, sizes, strict=True):
@@ -417,8 +402,8 @@ def _draw_centres(root: ET.Element, agent: Agent, place: Placement, width: float
         write(root, x + 18, top - 24, label, 12, class_=name.lower())
 
 
-def _spread(wanted: list[float], widths: list[float], low: float, high: float) -> list[float]:
-    """Return the centres of two labels in a row, as near to ``wanted`` (ascending) as they fit."""
+def _space_labels(wanted: list[float], widths: list[float], low: float, high: float) -> list[float]:
+    """Return the centres of two labels in a row, as near to ``wanted`` (ascending) as possible without overlap."""
     apart = (widths[0] + widths[1]) / 2 + 10
     lack = max(0.0, apart - (wanted[1] - wanted[0])) / 2
     first, second = wanted[0] - lack, wanted[1] + lack
@@ -429,7 +414,7 @@ def _spread(wanted: list[float], widths: list[float], low: float, high: float) -
 
 def _draw_gravity(root: ET.Element, x: float, y: float, r: float) -> None:
     svg.add(root, "circle", class_="cog", cx=x, cy=y, r=r, fill="#ffffff", stroke=INK, stroke_width=1.2)
-    n = svg.number
+    n = svg.format_number
     quarters = "".join(
         f"M{n(x)} {n(y)}L{n(x + a * r)} {n(y)}A{n(r)} {n(r)} 0 0 0 {n(x)} {n(y - a * r)}Z" for a in (1, -1)
     )
@@ -442,36 +427,24 @@ def _draw_buoyancy(root: ET.Element, x: float, y: float, r: float) -> None:
 
 
 def _draw_scale(root: ET.Element, ratio: Ratio, px_per_m: float, width: float, base: float) -> None:
-    bar = nice_below(130 / px_per_m)
-    span = bar * px_per_m
-    end = width - _MARGIN
-    svg.add(
-        root,
-        "path",
-        class_="scale-bar",
-        d=svg.polyline([(end - span, base - 4), (end - span, base), (end, base), (end, base - 4)]),
-        fill="none",
-        stroke=INK,
-        stroke_width=1.2,
-    )
-    write(root, end - span / 2, base - 6, f"{1000 * bar:g} mm", 11, anchor="middle", class_="scale-bar-label")
-    write(root, end - span - 16, base, f"Scale {ratio.text}", 11, MUTED, anchor="end", class_="scale")
+    left = draw_scale_bar(root, width - MARGIN, base, px_per_m, 130)
+    write(root, left - 16, base, f"Scale {ratio.text}", 11, MUTED, anchor="end", class_="scale")
 
 
 def _draw_block(root: ET.Element, block: list[tuple[str, str]], width: float, top: float) -> None:
-    """Draw the title block: cells side by side, a name above each value."""
-    x, bottom = _MARGIN, top + 34
-    spare = (width - 2 * _MARGIN - _block_width(block)) / len(block)
-    lines = svg.polyline(
-        [(x, top), (width - _MARGIN, top), (width - _MARGIN, bottom), (x, bottom)], closed=True
+    """Draw the title block: cells side by side, each with a name above its value."""
+    x, bottom = MARGIN, top + 34
+    spare = (width - 2 * MARGIN - _block_width(block)) / len(block)
+    lines = svg.path_data(
+        [(x, top), (width - MARGIN, top), (width - MARGIN, bottom), (x, bottom)], closed=True
     )
     for index, (name, value) in enumerate(block):
         if index:
-            lines += svg.polyline([(x, top), (x, bottom)])
+            lines += svg.path_data([(x, top), (x, bottom)])
         write(root, x + 8, top + 13, name, 10, MUTED)
         write(root, x + 8, top + 28, value, 12, class_="cell")
         x += _cell_width(name, value) + spare
-    svg.add(root, "path", class_="block", d=lines, fill="none", stroke=MUTED, stroke_width=0.8)
+    svg.add_line(root, lines, MUTED, 0.8, "block")
 
 
 def _cell_width(name: str, value: str) -> float:

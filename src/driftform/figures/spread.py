@@ -1,4 +1,4 @@
-"""Flights of the same agents under different conditions: how far apart they take them."""
+"""Flights of the same agents under different conditions: the spread of their paths."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,11 +8,10 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.gallery import MARGIN, WIDTH
-from driftform.figures.layout import shorten, write
+from driftform.figures.layout import MARGIN, WIDTH, shorten, start_page, write
 from driftform.figures.plot import Window, draw_axes, draw_cross, draw_walls, draw_water, pipe_points
 from driftform.figures.projection import SIDE
-from driftform.figures.style import INK, MUTED, SERIES, tint
+from driftform.figures.style import INK, SERIES, tint
 from driftform.scenario import Scenario
 from driftform.trajectory.approach import find_approaches
 from driftform.trajectory.interpolation import interpolate_positions
@@ -27,18 +26,18 @@ STATIONS = 240
 class FlightSpread:
     """Flights of one agent for one target, cut at their closest approach as in the paper's Figure 7.
 
-    ``told`` is a few words that stand beside the target's name.
+    ``note`` is written beside the target's name.
     """
 
     name: str
-    flights: tuple[Trajectory, ...]
-    told: str = ""
+    trajectories: tuple[Trajectory, ...]
+    note: str = ""
 
 
-def spread_svg(repeats: Sequence[FlightSpread], scenario: Scenario, title: str, told: str) -> str:
-    """Return a panel for each target: every flight faintly, their mean firmly, one standard deviation as a band.
+def spread_svg(repeats: Sequence[FlightSpread], scenario: Scenario, title: str, subtitle: str) -> str:
+    """Return a panel for each target: every flight faint, their mean solid, one standard deviation as a band.
 
-    Mean and deviation are those of the height at equal ways along x, of all flights that get so far.
+    Mean and deviation are those of the height at equal x, over the range of x that all flights cover.
     """
     width = (WIDTH - LEFT - MARGIN - (COLUMNS - 1) * GUTTER) / COLUMNS
     shown = np.vstack([pipe_points(scenario.pipe, SIDE), scenario.target_array()])
@@ -48,9 +47,8 @@ def spread_svg(repeats: Sequence[FlightSpread], scenario: Scenario, title: str, 
     ]
     tallest = max((w.box.bottom - w.box.top for w in panels), default=0.0)
     rows = ceil(len(repeats) / COLUMNS)
-    root = svg.document(WIDTH, TOP + rows * (tallest + 74), title, f"{told} A panel for each target.")
-    write(root, MARGIN, 36, shorten(title, 20, WIDTH - 2 * MARGIN, bold=True), 20, bold=True)
-    write(root, MARGIN, 58, told, 12, MUTED)
+    height = TOP + rows * (tallest + 74)
+    root = start_page(height, title, subtitle, f"{subtitle} A panel for each target.")
     for number, repeated in enumerate(repeats):
         row, column = divmod(number, COLUMNS)
         window = Window.around(
@@ -60,10 +58,10 @@ def spread_svg(repeats: Sequence[FlightSpread], scenario: Scenario, title: str, 
     return svg.render(root)
 
 
-def band(
+def compute_band(
     flights: Sequence[Trajectory], target: FloatArray
 ) -> tuple[list[FloatArray], FloatArray, FloatArray]:
-    """Return the flights' paths up to their closest approach to ``target`` (3,), their mean, and its deviation.
+    """Return the paths up to their closest approach to ``target`` (3,), their mean, and the standard deviation.
 
     Paths are (n, 3) each, the mean (k, 3), the deviation of the height (k,); world frame, m.
     """
@@ -73,7 +71,7 @@ def band(
         t = np.linspace(flight.t[0], max(approach.t, flight.t[0] + 1e-6), STATIONS)
         paths.append(interpolate_positions(flight, np.minimum(t, flight.t[-1])))
     along = np.linspace(max(path[0, 0] for path in paths), min(path[:, 0].max() for path in paths), STATIONS)
-    # A path may turn back for a moment: it is the first time at a station that counts.
+    # A path may turn back for a moment: the first time at a station counts.
     heights = np.array([np.interp(along, np.maximum.accumulate(path[:, 0]), path[:, 2]) for path in paths])
     mean = np.column_stack([along, np.zeros_like(along), heights.mean(axis=0)])
     return paths, mean, heights.std(axis=0)
@@ -86,15 +84,15 @@ def _draw_panel(
     draw_axes(root, window)
     draw_walls(root, window, scenario.pipe)
     target = np.array(scenario.targets[repeated.name])
-    paths, mean, deviation = band(repeated.flights, target)
+    paths, mean, deviation = compute_band(repeated.trajectories, target)
     up = np.array([0.0, 0.0, 1.0])
     edge = [window.to_page(mean + sign * deviation[:, None] * up) for sign in (1, -1)]
     outline = np.vstack([edge[0], edge[1][::-1]])
-    svg.add(root, "path", class_="band", d=svg.polyline(outline, closed=True), fill=tint(colour, 0.3))
+    svg.add(root, "path", class_="band", d=svg.path_data(outline, closed=True), fill=tint(colour, 0.3))
     for path in paths:
-        svg.add(root, "path", d=window.line(path), fill="none", stroke=tint(colour, 0.55), stroke_width=0.8)
-    svg.add(root, "path", class_="mean", d=window.line(mean), fill="none", stroke=colour, stroke_width=2)
+        svg.add_line(root, window.path_data(path), tint(colour, 0.55), 0.8)
+    svg.add_line(root, window.path_data(mean), colour, 2, "mean")
     x, y = window.to_page(target[None])[0]
     draw_cross(root, x, y, 5, INK, 2)
-    name = f"{repeated.name}  {repeated.told}".strip()
+    name = f"{repeated.name}  {repeated.note}".strip()
     write(root, window.box.left, window.box.top - 8, shorten(name, 12, 330, bold=True), 12, bold=True)

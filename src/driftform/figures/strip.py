@@ -1,36 +1,36 @@
-"""Errors under disturbed conditions, a strip for each target: how much of a result is luck."""
+"""Errors under disturbed conditions, a strip for each target: the robustness of a result."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.gallery import MARGIN, WIDTH
-from driftform.figures.layout import shorten, write
+from driftform.figures.layout import MARGIN, WIDTH, shorten, start_page, write
 from driftform.figures.style import BLUE, GRID, INK, MUTED, VERMILLION, tint
 from driftform.types import FloatArray
 
 LEFT, RIGHT, TOP, ROW = 110.0, 110.0, 112.0, 30.0
 SMALLEST = 1e-3
-"""Error (%) at the left edge at least: a logarithmic axis has no zero."""
+"""Smallest error (%) that is drawn: a logarithmic axis has no zero."""
 
 
 @dataclass(frozen=True, eq=False)
 class Strip:
-    """Errors (%) of the best agent for one target: that of the undisturbed flight, and of the others, (n,)."""
+    """Errors (%) of the best agent for one target: of the undisturbed flight, and of the disturbed ones, (n,)."""
 
     name: str
     planned: float
     errors: FloatArray
 
 
-def strip_svg(strips: Sequence[Strip], title: str, told: str) -> str:
-    """Return the errors as SVG: a dot for each disturbed flight, their mean, and the undisturbed one as a diamond."""
+def strip_svg(strips: Sequence[Strip], title: str, subtitle: str) -> str:
+    """Return the errors as SVG: a dot for each disturbed flight, a line at their mean, a diamond for the undisturbed one."""
     height = TOP + ROW * len(strips) + 52
-    root = svg.document(WIDTH, height, title, f"{told} A row of dots for each target, errors in percent.")
-    write(root, MARGIN, 36, shorten(title, 20, WIDTH - 2 * MARGIN, bold=True), 20, bold=True)
-    write(root, MARGIN, 58, told, 12, MUTED)
+    root = start_page(
+        height, title, subtitle, f"{subtitle} A row of dots for each target, errors in percent."
+    )
     values = np.concatenate([np.zeros(0), *(np.append(s.errors, s.planned) for s in strips)])
     shown = np.maximum(values, SMALLEST)
     low = np.floor(np.log10(shown.min(initial=1.0)))
@@ -54,48 +54,32 @@ def strip_svg(strips: Sequence[Strip], title: str, told: str) -> str:
         )
         svg.add(root, "line", x1=LEFT, y1=y, x2=WIDTH - RIGHT, y2=y, stroke=GRID)
         for error in strip.errors:
-            svg.add(
-                root,
-                "circle",
-                class_="disturbed",
-                cx=x_of(float(error)),
-                cy=y,
-                r=4,
-                fill=tint(BLUE, 0.6),
-                stroke=BLUE,
-                stroke_width=0.6,
-            )
+            _draw_dot(root, x_of(float(error)), y, class_="disturbed")
         mean = float(strip.errors.mean()) if len(strip.errors) else strip.planned
         x = x_of(mean)
         svg.add(root, "line", class_="mean", x1=x, y1=y - 9, x2=x, y2=y + 9, stroke=INK, stroke_width=2)
-        x = x_of(strip.planned)
-        diamond = np.array([(x, y - 6), (x + 6, y), (x, y + 6), (x - 6, y)])
-        svg.add(
-            root,
-            "path",
-            class_="planned",
-            d=svg.polyline(diamond, closed=True),
-            fill="#ffffff",
-            stroke=VERMILLION,
-            stroke_width=2,
-        )
+        _draw_diamond(root, x_of(strip.planned), y, class_="planned")
         write(root, WIDTH - MARGIN, y + 4, f"{mean:.2f} %", 12, INK, "end")
-    y = 80.0
-    legend = ((MARGIN + 6, "planned"), (MARGIN + 150, "disturbed"), (MARGIN + 300, "mean of the disturbed"))
-    for x, text in legend:
-        if text == "planned":
-            diamond = np.array([(x, y - 10), (x + 6, y - 4), (x, y + 2), (x - 6, y - 4)])
-            svg.add(
-                root,
-                "path",
-                d=svg.polyline(diamond, closed=True),
-                fill="#ffffff",
-                stroke=VERMILLION,
-                stroke_width=2,
-            )
-        elif text == "disturbed":
-            svg.add(root, "circle", cx=x, cy=y - 4, r=4, fill=tint(BLUE, 0.6), stroke=BLUE, stroke_width=0.6)
-        else:
-            svg.add(root, "line", x1=x, y1=y - 13, x2=x, y2=y + 5, stroke=INK, stroke_width=2)
-        write(root, x + 14, y, text, 12, INK)
+    _draw_legend(root, 80.0)
     return svg.render(root)
+
+
+def _draw_legend(root: ET.Element, y: float) -> None:
+    x = MARGIN + 6
+    _draw_diamond(root, x, y - 4)
+    write(root, x + 14, y, "planned", 12, INK)
+    x = MARGIN + 150
+    _draw_dot(root, x, y - 4)
+    write(root, x + 14, y, "disturbed", 12, INK)
+    x = MARGIN + 300
+    svg.add(root, "line", x1=x, y1=y - 13, x2=x, y2=y + 5, stroke=INK, stroke_width=2)
+    write(root, x + 14, y, "mean of the disturbed", 12, INK)
+
+
+def _draw_dot(root: ET.Element, x: float, y: float, **class_: str) -> None:
+    svg.add(root, "circle", **class_, cx=x, cy=y, r=4, fill=tint(BLUE, 0.6), stroke=BLUE, stroke_width=0.6)
+
+
+def _draw_diamond(root: ET.Element, x: float, y: float, **class_: str) -> None:
+    data = svg.path_data([(x, y - 6), (x + 6, y), (x, y + 6), (x - 6, y)], closed=True)
+    svg.add(root, "path", **class_, d=data, fill="#ffffff", stroke=VERMILLION, stroke_width=2)

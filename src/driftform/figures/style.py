@@ -1,6 +1,6 @@
-"""The one look of all pictures: colours, and nothing else.
+"""Colours of all pictures.
 
-The hues are those of Okabe and Ito, which people with any colour vision can tell apart. Text is in ``INK``,
+The hues are those of Okabe and Ito, which people with any colour vision can distinguish. Text is in ``INK``,
 ``MUTED`` or ``VERMILLION``: the light hues are too pale to read on white.
 """
 
@@ -26,7 +26,7 @@ SERIES = (
     "#999933",
     "#7f8b96",
 )
-"""Seven of Okabe and Ito (yellow is lost on white), then wine, olive and grey for the eighth to the tenth."""
+"""Seven of Okabe and Ito (yellow is too pale on white), then wine, olive and grey."""
 
 
 def tint(colour: str, strength: float) -> str:

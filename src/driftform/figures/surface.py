@@ -1,4 +1,4 @@
-"""How a body comes to rest in the water of a scenario, in words and as a line across its section."""
+"""Rest position of a body in the water of a scenario, in words and as a line across its section."""
 
 import math
 from dataclasses import dataclass
@@ -10,10 +10,10 @@ from driftform.scenario import Scenario
 from driftform.types import Agent, Body, FloatArray
 
 _NO_LEVER = 1e-6
-"""m: between centres of gravity and buoyancy that are nearer than this, nothing rights the body."""
+"""m: if the centres of gravity and buoyancy are nearer than this, the body has no preferred attitude."""
 
 _STRAIGHT = np.deg2rad(3.0)
-"""What is nearer than this to upright or level is called so."""
+"""rad: an attitude within this of upright or level is called so."""
 
 
 @dataclass(frozen=True)
@@ -23,11 +23,11 @@ class WaterRest:
     Attributes
     ----------
     text
-        how, in words.
+        description of the rest position.
     pitch
         of the axis, rad, positive nose down.
     height
-        of the body's origin above the surface, m; ``None`` where it does not float.
+        of the body's origin above the surface, m; ``None`` if it does not float.
     """
 
     text: str
@@ -44,9 +44,9 @@ class Surface:
     line
         both ends, (2, 2).
     wet
-        corners of what is drawn of the water, (n, 2).
+        corners of the polygon of water, (n, 2).
     up
-        the direction out of the water, (2,).
+        unit vector out of the water, (2,).
     """
 
     line: FloatArray
@@ -55,9 +55,9 @@ class Surface:
 
 
 def find_rest(agent: Agent, scenario: Scenario) -> WaterRest | None:
-    """Return how the agent rests in the scenario's water; ``None`` without gravity.
+    """Return the agent's rest position in the scenario's water; ``None`` without gravity.
 
-    Where the scenario has no free surface, a body that rises is shown as it would float on one.
+    If the scenario has no free surface, a body that rises is shown as it would float at one.
     """
     from driftform.dynamics.model import flight_model
     from driftform.dynamics.stability import stable_rest
@@ -67,20 +67,18 @@ def find_rest(agent: Agent, scenario: Scenario) -> WaterRest | None:
         return None
     open_water = scenario.model_copy(update={"fluid": fluid.model_copy(update={"water_level": 0.0})})
     rest = stable_rest(flight_model(agent, open_water))
-    attitude = _attitude(rest.pitch)
+    attitude = _describe_attitude(rest.pitch)
     if rest.height is None:
         lever = abs(float(mass.cob[0] - mass.cog[0]))
         attitude = attitude if lever > _NO_LEVER else "in any attitude"
-        return WaterRest(f"Sinks, and hangs {attitude}.", rest.pitch, None)
+        return WaterRest(f"Sinks and hangs {attitude}.", rest.pitch, None)
     share = mass.mass / (fluid.density * mass.volume)
-    floats = (
-        "Water line: it floats" if fluid.water_level is not None else "Rises; on a surface it would float"
-    )
-    text = f"{floats} {attitude}, {100 * share:.0f} % of it under water."
+    floats = "Water line: floats" if fluid.water_level is not None else "Rises; at a surface it would float"
+    text = f"{floats} {attitude}, {100 * share:.0f} % under water."
     return WaterRest(text, rest.pitch, rest.height)
 
 
-def _attitude(pitch: float) -> str:
+def _describe_attitude(pitch: float) -> str:
     nose = "nose down" if pitch > 0 else "nose up"
     if abs(pitch) < _STRAIGHT:
         return "level"
@@ -90,9 +88,9 @@ def _attitude(pitch: float) -> str:
 
 
 def find_surface(pitch: float, height: float, body: Body, place: Placement, around: float) -> Surface | None:
-    """Return the surface across a body that rests with a pitch (rad), its origin ``height`` (m) above the water.
+    """Return the surface across a body at rest, its pitch in rad and its origin ``height`` (m) above the water.
 
-    Water is drawn up to ``around`` px beside the body; ``None`` where the surface does not come near it.
+    Water is drawn up to ``around`` px beside the body. Return ``None`` if the surface does not cross that region.
     """
     # A point (x, z) of the body is height - x sin(pitch) + z cos(pitch) above the surface.
     normal = np.array([-math.sin(pitch), math.cos(pitch)])

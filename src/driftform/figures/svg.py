@@ -1,7 +1,7 @@
 """SVG as text: the same elements give the same bytes.
 
-Pictures end up side by side in one HTML page, so nothing here needs an ``id`` or a style sheet: both would
-leak from one picture into the next. There are no transforms either; every number is in px of the ``viewBox``.
+Several pictures share one HTML page, so nothing here uses an ``id`` or a style sheet: both would affect the other
+pictures. Nothing uses a transform either; every number is in px of the ``viewBox``.
 """
 
 import re
@@ -14,23 +14,23 @@ import numpy.typing as npt
 FONTS = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 
 PX_PER_MM = 96 / 25.4
-"""CSS fixes the pixel at 1/96 inch, which lets a picture be printed to a true scale."""
+"""CSS defines the pixel as 1/96 inch, so a picture can be printed to scale."""
 
 _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
-def number(value: float) -> str:
-    """Return ``value`` to a hundredth, without trailing zeros or a negative zero."""
+def format_number(value: float) -> str:
+    """Return ``value`` rounded to a hundredth, without trailing zeros or a negative zero."""
     text = f"{value:.2f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
 
 
-def document(
+def start_document(
     width: float, height: float, title: str, description: str, unit: Literal["px", "mm"] = "px"
 ) -> ET.Element:
     """Return an empty white picture of ``width`` by ``height`` px.
 
-    With ``unit`` mm, the natural size is stated in millimetres, so that a printer keeps to scale.
+    With ``unit`` mm, the natural size is in millimetres, so that printing keeps the scale.
     """
     size = {"px": 1.0, "mm": 1 / PX_PER_MM}[unit]
     suffix = unit if unit == "mm" else ""
@@ -38,9 +38,9 @@ def document(
         "svg",
         {
             "xmlns": "http://www.w3.org/2000/svg",
-            "width": number(width * size) + suffix,
-            "height": number(height * size) + suffix,
-            "viewBox": f"0 0 {number(width)} {number(height)}",
+            "width": format_number(width * size) + suffix,
+            "height": format_number(height * size) + suffix,
+            "viewBox": f"0 0 {format_number(width)} {format_number(height)}",
             "role": "img",
             "font-family": FONTS,
         },
@@ -56,32 +56,40 @@ def add(parent: ET.Element, tag: str, content: str = "", **attributes: str | flo
     element = ET.SubElement(parent, tag)
     for key, value in attributes.items():
         name = key.rstrip("_").replace("_", "-")
-        element.set(name, _legal(value) if isinstance(value, str) else number(value))
+        element.set(name, _replace_illegal(value) if isinstance(value, str) else format_number(value))
     if content:
-        element.text = _legal(content)
+        element.text = _replace_illegal(content)
     return element
 
 
-def polyline(points: npt.ArrayLike, closed: bool = False) -> str:
-    """Return path data through ``points``, (n, 2) in px; those that round to one place are drawn once."""
+def add_line(
+    parent: ET.Element, data: str, stroke: str, width: float, class_: str = "", **attributes: str | float
+) -> None:
+    """Append an unfilled line ``width`` px wide; ``data`` is as from :func:`path_data`."""
+    named = {"class_": class_} if class_ else {}
+    add(parent, "path", "", **named, d=data, fill="none", stroke=stroke, stroke_width=width, **attributes)
+
+
+def path_data(points: npt.ArrayLike, closed: bool = False) -> str:
+    """Return path data through ``points``, (n, 2) in px; successive points that round to the same numbers are merged."""
     pairs: list[str] = []
     for x, y in np.asarray(points, dtype=np.float64).reshape(-1, 2):
-        pair = f"{number(x)} {number(y)}"
+        pair = f"{format_number(x)} {format_number(y)}"
         if not pairs or pair != pairs[-1]:
             pairs.append(pair)
     if not pairs:
         return ""
-    # A lone point needs a second one, or round caps have nothing to sit on.
+    # A single point is doubled: without a line there are no round caps to draw.
     pairs += pairs if len(pairs) == 1 else []
     return "M" + "L".join(pairs) + ("Z" if closed else "")
 
 
 def render(root: ET.Element) -> str:
-    """Return the picture as text, to be written as UTF-8 or to be placed in an HTML page as it is."""
+    """Return the picture as text, to write as UTF-8 or to place in an HTML page unchanged."""
     ET.indent(root, " ")
     return ET.tostring(root, encoding="unicode") + "\n"
 
 
-def _legal(text: str) -> str:
-    """XML has no way to write most control characters, not even escaped."""
+def _replace_illegal(text: str) -> str:
+    """Replace characters that XML cannot hold, even escaped, such as most control characters."""
     return _NOT_XML.sub("�", text)

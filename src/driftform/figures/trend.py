@@ -1,4 +1,4 @@
-"""Fitness against flights spent, a panel for each target: what a search gains by going on."""
+"""Best fitness against the number of flights, a panel for each target."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,8 +8,17 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.gallery import MARGIN, WIDTH
-from driftform.figures.layout import Box, nice_below, shorten, signed, ticks, write
+from driftform.figures.layout import (
+    MARGIN,
+    WIDTH,
+    Box,
+    floor_to_nice_number,
+    format_signed,
+    shorten,
+    start_page,
+    tick_values,
+    write,
+)
 from driftform.figures.style import BLUE, GRID, INK, MUTED, tint
 from driftform.types import FloatArray
 
@@ -23,18 +32,18 @@ BASELINE = "#7f8b96"
 
 @dataclass(frozen=True, eq=False)
 class Trend:
-    """How the best fitness for one target grew.
+    """Growth of the best fitness for one target.
 
     Attributes
     ----------
     name
         of the target.
     flights
-        how many were spent when each value was taken, (g,).
+        number of flights up to each value, (g,).
     fitness
-        the best up to then, %, a row for each repeat, (repeats, g).
+        the best so far, %, a row for each repeat, (repeats, g).
     baseline
-        the same of a search without selection, (repeats, g); (0, g) without one.
+        the same for a search without selection, (repeats, g), or (0, g) if there was no such search.
     """
 
     name: str
@@ -44,23 +53,21 @@ class Trend:
 
 
 def trend_svg(trends: Sequence[Trend], title: str, strategy: str, baseline: str = "random search") -> str:
-    """Return the trends as SVG: mean and standard deviation over repeats, those of the baseline as a band.
+    """Return the trends as SVG: mean and standard deviation over repeats, and those of the baseline as a band.
 
-    All panels share their axes. With one repeat there is no deviation to be drawn.
+    All panels share their axes. With one repeat, no deviation is drawn.
     """
     rows = ceil(len(trends) / COLUMNS)
-    root = svg.document(
-        WIDTH,
-        TOP + rows * (HEIGHT + ROW_GAP) - 20,
-        title,
-        f"For each target, the best fitness so far of {strategy} against flights; {baseline} as a band.",
-    )
-    write(root, MARGIN, 36, shorten(title, 20, WIDTH - 2 * MARGIN, bold=True), 20, bold=True)
     repeats = max((len(trend.fitness) for trend in trends), default=0)
     over = f"mean and standard deviation over {repeats} repeats" if repeats > 1 else "one run"
-    write(root, MARGIN, 58, f"Best fitness so far (%) against flights for the target: {over}", 12, MUTED)
+    root = start_page(
+        TOP + rows * (HEIGHT + ROW_GAP) - 20,
+        title,
+        f"Best fitness so far (%) against flights for the target: {over}",
+        f"For each target, the best fitness so far of {strategy} against flights; {baseline} as a band.",
+    )
     _draw_legend(root, strategy, baseline if any(len(t.baseline) for t in trends) else "")
-    low = _lowest(trends)
+    low = _find_lowest(trends)
     width = (WIDTH - LEFT - MARGIN - (COLUMNS - 1) * GUTTER) / COLUMNS
     for number, trend in enumerate(trends):
         row, column = divmod(number, COLUMNS)
@@ -69,14 +76,14 @@ def trend_svg(trends: Sequence[Trend], title: str, strategy: str, baseline: str 
     return svg.render(root)
 
 
-def _lowest(trends: Sequence[Trend]) -> float:
-    """The value at the foot of all panels: round, and below all that is drawn."""
+def _find_lowest(trends: Sequence[Trend]) -> float:
+    """Return the lower limit of all panels, %: a round number below all values."""
     lowest = 99.9
     for trend in trends:
         for values in (trend.fitness, trend.baseline):
             if len(values):
                 lowest = min(lowest, float((values.mean(axis=0) - values.std(axis=0)).min()))
-    step = nice_below((100.0 - lowest) / 2)
+    step = floor_to_nice_number((100.0 - lowest) / 2)
     return max(0.0, float(np.floor(lowest / step) * step))
 
 
@@ -88,14 +95,14 @@ def _draw_panel(root: ET.Element, trend: Trend, box: Box, low: float) -> None:
         y = box.bottom - (box.bottom - box.top) * (np.clip(fitness, low, 100) - low) / (100 - low)
         return np.column_stack([x, y])
 
-    for value in ticks(low, 100.0, nice_below((100 - low) / 3)):
+    for value in tick_values(low, 100.0, floor_to_nice_number((100 - low) / 3)):
         y = place(np.zeros(1), np.array([value]))[0, 1]
         svg.add(root, "line", x1=box.left - 4, y1=y, x2=box.right, y2=y, stroke=GRID)
         write(root, box.left - 7, y + 4, f"{value:g}", 11, MUTED, "end")
-    for value in ticks(0.0, last, nice_below(last / 2)):
+    for value in tick_values(0.0, last, floor_to_nice_number(last / 2)):
         x = place(np.array([value]), np.array([low]))[0, 0]
         svg.add(root, "line", x1=x, y1=box.bottom, x2=x, y2=box.bottom + 4, stroke=MUTED)
-        write(root, x, box.bottom + 17, signed(value, 0), 11, MUTED, "middle")
+        write(root, x, box.bottom + 17, format_signed(value, 0), 11, MUTED, "middle")
     write(root, box.right, box.bottom + 31, "flights", 11, MUTED, "end")
     write(root, box.left - 7, box.top - 8, "%", 11, MUTED, "end")
     write(
@@ -105,17 +112,17 @@ def _draw_panel(root: ET.Element, trend: Trend, box: Box, low: float) -> None:
     if len(trend.baseline):
         mean, spread = trend.baseline.mean(axis=0), trend.baseline.std(axis=0)
         band = np.vstack([place(trend.flights, mean + spread), place(trend.flights, mean - spread)[::-1]])
-        svg.add(root, "path", class_="band", d=svg.polyline(band, closed=True), fill=tint(BASELINE, 0.3))
-        line = svg.polyline(place(trend.flights, mean))
-        svg.add(root, "path", d=line, fill="none", stroke=BASELINE, stroke_width=1.4, stroke_dasharray="4 3")
+        svg.add(root, "path", class_="band", d=svg.path_data(band, closed=True), fill=tint(BASELINE, 0.3))
+        line = svg.path_data(place(trend.flights, mean))
+        svg.add_line(root, line, BASELINE, 1.4, stroke_dasharray="4 3")
     mean, spread = trend.fitness.mean(axis=0), trend.fitness.std(axis=0)
     if len(trend.fitness) > 1:
         tops, feet = place(trend.flights, mean + spread), place(trend.flights, mean - spread)
-        bars = "".join(svg.polyline([t, f]) for t, f in zip(tops, feet, strict=True))
+        bars = "".join(svg.path_data([t, f]) for t, f in zip(tops, feet, strict=True))
         svg.add(root, "path", class_="deviation", d=bars, stroke=BLUE, stroke_width=1.2)
     points = place(trend.flights, mean)
-    svg.add(root, "path", class_="mean", d=svg.polyline(points), fill="none", stroke=BLUE, stroke_width=2.2)
-    # Among many values dots would hide the line.
+    svg.add_line(root, svg.path_data(points), BLUE, 2.2, "mean")
+    # Many dots would hide the line.
     if len(points) <= 12:
         for x, y in points:
             svg.add(root, "circle", cx=x, cy=y, r=2.6, fill=BLUE)

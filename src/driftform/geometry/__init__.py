@@ -1,4 +1,4 @@
-"""Exact geometry of bodies of revolution: contours in, volumes, centroids and inertia out."""
+"""Exact geometry of bodies of revolution: from contours to volumes, centroids and inertia."""
 
 from driftform.geometry.distance import distance_from, radius_at
 from driftform.geometry.mass import hull_mass, hull_volume, mass_properties

@@ -1,4 +1,4 @@
-"""Distances from a meridian polyline, and its radius."""
+"""Distance from a meridian polyline, and its radius."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from driftform.types import FloatArray
 
 
 def distance_from(points: FloatArray, contour: FloatArray) -> FloatArray:
-    """Distance (m) of each point (n, 2) from a polyline, (n,)."""
+    """Return the distance (m) of each point (n, 2) from a polyline, (n,)."""
     start, edge = contour[:-1], np.diff(contour, axis=0)
     keep = (edge**2).sum(axis=1) > 0
     start, edge = start[keep], edge[keep]
@@ -16,7 +16,7 @@ def distance_from(points: FloatArray, contour: FloatArray) -> FloatArray:
 
 
 def radius_at(contour: FloatArray, x: float) -> float:
-    """Return the greatest radius (m) of the contour at ``x``: a step in the wall has more than one there."""
+    """Return the radius (m) of the contour at ``x``, the greatest one where the contour has a step."""
     low, high = contour[:-1], contour[1:]
     spans = (np.minimum(low[:, 0], high[:, 0]) <= x + 1e-9) & (np.maximum(low[:, 0], high[:, 0]) >= x - 1e-9)
     low, high = low[spans], high[spans]

@@ -7,21 +7,21 @@ from driftform.types import Body, Core, MassProperties
 
 
 def hull_volume(body: Body) -> float:
-    """Volume of the hull's material, m3: outer contour less cavity."""
+    """Return the volume of the hull's material, m3: outer contour less cavity."""
     return (solid_of_revolution(body.outer) - solid_of_revolution(body.cavity)).volume
 
 
 def hull_mass(body: Body) -> float:
-    """Mass of the hull's material, kg (eq. 24)."""
+    """Return the mass of the hull's material, kg (eq. 24)."""
     return hull_volume(body) * body.hull_density
 
 
 def mass_properties(body: Body) -> MassProperties:
-    """Return what the body weighs, with its core, and what it displaces.
+    """Return the mass properties of a body with its core, and the volume that it displaces.
 
     The hull is outer minus cavity at the hull's density (eq. 17, 18, 24). The core is a homogeneous sphere at the
     origin and enters eq. 20 with its mass and the inertia with 2/5 m R^2. Buoyancy acts on the outer contour
-    (eq. 19, 21): a hull is watertight, so it displaces what it encloses.
+    (eq. 19, 21): the hull is watertight, so it displaces the volume that it encloses.
     """
     displaced = solid_of_revolution(body.outer)
     hull = displaced - solid_of_revolution(body.cavity)
@@ -29,7 +29,7 @@ def mass_properties(body: Body) -> MassProperties:
 
 
 def assemble(hull: Moments, displaced: Moments, hull_density: float, core: Core) -> MassProperties:
-    """Return what a hull of that material weighs with its core, and what it displaces."""
+    """Return the mass properties of a hull of that density (kg/m3) with its core, and the volume that it displaces."""
     core_inertia = 0.4 * core.mass * core.radius**2
     mass = hull.volume * hull_density + core.mass
     cog = hull.first * hull_density / mass

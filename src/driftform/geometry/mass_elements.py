@@ -1,4 +1,4 @@
-"""What a printed agent weighs: masses along the axis, put together to mass, centre of gravity and inertia."""
+"""Mass properties of a printed agent, combined from masses along its axis."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ class MassElement:
     x
         of its centre in the body frame, m.
     axial, transverse
-        its own inertia about the axis, and across it through its centre, kg m2.
+        its inertia about the axis, and about a transverse axis through its centre, kg m2.
     """
 
     mass: float
@@ -30,9 +30,9 @@ class MassElement:
 
 
 def hull_element(body: Body, mass: float | None = None, x: float | None = None) -> MassElement:
-    """The hull, as its material gives it, or with another ``mass`` (kg) and centre ``x`` (m).
+    """Return the hull with the mass and centre of its material, or with another ``mass`` (kg) and centre ``x`` (m).
 
-    Its inertia goes with the mass: the material is taken to be spread as it was.
+    Its inertia is proportional to the mass: the distribution of the material is taken to be unchanged.
     """
     solid = solid_of_revolution(body.outer) - solid_of_revolution(body.cavity)
     mass = solid.volume * body.hull_density if mass is None else mass
@@ -46,56 +46,56 @@ def hull_element(body: Body, mass: float | None = None, x: float | None = None) 
 
 
 def core_element(body: Body) -> MassElement:
-    """The core: a homogeneous sphere at the origin."""
+    """Return the core: a homogeneous sphere at the origin."""
     return ball_element(body.core.mass, 0.0, body.core.radius)
 
 
 def ball_element(mass: float, x: float, radius: float) -> MassElement:
-    """A homogeneous sphere: 2/5 m R^2 about any axis through its centre."""
+    """Return a homogeneous sphere: 2/5 m R^2 about any axis through its centre."""
     inertia = 0.4 * mass * radius**2
     return MassElement(mass, x, inertia, inertia)
 
 
-def combine(lumps: Iterable[MassElement], like: MassProperties) -> MassProperties:
-    """Lumps as one body (Steiner), which displaces what ``like`` does.
+def combine(elements: Iterable[MassElement], like: MassProperties) -> MassProperties:
+    """Return the mass properties of elements as one body (Steiner) that displaces the same volume as ``like``.
 
     Raises
     ------
     ValueError
-        where their mass is not above zero.
+        if their mass is not above zero.
     """
-    lumps = list(lumps)
-    mass = sum(lump.mass for lump in lumps)
+    elements = list(elements)
+    mass = sum(element.mass for element in elements)
     if not mass > 0:
         raise ValueError(f"a body needs a mass above 0, not {mass:g} kg")
-    x = sum(lump.mass * lump.x for lump in lumps) / mass
-    axial = sum(lump.axial for lump in lumps)
-    transverse = sum(lump.transverse + lump.mass * (lump.x - x) ** 2 for lump in lumps)
+    x = sum(element.mass * element.x for element in elements) / mass
+    axial = sum(element.axial for element in elements)
+    transverse = sum(element.transverse + element.mass * (element.x - x) ** 2 for element in elements)
     return replace(
         like, mass=mass, cog=np.array([x, 0.0, 0.0]), inertia=np.diag([axial, transverse, transverse])
     )
 
 
 def printed_hull_element(body: Body, mass: float, x: float | None = None) -> MassElement:
-    """The hull of a printed agent that weighs ``mass`` (kg) with its core.
+    """Return the hull of a printed agent that weighs ``mass`` (kg) with its core.
 
-    ``x`` is the centre of gravity of both (m); without it the hull's is where its material has it.
+    ``x`` is the centre of gravity of both (m); without it, the hull's centre is that of its material.
 
     Raises
     ------
     ValueError
-        where nothing, or less, is left for the hull.
+        if no mass is left for the hull.
     """
     hull = mass - body.core.mass
     if not hull > 0:
-        raise ValueError(f"{mass:g} kg is no more than the core's {body.core.mass:g} kg alone")
+        raise ValueError(f"{mass:g} kg is not more than the core's {body.core.mass:g} kg alone")
     return hull_element(body, hull, None if x is None else mass * x / hull)
 
 
 def reweigh(agent: Agent, mass: float, x: float | None = None) -> Agent:
-    """The agent as it flies if it weighs ``mass`` (kg), its centre of gravity at ``x`` (m); see :func:`printed_hull_element`.
+    """Return the agent with another ``mass`` (kg) and centre of gravity ``x`` (m); see :func:`printed_hull_element`.
 
-    Its shape, and so its coefficients, are what they were.
+    Its shape is unchanged, and so are its coefficients.
     """
-    lumps = (printed_hull_element(agent.body, mass, x), core_element(agent.body))
-    return replace(agent, mass=combine(lumps, agent.mass))
+    elements = (printed_hull_element(agent.body, mass, x), core_element(agent.body))
+    return replace(agent, mass=combine(elements, agent.mass))

@@ -9,7 +9,7 @@ from driftform.types import FloatArray
 
 _STATIONS = 0.5 + np.sqrt(0.15) * np.array([[-1.0], [0.0], [1.0]])
 _WEIGHTS = np.array([[5.0], [8.0], [5.0]]) / 18
-"""Gauss's quadrature over (0, 1) with three points, exact for polynomials up to degree five."""
+"""Gaussian quadrature over (0, 1) with three points, exact for polynomials up to degree five."""
 
 
 @dataclass(frozen=True)
@@ -70,16 +70,16 @@ def solid_of_revolution(contour: npt.ArrayLike) -> Moments:
         S_2 = pi int x^2 r^2 dx
         I_x = pi/2 int r^4 dx
 
-    Along an edge r is linear in x, so that no integrand is of higher degree than four: Gauss's quadrature with
-    three points (Abramowitz & Stegun, 25.4.30) is exact.
+    Along an edge r is linear in x, so the integrands are polynomials of degree four at most, for which Gaussian
+    quadrature with three points (Abramowitz & Stegun, 25.4.30) is exact.
 
-    An edge that runs aft (dx < 0) subtracts, so contours that fold back are integrated rightly too. Faces
-    normal to the axis add nothing.
+    An edge that runs aft (dx < 0) subtracts, so contours that fold back are integrated correctly too. Faces
+    normal to the axis contribute nothing.
 
     Parameters
     ----------
     contour
-        x and r, m, (n, 2), from the aft axis point to the fore axis point; fewer than two points make an empty
+        x and r, m, (n, 2), from the aft axis point to the fore axis point; fewer than two points are an empty
         solid.
     """
     points: FloatArray = np.asarray(contour, dtype=np.float64).reshape(-1, 2)

@@ -1,1 +1,1 @@
-"""Drag of bodies of revolution: formulas with their sources, and what they make of a body."""
+"""Drag of bodies of revolution: formulas with their sources, and the drag of a whole body."""

@@ -1,11 +1,11 @@
-"""Ballast that makes a printed agent weigh and balance as its simulated one: how much, where, and as what.
+"""Ballast that gives a printed agent the mass and the balance of the simulated one: mass, position and shape.
 
-With the simulated mass m0 at x0 and the printed mass m at x, the ballast is what is missing of both::
+For the simulated mass m0 at x0 and the printed mass m at x, the ballast is the difference of mass and moment::
 
     m_b = m0 - m,    x_b = (m0 x0 - m x) / m_b
 
-It lies inside the hull and displaces no water. Where the print is too heavy m_b is negative, and the same point is
-where buoyancy has to be added.
+It lies inside the hull and displaces no water. If the print is too heavy, m_b is negative, and x_b is where buoyancy
+must be added.
 """
 
 from dataclasses import dataclass
@@ -17,13 +17,13 @@ from driftform.geometry.mass_elements import MassElement, ball_element
 from driftform.types import Body, FloatArray, MassProperties
 
 MATERIALS = {"steel": 7850.0, "lead": 11_340.0, "tungsten": 19_250.0}
-"""Densities of what ballast is made of, kg/m3 (CRC Handbook of Chemistry and Physics, at 20 degrees C)."""
+"""Densities of ballast, kg/m3 (CRC Handbook of Chemistry and Physics, at 20 degrees C)."""
 
 FOAM = 35.0
 """Density of extruded polystyrene foam, kg/m3 (EN 13164: 25 to 45)."""
 
 NEGLIGIBLE = 1e-6
-"""kg: a milligram is no ballast."""
+"""kg: ballast below a milligram is not needed."""
 
 _STATIONS = 240
 _SLICES = 2000
@@ -38,77 +38,77 @@ class RequiredBallast:
 
     @property
     def x(self) -> float | None:
-        """Where it has to lie, m; ``None`` where there is none to speak of."""
+        """Position of its centre, m; ``None`` if the mass is negligible."""
         return None if abs(self.mass) < NEGLIGIBLE else self.moment / self.mass
 
 
 def required_ballast(simulated: MassProperties, printed: MassProperties) -> RequiredBallast:
-    """What is missing of the printed agent."""
+    """Return the mass and the moment that the printed agent lacks."""
     moment = simulated.mass * simulated.cog[0] - printed.mass * printed.cog[0]
     return RequiredBallast(simulated.mass - printed.mass, float(moment))
 
 
 @dataclass(frozen=True)
 class Piece:
-    """A piece of ballast inside the hull: a ball of ``diameter`` (m), or a filling of the bore where that is ``None``.
+    """A piece of ballast inside the hull: a ball of ``diameter`` (m), or a filling of the bore if that is ``None``.
 
-    ``start`` and ``end`` are the x (m) that it lies between.
+    It lies between ``start`` and ``end`` (x, m).
     """
 
-    lump: MassElement
+    element: MassElement
     start: float
     end: float
     diameter: float | None = None
 
 
 def ball_diameter(mass: float, density: float) -> float:
-    """Diameter (m) of a ball of that mass (kg) and density (kg/m3)."""
+    """Return the diameter (m) of a ball of that mass (kg) and density (kg/m3)."""
     return float(np.cbrt(6 * mass / (np.pi * density)))
 
 
 def place_ballast(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
-    """Return ballast that has the mass and the moment of ``wanted``, and for which the hull has room beside its core.
+    """Return ballast of the mass and the moment of ``wanted`` that fits in the hull beside its core.
 
-    One ball on the axis is preferred; then two, on either side of where one would have to be; then a filling of the
-    whole bore, such as shot or putty. Empty where there is room for none of them.
+    The first of these that fits: one ball on the axis; two balls, one on either side of that position; a filling of the
+    whole bore, such as shot or putty. Empty if none of them fits.
 
     Parameters
     ----------
     body
-        the agent's.
+        of the agent.
     wanted
-        with a mass above zero.
+        the result is empty unless its mass is positive.
     density
         of the ballast, kg/m3.
     """
     if not len(body.cavity) or wanted.x is None or wanted.mass < 0:
         return ()
     return (
-        _one_ball(body, wanted.mass, wanted.x, density)
-        or _two_balls(body, wanted.mass, wanted.x, density)
-        or _filling(body, wanted.mass, wanted.x, density)
+        _place_one_ball(body, wanted.mass, wanted.x, density)
+        or _place_two_balls(body, wanted.mass, wanted.x, density)
+        or _place_filling(body, wanted.mass, wanted.x, density)
     )
 
 
 def place_nearest(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
-    """Return the ball or the filling of that mass whose moment comes nearest, empty where the mass has no room at all."""
+    """Return the ball or the filling of that mass whose centre is nearest to the wanted one; empty if neither fits."""
     if not len(body.cavity) or wanted.x is None or wanted.mass < 0:
         return ()
     place = wanted.x
     x = _stations(body)
-    fits = room_for_ball(body, x) >= ball_diameter(wanted.mass, density) / 2
+    fits = max_ball_radius(body, x) >= ball_diameter(wanted.mass, density) / 2
     if fits.any():
-        return (_ball_piece(wanted.mass, float(x[fits][np.abs(x[fits] - place).argmin()]), density),)
+        return (_make_ball(wanted.mass, float(x[fits][np.abs(x[fits] - place).argmin()]), density),)
     bore = _Bore(body)
     volume = wanted.mass / density
-    if volume > bore.whole:
+    if volume > bore.volume:
         return ()
-    at_the_ends = [bore.filling(first, volume, density) for first in (0.0, bore.whole - volume)]
-    return (min(at_the_ends, key=lambda piece: abs(piece.lump.x - place)),)
+    at_the_ends = [bore.fill(first, volume, density) for first in (0.0, bore.volume - volume)]
+    return (min(at_the_ends, key=lambda piece: abs(piece.element.x - place)),)
 
 
-def room_for_ball(body: Body, x: FloatArray) -> FloatArray:
-    """Radius (m) of the largest ball on the axis at each ``x`` (n,) that touches neither wall nor core; 0 for none."""
+def max_ball_radius(body: Body, x: FloatArray) -> FloatArray:
+    """Return the radius (m) of the largest ball on the axis at each ``x`` (n,) that meets neither wall nor core, or 0."""
     on_axis = np.column_stack((x, np.zeros_like(x)))
     inside = (x > body.cavity[0, 0]) & (x < body.cavity[-1, 0])
     free = np.minimum(distance_from(on_axis, body.cavity), np.abs(x) - body.core.radius)
@@ -119,20 +119,20 @@ def _stations(body: Body) -> FloatArray:
     return np.linspace(body.cavity[0, 0], body.cavity[-1, 0], _STATIONS + 2)[1:-1]
 
 
-def _ball_piece(mass: float, x: float, density: float) -> Piece:
+def _make_ball(mass: float, x: float, density: float) -> Piece:
     diameter = ball_diameter(mass, density)
     return Piece(ball_element(mass, x, diameter / 2), x - diameter / 2, x + diameter / 2, diameter)
 
 
-def _one_ball(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
-    piece = _ball_piece(mass, x, density)
-    return (piece,) if room_for_ball(body, np.array([x]))[0] >= piece.lump.x - piece.start else ()
+def _place_one_ball(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
+    piece = _make_ball(mass, x, density)
+    return (piece,) if max_ball_radius(body, np.array([x]))[0] >= piece.element.x - piece.start else ()
 
 
-def _two_balls(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
-    """Of those that fit, the pair that lies nearest together: it changes the inertia least."""
+def _place_two_balls(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
+    """Return the closest pair of balls that fits, which changes the inertia least."""
     stations = _stations(body)
-    room = room_for_ball(body, stations)
+    room = max_ball_radius(body, stations)
     aft, fore = stations[stations < x], stations[stations > x]
     if not len(aft) or not len(fore):
         return ()
@@ -145,31 +145,33 @@ def _two_balls(body: Body, mass: float, x: float, density: float) -> tuple[Piece
     i, j = np.unravel_index(np.where(fits, fore[None] - aft[:, None], np.inf).argmin(), fits.shape)
     heavier = float(share[i, j])
     return (
-        _ball_piece(mass * (1 - heavier), float(aft[i]), density),
-        _ball_piece(mass * heavier, float(fore[j]), density),
+        _make_ball(mass * (1 - heavier), float(aft[i]), density),
+        _make_ball(mass * heavier, float(fore[j]), density),
     )
 
 
-def _filling(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
+def _place_filling(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
+    # scipy.optimize takes half a second to import, and most prints need no filling.
+    from scipy.optimize import brentq
+
     bore = _Bore(body)
     volume = mass / density
-    if volume > bore.whole:
+    if volume > bore.volume:
         return ()
-    # The centre moves forward with the aft end of the filling: found by halving.
-    low, high = 0.0, bore.whole - volume
-    if not bore.filling(low, volume, density).lump.x <= x <= bore.filling(high, volume, density).lump.x:
+    latest = bore.volume - volume
+
+    def excess(first: float) -> float:
+        return bore.fill(first, volume, density).element.x - x
+
+    # The centre moves forward with the aft end of the filling, so that it passes x once at most.
+    if not excess(0.0) <= 0 <= excess(latest):
         return ()
-    for _ in range(60):
-        middle = (low + high) / 2
-        if bore.filling(middle, volume, density).lump.x < x:
-            low = middle
-        else:
-            high = middle
-    return (bore.filling((low + high) / 2, volume, density),)
+    first = brentq(excess, 0.0, latest, xtol=1e-12 * bore.volume, rtol=1e-12)
+    return (bore.fill(float(first), volume, density),)
 
 
 class _Bore:
-    """The cavity around the core as thin slices, counted from aft."""
+    """The cavity around the core, as thin slices from aft to fore."""
 
     def __init__(self, body: Body) -> None:
         edges = np.linspace(body.cavity[0, 0], body.cavity[-1, 0], _SLICES + 1)
@@ -183,12 +185,12 @@ class _Bore:
         self.before = np.concatenate(([0.0], np.cumsum(self.area * self.width)))
 
     @property
-    def whole(self) -> float:
-        """All of it, m3."""
+    def volume(self) -> float:
+        """Free volume, m3."""
         return float(self.before[-1])
 
-    def filling(self, first: float, volume: float, density: float) -> Piece:
-        """What fills ``volume`` (m3) of it, after the ``first`` m3 from aft."""
+    def fill(self, first: float, volume: float, density: float) -> Piece:
+        """Return the filling of ``volume`` (m3) that leaves the ``first`` m3 from aft empty."""
         parts = np.diff(np.clip(self.before, first, first + volume))
         share = parts / np.maximum(self.area * self.width, 1e-300)
         mass = density * parts

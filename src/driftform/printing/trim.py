@@ -221,7 +221,7 @@ def _load(
         trimmed = _combine(agent, elements)
     elif required.mass > 0:
         pieces = place_ballast(body, required, density) or place_nearest(body, required, density)
-        trimmed = _combine(agent, elements + [piece.lump for piece in pieces]) if pieces else None
+        trimmed = _combine(agent, elements + [piece.element for piece in pieces]) if pieces else None
     else:
         trimmed, buoyancy = _lift(agent, elements, required, fluid.density)
         buoyancy["hull_excess"] = -required.mass / hull.mass
@@ -231,8 +231,8 @@ def _load(
     return trimmed, {
         "pieces": [
             {
-                "mass": piece.lump.mass,
-                "x": piece.lump.x,
+                "mass": piece.element.mass,
+                "x": piece.element.x,
                 "start": piece.start,
                 "end": piece.end,
                 "diameter": piece.diameter,

@@ -1,4 +1,4 @@
-"""A run -> all that its page tells: the best agents, their flights, and the pictures."""
+"""A run -> the contents of its page: the best agents, their flights, and the pictures."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -27,19 +27,19 @@ from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform.util.progress import track_progress
 
-SAMPLES = 240
-"""Most moments of a flight that a page holds."""
+MAX_SAMPLES = 240
+"""Greatest number of samples of a flight on a page."""
 
-EXACT = 5e-5
-"""What a page may leave out of a contour, m."""
+CONTOUR_TOLERANCE = 5e-5
+"""Tolerance to which the contours of a page are simplified, m."""
 
-STEPS = 60
-"""Points of a trend."""
+TREND_POINTS = 60
+"""Greatest number of points of a trend."""
 
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """The best agent for one target: its evaluation's ``index``, and how near it comes (``distance`` in m at ``t`` s)."""
+    """The best agent for one target: the ``index`` of its evaluation, and its closest approach (``distance``, m, at ``t``, s)."""
 
     target: str
     index: int
@@ -48,7 +48,7 @@ class Entry:
     t: float
     stored: StoredAgent
     agent: Agent
-    flight: Trajectory
+    trajectory: Trajectory
 
     @property
     def error_percent(self) -> float:
@@ -58,9 +58,9 @@ class Entry:
 
 @dataclass(frozen=True, eq=False)
 class Contents:
-    """What the page of a run tells.
+    """Contents of the page of a run.
 
-    ``seconds`` is what all evaluations took together on the machines that made them.
+    ``seconds`` is the total time of all evaluations on the machines that made them.
     """
 
     name: str
@@ -74,7 +74,7 @@ class Contents:
 
     @property
     def scenario(self) -> Scenario:
-        """Where the agents fly."""
+        """The scenario of the study."""
         return self.study.scenario
 
 
@@ -96,9 +96,7 @@ def collect_contents(run: Run) -> Contents:
         for target in targets:
             stored = find_best_agent(study, store, target)
             if stored is None:
-                raise WorkFailedError(
-                    f"{run.path}: has no evaluation that did not fail; there is nothing to report"
-                )
+                raise WorkFailedError(f"{run.path}: has no successful evaluation to report")
             index = stored.result["evaluation"]
             flight = store.read_record(index, targets).evaluation.trajectory
             assert flight is not None
@@ -118,11 +116,11 @@ def collect_contents(run: Run) -> Contents:
                 )
             )
         title = str(study.document.get("title", ""))
-        flights = [GalleryEntry(e.target, e.agent, e.flight, e.error_percent) for e in entries]
+        flights = [GalleryEntry(e.target, e.agent, e.trajectory, e.error_percent) for e in entries]
         seen = track_progress(store.read_trajectories(), store.count_sound(), "flights")
         figures = {
             "Flights and bodies": overview_svg(flights, study.scenario, title),
-            "Search": trend_svg(_trends(store, targets), "Best fitness so far", _strategy(study)),
+            "Search": trend_svg(_read_trends(store, targets), "Best fitness so far", _strategy_name(study)),
             "Reach": reach_svg(
                 map_coverage(seen, PipeGrid.of_scenario(study.scenario)), study.scenario, title
             ),
@@ -133,8 +131,10 @@ def collect_contents(run: Run) -> Contents:
             if (won := find_winner(study, store, e.target)) is not None
         ]
         if strips:
-            told = f"{len(strips[0].errors)} flights of each best agent, each a little different from what was planned"
-            figures["Robustness"] = strip_svg(strips, "Under disturbed conditions", told)
+            subtitle = (
+                f"{len(strips[0].errors)} flights of each best agent under randomly disturbed conditions"
+            )
+            figures["Robustness"] = strip_svg(strips, "Under disturbed conditions", subtitle)
         return Contents(
             run.name,
             study,
@@ -147,24 +147,24 @@ def collect_contents(run: Run) -> Contents:
         )
 
 
-def _strategy(study: Study) -> str:
+def _strategy_name(study: Study) -> str:
     return str(study.document.get("strategy", {}).get("use", "search"))
 
 
-def _trends(store: Store, targets: Sequence[str]) -> list[Trend]:
-    """The best fitness of a run for each target, over all of its flights."""
+def _read_trends(store: Store, targets: Sequence[str]) -> list[Trend]:
+    """Return the best fitness so far of a run for each target, over all of its flights."""
     fitness = np.array([brief.fitness for brief in store.read_summaries(targets)]).reshape(-1, len(targets))
     best = np.maximum.accumulate(fitness, axis=0)
-    at = np.unique(np.linspace(1, len(best), min(STEPS, len(best))).astype(int))
-    none = np.zeros((0, len(at)))
+    at = np.unique(np.linspace(1, len(best), min(TREND_POINTS, len(best))).astype(int))
+    no_baseline = np.zeros((0, len(at)))
     return [
-        Trend(target, at.astype(np.float64), best[None, at - 1, number], none)
+        Trend(target, at.astype(np.float64), best[None, at - 1, number], no_baseline)
         for number, target in enumerate(targets)
     ]
 
 
 def viewer_data(contents: Contents) -> dict[str, Any]:
-    """What the page's viewer draws: agents, flights, pipe and targets; SI units, rounded to what can be seen."""
+    """Return the data of the page's viewer: agents, flights, pipe and targets; SI units, rounded to what is visible."""
     scenario = contents.scenario
     rows = scenario.pipe.array()
     ends = np.vstack([rows[:, :3], rows[:, 3:6]])
@@ -173,7 +173,7 @@ def viewer_data(contents: Contents) -> dict[str, Any]:
     length = float(np.linalg.norm(high - low))
     longest = max(entry.agent.body.length for entry in contents.entries)
     return {
-        "agents": [_agent(entry, SERIES[i % len(SERIES)]) for i, entry in enumerate(contents.entries)],
+        "agents": [_viewer_agent(entry, SERIES[i % len(SERIES)]) for i, entry in enumerate(contents.entries)],
         "pipe": [{"start": _round(r[:3]), "end": _round(r[3:6]), "radius": float(r[6])} for r in rows],
         "targets": [{"name": name, "position": list(point)} for name, point in scenario.targets.items()],
         "water": scenario.fluid.water_level,
@@ -181,21 +181,21 @@ def viewer_data(contents: Contents) -> dict[str, Any]:
         "extent": [_round(low[:2] - radius), _round(high[:2] + radius)],
         "length": length,
         "size": radius,
-        # Agents are many times smaller than their pipe: drawn as long as its radius they can be seen.
+        # Agents are many times smaller than their pipe, so the longest is drawn as long as its radius.
         "magnification": max(1.0, round(radius / longest, 1)),
     }
 
 
-def _agent(entry: Entry, colour: str) -> dict[str, Any]:
-    body, flight = entry.agent.body, entry.flight
-    # Evenly in time, and the moment of the closest approach among them.
-    t = np.unique(np.append(np.linspace(flight.t[0], flight.t[-1], SAMPLES - 1), entry.t))
+def _viewer_agent(entry: Entry, colour: str) -> dict[str, Any]:
+    body, flight = entry.agent.body, entry.trajectory
+    # Evenly in time, and at the closest approach.
+    t = np.unique(np.append(np.linspace(flight.t[0], flight.t[-1], MAX_SAMPLES - 1), entry.t))
     nearest = np.clip(np.searchsorted(flight.t, t), 0, len(flight.t) - 1)
     return {
         "target": entry.target,
         "colour": colour,
-        "outer": _round(simplify_polyline(body.outer, EXACT), 6),
-        "cavity": _round(simplify_polyline(body.cavity, EXACT), 6) if len(body.cavity) else [],
+        "outer": _round(simplify_polyline(body.outer, CONTOUR_TOLERANCE), 6),
+        "cavity": _round(simplify_polyline(body.cavity, CONTOUR_TOLERANCE), 6) if len(body.cavity) else [],
         "joints": _round(body.joints, 6),
         "core": body.core.radius,
         "closest": round(entry.t, 4),

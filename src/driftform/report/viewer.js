@@ -1,5 +1,5 @@
 "use strict";
-// A body of revolution and its flight, drawn by WebGL without any library. World: x downstream, z up; lengths in m.
+// Draws a body of revolution and its flight with WebGL, without a library. World: x downstream, z up; lengths in m.
 
 const ROUND = 48;
 
@@ -24,7 +24,7 @@ const shaders = {
       if (cut > 0.5 && shown.y < 0.0) discard;
       vec3 view = normalize(eye - there);
       vec3 n = normalize(facing);
-      // A wall has two sides, and both are lit.
+      // Both sides of a wall are lit.
       if (dot(n, view) < 0.0) n = -n;
       float light = 0.55 + 0.45 * max(0.0, dot(n, normalize(view + vec3(0.0, 0.0, 1.2))))
         + 0.12 * pow(max(0.0, dot(n, view)), 8.0);
@@ -32,11 +32,11 @@ const shaders = {
     }`,
 };
 
-// Vectors and matrices: column-major, as WebGL takes them.
+// Vectors and matrices; matrices are column-major, as in WebGL.
 const sub = (a, b) => a.map((v, i) => v - b[i]);
 const dot = (a, b) => a.reduce((sum, v, i) => sum + v * b[i], 0);
-const scaled = (a, f) => a.map((v) => v * f);
-const unit = (a) => scaled(a, 1 / (Math.hypot(...a) || 1));
+const scale = (a, f) => a.map((v) => v * f);
+const unit = (a) => scale(a, 1 / (Math.hypot(...a) || 1));
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const identity = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
 
@@ -53,7 +53,7 @@ function perspective(angle, aspect, near, far) {
   return [f / aspect, 0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) / d, -1, 0, 0, (2 * far * near) / d, 0];
 }
 
-function seenFrom(eye, centre) {
+function lookAt(eye, centre) {
   const back = unit(sub(eye, centre));
   const right = unit(cross([0, 0, 1], back));
   const up = cross(back, right);
@@ -63,8 +63,8 @@ function seenFrom(eye, centre) {
   ];
 }
 
-// Where a body lies: rotated by the quaternion (w, x, y, z), body to world, magnified, and moved.
-function posed([w, x, y, z], place, size) {
+// The pose of a body: rotated by the quaternion (w, x, y, z), body to world, magnified by size, moved to place.
+function poseMatrix([w, x, y, z], place, size) {
   const s = size;
   return [
     s * (1 - 2 * (y * y + z * z)), s * 2 * (x * y + w * z), s * 2 * (x * z - w * y), 0,
@@ -74,8 +74,8 @@ function posed([w, x, y, z], place, size) {
   ];
 }
 
-// Meshes: {places, normals} of triangles, or of lines where there are no normals.
-function revolved(profile, inward) {
+// Meshes: {places, normals} of triangles, or {places} of lines.
+function revolve(profile, inward) {
   const places = [], normals = [];
   for (let i = 0; i + 1 < profile.length; i++) {
     const [[x0, r0], [x1, r1]] = [profile[i], profile[i + 1]];
@@ -86,7 +86,7 @@ function revolved(profile, inward) {
       const corner = (j) => [Math.cos((2 * Math.PI * j) / ROUND), Math.sin((2 * Math.PI * j) / ROUND)];
       const [[c0, s0], [c1, s1]] = [corner(k), corner(k + 1)];
       const at = (x, r, c, s) => [x, r * c, r * s];
-      const out = (c, s) => scaled([nx, nr * c, nr * s], inward ? -1 : 1);
+      const out = (c, s) => scale([nx, nr * c, nr * s], inward ? -1 : 1);
       const quad = [
         [at(x0, r0, c0, s0), out(c0, s0)], [at(x1, r1, c0, s0), out(c0, s0)], [at(x1, r1, c1, s1), out(c1, s1)],
         [at(x0, r0, c0, s0), out(c0, s0)], [at(x1, r1, c1, s1), out(c1, s1)], [at(x0, r0, c1, s1), out(c1, s1)],
@@ -105,7 +105,7 @@ function radiusAt(profile, x) {
   return 0;
 }
 
-// What a cut through the axis shows of the hull's material, in the plane y = 0, above the axis and below.
+// The section of the hull's material in the plane y = 0, above and below the axis.
 function section(outer, cavity) {
   const nudge = 1e-7;
   const stations = [...new Set([...outer, ...cavity].flatMap(([x]) => [x - nudge, x + nudge]))].sort((a, b) => a - b);
@@ -127,7 +127,7 @@ function ball(radius) {
     const angle = Math.PI * (1 - i / 16);
     return [radius * Math.cos(angle), radius * Math.sin(angle)];
   });
-  return revolved(half, false);
+  return revolve(half, false);
 }
 
 function rings(profile, stations) {
@@ -143,7 +143,7 @@ function rings(profile, stations) {
   return { places };
 }
 
-// A tube along a path, so that it is as thick as it looks right.
+// A tube along a path: WebGL lines have a fixed width.
 function tube(path, radius) {
   const places = [], normals = [];
   const sides = 6;
@@ -187,7 +187,7 @@ function bore(segments) {
   return { places };
 }
 
-// A picture on a canvas that turns and zooms; `scene` returns what is to be drawn.
+// A picture on a canvas that rotates and zooms; `scene` returns the items to draw.
 class View {
   constructor(canvas, scene, camera) {
     this.canvas = canvas;
@@ -197,16 +197,16 @@ class View {
     this.gl = canvas.getContext("webgl", { antialias: true, preserveDrawingBuffer: true });
     if (!this.gl) {
       canvas.replaceWith(Object.assign(document.createElement("p"), {
-        className: "missing", textContent: "This browser shows no 3-D pictures (WebGL); all else on this page works.",
+        className: "missing", textContent: "This browser does not support 3-D graphics (WebGL); the rest of this page works.",
       }));
       return;
     }
-    this.program = this.built();
+    this.program = this.compile();
     this.listen();
     new ResizeObserver(() => this.draw()).observe(canvas);
   }
 
-  built() {
+  compile() {
     const gl = this.gl;
     const program = gl.createProgram();
     for (const [kind, source] of [[gl.VERTEX_SHADER, shaders.vertex], [gl.FRAGMENT_SHADER, shaders.fragment]]) {
@@ -222,7 +222,7 @@ class View {
     return program;
   }
 
-  uploaded(mesh) {
+  upload(mesh) {
     const gl = this.gl;
     if (mesh.view === this) return mesh;
     const load = (values) => {
@@ -250,7 +250,7 @@ class View {
     });
     for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => (held = null));
     canvas.addEventListener("wheel", (event) => {
-      // The page goes on scrolling unless the picture was chosen.
+      // The wheel scrolls the page unless the canvas has the focus.
       if (document.activeElement !== canvas) return;
       event.preventDefault();
       this.zoom(Math.exp(event.deltaY * 0.001));
@@ -293,10 +293,10 @@ class View {
     const { items, centre, size } = this.scene();
     const { yaw, pitch, distance } = this.camera;
     const angle = 0.5;
-    // The scene is as wide as the picture, but no taller than half of it.
+    // The scene is as wide as the picture; in a very wide picture its height limits it.
     const far = (distance * size) / (2 * Math.tan(angle / 2) * Math.min(width / height, 3));
     const eye = centre.map((v, i) => v + far * [Math.sin(yaw) * Math.cos(pitch), -Math.cos(yaw) * Math.cos(pitch), Math.sin(pitch)][i]);
-    const camera = product(perspective(angle, width / height, 0.02 * far, 4 * far + 4 * size), seenFrom(eye, centre));
+    const camera = product(perspective(angle, width / height, 0.02 * far, 4 * far + 4 * size), lookAt(eye, centre));
     gl.viewport(0, 0, width, height);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
@@ -309,7 +309,7 @@ class View {
     gl.uniform3fv(uniform("eye"), eye);
     for (const { mesh, pose = identity, colour, cut = false } of items) {
       if (!mesh.places.length) continue;
-      const { buffers } = this.uploaded(mesh);
+      const { buffers } = this.upload(mesh);
       gl.uniformMatrix4fv(uniform("pose"), false, pose);
       gl.uniform4fv(uniform("colour"), colour);
       gl.uniform1f(uniform("cut"), cut ? 1 : 0);
@@ -345,15 +345,15 @@ function start() {
   const cut = find("cut");
   const meshes = new Map();
 
-  // The meshes of an agent are made when it is first looked at.
-  const made = () => {
+  // The meshes of an agent are made when it is first shown.
+  const meshesOfAgent = () => {
     if (!meshes.has(chosen)) {
       const agent = data.agents[chosen];
       const path = agent.flight.position;
       meshes.set(chosen, {
-        outer: revolved(agent.outer, false), cavity: revolved(agent.cavity, true), core: ball(agent.core),
+        outer: revolve(agent.outer, false), cavity: revolve(agent.cavity, true), core: ball(agent.core),
         section: section(agent.outer, agent.cavity), joints: rings(agent.outer, agent.joints),
-        flown: { outer: revolved(agent.outer, false) }, tube: tube(path, 0.012 * data.size),
+        flown: { outer: revolve(agent.outer, false) }, tube: tube(path, 0.012 * data.size),
       });
     }
     return meshes.get(chosen);
@@ -374,7 +374,7 @@ function start() {
 
   const agentScene = () => {
     const agent = data.agents[chosen];
-    const { outer, cavity, core, section: faces, joints } = made();
+    const { outer, cavity, core, section: faces, joints } = meshesOfAgent();
     const [first, last] = [agent.outer[0][0], agent.outer[agent.outer.length - 1][0]];
     const items = [
       { mesh: core, colour: colourOf("--core") },
@@ -388,16 +388,16 @@ function start() {
 
   const pipe = bore(data.pipe);
   const mark = ball(0.045 * data.size);
-  const surface = data.water === null ? null : level(data);
+  const surface = data.water === null ? null : surfaceMesh(data);
   const flightScene = () => {
-    const { flown, tube: path } = made();
+    const { flown, tube: path } = meshesOfAgent();
     const { place, attitude } = atTime();
     const agent = data.agents[chosen];
     const items = [
       { mesh: path, colour: hex(agent.colour) },
-      { mesh: flown.outer, pose: posed(attitude, place, data.magnification), colour: hex(agent.colour) },
+      { mesh: flown.outer, pose: poseMatrix(attitude, place, data.magnification), colour: hex(agent.colour) },
       ...data.targets.map((target) => ({
-        mesh: target.mesh ?? (target.mesh = { ...mark }), pose: posed([1, 0, 0, 0], target.position, 1),
+        mesh: target.mesh ?? (target.mesh = { ...mark }), pose: poseMatrix([1, 0, 0, 0], target.position, 1),
         colour: target.name === agent.target ? colourOf("--target") : colourOf("--other"),
       })),
       { mesh: pipe, colour: colourOf("--line", 0.4) },
@@ -409,25 +409,25 @@ function start() {
   const agentView = new View(find("agent-view"), agentScene, { yaw: 0.45, pitch: 0.35, distance: 1.25 });
   const flightView = new View(find("flight-view"), flightScene, { yaw: 0.28, pitch: 0.22, distance: 1.18 });
 
-  const told = () => {
+  const showMoment = () => {
     const { time, place, attitude: [w, x, y, z] } = atTime();
     const agent = data.agents[chosen];
     const target = data.targets.find(({ name }) => name === agent.target);
     const gap = Math.hypot(...sub(place, target.position));
     const nose = (180 / Math.PI) * Math.asin(Math.max(-1, Math.min(1, 2 * (x * z - w * y))));
-    const said = `${time.toFixed(2)} s: x ${place[0].toFixed(2)} m, z ${place[2].toFixed(2)} m, nose ${Math.abs(nose).toFixed(0)}° ` +
+    const text = `${time.toFixed(2)} s: x ${place[0].toFixed(2)} m, z ${place[2].toFixed(2)} m, nose ${Math.abs(nose).toFixed(0)}° ` +
       `${nose < 0 ? "down" : "up"}, ${gap < 1 ? `${(1000 * gap).toFixed(0)} mm` : `${gap.toFixed(2)} m`} from ${agent.target}`;
-    find("told").textContent = said;
-    slider.setAttribute("aria-valuetext", said);
+    find("moment").textContent = text;
+    slider.setAttribute("aria-valuetext", text);
   };
-  const drawFlight = () => { told(); flightView.draw(); };
+  const drawFlight = () => { showMoment(); flightView.draw(); };
 
   const choose = (number) => {
     chosen = number;
     find("agent-name").textContent = data.agents[chosen].target;
     for (const button of document.querySelectorAll("[data-agent]"))
       button.setAttribute("aria-pressed", String(Number(button.dataset.agent) === chosen));
-    // The moment of the closest approach is what one wants to see first.
+    // Start at the closest approach.
     const { t } = data.agents[chosen].flight;
     slider.value = Math.round((slider.max * data.agents[chosen].closest) / (t[t.length - 1] || 1));
     agentView.draw();
@@ -465,8 +465,8 @@ function start() {
   choose(0);
 }
 
-// The free surface, over the box that the pipe lies in.
-function level(data) {
+// The free surface, over the bounding box of the pipe.
+function surfaceMesh(data) {
   const [[x0, y0], [x1, y1]] = data.extent;
   const corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y0], [x1, y1], [x0, y1]];
   return { places: corners.flatMap(([x, y]) => [x, y, data.water]), normals: corners.flatMap(() => [0, 0, 1]) };

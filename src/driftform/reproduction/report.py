@@ -9,7 +9,7 @@ import numpy as np
 
 from driftform.figures.files import write_picture
 from driftform.figures.gallery import GalleryEntry, gallery_svg
-from driftform.figures.spread import FlightSpread, band, spread_svg
+from driftform.figures.spread import FlightSpread, compute_band, spread_svg
 from driftform.figures.trend import Trend, trend_svg
 from driftform.reproduction.repeats import (
     GENERATION,
@@ -137,7 +137,7 @@ def _again_table(scenario: Scenario, again: Resimulation) -> list[str]:
     ]
     for number, target in enumerate(scenario.target_names):
         point = np.array(scenario.targets[target])
-        _, _, deviation = band(again.turbulent.flights[number], point)
+        _, _, deviation = compute_band(again.turbulent.flights[number], point)
         same, other = 100 - again.same.fitness[number], 100 - again.turbulent.fitness[number]
         rows.append(
             f"| {target} | {same.mean():.2f} | {again.same.deviation[number]:.2g} | {other.mean():.2f} | {again.turbulent.deviation[number]:.2f} "

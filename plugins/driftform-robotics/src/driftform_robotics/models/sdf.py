@@ -12,7 +12,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from driftform.geometry.slices import slices
+from driftform.geometry.slices import slice_solid
 from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table, option
 from driftform.scenario import UniformFlow
@@ -306,7 +306,7 @@ def _add_spheres(element: ET.Element, job: ExportJob) -> None:
     note(
         element, ["Buoyancy at a free surface: spheres of the volume of slices, which nothing collides with."]
     )
-    for index, (x, volume, _) in enumerate(slices(body.outer, count)):
+    for index, (x, volume, _) in enumerate(slice_solid(body.outer, count)):
         collision = add(element, "collision", name=f"slice_{index}")
         add(collision, "pose", pose(np.array([x, 0.0, 0.0]) - cog))
         add(add(add(collision, "geometry"), "sphere"), "radius", number(np.cbrt(0.75 * volume / np.pi)))
