@@ -1,5 +1,6 @@
 """What may go wrong that is not our bug: the user's input, and work that failed."""
 
+import traceback
 from collections.abc import Iterable
 from difflib import get_close_matches
 
@@ -22,6 +23,21 @@ class InputError(DriftformError):
 
 class WorkFailedError(DriftformError):
     """The input was right, the work failed. Exit code 1."""
+
+
+def describe_error(error: BaseException, *, with_place: bool = False) -> str:
+    """Describe an error in one line: its type and message, with the function and line that raised it if asked.
+
+    The message of a :class:`DriftformError` or an ``ImportError`` is for users as it is, without its type.
+
+    >>> describe_error(ValueError("two\\nlines")), describe_error(ImportError("No module named 'exudyn'"))
+    ('ValueError: two lines', "No module named 'exudyn'")
+    """
+    name, message = type(error).__name__, " ".join(str(error).split())
+    text = message if isinstance(error, DriftformError | ImportError) else f"{name}: {message}"
+    text = text if message else name
+    frames = traceback.extract_tb(error.__traceback__) if with_place else []
+    return f"{text} (in {frames[-1].name}, line {frames[-1].lineno})" if frames else text
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:

@@ -1,12 +1,12 @@
 """Genome -> morphology -> body -> coefficients -> trajectory -> fitness: the whole program on one page."""
 
 import time
-import traceback
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+from driftform.errors import describe_error
 from driftform.geometry import mass_properties
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
 from driftform.scenario import Scenario
@@ -101,7 +101,7 @@ class Pipeline:
             try:
                 agents[index] = self.make_agent(genome, under[index])
             except Exception as error:
-                outcomes[index] = Evaluation.failed(genome, targets, _told(error))
+                outcomes[index] = Evaluation.failed(genome, targets, describe_error(error, with_place=True))
         flights = self._fly_each(list(agents.values()), [scenarios[index] for index in agents])
         for index, trajectory in zip(agents, flights, strict=True):
             outcomes[index] = self._score(genomes[index], trajectory)
@@ -118,7 +118,7 @@ class Pipeline:
             return flights
         except Exception as error:
             if len(agents) == 1:
-                return [_told(error)]
+                return [describe_error(error, with_place=True)]
             return [
                 flight
                 for agent, scenario in zip(agents, scenarios, strict=True)
@@ -129,15 +129,9 @@ class Pipeline:
         targets = len(self.scenario.targets)
         if isinstance(trajectory, str):
             return Evaluation.failed(genome, targets, trajectory)
-        if trajectory.end.failed:
-            reason = f"the flight ended after {trajectory.t[-1]:.3g} s: {trajectory.end}"
-            return Evaluation.failed(genome, targets, reason, trajectory)
+        if trajectory.failure is not None:
+            return Evaluation.failed(genome, targets, trajectory.failure, trajectory)
         try:
             return Evaluation(genome, self.fitness.score(trajectory, self.scenario), trajectory)
         except Exception as error:
-            return Evaluation.failed(genome, targets, _told(error))
-
-
-def _told(error: Exception) -> str:
-    frame = traceback.extract_tb(error.__traceback__)[-1]
-    return f"{type(error).__name__}: {error} (in {frame.name}, line {frame.lineno})"
+            return Evaluation.failed(genome, targets, describe_error(error, with_place=True))

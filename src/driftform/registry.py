@@ -12,7 +12,7 @@ from typing import Any
 import pluggy
 
 from driftform import hookspecs
-from driftform.errors import InputError, did_you_mean
+from driftform.errors import InputError, describe_error, did_you_mean
 from driftform.interfaces import SEAMS, Plugin
 
 GROUP = "driftform"
@@ -71,7 +71,9 @@ class Registry:
                 self._manager.register(module, name=key)
             except Exception as error:
                 self._broken.append(
-                    Contribution("", point.name, distribution, version, f"unavailable: {_reason(error)}")
+                    Contribution(
+                        "", point.name, distribution, version, f"unavailable: {describe_error(error)}"
+                    )
                 )
 
     def _check_hooks(self, module: object) -> None:
@@ -93,7 +95,9 @@ class Registry:
                     classes = _check_classes(implementation.function(), SEAMS[seam])
                 except Exception as error:
                     rows.append(
-                        Contribution(seam, short, distribution, version, f"unavailable: {_reason(error)}")
+                        Contribution(
+                            seam, short, distribution, version, f"unavailable: {describe_error(error)}"
+                        )
                     )
                     continue
                 rows.extend(Contribution(seam, c.name, distribution, version, "ok", c) for c in classes)
@@ -167,10 +171,3 @@ def _check_classes(returned: Any, interface: type[Plugin[Any]]) -> list[type[Plu
         if missing := sorted(getattr(cls, "__abstractmethods__", ())):
             raise TypeError(f"{cls.__name__} leaves out {', '.join(missing)}")
     return classes
-
-
-def _reason(error: Exception) -> str:
-    text = str(error).strip()
-    if not text:
-        return type(error).__name__
-    return (text if isinstance(error, ImportError) else f"{type(error).__name__}: {text}").splitlines()[0]

@@ -15,10 +15,12 @@ Arrays in these values are float64, C-contiguous and read-only.
 
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
+
+from driftform.errors import WorkFailedError
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 """An array of double precision; docstrings tell its shape, unit and frame."""
@@ -126,6 +128,18 @@ class Body:
         return float(2 * self.outer[:, 1].max())
 
 
+class FluidProperties(Protocol):
+    """What buoyancy depends on; :class:`driftform.scenario.Fluid` has it."""
+
+    @property
+    def density(self) -> float:
+        """Density, kg/m3."""
+
+    @property
+    def gravity(self) -> float:
+        """Acceleration of gravity, m/s2."""
+
+
 @dataclass(frozen=True, eq=False)
 class MassProperties:
     """What a rigid body weighs and displaces.
@@ -154,6 +168,10 @@ class MassProperties:
         object.__setattr__(self, "cog", freeze(self.cog, (3,), "MassProperties.cog"))
         object.__setattr__(self, "inertia", freeze(self.inertia, (3, 3), "MassProperties.inertia"))
         object.__setattr__(self, "cob", freeze(self.cob, (3,), "MassProperties.cob"))
+
+    def net_buoyancy(self, fluid: FluidProperties) -> float:
+        """Return the buoyancy of the submerged body less its weight, N, upward positive."""
+        return (fluid.density * self.volume - self.mass) * fluid.gravity
 
 
 @dataclass(frozen=True, eq=False)
@@ -297,6 +315,22 @@ class Trajectory:
         object.__setattr__(self, "t", freeze(self.t, (k,), "Trajectory.t"))
         for name, width in (("position", 3), ("quaternion", 4), ("velocity", 6)):
             object.__setattr__(self, name, freeze(getattr(self, name), (k, width), f"Trajectory.{name}"))
+
+    @property
+    def failure(self) -> str | None:
+        """When and why the flight failed, ``None`` for a sound one."""
+        return f"the flight ended after {self.t[-1]:.3g} s: {self.end}" if self.end.failed else None
+
+    def require_success(self, name: str) -> None:
+        """Refuse a flight that failed.
+
+        Raises
+        ------
+        WorkFailedError
+            if it failed; the message begins with ``name``, that of the agent.
+        """
+        if self.failure is not None:
+            raise WorkFailedError(f"{name}: {self.failure}")
 
 
 @dataclass(frozen=True)

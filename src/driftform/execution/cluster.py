@@ -20,7 +20,7 @@ from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
 from driftform import __version__
-from driftform.errors import DriftformError, InputError, WorkFailedError
+from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
 from driftform.execution.jobs import Job, Outcome, WorkersLostError, evaluate_batch
 from driftform.execution.lanes import POLL_S, PoolExecutor, WorkerGroup
 from driftform.execution.local import hold_back_interrupts
@@ -71,7 +71,9 @@ class Cluster(PoolExecutor):
                 )
                 client = distributed.Client(cluster, timeout=TIMEOUT, set_as_default=False)
         except Exception as error:
-            raise WorkFailedError(f"--executor dask: no cluster starts here: {_told(error)}") from None
+            raise WorkFailedError(
+                f"--executor dask: no cluster starts here: {describe_error(_find_cause(error))}"
+            ) from None
         return cls([_Workers(document, client, "the local Dask cluster", cluster)])
 
     @classmethod
@@ -88,13 +90,13 @@ class Cluster(PoolExecutor):
             # Asked first, because a client waits for ever for what listens there and is no scheduler.
             kind = asyncio.run(asyncio.wait_for(_identity(distributed, address), TIMEOUT))
             if kind != "Scheduler":
-                raise ValueError(f"that is a {kind.lower()}")
+                raise InputError(f"that is a {kind.lower()}")
             with hold_back_interrupts():
                 client = distributed.Client(address, timeout=TIMEOUT, set_as_default=False)
         except Exception as error:
             # Whether nobody answers or nobody in time is a matter of how busy this machine is.
-            silent = isinstance(_bottom(error), TimeoutError | ConnectionRefusedError)
-            why = "" if silent else f" ({_told(error)})"
+            silent = isinstance(_find_cause(error), TimeoutError | ConnectionRefusedError)
+            why = "" if silent else f" ({describe_error(_find_cause(error))})"
             raise InputError(
                 f"--scheduler {address}: no Dask scheduler answers there{why}; "
                 "start one with 'dask scheduler', which prints its address"
@@ -145,7 +147,7 @@ class _Workers(WorkerGroup):
         if error is None or isinstance(error, DriftformError | KilledWorker):
             return error
         return WorkFailedError(
-            f"{self._where}: its workers cannot evaluate ({_told(error)}); "
+            f"{self._where}: its workers cannot evaluate ({describe_error(_find_cause(error))}); "
             "install the same driftform and plugins for the scheduler and all workers"
         )
 
@@ -238,13 +240,7 @@ async def _identity(distributed: Any, address: str) -> str:
         comm.abort()
 
 
-def _told(error: BaseException) -> str:
-    """What is at the bottom of an error, in one line."""
-    error = _bottom(error)
-    return (str(error).strip().splitlines() or [type(error).__name__])[0]
-
-
-def _bottom(error: BaseException) -> BaseException:
+def _find_cause(error: BaseException) -> BaseException:
     while isinstance(error.__cause__, Exception):
         error = error.__cause__
     return error
