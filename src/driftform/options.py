@@ -41,7 +41,7 @@ def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
         rows.append(
             {
                 "option": name,
-                "type": _type_text(field.annotation),
+                "type": _format_type(field.annotation),
                 "default": "required"
                 if field.is_required()
                 else field.get_default(call_default_factory=True),
@@ -52,17 +52,17 @@ def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
     return rows
 
 
-def _type_text(annotation: Any) -> str:
+def _format_type(annotation: Any) -> str:
     """A type as a person writes it: ``float``, ``'first' or 'last'``, ``[float, float, float]``."""
     origin, arguments = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
-        return _type_text(arguments[0])
+        return _format_type(arguments[0])
     if origin is Literal:
         return " or ".join(map(repr, arguments))
     if origin in (Union, UnionType):
-        return " or ".join("none" if part is NoneType else _type_text(part) for part in arguments)
+        return " or ".join("none" if part is NoneType else _format_type(part) for part in arguments)
     if origin is tuple and arguments[1:] == (Ellipsis,):
-        return f"list of {_type_text(arguments[0])}"
+        return f"list of {_format_type(arguments[0])}"
     if origin is tuple:
-        return f"[{', '.join(map(_type_text, arguments))}]"
+        return f"[{', '.join(map(_format_type, arguments))}]"
     return str(getattr(annotation, "__name__", annotation))

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from driftform.interfaces import SEAMS
-from driftform.scaffold import list_files, make_names, scaffolds
+from driftform.scaffold import list_files, list_scaffolds, make_names
 
 Call = Callable[..., Any]
 
@@ -78,7 +78,7 @@ def outcomes(installed: Path) -> dict[str, list[str]]:
 
 
 def test_every_seam_has_a_scaffold() -> None:
-    assert set(scaffolds()) == set(SEAMS)
+    assert set(list_scaffolds()) == set(SEAMS)
 
 
 @pytest.mark.parametrize("seam", [seam for seam in SEAMS if seam not in FLYING])

@@ -23,7 +23,7 @@ from driftform.study import NAMED
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 """An agent to try a plugin on."""
 
-_LONGEST = 60
+_MAX_LENGTH = 60
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Names:
     options_name: str
 
 
-def scaffolds() -> tuple[str, ...]:
+def list_scaffolds() -> tuple[str, ...]:
     """The seams that there are templates for."""
     folders = [folder for folder in resources.files(__name__).iterdir() if (folder / "about.toml").is_file()]
     return tuple(sorted(folder.name for folder in folders))
@@ -75,9 +75,9 @@ def make_names(name: str, seam: str) -> Names:
     plugin = distribution.removeprefix("driftform-")
     package = distribution.replace("-", "_")
     camel = "".join(part.capitalize() for part in plugin.split("-"))
-    names = Names(distribution, package, plugin, camel + _about(seam)["noun"], f"{camel}Options")
-    if len(name) > _LONGEST:
-        raise InputError(f"'{name[:20]}...' is longer than {_LONGEST} characters; choose a shorter name")
+    names = Names(distribution, package, plugin, camel + _read_about(seam)["noun"], f"{camel}Options")
+    if len(name) > _MAX_LENGTH:
+        raise InputError(f"'{name[:20]}...' is longer than {_MAX_LENGTH} characters; choose a shorter name")
     if not names.class_name.isidentifier():
         raise InputError(
             f"'{name}' would make a class '{names.class_name}'; let the name of the plugin begin with a letter"
@@ -98,7 +98,7 @@ def make_names(name: str, seam: str) -> Names:
 
 def list_files(names: Names, seam: str) -> dict[str, str]:
     """Return the text of each file of a new distribution, by its path below the distribution's folder."""
-    about, package, tests = _about(seam), f"src/{names.package}", "tests"
+    about, package, tests = _read_about(seam), f"src/{names.package}", "tests"
     words = {
         "distribution": names.distribution,
         "package": names.package,
@@ -114,7 +114,7 @@ def list_files(names: Names, seam: str) -> dict[str, str]:
         ),
         "word": WORD,
     }
-    study = _template(seam, "study.toml.txt").substitute(words)
+    study = _read_template(seam, "study.toml.txt").substitute(words)
     use = "\n".join(f"$ {line}" for line in list_uses(names, seam))
     filled = {
         "pyproject.toml": ("common", "pyproject.toml.txt"),
@@ -124,20 +124,21 @@ def list_files(names: Names, seam: str) -> dict[str, str]:
         f"{tests}/test_{seam}.py": (seam, "test.py.txt"),
     }
     files = {
-        path: _template(*source).substitute(words, study=study, use=use) for path, source in filled.items()
+        path: _read_template(*source).substitute(words, study=study, use=use)
+        for path, source in filled.items()
     }
     return {**files, "study.toml": study}
 
 
 def list_uses(names: Names, seam: str) -> list[str]:
     """Return the commands that use the new plugin, from the distribution's folder."""
-    lines: Iterable[str] = _about(seam)["use"]
+    lines: Iterable[str] = _read_about(seam)["use"]
     return [Template(line).substitute(plugin=names.plugin, word=WORD) for line in lines]
 
 
-def _about(seam: str) -> dict[str, Any]:
+def _read_about(seam: str) -> dict[str, Any]:
     return tomllib.loads((resources.files(__name__) / seam / "about.toml").read_text(encoding="utf-8"))
 
 
-def _template(folder: str, name: str) -> Template:
+def _read_template(folder: str, name: str) -> Template:
     return Template((resources.files(__name__) / folder / name).read_text(encoding="utf-8"))

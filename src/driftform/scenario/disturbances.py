@@ -13,10 +13,10 @@ import numpy as np
 from driftform.scenario import Robustness, Scenario, TurbulentFlow
 from driftform.types import Body, FloatArray
 
-FARTHEST = 3.0
+MAX_DEVIATION = 3.0
 """Standard deviations at which a distribution is cut off: what is farther out would be noticed and not used."""
 
-NARROWEST = 0.98
+MAX_RADIUS_SHARE = 0.98
 """Share of the bore's radius that a disturbed release stays within."""
 
 
@@ -62,7 +62,7 @@ def draw_conditions(robustness: Robustness, seed: int) -> tuple[Condition, ...]:
 
     rng = np.random.default_rng((seed, robustness.conditions))
     shares = qmc.LatinHypercube(8, rng=rng).random(robustness.conditions)
-    drawn = truncnorm.ppf(shares, -FARTHEST, FARTHEST) * [
+    drawn = truncnorm.ppf(shares, -MAX_DEVIATION, MAX_DEVIATION) * [
         *(robustness.position, robustness.position),
         *np.deg2rad([robustness.angle_deg, robustness.angle_deg]),
         *(robustness.current, robustness.density, robustness.mass, robustness.wall),
@@ -81,7 +81,7 @@ def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
         flow = flow.model_copy(update={"seed": condition.gusts})
     release = scenario.release.model_copy(
         update={
-            "position": _moved(scenario, condition.across),
+            "position": _shift_release(scenario, condition.across),
             "pitch_deg": scenario.release.pitch_deg + float(np.rad2deg(condition.pitch)),
             "yaw_deg": scenario.release.yaw_deg + float(np.rad2deg(condition.yaw)),
         }
@@ -172,12 +172,12 @@ def draw_normals(direction: FloatArray) -> tuple[FloatArray, FloatArray]:
     return level, np.asarray(np.cross(direction, level))
 
 
-def _moved(scenario: Scenario, across: Sequence[float]) -> tuple[float, float, float]:
+def _shift_release(scenario: Scenario, across: Sequence[float]) -> tuple[float, float, float]:
     """The point of release, moved, but no farther than the bore allows."""
     start = np.array(scenario.release.position)
     level, up = draw_normals(scenario.direction())
     offset = across[0] * level + across[1] * up
-    while scenario.pipe.segments and not scenario.pipe.contains(tuple(start + offset / NARROWEST)):
+    while scenario.pipe.segments and not scenario.pipe.contains(tuple(start + offset / MAX_RADIUS_SHARE)):
         offset *= 0.5
         if np.linalg.norm(offset) < 1e-6:
             offset = np.zeros(3)

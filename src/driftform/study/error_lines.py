@@ -46,24 +46,24 @@ def format_errors(
         if item["type"] == "extra_forbidden":
             hint = did_you_mean(str(path[-1]), table.model_fields if table else ())
             # What is no misspelling may well be a key of another kind.
-            kind = "" if "did you mean" in hint else _of_its_kind(table)
+            kind = "" if "did you mean" in hint else _describe_kind(table)
             lines.append(
-                f"{locate_key(layers, path)}: unknown key '{path[-1]}'{_table(path[:-1])}{kind}{hint}"
+                f"{locate_key(layers, path)}: unknown key '{path[-1]}'{_name_table(path[:-1])}{kind}{hint}"
             )
         elif item["type"] == "missing" and isinstance(names[-1], str):
-            lines.append(f"{locate_key(layers, path)}: '{names[-1]}' is missing{_table(names[:-1])}")
+            lines.append(f"{locate_key(layers, path)}: '{names[-1]}' is missing{_name_table(names[:-1])}")
         elif item["type"] == "value_error":
             message = str(item["ctx"]["error"])
             lines.append(f"{locate_key(layers, _find_key(message, path, document))}: {message}")
         elif item["type"] == "union_tag_invalid":
-            members = _members(_annotation(table, keys[-1]))
-            path = (*path, *_tag_of(next(iter(members.values()), None))[:1])
+            members = _find_members(_find_annotation(table, keys[-1]))
+            path = (*path, *_find_tag(next(iter(members.values()), None))[:1])
             lines.append(
                 f"{locate_key(layers, path)}: {join_path(path)} = {_show_value(find_value(document, path))}: "
                 f"there is no such {path[-1]}{did_you_mean(item['ctx']['tag'], members)}"
             )
         else:
-            wrong.setdefault(path, {})[item["type"]] = _should(item)
+            wrong.setdefault(path, {})[item["type"]] = _describe_expected(item)
     for path, messages in wrong.items():
         key, value = join_path(path), find_value(document, path)
         lines.append(
@@ -72,7 +72,7 @@ def format_errors(
     return lines
 
 
-_SHOULD = {
+_EXPECTED = {
     "float_type": "should be a number",
     "float_parsing": "should be a number",
     "int_type": "should be a whole number",
@@ -86,17 +86,17 @@ _SHOULD = {
 """What a value should have been, for people who do not know Python's types, by pydantic's kind of error."""
 
 
-def _should(item: Mapping[str, Any]) -> str:
+def _describe_expected(item: Mapping[str, Any]) -> str:
     kind = item["type"]
     if kind == "missing":
         return f"should have {item['loc'][-1] + 1} values"
     if kind == "too_long":
         most = item["ctx"]["max_length"]
         return f"should have at most {most} value{'s' if most != 1 else ''}"
-    return _SHOULD.get(kind) or str(item["msg"]).replace("Input should be", "should be")
+    return _EXPECTED.get(kind) or str(item["msg"]).replace("Input should be", "should be")
 
 
-def _table(path: KeyPath) -> str:
+def _name_table(path: KeyPath) -> str:
     """`` in [table]``, as it stands in the file; empty at the top."""
     name = ".".join(str(part) for part in path if isinstance(part, str))
     if not name:
@@ -134,13 +134,13 @@ def _trace_path(model: type[Table], loc: KeyPath) -> tuple[KeyPath, type[Table] 
             continue
         keys = (*keys, name)
         if isinstance(name, str):
-            table, annotation = inner, _annotation(inner, name)
-            members = _members(annotation)
+            table, annotation = inner, _find_annotation(inner, name)
+            members = _find_members(annotation)
             inner = next(filter(_is_table, (annotation, *get_args(annotation))), None)
     return keys, table
 
 
-def _annotation(table: type[Table] | None, key: str | int) -> Any:
+def _find_annotation(table: type[Table] | None, key: str | int) -> Any:
     fields = table.model_fields if table else {}
     return fields[str(key)].annotation if key in fields else None
 
@@ -149,7 +149,7 @@ def _is_table(annotation: Any) -> bool:
     return isinstance(annotation, type) and issubclass(annotation, Table)
 
 
-def _members(annotation: Any) -> dict[str, type[Table]]:
+def _find_members(annotation: Any) -> dict[str, type[Table]]:
     """The models of a table that may be of several kinds, by their kind; none for anything else."""
     return {
         mark.tag: get_args(member)[0]
@@ -159,7 +159,7 @@ def _members(annotation: Any) -> dict[str, type[Table]]:
     }
 
 
-def _tag_of(table: type[Table] | None) -> tuple[str, ...]:
+def _find_tag(table: type[Table] | None) -> tuple[str, ...]:
     """Key and value that tell the model of a table from those of other kinds; nothing where there are none."""
     for name, info in (table.model_fields if table else {}).items():
         if get_origin(info.annotation) is Literal and len(get_args(info.annotation)) == 1:
@@ -167,6 +167,6 @@ def _tag_of(table: type[Table] | None) -> tuple[str, ...]:
     return ()
 
 
-def _of_its_kind(table: type[Table] | None) -> str:
-    tag = _tag_of(table)
+def _describe_kind(table: type[Table] | None) -> str:
+    tag = _find_tag(table)
     return f" of {tag[0]} '{tag[1]}'" if tag else ""

@@ -36,7 +36,7 @@ class Source:
         """True where the layer has the key."""
         return find_value(self.data, path) is not NOTHING
 
-    def where(self, path: KeyPath) -> str:
+    def locate(self, path: KeyPath) -> str:
         """The layer's label, with the line of the key if it is a file."""
         line = find_line(path, self.lines)
         return f"{self.label}:{line}" if line else self.label
@@ -115,9 +115,9 @@ def read_sources(source: str, above: tuple[str, ...] = (), named_by: str = "") -
     if base is None:
         return [layer]
     if not isinstance(base, str):
-        raise InputError(f"{layer.where(('base',))}: base = {base!r} is not the name of a scenario or file")
+        raise InputError(f"{layer.locate(('base',))}: base = {base!r} is not the name of a scenario or file")
     beside = path.parent / base
-    named_by = f"{layer.where(('base',))}: "
+    named_by = f"{layer.locate(('base',))}: "
     return [*read_sources(str(beside) if is_file(beside) else base, (*above, key), named_by), layer]
 
 
@@ -174,5 +174,5 @@ def locate_key(layers: Sequence[Source], path: KeyPath) -> str:
     """Name the source that had the last word on a key; without a key, the file or document itself."""
     for layer in reversed(layers):
         if path and layer.holds(path):
-            return layer.where(path)
-    return next(layer for layer in reversed(layers) if not layer.is_option).where(path)
+            return layer.locate(path)
+    return next(layer for layer in reversed(layers) if not layer.is_option).locate(path)

@@ -32,7 +32,7 @@ NAMED = ("exporter", "recorder", "renderer", "checker")
 SELECTED = tuple(seam for seam in SEAMS if seam not in NAMED)
 """The seams that a study selects one plugin for."""
 
-_LONGEST_NAME = 100
+_MAX_NAME_BYTES = 100
 """Characters of a target's name: with its file's suffix it must fit where file names may have 255 bytes."""
 
 
@@ -197,10 +197,10 @@ def load_study(
         document = merge(document, layer.data, layer.replaces)
     # A document may come from an agent file: what is there to fly needs no strategy.
     required = [seam for seam in SELECTED if seam != "strategy" or not isinstance(source, Document)]
-    return _check(document, layers, targets, required)
+    return _check_document(document, layers, targets, required)
 
 
-def _check(
+def _check_document(
     document: Mapping[str, Any], layers: Sequence[Source], wanted: Sequence[str], required: Sequence[str]
 ) -> Study:
     known = {"title", "description", "base", "run", *Scenario.model_fields, *SEAMS}
@@ -301,9 +301,9 @@ def _check_folders(scenario: Scenario, layers: Sequence[Source]) -> None:
     seen: dict[str, str] = {}
     for name in scenario.targets:
         where = locate_key(layers, ("targets", name))
-        if len(name.encode()) > _LONGEST_NAME:
+        if len(name.encode()) > _MAX_NAME_BYTES:
             raise InputError(
-                f"{where}: target name '{name[:20]}...' is longer than {_LONGEST_NAME} bytes: it names a folder"
+                f"{where}: target name '{name[:20]}...' is longer than {_MAX_NAME_BYTES} bytes: it names a folder"
             )
         if name.casefold() in seen:
             raise InputError(

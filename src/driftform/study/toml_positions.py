@@ -38,18 +38,18 @@ def find_key_lines(text: str) -> dict[Path, int]:
         if token == "\n" and depth == 0:
             header = head.strip()
             if not in_value and header.startswith("[["):
-                array = _within(_names(header[2:-2]), counts, inside_last=False)
+                array = _resolve_header(_split_key(header[2:-2]), counts, inside_last=False)
                 counts[array] = counts.get(array, 0) + 1
                 table = (*array, counts[array] - 1)
                 note(table)
             elif not in_value and header.startswith("["):
-                table = _within(_names(header[1:-1]), counts)
+                table = _resolve_header(_split_key(header[1:-1]), counts)
                 note(table)
             head, in_value, begin = "", False, line + 1
         elif in_value:
             depth += (token in "[{") - (token in "]}")
         elif token == "=":
-            note(table + _names(head))
+            note(table + _split_key(head))
             in_value = True
         elif not token.startswith("#"):
             head += token
@@ -65,7 +65,7 @@ def find_line(path: Path, lines: Mapping[Path, int]) -> int | None:
     return None
 
 
-def _names(dotted: str) -> Path:
+def _split_key(dotted: str) -> Path:
     names: list[str] = []
     node = tomllib.loads(f"{dotted.strip()} = 0")
     while isinstance(node, dict):
@@ -74,7 +74,7 @@ def _names(dotted: str) -> Path:
     return tuple(names)
 
 
-def _within(names: Path, counts: Mapping[Path, int], inside_last: bool = True) -> Path:
+def _resolve_header(names: Path, counts: Mapping[Path, int], inside_last: bool = True) -> Path:
     """The path of a header's names: below an array of tables they mean its newest table."""
     path: Path = ()
     for number, name in enumerate(names, start=1):

@@ -12,7 +12,7 @@ import numpy as np
 from driftform.errors import WorkFailedError
 from driftform.tables.columns import Batch, Column
 
-Write = Callable[[Path, Sequence[Column], Iterable[Batch]], int]
+TableWriter = Callable[[Path, Sequence[Column], Iterable[Batch]], int]
 """Writes a table to a path, and returns how many rows it has."""
 
 
@@ -24,13 +24,13 @@ def write_csv(path: Path, columns: Sequence[Column], batches: Iterable[Batch]) -
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(names)
         for batch in batches:
-            texts = [_texts(batch[name]) for name in names]
+            texts = [_format_values(batch[name]) for name in names]
             writer.writerows(zip(*texts, strict=True))
             rows += len(texts[0])
     return rows
 
 
-def _texts(values: Any) -> list[Any]:
+def _format_values(values: Any) -> list[Any]:
     if isinstance(values, np.ndarray):
         # The shortest digits that give a number of single precision back.
         texts: list[Any] = values.astype(str).tolist()
@@ -65,7 +65,7 @@ def write_parquet(path: Path, columns: Sequence[Column], batches: Iterable[Batch
     return rows
 
 
-FORMATS: dict[str, Write] = {"csv": write_csv, "parquet": write_parquet}
+FORMATS: dict[str, TableWriter] = {"csv": write_csv, "parquet": write_parquet}
 """The formats of tables by name, which is also the suffix of their files."""
 
 

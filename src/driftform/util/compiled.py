@@ -18,13 +18,13 @@ KERNELS = ("hydrodynamics", "dynamics", "trajectory")
 """The packages of the core that have kernels."""
 
 
-def _digest() -> str:
+def _hash_sources() -> str:
     core = Path(__file__).parents[1]
     sources = [Path(__file__), *(file for name in KERNELS for file in sorted((core / name).glob("*.py")))]
     return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
 
 
-_DIGEST = _digest()
+_DIGEST = _hash_sources()
 
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
@@ -43,7 +43,7 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     return dispatcher
 
 
-def _borrowed(_: Any, array: Any) -> Any:
+def _borrow(_: Any, array: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         view = context.make_array(signature.return_type)(context, builder, arguments[0])
         view.meminfo = view.meminfo.type(None)
@@ -52,7 +52,7 @@ def _borrowed(_: Any, array: Any) -> Any:
     return array(array), generate
 
 
-borrowed: Callable[[FloatArray], FloatArray] = cast(Any, intrinsic)(_borrowed)
+borrow: Callable[[FloatArray], FloatArray] = cast(Any, intrinsic)(_borrow)
 """For kernels: the same array, to which no references are counted.
 
 Counting them is atomic, and takes half of the time of a kernel that reads many small arrays. Whoever calls the kernel

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from driftform.errors import InputError
 
-_LONGEST_STEM = 60
+_MAX_STEM_LENGTH = 60
 
 
 def is_file(path: Path) -> bool:
@@ -52,7 +52,7 @@ def safe_stem(name: str) -> str:
     >>> safe_stem("../../evil"), safe_stem("TP1")
     ('evil', 'TP1')
     """
-    kept = "".join(c if c.isalnum() or c in "-_ ." else "_" for c in name)[:_LONGEST_STEM]
+    kept = "".join(c if c.isalnum() or c in "-_ ." else "_" for c in name)[:_MAX_STEM_LENGTH]
     return kept.strip("._ ") or "agent"
 
 

@@ -22,7 +22,7 @@ def count_progress(what: str) -> Iterator[Callable[[int, int], None]]:
     Yields a function that takes the number of those that are done, and of all.
     """
     if not (sys.stdout.isatty() and sys.stderr.isatty()):
-        yield lambda done, total: _tell_tenths(done, total, what)
+        yield lambda done, total: _print_tenths(done, total, what)
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
@@ -34,7 +34,7 @@ def count_progress(what: str) -> Iterator[Callable[[int, int], None]]:
         yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
-def _tell_tenths(done: int, total: int, what: str) -> None:
+def _print_tenths(done: int, total: int, what: str) -> None:
     if 10 * done // total > 10 * (done - 1) // total:
         print(f"{done}/{total} {what}", file=sys.stderr, flush=True)
 
