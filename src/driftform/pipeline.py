@@ -16,12 +16,12 @@ from driftform.types import Agent, Evaluation, Genome, Morphology, Trajectory
 
 @dataclass(frozen=True, eq=False)
 class Pipeline:
-    """One plugin for each step, the scenario that the agents fly in, and the seed of what is random about it.
+    """One plugin for each step, the scenario of the flights, and the seed of their randomness.
 
     Attributes
     ----------
     scenario
-        what agents fly in.
+        environment of the flights.
     grammar
         genome -> morphology.
     builder
@@ -29,11 +29,11 @@ class Pipeline:
     hydrodynamics
         body -> coefficients.
     simulator
-        agent in the scenario -> trajectory.
+        agent, scenario -> trajectory.
     fitness
-        trajectory -> a number for each target.
+        trajectory -> fitness for each target.
     seed
-        of what is random about the flights of a run, such as their gusts.
+        seed of the disturbed conditions.
     """
 
     scenario: Scenario
@@ -45,13 +45,13 @@ class Pipeline:
     seed: int = 0
 
     def express(self, genome: Genome) -> Morphology:
-        """Genotype -> phenotype: the modules in their order."""
+        """Genome -> morphology."""
         return self.grammar.express(genome)
 
     def realise(
         self, morphology: Morphology, genome: Genome | None = None, condition: Condition | None = None
     ) -> Agent:
-        """Modules -> an agent that can fly and be printed, under a condition as it comes off the printer."""
+        """Morphology -> agent, as printed under a disturbed condition if one is given."""
         body, scenario = self.builder.build(morphology), self.scenario
         if condition is not None:
             body, scenario = disturb_body(condition, body), disturb_scenario(condition, scenario)
@@ -68,11 +68,11 @@ class Pipeline:
 
     @cached_property
     def conditions(self) -> tuple[Condition, ...]:
-        """The disturbed conditions that finalists are flown under."""
+        """The disturbed conditions of the finalists' flights."""
         return draw_conditions(self.scenario.robustness, self.seed)
 
     def fly(self, agents: Sequence[Agent], scenarios: Sequence[Scenario] | None = None) -> list[Trajectory]:
-        """Agents -> their flights, each through a scenario of its own where ``scenarios`` are given."""
+        """Agents -> trajectories, each in the pipeline's scenario or in its own of ``scenarios``."""
         return self.simulator.simulate_batch(agents, scenarios or [self.scenario] * len(agents))
 
     def evaluate(
@@ -83,9 +83,16 @@ class Pipeline:
     ) -> list[Evaluation]:
         """Genomes -> evaluations, in their order; one flight scores every target.
 
-        Whatever goes wrong with a genome is its recorded outcome, and no other genome's. ``seeds`` are those of the
-        gusts that each meets, the scenario's own where there is none. Where ``disturbed`` has a number and no
-        ``None``, that one of :attr:`conditions` is met instead.
+        An error in the evaluation of a genome becomes the failure of that evaluation, and does not affect the others.
+
+        Parameters
+        ----------
+        genomes
+            the genomes to evaluate.
+        seeds
+            seed of the gusts for each genome, ``None`` for that of the scenario.
+        disturbed
+            index into :attr:`conditions` for each genome, ``None`` for undisturbed.
         """
         started = time.perf_counter()
         targets = len(self.scenario.targets)
