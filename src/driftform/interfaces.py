@@ -111,7 +111,7 @@ class HydrodynamicsOptions(Table):
 
     drag: Literal["none", "strips"] = option(
         "none",
-        "none, as in the paper; or strips: crossflow drag of strips, with skin friction and pressure drag of the ends along the axis",
+        "none, as in the paper, or strips: drag of strips across the axis, with friction and blunt ends along it",
     )
 
 

@@ -155,7 +155,7 @@ def require_module(module: str) -> None:
     Raises
     ------
     ModuleNotFoundError
-        where it is not installed.
+        if the module is not installed.
     """
     if util.find_spec(module) is None:
         raise ModuleNotFoundError(f"No module named '{module}'", name=module)

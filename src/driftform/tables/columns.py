@@ -1,4 +1,4 @@
-"""What the columns of tables are: those of a run's evaluations, and of the samples of their flights."""
+"""The columns of tables: the evaluations of a run, and the samples of their trajectories."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -7,12 +7,12 @@ from typing import Any, Literal, TypeAlias
 import numpy.typing as npt
 
 Batch: TypeAlias = Mapping[str, list[Any] | npt.NDArray[Any]]
-"""Some rows of a table: values by column, all of one length; ``None`` where there is no value."""
+"""Some rows of a table: values by column, all of the same length; ``None`` for a missing value."""
 
 
 @dataclass(frozen=True)
 class Column:
-    """A column: its name, the kind of its values, its unit (empty for none), and what it means."""
+    """A column: its name, the kind of its values, its unit (empty for none), and its meaning."""
 
     name: str
     kind: Literal["integer", "float", "single", "text", "integers"]

@@ -1,4 +1,4 @@
-"""How the kernels are compiled: by numba, once for each machine, and anew whenever any of their sources changes."""
+"""Compilation of kernels with numba; the machine code is cached on disk until any of their sources changes."""
 
 import hashlib
 from collections.abc import Callable
@@ -15,7 +15,7 @@ R = TypeVar("R")
 
 
 KERNELS = ("hydrodynamics", "dynamics", "trajectory")
-"""The packages of the core that have kernels."""
+"""The packages of the core that contain kernels."""
 
 
 def _hash_sources() -> str:
@@ -30,9 +30,9 @@ _DIGEST = _hash_sources()
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a function in numba's nopython mode, with its machine code cached on disk.
 
-    numba's cache of a function knows the function's own file alone. A kernel that calls one of another file, or
-    uses its constants, would go on with their old code after an upgrade, silently. So the stamp of every cache
-    file here covers all files of the packages with kernels; where numba has no such stamp any more, nothing is cached.
+    numba's cache of a function depends only on the file of that function. After an upgrade, a kernel that calls a
+    function of another file, or uses its constants, would silently keep their old code. Therefore the stamp of every
+    cache file here covers all files of the packages with kernels. A version of numba without this stamp caches nothing.
     """
     dispatcher = njit(cache=True, nogil=True, error_model="numpy")(function)
     cache_file: Any = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
@@ -53,8 +53,8 @@ def _borrow(_: Any, array: Any) -> Any:
 
 
 borrow: Callable[[FloatArray], FloatArray] = cast(Any, intrinsic)(_borrow)
-"""For kernels: the same array, to which no references are counted.
+"""In kernels: return the same array without reference counting.
 
-Counting them is atomic, and takes half of the time of a kernel that reads many small arrays. Whoever calls the kernel
-keeps the array alive.
+Reference counting is atomic, and takes half of the time of a kernel that reads many small arrays. The caller of the
+kernel must keep the array alive.
 """
