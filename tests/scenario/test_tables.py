@@ -74,7 +74,7 @@ def test_the_roughness_is_limited_by_the_validity_of_the_friction_law(kind):
     with pytest.raises(InputError) as caught:
         load_study(settings=[f"flow.kind={kind}", "flow.roughness=0.101"])
     [line] = caught.value.args
-    assert line.startswith("--set flow.roughness=0.101: flow.roughness = 0.101 is too much")
+    assert line.startswith("--set flow.roughness=0.101: flow.roughness = 0.101 is too large")
     assert "0.1 m" in line
 
 

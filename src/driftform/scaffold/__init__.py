@@ -80,7 +80,7 @@ def make_names(name: str, seam: str) -> Names:
         raise InputError(f"'{name[:20]}...' is longer than {_MAX_LENGTH} characters; choose a shorter name")
     if not names.class_name.isidentifier():
         raise InputError(
-            f"'{name}' would give the class '{names.class_name}'; begin the name of the plugin with a letter"
+            f"'{name}' would give the class '{names.class_name}'; the name of the plugin must begin with a letter"
         )
     if keyword.iskeyword(package) or package in sys.stdlib_module_names or util.find_spec(package):
         raise InputError(f"a module '{package}' already exists; did you mean 'driftform-{distribution}'?")
