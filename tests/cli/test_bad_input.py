@@ -205,7 +205,7 @@ def test_an_out_that_cannot_be_a_directory(refused: Refused, tmp_path: Path, com
         assert "choose another --out" in line
     if sys.platform == "linux" and Path("/proc/version").exists():
         # Not even the superuser makes directories there.
-        assert "/proc/agents: cannot be made" in refused(*args, "--out", "/proc/agents")
+        assert "/proc/agents: cannot create the directory" in refused(*args, "--out", "/proc/agents")
     assert (tmp_path / "file").read_text() == "mine"
 
 

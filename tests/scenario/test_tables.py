@@ -170,7 +170,7 @@ def test_gusts_of_an_evaluation_are_those_of_its_seed_and_index_alone():
         (["flow.kind=turbulent", "flow.seed=1.5"], ["flow.seed = 1.5", "should be a whole number"]),
         (
             ["pipe.segments=[]", "targets={}", "flow.kind=log_law"],
-            ["--set flow.kind=log_law: flow.kind = 'log_law' needs a pipe", "'uniform' only"],
+            ["--set flow.kind=log_law: flow.kind = 'log_law' needs a pipe", "it must be 'uniform'"],
         ),
         (
             ["pipe.segments=[]", "targets={}", "flow={kind='developing'}"],

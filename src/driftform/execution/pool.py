@@ -20,7 +20,7 @@ POLL_S = 2.0
 
 
 class WorkerGroup(ABC):
-    """The processes among which one cannot tell which task caused a death.
+    """The processes within which a death cannot be traced to one task.
 
     The genomes of the tasks that a death interrupted are evaluated again one by one. Each then has the group to
     itself, so that the genome to blame is known for certain. A genome whose process dies :data:`ATTEMPTS` times fails.
