@@ -126,12 +126,12 @@ def test_options_that_do_not_fit_are_refused(install, options):
     ("seam", "typed", "meant"),
     [("simulator", "exudin", "exudyn"), ("strategy", "Paper", "paper"), ("exporter", "stll", "stl")],
 )
-def test_a_name_that_is_mistyped_is_an_input_error_with_a_guess(seam, typed, meant):
+def test_a_misspelt_name_is_an_input_error_with_a_suggestion(seam, typed, meant):
     with pytest.raises(InputError, match=f"^no {seam} is named '{typed}'; did you mean '{meant}'\\?$"):
         registry().find(seam, typed)
 
 
-def test_a_name_like_no_other_is_an_input_error_with_all_there_are():
+def test_an_unknown_name_is_an_input_error_with_all_known_names():
     with pytest.raises(InputError, match=r"no strategy is named 'simplex'; known: .*paper.*random"):
         registry().find("strategy", "simplex")
 
@@ -161,7 +161,7 @@ def test_a_plugin_may_not_take_one_of_our_names(install):
         found.find("fitness", "closest-approach")
 
 
-def test_a_missing_dependency_is_a_row_that_says_so(install):
+def test_a_missing_dependency_is_reported_in_its_row(install):
     found = install(ext_missing=MISSING)
     broken = row(found, "ext_missing")
     assert broken.seam == "simulator"
@@ -171,7 +171,7 @@ def test_a_missing_dependency_is_a_row_that_says_so(install):
     assert row(found, "lsystem").available, "the others go on"
 
 
-def test_asking_for_a_plugin_with_a_missing_dependency_says_why(install):
+def test_selecting_a_plugin_with_a_missing_dependency_gives_the_reason(install):
     found = install(ext_missing=MISSING)
     with pytest.raises(InputError) as caught:
         found.find("simulator", "ext_missing")
@@ -180,7 +180,7 @@ def test_asking_for_a_plugin_with_a_missing_dependency_says_why(install):
     assert "No module named 'a_library_that_is_not_there'" in message
 
 
-def test_a_module_that_cannot_be_imported_is_a_row_that_says_so(install):
+def test_a_module_that_cannot_be_imported_is_reported_in_its_row(install):
     found = install(ext_rotten="import a_library_that_is_not_there", ext_syntax="def broken(:")
     assert row(found, "ext_rotten").state == ("unavailable: No module named 'a_library_that_is_not_there'")
     assert row(found, "ext_syntax").state.startswith("unavailable: SyntaxError")
@@ -197,31 +197,31 @@ def test_a_module_that_cannot_be_imported_is_a_row_that_says_so(install):
         ("strategy", "ribs", "ribs"),
     ],
 )
-def test_what_a_plugin_imports_only_for_its_work_is_missed_all_the_same(seam, plugin, module, monkeypatch):
+def test_a_module_that_a_plugin_imports_late_is_reported_missing_at_once(seam, plugin, module, monkeypatch):
     found = importlib.util.find_spec
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == module else found(name))
     [broken] = [row for row in Registry().seam(seam) if not row.available]
     assert (broken.name, broken.state) == (plugin, f"unavailable: No module named '{module}'")
 
 
-def test_a_class_that_leaves_out_a_method_is_a_row_that_names_it(install):
+def test_a_class_without_a_required_method_is_reported_with_its_name(install):
     found = install(ext_half=INCOMPLETE)
     broken = row(found, "ext_half")
     assert broken.state.startswith("unavailable: ")
-    assert "Half leaves out tell" in broken.state
-    with pytest.raises(InputError, match="Half leaves out tell"):
+    assert "Half does not implement tell" in broken.state
+    with pytest.raises(InputError, match="Half does not implement tell"):
         found.find("strategy", "ext_half")
 
 
 @pytest.mark.parametrize(
     ("returned", "reason"),
     [
-        ("int", "is no Fitness"),
-        ("'not a class'", "is no Fitness"),
+        ("int", "is not a Fitness"),
+        ("'not a class'", "is not a Fitness"),
         ("type('Nameless', (Fitness,), {'score': lambda self, t, s: None})", "Nameless has no name"),
     ],
 )
-def test_a_hook_that_returns_something_else_is_a_row_that_says_so(install, returned, reason):
+def test_a_hook_that_does_not_return_a_class_is_reported_in_its_row(install, returned, reason):
     source = f"""
 from driftform import hookimpl
 
@@ -236,7 +236,7 @@ def driftform_fitness():
 @pytest.mark.parametrize(
     "error", ["ImportError", "ImportError()", "RuntimeError", "ValueError('')", "OSError('a\\nb')"]
 )
-def test_whatever_goes_wrong_in_a_plugin_is_a_row_of_one_line(install, error):
+def test_any_error_in_a_plugin_is_one_line_in_its_row(install, error):
     broken = row(
         install(ext_wild=MISSING.replace("import a_library_that_is_not_there", f"raise {error}")), "ext_wild"
     )
@@ -265,8 +265,8 @@ def test_every_seam_has_its_hook():
     }
 
 
-def test_a_hook_that_does_not_exist_is_a_row_that_says_so_and_not_silence(install):
+def test_an_unknown_hook_is_reported_in_its_row(install):
     source = "from driftform import hookimpl\n\n@hookimpl\ndef driftform_fitnes():\n    return []\n"
     broken = row(install(ext_misspelt=source), "ext_misspelt")
     assert not broken.available
-    assert "there is no hook driftform_fitnes; did you mean 'driftform_fitness'?" in broken.state
+    assert "unknown hook driftform_fitnes; did you mean 'driftform_fitness'?" in broken.state

@@ -1,4 +1,4 @@
-"""What may go wrong that is not our bug: the user's input, and work that failed."""
+"""Errors that are not bugs of driftform: wrong input and failed work; and the text of errors."""
 
 import traceback
 from collections.abc import Iterable
@@ -6,23 +6,23 @@ from difflib import get_close_matches
 
 
 class DriftformError(Exception):
-    """Base of the errors that a user sees without a traceback: each argument is one thing wrong, told in one line."""
+    """Base class of errors that are shown without a traceback; each argument is one fault, described in one line."""
 
     exit_code = 1
-    """What the program ends with."""
+    """Exit code of the program."""
 
     def __str__(self) -> str:
         return "\n".join(str(line) for line in self.args)
 
 
 class InputError(DriftformError):
-    """The user's input is wrong: the message names where, what, and the next step. Exit code 2."""
+    """The user's input is wrong; the message names the place, the fault and the next step. Exit code 2."""
 
     exit_code = 2
 
 
 class WorkFailedError(DriftformError):
-    """The input was right, the work failed. Exit code 1."""
+    """The input is valid, but the work failed. Exit code 1."""
 
 
 def describe_error(error: BaseException, *, with_place: bool = False) -> str:
@@ -41,10 +41,9 @@ def describe_error(error: BaseException, *, with_place: bool = False) -> str:
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Return ``"; did you mean 'x'?"`` for a near miss, else the list of what is known.
+    """Return ``"; did you mean 'x'?"`` if a known word is similar, else the list of known words.
 
-    The result is appended to a message, so it starts with a separator and is never empty unless
-    nothing is known.
+    The result is appended to a message: it starts with a separator, and is empty only if no word is known.
     """
     names = sorted(set(known))
     close = get_close_matches(word, names, n=1, cutoff=0.6) or [n for n in names if n.lower() == word.lower()]

@@ -1,7 +1,8 @@
-"""The hooks, one for each seam: the table of contents of what a plugin may bring.
+"""The hooks that a plugin may implement, one for each seam.
 
-Each returns a class, or a list of classes, of its interface in :mod:`driftform.interfaces`. The hook body is
-where the implementation is imported, so that a missing dependency makes one row "unavailable" and no crash.
+Each hook returns a class, or a list of classes, that implement its interface in :mod:`driftform.interfaces`. Import
+the implementation in the body of the hook: then a missing dependency makes only this plugin unavailable, which
+``driftform plugins`` reports.
 """
 
 from collections.abc import Sequence
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 OneOrMore = type[T] | Sequence[type[T]]
-"""What a hook returns."""
+"""The return type of a hook."""
 
 hookspec = pluggy.HookspecMarker("driftform")
 """Marks a function of this module as the specification of a hook."""
@@ -33,7 +34,7 @@ hookspec = pluggy.HookspecMarker("driftform")
 
 @hookspec
 def driftform_grammar() -> "OneOrMore[Grammar[Any]]":  # type: ignore[empty-body]
-    """Genome -> morphology, and how genomes are made, mutated and crossed."""
+    """Genome -> morphology, and the operators that create, mutate and cross genomes."""
 
 
 @hookspec
@@ -58,24 +59,24 @@ def driftform_fitness() -> "OneOrMore[Fitness[Any]]":  # type: ignore[empty-body
 
 @hookspec
 def driftform_strategy() -> "OneOrMore[Strategy[Any]]":  # type: ignore[empty-body]
-    """Which genomes to evaluate next: ask and tell."""
+    """Search strategy: decides which genomes to evaluate next (ask and tell)."""
 
 
 @hookspec
 def driftform_exporter() -> "OneOrMore[Exporter[Any]]":  # type: ignore[empty-body]
-    """Agent -> a file for a printer, a slicer or another program."""
+    """Agent -> files for a printer, a slicer or another program."""
 
 
 @hookspec
 def driftform_recorder() -> "OneOrMore[Recorder[Any]]":  # type: ignore[empty-body]
-    """Agent and its flight -> files of samples for other programs."""
+    """Agent and trajectory -> files of samples for other programs."""
 
 
 @hookspec
 def driftform_renderer() -> "OneOrMore[Renderer[Any]]":  # type: ignore[empty-body]
-    """Agent and its flight -> a film, or a still."""
+    """Agent and trajectory -> a film or a still."""
 
 
 @hookspec
 def driftform_checker() -> "OneOrMore[Checker[Any]]":  # type: ignore[empty-body]
-    """Printable files -> whether they can be printed, and are what was simulated."""
+    """Printable files -> findings: whether they can be printed, and match the simulated agent."""

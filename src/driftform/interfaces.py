@@ -1,8 +1,8 @@
-"""The seams: what a plugin implements. Each docstring is the tutorial of its seam.
+"""The interfaces that plugins implement, one for each seam. Each docstring is the tutorial of its seam.
 
-Every class has a ``name``, under which a study file selects it (``[simulator] use = "exudyn"``), and an
-``Options`` model, which checks the rest of that table. Instances are made with their options alone and hold no
-other state, so that they can be rebuilt in any worker process; a strategy is the one that remembers.
+Every class has a ``name``, by which a study file selects it (``[simulator] use = "exudyn"``), and an ``Options``
+model, which validates the other keys of that table. An instance is created from its options alone and holds no other
+state, so that any worker process can recreate it. Only a strategy keeps state.
 """
 
 from abc import ABC, abstractmethod
@@ -34,84 +34,84 @@ OptionsT_co = TypeVar("OptionsT_co", bound=Table, covariant=True)
 
 
 class Plugin(ABC, Generic[OptionsT_co]):
-    """What all seams share: a ``name``, a model of options, and the ``options`` of this instance."""
+    """Base class of all plugins: a ``name``, a model of options, and the ``options`` of this instance."""
 
     name: ClassVar[str]
     Options: ClassVar[type[Table]] = Table
-    """The model; :class:`Table` itself for none."""
+    """The model of the options; :class:`Table` itself if there are no options."""
 
     def __init__(self, options: OptionsT_co) -> None:
         self.options = options
 
 
 class Grammar(Plugin[OptionsT_co]):
-    """Genome -> morphology, and the operators of variation.
+    """Genome -> morphology, and the operators that create and vary genomes.
 
-    A genome is a flat tuple of symbols. A grammar is free to give it structure, and is the only one to know it.
-    Every genome that :meth:`random`, :meth:`flip` and :meth:`crossover` make must be one that :meth:`express`
-    takes, and ``parse(to_text(g)) == g``.
+    A genome is a flat tuple of symbols. Only the grammar knows its structure. :meth:`express` must accept every genome
+    that :meth:`random`, :meth:`flip` and :meth:`crossover` return, and ``parse(to_text(g)) == g`` must hold.
     """
 
     @abstractmethod
     def random(self, rng: np.random.Generator) -> Genome:
-        """Return a genome drawn uniformly from all there are."""
+        """Return a genome drawn uniformly from all genomes of this grammar."""
 
     @abstractmethod
     def flip(self, genome: Genome, index: int, rng: np.random.Generator) -> Genome:
-        """Return the genome with the symbol at ``index`` changed to another that may stand there."""
+        """Return the genome with the symbol at ``index`` replaced by another symbol that is valid there."""
 
     @abstractmethod
     def crossover(self, a: Genome, b: Genome, rng: np.random.Generator) -> tuple[Genome, Genome]:
-        """Return two offspring of two parents."""
+        """Return two offspring of the parents ``a`` and ``b``."""
 
     @abstractmethod
     def express(self, genome: Genome) -> Morphology:
-        """Return the phenotype's modules.
+        """Return the modules that the genome describes.
 
         Raises
         ------
         ValueError
-            where the genome is not one of this grammar; the message names the symbol and its position.
+            if the genome does not belong to this grammar; the message names the symbol and its position.
         """
 
     @abstractmethod
     def to_text(self, genome: Genome) -> str:
-        """Return the genome in one line that a person can read."""
+        """Return the genome as one line of readable text."""
 
     @abstractmethod
     def parse(self, text: str) -> Genome:
-        """Read what :meth:`to_text` wrote.
+        """Return the genome that :meth:`to_text` wrote.
 
         Raises
         ------
         InputError
-            where the text is not a genome; the message names the symbol and its position.
+            if the text is not a genome of this grammar; the message names the symbol and its position.
         """
 
     def mutate(self, genome: Genome, rng: np.random.Generator, rate: float) -> Genome:
-        """Return the genome with each symbol flipped with probability ``rate``."""
+        """Return the genome with each symbol replaced with probability ``rate``."""
         for index in np.flatnonzero(rng.random(len(genome.symbols)) < rate):
             genome = self.flip(genome, int(index), rng)
         return genome
 
 
 class PhenotypeBuilder(Plugin[OptionsT_co]):
-    """Morphology -> body: gives the modules a wall, ends, and the core its place."""
+    """Morphology -> body: adds the wall and the ends to the modules, and places the core."""
 
     @abstractmethod
     def build(self, morphology: Morphology) -> Body:
         """Return the meridian section of the morphology.
 
-        Any morphology gives a valid body: contours start and end on the axis, do not cross themselves, and the
-        cavity lies inside the outer contour.
+        The body must be valid for any morphology: both contours start and end on the axis and do not cross themselves,
+        and the cavity lies inside the outer contour.
         """
 
 
 class HydrodynamicsOptions(Table):
-    """What every model of hydrodynamics offers; its own options inherit from these."""
+    """The options that every hydrodynamic model has; a model with more options derives from this class."""
 
     drag: Literal["none", "strips"] = option(
-        "none", "none, as in the paper, or strips across the axis with friction and blunt ends along it"
+        "none",
+        "none, as in the paper, or strips: drag of strips across the axis, with friction and blunt ends along it",
     )
 
 
@@ -125,27 +125,29 @@ class Hydrodynamics(Plugin[HydrodynamicsOptionsT_co]):
 
     @abstractmethod
     def coefficients(self, body: Body, fluid: Fluid) -> Coefficients:
-        """Return added mass and damping; the added mass is symmetric and positive semi-definite.
+        """Return added mass and damping; the added mass must be symmetric and positive semi-definite.
 
-        Drag by strips is not part of a model: the pipeline adds it where ``options.drag`` asks for it.
+        A model does not compute the drag of strips: the pipeline adds it if ``options.drag`` is ``"strips"``.
         """
 
 
 class Simulator(Plugin[OptionsT_co]):
     """Agent in a scenario -> trajectory.
 
-    Implement :meth:`simulate`; override :meth:`simulate_batch` where many flights at once are faster. A flight
-    that goes wrong is no exception: its trajectory holds what is finite of it, and says so by its ``end``. One that
-    a simulator cannot compute to the accuracy it promises ends as "not converged", and is never passed off as a
-    result.
+    Implement :meth:`simulate`; override :meth:`simulate_batch` if many flights at once are faster. A flight that fails
+    does not raise an exception: its trajectory holds the finite samples, and its ``end`` gives the reason. A flight
+    that the simulator cannot compute to its promised accuracy must end as :attr:`driftform.types.End.NOT_CONVERGED`.
     """
 
     @abstractmethod
     def simulate(self, agent: Agent, scenario: Scenario) -> Trajectory:
-        """Return the flight of one agent from its release to the outlet, or to the horizon."""
+        """Return the trajectory of one agent from its release to the outlet or the horizon."""
 
     def simulate_batch(self, agents: Sequence[Agent], scenarios: Sequence[Scenario]) -> list[Trajectory]:
-        """Return the flights of many agents, each in its own scenario; each is the same as if it flew alone."""
+        """Return the trajectories of many agents, each in its own scenario.
+
+        Each trajectory must equal that of :meth:`simulate`, whatever the rest of the batch.
+        """
         return [self.simulate(agent, scenario) for agent, scenario in zip(agents, scenarios, strict=True)]
 
 
@@ -154,14 +156,23 @@ class Fitness(Plugin[OptionsT_co]):
 
     @abstractmethod
     def score(self, trajectory: Trajectory, scenario: Scenario) -> FloatArray:
-        """Return the fitness for each target, in the scenario's order, (targets,)."""
+        """Return the fitness for each target, %, in the order of the scenario, (targets,)."""
 
 
 @dataclass(frozen=True, eq=False)
 class SearchSpace:
-    """What a strategy searches: genomes of ``grammar``, scored for ``targets``, with randomness from ``rng``.
+    """The space that a strategy searches.
 
-    ``scenario`` is what the flights go through, for a strategy that wants to know; open water where nothing is told.
+    Attributes
+    ----------
+    grammar
+        creates and varies genomes.
+    targets
+        names of the targets, in the order of every fitness vector.
+    rng
+        the only source of randomness that a strategy may use.
+    scenario
+        the environment of the flights; open water by default.
     """
 
     grammar: Grammar[Any]
@@ -171,14 +182,15 @@ class SearchSpace:
 
 
 class Strategy(Plugin[OptionsT_co]):
-    """Which genomes to evaluate next.
+    """Decides which genomes to evaluate next.
 
-    :meth:`ask` and :meth:`tell` alternate. A run that is resumed replays them from the stored evaluations, so a
-    strategy draws all its randomness from ``space.rng``, and neither time nor the number of workers may matter.
+    Calls to :meth:`ask` and :meth:`tell` alternate. A resumed run repeats these calls with the stored evaluations.
+    Therefore a strategy must draw all its randomness from ``space.rng``, and must not depend on time or on the number
+    of workers.
     """
 
     evaluations_per_target: ClassVar[int] = 50
-    """The budget of a run that names none."""
+    """Default budget of a run, evaluations for each target."""
 
     def __init__(self, options: OptionsT_co, space: SearchSpace) -> None:
         super().__init__(options)
@@ -186,34 +198,34 @@ class Strategy(Plugin[OptionsT_co]):
 
     @abstractmethod
     def ask(self, limit: int) -> list[Candidate]:
-        """Return the next candidates, at least one and at most ``limit`` (the flights left in the budget).
+        """Return the next candidates, at least one and at most ``limit``, the remaining evaluations of the budget.
 
-        The limit cuts what would be asked for without it, and decides nothing else: a run that is given a larger
-        budget later begins with the same candidates.
+        The limit may only truncate the candidates that a larger limit would give: a run with a larger budget must
+        begin with the same candidates.
         """
 
     @abstractmethod
     def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
-        """Take the outcomes of the candidates last asked for, in their order.
+        """Receive the evaluations of the candidates that the last :meth:`ask` returned, in their order.
 
-        ``first`` is the index in the run of the first of them: what ``Candidate.parents`` refers to.
+        ``first`` is the index of the first one in the run; ``Candidate.parents`` refers to such indices.
         """
 
 
 @dataclass(frozen=True, eq=False)
 class ExportJob:
-    """An agent with all that is known of it: what an exporter receives.
+    """An agent to export: what exporters and recorders receive.
 
     Attributes
     ----------
     name
-        what people call it; safe for the name of a file.
+        name of the agent, valid as a file name.
     agent
-        the agent, built.
+        the agent.
     scenario
-        the surroundings that it is meant for.
+        the environment that the agent is designed for.
     document
-        what its ``agent.json`` holds, to travel with its files; empty where no grammar made the agent.
+        content of its ``agent.json``, to be stored in the files; empty if no grammar made the agent.
     """
 
     name: str
@@ -223,47 +235,48 @@ class ExportJob:
 
 
 class Exporter(Plugin[OptionsT_co]):
-    """Agent -> files. ``name`` is what ``--format`` says; ``suffix`` ends the name of the file.
+    """Agent -> files. ``--format`` selects the exporter by its ``name``; file names end in ``suffix``.
 
-    A format that is a folder of files has a suffix without a dot, such as ``-uuv``, and ``path`` is then that
-    folder. Where a file cannot hold everything, such as the parts of a kit in a format for one solid, there may be
-    several: their names begin with that of ``path`` without its suffix.
+    If a format is a folder of files, its suffix has no dot, as in ``-uuv``, and ``path`` is that folder. If one file
+    cannot hold everything, such as the parts of a kit in a format for one solid, an exporter may write several files,
+    whose names begin with that of ``path`` without its suffix.
     """
 
     suffix: ClassVar[str]
 
     @abstractmethod
     def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
-        """Write the file at ``path``, or several, and tell what each holds.
+        """Write the file at ``path``, or several files, and return a description of each.
 
         Raises
         ------
         WorkFailedError
-            where the agent cannot be exported this way; the message gives the reason.
+            if the agent cannot be exported in this format; the message gives the reason.
         """
 
 
 class Renderer(Plugin[OptionsT_co]):
-    """Agent and its flight -> a film. ``suffixes`` are the ends that a film's file name may have, in small letters.
+    """Agent and trajectory -> a film, or a still (one picture).
 
-    The suffix decides the format. A film appears whole or not at all, and the same flight gives the same frames.
-    A renderer that can make a still too, one picture of a flight, says so by its ``stills``, the ends of their names.
+    The suffix of a file name selects its format: ``suffixes`` lists those of films, ``stills`` those of stills, in
+    lower case. A renderer without stills leaves ``stills`` empty. A file must be written completely or not at all,
+    and the same trajectory must give the same frames.
     """
 
     suffixes: ClassVar[tuple[str, ...]]
     stills: ClassVar[tuple[str, ...]] = ()
 
     def check(self, path: Path) -> None:
-        """Refuse a film that cannot be made, before anything is flown for it.
+        """Check that a film can be made, before the simulation starts.
 
-        Extend it where films need what may not be installed.
+        Extend this method if a film needs something that may not be installed.
 
         Raises
         ------
         InputError
-            where the suffix is none of ``suffixes``.
+            if the suffix is not one of ``suffixes``.
         WorkFailedError
-            where something is missing; the message says how to get it.
+            if something is missing; the message explains how to install it.
         """
         if path.suffix.lower() not in self.suffixes:
             raise InputError(f"{path}: a film by '{self.name}' ends in {' or '.join(self.suffixes)}")
@@ -277,80 +290,80 @@ class Renderer(Plugin[OptionsT_co]):
         path: Path,
         progress: Callable[[int, int], None],
     ) -> WrittenFile:
-        """Make the film of a flight from its first sample to its last, and tell what it holds.
+        """Write a film of the flight, from its first sample to its last, and return a description of the file.
 
-        ``progress`` is called with the number of frames that are done, and that of all.
+        Call ``progress(done, total)`` with the number of finished frames and the number of all frames.
 
         Raises
         ------
         InputError, WorkFailedError
-            as :meth:`check`; and where the film cannot be made or written.
+            like :meth:`check`, and if the film cannot be made or written.
         """
 
     def check_still(self, path: Path) -> None:
-        """Refuse a still that cannot be made, before anything is flown for it.
+        """Check that a still can be made, before the simulation starts.
 
         Raises
         ------
         InputError
-            where the suffix is none of ``stills``.
+            if the suffix is not one of ``stills``.
         WorkFailedError
-            where something is missing; the message says how to get it.
+            if something is missing; the message explains how to install it.
         """
         if not self.stills:
-            raise InputError(f"{path}: '{self.name}' makes films, and no stills")
+            raise InputError(f"{path}: '{self.name}' makes films, but not stills")
         if path.suffix.lower() not in self.stills:
             raise InputError(f"{path}: a still by '{self.name}' ends in {' or '.join(self.stills)}")
 
     def still(
         self, agent: Agent, trajectory: Trajectory, scenario: Scenario, path: Path, at: float
     ) -> WrittenFile:
-        """Make a picture of the agent ``at`` a time of its flight, s from its beginning, and tell what it holds.
+        """Write a picture of the agent at the time ``at``, s since the release, and return a description of the file.
 
-        Where there are ``stills``, override it. A still appears whole or not at all.
+        Override this method if ``stills`` is not empty.
 
         Raises
         ------
         InputError, WorkFailedError
-            as :meth:`check_still`; and where the still cannot be made or written.
+            like :meth:`check_still`, and if the still cannot be made or written.
         """
         self.check_still(path)
-        raise NotImplementedError(f"{type(self).__name__} has stills, and does not say how one is made")
+        raise NotImplementedError(f"{type(self).__name__} lists stills, but does not implement still()")
 
 
 class Recorder(Plugin[OptionsT_co]):
-    """Agent and its flight -> samples for other programs. ``name`` is what ``--format`` says.
+    """Agent and trajectory -> files of samples for other programs.
 
-    ``suffix`` ends the name of the file; as with an exporter, one without a dot is that of a folder of files. The
-    same flight gives the same content.
+    ``--format`` selects the recorder by its ``name``; file names end in ``suffix``, which has no dot if the format is a
+    folder of files, as for an exporter. The same trajectory must give the same content.
     """
 
     suffix: ClassVar[str]
 
     @abstractmethod
     def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
-        """Write the samples of a flight through the job's scenario, and tell what each file holds.
+        """Write the samples of a flight in the job's scenario, and return a description of each file.
 
-        A flight may have a single sample, and may have ended by a failure: what there is of it is written. Files
-        appear whole or not at all.
+        The trajectory may have a single sample, or be that of a failed flight: write all its samples. A file must be
+        written completely or not at all.
 
         Raises
         ------
         WorkFailedError
-            where it cannot be written this way; the message gives the reason.
+            if the flight cannot be written in this format; the message gives the reason.
         """
 
 
 @dataclass(frozen=True)
 class Printer:
-    """What a part is to be printed with.
+    """The printer that the parts are made for.
 
     Attributes
     ----------
     nozzle
-        diameter of the nozzle, m: the narrowest line that it lays.
+        diameter of the nozzle, m: the width of the narrowest line.
     bed
-        largest part, m: width, depth and height.
+        size of the largest part, m: width, depth and height.
     """
 
     nozzle: float = 0.0004
@@ -359,20 +372,20 @@ class Printer:
 
 @dataclass(frozen=True, eq=False)
 class PrintJob:
-    """Files that are to be printed: what a checker receives.
+    """Printable files to check: what a checker receives.
 
     Attributes
     ----------
     files
-        the files, each with one part or several; together they are one agent.
+        the files, each with one or more parts; together they form one agent.
     printer
-        what they are to be printed with.
+        the printer that they are made for.
     export
-        the agent that they are to be of, ``None`` where nobody knows.
+        the agent that the files should represent, ``None`` if unknown.
     volume
-        material that the closed forms of the agent say they hold, m3, ``None`` where none does.
+        volume of material by the agent's closed-form geometry, m3, ``None`` if unknown.
     source
-        OpenSCAD source of the same solid, ``None`` where there is none.
+        OpenSCAD source of the same solid, ``None`` if there is no such file.
     """
 
     files: tuple[Path, ...]
@@ -383,24 +396,24 @@ class PrintJob:
 
 
 class Checker(Plugin[OptionsT_co]):
-    """Printable files -> findings: whether what comes off the printer will be what was simulated.
+    """Printable files -> findings: whether the printed agent will match the simulated one.
 
-    ``program`` names the program on PATH that does the work, ``""`` where none is needed.
+    ``program`` is the name of the program on PATH that the checker runs, ``""`` if it runs no other program.
     """
 
     program: ClassVar[str] = ""
 
     @abstractmethod
     def check(self, job: PrintJob) -> Iterable[Finding]:
-        """Look at the files, and tell what was found, one line for each thing that was looked at.
+        """Check the files, and return one finding for each check.
 
-        What is wrong with a part is a finding, and so is that something could not be looked at, such as a program
-        that is not installed. Each fault is told once: what cannot be judged because of it is ``skipped``.
+        A fault of a part is a finding. So is a check that could not be made, for example because a program is not
+        installed. Report each fault once: checks that it makes impossible are ``skipped``.
 
         Raises
         ------
         InputError
-            where a file cannot be read at all.
+            if a file cannot be read at all.
         """
 
 
@@ -416,4 +429,4 @@ SEAMS: dict[str, type[Plugin[Any]]] = {
     "renderer": Renderer,
     "checker": Checker,
 }
-"""The seams by the name that hooks (``driftform_<seam>``) and tables of a study file use."""
+"""The interfaces by the name of their seam, which hooks (``driftform_<seam>``) and tables of a study file use."""

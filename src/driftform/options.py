@@ -1,4 +1,4 @@
-"""The options of a plugin: a pydantic model whose every field tells its unit and what it does."""
+"""The options of a plugin: a pydantic model in which every field has a help text and a unit."""
 
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
@@ -7,41 +7,41 @@ from pydantic import BaseModel, ConfigDict, Field
 
 
 class Table(BaseModel):
-    """A table of a study file: unknown keys are errors, values are checked and frozen."""
+    """A table of a study file: unknown keys are errors; values are validated and frozen."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-    """Of pydantic; numbers are finite."""
+    """Configuration of pydantic; numbers must be finite."""
 
 
 def option(default: Any, help: str, unit: str = "", **constraints: Any) -> Any:
-    """One field of a :class:`Table`.
+    """Return one field of a :class:`Table`.
 
     Parameters
     ----------
     default
-        the value where a study file says nothing.
+        value if a study file does not set the option; ``...`` for a required option.
     help
-        one sentence for ``driftform plugins show``.
+        help text that ``driftform plugins show`` prints, one sentence.
     unit
-        the unit of the value as it stands in the file, ``""`` where it has none.
+        unit of the value in a study file, ``""`` for a dimensionless one.
     constraints
         pydantic constraints such as ``gt=0``.
     """
     if isinstance(default, int | float):
-        # A number is a number: neither true nor "1000" is one.
+        # Neither true nor "1000" is accepted as a number.
         constraints.setdefault("strict", True)
     return Field(default, description=help, json_schema_extra={"unit": unit}, **constraints)
 
 
 def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
-    """Rows ``{option, type, default, unit, help}``, one for each field of a model."""
+    """Return rows ``{option, type, default, unit, help}``, one for each field of a model."""
     rows = []
     for name, field in model.model_fields.items():
         extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
         rows.append(
             {
                 "option": name,
-                "type": _type_text(field.annotation),
+                "type": _format_type(field.annotation),
                 "default": "required"
                 if field.is_required()
                 else field.get_default(call_default_factory=True),
@@ -52,17 +52,17 @@ def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
     return rows
 
 
-def _type_text(annotation: Any) -> str:
-    """A type as a person writes it: ``float``, ``'first' or 'last'``, ``[float, float, float]``."""
+def _format_type(annotation: Any) -> str:
+    """Return a type in readable form: ``float``, ``'first' or 'last'``, ``[float, float, float]``."""
     origin, arguments = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
-        return _type_text(arguments[0])
+        return _format_type(arguments[0])
     if origin is Literal:
         return " or ".join(map(repr, arguments))
     if origin in (Union, UnionType):
-        return " or ".join("none" if part is NoneType else _type_text(part) for part in arguments)
+        return " or ".join("none" if part is NoneType else _format_type(part) for part in arguments)
     if origin is tuple and arguments[1:] == (Ellipsis,):
-        return f"list of {_type_text(arguments[0])}"
+        return f"list of {_format_type(arguments[0])}"
     if origin is tuple:
-        return f"[{', '.join(map(_type_text, arguments))}]"
+        return f"[{', '.join(map(_format_type, arguments))}]"
     return str(getattr(annotation, "__name__", annotation))

@@ -1,7 +1,6 @@
 """Genome -> morphology -> body -> coefficients -> trajectory -> fitness: the whole program on one page."""
 
 import time
-import traceback
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -25,12 +24,12 @@ class ScoredFlight:
 
 @dataclass(frozen=True, eq=False)
 class Pipeline:
-    """One plugin for each step, the scenario that the agents fly in, and the seed of what is random about it.
+    """One plugin for each step, the scenario of the flights, and the seed of their randomness.
 
     Attributes
     ----------
     scenario
-        what agents fly in.
+        environment of the flights.
     grammar
         genome -> morphology.
     builder
@@ -38,11 +37,11 @@ class Pipeline:
     hydrodynamics
         body -> coefficients.
     simulator
-        agent in the scenario -> trajectory.
+        agent, scenario -> trajectory.
     fitness
-        trajectory -> a number for each target.
+        trajectory -> fitness for each target.
     seed
-        of what is random about the flights of a run, such as their gusts.
+        seed of the disturbed conditions.
     """
 
     scenario: Scenario
@@ -54,13 +53,13 @@ class Pipeline:
     seed: int = 0
 
     def express(self, genome: Genome) -> Morphology:
-        """Genotype -> phenotype: the modules in their order."""
+        """Genome -> morphology."""
         return self.grammar.express(genome)
 
     def realise(
         self, morphology: Morphology, genome: Genome | None = None, condition: Condition | None = None
     ) -> Agent:
-        """Modules -> an agent that can fly and be printed, under a condition as it comes off the printer."""
+        """Morphology -> agent, as printed under a disturbed condition if one is given."""
         body, scenario = self.builder.build(morphology), self.scenario
         if condition is not None:
             body, scenario = disturb_body(condition, body), disturb_scenario(condition, scenario)
@@ -77,11 +76,11 @@ class Pipeline:
 
     @cached_property
     def conditions(self) -> tuple[Condition, ...]:
-        """The disturbed conditions that finalists are flown under."""
+        """The disturbed conditions of the finalists' flights."""
         return draw_conditions(self.scenario.robustness, self.seed)
 
     def fly(self, agents: Sequence[Agent], scenarios: Sequence[Scenario] | None = None) -> list[Trajectory]:
-        """Agents -> their flights, each through a scenario of its own where ``scenarios`` are given."""
+        """Agents -> trajectories, each in the pipeline's scenario or in its own of ``scenarios``."""
         return self.simulator.simulate_batch(agents, scenarios or [self.scenario] * len(agents))
 
     def fly_named(self, agents: Sequence[Agent], name: str) -> list[Trajectory]:
@@ -118,9 +117,16 @@ class Pipeline:
     ) -> list[Evaluation]:
         """Genomes -> evaluations, in their order; one flight scores every target.
 
-        Whatever goes wrong with a genome is its recorded outcome, and no other genome's. ``seeds`` are those of the
-        gusts that each meets, the scenario's own where there is none. Where ``disturbed`` has a number and no
-        ``None``, that one of :attr:`conditions` is met instead.
+        An error in the evaluation of a genome becomes the failure of that evaluation, and does not affect the others.
+
+        Parameters
+        ----------
+        genomes
+            the genomes to evaluate.
+        seeds
+            seed of the gusts for each genome, ``None`` for that of the scenario.
+        disturbed
+            index into :attr:`conditions` for each genome, ``None`` for undisturbed.
         """
         started = time.perf_counter()
         targets = len(self.scenario.targets)
@@ -136,7 +142,7 @@ class Pipeline:
             try:
                 agents[index] = self.make_agent(genome, under[index])
             except Exception as error:
-                outcomes[index] = Evaluation.failed(genome, targets, _told(error))
+                outcomes[index] = Evaluation.failed(genome, targets, describe_error(error, with_place=True))
         flights = self._fly_each(list(agents.values()), [scenarios[index] for index in agents])
         for index, trajectory in zip(agents, flights, strict=True):
             outcomes[index] = self._score(genomes[index], trajectory)
@@ -153,7 +159,7 @@ class Pipeline:
             return flights
         except Exception as error:
             if len(agents) == 1:
-                return [_told(error)]
+                return [describe_error(error, with_place=True)]
             return [
                 flight
                 for agent, scenario in zip(agents, scenarios, strict=True)
@@ -164,15 +170,9 @@ class Pipeline:
         targets = len(self.scenario.targets)
         if isinstance(trajectory, str):
             return Evaluation.failed(genome, targets, trajectory)
-        if trajectory.end.failed:
-            reason = f"the flight ended after {trajectory.t[-1]:.3g} s: {trajectory.end}"
-            return Evaluation.failed(genome, targets, reason, trajectory)
+        if trajectory.failure is not None:
+            return Evaluation.failed(genome, targets, trajectory.failure, trajectory)
         try:
             return Evaluation(genome, self.fitness.score(trajectory, self.scenario), trajectory)
         except Exception as error:
-            return Evaluation.failed(genome, targets, _told(error))
-
-
-def _told(error: Exception) -> str:
-    frame = traceback.extract_tb(error.__traceback__)[-1]
-    return f"{type(error).__name__}: {error} (in {frame.name}, line {frame.lineno})"
+            return Evaluation.failed(genome, targets, describe_error(error, with_place=True))

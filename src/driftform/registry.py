@@ -1,6 +1,6 @@
-"""Finds plugins through the entry-point group ``driftform``, and looks their classes up by seam and name.
+"""Discovers plugins through the entry-point group ``driftform``, and finds their classes by seam and name.
 
-What is broken stays a row that says why; only asking for it is an error.
+A broken plugin is listed with the reason; only selecting it is an error.
 """
 
 from collections.abc import Mapping
@@ -12,7 +12,7 @@ from typing import Any
 import pluggy
 
 from driftform import hookspecs
-from driftform.errors import InputError, did_you_mean
+from driftform.errors import InputError, describe_error, did_you_mean
 from driftform.interfaces import SEAMS, Plugin
 
 GROUP = "driftform"
@@ -20,20 +20,20 @@ GROUP = "driftform"
 
 @dataclass(frozen=True)
 class Contribution:
-    """One class that a distribution brings to a seam, or the reason why it cannot.
+    """One class that a distribution contributes to a seam, or the reason why it is unavailable.
 
     Attributes
     ----------
     seam
-        of the class; empty where not even the hooks could be read.
+        seam of the class; empty if the module with the hooks could not be loaded.
     name
-        of the class, or of the entry point where the class could not be had.
+        name of the class, or of the entry point if the class is unavailable.
     distribution, version
-        what brings it.
+        name and version of the distribution.
     state
-        ``"ok"``, or why it cannot be used.
+        ``"ok"``, or the reason why the class is unavailable.
     cls
-        the class, ``None`` where it could not be had.
+        the class, ``None`` if unavailable.
     """
 
     seam: str
@@ -45,12 +45,12 @@ class Contribution:
 
     @property
     def available(self) -> bool:
-        """True where the class can be used."""
+        """True if the class can be used."""
         return self.cls is not None
 
 
 class Registry:
-    """The plugins that are installed."""
+    """The installed plugins."""
 
     def __init__(self) -> None:
         self._manager = pluggy.PluginManager(GROUP)
@@ -71,18 +71,20 @@ class Registry:
                 self._manager.register(module, name=key)
             except Exception as error:
                 self._broken.append(
-                    Contribution("", point.name, distribution, version, f"unavailable: {_reason(error)}")
+                    Contribution(
+                        "", point.name, distribution, version, f"unavailable: {describe_error(error)}"
+                    )
                 )
 
     def _check_hooks(self, module: object) -> None:
         hooks = [f"driftform_{seam}" for seam in SEAMS]
         for name in dir(module):
-            # pluggy lets an implementation of a hook that does not exist go unnoticed.
+            # pluggy silently ignores an implementation of a hook that does not exist.
             if self._manager.parse_hookimpl_opts(module, name) is not None and name not in hooks:
-                raise AttributeError(f"there is no hook {name}{did_you_mean(name, hooks)}")
+                raise AttributeError(f"unknown hook {name}{did_you_mean(name, hooks)}")
 
     def seam(self, seam: str) -> list[Contribution]:
-        """What is installed for one seam; imports the implementations."""
+        """Return the contributions to one seam, by name; imports the implementations."""
         if seam not in self._seams:
             hook = getattr(self._manager.hook, f"driftform_{seam}")
             rows: list[Contribution] = []
@@ -93,7 +95,9 @@ class Registry:
                     classes = _check_classes(implementation.function(), SEAMS[seam])
                 except Exception as error:
                     rows.append(
-                        Contribution(seam, short, distribution, version, f"unavailable: {_reason(error)}")
+                        Contribution(
+                            seam, short, distribution, version, f"unavailable: {describe_error(error)}"
+                        )
                     )
                     continue
                 rows.extend(Contribution(seam, c.name, distribution, version, "ok", c) for c in classes)
@@ -101,16 +105,16 @@ class Registry:
         return self._seams[seam]
 
     def contributions(self) -> list[Contribution]:
-        """Everything that is installed, also what is broken, by seam and name."""
+        """Return all contributions, including broken ones, by seam and name."""
         return [row for seam in SEAMS for row in self.seam(seam)] + self._broken
 
     def find(self, seam: str, name: str) -> type[Plugin[Any]]:
-        """Return the class of that name.
+        """Return the class with this name.
 
         Raises
         ------
         InputError
-            where no plugin has the name, two claim it, or the one that has it cannot be imported.
+            if no plugin has the name, two plugins claim it, or its plugin cannot be imported.
         """
         rows = [row for row in self.seam(seam) if row.name == name]
         usable = [row for row in rows if row.cls is not None]
@@ -126,14 +130,14 @@ class Registry:
         raise InputError(f"no {seam} is named '{name}'{did_you_mean(name, known)}")
 
     def create(self, seam: str, name: str, options: Mapping[str, Any], **more: Any) -> Any:
-        """Make an instance from the name and its table of options.
+        """Create an instance of the class with this name from its table of options.
 
         Raises
         ------
         InputError
-            as :meth:`find`.
+            like :meth:`find`.
         pydantic.ValidationError
-            where the options do not fit the class's model.
+            if the options do not fit the model of the class.
         """
         cls = self.find(seam, name)
         return cls(cls.Options.model_validate(dict(options)), **more)
@@ -141,17 +145,17 @@ class Registry:
 
 @cache
 def registry() -> Registry:
-    """The plugins of this process, looked for once."""
+    """Return the registry of this process, which is created once."""
     return Registry()
 
 
 def require_module(module: str) -> None:
-    """Look for a module that a plugin imports only where it is used, so that what cannot be used is not offered.
+    """Check that a module is installed which a plugin imports later, so that the plugin is unavailable without it.
 
     Raises
     ------
     ModuleNotFoundError
-        where it is not installed.
+        if the module is not installed.
     """
     if util.find_spec(module) is None:
         raise ModuleNotFoundError(f"No module named '{module}'", name=module)
@@ -161,16 +165,9 @@ def _check_classes(returned: Any, interface: type[Plugin[Any]]) -> list[type[Plu
     classes = [returned] if isinstance(returned, type) else list(returned or [])
     for cls in classes:
         if not (isinstance(cls, type) and issubclass(cls, interface)):
-            raise TypeError(f"{cls!r} is no {interface.__name__}")
+            raise TypeError(f"{cls!r} is not a {interface.__name__}")
         if not isinstance(getattr(cls, "name", None), str):
             raise TypeError(f"{cls.__name__} has no name")
         if missing := sorted(getattr(cls, "__abstractmethods__", ())):
-            raise TypeError(f"{cls.__name__} leaves out {', '.join(missing)}")
+            raise TypeError(f"{cls.__name__} does not implement {', '.join(missing)}")
     return classes
-
-
-def _reason(error: Exception) -> str:
-    text = str(error).strip()
-    if not text:
-        return type(error).__name__
-    return (text if isinstance(error, ImportError) else f"{type(error).__name__}: {text}").splitlines()[0]

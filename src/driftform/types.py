@@ -1,4 +1,4 @@
-"""The values that cross the seams: frozen dataclasses, with their shapes, units and frames.
+"""The values that plugins exchange: frozen dataclasses, with their shapes, units and frames.
 
 Conventions, stated once (``docs/conventions.md`` expands on them):
 
@@ -23,16 +23,16 @@ import numpy.typing as npt
 from driftform.errors import WorkFailedError
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
-"""An array of double precision; docstrings tell its shape, unit and frame."""
+"""An array of double precision; docstrings state its shape, unit and frame."""
 
 
 def freeze(values: npt.ArrayLike, shape: tuple[int | None, ...], what: str) -> FloatArray:
-    """Return a read-only float64 copy of ``values``, checked against ``shape`` (``None`` is any length).
+    """Return a read-only float64 copy of ``values``, checked against ``shape`` (``None`` means any length).
 
     Raises
     ------
     ValueError
-        where the shape is another; the message spells out both.
+        if the shapes differ; the message states both.
     """
     array = np.array(values, dtype=np.float64, order="C")
     fits = array.shape == shape or (
@@ -47,7 +47,7 @@ def freeze(values: npt.ArrayLike, shape: tuple[int | None, ...], what: str) -> F
 
 @dataclass(frozen=True)
 class Genome:
-    """A genotype: a flat tuple of symbols, whose structure only the named grammar knows."""
+    """A genotype: a flat tuple of symbols; only the named grammar knows their structure."""
 
     grammar: str
     symbols: tuple[str, ...]
@@ -57,7 +57,7 @@ class Genome:
 class Module:
     """One conical frustum: ``length`` along the slant (m), ``tilt`` of the wall against the axis (rad).
 
-    A positive tilt widens away from the core.
+    With a positive tilt the frustum widens away from the core.
     """
 
     length: float
@@ -66,7 +66,7 @@ class Module:
 
 @dataclass(frozen=True)
 class Morphology:
-    """The modules on either side of the core, ``fore`` and ``aft``, each side ordered from the core outward."""
+    """The modules on the two sides of the core, ``fore`` and ``aft``, each ordered from the core outward."""
 
     fore: tuple[Module, ...] = ()
     aft: tuple[Module, ...] = ()
@@ -79,7 +79,7 @@ class Morphology:
 
 @dataclass(frozen=True)
 class Core:
-    """The spherical control unit at the origin of the body frame: ``radius`` (m) and ``mass`` (kg)."""
+    """The spherical control unit, centred at the origin of the body frame: ``radius`` (m) and ``mass`` (kg)."""
 
     radius: float
     mass: float
@@ -87,18 +87,18 @@ class Core:
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A body of revolution: its meridian section, what is inside, and what it is made of.
+    """A body of revolution: its meridian section, core and material.
 
     Attributes
     ----------
     outer
         outer contour, (n, 2) of x and r in m, from the aft axis point to the fore axis point.
     cavity
-        contour of the hollow inside, (m, 2), in the same order; (0, 2) for a solid body.
+        contour of the cavity, x and r in m, (m, 2), in the same order; (0, 2) for a solid body.
     joints
-        the x (m) of the module joints from aft to fore, both ends included, (k,).
+        x of the module joints, m, from aft to fore, including both ends, (k,).
     core
-        the sphere at the origin.
+        the sphere at the origin of the body frame.
     wall
         nominal wall thickness, m.
     hull_density
@@ -129,7 +129,7 @@ class Body:
 
 
 class FluidProperties(Protocol):
-    """What buoyancy depends on; :class:`driftform.scenario.Fluid` has it."""
+    """The properties of a fluid that buoyancy depends on, as :class:`driftform.scenario.Fluid` has them."""
 
     @property
     def density(self) -> float:
@@ -142,16 +142,16 @@ class FluidProperties(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class MassProperties:
-    """What a rigid body weighs and displaces.
+    """Mass, displaced volume, their centres, and the inertia of a rigid body.
 
     Attributes
     ----------
     mass
-        kg, hull and core.
+        mass of hull and core, kg.
     cog
         centre of gravity in the body frame, m, (3,).
     inertia
-        about the centre of gravity, along the body axes, kg m2, (3, 3).
+        inertia tensor about the centre of gravity, in body axes, kg m2, (3, 3).
     volume
         displaced volume, m3.
     cob
@@ -176,21 +176,21 @@ class MassProperties:
 
 @dataclass(frozen=True, eq=False)
 class Drag:
-    """Drag of a slender body: strips across its axis, and one resistance along it.
+    """Drag of a slender body: crossflow drag of strips, and one resistance along the axis.
 
-    A strip's force is ``-1/2 rho C_d(Re) factor d dx |v| v`` with the velocity v across the axis where the strip
-    is, relative to the water there; ``C_d`` is that of a long cylinder
+    A strip's force is ``-1/2 rho C_d(Re) factor d dx |v| v`` with the velocity v across the axis at the
+    strip, relative to the water there; ``C_d`` is that of a long cylinder
     (:func:`driftform.hydrodynamics.drag_coefficients.crossflow_coefficient`). Along the axis it is ``-1/2 rho (C_f(Re_L)
     friction_area + A) |u| u``, with A = ``ahead`` for motion towards +x and A = ``astern`` for motion towards -x.
 
     Attributes
     ----------
     strips
-        x of the middle, diameter d, width dx (m each), and factor, (n, 4).
+        x of the middle, diameter d, width dx (m each), and factor of each strip, (n, 4).
     friction_area
-        wetted area times form factor, m2.
+        wetted area times form factor, for skin friction, m2.
     length
-        that the Reynolds number of friction refers to, m.
+        length in the Reynolds number Re_L of skin friction, m.
     ahead, astern
         drag areas of the ends (coefficient times area), m2.
     """
@@ -217,14 +217,14 @@ class Coefficients:
     added_mass
         M_A, (6, 6), symmetric, positive semi-definite; kg, kg m, kg m2.
     origin
-        the point of the body frame that the matrices refer to, m, (3,).
+        reference point of the matrices in the body frame, m, (3,).
     linear_damping
-        D_1, (6, 6).
+        D_1, (6, 6); N s/m, N s, N m s.
     quadratic_damping
         D_2, (6, 6).
     drag
-        drag that these matrices cannot hold, ``None`` for none; its x is that of the body frame, not of
-        ``origin``.
+        drag that these matrices cannot express, ``None`` without such drag; its x is measured in the body frame, not
+        from ``origin``.
     """
 
     added_mass: FloatArray
@@ -241,10 +241,10 @@ class Coefficients:
 
 @dataclass(frozen=True, eq=False)
 class Agent:
-    """An agent ready to fly: what a simulator, an exporter and a renderer receive.
+    """An agent that can fly: what a simulator and a renderer receive, and an exporter in its job.
 
-    A simulator reads only ``mass`` and ``coefficients``, and ``body`` for its contact with walls.
-    ``morphology`` and ``genome`` are ``None`` for a body that no grammar made.
+    A simulator reads only ``mass``, ``coefficients`` and, for contact with walls, ``body``. ``morphology`` and
+    ``genome`` are ``None`` for a body that was not made by a grammar.
     """
 
     body: Body
@@ -258,47 +258,47 @@ class End(StrEnum):
     """Why a flight ended."""
 
     OUTLET = "outlet"
-    """The core's centre is past the downstream end of the pipe."""
+    """The core's centre has passed the downstream end of the pipe."""
     INLET = "inlet"
-    """It is more than a radius upstream of the inlet."""
+    """The core's centre is more than a pipe radius upstream of the inlet."""
     HORIZON = "horizon"
-    """The longest duration of a flight is over."""
+    """The flight has lasted as long as the scenario allows."""
     NON_FINITE = "non-finite"
-    """It did not go on: position or velocity is no finite number any more."""
+    """The position or the velocity is no longer finite."""
     STEP_LIMIT = "step limit"
-    """The simulator took more steps than it may."""
+    """The simulator has taken the largest number of steps that it may take."""
     NOT_CONVERGED = "not converged"
-    """The estimated error of the position is larger than what the simulator was asked for."""
+    """The estimated error of the position is larger than the accuracy that the simulator must reach."""
 
     @property
     def failed(self) -> bool:
-        """True where the flight is an error of the simulation and not a motion."""
+        """True if the simulation failed, so that the trajectory is not a result."""
         return self in (End.NON_FINITE, End.STEP_LIMIT, End.NOT_CONVERGED)
 
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """One flight.
+    """The motion of an agent during one flight.
 
     Attributes
     ----------
     t
         time, s, (k,), strictly increasing from 0.
     position
-        of the core's centre in the world frame, m, (k, 3).
+        position of the core's centre in the world frame, m, (k, 3).
     quaternion
-        body to world, (k, 4).
+        attitude, from body to world, (k, 4).
     velocity
-        over ground, in the body frame: surge, sway, heave (m/s), roll, pitch, yaw (rad/s), (k, 6).
+        velocity over ground, in the body frame: surge, sway, heave (m/s), roll, pitch, yaw (rad/s), (k, 6).
     end
-        why it ended.
+        why the flight ended.
     contact
-        when a wall was first touched, s; ``None`` where none was.
+        time of the first contact with a wall, s; ``None`` without contact.
     energy_drift
-        largest change of the energy of body and water up to then, relative to the largest kinetic energy;
-        ``None`` where nothing conserves it: with drag, and in water that is not of one velocity everywhere.
+        largest change of the energy of body and water before the first contact, relative to the largest kinetic energy;
+        ``None`` if energy is not conserved: with drag, or if the velocity of the water varies.
     error
-        estimated error of the position, m, the largest along the flight; ``None`` where it was not estimated.
+        largest estimated error of the position along the flight, m; ``None`` if it was not estimated.
     """
 
     t: FloatArray
@@ -322,12 +322,12 @@ class Trajectory:
         return f"the flight ended after {self.t[-1]:.3g} s: {self.end}" if self.end.failed else None
 
     def require_success(self, name: str) -> None:
-        """Refuse a flight that failed.
+        """Raise an error if the flight failed.
 
         Raises
         ------
         WorkFailedError
-            if it failed; the message begins with ``name``, that of the agent.
+            if the flight failed; the message begins with ``name``, the name of the agent.
         """
         if self.failure is not None:
             raise WorkFailedError(f"{name}: {self.failure}")
@@ -335,18 +335,18 @@ class Trajectory:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A genome that a strategy asks to be evaluated, and where it comes from.
+    """A genome that a strategy wants evaluated, and its origin.
 
     Attributes
     ----------
     genome
-        what to evaluate.
+        the genome to evaluate.
     parents
-        indices of the evaluations it descends from, empty for a random one.
+        indices of the evaluations of its parents, empty for a random genome.
     generation
-        counted from 0.
+        number of the generation, from 0.
     target
-        the target its population works for, ``""`` where it works for all.
+        the target that its population is bred for, ``""`` if bred for all targets.
     """
 
     genome: Genome
@@ -357,20 +357,20 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """The outcome of one evaluation; a failure is an outcome too.
+    """The outcome of one evaluation, successful or failed.
 
     Attributes
     ----------
     genome
-        what was evaluated.
+        the genome that was evaluated.
     fitness
-        one value for each target of the scenario, in its order, (targets,); zeros for a failure.
+        fitness for each target of the scenario, %, in its order, (targets,); zeros for a failed evaluation.
     trajectory
-        the flight, ``None`` where it never came to one.
+        the trajectory, ``None`` if the evaluation failed before the flight.
     failure
-        what went wrong, ``None`` for a sound evaluation.
+        the reason of the failure in one line, ``None`` for a successful evaluation.
     seconds
-        how long it took.
+        duration of the evaluation, s.
     """
 
     genome: Genome
@@ -386,37 +386,37 @@ class Evaluation:
     def failed(
         cls, genome: Genome, targets: int, failure: str, trajectory: Trajectory | None = None
     ) -> "Evaluation":
-        """The outcome of a genome that could not be evaluated: no fitness for any of the targets, and the reason."""
+        """Return a failed evaluation: zero fitness for every target, and the reason."""
         return cls(genome, np.zeros(targets), trajectory, failure)
 
 
 class State(StrEnum):
-    """What a check came to."""
+    """The result of a check."""
 
     PASS = "pass"
-    """It is as it should be."""
+    """The check found no fault."""
     WARN = "warn"
-    """It can be printed, and something is worth knowing."""
+    """The part can be printed, but the maker should read the finding."""
     FAIL = "fail"
-    """It cannot be printed, or is not what was simulated."""
+    """The part cannot be printed, or differs from the simulated one."""
     SKIPPED = "skipped"
-    """It could not be checked; the finding tells why."""
+    """The check could not be made; the finding gives the reason."""
 
 
 @dataclass(frozen=True)
 class Finding:
-    """What one check found.
+    """The finding of one check.
 
     Attributes
     ----------
     check
-        what was looked at, in a word or two: ``closed``.
+        name of the check, one or two words such as ``closed``.
     state
-        what came of it; ``fail`` is for what makes a print useless, ``warn`` for what its maker ought to know.
+        result of the check; ``fail`` if it makes a print useless, ``warn`` if the maker should know.
     detail
-        one line for people: the numbers, and the next step where something is amiss; for ``skipped`` the reason.
+        one line of text: the numbers, and the next step after a fault; for ``skipped`` the reason.
     part
-        the piece it is about, ``""`` where it is about all of them.
+        the part that was checked, ``""`` for all parts.
     """
 
     check: str
@@ -427,7 +427,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class WrittenFile:
-    """A file that an exporter or a renderer made: its ``format``, its ``path``, and facts worth telling."""
+    """A file that a plugin wrote: its ``format``, its ``path``, and ``facts`` about its content."""
 
     format: str
     path: str

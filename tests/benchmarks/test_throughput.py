@@ -23,7 +23,7 @@ import pytest
 
 from driftform.execution import InProcess, Job, LocalProcesses, Outcome
 from driftform.execution.cluster import Cluster
-from driftform.execution.lanes import PoolExecutor
+from driftform.execution.pool import PoolExecutor
 from driftform.runs.search import run_search
 from driftform.runs.store import Store
 from driftform.study import Study, load_study

@@ -40,7 +40,7 @@ OUT = ("--evaluations", 1, "--workers", 1, "--out", "run")
         (("--set", "contact.fricton=0.3"), ["'fricton' in [contact]", "did you mean 'friction'?"]),
         (
             ("--set", "flow.kind=parabolic"),
-            ["--set flow.kind=parabolic", "no such kind", "known: developing"],
+            ["--set flow.kind=parabolic", "unknown kind", "known: developing"],
         ),
         (("--set", "flow.exponent=7"), ["'exponent' in [flow] of kind 'uniform'; known: ", "kind, speed"]),
         (("--set", "builder.hull_density=-5"), ["builder.hull_density = -5", "greater than 0"]),
@@ -125,7 +125,7 @@ def test_a_misspelt_command_and_a_misspelt_option_before_it(refused: Refused) ->
         (BASE + '[targets]\n"" = [1, 0, 0]\n', 3, ["''", "names a folder"]),
         (BASE + '[targets]\n"a b" = [1, 0, 0]\n', 3, ["'a b'", "names a folder"]),
         (BASE + f"[targets]\n{'x' * 300} = [1, 0, 0]\n", 3, ["longer than 100 bytes"]),
-        (BASE + "[targets]\nA1 = [1, 0, 0]\na1 = [2, 0, 0]\n", 4, ["'A1' and 'a1' differ in case only"]),
+        (BASE + "[targets]\nA1 = [1, 0, 0]\na1 = [2, 0, 0]\n", 4, ["'A1' and 'a1' differ only in case"]),
         (BASE + "[targets]\n", None, ["has no [targets]", "leak = [4.0, 0.0, -0.9]"]),
         (BASE + "[release]\nposition = [0, 0, 3]\n", 3, ["release.position", "outside the pipe"]),
         (BASE + '[release]\nvelocity = "fast"\n', 3, ["release.velocity = 'fast'", "'current' or 'rest'"]),
@@ -135,7 +135,7 @@ def test_a_misspelt_command_and_a_misspelt_option_before_it(refused: Refused) ->
         (BASE + "title = 2020-01-01\n", 2, ["title", "should be text in quotes"]),
         (BASE + '[simulator]\nuse = "exdyn"\n', 3, ["no simulator is named 'exdyn'", "'exudyn'?"]),
         (BASE + "[simulator]\nuse = 3\n", 3, ["no simulator is named '3'", "known: exudyn"]),
-        ("title = 'bare'\n", None, ["no plugin is chosen by [grammar]", 'base = "pipe-inspection"']),
+        ("title = 'bare'\n", None, ["no plugin is selected in [grammar]", 'base = "pipe-inspection"']),
         (
             'title = "x"\nbase = "pipe-inspect"\n',
             2,
@@ -205,7 +205,7 @@ def test_an_out_that_cannot_be_a_directory(refused: Refused, tmp_path: Path, com
         assert "choose another --out" in line
     if sys.platform == "linux" and Path("/proc/version").exists():
         # Not even the superuser makes directories there.
-        assert "/proc/agents: cannot be made" in refused(*args, "--out", "/proc/agents")
+        assert "/proc/agents: cannot create the directory" in refused(*args, "--out", "/proc/agents")
     assert (tmp_path / "file").read_text() == "mine"
 
 
@@ -286,7 +286,7 @@ def change(key: str, value: object) -> Callable[[dict[str, Any]], None]:
         (change("genome.symbols", ["C", "addX"]), ["symbol 1 'addX'", "did you mean 'addF'?"]),
         (change("genome.grammar", "other"), ["grammar 'other'", "uses 'lsystem'"]),
         (change("environment", None), ['"environment" is missing']),
-        (change("environment", {}), ["no plugin is chosen by [grammar]"]),
+        (change("environment", {}), ["no plugin is selected in [grammar]"]),
         (change("environment.builder.wal", 1), ["unknown key 'wal' in [builder]", "did you mean 'wall'?"]),
         (change("environment.builder.wall", -1), ["builder.wall = -1", "greater than or equal to 0.00001"]),
         (change("environment.builder.use", "frust"), ["no builder is named 'frust'", "'frusta'?"]),

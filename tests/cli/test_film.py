@@ -174,4 +174,4 @@ def test_a_moment_that_the_flight_does_not_have_is_refused(refused: Refused, at:
 
 @pytest.mark.usefixtures("fakes")
 def test_a_renderer_that_makes_no_stills_says_so(refused: Refused) -> None:
-    assert "'flip-book' makes films, and no stills" in refused(*FLIP_BOOK, "--still", "book.txt")
+    assert "'flip-book' makes films, but not stills" in refused(*FLIP_BOOK, "--still", "book.txt")

@@ -175,8 +175,8 @@ def test_constants_of_runs_are_as_told(pages: dict[str, str]) -> None:
     from driftform.trajectory import compression
 
     assert f"samples at least {compression.SAMPLE_GAP:g} s apart" in " ".join(pages["dataflow.md"].split())
-    assert f"each of at most {execution.BATCH} genomes" in pages["dataflow.md"]
-    assert f"A task holds at most {execution.BATCH} genomes" in pages["running.md"]
+    assert f"each of at most {execution.MAX_BATCH} genomes" in pages["dataflow.md"]
+    assert f"A task holds at most {execution.MAX_BATCH} genomes" in pages["running.md"]
     assert execution.ATTEMPTS == 2 and "whose process dies twice" in pages["dataflow.md"]
 
 

@@ -1,4 +1,4 @@
-"""Runs on a Dask cluster: by address, with workers that come and go, and what is wrong told in one line."""
+"""Runs on a Dask cluster: by address, with workers that join and leave, and errors in one line."""
 
 import subprocess
 import sys
@@ -13,7 +13,7 @@ import pytest
 
 from driftform.errors import InputError, WorkFailedError
 from driftform.execution import Job, cluster
-from driftform.execution.cluster import Cluster, versions
+from driftform.execution.cluster import Cluster, find_versions
 from driftform.study import Study, load_study
 
 Call = Callable[..., Any]
@@ -67,7 +67,7 @@ def test_a_worker_flies_one_genome_at_a_time_however_many_threads_it_has(
         worker.terminate()
 
 
-def test_without_a_worker_it_says_how_to_start_one_and_goes_on_when_it_comes(
+def test_without_a_worker_it_prints_how_to_start_one_and_continues_when_it_joins(
     start: Start, dask: Dask, dask_scheduler: Scheduler, tmp_path: Path
 ) -> None:
     with (
@@ -85,7 +85,7 @@ def test_without_a_worker_it_says_how_to_start_one_and_goes_on_when_it_comes(
     assert "Traceback" not in err
 
 
-def test_a_scheduler_that_goes_away_costs_nothing_and_the_command_that_goes_on_is_told(
+def test_a_lost_scheduler_costs_nothing_and_the_command_to_resume_is_printed(
     start: Start, dask: Dask, dask_scheduler: Scheduler, run: Program, rows: Rows, tmp_path: Path
 ) -> None:
     with (
@@ -101,7 +101,7 @@ def test_a_scheduler_that_goes_away_costs_nothing_and_the_command_that_goes_on_i
         worker.kill()
     assert process.returncode == 1
     [line] = [line for line in err.splitlines() if "/60 evaluations," not in line]
-    assert line.startswith(f"error: {address}: the scheduler is gone; stopped after ")
+    assert line.startswith(f"error: {address}: the connection to the scheduler is lost; stopped after ")
     assert line.endswith(" of 60 evaluations; resume with: driftform resume run")
     assert int(line.split("stopped after ")[1].split()[0]) >= 20
 
@@ -115,8 +115,8 @@ def test_a_scheduler_that_goes_away_costs_nothing_and_the_command_that_goes_on_i
 def test_other_versions_on_a_worker_are_refused(
     study: Study, dask_cluster: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    other = versions(study.document) | {"driftform-fake": "2.0"}
-    monkeypatch.setattr(cluster, "versions", lambda _: other)
+    other = find_versions(study.document) | {"driftform-fake": "2.0"}
+    monkeypatch.setattr(cluster, "find_versions", lambda _: other)
     with (
         closing(Cluster.join(study.document, dask_cluster)) as executor,
         pytest.raises(
@@ -126,13 +126,13 @@ def test_other_versions_on_a_worker_are_refused(
         list(executor.evaluate([job(study)]))
 
 
-def test_what_decides_an_outcome_is_compared(study: Study) -> None:
-    found = versions(study.document)
+def test_versions_that_affect_an_outcome_are_compared(study: Study) -> None:
+    found = find_versions(study.document)
     assert {"driftform", "driftform-lsystem", "driftform-frusta", "driftform-fake", "numpy"} <= found.keys()
     assert "driftform-exudyn" not in found
 
 
-def test_workers_that_lack_what_the_study_needs_say_so(study: Study, dask_cluster: str) -> None:
+def test_workers_that_lack_a_plugin_of_the_study_report_it(study: Study, dask_cluster: str) -> None:
     document = study.document | {"simulator": {"use": "unheard-of"}}
     with (
         closing(Cluster.join(document, dask_cluster)) as executor,
@@ -141,7 +141,7 @@ def test_workers_that_lack_what_the_study_needs_say_so(study: Study, dask_cluste
         list(executor.evaluate([job(study)]))
 
 
-def test_workers_that_cannot_work_at_all_say_so(
+def test_workers_that_cannot_import_the_task_report_it(
     study: Study, dask_cluster: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cluster, "_work", work_that_breaks)
@@ -155,11 +155,11 @@ def test_workers_that_cannot_work_at_all_say_so(
 
 
 def work_that_breaks(*_: object) -> None:
-    """Of a module that no worker has: this one."""
+    """A task of this module, which no worker can import."""
 
 
 @pytest.mark.parametrize(
-    ("address", "told"),
+    ("address", "message"),
     [
         ("tcp://127.0.0.1:9", "no Dask scheduler answers there;"),
         ("nowhere://x:1", "no Dask scheduler answers there ("),
@@ -167,19 +167,19 @@ def work_that_breaks(*_: object) -> None:
         ("", "no Dask scheduler answers there ("),
     ],
 )
-def test_an_address_where_no_scheduler_answers(
-    refused: Refused, address: str, told: str, monkeypatch: pytest.MonkeyPatch
+def test_an_address_without_a_scheduler_is_refused(
+    refused: Refused, address: str, message: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cluster, "TIMEOUT", 1.0)
+    monkeypatch.setattr(cluster, "CONNECT_TIMEOUT_S", 1.0)
     began = time.monotonic()
     line = refused("evolve", "--out", "run", "--scheduler", address)
     assert time.monotonic() - began < 20
-    assert line.startswith(f"error: --scheduler {address}: {told}")
+    assert line.startswith(f"error: --scheduler {address}: {message}")
     assert "'dask scheduler'" in line
 
 
 @pytest.mark.parametrize(
-    ("options", "told"),
+    ("options", "message"),
     [
         (("--executor", "dusk"), "--executor dusk: no such executor; did you mean 'dask'?"),
         (
@@ -192,19 +192,19 @@ def test_an_address_where_no_scheduler_answers(
         ),
     ],
 )
-def test_options_that_do_not_go_together(refused: Refused, options: tuple[object, ...], told: str) -> None:
-    assert refused("evolve", "--out", "run", *options).startswith(f"error: {told}")
+def test_options_that_exclude_each_other(refused: Refused, options: tuple[object, ...], message: str) -> None:
+    assert refused("evolve", "--out", "run", *options).startswith(f"error: {message}")
 
 
-def test_a_run_is_not_touched_where_the_cluster_is_none(
+def test_a_run_is_unchanged_if_the_cluster_does_not_answer(
     refused: Refused, run_copy: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cluster, "TIMEOUT", 1.0)
+    monkeypatch.setattr(cluster, "CONNECT_TIMEOUT_S", 1.0)
     line = refused("resume", "run", "--evaluations", 30, "--scheduler", "tcp://127.0.0.1:9")
     assert "no Dask scheduler answers" in line
 
 
-def test_without_the_extra_it_says_how_to_install_it(
+def test_without_the_extra_it_prints_how_to_install_it(
     refused: Refused, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)

@@ -1,4 +1,4 @@
-"""Where evaluations run: workers that crash cost nothing but the genome that is to blame, locally and on a cluster."""
+"""Executors: a crash of a worker costs only the genome to blame, in local processes and on a cluster."""
 
 import multiprocessing
 import os
@@ -19,10 +19,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftform.errors import InputError
-from driftform.execution import ATTEMPTS, BATCH, InProcess, Job, LocalProcesses, Outcome
+from driftform.execution import ATTEMPTS, MAX_BATCH, InProcess, Job, LocalProcesses, Outcome
 from driftform.execution.cluster import Cluster
-from driftform.execution.jobs import LONGEST, SHORTEST, task_size
-from driftform.execution.lanes import PoolExecutor, WorkerGroup
+from driftform.execution.jobs import MAX_TASK_S, MIN_TASK_S, task_size
+from driftform.execution.pool import PoolExecutor, WorkerGroup
 from driftform.study import Study, load_study
 from driftform.types import Evaluation, Genome
 
@@ -47,7 +47,7 @@ def jobs() -> list[Job]:
 
 @pytest.fixture(params=["local", "dask"])
 def make(request: pytest.FixtureRequest) -> Make:
-    """Makes an executor with two workers: processes of its own, or those of a cluster that is running."""
+    """Makes an executor with two workers: local processes, or those of a running cluster."""
     if request.param == "local":
         return lambda study: LocalProcesses(study.document, 2)
     address = request.getfixturevalue("dask_cluster")
@@ -70,10 +70,10 @@ def number(genome: Any) -> float:
     return float(number(genome))
 
 
-def told(outcomes: Iterable[Sequence[Outcome]]) -> dict[int, Evaluation]:
+def collect(outcomes: Iterable[Sequence[Outcome]]) -> dict[int, Evaluation]:
     found: dict[int, Evaluation] = {}
     for index, evaluation in chain.from_iterable(outcomes):
-        assert index not in found, "an outcome came twice"
+        assert index not in found, "an outcome arrived twice"
         found[index] = evaluation
     return found
 
@@ -91,19 +91,19 @@ def assert_same(a: dict[int, Evaluation], b: dict[int, Evaluation]) -> None:
 
 def test_workers_find_what_this_process_finds(jobs: list[Job], make: Make) -> None:
     study = study_of()
-    here = told(InProcess(study.make_pipeline()).evaluate(jobs))
+    here = collect(InProcess(study.make_pipeline()).evaluate(jobs))
     with closing(make(study)) as executor:
-        there = told(executor.evaluate(jobs))
-        again = told(executor.evaluate(jobs[:3]))
-        assert told(executor.evaluate([])) == {}
+        there = collect(executor.evaluate(jobs))
+        again = collect(executor.evaluate(jobs[:3]))
+        assert collect(executor.evaluate([])) == {}
     assert sorted(here) == [job.index for job in jobs]
     assert_same(here, there)
     assert_same({job.index: here[job.index] for job in jobs[:3]}, again)
 
 
-def test_a_genome_that_raises_is_a_failure_of_its_own(jobs: list[Job]) -> None:
-    sound = told(InProcess(study_of().make_pipeline()).evaluate(jobs))
-    outcomes = told(InProcess(study_of(fail=0.3).make_pipeline()).evaluate(jobs))
+def test_a_genome_that_raises_fails_and_the_others_do_not(jobs: list[Job]) -> None:
+    sound = collect(InProcess(study_of().make_pipeline()).evaluate(jobs))
+    outcomes = collect(InProcess(study_of(fail=0.3).make_pipeline()).evaluate(jobs))
     guilty = {job.index for job in jobs if number(job.genome) > 0.7}
     assert 0 < len(guilty) < COUNT
     for index, evaluation in outcomes.items():
@@ -117,11 +117,11 @@ def test_a_genome_that_raises_is_a_failure_of_its_own(jobs: list[Job]) -> None:
 def test_a_genome_that_kills_its_process_fails_and_all_others_are_evaluated(
     jobs: list[Job], make: Make
 ) -> None:
-    sound = told(InProcess(study_of().make_pipeline()).evaluate(jobs))
+    sound = collect(InProcess(study_of().make_pipeline()).evaluate(jobs))
     guilty = {job.index for job in jobs if number(job.genome) < 0.08}
     assert 0 < len(guilty) < COUNT / 3
     with closing(make(study_of(die=0.08))) as executor:
-        outcomes = told(executor.evaluate(jobs))
+        outcomes = collect(executor.evaluate(jobs))
     assert outcomes.keys() == sound.keys()
     for index, evaluation in outcomes.items():
         if index in guilty:
@@ -134,9 +134,9 @@ def test_a_genome_that_kills_its_process_fails_and_all_others_are_evaluated(
 def test_a_process_that_dies_once_is_forgiven(jobs: list[Job], make: Make, tmp_path: Path) -> None:
     options = {"die": 0.08, "die_once": str(tmp_path)}
     with closing(make(study_of(**options))) as executor:
-        outcomes = told(executor.evaluate(jobs))
+        outcomes = collect(executor.evaluate(jobs))
     assert list(tmp_path.iterdir())
-    assert_same(outcomes, told(InProcess(study_of().make_pipeline()).evaluate(jobs)))
+    assert_same(outcomes, collect(InProcess(study_of().make_pipeline()).evaluate(jobs)))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
@@ -151,15 +151,15 @@ def test_a_worker_that_is_killed_from_outside_costs_nothing(
                 os.kill(workers_of(executor, dask_cluster)[0], signal.SIGKILL)
             assert index not in found
             found[index] = evaluation
-        # One that waits for work may be killed as well.
+        # A worker that waits for work may be killed as well.
         os.kill(workers_of(executor, dask_cluster)[0], signal.SIGKILL)
-        again = told(executor.evaluate(jobs[:2]))
-    sound = told(InProcess(study.make_pipeline()).evaluate(jobs))
+        again = collect(executor.evaluate(jobs[:2]))
+    sound = collect(InProcess(study.make_pipeline()).evaluate(jobs))
     assert_same(found, sound)
     assert_same(again, {job.index: sound[job.index] for job in jobs[:2]})
 
 
-def test_closed_in_the_middle_it_does_not_wait_and_leaves_no_process(jobs: list[Job]) -> None:
+def test_closing_in_the_middle_does_not_wait_and_leaves_no_process(jobs: list[Job]) -> None:
     executor = LocalProcesses(study_of(pause=1.5).document, 2)
     outcomes = iter(executor.evaluate(jobs))
     next(outcomes)
@@ -170,18 +170,18 @@ def test_closed_in_the_middle_it_does_not_wait_and_leaves_no_process(jobs: list[
     executor.close()
 
 
-def test_what_is_wrong_with_a_study_is_told_and_no_genome_is_blamed(jobs: list[Job], make: Make) -> None:
+def test_an_error_in_a_study_is_raised_and_no_genome_is_blamed(jobs: list[Job], make: Make) -> None:
     study = study_of()
     broken = Study({**study.document, "simulator": {"use": "fake", "pause": -1.0}}, study.scenario, study.run)
     with closing(make(broken)) as executor, pytest.raises(InputError, match=r"simulator\.pause = -1\.0"):
         list(executor.evaluate(jobs))
 
 
-# Tasks, and the lanes that they are handed to.
+# Tasks, and the worker groups that they are submitted to.
 
 
-class Pretended(WorkerGroup):
-    """A lane whose tasks end when the test says so."""
+class FakeGroup(WorkerGroup):
+    """A worker group whose tasks end when the test calls for it."""
 
     processes = 1
 
@@ -193,13 +193,13 @@ class Pretended(WorkerGroup):
         self._tasks.append((Future(), batch))
         return self._tasks[-1][0]
 
-    def deaths(self, error: BaseException) -> int:
+    def count_deaths(self, error: BaseException) -> int:
         return int(isinstance(error, ChildProcessError))
 
     def close(self) -> None: ...
 
-    def under_way(self) -> list[list[int]]:
-        """The evaluations of each task that is not done."""
+    def list_running(self) -> list[list[int]]:
+        """The indices of the jobs of each unfinished task."""
         return [[job.index for job in batch] for future, batch in self._tasks if not future.done()]
 
     def finish(self) -> None:
@@ -215,63 +215,63 @@ def numbered(count: int) -> deque[Job]:
     return deque(Job(index, Genome("g", (str(index),))) for index in range(count))
 
 
-def test_a_process_has_a_task_ready_beside_the_one_under_way() -> None:
-    lane, waiting = Pretended(), numbered(6)
-    assert [lane.take(waiting, 2) for _ in range(3)] == [True, True, False]
-    assert lane.under_way() == [[0, 1], [2, 3]]
-    lane.finish()
-    assert [index for index, _ in lane.collect()] == [0, 1]
-    assert lane.take(waiting, 3)
-    assert lane.under_way() == [[2, 3], [4, 5]]
+def test_a_process_has_a_task_ready_beside_the_running_one() -> None:
+    group, waiting = FakeGroup(), numbered(6)
+    assert [group.take(waiting, 2) for _ in range(3)] == [True, True, False]
+    assert group.list_running() == [[0, 1], [2, 3]]
+    group.finish()
+    assert [index for index, _ in group.collect()] == [0, 1]
+    assert group.take(waiting, 3)
+    assert group.list_running() == [[2, 3], [4, 5]]
 
 
-def test_what_a_death_took_along_is_tried_one_by_one_and_alone() -> None:
-    lane, waiting = Pretended(), numbered(6)
-    while lane.take(waiting, 2):
+def test_genomes_that_a_death_interrupted_are_evaluated_again_one_by_one() -> None:
+    group, waiting = FakeGroup(), numbered(6)
+    while group.take(waiting, 2):
         pass
-    lane.die()
-    assert lane.collect() == []
+    group.die()
+    assert group.collect() == []
     for index in range(4):
         for _ in range(2):
-            lane.take(waiting, 2)
-        assert lane.under_way() == [[index]]
-        lane.finish()
-        assert [found for found, _ in lane.collect()] == [index]
-    assert lane.take(waiting, 2)
-    assert lane.under_way() == [[4, 5]]
+            group.take(waiting, 2)
+        assert group.list_running() == [[index]]
+        group.finish()
+        assert [found for found, _ in group.collect()] == [index]
+    assert group.take(waiting, 2)
+    assert group.list_running() == [[4, 5]]
 
 
-def test_alone_and_dead_too_often_a_genome_has_failed() -> None:
-    lane, waiting = Pretended(), numbered(2)
-    lane.take(waiting, 2)
-    lane.die()
+def test_a_genome_whose_process_dies_too_often_while_alone_fails() -> None:
+    group, waiting = FakeGroup(), numbered(2)
+    group.take(waiting, 2)
+    group.die()
     for _ in range(ATTEMPTS):
-        assert lane.collect() == []
-        lane.take(waiting, 2)
-        assert lane.under_way() == [[0]]
-        lane.die()
-    [(index, evaluation)] = lane.collect()
+        assert group.collect() == []
+        group.take(waiting, 2)
+        assert group.list_running() == [[0]]
+        group.die()
+    [(index, evaluation)] = group.collect()
     assert (index, evaluation.failure) == (0, "its process died 2 times")
-    # The next one starts with a clean sheet, and so does a genome of another run with the same index.
+    # The next genome starts with no deaths, and so does a genome of another run with the same index.
     for found in ([], [(1, None)]):
-        lane.take(waiting, 2)
-        assert lane.under_way() == [[1]]
-        lane.finish() if found else lane.die()
-        assert [(index, evaluation.failure) for index, evaluation in lane.collect()] == found
-    lane.take(numbered(2), 2)
-    lane.die()
-    assert lane.collect() == []
-    lane.take(waiting, 2)
-    lane.die()
-    assert lane.collect() == []
+        group.take(waiting, 2)
+        assert group.list_running() == [[1]]
+        group.finish() if found else group.die()
+        assert [(index, evaluation.failure) for index, evaluation in group.collect()] == found
+    group.take(numbered(2), 2)
+    group.die()
+    assert group.collect() == []
+    group.take(waiting, 2)
+    group.die()
+    assert group.collect() == []
 
 
-def test_what_no_death_explains_is_raised() -> None:
-    lane = Pretended()
-    lane.take(numbered(1), 1)
-    lane.running[0].set_exception(InputError("no such plugin"))
+def test_an_error_that_is_not_a_death_is_raised() -> None:
+    group = FakeGroup()
+    group.take(numbered(1), 1)
+    group.running[0].set_exception(InputError("no such plugin"))
     with pytest.raises(InputError, match="no such plugin"):
-        lane.collect()
+        group.collect()
 
 
 @given(st.integers(1, 10**6), st.integers(1, 500), st.none() | st.floats(0, 1e4))
@@ -279,10 +279,10 @@ def test_tasks_are_short_enough_to_be_lost_and_long_enough_to_be_worth_it(
     waiting: int, processes: int, seconds: float | None
 ) -> None:
     size = task_size(waiting, processes, seconds)
-    assert 1 <= size <= min(BATCH, waiting)
+    assert 1 <= size <= min(MAX_BATCH, waiting)
     if seconds is not None:
-        assert size == 1 or size * seconds <= LONGEST
-        assert size == min(BATCH, waiting) or (size + 1) * seconds >= min(SHORTEST, LONGEST)
+        assert size == 1 or size * seconds <= MAX_TASK_S
+        assert size == min(MAX_BATCH, waiting) or (size + 1) * seconds >= min(MIN_TASK_S, MAX_TASK_S)
 
 
 @pytest.mark.parametrize("seconds", [0.005, 0.03, 0.2])
@@ -292,5 +292,5 @@ def test_the_tasks_of_a_generation_let_two_processes_finish_together(seconds: fl
         size = task_size(waiting, 2, seconds)
         busy[busy.index(min(busy))] += size * seconds
         waiting, tasks = waiting - size, tasks + 1
-    assert abs(busy[0] - busy[1]) <= max(seconds, 1.5 * SHORTEST)
+    assert abs(busy[0] - busy[1]) <= max(seconds, 1.5 * MIN_TASK_S)
     assert tasks <= 30

@@ -173,7 +173,7 @@ def test_it_is_listed_with_its_distribution_and_version(site, tmp_path):
     assert any(row["name"] == "closest-approach" and row["state"] == "ok" for row in rows)
 
 
-def test_without_it_nothing_is_left_of_it(tmp_path):
+def test_after_removal_the_plugin_is_not_listed(tmp_path):
     rows = driftform(tmp_path, tmp_path, "plugins", "list")["plugins"]
     assert not [row for row in rows if row["distribution"] == "elsewhere-progress"]
 
@@ -207,7 +207,7 @@ def test_a_study_evolves_with_its_fitness_and_its_strategy(site, tmp_path):
     assert "elsewhere-progress" in (tmp_path / "run" / "environment.json").read_text()
 
 
-def test_its_options_are_checked_like_ours(site, tmp_path):
+def test_its_options_are_validated_like_those_of_driftform(site, tmp_path):
     command = [PROGRAM, "evolve", "--set", "fitness.use=progress", "--set", "fitness.scael=2"]
     done = run(command, site, tmp_path)
     assert done.returncode == 2

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from driftform.interfaces import SEAMS
-from driftform.scaffold import list_files, make_names, scaffolds
+from driftform.scaffold import list_files, list_scaffolds, make_names
 
 Call = Callable[..., Any]
 
@@ -78,7 +78,7 @@ def outcomes(installed: Path) -> dict[str, list[str]]:
 
 
 def test_every_seam_has_a_scaffold() -> None:
-    assert set(scaffolds()) == set(SEAMS)
+    assert set(list_scaffolds()) == set(SEAMS)
 
 
 @pytest.mark.parametrize("seam", [seam for seam in SEAMS if seam not in FLYING])
@@ -114,7 +114,7 @@ def test_each_is_found_with_its_options_and_its_study_selects_it(installed: Path
 
 
 @pytest.mark.parametrize("seam", ["exporter", "recorder"])
-def test_the_command_that_its_readme_tells_makes_a_file(seam: str, installed: Path, tmp_path: Path) -> None:
+def test_the_command_in_its_readme_writes_a_file(seam: str, installed: Path, tmp_path: Path) -> None:
     readme = (installed / seam / "README.md").read_text()
     (line,) = [line for line in readme.splitlines() if line.startswith("$ driftform export")]
     words = [str(installed / seam / w) if w == "study.toml" else w for w in shlex.split(line)[2:]]
@@ -126,19 +126,19 @@ def test_the_command_that_its_readme_tells_makes_a_file(seam: str, installed: Pa
 # The command.
 
 
-def test_it_tells_the_files_and_what_to_do_next(call: Call, tmp_path: Path) -> None:
-    told = json.loads(call("plugins", "new", "driftform-dwell", "--seam", "fitness", "--json").stdout)
-    assert sorted(map(Path, told["files"])) == sorted(
+def test_the_command_prints_the_files_and_the_next_steps(call: Call, tmp_path: Path) -> None:
+    document = json.loads(call("plugins", "new", "driftform-dwell", "--seam", "fitness", "--json").stdout)
+    assert sorted(map(Path, document["files"])) == sorted(
         path.relative_to(tmp_path) for path in (tmp_path / "driftform-dwell").rglob("*") if path.is_file()
     )
-    assert (told["plugin"], told["package"]) == ("dwell", "driftform_dwell")
-    assert told["next"][:3] == ["cd driftform-dwell", 'pip install -e ".[test]"', "pytest"]
+    assert (document["plugin"], document["package"]) == ("dwell", "driftform_dwell")
+    assert document["next"][:3] == ["cd driftform-dwell", 'pip install -e ".[test]"', "pytest"]
     text = call("plugins", "new", "driftform-linger", "--seam", "fitness", "--out", "else where").stdout
     assert "cd 'else where'" in text
     assert (tmp_path / "else where" / "pyproject.toml").is_file()
 
 
-def test_nothing_is_left_to_fill_in(tmp_path: Path) -> None:
+def test_no_placeholder_is_left_to_fill_in(tmp_path: Path) -> None:
     for seam in SEAMS:
         for path, text in list_files(make_names("dwell", seam), seam).items():
             prompts = text.replace("\n$ ", "\n") if path == "README.md" else text
@@ -148,7 +148,7 @@ def test_nothing_is_left_to_fill_in(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "words", [["format", "--check"], ["check", "--select", "E,F,W,I,N,UP,B,SIM,PTH,RUF"]]
 )
-def test_what_it_writes_is_formatted_and_clean(words: list[str], installed: Path) -> None:
+def test_a_scaffold_is_formatted_and_passes_the_linter(words: list[str], installed: Path) -> None:
     ruff = [sys.executable, "-m", "ruff", *words, "--isolated", "--no-cache", "--line-length", "110", "."]
     for seam in SEAMS:
         # From the distribution's own folder: ruff looks there for which package is the first party.
@@ -157,29 +157,31 @@ def test_what_it_writes_is_formatted_and_clean(words: list[str], installed: Path
 
 
 @pytest.mark.parametrize(
-    ("name", "told"),
+    ("name", "message"),
     [
         ("My Fitness", "did you mean 'my-fitness'?"),
         ("!", "such as driftform-dwell"),
         ("../evil", "did you mean 'evil'?"),
         ("dwell-", "did you mean 'dwell'?"),
-        ("ümlaut", "is no name of a distribution"),
+        ("ümlaut", "is not a valid name of a distribution"),
         ("numpy", "did you mean 'driftform-numpy'?"),
         ("class", "did you mean 'driftform-class'?"),
         ("json", "did you mean 'driftform-json'?"),
         ("driftform-3d", "begin with a letter"),
-        ("driftform-closest-approach", "is there already, from driftform"),
+        ("driftform-closest-approach", "already exists, from driftform"),
         ("x" * 61, "longer than 60"),
     ],
 )
-def test_a_name_that_will_not_do_is_refused(name: str, told: str, refused: Callable[..., str]) -> None:
-    assert told in refused("plugins", "new", name, "--seam", "fitness")
+def test_an_invalid_or_taken_name_is_refused(name: str, message: str, refused: Callable[..., str]) -> None:
+    assert message in refused("plugins", "new", name, "--seam", "fitness")
 
 
-def test_a_class_of_driftforms_own_is_not_hidden(refused: Callable[..., str]) -> None:
-    assert "one of driftform's" in refused("plugins", "new", "driftform-phenotype", "--seam", "builder")
-    told = refused("plugins", "new", "driftform-hydrodynamics", "--seam", "hydrodynamics")
-    assert "one of driftform's" in told
+def test_a_name_that_would_hide_a_class_of_driftform_is_refused(refused: Callable[..., str]) -> None:
+    assert "the name of a class of driftform" in refused(
+        "plugins", "new", "driftform-phenotype", "--seam", "builder"
+    )
+    line = refused("plugins", "new", "driftform-hydrodynamics", "--seam", "hydrodynamics")
+    assert "the name of a class of driftform" in line
 
 
 def test_names_are_normalised(call: Call, tmp_path: Path) -> None:
@@ -194,13 +196,13 @@ def test_an_unknown_seam_is_refused(refused: Callable[..., str]) -> None:
     assert "did you mean 'fitness'?" in refused("plugins", "new", "driftform-dwell", "--seam", "fitnes")
 
 
-def test_what_is_there_stays_as_it_is(refused: Callable[..., str], tmp_path: Path) -> None:
+def test_existing_files_are_left_unchanged(refused: Callable[..., str], tmp_path: Path) -> None:
     (tmp_path / "driftform-dwell").mkdir()
     (tmp_path / "driftform-dwell" / "mine.txt").write_text("mine")
     assert "not an empty directory" in refused("plugins", "new", "driftform-dwell", "--seam", "fitness")
     (tmp_path / "file").write_text("mine")
-    told = refused("plugins", "new", "driftform-dwell", "--seam", "fitness", "--out", "file")
-    assert "it is a file" in told
+    line = refused("plugins", "new", "driftform-dwell", "--seam", "fitness", "--out", "file")
+    assert "it is a file" in line
 
 
 # Installed for real.

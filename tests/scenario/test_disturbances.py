@@ -67,13 +67,13 @@ def test_the_same_seed_draws_the_same_conditions_and_another_one_others():
     assert draw_conditions(Robustness(), 3) == ()
 
 
-def test_a_calm_condition_changes_nothing():
+def test_a_condition_without_deviations_changes_nothing():
     scenario = load_study("pipe-inspection").scenario
     assert disturb_scenario(CALM, scenario) == scenario
     assert hull_mass(disturb_body(CALM, hollow_body())) == hull_mass(hollow_body())
 
 
-def test_every_quantity_reaches_what_it_disturbs():
+def test_every_disturbance_changes_its_quantity():
     scenario = pipe(flow={"kind": "turbulent", "speed": 2.0}, release={"pitch_deg": 10.0})
     there = disturb_scenario(
         changed(across=(0.1, -0.2), pitch=0.1, yaw=-0.2, current=1.5, density=0.9), scenario
@@ -86,7 +86,7 @@ def test_every_quantity_reaches_what_it_disturbs():
     assert there.fluid.density == pytest.approx(0.9 * scenario.fluid.density)
 
 
-def test_a_thicker_wall_weighs_what_a_hull_with_a_thicker_wall_does():
+def test_a_disturbed_wall_weighs_as_much_as_a_hull_with_a_thicker_wall():
     pipeline = load_study(settings=["builder.wall=0.00125"]).make_pipeline()
     thicker = load_study(settings=["builder.wall=0.00127"]).make_pipeline()
     rng = np.random.default_rng(4)
@@ -132,7 +132,7 @@ def test_finalists_are_the_best_for_any_target_and_the_earlier_of_equals():
     assert choose_finalists(fitness, 2) == [0, 1, 2, 3]
 
 
-def test_disturbed_flights_are_the_same_whatever_flies_beside_them():
+def test_disturbed_flights_do_not_depend_on_the_rest_of_their_batch():
     pipeline = load_study(
         settings=["robustness.conditions=3"], use={"simulator": "native"}, run={"seed": 5}
     ).make_pipeline()

@@ -56,7 +56,7 @@ def test_errors_in_it_name_it_and_the_line(site: Path) -> None:
         load_study("narrow")
 
 
-def test_what_driftform_brings_itself_cannot_be_replaced(site: Path) -> None:
+def test_a_built_in_scenario_cannot_be_replaced(site: Path) -> None:
     install(site, "one", {"pipe-inspection.toml": NARROW})
     assert "The paper's pipe" in read_scenarios()["pipe-inspection"]
 

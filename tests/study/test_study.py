@@ -38,7 +38,7 @@ def test_the_default_is_the_built_in_scenario() -> None:
     assert study.evaluations == 500
 
 
-def test_a_file_says_only_what_differs_from_its_base(write: Write) -> None:
+def test_a_file_contains_only_what_differs_from_its_base(write: Write) -> None:
     study = load_study(write(BASE + "[flow]\nspeed = 0.5\n[fluid]\ngravity = 1.62\n"))
     base = load_study()
     assert study.scenario.flow.speed == 0.5
@@ -47,7 +47,7 @@ def test_a_file_says_only_what_differs_from_its_base(write: Write) -> None:
     assert study.document["simulator"] == base.document["simulator"]
 
 
-def test_bases_stand_on_bases_beside_their_file(write: Write) -> None:
+def test_a_base_may_have_a_base_beside_its_file(write: Write) -> None:
     write(BASE + "[flow]\nspeed = 0.5\n[fluid]\ndensity = 1000\n", "deep/river.toml")
     write('base = "river.toml"\n[flow]\nspeed = 0.25\n', "deep/creek.toml")
     study = load_study(write('base = "deep/creek.toml"\n'))
@@ -122,7 +122,7 @@ def test_text_may_be_set_with_and_without_quotes(setting: str, value: str) -> No
     assert load_study(settings=[setting]).document["simulator"]["integrator"] == value
 
 
-def test_a_seed_that_nobody_gave_is_drawn_and_kept() -> None:
+def test_without_a_seed_one_is_drawn_and_kept() -> None:
     seeds = {load_study().seed for _ in range(5)}
     assert len(seeds) == 5
     study = load_study()
@@ -191,14 +191,14 @@ def test_a_strategy_begins_at_the_same_random_numbers_each_time() -> None:
     assert study.make_strategy().ask(10) != load_study(run={"seed": 2}).make_strategy().ask(10)
 
 
-def test_every_thing_wrong_is_an_argument_of_the_error(write: Write) -> None:
+def test_every_fault_is_an_argument_of_the_error(write: Write) -> None:
     with pytest.raises(InputError) as caught:
         load_study(write(BASE + "[fluid]\ndensity = -1\ngravity = 'x'\n[fitness]\nuse = 'y'\n"))
     assert len(caught.value.args) == 3
     assert str(caught.value).count("\n") == 2
 
 
-def test_the_water_main_is_the_same_pipe_with_what_the_paper_leaves_out():
+def test_the_water_main_is_the_same_pipe_with_the_effects_that_the_paper_neglects():
     paper, main = load_study("pipe-inspection").scenario, load_study("water-main").scenario
     assert (main.pipe, main.targets, main.release) == (paper.pipe, paper.targets, paper.release)
     assert (main.flow.kind, main.contact.friction > 0) == ("turbulent", True)

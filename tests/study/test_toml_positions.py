@@ -43,7 +43,7 @@ from driftform.study.toml_positions import find_key_lines, find_line
         ("a = 1\n[b]", ("b",), 2),
     ],
 )
-def test_a_key_stands_on_its_line(text: str, path: tuple[str | int, ...], line: int) -> None:
+def test_a_key_has_the_line_on_which_it_is_written(text: str, path: tuple[str | int, ...], line: int) -> None:
     tomllib.loads(text)
     assert find_key_lines(text)[path] == line
 
@@ -53,7 +53,7 @@ def test_a_key_of_an_inline_table_has_the_line_of_its_table() -> None:
     assert find_line(("release", "velocity"), lines) == 2
 
 
-def test_what_is_nowhere_has_no_line() -> None:
+def test_a_missing_key_has_no_line() -> None:
     assert find_line(("gone",), find_key_lines("a = 1")) is None
     assert find_line((), find_key_lines("a = 1")) is None
 

@@ -15,7 +15,7 @@ print(slice_depth(0.1, still, 0.5, (0.0, 0.0, 0.02), 1.0))
 """
 
 
-def test_a_kernel_is_compiled_anew_when_a_file_changes_that_it_only_calls_into(tmp_path):
+def test_a_kernel_is_recompiled_when_a_file_changes_whose_functions_it_calls(tmp_path):
     package = Path(driftform.__file__).parent
     shutil.copytree(package, tmp_path / "driftform", ignore=shutil.ignore_patterns("__pycache__"))
     environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}

@@ -8,7 +8,7 @@ from driftform.errors import InputError
 from driftform.util.files import write_folder
 
 
-def test_a_folder_takes_the_place_of_the_former_one(tmp_path: Path) -> None:
+def test_a_new_folder_replaces_the_former_one(tmp_path: Path) -> None:
     former = tmp_path / "model" / "meshes"
     former.mkdir(parents=True)
     (former / "old.obj").write_text("old")
@@ -44,7 +44,7 @@ def test_a_file_in_its_place_is_refused_and_stays(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [tmp_path / "model"]
 
 
-def test_the_former_folder_comes_back_where_the_new_one_cannot_take_its_place(
+def test_the_former_folder_is_restored_if_the_new_one_cannot_replace_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "model").mkdir()

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from driftform.execution import Executor
-    from driftform.execution.lanes import PoolExecutor
+    from driftform.execution.pool import PoolExecutor
     from driftform.study import Study
 
 EXECUTORS = ("local", "dask")

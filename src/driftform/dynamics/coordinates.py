@@ -23,7 +23,7 @@ from driftform.dynamics.plane import (
 )
 from driftform.dynamics.rotations import rotation_from_vector, rotation_vector_from_quaternion
 from driftform.types import FloatArray
-from driftform.util.compiled import borrowed, compiled
+from driftform.util.compiled import borrow, compiled
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +108,7 @@ def _fill_sample_in_space(
 def _accelerations_in_plane(
     t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
 ) -> tuple[float, float, float]:
-    plane = borrowed(values)
+    plane = borrow(values)
     attitude = math.cos(coordinates[2]), math.sin(coordinates[2])
     velocity, rims = (rates[0], rates[1]), plane[MODEL_SIZE:].reshape(-1, 6)
     return accelerations_in_plane((coordinates[0], coordinates[1]), attitude, velocity, rates[2], plane, rims)
@@ -123,4 +123,4 @@ def _fill_sample_in_plane(
     sample[0], sample[1], sample[3] = t, coordinates[0], coordinates[1]
     sample[4], sample[6] = math.cos(0.5 * coordinates[2]), math.sin(0.5 * coordinates[2])
     sample[8], sample[10], sample[12] = rates[0], rates[1], rates[2]
-    return is_finite(sample) and not has_left_in_plane((coordinates[0], coordinates[1]), borrowed(values))
+    return is_finite(sample) and not has_left_in_plane((coordinates[0], coordinates[1]), borrow(values))

@@ -24,7 +24,7 @@ from driftform.dynamics.rotations import quaternion_rate, rotation_from_quaterni
 from driftform.dynamics.tableaus import DOP853, DOPRI5, RungeKuttaPair
 from driftform.dynamics.vectors import dot, subtract
 from driftform.types import FloatArray
-from driftform.util.compiled import borrowed, compiled
+from driftform.util.compiled import borrow, compiled
 
 STATE = SAMPLE - 1
 """Numbers in a state: position (3) and velocity (3) in the world, quaternion between them, body rates (3) at the end."""
@@ -176,11 +176,11 @@ def greatest_distance(a: FloatArray, b: FloatArray) -> float:
 @compiled
 def _borrow_arrays(pair: RungeKuttaPair) -> RungeKuttaPair:
     return RungeKuttaPair(
-        borrowed(pair.a),
-        borrowed(pair.b),
-        borrowed(pair.c),
-        borrowed(pair.error),
-        borrowed(pair.second),
+        borrow(pair.a),
+        borrow(pair.b),
+        borrow(pair.c),
+        borrow(pair.error),
+        borrow(pair.second),
         pair.power,
     )
 
@@ -205,7 +205,7 @@ def _integrate_at_tolerance(
     if stays_in_plane(start, model):
         plane, places = plane_model(model), np.array(STATE_INDICES)
     size = places.shape[0]
-    room = borrowed(work)[: (pairs[0].b.shape[0] + 3) * size]
+    room = borrow(work)[: (pairs[0].b.shape[0] + 3) * size]
     y, new, slopes = room[:size], room[size : 2 * size], room[2 * size :].reshape(-1, size)
     for i in range(size):
         y[i] = start[places[i]]

@@ -9,7 +9,7 @@ from driftform.dynamics.inertia import added_mass_at, rigid_body_mass
 from driftform.geometry.slices import slice_solid
 from driftform.scenario import Scenario
 from driftform.types import Agent, Body, Drag, FloatArray
-from driftform.util.compiled import borrowed, compiled
+from driftform.util.compiled import borrow, compiled
 
 # Rows of the table that the kernels read; six columns each.
 MASS, INVERSE, LINEAR, QUADRATIC = 0, 6, 12, 18
@@ -108,7 +108,7 @@ def pack(model: FlightModel) -> FloatArray:
 @compiled
 def unpack(values: FloatArray) -> FlightModel:
     """Return the model that :func:`pack` put into one array; its arrays share that memory."""
-    values = borrowed(values)
+    values = borrow(values)
     rims = 7 + 6 * int(values[0])
     pipe = rims + 6 * int(values[1])
     flow = pipe + 8 * int(values[2])

@@ -1,12 +1,12 @@
-"""Where evaluations run: here, in local processes, or on a Dask cluster; a crash costs the genome that is to blame."""
+"""Evaluations in this process, in local processes, or on a Dask cluster; a crash costs only the genome to blame."""
 
 from driftform.execution.in_process import InProcess
-from driftform.execution.jobs import ATTEMPTS, BATCH, Executor, Job, Outcome, WorkersLostError
+from driftform.execution.jobs import ATTEMPTS, MAX_BATCH, Executor, Job, Outcome, WorkersLostError
 from driftform.execution.local import LocalProcesses
 
 __all__ = [
     "ATTEMPTS",
-    "BATCH",
+    "MAX_BATCH",
     "Executor",
     "InProcess",
     "Job",

@@ -1,6 +1,6 @@
 """Evaluations on a Dask cluster: one on this machine, or one whose workers join from anywhere.
 
-The cluster keeps nothing of a run. Every task brings the study with it, in two kilobytes, so workers may come and go.
+The cluster stores nothing of a run. Every task carries the study, in two kilobytes, so that workers may join and leave.
 """
 
 import asyncio
@@ -20,10 +20,10 @@ from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
 from driftform import __version__
-from driftform.errors import DriftformError, InputError, WorkFailedError
+from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
 from driftform.execution.jobs import Job, Outcome, WorkersLostError, evaluate_batch
-from driftform.execution.lanes import POLL_S, PoolExecutor, WorkerGroup
 from driftform.execution.local import hold_back_interrupts
+from driftform.execution.pool import POLL_S, PoolExecutor, WorkerGroup
 from driftform.pipeline import Pipeline
 from driftform.registry import registry
 from driftform.study import SELECTED, Document, load_study
@@ -31,29 +31,29 @@ from driftform.study import SELECTED, Document, load_study
 if TYPE_CHECKING:
     from distributed import LocalCluster
 
-TIMEOUT = 10.0
-"""How long a scheduler may take to answer, s."""
+CONNECT_TIMEOUT_S = 10.0
+"""Time within which a scheduler must answer, s."""
 
 PACKAGES = ("numba", "numpy", "scipy")
-"""What decides the last digit of a flight beside driftform and its plugins."""
+"""Packages that, besides driftform and its plugins, affect the last digit of a result."""
 
-CHATTER = ("distributed", "tornado", "asyncio", "bokeh")
-"""Loggers that say on stderr what a run says itself, or need not say."""
+NOISY_LOGGERS = ("distributed", "tornado", "asyncio", "bokeh")
+"""Loggers that are silenced: a run reports what matters of their messages itself."""
 
 
 class Cluster(PoolExecutor):
-    """Evaluates on the workers of a Dask cluster; all of them are one lane, since Dask moves tasks among them."""
+    """Evaluates on the workers of a Dask cluster, which form one worker group because Dask moves tasks among them."""
 
     @classmethod
     def start(cls, document: Mapping[str, Any], workers: int) -> "Cluster":
-        """A cluster of worker processes on this machine, which ends with this process.
+        """Start a cluster of worker processes on this machine; it ends with this process.
 
         Raises
         ------
         InputError
-            where the extra ``dask`` is not installed.
+            if the extra ``dask`` is not installed.
         WorkFailedError
-            where the cluster does not start.
+            if the cluster does not start.
         """
         distributed = _import_distributed("--executor dask")
         try:
@@ -66,46 +66,48 @@ class Cluster(PoolExecutor):
                     dashboard_address=None,
                     memory_limit=0,
                     silence_logs=logging.CRITICAL,
-                    # Who is to blame for a death is found out here, as with local processes.
+                    # WorkerGroup finds the genome to blame for a death, as with local processes.
                     scheduler_kwargs={"allowed_failures": 0},
                 )
-                client = distributed.Client(cluster, timeout=TIMEOUT, set_as_default=False)
+                client = distributed.Client(cluster, timeout=CONNECT_TIMEOUT_S, set_as_default=False)
         except Exception as error:
-            raise WorkFailedError(f"--executor dask: no cluster starts here: {_told(error)}") from None
+            raise WorkFailedError(
+                f"--executor dask: cannot start a cluster: {describe_error(_find_cause(error))}"
+            ) from None
         return cls([_Workers(document, client, "the local Dask cluster", cluster)])
 
     @classmethod
     def join(cls, document: Mapping[str, Any], address: str) -> "Cluster":
-        """The cluster of a scheduler that is running already; waits for the first worker.
+        """Join the cluster of a running scheduler, and wait for its first worker.
 
         Raises
         ------
         InputError
-            where the extra ``dask`` is not installed, or no scheduler answers.
+            if the extra ``dask`` is not installed, or no scheduler answers.
         """
         distributed = _import_distributed("--scheduler")
         try:
-            # Asked first, because a client waits for ever for what listens there and is no scheduler.
-            kind = asyncio.run(asyncio.wait_for(_identity(distributed, address), TIMEOUT))
+            # Asked first, because a client waits forever for a listener that is not a scheduler.
+            kind = asyncio.run(asyncio.wait_for(_identify(distributed, address), CONNECT_TIMEOUT_S))
             if kind != "Scheduler":
-                raise ValueError(f"that is a {kind.lower()}")
+                raise InputError(f"it is a {kind.lower()}")
             with hold_back_interrupts():
-                client = distributed.Client(address, timeout=TIMEOUT, set_as_default=False)
+                client = distributed.Client(address, timeout=CONNECT_TIMEOUT_S, set_as_default=False)
         except Exception as error:
-            # Whether nobody answers or nobody in time is a matter of how busy this machine is.
-            silent = isinstance(_bottom(error), TimeoutError | ConnectionRefusedError)
-            why = "" if silent else f" ({_told(error)})"
+            # A refused connection and a timeout give one message: which of them occurs depends on the load.
+            silent = isinstance(_find_cause(error), TimeoutError | ConnectionRefusedError)
+            why = "" if silent else f" ({describe_error(_find_cause(error))})"
             raise InputError(
                 f"--scheduler {address}: no Dask scheduler answers there{why}; "
                 "start one with 'dask scheduler', which prints its address"
             ) from None
-        lane = _Workers(document, client, address)
+        group = _Workers(document, client, address)
         try:
-            lane.wait_for_workers()
+            group.wait_for_workers()
         except BaseException:
-            lane.close()
+            group.close()
             raise
-        return cls([lane])
+        return cls([group])
 
 
 class _Workers(WorkerGroup):
@@ -120,66 +122,65 @@ class _Workers(WorkerGroup):
     ) -> None:
         super().__init__(len(document["targets"]))
         self._study = zlib.compress(json.dumps(document).encode(), 9)
-        self._versions = versions(document)
+        self._versions = find_versions(document)
         self._client, self._cluster, self._where = client, cluster, where
         self._tasks = client.get_executor(pure=False)
         self._count = len(client.nthreads())
-        self._looked = self._seen = time.monotonic()
-        self._has_told = False
+        self._polled_at = self._seen_at = time.monotonic()
+        self._has_printed = False
 
     @property
     def processes(self) -> int:
-        """Worker processes, whatever the number of their threads: one evaluates one genome at a time."""
+        """Number of worker processes, whatever their number of threads: each evaluates one genome at a time."""
         return max(1, self._count)
 
     def submit(self, batch: Sequence[Job]) -> "Future[list[Outcome]]":
         future: Future[list[Outcome]] = self._tasks.submit(_work, self._study, self._versions, batch)
         return future
 
-    def error(self, future: "Future[list[Outcome]]") -> BaseException | None:
+    def find_error(self, future: "Future[list[Outcome]]") -> BaseException | None:
         from distributed.scheduler import KilledWorker
 
         if future.cancelled():
-            return self._lost()
+            return self._make_lost_error()
         error = future.exception()
         if error is None or isinstance(error, DriftformError | KilledWorker):
             return error
         return WorkFailedError(
-            f"{self._where}: its workers cannot evaluate ({_told(error)}); "
+            f"{self._where}: its workers cannot evaluate ({describe_error(_find_cause(error))}); "
             "install the same driftform and plugins for the scheduler and all workers"
         )
 
-    def deaths(self, error: BaseException) -> int:
+    def count_deaths(self, error: BaseException) -> int:
         from distributed.scheduler import KilledWorker
 
         return error.allowed_failures + 1 if isinstance(error, KilledWorker) else 0
 
-    def look(self) -> None:
+    def poll(self) -> None:
         now = time.monotonic()
-        if now - self._looked < POLL_S:
+        if now - self._polled_at < POLL_S:
             return
-        self._looked = now
+        self._polled_at = now
         try:
             self._count = len(self._client.nthreads())
         except Exception:
-            raise self._lost() from None
+            raise self._make_lost_error() from None
         if self._count:
-            self._seen, self._has_told = now, False
-        # A worker that died is replaced within some seconds.
-        elif now - self._seen > TIMEOUT and not self._has_told:
-            self._print_how_to_join()
+            self._seen_at, self._has_printed = now, False
+        # A dead worker is replaced within a few seconds.
+        elif now - self._seen_at > CONNECT_TIMEOUT_S and not self._has_printed:
+            self._print_join_command()
 
     def wait_for_workers(self) -> None:
-        """Return when there is one."""
+        """Wait until the cluster has a worker."""
         while not self._count:
-            if not self._has_told:
-                self._print_how_to_join()
+            if not self._has_printed:
+                self._print_join_command()
             time.sleep(POLL_S / 10)
-            self.look()
+            self.poll()
 
     def close(self) -> None:
-        # Nothing is left to lose, and workers of our own end with this process at the latest. Asked to end, they
-        # would finish their flight first.
+        # The workers of a local cluster hold nothing to save, and would finish their flight first if asked to stop.
         for nanny in self._cluster.workers.values() if self._cluster is not None else ():
             nanny.close_gracefully()
             if nanny.pid is not None:
@@ -193,11 +194,11 @@ class _Workers(WorkerGroup):
                 with suppress(Exception):
                     end.close(timeout=POLL_S)
 
-    def _lost(self) -> WorkersLostError:
-        return WorkersLostError(f"{self._where}: the scheduler is gone")
+    def _make_lost_error(self) -> WorkersLostError:
+        return WorkersLostError(f"{self._where}: the connection to the scheduler is lost")
 
-    def _print_how_to_join(self) -> None:
-        self._has_told = True
+    def _print_join_command(self) -> None:
+        self._has_printed = True
         print(
             f"{self._where} has no worker; waiting for one: dask worker {self._where} --nthreads 1",
             file=sys.stderr,
@@ -205,8 +206,8 @@ class _Workers(WorkerGroup):
         )
 
 
-def versions(document: Mapping[str, Any]) -> dict[str, str]:
-    """The versions of what decides the outcome of an evaluation: driftform, the study's plugins, numerics."""
+def find_versions(document: Mapping[str, Any]) -> dict[str, str]:
+    """Return the versions of all that affects the outcome of an evaluation: driftform, the study's plugins, numerics."""
     found = {"driftform": __version__} | {name: metadata.version(name) for name in PACKAGES}
     for seam in SELECTED:
         if seam != "strategy":
@@ -221,54 +222,49 @@ def _import_distributed(option: str) -> Any:
     except ImportError as error:
         raise InputError(f"{option} needs Dask ({error}): pip install 'driftform[dask]'") from None
     for name in list(logging.root.manager.loggerDict):
-        if name.partition(".")[0] in CHATTER:
+        if name.partition(".")[0] in NOISY_LOGGERS:
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     return distributed
 
 
-async def _identity(distributed: Any, address: str) -> str:
-    """What answers at an address, such as "Scheduler"."""
-    # Connecting looks up a name that nobody knows again and again, until the time is over.
+async def _identify(distributed: Any, address: str) -> str:
+    """Return the kind of Dask process that answers at an address, such as "Scheduler"."""
+    # Resolved first, because connecting retries an unknown host name until the timeout.
     await asyncio.to_thread(distributed.comm.resolve_address, address)
     security = distributed.Security().get_connection_args("client")
-    comm = await distributed.comm.connect(address, TIMEOUT / 2, **security)
+    comm = await distributed.comm.connect(address, CONNECT_TIMEOUT_S / 2, **security)
     try:
         return str((await distributed.core.send_recv(comm, op="identity"))["type"])
     finally:
         comm.abort()
 
 
-def _told(error: BaseException) -> str:
-    """What is at the bottom of an error, in one line."""
-    error = _bottom(error)
-    return (str(error).strip().splitlines() or [type(error).__name__])[0]
-
-
-def _bottom(error: BaseException) -> BaseException:
+def _find_cause(error: BaseException) -> BaseException:
+    """Return the first error in the chain of causes."""
     while isinstance(error.__cause__, Exception):
         error = error.__cause__
     return error
 
 
-# What runs on a worker.
+# Functions that run on a worker.
 
 _one_at_a_time = threading.Lock()
-"""A worker may have many threads, and a simulator need not be safe with them."""
+"""A worker may have many threads, and a simulator need not be thread-safe."""
 
 
 def _work(study: bytes, expected: Mapping[str, str], batch: Sequence[Job]) -> list[Outcome]:
     with _one_at_a_time:
-        return evaluate_batch(_pipeline(study, tuple(expected.items())), batch)
+        return evaluate_batch(_load_pipeline(study, tuple(expected.items())), batch)
 
 
 @lru_cache(maxsize=8)
-def _pipeline(study: bytes, expected: tuple[tuple[str, str], ...]) -> Pipeline:
+def _load_pipeline(study: bytes, expected: tuple[tuple[str, str], ...]) -> Pipeline:
     from distributed import get_worker
 
     document = json.loads(zlib.decompress(study))
     where = f"worker {get_worker().address}"
     pipeline = load_study(Document(where, document)).make_pipeline()
-    here = versions(document)
+    here = find_versions(document)
     for name, version in expected:
         if here.get(name) != version:
             raise InputError(

@@ -7,14 +7,14 @@ from driftform.pipeline import Pipeline
 
 
 class InProcess:
-    """Evaluates in this process, one task at a time: for a handful of genomes, and for debugging."""
+    """Evaluates in this process, one task at a time: for a few genomes, and for debugging."""
 
     def __init__(self, pipeline: Pipeline) -> None:
         self._pipeline = pipeline
         self._seconds: float | None = None
 
     def evaluate(self, jobs: Sequence[Job]) -> Iterator[list[Outcome]]:
-        """Yield the outcomes task by task."""
+        """Yield the outcomes of one task after another."""
         start = 0
         while start < len(jobs):
             size = task_size(len(jobs) - start, 1, self._seconds)
@@ -24,4 +24,4 @@ class InProcess:
             yield outcomes
 
     def close(self) -> None:
-        """Nothing to end."""
+        """Do nothing: there are no workers to stop."""

@@ -1,4 +1,4 @@
-"""What an executor takes and gives, and how many genomes make one task."""
+"""The jobs and outcomes of an executor, and the number of genomes in one task."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -13,10 +13,18 @@ from driftform.types import Evaluation, Genome
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """What is to be evaluated.
+    """One genome to evaluate.
 
-    ``index`` says which of the jobs an outcome belongs to. ``seed`` is that of the gusts, ``None`` for those of the
-    scenario; ``condition`` is the number of a disturbed condition, ``None`` for none.
+    Attributes
+    ----------
+    index
+        identifies the job in its outcome.
+    genome
+        the genome.
+    seed
+        seed of the gusts, ``None`` for that of the scenario.
+    condition
+        number of a disturbed condition, ``None`` for undisturbed.
     """
 
     index: int
@@ -26,37 +34,38 @@ class Job:
 
 
 Outcome = tuple[int, Evaluation]
+"""The index of a job, and its evaluation."""
 
 
 class Executor(Protocol):
-    """Where evaluations run."""
+    """Evaluates jobs, in this process or in others."""
 
     def evaluate(self, jobs: Sequence[Job]) -> Iterable[Sequence[Outcome]]:
-        """Yield an outcome for each job, in any order, as many at a time as there are."""
+        """Yield one outcome for each job, in any order, in batches of any size."""
 
 
 ATTEMPTS = 2
-"""A genome whose process dies this often, alone in it, is recorded as failed."""
+"""A genome fails if its process dies this often while it evaluates this genome alone."""
 
-BATCH = 50
-"""Most genomes in one task."""
+MAX_BATCH = 50
+"""Largest number of genomes in one task."""
 
-FIRST = 4
-"""Genomes in a task as long as nobody knows how long one takes."""
+FIRST_BATCH = 4
+"""Largest number of genomes in a task while the time for one is unknown."""
 
-SHORTEST = 0.02
-"""Tasks take this long at least, s: many times what it costs to hand one out."""
+MIN_TASK_S = 0.02
+"""Shortest duration of a task, s: many times the cost of submitting one."""
 
-LONGEST = 1.0
-"""Tasks take no longer than this, s, but for one of a single genome: it is what a crash makes one do again."""
+MAX_TASK_S = 1.0
+"""Longest duration of a task of several genomes, s: the work that a crash repeats."""
 
 
 class WorkersLostError(WorkFailedError):
-    """What evaluates has gone, and not by anything that was evaluated; a run can go on later."""
+    """The workers are lost, and no genome is to blame; the run can be resumed."""
 
 
 def evaluate_batch(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:
-    """Evaluate the genomes of one task, as a run keeps them."""
+    """Evaluate the genomes of one task; trajectories are compressed as a run stores them."""
     evaluations = pipeline.evaluate(
         [job.genome for job in batch], [job.seed for job in batch], [job.condition for job in batch]
     )
@@ -67,19 +76,19 @@ def evaluate_batch(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:
 
 
 def task_size(waiting: int, processes: int, seconds: float | None) -> int:
-    """Genomes in the next task: half of an even share of what waits, within what a task may last.
+    """Return the number of genomes in the next task: half of an even share, within the limits on a task's duration.
 
-    Tasks get smaller towards the end, so that the processes finish together (Hummel, Schonberg and Flynn 1992,
-    Factoring: a method for scheduling parallel loops, doi:10.1145/135226.135232, whose factor of two this is).
+    Tasks become smaller towards the end, so that the processes finish together. The factor of two is that of Hummel,
+    Schonberg and Flynn (1992), Factoring: a method for scheduling parallel loops, doi:10.1145/135226.135232.
 
     Parameters
     ----------
     waiting
-        genomes that nobody has yet.
+        number of genomes that are not in a task yet.
     processes
-        how many evaluate at the same time.
+        number of processes that evaluate at the same time.
     seconds
-        that a genome takes, ``None`` where it is not known.
+        time for one genome, s, ``None`` if unknown.
 
     >>> [task_size(n, 2, 0.005) for n in (100, 75, 20, 6, 1)]
     [25, 19, 5, 4, 1]
@@ -88,7 +97,7 @@ def task_size(waiting: int, processes: int, seconds: float | None) -> int:
     """
     share = math.ceil(waiting / (2 * processes))
     if seconds is None:
-        return min(share, FIRST)
+        return min(share, FIRST_BATCH)
     seconds = max(seconds, 1e-6)
-    size = min(max(share, math.ceil(SHORTEST / seconds)), int(LONGEST / seconds), BATCH, waiting)
+    size = min(max(share, math.ceil(MIN_TASK_S / seconds)), int(MAX_TASK_S / seconds), MAX_BATCH, waiting)
     return max(size, 1)

@@ -1,4 +1,4 @@
-"""Evaluations in worker processes on this machine, which may crash without taking the run with them."""
+"""Evaluations in worker processes on this machine; a crash of one does not end the run."""
 
 import multiprocessing
 import os
@@ -14,7 +14,7 @@ from multiprocessing.connection import wait as wait_for_any
 from typing import TYPE_CHECKING, Any
 
 from driftform.execution.jobs import Job, Outcome, evaluate_batch
-from driftform.execution.lanes import PoolExecutor, WorkerGroup
+from driftform.execution.pool import PoolExecutor, WorkerGroup
 from driftform.pipeline import Pipeline
 from driftform.study import Document, load_study
 
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
 
 
 class LocalProcesses(PoolExecutor):
-    """Evaluates in worker processes on this machine, each a lane of its own."""
+    """Evaluates in worker processes on this machine, each a worker group."""
 
     def __init__(self, document: Mapping[str, Any], workers: int) -> None:
         super().__init__([_Process(document) for _ in range(workers)])
 
 
 class _Process(WorkerGroup):
-    """One worker process; it is started when there is work, and again where it died."""
+    """One worker process; it starts with the first task, and again after it died."""
 
     processes = 1
 
@@ -45,11 +45,11 @@ class _Process(WorkerGroup):
         try:
             return self._pool.submit(batch)
         except BrokenProcessPool:
-            # It died while it waited for work.
+            # The process died while it waited for work.
             self.close()
             return self.submit(batch)
 
-    def deaths(self, error: BaseException) -> int:
+    def count_deaths(self, error: BaseException) -> int:
         if not isinstance(error, BrokenProcessPool):
             return 0
         self.close()
@@ -62,12 +62,12 @@ class _Process(WorkerGroup):
 
 
 class _Pool:
-    """A worker process that ends at once when it is told to, or when this process ends."""
+    """A worker process that exits immediately when it is closed, or when this process exits."""
 
     def __init__(self, document: Mapping[str, Any]) -> None:
         # Spawned, not forked: the libraries behind the simulators keep threads and global state.
         context = multiprocessing.get_context("spawn")
-        # Nothing is ever sent: closing this end is the message.
+        # Nothing is ever sent through this pipe: closing one end is the signal to exit.
         ended, self._end = context.Pipe(duplex=False)
         self._ended = ended
         self._executor = ProcessPoolExecutor(
@@ -80,7 +80,7 @@ class _Pool:
 
     def close(self) -> None:
         self._end.close()
-        # One that is still importing listens to nobody yet, and has nothing to lose.
+        # A process that is still importing does not watch the pipe yet, and has no work to lose.
         for process in list((getattr(self._executor, "_processes", None) or {}).values()):
             process.kill()
         self._executor.shutdown(wait=True, cancel_futures=True)
@@ -89,9 +89,9 @@ class _Pool:
 
 @contextmanager
 def hold_back_interrupts() -> Iterator[None]:
-    """Worker processes that start meanwhile do not see Ctrl-C: it is the coordinator's to handle.
+    """Block Ctrl-C in worker processes that start inside this context: the coordinator handles it.
 
-    They inherit the mask, so that not even one that is still importing answers with a traceback.
+    They inherit the signal mask, so that even a process that is still importing prints no traceback.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield
@@ -105,9 +105,9 @@ def hold_back_interrupts() -> Iterator[None]:
 
 @contextmanager
 def leave_out_script() -> Iterator[None]:
-    """Worker processes that start meanwhile do not import the script that asks for them: they need nothing of it.
+    """Keep worker processes that start inside this context from importing the user's script, which they do not need.
 
-    One without ``if __name__ == "__main__":`` would ask again in each of them.
+    A script without ``if __name__ == "__main__":`` would otherwise start its run again in each of them.
     """
     names = vars(sys.modules["__main__"])
     kept: dict[str, Any] = {name: names.pop(name) for name in ("__spec__", "__file__") if name in names}
@@ -124,22 +124,22 @@ _document: Mapping[str, Any]
 def _start(document: Mapping[str, Any], ended: "Connection[Any, Any]") -> None:
     global _document  # noqa: PLW0603 - a worker process has one study
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_coordinator, args=(ended,), daemon=True).start()
+    threading.Thread(target=_exit_with_coordinator, args=(ended,), daemon=True).start()
     _document = document
 
 
-def _end_with_coordinator(ended: "Connection[Any, Any]") -> None:
-    """A coordinator that is killed cannot say so, and one that stops does not wait for long flights."""
+def _exit_with_coordinator(ended: "Connection[Any, Any]") -> None:
+    """Exit when the coordinator closes the pipe or dies, even in the middle of a long flight."""
     parent = multiprocessing.parent_process()
     wait_for_any([ended, *([parent.sentinel] if parent is not None else [])])
     os._exit(1)
 
 
 @cache
-def _pipeline() -> Pipeline:
-    # Made by the first task and not before: what goes wrong is then the task's error, and not a process that died.
+def _load_pipeline() -> Pipeline:
+    # Made by the first task: an exception is then the error of that task, and not a dead process.
     return load_study(Document("the study", _document)).make_pipeline()
 
 
 def _work(batch: Sequence[Job]) -> list[Outcome]:
-    return evaluate_batch(_pipeline(), batch)
+    return evaluate_batch(_load_pipeline(), batch)

@@ -149,8 +149,7 @@ def title_block(agent: Agent, scenario: Scenario | None) -> list[tuple[str, str]
     ]
     if scenario is not None:
         fluid = scenario.fluid
-        net = (fluid.density * mass.volume - mass.mass) * fluid.gravity
-        block.append(("net buoyancy", f"{net:+.3g} N".replace("-", "\u2212")))
+        block.append(("net buoyancy", f"{mass.net_buoyancy(fluid):+.3g} N".replace("-", "\u2212")))
         block.append(("water", f"{fluid.density:.0f} kg/m³"))
     return block
 

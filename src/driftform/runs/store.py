@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from driftform.errors import InputError, WorkFailedError
+from driftform.errors import InputError, WorkFailedError, describe_error
 from driftform.trajectory.compression import compress, decode, diagnostics
 from driftform.types import Candidate, End, Evaluation, FloatArray, Genome, Trajectory
 from driftform.util.files import write_whole
@@ -424,8 +424,7 @@ class Store:
         try:
             yield
         except (sqlite3.Error, zlib.error, ValueError, TypeError, KeyError, RecursionError) as error:
-            told = f"{type(error).__name__}: {error}"
-            raise InputError(f"{self._path}: is damaged ({told}); {_NEXT_STEP}") from None
+            raise InputError(f"{self._path}: is damaged ({describe_error(error)}); {_NEXT_STEP}") from None
 
     def _record(self, row: tuple[Any, ...], targets: Sequence[str]) -> Record:
         index, generation, population, parents, grammar, symbols, seed, failure, ended, _, *rest = row

@@ -184,8 +184,8 @@ def _body_facts(
     except Exception:
         # A genome without a body is a failure of the run, recorded with its reason, and none of its table.
         return (None,) * len(BODY_COLUMNS)
-    net = mass.net_buoyancy(fluid)
-    return (len(morphology.modules), body.length, body.max_diameter, mass.mass, mass.volume, net)
+    net_buoyancy = mass.net_buoyancy(fluid)
+    return (len(morphology.modules), body.length, body.max_diameter, mass.mass, mass.volume, net_buoyancy)
 
 
 def sample_batches(records: Iterable[Record]) -> Iterator[Batch]:

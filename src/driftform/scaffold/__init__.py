@@ -1,7 +1,7 @@
-"""A new plugin for each seam: a small distribution that installs, passes its tests, and is there to be changed.
+"""Creates a new plugin for any seam: a small distribution that installs and passes its tests, to be edited.
 
-Each seam has a folder of templates, real files in which ``string.Template`` fills in names, and ``about.toml`` with what
-they differ in; ``common`` has what all of them share.
+Each seam has a folder of templates, in which ``string.Template`` fills in names, and ``about.toml`` with the data of
+the seam; ``common`` contains the templates that all seams share.
 """
 
 import keyword
@@ -21,25 +21,25 @@ from driftform.registry import registry
 from driftform.study import NAMED
 
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
-"""An agent to try a plugin on."""
+"""An agent to try a plugin with, as its developed word."""
 
-_LONGEST = 60
+_MAX_LENGTH = 60
 
 
 @dataclass(frozen=True)
 class Names:
-    """What a new plugin and its parts are called.
+    """The names of a new plugin and its parts.
 
     Attributes
     ----------
     distribution
-        what is installed, normalised as in PEP 503: ``driftform-dwell``.
+        name of the distribution, normalised as in PEP 503: ``driftform-dwell``.
     package
-        what is imported: ``driftform_dwell``.
+        name of the package: ``driftform_dwell``.
     plugin
-        what a study file says: ``dwell``.
+        name of the plugin in a study file: ``dwell``.
     class_name, options_name
-        of the implementation and its options: ``DwellFitness``, ``DwellOptions``.
+        names of the implementation and its options: ``DwellFitness``, ``DwellOptions``.
     """
 
     distribution: str
@@ -49,56 +49,56 @@ class Names:
     options_name: str
 
 
-def scaffolds() -> tuple[str, ...]:
-    """The seams that there are templates for."""
+def list_scaffolds() -> tuple[str, ...]:
+    """Return the seams that have templates."""
     folders = [folder for folder in resources.files(__name__).iterdir() if (folder / "about.toml").is_file()]
     return tuple(sorted(folder.name for folder in folders))
 
 
 def make_names(name: str, seam: str) -> Names:
-    """Check the name of a new distribution, and return all that follows from it.
+    """Check the name of a new distribution, and return all names that follow from it.
 
     Raises
     ------
     InputError
-        where it is no name of a distribution (PEP 508), or something that is installed has it.
+        if it is not a valid name of a distribution (PEP 508), or is already taken.
     """
     if seam not in SEAMS:
-        raise InputError(f"--seam {seam}: there is no such seam{did_you_mean(seam, SEAMS)}")
+        raise InputError(f"--seam {seam}: unknown seam{did_you_mean(seam, SEAMS)}")
     if not re.fullmatch(r"[a-z0-9]([a-z0-9._-]*[a-z0-9])?", name, re.IGNORECASE | re.ASCII):
         near = re.sub(r"[^a-z0-9]+", "-", name.lower(), flags=re.ASCII).strip("-")
         raise InputError(
-            f"'{name}' is no name of a distribution, which is letters and digits with '-' between them"
+            f"'{name}' is not a valid name of a distribution: use letters and digits, with '-' between them"
             + (f"; did you mean '{near}'?" if near else ", such as driftform-dwell")
         )
     distribution = re.sub(r"[-_.]+", "-", name).lower()
     plugin = distribution.removeprefix("driftform-")
     package = distribution.replace("-", "_")
     camel = "".join(part.capitalize() for part in plugin.split("-"))
-    names = Names(distribution, package, plugin, camel + _about(seam)["noun"], f"{camel}Options")
-    if len(name) > _LONGEST:
-        raise InputError(f"'{name[:20]}...' is longer than {_LONGEST} characters; choose a shorter name")
+    names = Names(distribution, package, plugin, camel + _read_about(seam)["noun"], f"{camel}Options")
+    if len(name) > _MAX_LENGTH:
+        raise InputError(f"'{name[:20]}...' is longer than {_MAX_LENGTH} characters; choose a shorter name")
     if not names.class_name.isidentifier():
         raise InputError(
-            f"'{name}' would make a class '{names.class_name}'; let the name of the plugin begin with a letter"
+            f"'{name}' would give the class '{names.class_name}'; the name of the plugin must begin with a letter"
         )
     if keyword.iskeyword(package) or package in sys.stdlib_module_names or util.find_spec(package):
-        raise InputError(f"a module '{package}' is there already; did you mean 'driftform-{distribution}'?")
+        raise InputError(f"a module '{package}' already exists; did you mean 'driftform-{distribution}'?")
     if hasattr(interfaces, names.class_name) or hasattr(interfaces, names.options_name):
         raise InputError(
-            f"'{name}' would make a class with the name of one of driftform's; choose another name"
+            f"'{name}' would give a class with the name of a class of driftform; choose another name"
         )
     for row in registry().seam(seam):
         if row.name == plugin:
             raise InputError(
-                f"{seam} '{plugin}' is there already, from {row.distribution} {row.version}; choose another name"
+                f"{seam} '{plugin}' already exists, from {row.distribution} {row.version}; choose another name"
             )
     return names
 
 
 def list_files(names: Names, seam: str) -> dict[str, str]:
-    """Return the text of each file of a new distribution, by its path below the distribution's folder."""
-    about, package, tests = _about(seam), f"src/{names.package}", "tests"
+    """Return the text of each file of a new distribution, by its path inside the distribution's folder."""
+    about, package, tests = _read_about(seam), f"src/{names.package}", "tests"
     words = {
         "distribution": names.distribution,
         "package": names.package,
@@ -114,7 +114,7 @@ def list_files(names: Names, seam: str) -> dict[str, str]:
         ),
         "word": WORD,
     }
-    study = _template(seam, "study.toml.txt").substitute(words)
+    study = _read_template(seam, "study.toml.txt").substitute(words)
     use = "\n".join(f"$ {line}" for line in list_uses(names, seam))
     filled = {
         "pyproject.toml": ("common", "pyproject.toml.txt"),
@@ -124,20 +124,21 @@ def list_files(names: Names, seam: str) -> dict[str, str]:
         f"{tests}/test_{seam}.py": (seam, "test.py.txt"),
     }
     files = {
-        path: _template(*source).substitute(words, study=study, use=use) for path, source in filled.items()
+        path: _read_template(*source).substitute(words, study=study, use=use)
+        for path, source in filled.items()
     }
     return {**files, "study.toml": study}
 
 
 def list_uses(names: Names, seam: str) -> list[str]:
-    """Return the commands that use the new plugin, from the distribution's folder."""
-    lines: Iterable[str] = _about(seam)["use"]
+    """Return commands that use the new plugin, to be run in the distribution's folder."""
+    lines: Iterable[str] = _read_about(seam)["use"]
     return [Template(line).substitute(plugin=names.plugin, word=WORD) for line in lines]
 
 
-def _about(seam: str) -> dict[str, Any]:
+def _read_about(seam: str) -> dict[str, Any]:
     return tomllib.loads((resources.files(__name__) / seam / "about.toml").read_text(encoding="utf-8"))
 
 
-def _template(folder: str, name: str) -> Template:
+def _read_template(folder: str, name: str) -> Template:
     return Template((resources.files(__name__) / folder / name).read_text(encoding="utf-8"))

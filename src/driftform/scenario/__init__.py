@@ -1,4 +1,4 @@
-"""The environment as data: pipe, flow, fluid, release, contact, targets, and disturbances of all these."""
+"""The environment as data: pipe, flow, fluid, release, contact, targets, and their disturbances."""
 
 from driftform.scenario.flow import (
     FLOWS,

@@ -1,7 +1,7 @@
-"""Conditions that an agent may meet instead of those it was designed for, and what its fitness comes to under them.
+"""Disturbed conditions of a flight, and the fitness of an agent under them.
 
-The conditions of a run are a small design of experiments: a Latin hypercube over all that varies, the same for every
-agent, so that agents are compared under equal conditions.
+The conditions of a run are a design of experiments: a Latin hypercube over all disturbed quantities. All agents are
+flown under the same conditions, so that their fitness can be compared.
 """
 
 from collections.abc import Sequence
@@ -13,29 +13,29 @@ import numpy as np
 from driftform.scenario import Robustness, Scenario, TurbulentFlow
 from driftform.types import Body, FloatArray
 
-FARTHEST = 3.0
-"""Standard deviations at which a distribution is cut off: what is farther out would be noticed and not used."""
+MAX_DEVIATION = 3.0
+"""Standard deviations at which a distribution is truncated: a larger deviation would be noticed before use."""
 
-NARROWEST = 0.98
-"""Share of the bore's radius that a disturbed release stays within."""
+MAX_RADIUS_SHARE = 0.98
+"""Largest distance of a disturbed release from the axis, relative to the radius of the bore."""
 
 
 @dataclass(frozen=True)
 class Condition:
-    """How one flight differs from what the scenario says.
+    """The deviations of one flight from its scenario.
 
     Attributes
     ----------
     across
-        offset of the point of release along the two normals of :func:`draw_normals`, m.
+        offset of the release position along the two normals of :func:`draw_normals`, m.
     pitch, yaw
-        offsets of the attitude at the release, rad.
+        offsets of the release attitude, rad.
     current, density
-        factors on the water's speed and density.
+        factors on the speed and the density of the water.
     mass
         factor on the density of the hull's material.
     wall
-        how much thicker the wall was printed, m.
+        increase of the thickness of the printed wall, m.
     gusts
         seed of the gusts.
     """
@@ -51,10 +51,11 @@ class Condition:
 
 
 def draw_conditions(robustness: Robustness, seed: int) -> tuple[Condition, ...]:
-    """Return the conditions that a run with this seed tries its finalists under.
+    """Return the disturbed conditions of a run with this seed.
 
-    Latin hypercube (McKay, Beckman and Conover 1979, Technometrics 21(2)): each of n conditions has its own of n
-    equally likely intervals of every quantity. All are normal, cut off at :data:`FARTHEST` deviations.
+    Latin hypercube (McKay, Beckman and Conover 1979, Technometrics 21(2)): for every quantity, each of the n conditions
+    lies in a different one of n equally likely intervals. All distributions are normal, truncated at
+    :data:`MAX_DEVIATION` standard deviations.
     """
     if not robustness.conditions:
         return ()
@@ -62,7 +63,7 @@ def draw_conditions(robustness: Robustness, seed: int) -> tuple[Condition, ...]:
 
     rng = np.random.default_rng((seed, robustness.conditions))
     shares = qmc.LatinHypercube(8, rng=rng).random(robustness.conditions)
-    drawn = truncnorm.ppf(shares, -FARTHEST, FARTHEST) * [
+    drawn = truncnorm.ppf(shares, -MAX_DEVIATION, MAX_DEVIATION) * [
         *(robustness.position, robustness.position),
         *np.deg2rad([robustness.angle_deg, robustness.angle_deg]),
         *(robustness.current, robustness.density, robustness.mass, robustness.wall),
@@ -75,13 +76,13 @@ def draw_conditions(robustness: Robustness, seed: int) -> tuple[Condition, ...]:
 
 
 def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
-    """Return the surroundings as they are under a condition."""
+    """Return the scenario under a disturbed condition."""
     flow = scenario.flow.model_copy(update={"speed": scenario.flow.speed * condition.current})
     if isinstance(flow, TurbulentFlow):
         flow = flow.model_copy(update={"seed": condition.gusts})
     release = scenario.release.model_copy(
         update={
-            "position": _moved(scenario, condition.across),
+            "position": _shift_release(scenario, condition.across),
             "pitch_deg": scenario.release.pitch_deg + float(np.rad2deg(condition.pitch)),
             "yaw_deg": scenario.release.yaw_deg + float(np.rad2deg(condition.yaw)),
         }
@@ -91,18 +92,18 @@ def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
 
 
 def disturb_body(condition: Condition, body: Body) -> Body:
-    """Return the body as it is printed under a condition.
+    """Return the body as printed under a disturbed condition.
 
-    A wall that is thicker by d weighs (1 + d / wall) times as much, to the first order; its outside stays.
+    A wall that is thicker by d weighs (1 + d / wall) times as much, to first order; the outer contour does not change.
     """
     thicker = max(0.0, 1 + condition.wall / body.wall) if body.wall else 1.0
     return replace(body, hull_density=body.hull_density * condition.mass * thicker)
 
 
 def robust_fitness(fitness: FloatArray, robustness: Robustness) -> FloatArray:
-    """Return what fitness under many conditions, (conditions, targets), comes to, (targets,).
+    """Return the robust fitness, (targets,), from the fitness under all conditions, (conditions, targets).
 
-    Its mean, its smallest value, or the value that a share ``quantile`` of the conditions falls short of.
+    It is the mean, the smallest value, or the quantile ``robustness.quantile``, by ``robustness.score``.
     """
     if robustness.score == "mean":
         return np.asarray(fitness.mean(axis=0))
@@ -112,14 +113,14 @@ def robust_fitness(fitness: FloatArray, robustness: Robustness) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """Fitness of one agent over disturbed conditions.
+    """Distribution of the fitness of one agent over the disturbed conditions.
 
     Attributes
     ----------
     count, failed
-        flights in all, and those that failed: their fitness is zero.
+        number of flights, and of failed flights, whose fitness is zero.
     mean, tenth, worst
-        the mean, the value that one condition in ten falls short of, and the smallest, (targets,) each.
+        mean, 10 % quantile and smallest value, %, (targets,) each.
     """
 
     count: int
@@ -129,7 +130,7 @@ class Spread:
     worst: FloatArray
 
     def document(self, targets: Sequence[str]) -> dict[str, Any]:
-        """What a JSON document holds of it."""
+        """Return the spread as a JSON document."""
         values = zip(targets, self.mean, self.tenth, self.worst, strict=True)
         return {
             "conditions": self.count,
@@ -141,29 +142,29 @@ class Spread:
         }
 
     def describe(self) -> str:
-        """How many flights it is of, in one line."""
+        """Return the number of flights and of failures in one line."""
         failed = f", {self.failed} of them failed" if self.failed else ""
-        return f"disturbed flights: {self.count}{failed}; see [robustness] in the scenario for what varies"
+        return f"disturbed flights: {self.count}{failed}; [robustness] in the scenario sets what varies"
 
 
 def measure_spread(fitness: FloatArray, failed: int) -> Spread:
-    """Return the spread of an agent's fitness (conditions, targets), of which some flights ``failed``."""
+    """Return the spread of an agent's fitness, (conditions, targets), with the number of ``failed`` flights."""
     return Spread(
         len(fitness), failed, fitness.mean(axis=0), np.quantile(fitness, 0.1, axis=0), fitness.min(axis=0)
     )
 
 
 def choose_finalists(fitness: FloatArray, count: int) -> list[int]:
-    """Return the rows that are among the ``count`` best for any target, of fitness (n, targets), in their order."""
-    # A stable sort keeps the earlier of equals.
+    """Return the rows of fitness (n, targets) that are among the ``count`` best for any target, in ascending order."""
+    # With a stable sort the earlier of equal values is chosen.
     best = np.argsort(-fitness, axis=0, kind="stable")[:count]
     return sorted(set(best.ravel().tolist()))
 
 
 def draw_normals(direction: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return two unit vectors across a direction, (3,) each: one as level as can be, and the one upward from it.
+    """Return two unit vectors normal to a direction, (3,) each: one horizontal, and one normal to both.
 
-    >>> [[float(v) for v in n] for n in normals(np.array([1.0, 0.0, 0.0]))]
+    >>> [[float(v) for v in n] for n in draw_normals(np.array([1.0, 0.0, 0.0]))]
     [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     """
     up = np.array([0.0, 0.0, 1.0]) if abs(direction[2]) < 0.9 else np.array([-1.0, 0.0, 0.0])
@@ -172,12 +173,12 @@ def draw_normals(direction: FloatArray) -> tuple[FloatArray, FloatArray]:
     return level, np.asarray(np.cross(direction, level))
 
 
-def _moved(scenario: Scenario, across: Sequence[float]) -> tuple[float, float, float]:
-    """The point of release, moved, but no farther than the bore allows."""
+def _shift_release(scenario: Scenario, across: Sequence[float]) -> tuple[float, float, float]:
+    """Return the release position with its offset, which is halved until it lies inside the bore."""
     start = np.array(scenario.release.position)
     level, up = draw_normals(scenario.direction())
     offset = across[0] * level + across[1] * up
-    while scenario.pipe.segments and not scenario.pipe.contains(tuple(start + offset / NARROWEST)):
+    while scenario.pipe.segments and not scenario.pipe.contains(tuple(start + offset / MAX_RADIUS_SHARE)):
         offset *= 0.5
         if np.linalg.norm(offset) < 1e-6:
             offset = np.zeros(3)

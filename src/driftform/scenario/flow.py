@@ -1,4 +1,4 @@
-"""The profiles of the current."""
+"""The velocity profiles of the current."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeAlias
@@ -9,53 +9,53 @@ from driftform.options import Table, option
 
 
 class UniformFlow(Table):
-    """The same velocity everywhere, along the pipe (along x in open water)."""
+    """The same velocity everywhere, along the pipe, or along x in open water."""
 
     kind: Literal["uniform"] = option("uniform", "name of the flow profile")
-    speed: float = option(1.0, "speed of the current, at the release", "m/s", ge=-100, le=100)
+    speed: float = option(1.0, "speed of the current at the time of release", "m/s", ge=-100, le=100)
     acceleration: float = option(0.0, "change of the speed with time", "m/s2", ge=-10, le=10)
 
 
 class PipeFlow(Table):
-    """A profile over the bore, whose ``speed`` is the mean over the cross-section."""
+    """A velocity profile over the bore; ``speed`` is the mean over the cross-section."""
 
-    speed: float = option(1.0, "bulk speed: volume flow over cross-section", "m/s", gt=0, le=100)
+    speed: float = option(1.0, "bulk speed: volume flow divided by cross-section", "m/s", gt=0, le=100)
 
 
 class PowerLawFlow(PipeFlow):
-    """Fully developed flow by the power law: u ~ (y / R)^(1/n), y being the distance from the wall."""
+    """Fully developed flow by the power law u ~ (y / R)^(1/n), where y is the distance from the wall."""
 
     kind: Literal["power_law"] = option("power_law", "name of the flow profile")
     exponent: float = option(7.0, "n: about 7 at a Reynolds number of 1e5, 9 at 1e6", ge=1, le=20)
 
 
 class LogLawFlow(PipeFlow):
-    """Fully developed flow by the logarithmic law, with the friction of the pipe's wall."""
+    """Fully developed flow by the logarithmic law, with the friction of the pipe wall."""
 
     kind: Literal["log_law"] = option("log_law", "name of the flow profile")
     roughness: float = option(0.0, "equivalent sand roughness of the wall", "m", ge=0)
 
 
 class DevelopingFlow(PipeFlow):
-    """Flow that enters uniformly: a core of one speed, and a turbulent boundary layer that grows downstream."""
+    """Flow with uniform velocity at the inlet: a uniform core, and a turbulent boundary layer that grows downstream."""
 
     kind: Literal["developing"] = option("developing", "name of the flow profile")
 
 
 class TurbulentFlow(PipeFlow):
-    """The logarithmic law, and gusts on it: an Ornstein-Uhlenbeck process along the agent's path.
+    """The logarithmic law with gusts: an Ornstein-Uhlenbeck process along the path of the agent.
 
-    Every evaluation of a run meets gusts of its own, drawn from the run's seed and its index.
+    Each evaluation of a run has different gusts, drawn from the seed of the run and the index of the evaluation.
     """
 
     kind: Literal["turbulent"] = option("turbulent", "name of the flow profile")
     roughness: float = option(0.0, "equivalent sand roughness of the wall", "m", ge=0)
     intensity: float = option(
-        0.8, "standard deviation of a gust's components over the friction velocity", ge=0, le=10
+        0.8, "standard deviation of each component of a gust, relative to the friction velocity", ge=0, le=10
     )
     memory: float = option(3.0, "Lagrangian integral time of the gusts", "s", gt=0)
     smoothing: float = option(
-        0.1, "time within which a gust hardly changes: that of the smallest eddies", "s", gt=0
+        0.1, "time scale of the smallest eddies, within which a gust hardly changes", "s", gt=0
     )
     seed: int = option(0, "seed of the gusts of a single flight; a run draws one for each evaluation", ge=0)
 
@@ -71,7 +71,7 @@ FLOWS: dict[str, type[Table]] = {
 
 
 def _read_kind(value: Any) -> Any:
-    """Which profile a table is: its ``kind``, and ``uniform`` where it has none."""
+    """Return the ``kind`` of a table, ``uniform`` by default."""
     return value.get("kind", "uniform") if isinstance(value, Mapping) else getattr(value, "kind", None)
 
 
@@ -83,4 +83,4 @@ Flow: TypeAlias = Annotated[
     | Annotated[TurbulentFlow, Tag("turbulent")],
     Discriminator(_read_kind),
 ]
-"""The water's velocity."""
+"""The velocity of the water: one of :data:`FLOWS`, by its ``kind``."""

@@ -9,15 +9,14 @@ from driftform.options import Table, option
 from driftform.types import FloatArray
 
 Number: TypeAlias = Annotated[float, Field(strict=True)]
-"""A number, and no text that reads as one."""
-
+"""A number; text such as "1.0" is not accepted."""
 
 Vector: TypeAlias = tuple[Number, Number, Number]
-"""A vector of the world frame."""
+"""A vector in the world frame."""
 
 
 class Segment(Table):
-    """One straight piece of pipe with a circular bore."""
+    """One straight segment of pipe with a circular bore."""
 
     start: Vector = option(..., "centre of the upstream end", "m")
     end: Vector = option(..., "centre of the downstream end", "m")
@@ -40,25 +39,25 @@ def _contains(segment: Segment, point: Vector) -> bool:
 
 
 class Pipe(Table):
-    """A chain of segments from the inlet to the outlet; without any, the agent is in open water."""
+    """A chain of segments from the inlet to the outlet; open water without segments."""
 
-    segments: tuple[Segment, ...] = option((), "from the inlet to the outlet", max_length=1)
+    segments: tuple[Segment, ...] = option((), "segments from the inlet to the outlet", max_length=1)
 
     def array(self) -> FloatArray:
-        """Rows of start (3), end (3), radius, all in m: (segments, 7)."""
+        """Return rows of start (3), end (3) and radius, m, (segments, 7)."""
         rows = [(*s.start, *s.end, s.radius) for s in self.segments]
         return np.array(rows, dtype=np.float64).reshape(-1, 7)
 
     def contains(self, point: Vector) -> bool:
-        """Whether a point lies in the water of a segment, or on its wall."""
+        """Return whether a point lies inside a segment or on its wall."""
         return any(_contains(segment, point) for segment in self.segments)
 
     def farthest_distance(self, point: FloatArray) -> float:
-        """Distance (m) from ``point`` to the farthest point of the pipe's volume, infinite in open water.
+        """Return the distance from ``point`` to the farthest point of the pipe's volume, m, infinite in open water.
 
-        The distance is convex, so over a cylinder it is greatest on the rim of an end. On an end disc with unit
-        normal n, a point at axial offset h and at distance s from the axis is farthest from the rim point right
-        across the axis: sqrt(h^2 + (s + R)^2).
+        The distance is convex, so its maximum over a cylinder lies on the rim of an end. From a point at axial offset
+        h and distance s from the axis, the farthest point of an end disc is the rim point on the opposite side of the
+        axis, at sqrt(h^2 + (s + R)^2).
         """
         best = 0.0 if self.segments else np.inf
         for segment in self.segments:

@@ -1,1 +1,1 @@
-"""Built-in scenarios: TOML files, addressed by their name."""
+"""Built-in scenarios: TOML files, selected by name."""

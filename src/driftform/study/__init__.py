@@ -1,4 +1,4 @@
-"""What to evolve: study files, merged with options, checked, with every default filled in."""
+"""Studies: files and options, merged and checked, with every default filled in."""
 
 from driftform.study.study import DEFAULT, NAMED, SELECTED, Document, RunOptions, Study, load_study
 

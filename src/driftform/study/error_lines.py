@@ -1,4 +1,4 @@
-"""What pydantic found wrong in a study, told in the user's terms: file, line, key, value, and what it should be."""
+"""The errors that pydantic found in a study, as lines with file, line, key, value and the expected value."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -19,16 +19,16 @@ def format_errors(
     document: Mapping[str, Any],
     layers: Sequence[Source],
 ) -> list[str]:
-    """Return a line for each thing that is wrong.
+    """Return one line for each error.
 
     Parameters
     ----------
     error
-        what pydantic raised when it checked a part of the document against ``model``.
+        what pydantic raised when it validated a part of the document by ``model``.
     prefix
-        the key of that part.
+        key of this part.
     document, layers
-        the merged document, and the sources that it came from.
+        the merged document, and its sources.
     """
     lines: list[str] = []
     wrong: dict[KeyPath, dict[str, str]] = {}
@@ -36,34 +36,34 @@ def format_errors(
     misspelt = {item["loc"][:-1] for item in items if item["type"] == "extra_forbidden"}
     for item in items:
         if item["type"] == "missing" and item["loc"][:-1] in misspelt:
-            continue  # Most likely it is there under the other name: one line is enough.
+            continue  # Most likely the key is there, but misspelt: one line is enough.
         keys, table = _trace_path(model, item["loc"])
         names = (*prefix, *keys)
-        # A key that may be of several types is reported once for each; the path then ends in the type's name.
+        # pydantic reports a key of several possible types once for each, with the name of the type at the end of its path.
         path = names
         while path and find_value(document, path) is NOTHING:
             path = path[:-1]
         if item["type"] == "extra_forbidden":
             hint = did_you_mean(str(path[-1]), table.model_fields if table else ())
-            # What is no misspelling may well be a key of another kind.
-            kind = "" if "did you mean" in hint else _of_its_kind(table)
+            # A key that is not misspelt may belong to another kind.
+            kind = "" if "did you mean" in hint else _describe_kind(table)
             lines.append(
-                f"{locate_key(layers, path)}: unknown key '{path[-1]}'{_table(path[:-1])}{kind}{hint}"
+                f"{locate_key(layers, path)}: unknown key '{path[-1]}'{_name_table(path[:-1])}{kind}{hint}"
             )
         elif item["type"] == "missing" and isinstance(names[-1], str):
-            lines.append(f"{locate_key(layers, path)}: '{names[-1]}' is missing{_table(names[:-1])}")
+            lines.append(f"{locate_key(layers, path)}: '{names[-1]}' is missing{_name_table(names[:-1])}")
         elif item["type"] == "value_error":
             message = str(item["ctx"]["error"])
             lines.append(f"{locate_key(layers, _find_key(message, path, document))}: {message}")
         elif item["type"] == "union_tag_invalid":
-            members = _members(_annotation(table, keys[-1]))
-            path = (*path, *_tag_of(next(iter(members.values()), None))[:1])
+            members = _find_members(_find_annotation(table, keys[-1]))
+            path = (*path, *_find_tag(next(iter(members.values()), None))[:1])
             lines.append(
                 f"{locate_key(layers, path)}: {join_path(path)} = {_show_value(find_value(document, path))}: "
-                f"there is no such {path[-1]}{did_you_mean(item['ctx']['tag'], members)}"
+                f"unknown {path[-1]}{did_you_mean(item['ctx']['tag'], members)}"
             )
         else:
-            wrong.setdefault(path, {})[item["type"]] = _should(item)
+            wrong.setdefault(path, {})[item["type"]] = _describe_expected(item)
     for path, messages in wrong.items():
         key, value = join_path(path), find_value(document, path)
         lines.append(
@@ -72,7 +72,7 @@ def format_errors(
     return lines
 
 
-_SHOULD = {
+_EXPECTED = {
     "float_type": "should be a number",
     "float_parsing": "should be a number",
     "int_type": "should be a whole number",
@@ -83,21 +83,21 @@ _SHOULD = {
     "model_type": "should be a table",
     "string_type": "should be text in quotes",
 }
-"""What a value should have been, for people who do not know Python's types, by pydantic's kind of error."""
+"""The expected value, without the names of Python types, by the kind of error of pydantic."""
 
 
-def _should(item: Mapping[str, Any]) -> str:
+def _describe_expected(item: Mapping[str, Any]) -> str:
     kind = item["type"]
     if kind == "missing":
         return f"should have {item['loc'][-1] + 1} values"
     if kind == "too_long":
         most = item["ctx"]["max_length"]
         return f"should have at most {most} value{'s' if most != 1 else ''}"
-    return _SHOULD.get(kind) or str(item["msg"]).replace("Input should be", "should be")
+    return _EXPECTED.get(kind) or str(item["msg"]).replace("Input should be", "should be")
 
 
-def _table(path: KeyPath) -> str:
-    """`` in [table]``, as it stands in the file; empty at the top."""
+def _name_table(path: KeyPath) -> str:
+    """Return `` in [table]``, as written in the file; empty at the top level."""
     name = ".".join(str(part) for part in path if isinstance(part, str))
     if not name:
         return ""
@@ -105,7 +105,7 @@ def _table(path: KeyPath) -> str:
 
 
 def _find_key(message: str, path: KeyPath, document: Mapping[str, Any]) -> KeyPath:
-    """The key that a check of several keys speaks of: its message begins with it, or has it in quotes."""
+    """Return the key that a message about several keys names: its first word, or a word in quotes."""
     first = message.split(maxsplit=1)[0] if message else ""
     quoted = re.findall(r"'(.*?)'", message)
     for candidate in (tuple(first.split(".")), ("targets", first), *((*path, name) for name in quoted)):
@@ -115,14 +115,14 @@ def _find_key(message: str, path: KeyPath, document: Mapping[str, Any]) -> KeyPa
 
 
 def _show_value(value: Any) -> str:
-    """A value as a TOML file has it, as far as Python's notation differs."""
+    """Return a value in the notation of TOML, as far as it differs from that of Python."""
     return str(value).lower() if isinstance(value, bool) else repr(value)
 
 
 def _trace_path(model: type[Table], loc: KeyPath) -> tuple[KeyPath, type[Table] | None]:
-    """The keys of pydantic's location, and the model of the table that the last one stands in, if it is of any.
+    """Return the keys of a location of pydantic, and the model of the table that contains the last key, if any.
 
-    Where a table may be of several kinds, pydantic puts the kind into the location, as if it were a key.
+    If a table may be of several kinds, pydantic inserts the kind into the location like a key.
     """
     keys: KeyPath = ()
     table: type[Table] | None = None
@@ -134,13 +134,13 @@ def _trace_path(model: type[Table], loc: KeyPath) -> tuple[KeyPath, type[Table] 
             continue
         keys = (*keys, name)
         if isinstance(name, str):
-            table, annotation = inner, _annotation(inner, name)
-            members = _members(annotation)
+            table, annotation = inner, _find_annotation(inner, name)
+            members = _find_members(annotation)
             inner = next(filter(_is_table, (annotation, *get_args(annotation))), None)
     return keys, table
 
 
-def _annotation(table: type[Table] | None, key: str | int) -> Any:
+def _find_annotation(table: type[Table] | None, key: str | int) -> Any:
     fields = table.model_fields if table else {}
     return fields[str(key)].annotation if key in fields else None
 
@@ -149,8 +149,8 @@ def _is_table(annotation: Any) -> bool:
     return isinstance(annotation, type) and issubclass(annotation, Table)
 
 
-def _members(annotation: Any) -> dict[str, type[Table]]:
-    """The models of a table that may be of several kinds, by their kind; none for anything else."""
+def _find_members(annotation: Any) -> dict[str, type[Table]]:
+    """Return the models of a table of several possible kinds, by their kind; empty for any other annotation."""
     return {
         mark.tag: get_args(member)[0]
         for member in get_args(annotation)
@@ -159,14 +159,14 @@ def _members(annotation: Any) -> dict[str, type[Table]]:
     }
 
 
-def _tag_of(table: type[Table] | None) -> tuple[str, ...]:
-    """Key and value that tell the model of a table from those of other kinds; nothing where there are none."""
+def _find_tag(table: type[Table] | None) -> tuple[str, ...]:
+    """Return the key and value that identify one kind of a table; empty if the table has only one kind."""
     for name, info in (table.model_fields if table else {}).items():
         if get_origin(info.annotation) is Literal and len(get_args(info.annotation)) == 1:
             return name, *get_args(info.annotation)
     return ()
 
 
-def _of_its_kind(table: type[Table] | None) -> str:
-    tag = _tag_of(table)
+def _describe_kind(table: type[Table] | None) -> str:
+    tag = _find_tag(table)
     return f" of {tag[0]} '{tag[1]}'" if tag else ""

@@ -1,6 +1,6 @@
-"""Where a study's keys come from: a file, the files it starts from, options of the command line.
+"""The sources of the keys of a study: a file, the files it is based on, and options of the command line.
 
-Each source is a layer, laid over those before it; an error names the one that had the last word on a key.
+Each source is a layer that overrides those before it. An error names the source that set the key.
 """
 
 import tomllib
@@ -16,10 +16,10 @@ from driftform.study.toml_positions import find_key_lines, find_line
 from driftform.util.files import is_directory, is_file
 
 REPLACED = ("targets",)
-"""Tables that a study file states anew instead of adding to those of its base; ``--set targets.name=...`` adds."""
+"""Tables of a study file that replace those of its base instead of extending them; ``--set targets.name=...`` extends."""
 
 SCENARIOS = "driftform.scenarios"
-"""The package of driftform's own scenario files, and the group of entry points by which plugins bring theirs."""
+"""The package of the built-in scenario files, and the group of entry points for the scenario files of plugins."""
 
 
 @dataclass(frozen=True)
@@ -34,20 +34,21 @@ class Source:
     text: str = ""
 
     def holds(self, path: KeyPath) -> bool:
-        """True where the layer has the key."""
+        """Return whether this source sets the key."""
         return find_value(self.data, path) is not NOTHING
 
-    def where(self, path: KeyPath) -> str:
-        """The layer's label, with the line of the key if it is a file."""
+    def locate(self, path: KeyPath) -> str:
+        """Return the label of the source, with the line of the key if it is a file."""
         line = find_line(path, self.lines)
         return f"{self.label}:{line}" if line else self.label
 
 
 NOTHING = object()
+"""What :func:`find_value` returns for a missing key."""
 
 
 def find_value(node: Any, path: KeyPath) -> Any:
-    """What stands at a path, ``NOTHING`` where nothing does."""
+    """Return the value at a path, ``NOTHING`` if the path does not exist."""
     for name in path:
         listed = isinstance(node, list | tuple) and isinstance(name, int) and name < len(node)
         if not listed and not (isinstance(node, Mapping) and name in node):
@@ -57,15 +58,15 @@ def find_value(node: Any, path: KeyPath) -> Any:
 
 
 def join_path(path: KeyPath) -> str:
-    """A key as a person writes it, such as ``pipe.segments[0].radius``."""
+    """Return a key in readable form, such as ``pipe.segments[0].radius``."""
     return "".join(f"[{name}]" if isinstance(name, int) else f".{name}" for name in path).removeprefix(".")
 
 
 def read_scenarios() -> dict[str, str]:
-    """Text of the scenario files of driftform and of its plugins, by name.
+    """Return the text of the scenario files of driftform and of its plugins, by name.
 
-    A plugin brings a package of them by an entry point of the group ``driftform.scenarios``. Of two files that have
-    one name, driftform's own counts, or that of the entry point whose name is the first.
+    A plugin contributes a package of such files by an entry point of the group ``driftform.scenarios``. If two files
+    have the same name, that of driftform is taken, or else that of the entry point whose name sorts first.
     """
     points = metadata.entry_points(group=SCENARIOS)
     found: dict[str, str] = {}
@@ -73,7 +74,7 @@ def read_scenarios() -> dict[str, str]:
         try:
             folder = resources.files(package)
         except ImportError:
-            # What is wrong with a plugin is told by 'driftform plugins', and must not stand in the way of others.
+            # 'driftform plugins' reports a broken plugin, which must not affect others.
             continue
         for entry in sorted(folder.iterdir(), key=lambda e: e.name):
             if entry.name.endswith(".toml"):
@@ -82,14 +83,14 @@ def read_scenarios() -> dict[str, str]:
 
 
 def read_sources(source: str, above: tuple[str, ...] = (), named_by: str = "") -> list[Source]:
-    """Read a study file or a built-in scenario, and the files it starts from; the last layer is the file itself.
+    """Read a study file or a built-in scenario, and the files it is based on; the last source is the file itself.
 
-    ``above`` are the files that led here by their ``base``, and ``named_by`` where the last of them says so.
+    ``above`` are the files whose ``base`` led to this file, and ``named_by`` is the place of the last ``base``.
 
     Raises
     ------
     InputError
-        where a file is not there, cannot be read, is not TOML, or starts from itself.
+        if a file is missing, cannot be read, is not TOML, or is based on itself.
     """
     builtins = read_scenarios()
     path = Path(source)
@@ -116,9 +117,9 @@ def read_sources(source: str, above: tuple[str, ...] = (), named_by: str = "") -
     if base is None:
         return [layer]
     if not isinstance(base, str):
-        raise InputError(f"{layer.where(('base',))}: base = {base!r} is not the name of a scenario or file")
+        raise InputError(f"{layer.locate(('base',))}: base = {base!r} is not the name of a scenario or file")
     beside = path.parent / base
-    named_by = f"{layer.where(('base',))}: "
+    named_by = f"{layer.locate(('base',))}: "
     return [*read_sources(str(beside) if is_file(beside) else base, (*above, key), named_by), layer]
 
 
@@ -132,12 +133,12 @@ def _read(path: Path) -> str:
 
 
 def parse_setting(text: str) -> Source:
-    """Read ``key=value`` of the command line: a dotted key and a TOML value, or else text.
+    """Parse ``key=value`` of the command line: a dotted key and a TOML value; any other value is text.
 
     Raises
     ------
     InputError
-        where it is not of this form.
+        if the text does not have this form.
     """
     key, equals, value = text.partition("=")
     names = [name.strip() for name in key.split(".")]
@@ -154,10 +155,10 @@ def parse_setting(text: str) -> Source:
 
 
 def merge(below: Mapping[str, Any], above: Mapping[str, Any], replaced: Sequence[str] = ()) -> dict[str, Any]:
-    """Lay one document over another: tables are merged key by key, all else is replaced.
+    """Return ``below`` overridden by ``above``: tables are merged key by key, other values are replaced.
 
-    A table is replaced as a whole where it is one of ``replaced``, or chooses another plugin than the one below:
-    the options of the one below are not for it.
+    A table is replaced as a whole if it is one of ``replaced``, or selects another plugin, for which the options of
+    the former one are not valid.
     """
     result = dict(below)
     for key, value in above.items():
@@ -172,8 +173,8 @@ def merge(below: Mapping[str, Any], above: Mapping[str, Any], replaced: Sequence
 
 
 def locate_key(layers: Sequence[Source], path: KeyPath) -> str:
-    """Name the source that had the last word on a key; without a key, the file or document itself."""
+    """Return the place of a key: the last source that sets it; for a missing key, the file or document itself."""
     for layer in reversed(layers):
         if path and layer.holds(path):
-            return layer.where(path)
-    return next(layer for layer in reversed(layers) if not layer.is_option).where(path)
+            return layer.locate(path)
+    return next(layer for layer in reversed(layers) if not layer.is_option).locate(path)

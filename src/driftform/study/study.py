@@ -1,9 +1,9 @@
-"""What to evolve: a TOML document -> scenario, plugins with their options, seed and budget; all checked.
+"""A study: a TOML document -> scenario, plugins with their options, seed and budget; all checked.
 
 A study file holds the scenario's tables (``[pipe]``, ``[flow]``, ``[targets]`` ...), a table for each seam
-(``[simulator] use = "exudyn"``, the rest being that plugin's options), one for each exporter, recorder, renderer or
-checker whose options differ from their defaults (``[exporter.stl]``), and ``[run]``. With ``base`` it starts from
-another file, or from a built-in scenario, and says only what differs. Built-in scenarios are study files.
+(``[simulator] use = "exudyn"`` and the options of that plugin), one for each exporter, recorder, renderer or checker
+whose options differ from their defaults (``[exporter.stl]``), and ``[run]``. A study with a ``base``, another file or
+a built-in scenario, contains only what differs from it. Built-in scenarios are study files.
 """
 
 import secrets
@@ -24,28 +24,28 @@ from driftform.study.error_lines import format_errors
 from driftform.study.sources import Source, locate_key, merge, parse_setting, read_sources
 
 DEFAULT = "pipe-inspection"
-"""The built-in scenario that is taken where none is named."""
+"""The default scenario."""
 
 NAMED = ("exporter", "recorder", "renderer", "checker")
-"""The seams whose plugins are asked for by name: a study holds no more than their options."""
+"""The seams whose plugins a command selects by name: a study contains only their options."""
 
 SELECTED = tuple(seam for seam in SEAMS if seam not in NAMED)
-"""The seams that a study selects one plugin for."""
+"""The seams for which a study selects one plugin."""
 
-_LONGEST_NAME = 100
-"""Characters of a target's name: with its file's suffix it must fit where file names may have 255 bytes."""
+_MAX_NAME_BYTES = 100
+"""Longest name of a target, bytes: with a file suffix it must fit into a file name of 255 bytes."""
 
 
 class RunOptions(Table):
-    """How much to do, from where, and what to make of the best."""
+    """The table ``[run]``: seed, budget, and files for the best agents."""
 
     seed: int | None = option(
-        None, "seed of all randomness; drawn and recorded where none is given", ge=0, strict=True
+        None, "seed of all randomness; by default drawn at random and recorded", ge=0, strict=True
     )
     evaluations: int | None = option(
-        None, "flights in the whole run; by default 50 for each target", "", gt=0, strict=True
+        None, "evaluations in the whole run; by default 50 for each target", "", gt=0, strict=True
     )
-    formats: tuple[str, ...] = option(("stl",), "files to export for the best agent of each target")
+    formats: tuple[str, ...] = option(("stl",), "formats to export for the best agent of each target")
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,11 +55,11 @@ class Study:
     Attributes
     ----------
     document
-        the whole document with every default filled in: what ``resolved.toml`` and worker processes get.
+        the whole document with every default filled in, as in ``resolved.toml`` and for worker processes.
     scenario
         the environment.
     run
-        seed (never ``None`` here), budget (``None`` only without a strategy) and formats.
+        seed (never ``None``), budget (``None`` only without a strategy) and formats.
     name
         the file, built-in scenario or document that it was loaded from.
     given
@@ -80,21 +80,21 @@ class Study:
 
     @property
     def evaluations(self) -> int:
-        """Flights in the whole run."""
+        """Budget of the whole run, evaluations."""
         assert self.run.evaluations is not None
         return self.run.evaluations
 
     def make_plugin(self, seam: str) -> Any:
-        """Make the plugin selected for a seam (not for ``strategy``, which needs a search space)."""
+        """Create the plugin selected for a seam, except ``strategy``, which needs a search space."""
         return registry().create(seam, *_split_selection(self.document, seam))
 
     def make_pipeline(self) -> Pipeline:
-        """The steps from genome to fitness."""
+        """Create the pipeline from genome to fitness."""
         steps = {seam: self.make_plugin(seam) for seam in SELECTED if seam != "strategy"}
         return Pipeline(scenario=self.scenario, seed=self.seed, **steps)
 
     def make_strategy(self) -> Strategy[Any]:
-        """A fresh strategy, at the beginning of its random numbers."""
+        """Create a strategy in its initial state, with a random generator from the seed."""
         rng = np.random.default_rng(self.seed)
         space = SearchSpace(self.make_plugin("grammar"), self.scenario.target_names, rng, self.scenario)
         strategy: Strategy[Any] = registry().create(
@@ -103,27 +103,27 @@ class Study:
         return strategy
 
     def make_exporter(self, name: str) -> Exporter[Any]:
-        """Make an exporter with the options of its table ``[exporter.<name>]``, if there is one."""
+        """Create an exporter with the options of its table ``[exporter.<name>]``, if there is one."""
         exporter: Exporter[Any] = self._make_named("exporter", name)
         return exporter
 
     def make_recorder(self, name: str) -> Recorder[Any]:
-        """Make a recorder with the options of its table ``[recorder.<name>]``, if there is one."""
+        """Create a recorder with the options of its table ``[recorder.<name>]``, if there is one."""
         recorder: Recorder[Any] = self._make_named("recorder", name)
         return recorder
 
     def make_renderer(self, name: str) -> Renderer[Any]:
-        """Make a renderer with the options of its table ``[renderer.<name>]``, if there is one."""
+        """Create a renderer with the options of its table ``[renderer.<name>]``, if there is one."""
         renderer: Renderer[Any] = self._make_named("renderer", name)
         return renderer
 
     def make_checker(self, name: str) -> Checker[Any]:
-        """Make a checker with the options of its table ``[checker.<name>]``, if there is one."""
+        """Create a checker with the options of its table ``[checker.<name>]``, if there is one."""
         checker: Checker[Any] = self._make_named("checker", name)
         return checker
 
     def __repr__(self) -> str:
-        # The document fills a screen, and is there to be asked for.
+        # The document would fill a screen.
         title = self.document.get("title", "a study")
         return f"<Study {title}: {len(self.scenario.targets)} targets, seed {self.seed}>"
 
@@ -140,9 +140,9 @@ class Study:
         return registry().create(seam, name, self.document.get(seam, {}).get(name, {}))
 
     def environment(self, evaluation: int | None = None) -> dict[str, Any]:
-        """The part of the document that decides how an agent is built and flies: all but strategy and run.
+        """Return the part of the document that decides how an agent is built and flies: all but strategy and run.
 
-        With the index of an ``evaluation``, as that one met it.
+        With the index of an ``evaluation``, the flow has the gusts of that evaluation.
         """
         kept = {key: value for key, value in self.document.items() if key not in ("strategy", "run")}
         if evaluation is not None:
@@ -152,7 +152,7 @@ class Study:
 
 @dataclass(frozen=True, eq=False)
 class Document:
-    """A study's document, ``data``, that was read from elsewhere than a TOML file; ``label`` names it in errors."""
+    """The document of a study, ``data``, that was not read from a TOML file; ``label`` is its name in errors."""
 
     label: str
     data: Mapping[str, Any]
@@ -171,21 +171,21 @@ def load_study(
     Parameters
     ----------
     source
-        path of a TOML file, the name of a built-in scenario, or a document that an agent or run file holds;
-        ``None`` for the default scenario.
+        path of a TOML file, name of a built-in scenario, or document of an agent or run file; ``None`` for the default
+        scenario.
     settings
-        ``key=value`` with a dotted key and a TOML value, laid over the file.
+        ``key=value`` with a dotted key and a TOML value, which override the file.
     targets
-        keep only these targets; empty for all.
+        targets to keep; empty for all.
     use
-        plugin by seam, where it is not ``None``.
+        plugin by seam, if not ``None``.
     run
-        values of ``[run]``, where they are not ``None``.
+        values of ``[run]``, if not ``None``.
 
     Raises
     ------
     InputError
-        one line for each thing that is wrong: file, line, key, value, and the next step.
+        if the study is wrong: one line for each error, with file, line, key, value and the next step.
     """
     if isinstance(source, Document):
         label = source.label
@@ -204,12 +204,12 @@ def load_study(
     document: dict[str, Any] = {}
     for layer in layers:
         document = merge(document, layer.data, layer.replaces)
-    # A document may come from an agent file: what is there to fly needs no strategy.
+    # A document may come from an agent file, which needs no strategy to fly.
     required = [seam for seam in SELECTED if seam != "strategy" or not isinstance(source, Document)]
-    return replace(_check(document, layers, targets, required), name=label, given=given)
+    return replace(_check_document(document, layers, targets, required), name=label, given=given)
 
 
-def _check(
+def _check_document(
     document: Mapping[str, Any], layers: Sequence[Source], wanted: Sequence[str], required: Sequence[str]
 ) -> Study:
     known = {"title", "description", "base", "run", *Scenario.model_fields, *SEAMS}
@@ -245,8 +245,8 @@ def _check(
         tables = ", ".join(f"[{seam}]" for seam in unselected)
         where = locate_key(layers, (unselected[0],) if len(unselected) == 1 else ())
         errors.append(
-            f'{where}: no plugin is chosen by {tables}; give it a line such as use = "..." '
-            f"(see 'driftform plugins'), or start the study with base = \"{DEFAULT}\""
+            f'{where}: no plugin is selected in {tables}; add a line such as use = "..." '
+            f"(see 'driftform plugins'), or begin the study with base = \"{DEFAULT}\""
         )
     for seam in SELECTED:
         if seam in unselected or seam not in document:
@@ -285,7 +285,7 @@ def _resolve_selection(document: Mapping[str, Any], seam: str, layers: Sequence[
 def _resolve_options(
     document: Mapping[str, Any], path: tuple[str, ...], name: str, options: Any, layers: Sequence[Source]
 ) -> dict[str, Any]:
-    """Check the options of the plugin ``name`` that stand in the table ``path``, whose first part is the seam."""
+    """Validate the options of the plugin ``name`` in the table ``path``, whose first part is the seam."""
     try:
         cls = registry().find(path[0], name)
     except InputError as error:
@@ -306,18 +306,18 @@ def _split_selection(document: Mapping[str, Any], seam: str) -> tuple[str, dict[
 
 
 def _check_folders(scenario: Scenario, layers: Sequence[Source]) -> None:
-    """Refuse names of targets that are too long for a folder, or one folder on some file systems."""
+    """Check that names of targets are short enough for folders, and differ on all file systems."""
     seen: dict[str, str] = {}
     for name in scenario.targets:
         where = locate_key(layers, ("targets", name))
-        if len(name.encode()) > _LONGEST_NAME:
+        if len(name.encode()) > _MAX_NAME_BYTES:
             raise InputError(
-                f"{where}: target name '{name[:20]}...' is longer than {_LONGEST_NAME} bytes: it names a folder"
+                f"{where}: target name '{name[:20]}...' is longer than {_MAX_NAME_BYTES} bytes: it names a folder"
             )
         if name.casefold() in seen:
             raise InputError(
-                f"{where}: target names '{seen[name.casefold()]}' and '{name}' differ in case only: "
-                "some file systems cannot tell their folders apart"
+                f"{where}: target names '{seen[name.casefold()]}' and '{name}' differ only in case: "
+                "on some file systems their folders would be the same"
             )
         seen[name.casefold()] = name
 
@@ -325,9 +325,7 @@ def _check_folders(scenario: Scenario, layers: Sequence[Source]) -> None:
 def _keep_targets(scenario: Scenario, wanted: Sequence[str]) -> Scenario:
     for name in wanted:
         if name not in scenario.targets:
-            raise InputError(
-                f"--target {name}: the scenario has no such target{did_you_mean(name, scenario.targets)}"
-            )
+            raise InputError(f"--target {name}: unknown target{did_you_mean(name, scenario.targets)}")
     if not wanted:
         return scenario
     kept = {name: point for name, point in scenario.targets.items() if name in wanted}
@@ -344,6 +342,6 @@ def _fill_budget(run: RunOptions, scenario: Scenario, resolved: Mapping[str, Any
 
 
 def _to_plain(model: Table) -> dict[str, Any]:
-    """A model as TOML can hold it: no ``None``, no tuples."""
+    """Return the values of a model in types of TOML: no ``None``, no tuples."""
     dumped: dict[str, Any] = model.model_dump(mode="json", exclude_none=True)
     return dumped

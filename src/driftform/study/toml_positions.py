@@ -1,4 +1,4 @@
-"""Where the keys of a TOML file stand: tomllib does not tell, and an error without a line is no help."""
+"""The lines of the keys of a TOML file, for error messages: tomllib does not report them."""
 
 import re
 import tomllib
@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from typing import TypeAlias
 
 Path: TypeAlias = tuple[str | int, ...]
-"""A key as its names from the top; a number is the place in a list, counted from 0."""
+"""A key as its names from the top level; a number is an index into a list, from 0."""
 
-# What a value may hold that could be mistaken for structure is one token: strings, which may span lines, and
-# comments. A multi-line string may end in up to two quotes of its own.
+# Strings, which may span lines, and comments are single tokens, because their content could be mistaken for structure.
+# A multi-line string may contain up to two quotes before its closing quotes.
 _TOKEN = re.compile(
     r'''"""(?:\\.|[^\\])*?""""{0,2}|\'\'\'.*?\'\'\'\'{0,2}|"(?:\\.|[^"\\\n])*"|'[^'\n]*'|\#[^\n]*'''
     r"""|[\[\]{}=\n]|[^"'\#\[\]{}=\n]+|.""",
@@ -18,15 +18,15 @@ _TOKEN = re.compile(
 
 
 def find_key_lines(text: str) -> dict[Path, int]:
-    """Map each key of a valid TOML document to its line, counted from 1.
+    """Return the line of each key of a valid TOML document, counted from 1.
 
-    Tables are keys too; those of an array of tables are numbered. Keys inside inline tables are not seen: look
-    up the nearest key above (:func:`find_line`).
+    Tables are keys too; those of an array of tables are numbered. Keys inside inline tables are not included:
+    :func:`find_line` returns the line of the table.
     """
     lines: dict[Path, int] = {}
     counts: dict[Path, int] = {}
     table: Path = ()
-    # A statement is a header, or a key, '=' and a value that goes on while a bracket is open.
+    # A statement is a header, or a key, '=' and a value that continues while a bracket is open.
     head, in_value, depth = "", False, 0
     line = begin = 1
 
@@ -38,18 +38,18 @@ def find_key_lines(text: str) -> dict[Path, int]:
         if token == "\n" and depth == 0:
             header = head.strip()
             if not in_value and header.startswith("[["):
-                array = _within(_names(header[2:-2]), counts, inside_last=False)
+                array = _resolve_header(_split_key(header[2:-2]), counts, inside_last=False)
                 counts[array] = counts.get(array, 0) + 1
                 table = (*array, counts[array] - 1)
                 note(table)
             elif not in_value and header.startswith("["):
-                table = _within(_names(header[1:-1]), counts)
+                table = _resolve_header(_split_key(header[1:-1]), counts)
                 note(table)
             head, in_value, begin = "", False, line + 1
         elif in_value:
             depth += (token in "[{") - (token in "]}")
         elif token == "=":
-            note(table + _names(head))
+            note(table + _split_key(head))
             in_value = True
         elif not token.startswith("#"):
             head += token
@@ -58,14 +58,14 @@ def find_key_lines(text: str) -> dict[Path, int]:
 
 
 def find_line(path: Path, lines: Mapping[Path, int]) -> int | None:
-    """Return the line of a key, or that of the nearest key that holds it."""
+    """Return the line of a key, or of the innermost known key that contains it; ``None`` if there is no such key."""
     for end in range(len(path), 0, -1):
         if path[:end] in lines:
             return lines[path[:end]]
     return None
 
 
-def _names(dotted: str) -> Path:
+def _split_key(dotted: str) -> Path:
     names: list[str] = []
     node = tomllib.loads(f"{dotted.strip()} = 0")
     while isinstance(node, dict):
@@ -74,8 +74,8 @@ def _names(dotted: str) -> Path:
     return tuple(names)
 
 
-def _within(names: Path, counts: Mapping[Path, int], inside_last: bool = True) -> Path:
-    """The path of a header's names: below an array of tables they mean its newest table."""
+def _resolve_header(names: Path, counts: Mapping[Path, int], inside_last: bool = True) -> Path:
+    """Return the path of the names of a header; below an array of tables they refer to its last table."""
     path: Path = ()
     for number, name in enumerate(names, start=1):
         path = (*path, name)

@@ -1,4 +1,4 @@
-"""What the columns of tables are: those of a run's evaluations, and of the samples of their flights."""
+"""The columns of tables: the evaluations of a run, and the samples of their trajectories."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -7,12 +7,12 @@ from typing import Any, Literal, TypeAlias
 import numpy.typing as npt
 
 Batch: TypeAlias = Mapping[str, list[Any] | npt.NDArray[Any]]
-"""Some rows of a table: values by column, all of one length; ``None`` where there is no value."""
+"""Some rows of a table: values by column, all of the same length; ``None`` for a missing value."""
 
 
 @dataclass(frozen=True)
 class Column:
-    """A column: its name, the kind of its values, its unit (empty for none), and what it means."""
+    """A column: its name, the kind of its values, its unit (empty for none), and its meaning."""
 
     name: str
     kind: Literal["integer", "float", "single", "text", "integers"]
@@ -46,14 +46,14 @@ BODY_COLUMNS = (
     Column("volume", "float", "m3", "displaced"),
     Column("net_buoyancy", "float", "N", "buoyancy of the submerged body less its weight, up positive"),
 )
-"""What a genome's body comes to."""
+"""The columns of the body of a genome."""
 
 FLIGHT_COLUMNS = (
     *("t", "x", "y", "z"),
     *("qw", "qx", "qy", "qz"),
     *("surge", "sway", "heave", "roll_rate", "pitch_rate", "yaw_rate"),
 )
-"""A flight as a table: time, position, quaternion and velocity, as in a Trajectory."""
+"""The columns of a Trajectory: time, position, quaternion and velocity."""
 
 _FLIGHT_UNITS = ("s", *("m",) * 3, *("",) * 4, *("m/s",) * 3, *("rad/s",) * 3)
 _FLIGHT_MEANINGS = (
@@ -70,11 +70,11 @@ SAMPLE_COLUMNS = (
         for name, unit, meaning in zip(FLIGHT_COLUMNS, _FLIGHT_UNITS, _FLIGHT_MEANINGS, strict=True)
     ),
 )
-"""The columns of the samples of flights, in single precision as they are stored."""
+"""The columns of the samples of trajectories, in single precision as stored."""
 
 
 def evaluation_columns(targets: Sequence[str]) -> tuple[Column, ...]:
-    """The columns of the evaluations: a fitness for each target beside what they have in common."""
+    """Return the columns of the evaluations, with a fitness for each target."""
     fitness = (
         Column(f"fitness_{t}", "float", "%", f"for {t}; 0 where the evaluation failed") for t in targets
     )

@@ -1,4 +1,4 @@
-"""Tables as files, written batch by batch, so that no table need fit into memory."""
+"""Tables as files, written batch by batch, so that a table need not fit into memory."""
 
 import csv
 import json
@@ -14,34 +14,34 @@ from driftform.tables.columns import FLIGHT_COLUMNS, Batch, Column
 from driftform.types import Trajectory
 from driftform.util.files import write_whole
 
-Write = Callable[[Path, Sequence[Column], Iterable[Batch]], int]
-"""Writes a table to a path, and returns how many rows it has."""
+TableWriter = Callable[[Path, Sequence[Column], Iterable[Batch]], int]
+"""Writes a table to a path, and returns its number of rows."""
 
 
 def write_csv(path: Path, columns: Sequence[Column], batches: Iterable[Batch]) -> int:
-    """Write a table as CSV: lists as JSON, nothing where there is no value, numbers with all their digits."""
+    """Write a table as CSV: lists as JSON, missing values as empty fields, numbers with all digits."""
     rows = 0
     names = [column.name for column in columns]
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(names)
         for batch in batches:
-            texts = [_texts(batch[name]) for name in names]
+            texts = [_format_values(batch[name]) for name in names]
             writer.writerows(zip(*texts, strict=True))
             rows += len(texts[0])
     return rows
 
 
-def _texts(values: Any) -> list[Any]:
+def _format_values(values: Any) -> list[Any]:
     if isinstance(values, np.ndarray):
-        # The shortest digits that give a number of single precision back.
+        # The shortest digits that restore the number in single precision.
         texts: list[Any] = values.astype(str).tolist()
         return texts
     return [json.dumps(value) if isinstance(value, list) else value for value in values]
 
 
 def write_parquet(path: Path, columns: Sequence[Column], batches: Iterable[Batch]) -> int:
-    """Write a table as Parquet, a row group for each batch; unit and meaning are metadata of each column."""
+    """Write a table as Parquet, with one row group for each batch, and unit and meaning as metadata of each column."""
     import pyarrow
     from pyarrow import parquet
 
@@ -67,17 +67,17 @@ def write_parquet(path: Path, columns: Sequence[Column], batches: Iterable[Batch
     return rows
 
 
-FORMATS: dict[str, Write] = {"csv": write_csv, "parquet": write_parquet}
-"""The formats of tables by name, which is also the suffix of their files."""
+FORMATS: dict[str, TableWriter] = {"csv": write_csv, "parquet": write_parquet}
+"""The writers of tables by format, which is also the file suffix."""
 
 
 def check_format(name: str) -> None:
-    """Refuse a format that cannot be written here, before there is any work in it.
+    """Check that a format can be written, before any work is done.
 
     Raises
     ------
     WorkFailedError
-        where a package is missing.
+        if a package is missing.
     """
     if name == "parquet" and find_spec("pyarrow") is None:
         raise WorkFailedError(

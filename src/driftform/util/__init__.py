@@ -1,1 +1,1 @@
-"""Files, progress, notebooks and compilation: nothing of agents or flows."""
+"""Files, progress, notebooks and compilation; independent of agents and flows."""

@@ -1,4 +1,4 @@
-"""How the kernels are compiled: by numba, once for each machine, and anew whenever any of their sources changes."""
+"""Compilation of kernels with numba; the machine code is cached on disk until any of their sources changes."""
 
 import hashlib
 from collections.abc import Callable
@@ -15,24 +15,24 @@ R = TypeVar("R")
 
 
 KERNELS = ("hydrodynamics", "dynamics", "trajectory")
-"""The packages of the core that have kernels."""
+"""The packages of the core that contain kernels."""
 
 
-def _digest() -> str:
+def _hash_sources() -> str:
     core = Path(__file__).parents[1]
     sources = [Path(__file__), *(file for name in KERNELS for file in sorted((core / name).glob("*.py")))]
     return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
 
 
-_DIGEST = _digest()
+_DIGEST = _hash_sources()
 
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a function in numba's nopython mode, with its machine code cached on disk.
 
-    numba's cache of a function knows the function's own file alone. A kernel that calls one of another file, or
-    uses its constants, would go on with their old code after an upgrade, silently. So the stamp of every cache
-    file here covers all files of the packages with kernels; where numba has no such stamp any more, nothing is cached.
+    numba's cache of a function depends only on the file of that function. After an upgrade, a kernel that calls a
+    function of another file, or uses its constants, would silently keep their old code. Therefore the stamp of every
+    cache file here covers all files of the packages with kernels. A version of numba without this stamp caches nothing.
     """
     dispatcher = njit(cache=True, nogil=True, error_model="numpy")(function)
     cache_file: Any = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
@@ -43,7 +43,7 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     return dispatcher
 
 
-def _borrowed(_: Any, array: Any) -> Any:
+def _borrow(_: Any, array: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         view = context.make_array(signature.return_type)(context, builder, arguments[0])
         view.meminfo = view.meminfo.type(None)
@@ -52,9 +52,9 @@ def _borrowed(_: Any, array: Any) -> Any:
     return array(array), generate
 
 
-borrowed: Callable[[FloatArray], FloatArray] = cast(Any, intrinsic)(_borrowed)
-"""For kernels: the same array, to which no references are counted.
+borrow: Callable[[FloatArray], FloatArray] = cast(Any, intrinsic)(_borrow)
+"""In kernels: return the same array without reference counting.
 
-Counting them is atomic, and takes half of the time of a kernel that reads many small arrays. Whoever calls the kernel
-keeps the array alive.
+Reference counting is atomic, and takes half of the time of a kernel that reads many small arrays. The caller of the
+kernel must keep the array alive.
 """

@@ -1,4 +1,4 @@
-"""Files appear whole or not at all, and under names that lead nowhere else."""
+"""Write files and folders completely or not at all, under safe names."""
 
 import os
 import secrets
@@ -9,11 +9,11 @@ from pathlib import Path
 
 from driftform.errors import InputError
 
-_LONGEST_STEM = 60
+_MAX_STEM_LENGTH = 60
 
 
 def is_file(path: Path) -> bool:
-    """Tell whether there is such a file; what cannot be a file's name, too long or with a NUL, is none."""
+    """Return whether a path is a file; False for an invalid name, such as one that is too long or contains NUL."""
     try:
         return path.is_file()
     except (OSError, ValueError):
@@ -21,7 +21,7 @@ def is_file(path: Path) -> bool:
 
 
 def is_directory(path: Path) -> bool:
-    """Tell whether there is such a directory; what cannot be its name is none."""
+    """Return whether a path is a directory; False for an invalid name."""
     try:
         return path.is_dir()
     except (OSError, ValueError):
@@ -29,20 +29,20 @@ def is_directory(path: Path) -> bool:
 
 
 def make_directory(path: Path, option: str = "--out") -> Path:
-    """Make the directory that an option names, and those above it, where they do not exist; return it.
+    """Create a directory that an option names, with its parents if they do not exist, and return its path.
 
     Raises
     ------
     InputError
-        where that cannot be.
+        if it cannot be created or written to.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         reason = "it is a file" if path.is_file() else error.strerror
-        raise InputError(f"{path}: cannot be made a directory: {reason}; choose another {option}") from None
+        raise InputError(f"{path}: cannot create the directory: {reason}; choose another {option}") from None
     if not os.access(path, os.W_OK | os.X_OK):
-        raise InputError(f"{path}: cannot be written to; choose another {option}")
+        raise InputError(f"{path}: cannot write to the directory; choose another {option}")
     return path
 
 
@@ -63,27 +63,27 @@ def check_directory(path: Path, option: str = "--out") -> Path:
 
 
 def safe_stem(name: str) -> str:
-    """A name that came with a file, fit for the name of a file: it cannot lead out of a directory.
+    """Return a name, read from a file, as a safe file name that cannot lead out of its directory.
 
     >>> safe_stem("../../evil"), safe_stem("TP1")
     ('evil', 'TP1')
     """
-    kept = "".join(c if c.isalnum() or c in "-_ ." else "_" for c in name)[:_LONGEST_STEM]
+    kept = "".join(c if c.isalnum() or c in "-_ ." else "_" for c in name)[:_MAX_STEM_LENGTH]
     return kept.strip("._ ") or "agent"
 
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> None:
-    """Let ``write`` make a file beside ``path``, then put it in place in one step.
+    """Call ``write`` with a temporary path beside ``path``, then rename the file to ``path`` in one step.
 
-    Whatever happens, the file is never there in part. Folders above it are made.
+    The file never exists in part. Parent folders are created.
 
     Raises
     ------
     OSError
-        where the file cannot be written; then there is none, or the former one still.
+        if the file cannot be written; then a former file is unchanged.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    # In the same folder, because a file can be renamed in one step only within a file system.
+    # In the same folder, because renaming is atomic only within a file system.
     part = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     try:
         write(part)
@@ -93,21 +93,21 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file in UTF-8."""
+    """Write a text file in UTF-8, completely or not at all."""
     write_whole(path, lambda part: part.write_text(text, encoding="utf-8"))
 
 
 @contextmanager
 def write_together(folder: Path, names: Collection[str]) -> Iterator[Path]:
-    """Yield a new directory for files that belong together, then put them all into ``folder``.
+    """Yield a new directory for files that belong together, then move them all into ``folder``.
 
-    Those of ``names`` that were there before go, whether they were made again or not. Whatever happens in between,
-    nothing in ``folder`` has changed.
+    Former files in ``folder`` with one of ``names`` are removed, even if they were not written again. After an
+    exception inside the context, ``folder`` is unchanged.
 
     Raises
     ------
     InputError
-        where ``folder`` cannot be a directory to write to.
+        if ``folder`` cannot be created or written to.
     """
     folder = folder.resolve()
     make_directory(folder if folder.exists() else folder.parent)
@@ -127,18 +127,18 @@ def write_together(folder: Path, names: Collection[str]) -> Iterator[Path]:
 
 @contextmanager
 def write_folder(folder: Path) -> Iterator[Path]:
-    """Yield a new directory, then put it in the place of ``folder`` as a whole, whatever that held before.
+    """Yield a new directory, then replace ``folder`` and all its content by it.
 
-    Whatever happens in between, ``folder`` is as it was. Folders above it are made.
+    After an exception inside the context, ``folder`` is unchanged. Parent folders are created.
 
     Raises
     ------
     InputError
-        where a file stands in its place, or nothing can be written there.
+        if ``folder`` is a file, or cannot be created or written to.
     """
     folder = folder.resolve()
     if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder}: cannot be made a directory: it is a file; choose another --out")
+        raise InputError(f"{folder}: cannot create the directory: it is a file; choose another --out")
     make_directory(folder.parent)
     token = secrets.token_hex(4)
     part, former = (folder.with_name(f".{folder.name}.{token}.{end}") for end in ("part", "former"))
@@ -149,7 +149,7 @@ def write_folder(folder: Path) -> Iterator[Path]:
             folder.rename(former)
         part.rename(folder)
     finally:
-        # Between the two renames there is no folder: then the former one comes back.
+        # After an exception between the two renames, the former folder is restored.
         if former.exists() and not folder.exists():
             former.rename(folder)
         for leftover in (part, former):

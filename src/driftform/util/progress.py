@@ -1,4 +1,4 @@
-"""How far work of many alike steps is: a bar on a terminal, now and then a line elsewhere."""
+"""Progress of work in many equal steps: a bar on a terminal, occasional lines elsewhere."""
 
 import sys
 import time
@@ -9,20 +9,20 @@ from typing import TypeVar
 T = TypeVar("T")
 
 REFRESH = 4.0
-"""Frames a second of what is shown on a terminal."""
+"""Updates of the display on a terminal per second."""
 
 FIRST_LINE_S = 2.0
-"""Seconds that work may take before it says how far it is."""
+"""Time before the progress is shown, s."""
 
 
 @contextmanager
 def count_progress(what: str) -> Iterator[Callable[[int, int], None]]:
-    """Show on stderr how many of ``what`` are done: a bar on a terminal, a line for each tenth elsewhere.
+    """Show on stderr the number of finished ``what``: a bar on a terminal, a line for each tenth elsewhere.
 
-    Yields a function that takes the number of those that are done, and of all.
+    Yields a function of the number of finished steps and the number of all steps.
     """
     if not (sys.stdout.isatty() and sys.stderr.isatty()):
-        yield lambda done, total: _tell_tenths(done, total, what)
+        yield lambda done, total: _print_tenths(done, total, what)
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
@@ -34,23 +34,23 @@ def count_progress(what: str) -> Iterator[Callable[[int, int], None]]:
         yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
-def _tell_tenths(done: int, total: int, what: str) -> None:
+def _print_tenths(done: int, total: int, what: str) -> None:
     if 10 * done // total > 10 * (done - 1) // total:
         print(f"{done}/{total} {what}", file=sys.stderr, flush=True)
 
 
-def track_progress(items: Iterable[T], total: int, what: str, patience: float = FIRST_LINE_S) -> Iterator[T]:
-    """Yield ``items``; where going through them takes longer than ``patience`` (s), show it as :func:`count_progress` does.
+def track_progress(items: Iterable[T], total: int, what: str, delay: float = FIRST_LINE_S) -> Iterator[T]:
+    """Yield ``items``, and show the progress by :func:`count_progress` if it takes longer than ``delay``, s.
 
-    The first does not count: with it, kernels may be compiled.
+    The time of the first item does not count, because kernels may be compiled for it.
     """
-    began, tell = time.monotonic(), None
+    began, show = time.monotonic(), None
     with ExitStack() as shown:
         for done, item in enumerate(items, start=1):
             yield item
             if done == 1:
                 began = time.monotonic()
-            if tell is None and time.monotonic() - began > patience:
-                tell = shown.enter_context(count_progress(what))
-            if tell is not None:
-                tell(done, max(done, total))
+            if show is None and time.monotonic() - began > delay:
+                show = shown.enter_context(count_progress(what))
+            if show is not None:
+                show(done, max(done, total))

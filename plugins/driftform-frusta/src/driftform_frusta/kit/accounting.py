@@ -10,6 +10,7 @@ from manifold3d import Manifold
 from driftform.geometry import mass_properties, solid_of_revolution
 from driftform.geometry.mass import assemble
 from driftform.interfaces import ExportJob
+from driftform.scenario import Fluid
 from driftform.types import Body, FloatArray, MassProperties
 from driftform_frusta.kit.engraving import Engraving
 from driftform_frusta.kit.meridian import MM, moments
@@ -105,7 +106,7 @@ def kit_facts(job: ExportJob, options: KitOptions) -> dict[str, Any]:
         "joint": {"kind": first.kind, "x_mm": first.z, "why": kit.core_joint.reason},
         "parts": [_facts_of_piece(piece, body.hull_density) for piece in kit.pieces],
         "balance": [
-            _balance(name, mass, fluid.density, fluid.gravity)
+            _balance(name, mass, fluid)
             for name, mass in (("simulated", mass_properties(body)), ("printed", kit_mass(body, options)))
         ],
     }
@@ -125,13 +126,13 @@ def _facts_of_piece(piece: Piece, density: float) -> dict[str, Any]:
     }
 
 
-def _balance(name: str, mass: MassProperties, density: float, gravity: float) -> dict[str, Any]:
+def _balance(name: str, mass: MassProperties, fluid: Fluid) -> dict[str, Any]:
     return {
         "of": name,
         "mass_kg": mass.mass,
         "cog_mm": MM * float(mass.cog[0]),
         "cob_mm": MM * float(mass.cob[0]),
-        "net_buoyancy_n": (density * mass.volume - mass.mass) * gravity,
+        "net_buoyancy_n": mass.net_buoyancy(fluid),
     }
 
 

@@ -20,11 +20,10 @@ def reference_speed(agent: Agent, fluid: Fluid) -> float:
     """Return the speed, m/s, at which an agent rises or sinks across its axis by its drag by strips."""
     from driftform.dynamics.terminal import terminal_speeds
 
-    drag, mass = agent.coefficients.drag, agent.mass
+    drag = agent.coefficients.drag
     if drag is None:
         return SLOWEST
-    net = (fluid.density * mass.volume - mass.mass) * fluid.gravity
-    _, across = terminal_speeds(drag, net, True, fluid.density, fluid.viscosity)
+    _, across = terminal_speeds(drag, agent.mass.net_buoyancy(fluid), True, fluid.density, fluid.viscosity)
     return max(across, SLOWEST)
 
 

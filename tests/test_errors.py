@@ -1,0 +1,35 @@
+"""Errors in one line, as failures of evaluations and messages to users show them."""
+
+import pytest
+
+from driftform.errors import DriftformError, InputError, describe_error
+
+
+@pytest.mark.parametrize(
+    ("error", "line"),
+    [
+        (ValueError("first line\n  second line"), "ValueError: first line second line"),
+        (ZeroDivisionError(), "ZeroDivisionError"),
+        (ImportError("No module named 'exudyn'"), "No module named 'exudyn'"),
+        (InputError("study.toml:3: unknown key 'sped'"), "study.toml:3: unknown key 'sped'"),
+        (DriftformError(), "DriftformError"),
+    ],
+)
+def test_an_error_is_described_in_one_line(error: Exception, line: str) -> None:
+    assert describe_error(error) == line
+
+
+def test_the_place_is_the_function_and_line_that_raised_the_error() -> None:
+    def divide() -> float:
+        return 1 / 0
+
+    with pytest.raises(ZeroDivisionError) as caught:
+        divide()
+    line = divide.__code__.co_firstlineno + 1
+    assert describe_error(caught.value, with_place=True) == (
+        f"ZeroDivisionError: division by zero (in divide, line {line})"
+    )
+
+
+def test_an_error_that_was_never_raised_has_no_place() -> None:
+    assert describe_error(ValueError("x"), with_place=True) == "ValueError: x"

@@ -1,0 +1,31 @@
+"""What the values compute about themselves."""
+
+import numpy as np
+import pytest
+
+from driftform.errors import WorkFailedError
+from driftform.scenario import Fluid
+from driftform.types import End, MassProperties, Trajectory
+
+
+def make_trajectory(end: End) -> Trajectory:
+    return Trajectory(np.array([0.0, 1.23456]), np.zeros((2, 3)), np.zeros((2, 4)), np.zeros((2, 6)), end)
+
+
+@pytest.mark.parametrize(("mass", "newtons"), [(0.9, 0.98), (1.0, 0.0), (1.1, -0.98)])
+def test_net_buoyancy_is_positive_for_what_floats(mass: float, newtons: float) -> None:
+    properties = MassProperties(mass, np.zeros(3), np.eye(3), 0.001, np.zeros(3))
+    assert properties.net_buoyancy(Fluid(density=1000.0, gravity=9.8)) == pytest.approx(newtons)
+
+
+@pytest.mark.parametrize("end", [end for end in End if end.failed])
+def test_a_failed_flight_is_refused_by_name_with_its_time_and_reason(end: End) -> None:
+    with pytest.raises(WorkFailedError, match=rf"^TP1: the flight ended after 1\.23 s: {end}$"):
+        make_trajectory(end).require_success("TP1")
+
+
+@pytest.mark.parametrize("end", [end for end in End if not end.failed])
+def test_a_sound_flight_is_not_refused(end: End) -> None:
+    flight = make_trajectory(end)
+    flight.require_success("TP1")
+    assert flight.failure is None
