@@ -185,9 +185,9 @@ def test_what_a_flight_costs_and_how_exact_it_is(kind, pipelines, publish, count
     doubt = max(course.doubt for course in courses)
     lines += [
         "",
-        f"{count} agents {kind}, each the best of three. The exact flights are known to {1e3 * doubt:.1g} mm. SciPy "
+        f"{count} agents {kind}, each the best of three. The error of the exact flights is below {1e3 * doubt:.1g} mm. SciPy "
         f"and the plain steps integrate the compiled motion in space, SciPy with a tolerance of {TOLERANCE:g}; the "
-        f"two backends know that these flights stay in the vertical plane. MuJoCo takes its usual steps of 2 ms "
+        f"two simulators use the fact that these flights stay in the vertical plane. MuJoCo takes its usual steps of 2 ms "
         f"for 9 s.",
     ]
     publish(f"flights {kind}", lines)

@@ -95,7 +95,7 @@ def test_files_for_printers(publish, jobs, tmp_path):
         lines.append(f"| {name} | {np.median(found):.3g} | {np.quantile(found, 0.9):.3g} | {ratio} |")
     lines += [
         "",
-        f"{len(jobs)} random agents, CPU time, each the best of five; with 64 segments where none are told.",
+        f"{len(jobs)} random agents, CPU time, each the best of five; with 64 segments unless stated otherwise.",
     ]
     publish("files for printers", lines)
     assert np.median(times["mesh of the hull, 96 segments"]) <= 10

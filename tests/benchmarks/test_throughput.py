@@ -63,7 +63,7 @@ class Replayed:
 def test_what_store_and_strategy_take_for_an_evaluation(publish: Callable[..., None], tmp_path: Path) -> None:
     count = 4000
     lines = [
-        "| strategy | unpickled, stored, told and asked, ms CPU each | bytes from a worker |",
+        "| strategy | unpickle, store, tell and ask, ms CPU each | bytes from a worker |",
         "|---|---|---|",
     ]
     taken = {}

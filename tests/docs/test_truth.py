@@ -12,6 +12,9 @@ from driftform import hookspecs
 from driftform.cli.app import app
 from driftform.scenario import FLOWS, Fluid
 
+ROOT = Path(__file__).parents[2]
+CORE = ROOT / "src" / "driftform"
+SOURCE = re.compile(r"(?<![\w/])(?:src|plugins|tests)/[\w./-]*\w")
 COMMAND = re.compile(r"^(?:\$ )?(?:uv run )?(driftform(?: .*)?)$")
 
 
@@ -120,6 +123,28 @@ def test_no_page_names_a_hook_that_is_not(pages: dict[str, str]) -> None:
 def test_no_page_holds_a_path_of_a_machine(pages: dict[str, str]) -> None:
     for name, text in pages.items():
         assert not re.search(r"(?<![\w.])/(work|home|root|tmp|Users)/", text), name
+
+
+def test_source_files_that_the_pages_name_exist(pages: dict[str, str], blocks: list[Any]) -> None:
+    examples = [block.file for block in blocks if block.file]
+    named = {(page, path) for page, text in pages.items() for path in re.findall(SOURCE, text)}
+    assert len(named) > 10
+    missing = [(page, path) for page, path in sorted(named) if not (ROOT / path).exists()]
+    assert [pair for pair in missing if not any(file.startswith(pair[1]) for file in examples)] == []
+
+
+def test_the_map_of_packages_names_files_that_exist_and_leaves_out_no_package(pages: dict[str, str]) -> None:
+    section = pages["dataflow.md"].partition("## Where to look for what")[2].partition("<!-- ")[0]
+    rows = [line.split("|")[1:4] for line in section.splitlines() if line.startswith("| ")][1:]
+    found: set[str] = set()
+    for package, _, files in rows:
+        names = re.findall("`([^`]+)`", package)
+        found |= set(names)
+        for file in re.findall("`([^`]+)`", files):
+            folders = [CORE / name for name in names] or [CORE]
+            assert any((folder / file).is_file() for folder in (*folders, CORE)), f"{package}: {file}"
+    packages = {path.parent.name for path in CORE.glob("*/__init__.py")}
+    assert packages - {"scenarios"} == found
 
 
 def test_runnable_python_runs(blocks: list[Any]) -> None:

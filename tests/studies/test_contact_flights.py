@@ -140,7 +140,7 @@ def test_both_simulators_find_the_same_fitness(flown, publish, sensitivity):
         *HEAD,
         row("both", "native instead of exudyn", change),
         "",
-        f"Up to the wall the two fly less than {1e3 * max(away):.2g} mm apart.",
+        f"Up to the wall the two trajectories differ by less than {1e3 * max(away):.2g} mm.",
     ]
     publish("backends", lines)
     for index in np.flatnonzero(change >= SHARP):
@@ -173,8 +173,8 @@ def test_flights_that_hit_the_wall_are_as_exact_as_they_say(flown, publish):
     # What even the exact flights do not agree about nothing can be compared with.
     known = doubts < 0.1 * MILLIMETRE
     lines = [
-        "| simulator | agents | median mm | 95 % mm | worst mm | sound beyond 1 mm | estimated error no less "
-        "than this | not converged |",
+        "| simulator | agents | median mm | 95 % mm | worst mm | sound beyond 1 mm | estimated error at least "
+        "this | not converged |",
         "|---|---|---|---|---|---|---|---|",
     ]
     kept = []
@@ -199,8 +199,7 @@ def test_flights_that_hit_the_wall_are_as_exact_as_they_say(flown, publish):
         kept.append((use, ((errors <= MILLIMETRE) | failed)[known].mean()))
     lines += [
         "",
-        f"Of {len(known)} agents {known.sum()} have a flight that both simulators agree about to 0.1 mm at a tolerance "
-        f"of {EXACT:g}.",
+        f"For {known.sum()} of {len(known)} agents both simulators agree to 0.1 mm at a tolerance of {EXACT:g}.",
     ]
     publish("exactness", lines)
     assert known.mean() >= ENOUGH

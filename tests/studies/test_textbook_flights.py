@@ -45,7 +45,7 @@ def row(where: str, use: str, flights, errors) -> str:
 
 
 HEAD = (
-    "| flights | simulator | agents | median mm | worst mm | beyond 1 mm | estimated error no less than this |",
+    "| flights | simulator | agents | median mm | worst mm | beyond 1 mm | estimated error at least this |",
     "|---|---|---|---|---|---|---|",
 )
 
@@ -81,8 +81,8 @@ def test_free_flights_agree_with_the_textbook_to_a_millimetre(pipelines, agents,
     fastest = [float(np.abs(trajectory[:, 10:]).max()) for trajectory in expected]
     lines += [
         "",
-        f"The textbook's flights are known to {doubt:.1g} m. Half of the agents come to spin at more than "
-        f"{np.median(fastest):.0f} rad/s, one at {max(fastest):.0f} rad/s: nothing damps them.",
+        f"The error of the textbook's flights is below {doubt:.1g} m. Half of the agents reach a spin of more than "
+        f"{np.median(fastest):.0f} rad/s, one {max(fastest):.0f} rad/s, because there is no damping.",
     ]
     publish("free flights", lines)
     assert doubt < 1e-6

@@ -182,8 +182,8 @@ def lines_of(cases: Sequence[Case], version: str) -> list[str]:
     lines += [
         "",
         f"{len(cases)} random agents, about the centre of buoyancy. Capytaine {version} on three meshes of "
-        f"{counts[0]:.0f}, {counts[1]:.0f} and {counts[2]:.0f} panels (medians), extrapolated; how far its finest mesh "
-        f"is from that tells how well the limit is known. `panels` has {unknowns:.0f} unknowns.",
+        f"{counts[0]:.0f}, {counts[1]:.0f} and {counts[2]:.0f} panels (medians), extrapolated; the distance of its "
+        f"finest mesh from the limit shows the uncertainty of the limit. `panels` has {unknowns:.0f} unknowns.",
     ]
     return lines
 
