@@ -9,8 +9,9 @@ import numpy.typing as npt
 
 from driftform.types import FloatArray
 
-# A reader that finds "solid" at the beginning takes the file for the text form of STL.
-_HEADER = b"driftform binary STL, lengths in mm".ljust(80)
+# A reader that finds "solid" at the beginning takes the file for the text form of STL. NULs end the header, because
+# admesh prints it as a C string: without one it prints the bytes that follow in memory too.
+_HEADER = b"driftform binary STL, lengths in mm".ljust(80, b"\0")
 
 # Odd numbers without a pattern; what overflows is cut off.
 _MIXER = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)

@@ -33,5 +33,7 @@ def _write(path: Path, part: Part) -> None:
     facets["normal"] = np.divide(normals, size, out=np.zeros_like(normals), where=size > 0)
     facets["corners"] = corners
     path.write_bytes(
-        b"copy of a part, lengths in mm".ljust(80) + np.uint32(len(facets)).tobytes() + facets.tobytes()
+        b"copy of a part, lengths in mm".ljust(80, b"\0")
+        + np.uint32(len(facets)).tobytes()
+        + facets.tobytes()
     )
