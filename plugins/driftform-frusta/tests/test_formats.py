@@ -14,6 +14,7 @@ import trimesh
 from manifold3d import Error, Manifold, Mesh64
 
 from driftform.geometry import hull_volume
+from driftform.geometry.meshes import signed_volume
 from driftform.interfaces import ExportJob
 from driftform.study import load_study
 from driftform_frusta.exporters.glb import GlbExporter
@@ -23,7 +24,6 @@ from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.stl import StlExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
 from driftform_frusta.parts import parts_of
-from driftform_frusta.stl import signed_volume
 
 MESHES = (StlExporter, ThreeMfExporter, GlbExporter, ObjExporter, PlyExporter)
 ATTACHED = "https://driftform.invalid/2026/attachment"

@@ -12,15 +12,14 @@ from manifold3d import Error, Manifold, Mesh64
 
 from driftform.errors import WorkFailedError
 from driftform.geometry import hull_volume, solid_of_revolution
+from driftform.geometry.meshes import area_factor, is_closed, merge_vertices, signed_volume
 from driftform.study import load_study
 from driftform.types import Body, Core, Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.csg import Frustum, Revolve, Sphere, Translate
 from driftform_frusta.kit.pieces import kit_of
 from driftform_frusta.parts import PartOptions, parts_of
-from driftform_frusta.revolution import area_factor
 from driftform_frusta.solid import to_manifold
-from driftform_frusta.stl import is_closed, signed_volume, weld
 
 WALL = 1.25e-3
 NOTHING = 1e-6  # mm3
@@ -63,7 +62,7 @@ def agent(fore="", aft=""):
 
 def reread(solid):
     """The solid of the mesh that a file in single precision holds."""
-    vertices, triangles = weld(solid.vertices, solid.triangles)
+    vertices, triangles = merge_vertices(solid.vertices.astype(np.float32), solid.triangles)
     assert is_closed(triangles)
     assert signed_volume(vertices, triangles) > 0
     again = Manifold(Mesh64(vertices.astype(np.float64), triangles.astype(np.uint64)))

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from manifold3d import CrossSection, FillRule
 
 from driftform.errors import WorkFailedError
+from driftform.geometry.meshes import area_factor, is_closed
 from driftform_frusta.hull import hull
-from driftform_frusta.revolution import area_factor, revolved
+from driftform_frusta.revolution import revolve_profiles
 from driftform_frusta.solid import to_solid
-from driftform_frusta.stl import is_closed
 
 CYLINDER = [(0, 0), (5, 0), (5, 7), (0, 7)]
 BALLS_IN_TOUCH = [(0, 0), (3, 2), (0, 4), (3, 6), (0, 8)]
@@ -21,7 +21,7 @@ SHELL = [(0, 0), (5, 0), (5, 7), (0, 7), (0, 6), (4, 6), (4, 1), (0, 1)]
 
 
 def sweep(*profiles, segments=16):
-    return revolved([np.array(profile, dtype=float) for profile in profiles], segments)
+    return revolve_profiles([np.array(profile, dtype=float) for profile in profiles], segments)
 
 
 def by_manifold(polygons, segments):
@@ -96,7 +96,7 @@ def test_manifold3d_finds_any_profile_closed_and_counts_the_same_shells(heights,
     line = np.column_stack((radii[: len(z)], z))
     if not line[:, 0].any():
         line[0, 0] = 1.0
-    solid = revolved([np.concatenate((line, [(0.0, z[-1]), (0.0, 0.0)]))], 9)
+    solid = revolve_profiles([np.concatenate((line, [(0.0, z[-1]), (0.0, 0.0)]))], 9)
     assert is_closed(solid.triangles)
     again = solid.manifold()
     assert again.volume() == pytest.approx(solid.volume, rel=1e-9)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from driftform.errors import WorkFailedError
 from driftform.geometry import hull_volume
+from driftform.geometry.meshes import area_factor
 from driftform_frusta.csg import (
     Box,
     Difference,
@@ -23,7 +24,6 @@ from driftform_frusta.csg import (
     Union,
 )
 from driftform_frusta.hull import hull, hull_of_frustums
-from driftform_frusta.revolution import area_factor
 from driftform_frusta.scad import to_scad
 from driftform_frusta.solid import sphere_factor, to_manifold, to_solid
 

@@ -26,7 +26,7 @@ from driftform_frusta.csg import (
     Union,
 )
 from driftform_frusta.lettering import STROKE, strokes
-from driftform_frusta.revolution import revolved
+from driftform_frusta.revolution import revolve_profiles
 
 # mm. Clipping leaves vertices some 1e-8 mm apart, which must go. With much more than this, vertices between
 # almost aligned frustums go too, and the volume of a 1.25 mm wall shifts by more than 1e-6 of itself.
@@ -71,7 +71,7 @@ def to_solid(node: Node, segments: int = 64) -> Solid:
         case Translate():
             return to_solid(node.child, segments).moved(node.offset)
         case Revolve():
-            return revolved(_profiles(node), segments)
+            return revolve_profiles(_profiles(node), segments)
         case _:
             return Solid.of(to_manifold(node, segments))
 
@@ -98,13 +98,13 @@ def _interpret(node: Node, segments: int) -> Manifold:
 
     match node:
         case Frustum():
-            solid = revolved([_frustum_meridian(node)], segments).manifold()
+            solid = revolve_profiles([_frustum_meridian(node)], segments).manifold()
         case Sphere():
-            solid = revolved([_sphere_meridian(node.radius, segments)], segments).manifold()
+            solid = revolve_profiles([_sphere_meridian(node.radius, segments)], segments).manifold()
         case Box():
             solid = Manifold.cube(node.size)
         case Revolve():
-            solid = revolved(_profiles(node), segments).manifold()
+            solid = revolve_profiles(_profiles(node), segments).manifold()
         case Text():
             solid = _letters(node).extrude(node.height)
         case Union():

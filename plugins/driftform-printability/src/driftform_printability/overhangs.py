@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from driftform.geometry.meshes import IntArray, area_vectors
 from driftform.types import FloatArray
-from driftform_printability.parts import IntArray, doubled_areas
 
 STEEPEST = np.radians(45)
 """Overhang, from the vertical, that prints without support."""
@@ -73,10 +73,10 @@ def stands(vertices: FloatArray, triangles: IntArray, hollow: int) -> tuple[Stan
     hollow
         how many those are.
     """
-    normals = doubled_areas(vertices[triangles])
-    area = np.linalg.norm(normals, axis=1) / 2
+    normals = area_vectors(vertices, triangles)
+    area = np.linalg.norm(normals, axis=1)
     sound = area > 0
-    normals, area, corners = normals[sound] / (2 * area[sound, None]), area[sound], triangles[sound]
+    normals, area, corners = normals[sound] / area[sound, None], area[sound], triangles[sound]
     enclosed = (np.arange(len(triangles)) >= len(triangles) - hollow)[sound]
     found = []
     for name, turn in TURNS.items():

@@ -12,7 +12,7 @@ from driftform.errors import WorkFailedError
 from driftform.interfaces import Checker, Printer, PrintJob
 from driftform.options import Table, option
 from driftform.types import Finding, State
-from driftform_printability.parts import MM_PER_M, signed_volume
+from driftform_printability.parts import MM_PER_M
 from driftform_printability.programs import last_line, missing, output_of
 from driftform_printability.reading import read_parts
 from driftform_printability.slicing import as_stl
@@ -101,7 +101,7 @@ class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
             sliced = self._sliced(path, folder, printer)
             if isinstance(sliced, str):
                 return Finding(check, State.FAIL, f"{path.name}: {sliced}")
-            volume += sum(signed_volume(part.corners) for part in read_parts(path))
+            volume += sum(part.volume for part in read_parts(path))
             filament += sliced.filament
             seconds += sliced.seconds
         ratio = filament / volume if volume > 0 else float("nan")

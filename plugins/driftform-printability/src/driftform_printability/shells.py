@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from driftform.geometry.meshes import IntArray, signed_volume
 from driftform.types import FloatArray
-from driftform_printability.parts import IntArray, Part, signed_volume
+from driftform_printability.parts import Part
 from driftform_printability.topology import Topology, winding_numbers
 
 _PROBES = 32
@@ -55,7 +56,7 @@ def shells_of(part: Part, topology: Topology) -> tuple[Shell, ...]:
         shells.append(
             Shell(
                 triangles=group,
-                volume=signed_volume(corners[i]),
+                volume=signed_volume(part.vertices, group),
                 depth=sum(share > 0.5 for share in inside),
                 cut=any(0 < share < 1 for share in inside),
             )

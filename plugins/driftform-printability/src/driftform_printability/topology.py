@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from driftform.geometry.meshes import IntArray
 from driftform.types import FloatArray
-from driftform_printability.parts import IntArray
 
 
 @dataclass(frozen=True, eq=False)
