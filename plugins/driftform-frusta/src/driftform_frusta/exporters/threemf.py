@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from driftform.figures.png import png_bytes
+from driftform.figures.files import ZOOM, rasterise
 from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table, option
 from driftform.types import WrittenFile
@@ -16,7 +16,7 @@ from driftform_frusta.colours import colour_of
 from driftform_frusta.exporters.common import facts_of_all, save
 from driftform_frusta.kit.options import PartOptions
 from driftform_frusta.mesh import Mesh, mesh_of
-from driftform_frusta.picture import Shape, draw
+from driftform_frusta.picture import Shape, plate_svg
 from driftform_frusta.plate import arrange, fits
 
 if TYPE_CHECKING:
@@ -149,7 +149,8 @@ class ThreeMfExporter(Exporter[ThreeMfOptions]):
         return Package(title, items, {"Description": description}, hints, picture, attachments)
 
     def _picture(self, placed: Sequence[_Placed], width: int = 320, height: int = 240) -> bytes:
-        return png_bytes(draw([p.shape() for p in placed], self._bed[:2], width, height))
+        drawn = plate_svg([p.shape() for p in placed], self._bed[:2], width / ZOOM, height / ZOOM)
+        return rasterise(drawn) or b""
 
     def _facts(self, job: ExportJob, placed: Sequence[_Placed]) -> dict[str, Any]:
         from driftform_frusta.kit.accounting import kit_facts
