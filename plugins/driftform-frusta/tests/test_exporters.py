@@ -173,7 +173,7 @@ def test_a_solid_in_two_pieces_is_refused_though_its_volume_is_right(
 ):
     def cut(tree, segments):
         upper, lower = to_manifold(tree, segments).split_by_plane((0, 0, 1), 100)
-        return Solid.of(upper.translate((0, 0, 1)) + lower)
+        return Solid.from_manifold(upper.translate((0, 0, 1)) + lower)
 
     monkeypatch.setattr(printable, "to_solid", cut)
     with pytest.raises(WorkFailedError, match="falls into 2 pieces"):

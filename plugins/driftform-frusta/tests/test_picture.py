@@ -8,7 +8,7 @@ from PIL import Image
 
 from driftform.figures.files import ZOOM, rasterise
 from driftform_frusta.csg import Box, Difference, Translate
-from driftform_frusta.mesh import mesh_of
+from driftform_frusta.mesh import make_mesh
 from driftform_frusta.picture import Shape, plate_svg
 from driftform_frusta.revolution import revolve_profiles
 from driftform_frusta.solid import to_solid
@@ -19,7 +19,7 @@ BED = (100.0, 100.0)
 
 def shape(size, at, colour):
     corner = tuple(a - s / 2 for a, s in zip(at[:2], size[:2], strict=True))
-    mesh = mesh_of(to_solid(Translate((*corner, at[2]), Box(size))))
+    mesh = make_mesh(to_solid(Translate((*corner, at[2]), Box(size))))
     return Shape(mesh.vertices.astype(float), mesh.triangles, colour)
 
 
@@ -54,7 +54,7 @@ def test_what_is_nearer_hides_what_is_behind_it_whatever_the_order():
 
 def test_a_sealed_hollow_is_never_seen():
     hollow = to_solid(Difference(Box((60, 60, 6)), (Translate((1, 1, 1), Box((58, 58, 4))),)))
-    mesh = mesh_of(hollow)
+    mesh = make_mesh(hollow)
     full = draw([shape((60, 60, 6), (0, 0, 0), RED)], BED)
     drawn = draw([Shape(mesh.vertices.astype(float) - (30, 30, 0), mesh.triangles, RED)], BED)
     # The edges of other triangles differ by a shade.

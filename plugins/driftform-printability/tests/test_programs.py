@@ -10,9 +10,9 @@ from driftform.errors import WorkFailedError
 from driftform.interfaces import Checker, PrintJob
 from driftform.types import State
 from driftform_printability.admesh import AdmeshChecker, AdmeshOptions
-from driftform_printability.programs import last_line, missing, output_of
+from driftform_printability.programs import explain_missing, last_line, run_program
 from driftform_printability.reading import read_parts
-from driftform_printability.slicing import as_stl
+from driftform_printability.slicing import provide_stl
 
 
 def prints(data: bytes) -> list[str]:
@@ -22,17 +22,17 @@ def prints(data: bytes) -> list[str]:
 
 
 def test_output_that_is_not_utf_8_is_read_all_the_same(tmp_path: Path) -> None:
-    printed = output_of(prints(b"Header : \xd0\xff\x80 end\n"), tmp_path, 60)
+    printed = run_program(prints(b"Header : \xd0\xff\x80 end\n"), tmp_path, 60)
     assert printed.count("end\n") == 2
     assert last_line(printed).startswith("Header : ")
 
 
 def test_a_program_that_takes_too_long_or_does_not_exist_is_a_failure(tmp_path: Path) -> None:
     with pytest.raises(WorkFailedError, match="did not end within"):
-        output_of([sys.executable, "-c", "import time; time.sleep(60)"], tmp_path, 0.1)
+        run_program([sys.executable, "-c", "import time; time.sleep(60)"], tmp_path, 0.1)
     with pytest.raises(WorkFailedError, match="cannot be run"):
-        output_of([str(tmp_path / "no-program")], tmp_path, 60)
-    assert missing("no-such-program") == "no-such-program is not on PATH"
+        run_program([str(tmp_path / "no-program")], tmp_path, 60)
+    assert explain_missing("no-such-program") == "no-such-program is not on PATH"
 
 
 def test_admesh_is_understood_whatever_bytes_it_prints(
@@ -57,7 +57,7 @@ def test_admesh_is_understood_whatever_bytes_it_prints(
 
 def test_the_header_of_a_copied_part_ends_with_a_nul(sound: Path, tmp_path: Path) -> None:
     trimesh.load_mesh(sound).export(tmp_path / "hull.ply")
-    [copy] = as_stl([tmp_path / "hull.ply"], tmp_path)
+    [copy] = provide_stl([tmp_path / "hull.ply"], tmp_path)
     data = copy.read_bytes()
     assert not data.startswith(b"solid")
     assert data[79] == 0

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from driftform.geometry import solid_of_revolution
 from driftform.interfaces import ExportJob
 from driftform.scenario import Segment
-from driftform_robotics.models.meshes import Mesh, convex_pieces, revolve_contour, tube
+from driftform_robotics.models.meshes import Mesh, convex_pieces, make_tube, revolve_contour
 from driftform_robotics.models.pipe import PLANKS, bore_of
 from driftform_robotics.models.xml import angles
 
@@ -82,7 +82,7 @@ def test_the_exported_hull_is_the_body_that_flies(job: ExportJob, export: Callab
 
 
 def test_a_tube_holds_the_material_of_its_wall() -> None:
-    mesh = as_trimesh(tube(9.0, 1.0, 0.02))
+    mesh = as_trimesh(make_tube(9.0, 1.0, 0.02))
     assert mesh.is_watertight
     assert mesh.volume == pytest.approx(np.pi * (1.02**2 - 1) * 9.0, rel=1e-9)
 

@@ -34,7 +34,7 @@ class Mesh:
     volume: float
 
 
-def mesh_of(solid: Solid, what: str = "hull", frame: FloatArray | None = None) -> Mesh:
+def make_mesh(solid: Solid, what: str = "hull", frame: FloatArray | None = None) -> Mesh:
     """Return the mesh of a solid, rounded to single precision and checked after that.
 
     Parameters

@@ -38,7 +38,7 @@ def revolve_profiles(profiles: Iterable[FloatArray], segments: int) -> Solid:
     """
     vertices, triangles, shells, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], [], 0
     for profile in profiles:
-        for line, closed in _lines(profile):
+        for line, closed in _split_at_axis(profile):
             points, corners = revolve(line, segments, closed)
             vertices.append(points)
             triangles.append(corners + count)
@@ -47,7 +47,7 @@ def revolve_profiles(profiles: Iterable[FloatArray], segments: int) -> Solid:
     return Solid(np.concatenate(vertices), np.concatenate(triangles), np.array(shells))
 
 
-def _lines(profile: FloatArray) -> Iterator[tuple[FloatArray, bool]]:
+def _split_at_axis(profile: FloatArray) -> Iterator[tuple[FloatArray, bool]]:
     """Split a profile where it is on the axis: lines from pole to pole, or itself, a ring, where it never is."""
     poles = np.flatnonzero(profile[:, 0] == 0)
     if not len(poles):

@@ -10,7 +10,7 @@ from driftform.interfaces import Checker, PrintJob
 from driftform.options import Table, option
 from driftform.types import Finding, State
 from driftform_printability.parts import MM3_PER_M3
-from driftform_printability.programs import missing
+from driftform_printability.programs import explain_missing
 from driftform_printability.rendering import TIMEOUT, render
 
 
@@ -30,14 +30,14 @@ class OpenScadChecker(Checker[OpenScadOptions]):
 
     def check(self, job: PrintJob) -> Iterator[Finding]:
         """Tell the volume of the source, and whether it is that of the meshes."""
-        yield self._finding(job)
+        yield self._check_source(job)
 
-    def _finding(self, job: PrintJob) -> Finding:
+    def _check_source(self, job: PrintJob) -> Finding:
         from driftform_printability.reading import read_parts
 
         if job.source is None:
             return Finding(self.name, State.SKIPPED, "there is no OpenSCAD source of it to render")
-        if reason := missing(self.program):
+        if reason := explain_missing(self.program):
             return Finding(self.name, State.SKIPPED, reason)
         with TemporaryDirectory() as folder:
             try:

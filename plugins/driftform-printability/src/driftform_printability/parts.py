@@ -48,7 +48,7 @@ class Part:
         return extent
 
 
-def welded(name: str, vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> Part:
+def make_part(name: str, vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> Part:
     """Return a part whose vertices of equal coordinates are joined; triangles that collapse by it are left out.
 
     Files of loose triangles hold each vertex several times, and others do where normals or colours differ.

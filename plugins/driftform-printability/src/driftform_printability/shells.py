@@ -41,7 +41,7 @@ class Shell:
         return (self.volume < 0) != self.hollow
 
 
-def shells_of(part: Part, topology: Topology) -> tuple[Shell, ...]:
+def find_shells(part: Part, topology: Topology) -> tuple[Shell, ...]:
     """Return the shells of a closed, oriented part, the outermost first."""
     groups = [topology.triangles[topology.surface == n] for n in range(int(topology.surface.max()) + 1)]
     corners = [part.vertices[group] for group in groups]
@@ -70,7 +70,7 @@ def _share_within(points: FloatArray, corners: FloatArray) -> float:
     return float((np.abs(winding_numbers(chosen, corners)) > 0.5).mean())
 
 
-def as_solid(shells: tuple[Shell, ...]) -> IntArray:
+def orient_outward(shells: tuple[Shell, ...]) -> IntArray:
     """The triangles of all shells, each turned to face as its place demands, (m, 3)."""
     turned = [s.triangles[:, ::-1] if s.inside_out else s.triangles for s in shells]
     return np.concatenate(turned)

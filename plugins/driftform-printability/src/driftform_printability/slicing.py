@@ -7,7 +7,7 @@ from driftform.geometry.meshes import stl_bytes
 from driftform_printability.reading import read_parts
 
 
-def as_stl(files: Sequence[Path], folder: Path) -> list[Path]:
+def provide_stl(files: Sequence[Path], folder: Path) -> list[Path]:
     """Return the STL files themselves, and for other formats a copy of each part in ``folder``."""
     found = []
     for path in files:

@@ -29,7 +29,7 @@ class Wall:
     where: tuple[float, float, float]
 
 
-def thinnest_wall(vertices: FloatArray, triangles: IntArray) -> Wall | None:
+def find_thinnest_wall(vertices: FloatArray, triangles: IntArray) -> Wall | None:
     """Return the thinnest wall of a solid, ``None`` where none is thinner than :data:`REACH` or it has no inside.
 
     From four points of each triangle a ray goes into the material, normal to the surface, until it comes out. Only

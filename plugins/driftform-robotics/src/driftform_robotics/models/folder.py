@@ -24,7 +24,7 @@ def piece_path(index: int) -> str:
 
 def hull_files(body: Body, cog: FloatArray, pieces: list[Piece]) -> dict[str, str]:
     """Return the hull's meshes, by their paths in the folder."""
-    files = {HULL: obj_text(revolve_contour(body.outer).moved(-cog))}
+    files = {HULL: obj_text(revolve_contour(body.outer).translate(-cog))}
     return files | {piece_path(i): obj_text(piece.mesh) for i, piece in enumerate(pieces)}
 
 

@@ -31,7 +31,7 @@ class Mesh:
     vertices: FloatArray
     triangles: IntArray
 
-    def moved(self, offset: FloatArray) -> "Mesh":
+    def translate(self, offset: FloatArray) -> "Mesh":
         """The mesh, moved by ``offset`` (m)."""
         return Mesh(self.vertices + offset, self.triangles)
 
@@ -52,7 +52,7 @@ def revolve_contour(contour: FloatArray, segments: int = SEGMENTS) -> Mesh:
     return Mesh(np.roll(vertices, 1, axis=1), np.concatenate((aft, bands[::2], bands[1::2], fore)))
 
 
-def tube(length: float, radius: float, wall: float, segments: int = SEGMENTS) -> Mesh:
+def make_tube(length: float, radius: float, wall: float, segments: int = SEGMENTS) -> Mesh:
     """Return a pipe about the x axis, its middle at the origin; ``radius`` is that of its bore, m."""
     corners = np.array([(0, -1), (1, -1), (1, 1), (0, 1)]) * (wall, length / 2) + (radius, 0)
     vertices, bands = revolve(corners, segments, closed=True)
