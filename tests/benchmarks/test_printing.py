@@ -18,9 +18,9 @@ from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.stl import StlExporter
 from driftform_frusta.exporters.svg import SvgExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
-from driftform_frusta.hull import hull
-from driftform_frusta.mesh import mesh_of
-from driftform_frusta.parts import PartOptions, parts_of
+from driftform_frusta.hull import build_hull
+from driftform_frusta.mesh import make_mesh
+from driftform_frusta.parts import PartOptions, make_parts
 from driftform_frusta.solid import to_solid
 
 pytestmark = pytest.mark.slow
@@ -64,10 +64,10 @@ def test_files_for_printers(publish, jobs, tmp_path):
         return lambda job: made.write(job, tmp_path / f"agent{made.suffix}")
 
     def mesh(job):
-        return to_solid(hull(job.agent.body), 96)
+        return to_solid(build_hull(job.agent.body), 96)
 
     def checked(job):
-        return mesh_of(parts_of(job.agent.body, PartOptions(segments=96))[0].on_bed())
+        return make_mesh(make_parts(job.agent.body, PartOptions(segments=96))[0].on_bed())
 
     stages = {
         "mesh of the hull, 96 segments": mesh,

@@ -10,7 +10,7 @@ from driftform.study import load_study
 def test_of_a_hundred_random_agents(pages: dict[str, str]) -> None:
     from driftform.geometry import mass_properties
     from driftform_frusta.kit.accounting import kit_mass
-    from driftform_frusta.kit.pieces import kit_of
+    from driftform_frusta.kit.pieces import make_kit
     from driftform_frusta.parts import PartOptions
 
     pipeline, rng = load_study(run={"seed": 0}).make_pipeline(), np.random.default_rng(1)
@@ -19,7 +19,7 @@ def test_of_a_hundred_random_agents(pages: dict[str, str]) -> None:
     for _ in range(100):
         body = pipeline.make_agent(pipeline.grammar.random(rng)).body
         added.append(1e3 * (kit_mass(body, options).mass - mass_properties(body).mass))
-        joint = kit_of(body, options).core_joint.joint
+        joint = make_kit(body, options).core_joint.joint
         if joint.kind == "sleeve":
             places.append(abs(joint.z))
     page = re.sub(r"\s+", " ", pages["printing.md"])

@@ -44,11 +44,11 @@ def body(fore: str, aft: str) -> Body:
 
 def panel(root: ET.Element, title: str, left: float, top: float) -> None:
     from driftform_frusta.colours import colour_of
-    from driftform_frusta.kit.pieces import kit_of
+    from driftform_frusta.kit.pieces import make_kit
     from driftform_frusta.parts import PartOptions
 
     fore, aft, options, middle = JOINTS[title]
-    kit = kit_of(body(fore, aft), PartOptions(kit=True, **options))
+    kit = make_kit(body(fore, aft), PartOptions(kit=True, **options))
     axis = top + HEIGHT
 
     def at(z: Any, r: Any) -> np.ndarray[Any, Any]:

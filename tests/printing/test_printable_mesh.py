@@ -35,7 +35,9 @@ def program(name):
 
 
 def output_of(*command):
-    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=300)
+    done = subprocess.run(
+        command, capture_output=True, encoding="utf-8", errors="replace", check=True, timeout=300
+    )
     assert "ERROR" not in done.stderr, done.stderr
     return done.stdout + done.stderr
 

@@ -123,7 +123,12 @@ def render(requires_program: Callable[[str], str], tmp_path: Path) -> Callable[[
         scad, stl = tmp_path / "source.scad", tmp_path / "rendered.stl"
         scad.write_text(source)
         done = subprocess.run(
-            [openscad, "-o", str(stl), str(scad)], capture_output=True, text=True, timeout=60, check=False
+            [openscad, "-o", str(stl), str(scad)],
+            capture_output=True,
+            encoding="utf-8",
+            errors="replace",
+            timeout=60,
+            check=False,
         )
         # Some errors, such as a part that is dropped, leave the exit code at 0.
         assert done.returncode == 0, done.stderr

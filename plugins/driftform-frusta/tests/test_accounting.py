@@ -11,7 +11,7 @@ from driftform.scenario import Scenario
 from driftform.types import Agent, Coefficients, Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.kit.accounting import kit_facts, kit_mass
-from driftform_frusta.parts import PartOptions, parts_of
+from driftform_frusta.parts import PartOptions, make_parts
 
 TILTS = st.sampled_from([-0.3, 0.0, 0.3])
 SIDES = st.lists(st.builds(Module, st.sampled_from([0.005, 0.01]), TILTS), max_size=6).map(tuple)
@@ -26,7 +26,7 @@ STRAIGHT = FrustaBuilder(FrustaOptions()).build(
 def of_meshes(body, options):
     """Mass (kg), centre of gravity (m) and inertia about it (kg m2) of the parts' meshes and the core."""
     mass, first, second = body.core.mass, np.zeros(3), 0.2 * body.core.mass * body.core.radius**2 * np.eye(3)
-    for part in parts_of(body, options):
+    for part in make_parts(body, options):
         corners = 1e-3 * part.solid.vertices[part.solid.triangles]
         corners = corners[:, :, [2, 0, 1]] + (body.outer[0, 0], 0.0, 0.0)
         sixth = np.linalg.det(corners) / 6

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from driftform.geometry import hull_mass, hull_volume, mass_properties, solid_of_revolution
 from driftform.types import Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
-from driftform_frusta.hull import hull
+from driftform_frusta.hull import build_hull
 from driftform_frusta.solid import to_solid
 
 WALL, DOME = 0.00125, 0.01145
@@ -191,7 +191,7 @@ def test_the_mesh_has_the_volume_centroid_and_inertia_of_the_closed_forms(morpho
 
 def mesh(body):
     """The mesh in m."""
-    solid = to_solid(hull(body), 64)
+    solid = to_solid(build_hull(body), 64)
     return solid.vertices / 1000, solid.triangles
 
 

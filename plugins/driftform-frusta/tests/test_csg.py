@@ -21,7 +21,7 @@ from driftform_frusta.csg import (
     Translate,
     Union,
 )
-from driftform_frusta.hull import hull, hull_of_frustums
+from driftform_frusta.hull import build_hull, build_hull_of_frustums
 from driftform_frusta.solid import to_manifold
 
 TRIANGLE = ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))
@@ -64,7 +64,7 @@ def test_trees_are_plain_values_that_compare_and_hash():
         tree().label = "other"
 
 
-@pytest.mark.parametrize("route", [hull, hull_of_frustums])
+@pytest.mark.parametrize("route", [build_hull, build_hull_of_frustums])
 def test_the_printed_frame_is_in_mm_with_the_fore_end_up_and_the_lowest_point_at_zero(route, make_body):
     cone = make_body([(-0.02, 0), (-0.02, 0.03), (0.05, 0)])
     solid = to_manifold(route(cone))
@@ -94,8 +94,8 @@ def test_frustums_and_the_revolved_section_are_the_same_solid_for_any_chain(modu
 
 
 def assert_same_solid(body, segments):
-    revolved = to_manifold(hull(body), segments)
-    frustums = to_manifold(hull_of_frustums(body), segments)
+    revolved = to_manifold(build_hull(body), segments)
+    frustums = to_manifold(build_hull_of_frustums(body), segments)
     assert frustums.volume() == pytest.approx(revolved.volume(), rel=1e-6)
     assert np.allclose(frustums.bounding_box(), revolved.bounding_box(), atol=1e-6)
     difference = (frustums - revolved).volume() + (revolved - frustums).volume()
@@ -105,14 +105,14 @@ def assert_same_solid(body, segments):
 
 def test_faces_normal_to_the_axis_need_no_frustum(make_body):
     stepped = make_body([(-0.05, 0), (-0.05, 0.01), (0, 0.01), (0, 0.03), (0.05, 0.03), (0.05, 0)])
-    outside = hull_of_frustums(stepped).child
+    outside = build_hull_of_frustums(stepped).child
     assert outside == Named(
         "outside",
         Union((Translate((0, 0, 0), Frustum(50, 10, 10)), Translate((0, 0, 50), Frustum(50, 30, 30)))),
     )
 
 
-@pytest.mark.parametrize("route", [hull, hull_of_frustums])
+@pytest.mark.parametrize("route", [build_hull, build_hull_of_frustums])
 @pytest.mark.parametrize(
     ("outer", "cavity", "why"),
     [
@@ -131,4 +131,4 @@ def test_a_contour_that_encloses_nothing_is_refused(route, outer, cavity, why, m
 def test_a_contour_that_folds_back_is_no_chain_of_frustums(make_body):
     folded = make_body([(-1, 0), (-1, 1), (1, 1), (1, 2), (0, 2), (2, 3), (2, 0)])
     with pytest.raises(WorkFailedError, match="folds back"):
-        hull_of_frustums(folded)
+        build_hull_of_frustums(folded)

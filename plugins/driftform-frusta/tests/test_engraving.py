@@ -9,11 +9,11 @@ from pydantic import ValidationError
 from driftform.types import Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.csg import Revolve, Text
-from driftform_frusta.kit.accounting import removed
+from driftform_frusta.kit.accounting import measure_engraving
 from driftform_frusta.kit.meridian import split_rings
-from driftform_frusta.kit.pieces import kit_of
-from driftform_frusta.lettering import STROKE, length, strokes
-from driftform_frusta.parts import PartOptions, parts_of
+from driftform_frusta.kit.pieces import make_kit
+from driftform_frusta.lettering import STROKE, draw_strokes, text_length
+from driftform_frusta.parts import PartOptions, make_parts
 from driftform_frusta.scad import to_scad
 from driftform_frusta.solid import to_manifold
 
@@ -53,11 +53,11 @@ def test_no_two_letters_look_alike():
 
 def test_a_text_is_as_long_as_is_said():
     x0, _, _, x1, _, _ = to_manifold(Text("HELLO", 5.0, 1.0)).bounding_box()
-    assert x1 - x0 == pytest.approx(length("HELLO", 5.0), abs=1e-6)
+    assert x1 - x0 == pytest.approx(text_length("HELLO", 5.0), abs=1e-6)
 
 
 def test_small_letters_are_drawn_as_capitals():
-    assert strokes("fish-7", 5.0) == strokes("FISH-7", 5.0)
+    assert draw_strokes("fish-7", 5.0) == draw_strokes("FISH-7", 5.0)
 
 
 def test_a_letter_that_is_not_there_is_refused():
@@ -75,9 +75,9 @@ def test_openscad_draws_the_same_letters(render):
 @pytest.mark.parametrize("side", ["outside", "inside"])
 def test_a_text_takes_its_strokes_times_its_depth_from_the_wall(side, body):
     options = engraved(body, "I-I", engrave_side=side)
-    plain = parts_of(body, PartOptions(kit=True))
-    parts = parts_of(body, options)
-    kit = kit_of(body, options)
+    plain = make_parts(body, PartOptions(kit=True))
+    parts = make_parts(body, options)
+    kit = make_kit(body, options)
     pen = 5.0 * STROKE
     flat = to_manifold(Text("I-I", 5.0, 1.0)).volume()
     for whole, part, piece in zip(plain, parts, kit.pieces, strict=True):
@@ -87,7 +87,7 @@ def test_a_text_takes_its_strokes_times_its_depth_from_the_wall(side, body):
             continue
         # Letters keep their height across the axis, and so cover more of a round wall than of a flat one.
         assert 0.4 * flat * 0.95 < taken < 0.4 * flat * 1.1
-        assert removed(piece.engraved).volume * 1e9 == pytest.approx(taken, rel=1e-6)
+        assert measure_engraving(piece.engraved).volume * 1e9 == pytest.approx(taken, rel=1e-6)
         assert len(part.solid.shells) == 1
     assert pen > 0.6
     assert any(piece.engraved for piece in kit.pieces)
@@ -96,7 +96,7 @@ def test_a_text_takes_its_strokes_times_its_depth_from_the_wall(side, body):
 @pytest.mark.parametrize("side", ["outside", "inside"])
 def test_no_engraving_goes_deeper_than_was_asked_for(side, body):
     options = engraved(body, engrave_side=side, engrave_depth=0.0005)
-    kit = kit_of(body, options)
+    kit = make_kit(body, options)
     for piece in kit.pieces:
         if piece.engraved is None:
             continue
@@ -110,7 +110,7 @@ def test_no_engraving_goes_deeper_than_was_asked_for(side, body):
 
 def test_a_text_reads_from_outside_and_not_in_a_mirror(body):
     """An L seen from outside, fore to the right: its stem at its left end, its foot below."""
-    kit = kit_of(body, engraved(body, "L"))
+    kit = make_kit(body, engraved(body, "L"))
     [piece] = [p for p in kit.pieces if p.engraved is not None][:1]
     solid = to_manifold(piece.engraved.gone)
     vertices = np.asarray(solid.to_mesh64().vert_properties)[:, :3]
@@ -127,7 +127,7 @@ def test_a_text_reads_from_outside_and_not_in_a_mirror(body):
 
 def test_a_text_stays_away_from_the_thin_lip_of_a_rabbet(body):
     options = engraved(body, "AAA", joint="rabbet")
-    kit = kit_of(body, options)
+    kit = make_kit(body, options)
     joint = kit.core_joint.joint
     for piece in kit.pieces:
         if piece.engraved is None:

@@ -14,6 +14,7 @@ import trimesh
 from manifold3d import Error, Manifold, Mesh64
 
 from driftform.geometry import hull_volume
+from driftform.geometry.meshes import signed_volume
 from driftform.interfaces import ExportJob
 from driftform.study import load_study
 from driftform_frusta.exporters.glb import GlbExporter
@@ -22,8 +23,7 @@ from driftform_frusta.exporters.ply import PlyExporter
 from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.stl import StlExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
-from driftform_frusta.parts import parts_of
-from driftform_frusta.stl import signed_volume
+from driftform_frusta.parts import make_parts
 
 MESHES = (StlExporter, ThreeMfExporter, GlbExporter, ObjExporter, PlyExporter)
 ATTACHED = "https://driftform.invalid/2026/attachment"
@@ -101,7 +101,7 @@ def assert_sound(vertices, triangles, shells, volume):
 
 def check_all_formats(job, folder, **options):
     body = job.agent.body
-    parts = parts_of(body, StlExporter.Options(**options))
+    parts = make_parts(body, StlExporter.Options(**options))
     for exporter in MESHES:
         files = export(exporter, job, folder, **options)
         found = reload(files)
@@ -140,7 +140,7 @@ def kit():
 @pytest.mark.parametrize("exporter", [StlExporter, PlyExporter])
 def test_a_format_for_one_solid_has_a_file_for_each_part_that_stands_on_the_bed(exporter, kit, tmp_path):
     files = export(exporter, kit, tmp_path, kit=True)
-    names = [part.name for part in parts_of(kit.agent.body, StlExporter.Options(kit=True))]
+    names = [part.name for part in make_parts(kit.agent.body, StlExporter.Options(kit=True))]
     assert [Path(f.path).name for f in files] == [
         f"agent-{name.replace(' ', '-')}{exporter.suffix}" for name in names
     ]
@@ -152,7 +152,7 @@ def test_a_format_for_one_solid_has_a_file_for_each_part_that_stands_on_the_bed(
 @pytest.mark.parametrize("exporter", [GlbExporter, ObjExporter])
 def test_parts_are_named_and_lie_as_they_are_joined_in_a_scene(exporter, kit, tmp_path):
     [file] = export(exporter, kit, tmp_path, kit=True)
-    parts = parts_of(kit.agent.body, StlExporter.Options(kit=True))
+    parts = make_parts(kit.agent.body, StlExporter.Options(kit=True))
     found = {name.replace("_", " "): vertices for name, vertices, _ in reload([file])}
     assert sorted(found) == sorted(part.name for part in parts)
     for part in parts:
@@ -201,7 +201,7 @@ def test_a_3mf_plate_stands_on_the_bed_with_its_parts_apart(kit, tmp_path):
 def test_what_does_not_fit_on_one_plate_goes_into_several_files(kit, tmp_path):
     files = export(ThreeMfExporter, kit, tmp_path, kit=True, bed=(0.05, 0.04, 0.25))
     assert [Path(f.path).name for f in files] == [f"agent-plate-{i + 1}.3mf" for i in range(len(files))]
-    assert len(files) == len(parts_of(kit.agent.body, StlExporter.Options(kit=True))) >= 2
+    assert len(files) == len(make_parts(kit.agent.body, StlExporter.Options(kit=True))) >= 2
     assert all(len(read_3mf(f.path)) == 1 for f in files)
 
 
@@ -263,7 +263,7 @@ def test_prusa_slicer_opens_a_plate_as_the_right_parts(kit, tmp_path, requires_p
     slicer = requires_program("prusa-slicer")
     [file] = export(ThreeMfExporter, kit, tmp_path, kit=True)
     found = info(slicer, file.path)
-    parts = parts_of(kit.agent.body, StlExporter.Options(kit=True))
+    parts = make_parts(kit.agent.body, StlExporter.Options(kit=True))
     assert len(found) == len(parts)
     for told, part in zip(found, parts, strict=True):
         assert told["manifold"] == "yes"
@@ -274,7 +274,14 @@ def test_prusa_slicer_opens_a_plate_as_the_right_parts(kit, tmp_path, requires_p
 
 def info(slicer, path):
     """What PrusaSlicer tells of each object of a file."""
-    done = subprocess.run([slicer, "--info", path], capture_output=True, text=True, timeout=120, check=True)
+    done = subprocess.run(
+        [slicer, "--info", path],
+        capture_output=True,
+        encoding="utf-8",
+        errors="replace",
+        timeout=120,
+        check=True,
+    )
     found = []
     for line in done.stdout.splitlines():
         if line.startswith("["):

@@ -12,15 +12,14 @@ from manifold3d import Error, Manifold, Mesh64
 
 from driftform.errors import WorkFailedError
 from driftform.geometry import hull_volume, solid_of_revolution
+from driftform.geometry.meshes import area_factor, is_closed, merge_vertices, signed_volume
 from driftform.study import load_study
 from driftform.types import Body, Core, Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.csg import Frustum, Revolve, Sphere, Translate
-from driftform_frusta.kit.pieces import kit_of
-from driftform_frusta.parts import PartOptions, parts_of
-from driftform_frusta.revolution import area_factor
+from driftform_frusta.kit.pieces import make_kit
+from driftform_frusta.parts import PartOptions, make_parts
 from driftform_frusta.solid import to_manifold
-from driftform_frusta.stl import is_closed, signed_volume, weld
 
 WALL = 1.25e-3
 NOTHING = 1e-6  # mm3
@@ -63,7 +62,7 @@ def agent(fore="", aft=""):
 
 def reread(solid):
     """The solid of the mesh that a file in single precision holds."""
-    vertices, triangles = weld(solid.vertices, solid.triangles)
+    vertices, triangles = merge_vertices(solid.vertices.astype(np.float32), solid.triangles)
     assert is_closed(triangles)
     assert signed_volume(vertices, triangles) > 0
     again = Manifold(Mesh64(vertices.astype(np.float64), triangles.astype(np.uint64)))
@@ -82,8 +81,8 @@ class Assembled:
 
     def __init__(self, body, **options):
         self.body, self.options = body, PartOptions(kit=True, **options)
-        self.kit = kit_of(body, self.options)
-        self.parts = parts_of(body, self.options)
+        self.kit = make_kit(body, self.options)
+        self.parts = make_parts(body, self.options)
         self.solids = [reread(part.solid) for part in self.parts]
         self.lift = -1e3 * body.outer[0, 0]
         self.radius = 1e3 * body.core.radius
@@ -186,9 +185,9 @@ def footing(solid):
 @settings(max_examples=6, deadline=None)
 @given(BODIES)
 def test_a_part_stands_on_the_end_that_leaves_less_hanging_in_the_air(body):
-    for part in parts_of(body, PartOptions(kit=True)):
+    for part in make_parts(body, PartOptions(kit=True)):
         foot, hanging = footing(part.on_bed())
-        other_foot, other_hanging = footing(part.on_bed().upside_down())
+        other_foot, other_hanging = footing(part.on_bed().turn_over())
         assert hanging <= other_hanging + 1 or other_foot < 10
         assert foot > 10
 
@@ -204,7 +203,7 @@ def test_joints_and_seats_need_no_support():
 
 
 def test_a_dome_stands_on_its_mouth():
-    aft, fore = parts_of(agent(), PartOptions(kit=True))
+    aft, fore = make_parts(agent(), PartOptions(kit=True))
     assert (aft.fore_down, fore.fore_down) == (True, False)
 
 
@@ -215,13 +214,13 @@ def test_one_sided_and_very_short_agents_make_kits_too():
 
 
 def test_a_bare_core_is_two_halves_of_a_sphere_and_the_reason_for_their_rabbet_is_told():
-    kit = kit_of(agent(), PartOptions(kit=True))
+    kit = make_kit(agent(), PartOptions(kit=True))
     assert kit.core_joint.joint.kind == "rabbet"
     assert "no sleeve of 1.2 mm fits beside the core" in kit.core_joint.reason
 
 
 def test_a_hull_that_stays_wide_gets_a_sleeve_beside_the_core():
-    kit = kit_of(agent("sss", "nn"), PartOptions(kit=True))
+    kit = make_kit(agent("sss", "nn"), PartOptions(kit=True))
     joint = kit.core_joint.joint
     assert joint.kind == "sleeve"
     # A ball of 10.2 mm leaves room for a ring of 8.8 mm inside where it is 5.16 mm from the equator.
@@ -230,7 +229,7 @@ def test_a_hull_that_stays_wide_gets_a_sleeve_beside_the_core():
 
 
 def test_a_hull_with_room_around_the_core_is_cut_at_its_equator():
-    kit = kit_of(cylinder(0.0129, 0.03), PartOptions(kit=True))
+    kit = make_kit(cylinder(0.0129, 0.03), PartOptions(kit=True))
     assert kit.core_joint.joint.z == 0.0
     assert kit.core_joint.joint.kind == "sleeve"
     assert kit.core_joint.reason.endswith("at the core's equator")
@@ -295,7 +294,7 @@ def test_parts_that_are_too_high_are_cut_at_joints_of_modules_and_fit_the_bed_th
 @pytest.mark.parametrize("height", [49, 52, 57, 61, 68, 75])
 def test_the_plug_of_a_part_counts_among_its_height(height):
     body = agent("s" * 14, "s" * 14)
-    parts = parts_of(body, PartOptions(kit=True, bed=(0.2, 0.2, 1e-3 * height)))
+    parts = make_parts(body, PartOptions(kit=True, bed=(0.2, 0.2, 1e-3 * height)))
     heights = [np.ptp(part.on_bed().bounds[:, 2]) for part in parts]
     assert max(heights) <= height + 1e-6
     assert len(parts) >= 280 / height
@@ -303,9 +302,9 @@ def test_the_plug_of_a_part_counts_among_its_height(height):
 
 def test_a_part_is_cut_no_oftener_than_the_bed_asks_for():
     body = cylinder(0.02, 0.1)
-    assert len(parts_of(body, PartOptions(kit=True, bed=(0.2, 0.2, 0.12)))) == 2
-    assert len(parts_of(body, PartOptions(kit=True, bed=(0.2, 0.2, 0.103)))) == 3
-    assert len(parts_of(body, PartOptions(kit=True, bed=(0.2, 0.2, 0.07)))) == 4
+    assert len(make_parts(body, PartOptions(kit=True, bed=(0.2, 0.2, 0.12)))) == 2
+    assert len(make_parts(body, PartOptions(kit=True, bed=(0.2, 0.2, 0.103)))) == 3
+    assert len(make_parts(body, PartOptions(kit=True, bed=(0.2, 0.2, 0.07)))) == 4
 
 
 @pytest.mark.parametrize(
@@ -323,7 +322,7 @@ def test_a_part_is_cut_no_oftener_than_the_bed_asks_for():
 )
 def test_what_cannot_be_made_is_refused_with_its_reason(body, options, why):
     with pytest.raises(WorkFailedError, match=r"no kit can be made|no sleeve|no hole") as refused:
-        parts_of(body, PartOptions(kit=True, **options))
+        make_parts(body, PartOptions(kit=True, **options))
     assert why in str(refused.value)
     assert "\n" not in str(refused.value)
 
@@ -348,7 +347,7 @@ def test_a_hull_that_takes_no_core_is_refused(cavity, why):
         hull_density=1050.0,
     )
     with pytest.raises(WorkFailedError, match=why):
-        parts_of(body, PartOptions(kit=True))
+        make_parts(body, PartOptions(kit=True))
 
 
 def test_an_o_ring_is_squeezed_between_its_groove_and_the_bore():
@@ -384,10 +383,10 @@ def test_the_socket_of_an_o_ring_is_a_cylinder_even_in_a_cone():
 
 
 def test_holes_on_the_axis_go_through_both_ends():
-    closed = parts_of(agent("ss", "ss"), PartOptions(kit=True))
+    closed = make_parts(agent("ss", "ss"), PartOptions(kit=True))
     made = Assembled(agent("ss", "ss"), drain=0.003)
     needle = to_manifold(Translate((0.0, 0.0, -1.0), Frustum(200.0, 1.45, 1.45)))
-    assert sum((part.solid.manifold() ^ needle).volume() for part in closed) > 1
+    assert sum((part.solid.to_manifold() ^ needle).volume() for part in closed) > 1
     assert sum((solid ^ needle).volume() for solid in made.solids) < NOTHING
     for part, drained in zip(closed, made.solids, strict=True):
         assert part.solid.volume - drained.volume() == pytest.approx(math.pi * 1.5**2 * 1.25, rel=1e-3)
@@ -395,14 +394,14 @@ def test_holes_on_the_axis_go_through_both_ends():
 
 def test_a_kit_weighs_what_its_closed_form_says_whatever_the_segments():
     body = agent("us", "sn")
-    kit = kit_of(body, PartOptions(kit=True))
+    kit = make_kit(body, PartOptions(kit=True))
     exact = sum(
         solid_of_revolution(np.concatenate((ring, ring[:1]))[:, ::-1]).volume
         for piece in kit.pieces
         for ring in piece.rings
     )
     for segments in (16, 64, 96):
-        parts = parts_of(body, PartOptions(kit=True, segments=segments))
+        parts = make_parts(body, PartOptions(kit=True, segments=segments))
         assert sum(part.solid.volume for part in parts) == pytest.approx(exact, rel=1e-6)
     assert exact > 1e9 * hull_volume(body)
 

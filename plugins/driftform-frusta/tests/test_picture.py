@@ -1,15 +1,16 @@
 """Pictures of parts on the bed."""
 
-import struct
-import zlib
+import io
 
 import numpy as np
 import pytest
+from PIL import Image
 
-from driftform.figures.png import png_bytes
-from driftform_frusta.csg import Box, Translate
-from driftform_frusta.mesh import mesh_of
-from driftform_frusta.picture import Shape, draw
+from driftform.figures.files import ZOOM, rasterise
+from driftform_frusta.csg import Box, Difference, Translate
+from driftform_frusta.mesh import make_mesh
+from driftform_frusta.picture import Shape, plate_svg
+from driftform_frusta.revolution import revolve_profiles
 from driftform_frusta.solid import to_solid
 
 RED, BLUE = "#ff0000", "#0000ff"
@@ -18,7 +19,7 @@ BED = (100.0, 100.0)
 
 def shape(size, at, colour):
     corner = tuple(a - s / 2 for a, s in zip(at[:2], size[:2], strict=True))
-    mesh = mesh_of(to_solid(Translate((*corner, at[2]), Box(size))))
+    mesh = make_mesh(to_solid(Translate((*corner, at[2]), Box(size))))
     return Shape(mesh.vertices.astype(float), mesh.triangles, colour)
 
 
@@ -28,28 +29,10 @@ def is_of(picture, channel):
     return picture[..., channel].astype(int) - picture[..., others].max(axis=-1) > 60
 
 
-def decoded(png):
-    """Pixels of a PNG file by the letter of its specification."""
-    assert png.startswith(b"\x89PNG\r\n\x1a\n")
-    at, packed, size = 8, b"", (0, 0)
-    while at < len(png):
-        (length,) = struct.unpack(">I", png[at : at + 4])
-        kind, data = png[at + 4 : at + 8], png[at + 8 : at + 8 + length]
-        assert struct.unpack(">I", png[at + 8 + length : at + 12 + length])[0] == zlib.crc32(kind + data)
-        if kind == b"IHDR":
-            size = struct.unpack(">II", data[:8])
-            assert tuple(data[8:]) == (8, 2, 0, 0, 0)
-        packed += data if kind == b"IDAT" else b""
-        at += 12 + length
-    width, height = size
-    rows = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, 1 + 3 * width)
-    assert (rows[:, 0] == 2).all()
-    return np.cumsum(rows[:, 1:], axis=0, dtype=np.uint8).reshape(height, width, 3)
-
-
-def test_a_png_file_holds_the_pixels():
-    pixels = np.random.default_rng(1).integers(0, 256, (7, 5, 3), dtype=np.uint8)
-    assert (decoded(png_bytes(pixels)) == pixels).all()
+def draw(shapes, bed, width=400, height=300):
+    """Pixels of a picture, (height, width, 3)."""
+    png = rasterise(plate_svg(shapes, bed, width / ZOOM, height / ZOOM))
+    return np.asarray(Image.open(io.BytesIO(png)).convert("RGB"))
 
 
 def test_a_picture_has_the_size_that_was_asked_for_and_shows_the_part_in_its_colour():
@@ -67,6 +50,23 @@ def test_what_is_nearer_hides_what_is_behind_it_whatever_the_order():
         picture = draw(shapes, BED, 160, 120)
         assert is_of(picture, 0).any()
         assert not is_of(picture, 2).any()
+
+
+def test_a_sealed_hollow_is_never_seen():
+    hollow = to_solid(Difference(Box((60, 60, 6)), (Translate((1, 1, 1), Box((58, 58, 4))),)))
+    mesh = make_mesh(hollow)
+    full = draw([shape((60, 60, 6), (0, 0, 0), RED)], BED)
+    drawn = draw([Shape(mesh.vertices.astype(float) - (30, 30, 0), mesh.triangles, RED)], BED)
+    # The edges of other triangles differ by a shade.
+    assert np.abs(drawn.astype(int) - full).max() < 16
+
+
+def test_a_plate_with_many_triangles_is_drawn_with_few():
+    angle = np.linspace(0, np.pi, 400)
+    ball = revolve_profiles([30 * np.column_stack((np.sin(angle), 1 - np.cos(angle)))], 400)
+    text = plate_svg([Shape(ball.vertices, ball.triangles, RED)], BED)
+    assert len(ball.triangles) > 300_000
+    assert text.count("Z") < 30_000
 
 
 def test_a_part_stands_upright_on_the_page():

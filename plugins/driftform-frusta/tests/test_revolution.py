@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from manifold3d import CrossSection, FillRule
 
 from driftform.errors import WorkFailedError
-from driftform_frusta.hull import hull
-from driftform_frusta.revolution import area_factor, revolved
+from driftform.geometry.meshes import area_factor, is_closed
+from driftform_frusta.hull import build_hull
+from driftform_frusta.revolution import revolve_profiles
 from driftform_frusta.solid import to_solid
-from driftform_frusta.stl import is_closed
 
 CYLINDER = [(0, 0), (5, 0), (5, 7), (0, 7)]
 BALLS_IN_TOUCH = [(0, 0), (3, 2), (0, 4), (3, 6), (0, 8)]
@@ -21,7 +21,7 @@ SHELL = [(0, 0), (5, 0), (5, 7), (0, 7), (0, 6), (4, 6), (4, 1), (0, 1)]
 
 
 def sweep(*profiles, segments=16):
-    return revolved([np.array(profile, dtype=float) for profile in profiles], segments)
+    return revolve_profiles([np.array(profile, dtype=float) for profile in profiles], segments)
 
 
 def by_manifold(polygons, segments):
@@ -77,7 +77,7 @@ def test_profiles_that_hold_nothing_are_refused(profiles):
 
 
 def test_a_hull_has_the_vertices_and_the_shells_that_manifold3d_makes_of_its_section(body):
-    tree = hull(body).child
+    tree = build_hull(body).child
     ours = to_solid(tree, 12)
     theirs = by_manifold([np.array(polygon) for polygon in (tree.outline, *tree.holes)], 12)
     mesh = theirs.to_mesh64()
@@ -96,9 +96,9 @@ def test_manifold3d_finds_any_profile_closed_and_counts_the_same_shells(heights,
     line = np.column_stack((radii[: len(z)], z))
     if not line[:, 0].any():
         line[0, 0] = 1.0
-    solid = revolved([np.concatenate((line, [(0.0, z[-1]), (0.0, 0.0)]))], 9)
+    solid = revolve_profiles([np.concatenate((line, [(0.0, z[-1]), (0.0, 0.0)]))], 9)
     assert is_closed(solid.triangles)
-    again = solid.manifold()
+    again = solid.to_manifold()
     assert again.volume() == pytest.approx(solid.volume, rel=1e-9)
     assert sorted(shell.volume() for shell in again.decompose()) == pytest.approx(
         sorted(solid.shells), rel=1e-9

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from driftform.errors import WorkFailedError
 from driftform.geometry import hull_volume
+from driftform.geometry.meshes import area_factor
 from driftform_frusta.csg import (
     Box,
     Difference,
@@ -22,8 +23,7 @@ from driftform_frusta.csg import (
     Translate,
     Union,
 )
-from driftform_frusta.hull import hull, hull_of_frustums
-from driftform_frusta.revolution import area_factor
+from driftform_frusta.hull import build_hull, build_hull_of_frustums
 from driftform_frusta.scad import to_scad
 from driftform_frusta.solid import sphere_factor, to_manifold, to_solid
 
@@ -99,12 +99,14 @@ def test_what_lies_beyond_the_axis_is_cut_off_before_revolving():
 def test_the_mesh_of_a_hull_has_the_volume_of_the_closed_form(body):
     expected = hull_volume(body) * 1e9
     for segments in (12, 64):
-        assert to_solid(hull(body), segments).volume == pytest.approx(expected, rel=1e-6)
-        assert to_manifold(hull_of_frustums(body), segments).volume() == pytest.approx(expected, rel=1e-9)
+        assert to_solid(build_hull(body), segments).volume == pytest.approx(expected, rel=1e-6)
+        assert to_manifold(build_hull_of_frustums(body), segments).volume() == pytest.approx(
+            expected, rel=1e-9
+        )
 
 
 def test_a_sealed_hull_has_an_outside_and_a_hollow_that_faces_inward(wavy_body):
-    solid = to_solid(hull(wavy_body))
+    solid = to_solid(build_hull(wavy_body))
     assert sorted(np.sign(solid.shells)) == [-1, 1]
     assert solid.pieces == 1
 
@@ -168,7 +170,7 @@ def test_source_says_only_what_a_tree_needs():
 
 
 def test_source_of_a_hull_stays_on_one_side_of_the_axis_with_six_decimals(body):
-    source = to_scad(hull(body))
+    source = to_scad(build_hull(body))
     assert source.count("polygon([") == 1 + (len(body.cavity) > 0)
     points = re.findall(r"\[(-?[\d.]+), (-?[\d.]+)\],", source)
     assert len(points) == len(body.outer) + len(body.cavity)
@@ -184,14 +186,14 @@ def test_a_label_cannot_leave_its_comment():
 
 
 def test_openscad_renders_a_hull_to_the_volume_of_the_closed_form(body, render):
-    mesh = render(to_scad(hull(body)))
+    mesh = render(to_scad(build_hull(body)))
     assert mesh.volume == pytest.approx(hull_volume(body) * 1e9, rel=1e-4)
-    assert np.allclose(mesh.bounds.ravel(), to_manifold(hull(body)).bounding_box(), atol=2e-3)
+    assert np.allclose(mesh.bounds.ravel(), to_manifold(build_hull(body)).bounding_box(), atol=2e-3)
 
 
 def test_openscad_renders_a_hull_of_frustums_to_the_volume_of_the_closed_form(make_chain, render):
     body = make_chain([0.02, 0.03, 0.01], [0.01, 0.02, 0.015, 0.012])
-    mesh = render(to_scad(hull_of_frustums(body), segments=16))
+    mesh = render(to_scad(build_hull_of_frustums(body), segments=16))
     assert mesh.volume == pytest.approx(hull_volume(body) * 1e9, rel=1e-4)
 
 

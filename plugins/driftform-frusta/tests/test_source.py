@@ -13,8 +13,8 @@ from driftform.study import load_study
 from driftform.types import Agent, Coefficients
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.parametric import hull_source
-from driftform_frusta.parts import PartOptions, parts_of
-from driftform_frusta.source import source_of
+from driftform_frusta.parts import PartOptions, make_parts
+from driftform_frusta.source import write_source
 
 
 def agents(settings, count, seed=3):
@@ -126,8 +126,8 @@ def test_a_title_cannot_leave_its_comment():
 
 
 def kit_source(agent, **options):
-    parts = parts_of(agent.body, PartOptions(kit=True, segments=16, **options))
-    return parts, source_of(ExportJob("TP1", agent, Scenario()), parts, 16)
+    parts = make_parts(agent.body, PartOptions(kit=True, segments=16, **options))
+    return parts, write_source(ExportJob("TP1", agent, Scenario()), parts, 16)
 
 
 def test_the_source_of_a_kit_renders_each_part_as_it_stands_on_the_bed(render):

@@ -25,7 +25,7 @@ from driftform_frusta.csg import (
     Union,
 )
 from driftform_frusta.exporters.step import StepExporter
-from driftform_frusta.parts import PartOptions, parts_of
+from driftform_frusta.parts import PartOptions, make_parts
 from driftform_frusta.solid import to_manifold
 
 pytest.importorskip("OCP", reason="Open CASCADE is not installed: driftform-frusta[step]")
@@ -97,7 +97,7 @@ def test_facts_tell_what_the_file_holds(wavy_body, write):
 
 def test_a_kit_is_written_as_its_parts_by_name_where_they_are_joined(write, make_chain):
     body = make_chain([0.03, 0.03, 0.03], [0.012, 0.016, 0.016, 0.012])
-    parts = parts_of(body, PartOptions(kit=True, segments=512))
+    parts = make_parts(body, PartOptions(kit=True, segments=512))
     found = read(write(body, kit=True).path)
     assert [name for name, _, _ in found] == [part.name for part in parts]
     for (_, shape, bounds), part in zip(found, parts, strict=True):

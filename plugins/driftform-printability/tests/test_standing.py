@@ -4,13 +4,15 @@ import numpy as np
 import pytest
 import trimesh
 
-from driftform_printability.overhangs import Stand, best_stand, stands
+from driftform_printability.overhangs import Orientation, choose_orientation, list_orientations
 
 BED = np.array([250.0, 210.0, 210.0])
 
 
-def ways(mesh: trimesh.Trimesh, hollow: int = 0) -> dict[str, Stand]:
-    return {way.name: way for way in stands(np.asarray(mesh.vertices), np.asarray(mesh.faces), hollow)}
+def ways(mesh: trimesh.Trimesh, hollow: int = 0) -> dict[str, Orientation]:
+    return {
+        way.name: way for way in list_orientations(np.asarray(mesh.vertices), np.asarray(mesh.faces), hollow)
+    }
 
 
 def frustum(bottom: float, top: float, height: float) -> trimesh.Trimesh:
@@ -58,16 +60,16 @@ def test_the_ceiling_of_a_closed_hollow_is_told_apart() -> None:
 
 def test_the_better_way_is_chosen_and_the_present_one_kept_where_none_is() -> None:
     funnel = frustum(5, 30, 10)
-    assert best_stand(tuple(ways(funnel).values()), BED).name == "upside down"
+    assert choose_orientation(tuple(ways(funnel).values()), BED).name == "upside down"
     funnel.apply_transform(np.diag([1.0, -1.0, -1.0, 1.0]))
-    assert best_stand(tuple(ways(funnel).values()), BED).name == "as it stands"
+    assert choose_orientation(tuple(ways(funnel).values()), BED).name == "as it stands"
     cube = tuple(ways(trimesh.creation.box((20, 20, 20))).values())
-    assert best_stand(cube, BED).name == "as it stands"
+    assert choose_orientation(cube, BED).name == "as it stands"
 
 
 def test_a_way_that_does_not_fit_the_bed_is_not_the_better_one() -> None:
     column = tuple(ways(trimesh.creation.box((10, 10, 200))).values())
-    assert best_stand(column, BED).name == "lying"
+    assert choose_orientation(column, BED).name == "lying"
     assert not column[0].fits(np.array([250.0, 210.0, 100.0]))
     assert column[0].fits(np.array([10.0, 10.0, 200.0]))
     assert column[2].fits(np.array([200.0, 10.0, 10.0])) and column[2].fits(np.array([10.0, 200.0, 10.0]))

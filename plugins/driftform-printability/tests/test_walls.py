@@ -6,11 +6,11 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftform_printability.walls import REACH, thinnest_wall
+from driftform_printability.walls import REACH, find_thinnest_wall
 
 
 def wall_of(mesh: trimesh.Trimesh) -> float | None:
-    found = thinnest_wall(np.asarray(mesh.vertices), np.asarray(mesh.faces))
+    found = find_thinnest_wall(np.asarray(mesh.vertices), np.asarray(mesh.faces))
     return None if found is None else found.thickness
 
 
@@ -49,7 +49,7 @@ def test_a_wall_that_tapers_is_as_thin_as_its_thin_end() -> None:
 def test_the_place_is_told() -> None:
     box, hollow = trimesh.creation.box((20, 20, 20)), trimesh.creation.box((16, 16, 16))
     hollow.apply_translation((1.5, 0, 0))
-    found = thinnest_wall(*_arrays(shell_of(box, hollow)))
+    found = find_thinnest_wall(*_arrays(shell_of(box, hollow)))
     assert found is not None
     assert found.thickness == pytest.approx(0.5, rel=1e-6)
     assert 9.5 - 1e-6 <= found.where[0] <= 10 + 1e-6

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from driftform.geometry import solid_of_revolution
 from driftform.interfaces import ExportJob
 from driftform.scenario import Segment
-from driftform_robotics.models.meshes import Mesh, convex_pieces, revolved, tube
+from driftform_robotics.models.meshes import Mesh, convex_pieces, make_tube, revolve_contour
 from driftform_robotics.models.pipe import PLANKS, bore_of
 from driftform_robotics.models.xml import angles
 
@@ -34,7 +34,7 @@ def test_a_revolved_meridian_has_the_volume_and_the_centroid_of_the_closed_form(
 ) -> None:
     contour = contour_of(steps)
     expected = solid_of_revolution(contour)
-    mesh = as_trimesh(revolved(contour))
+    mesh = as_trimesh(revolve_contour(contour))
     assert mesh.is_watertight
     assert mesh.volume == pytest.approx(expected.volume, rel=1e-9)
     assert mesh.center_mass[0] == pytest.approx(expected.centroid, abs=1e-9)
@@ -82,7 +82,7 @@ def test_the_exported_hull_is_the_body_that_flies(job: ExportJob, export: Callab
 
 
 def test_a_tube_holds_the_material_of_its_wall() -> None:
-    mesh = as_trimesh(tube(9.0, 1.0, 0.02))
+    mesh = as_trimesh(make_tube(9.0, 1.0, 0.02))
     assert mesh.is_watertight
     assert mesh.volume == pytest.approx(np.pi * (1.02**2 - 1) * 9.0, rel=1e-9)
 

@@ -30,7 +30,8 @@ def test_ignition_reads_what_is_for_fortress(
         done = subprocess.run(
             [requires_program("ign"), "sdf", "-k", folder / file],
             capture_output=True,
-            text=True,
+            encoding="utf-8",
+            errors="replace",
             timeout=60,
             check=False,
         )
@@ -49,7 +50,8 @@ def test_ignition_refuses_an_inertia_that_no_body_has(
     done = subprocess.run(
         [requires_program("ign"), "sdf", "-k", tmp_path / "model.sdf"],
         capture_output=True,
-        text=True,
+        encoding="utf-8",
+        errors="replace",
         timeout=60,
         check=False,
     )

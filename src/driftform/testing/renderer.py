@@ -29,7 +29,7 @@ def read_film(path: Path) -> Frames:
     done = subprocess.run(
         [*command, "-f", "image2pipe", "-c:v", "ppm", "-"], capture_output=True, check=False
     )
-    assert done.returncode == 0, done.stderr.decode()
+    assert done.returncode == 0, done.stderr.decode(errors="replace")
     magic, size, depth, _ = done.stdout.split(b"\n", 3)
     assert (magic, depth) == (b"P6", b"255")
     width, height = map(int, size.split())

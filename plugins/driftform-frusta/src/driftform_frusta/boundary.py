@@ -39,7 +39,7 @@ class Solid:
             raise WorkFailedError(f"the solid is empty or inside out: its volume is {self.volume:g} mm3")
 
     @classmethod
-    def of(cls, solid: Manifold) -> "Solid":
+    def from_manifold(cls, solid: Manifold) -> "Solid":
         """What bounds a solid of manifold3d."""
         mesh = solid.to_mesh64()
         return cls(
@@ -63,15 +63,15 @@ class Solid:
         """Lowest and highest coordinates, (2, 3)."""
         return np.stack((self.vertices.min(axis=0), self.vertices.max(axis=0)))
 
-    def moved(self, offset: npt.ArrayLike) -> "Solid":
+    def translate(self, offset: npt.ArrayLike) -> "Solid":
         """The solid moved by ``offset``, mm."""
         return Solid(self.vertices + np.asarray(offset), self.triangles, self.shells)
 
-    def upside_down(self) -> "Solid":
+    def turn_over(self) -> "Solid":
         """The solid turned by half a turn about the x axis."""
         return Solid(self.vertices * np.array([1.0, -1.0, -1.0]), self.triangles, self.shells)
 
-    def manifold(self) -> Manifold:
+    def to_manifold(self) -> Manifold:
         """The solid for manifold3d, which unites, cuts and measures solids.
 
         Raises

@@ -87,23 +87,23 @@ def _interpret(node: Node) -> Any:
                 (node.top_radius, node.height),
                 (0.0, node.height),
             ]
-            shape = _revolved([np.array([c for i, c in enumerate(corners) if i in (0, 3) or c[0] > 0])])
+            shape = _revolve([np.array([c for i, c in enumerate(corners) if i in (0, 3) or c[0] > 0])])
         case Sphere():
             shape = BRepPrimAPI_MakeSphere(node.radius).Shape()
         case Box():
             shape = BRepPrimAPI_MakeBox(*node.size).Shape()
         case Revolve():
-            shape = _revolved(_half_section(node))
+            shape = _revolve(_half_section(node))
         case Text():
-            shape = _letters(node)
+            shape = _make_letters(node)
         case Union():
-            shape = _combined("Fuse", [_interpret(child) for child in node.children])
+            shape = _combine("Fuse", [_interpret(child) for child in node.children])
         case Difference():
-            shape = _combined("Cut", [_interpret(child) for child in (node.base, *node.tools)])
+            shape = _combine("Cut", [_interpret(child) for child in (node.base, *node.tools)])
         case Intersection():
-            shape = _combined("Common", [_interpret(child) for child in node.children])
+            shape = _combine("Common", [_interpret(child) for child in node.children])
         case Translate() | Rotate():
-            shape = _moved(node)
+            shape = _move(node)
         case Named():
             shape = _interpret(node.child)
         case _:
@@ -111,7 +111,7 @@ def _interpret(node: Node) -> Any:
     return shape
 
 
-def _combined(operation: str, shapes: Sequence[Any]) -> Any:
+def _combine(operation: str, shapes: Sequence[Any]) -> Any:
     from OCP import BRepAlgoAPI
 
     result = shapes[0]
@@ -123,7 +123,7 @@ def _combined(operation: str, shapes: Sequence[Any]) -> Any:
     return result
 
 
-def _moved(node: Translate | Rotate) -> Any:
+def _move(node: Translate | Rotate) -> Any:
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
     from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
 
@@ -150,27 +150,27 @@ def _half_section(node: Revolve) -> list[FloatArray]:
     return [np.where(np.abs(p) < _NONE, 0.0, p) for p in polygons]
 
 
-def _revolved(polygons: Sequence[FloatArray]) -> Any:
+def _revolve(polygons: Sequence[FloatArray]) -> Any:
     """Revolve polygons of (r, z) about the z axis."""
     from OCP.BRepPrimAPI import BRepPrimAPI_MakeRevol
     from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt
 
     axis = gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))
-    face = _face([np.column_stack([p[:, 0], np.zeros(len(p)), p[:, 1]]) for p in polygons])
-    return _solid(BRepPrimAPI_MakeRevol(face, axis).Shape())
+    face = _make_face([np.column_stack([p[:, 0], np.zeros(len(p)), p[:, 1]]) for p in polygons])
+    return _turn_outside_out(BRepPrimAPI_MakeRevol(face, axis).Shape())
 
 
-def _letters(node: Text) -> Any:
+def _make_letters(node: Text) -> Any:
     """Letters as prisms of the outlines that the mesh has: they are polygons there, too."""
     from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism
     from OCP.gp import gp_Vec
 
     outlines = to_manifold(node).slice(node.height / 2).to_polygons()
-    face = _face([np.column_stack([p, np.zeros(len(p))]) for p in outlines])
-    return _solid(BRepPrimAPI_MakePrism(face, gp_Vec(0, 0, node.height)).Shape())
+    face = _make_face([np.column_stack([p, np.zeros(len(p))]) for p in outlines])
+    return _turn_outside_out(BRepPrimAPI_MakePrism(face, gp_Vec(0, 0, node.height)).Shape())
 
 
-def _face(polygons: Sequence[FloatArray]) -> Any:
+def _make_face(polygons: Sequence[FloatArray]) -> Any:
     """Faces in one plane between closed polygons of (n, 3); what an odd number of them surrounds is inside."""
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakePolygon
@@ -191,7 +191,7 @@ def _face(polygons: Sequence[FloatArray]) -> Any:
         if result is None:
             result = face(polygon)
             continue
-        common = _combined("Common", [result, face(polygon)])
+        common = _combine("Common", [result, face(polygon)])
         operation = BRepAlgoAPI_Cut if _area(common) > 0 else BRepAlgoAPI_Fuse
         result = operation(result, face(polygon)).Shape()
     return result
@@ -206,6 +206,6 @@ def _area(shape: Any) -> float:
     return float(properties.Mass())
 
 
-def _solid(shape: Any) -> Any:
+def _turn_outside_out(shape: Any) -> Any:
     """The shape with its outside out: which way a face is swept depends on its sense of rotation."""
     return shape if volume_of(shape) > 0 else shape.Reversed()

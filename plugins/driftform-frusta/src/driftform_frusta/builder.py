@@ -8,7 +8,7 @@ from pydantic import model_validator
 from driftform.interfaces import PhenotypeBuilder
 from driftform.options import Table, option
 from driftform.types import Body, Core, Morphology
-from driftform_frusta.section import Chain, chain, hull_section, open_section
+from driftform_frusta.section import Chain, build_chain, hull_section, open_section
 
 
 class FrustaOptions(Table):
@@ -52,19 +52,19 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
         o = self.options
         dome = o.core_radius + o.clearance + o.wall
         least = o.min_radius + o.wall / 2
-        fore = chain(morphology.fore, dome, least)
-        aft = chain(morphology.aft, dome, least)
+        fore = build_chain(morphology.fore, dome, least)
+        aft = build_chain(morphology.aft, dome, least)
         section = hull_section if o.wall_model == "mitred" else open_section
         outer, cavity = section(fore, aft, dome, o.wall)
         return Body(
             outer=outer,
             cavity=cavity,
-            joints=_joints(fore, aft),
+            joints=_joint_positions(fore, aft),
             core=Core(o.core_radius, o.core_mass),
             wall=o.wall,
             hull_density=o.hull_density,
         )
 
 
-def _joints(fore: Chain, aft: Chain) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def _joint_positions(fore: Chain, aft: Chain) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
     return np.concatenate([-aft.x[:0:-1], fore.x])

@@ -14,7 +14,7 @@ def channels(colour: str) -> tuple[float, float, float]:
     return red, green, blue
 
 
-def linear(colour: str) -> tuple[float, float, float]:
+def decode_srgb(colour: str) -> tuple[float, float, float]:
     """Return red, green and blue proportional to light, from 0 to 1: sRGB decoded (IEC 61966-2-1)."""
     red, green, blue = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels(colour))
     return red, green, blue

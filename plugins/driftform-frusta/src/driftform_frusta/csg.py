@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from driftform_frusta.lettering import missing
+from driftform_frusta.lettering import missing_letters
 
 Point: TypeAlias = tuple[float, float]
 """A point (r, z) of a meridian half-plane, mm."""
@@ -102,7 +102,7 @@ class Text:
         _check(0 < self.size < math.inf, f"a text's size must be positive, not {self.size}")
         _check(0 < self.height < math.inf, f"a text's height must be positive, not {self.height}")
         _check(bool(self.text.strip()), "a text needs a letter")
-        unknown = missing(self.text)
+        unknown = missing_letters(self.text)
         _check(not unknown, f"there is no letter for {unknown!r}")
 
 

@@ -19,7 +19,7 @@ _MM_PER_M = 1000.0
 _GRID = 2.0**30
 
 
-def hull(body: Body) -> Node:
+def build_hull(body: Body) -> Node:
     """Return the hull as its meridian section revolved: outer contour less cavity.
 
     This is the fast route: booleans are done in the plane.
@@ -29,12 +29,12 @@ def hull(body: Body) -> Node:
     WorkFailedError
         where a contour does not run from the axis to the axis.
     """
-    outer, cavity = _contours(body)
+    outer, cavity = _read_contours(body)
     holes = (_points(cavity),) if len(cavity) else ()
     return Named("hull: the meridian section, revolved; fore end up", Revolve(_points(outer), holes))
 
 
-def hull_of_frustums(body: Body) -> Node:
+def build_hull_of_frustums(body: Body) -> Node:
     """Return the hull as frustums: the union of those of the outer contour less the union of the cavity's.
 
     Edges of the section that stand normal to the axis have no height and need no frustum.
@@ -44,14 +44,16 @@ def hull_of_frustums(body: Body) -> Node:
     WorkFailedError
         where a contour does not run from the axis to the axis, or folds back along it.
     """
-    outer, cavity = _contours(body)
-    outside = Named("outside", _chain(outer, "outer contour"))
+    outer, cavity = _read_contours(body)
+    outside = Named("outside", _stack_frustums(outer, "outer contour"))
     if not len(cavity):
         return Named("hull; fore end up", outside)
-    return Named("hull; fore end up", Difference(outside, (Named("cavity", _chain(cavity, "cavity")),)))
+    return Named(
+        "hull; fore end up", Difference(outside, (Named("cavity", _stack_frustums(cavity, "cavity")),))
+    )
 
 
-def _contours(body: Body) -> tuple[FloatArray, FloatArray]:
+def _read_contours(body: Body) -> tuple[FloatArray, FloatArray]:
     """Outer contour and cavity as (n, 2) of z and r in the printed frame; the cavity may be empty."""
     contours = []
     for what, contour in (("outer contour", body.outer), ("cavity", body.cavity)):
@@ -79,7 +81,7 @@ def _points(contour: FloatArray) -> tuple[Point, ...]:
     return tuple((float(r), float(z)) for z, r in contour)
 
 
-def _chain(contour: FloatArray, what: str) -> Node:
+def _stack_frustums(contour: FloatArray, what: str) -> Node:
     frustums: list[Node] = []
     for (z0, r0), (z1, r1) in zip(contour[:-1].tolist(), contour[1:].tolist(), strict=True):
         if z1 < z0:

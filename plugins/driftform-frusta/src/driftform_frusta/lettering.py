@@ -63,12 +63,12 @@ _LETTERS = {
 }
 
 
-def missing(text: str) -> str:
+def missing_letters(text: str) -> str:
     """Return those letters of a text that cannot be drawn."""
     return "".join(sorted({letter for letter in text if letter.upper() not in _LETTERS}))
 
 
-def strokes(text: str, size: float) -> tuple[Stroke, ...]:
+def draw_strokes(text: str, size: float) -> tuple[Stroke, ...]:
     """Return the strokes of a text whose capitals are ``size`` high; it begins at the origin and goes along x.
 
     Raises
@@ -76,7 +76,7 @@ def strokes(text: str, size: float) -> tuple[Stroke, ...]:
     ValueError
         where there is no such letter.
     """
-    if letters := missing(text):
+    if letters := missing_letters(text):
         raise ValueError(f"there is no letter for {letters!r}")
     unit = size / _HEIGHT
     found: list[Stroke] = []
@@ -90,6 +90,6 @@ def strokes(text: str, size: float) -> tuple[Stroke, ...]:
     return tuple(found)
 
 
-def length(text: str, size: float) -> float:
+def text_length(text: str, size: float) -> float:
     """Return the length of a text, its strokes' ends included."""
     return size * ((len(text) - 1) * _ADVANCE + _WIDTH) / _HEIGHT + size * STROKE if text else 0.0

@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from driftform.errors import WorkFailedError
+from driftform.geometry.meshes import is_closed, merge_vertices, signed_volume, surface_area
 from driftform.types import FloatArray
 from driftform_frusta.boundary import Solid
-from driftform_frusta.stl import is_closed, signed_volume, surface_area, weld
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class Mesh:
     volume: float
 
 
-def mesh_of(solid: Solid, what: str = "hull", frame: FloatArray | None = None) -> Mesh:
+def make_mesh(solid: Solid, what: str = "hull", frame: FloatArray | None = None) -> Mesh:
     """Return the mesh of a solid, rounded to single precision and checked after that.
 
     Parameters
@@ -55,7 +55,7 @@ def mesh_of(solid: Solid, what: str = "hull", frame: FloatArray | None = None) -
     if frame is not None:
         points = points @ frame.T
         expected *= float(np.linalg.det(frame))
-    vertices, triangles = weld(points, solid.triangles)
+    vertices, triangles = merge_vertices(points.astype(np.float32), solid.triangles)
     if not is_closed(triangles):
         raise WorkFailedError(f"the mesh of the {what} does not stay closed in single precision")
     volume = signed_volume(vertices, triangles)

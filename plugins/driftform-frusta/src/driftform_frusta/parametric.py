@@ -41,8 +41,8 @@ def hull_source(agent: Agent, segments: int, title: str) -> str:
     """
     body = agent.body
     clearance = _clearance(body)
-    rows, aft = _table(agent)
-    if rows is not None and _is_the_hull(body, rows, aft, clearance):
+    rows, aft = _tabulate_modules(agent)
+    if rows is not None and _renders_to_hull(body, rows, aft, clearance):
         geometry = _modules_text(body, rows, aft, clearance)
         summary = f"{len(rows)} module{'s' if len(rows) != 1 else ''} and a dome over the core"
     else:
@@ -160,7 +160,7 @@ def _clearance(body: Body) -> float:
     return MM * (radius_at(body.outer, 0.0) - body.core.radius - body.wall)
 
 
-def _table(agent: Agent) -> tuple[list[Row] | None, int]:
+def _tabulate_modules(agent: Agent) -> tuple[list[Row] | None, int]:
     """The modules as the builder would lay them, and how many lie aft; ``None`` for a body without any."""
     body, morphology = agent.body, agent.morphology
     if morphology is None:
@@ -168,11 +168,11 @@ def _table(agent: Agent) -> tuple[list[Row] | None, int]:
     aft = _joints(body, morphology.aft, -1.0)
     fore = _joints(body, morphology.fore, 1.0)
     rows = [
-        Row(f"aft {k}", *_rounded(aft[k][0] - aft[k - 1][0], aft[k][1], aft[k - 1][1]))
+        Row(f"aft {k}", *_round_mm(aft[k][0] - aft[k - 1][0], aft[k][1], aft[k - 1][1]))
         for k in range(len(morphology.aft), 0, -1)
     ]
     rows += [
-        Row(f"fore {k}", *_rounded(fore[k][0] - fore[k - 1][0], fore[k - 1][1], fore[k][1]))
+        Row(f"fore {k}", *_round_mm(fore[k][0] - fore[k - 1][0], fore[k - 1][1], fore[k][1]))
         for k in range(1, len(morphology.fore) + 1)
     ]
     return rows, len(morphology.aft)
@@ -193,11 +193,11 @@ def _joints(body: Body, modules: Sequence[Module], side: float) -> list[tuple[fl
     return joints
 
 
-def _rounded(*metres: float) -> tuple[float, ...]:
+def _round_mm(*metres: float) -> tuple[float, ...]:
     return tuple(round(MM * value, 6) for value in metres)
 
 
-def _is_the_hull(body: Body, rows: Sequence[Row], aft: int, clearance: float) -> bool:
+def _renders_to_hull(body: Body, rows: Sequence[Row], aft: int, clearance: float) -> bool:
     """Tell whether the table renders to the hull of the body: the same volume, length and diameter."""
     wall, dome = MM * body.wall, MM * (body.core.radius + body.wall) + clearance
     if min(dome, clearance + 1e-6, wall) <= 0:

@@ -8,8 +8,8 @@ from driftform_frusta.boundary import Solid
 from driftform_frusta.csg import Difference, Named, Node, Revolve, Translate
 from driftform_frusta.kit.meridian import MM, moments, split_rings
 from driftform_frusta.kit.options import PartOptions
-from driftform_frusta.kit.pieces import Piece, kit_of
-from driftform_frusta.printable import printable_hull, refuse_other_volume
+from driftform_frusta.kit.pieces import Piece, make_kit
+from driftform_frusta.printable import build_printable_hull, refuse_other_volume
 from driftform_frusta.solid import to_manifold, to_solid
 
 
@@ -37,11 +37,11 @@ class Part:
 
     def on_bed(self) -> Solid:
         """The solid as it is printed: upright, standing on z = 0 about the z axis, mm."""
-        turned = self.solid.upside_down() if self.fore_down else self.solid
-        return turned.moved((0.0, 0.0, -turned.bounds[0, 2]))
+        turned = self.solid.turn_over() if self.fore_down else self.solid
+        return turned.translate((0.0, 0.0, -turned.bounds[0, 2]))
 
 
-def parts_of(body: Body, options: PartOptions) -> tuple[Part, ...]:
+def make_parts(body: Body, options: PartOptions) -> tuple[Part, ...]:
     """Return the parts of a body: its sealed hull, or those of its kit, from aft to fore.
 
     Raises
@@ -50,25 +50,25 @@ def parts_of(body: Body, options: PartOptions) -> tuple[Part, ...]:
         where it cannot be printed this way; the message gives the reason.
     """
     if not options.kit:
-        return (Part("hull", *printable_hull(body, options.segments)),)
+        return (Part("hull", *build_printable_hull(body, options.segments)),)
     lift = -MM * float(body.outer[:, 0].min())
-    return tuple(_part(piece, lift, options.segments) for piece in kit_of(body, options).pieces)
+    return tuple(_make_part(piece, lift, options.segments) for piece in make_kit(body, options).pieces)
 
 
-def _part(piece: Piece, lift: float, segments: int) -> Part:
+def _make_part(piece: Piece, lift: float, segments: int) -> Part:
     shape = Revolve(*split_rings(piece.rings))
     solid = to_solid(shape, segments)
     refuse_other_volume(solid.volume, moments(piece.rings).volume, piece.name)
     tree: Node = shape
     if piece.engraved is not None:
         tree = Difference(shape, (piece.engraved.tool,))
-        solid = Solid.of(solid.manifold() - to_manifold(piece.engraved.tool, segments))
+        solid = Solid.from_manifold(solid.to_manifold() - to_manifold(piece.engraved.tool, segments))
     if solid.pieces != 1:
         raise WorkFailedError(f"no kit can be made: its {piece.name} falls into pieces")
     label = f"{piece.name}, as joined; fore end up"
     return Part(
         piece.name,
         Named(label, Translate((0.0, 0.0, lift), tree)),
-        solid.moved((0.0, 0.0, lift)),
+        solid.translate((0.0, 0.0, lift)),
         piece.fore_down,
     )

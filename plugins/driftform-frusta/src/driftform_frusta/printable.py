@@ -10,7 +10,7 @@ from driftform.geometry import distance_from, hull_volume
 from driftform.types import Body
 from driftform_frusta.boundary import Solid
 from driftform_frusta.csg import Node
-from driftform_frusta.hull import hull
+from driftform_frusta.hull import build_hull
 from driftform_frusta.solid import to_solid
 
 MM3_PER_M3 = 1e9
@@ -22,7 +22,7 @@ _VOLUME_TOLERANCE = 1e-6
 _NO_WALL = 1e-6
 
 
-def printable_hull(body: Body, segments: int) -> tuple[Node, Solid]:
+def build_printable_hull(body: Body, segments: int) -> tuple[Node, Solid]:
     """Return the hull's tree and its solid.
 
     The solid is checked: it is in one piece, and of the section's volume. A sealed hull has two closed surfaces, the
@@ -33,7 +33,7 @@ def printable_hull(body: Body, segments: int) -> tuple[Node, Solid]:
     WorkFailedError
         where the body has no such solid; the message tells why.
     """
-    tree = printable_section(body)
+    tree = build_printable_section(body)
     solid = to_solid(tree, segments)
     refuse_other_volume(solid.volume, hull_volume(body), "hull")
     if solid.pieces != 1:
@@ -41,7 +41,7 @@ def printable_hull(body: Body, segments: int) -> tuple[Node, Solid]:
     return tree, solid
 
 
-def printable_section(body: Body) -> Node:
+def build_printable_section(body: Body) -> Node:
     """Return the hull's tree, of contours that have a wall between them all round.
 
     Raises
@@ -49,7 +49,7 @@ def printable_section(body: Body) -> Node:
     WorkFailedError
         where there is no such hull; the message tells why.
     """
-    tree = hull(body)
+    tree = build_hull(body)
     _refuse_without_wall(body)
     _refuse_pinched(body)
     return tree

@@ -22,7 +22,7 @@ from driftform_frusta.csg import (
     Translate,
     Union,
 )
-from driftform_frusta.lettering import STROKE, strokes
+from driftform_frusta.lettering import STROKE, draw_strokes
 
 _INDENT = "    "
 _POINTS_PER_LINE = 3
@@ -62,11 +62,11 @@ def to_scad(node: Node, segments: int = 64) -> str:
 
     ``segments`` is the number of corners of every circle, ``$fn``. Numbers are rounded to 1e-6 mm.
     """
-    parts = ["// Written by driftform. Lengths in millimetres.\n" + definitions((node,), segments)]
+    parts = ["// Written by driftform. Lengths in millimetres.\n" + write_definitions((node,), segments)]
     return "\n".join([*parts, "\n".join(_lines(node)) + "\n"])
 
 
-def definitions(nodes: Sequence[Node], segments: int) -> str:
+def write_definitions(nodes: Sequence[Node], segments: int) -> str:
     """Return what the source of trees refers to: the number of corners, factors on radii, and modules."""
     if segments < 3:
         raise ValueError(f"a circle needs three segments or more, not {segments}")
@@ -81,7 +81,7 @@ def definitions(nodes: Sequence[Node], segments: int) -> str:
     return "\n".join(parts)
 
 
-def module_of(name: str, node: Node) -> str:
+def write_module(name: str, node: Node) -> str:
     """Return a module of OpenSCAD that makes the solid of a tree."""
     return "\n".join(_block(f"module {name}()", [_lines(node)])) + "\n"
 
@@ -123,9 +123,9 @@ def _lines(node: Node) -> list[str]:
         case Intersection():
             lines = _block("intersection()", [_lines(c) for c in node.children])
         case Translate():
-            lines = _above(f"translate({_vector(node.offset)})", _lines(node.child))
+            lines = _put_above(f"translate({_vector(node.offset)})", _lines(node.child))
         case Rotate():
-            lines = _above(f"rotate({_vector(node.angles_deg)})", _lines(node.child))
+            lines = _put_above(f"rotate({_vector(node.angles_deg)})", _lines(node.child))
         case Named():
             # A line break in a label would end the comment that it stands in.
             lines = [f"// {' '.join(node.label.split())}".rstrip(), *_lines(node.child)]
@@ -142,16 +142,16 @@ def _revolve(node: Revolve) -> list[str]:
         # OpenSCAD refuses to revolve a section that lies on both sides of the axis.
         r_max = max(r for r, _ in node.outline)
         z_min, z_max = min(z for _, z in node.outline), max(z for _, z in node.outline)
-        half_plane = _above(
+        half_plane = _put_above(
             f"translate([0, {_number(z_min - 1)}])",
             [f"square([{_number(r_max + 1)}, {_number(z_max - z_min + 2)}]);"],
         )
         section = _block("intersection()", [section, half_plane])
-    return _above("rotate_extrude()", _above("scale([area_factor, 1])", section))
+    return _put_above("rotate_extrude()", _put_above("scale([area_factor, 1])", section))
 
 
 def _text(node: Text) -> list[str]:
-    ends = [f"[{_vector(start)}, {_vector(end)}]" for start, end in strokes(node.text, node.size)]
+    ends = [f"[{_vector(start)}, {_vector(end)}]" for start, end in draw_strokes(node.text, node.size)]
     return [
         f"letters({_number(node.height)}, {_number(node.size * STROKE)}, [  // {node.text}",
         *(
@@ -172,7 +172,7 @@ def _block(head: str, children: Sequence[Sequence[str]]) -> list[str]:
     return [f"{head} {{", *(_INDENT + line for child in children for line in child), "}"]
 
 
-def _above(head: str, child: Sequence[str]) -> list[str]:
+def _put_above(head: str, child: Sequence[str]) -> list[str]:
     return [head, *(_INDENT + line for line in child)]
 
 

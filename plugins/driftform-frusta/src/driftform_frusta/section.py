@@ -38,7 +38,7 @@ class Chain:
     r: FloatArray
 
 
-def chain(modules: Sequence[Module], start_radius: float, least_radius: float) -> Chain:
+def build_chain(modules: Sequence[Module], start_radius: float, least_radius: float) -> Chain:
     """Lay modules end to end from the equator outward.
 
     Lengths run along the slant. Where the radius would fall below ``least_radius`` it stays there, and the
@@ -62,10 +62,12 @@ def hull_section(fore: Chain, aft: Chain, dome: float, wall: float) -> tuple[Flo
     longest mitre is of no effect above. No chain may be thinner than that.
     """
     depth = MITRE_LIMIT * wall
-    outline = _outline(fore, aft, dome, depth)
+    outline = _unite_outline(fore, aft, dome, depth)
     hollow = outline.offset(-wall * MM, manifold3d.JoinType.Miter, MITRE_LIMIT)
-    room = _disc(dome - wall / math.cos(DOME_STEP / 2), depth)
-    return _contour(outline), _contour(_united([*hollow.to_polygons(), room]).simplify(SIMPLIFY))
+    room = _make_disc(dome - wall / math.cos(DOME_STEP / 2), depth)
+    return _extract_contour(outline), _extract_contour(
+        _unite([*hollow.to_polygons(), room]).simplify(SIMPLIFY)
+    )
 
 
 def open_section(fore: Chain, aft: Chain, dome: float, wall: float) -> tuple[FloatArray, FloatArray]:
@@ -74,41 +76,41 @@ def open_section(fore: Chain, aft: Chain, dome: float, wall: float) -> tuple[Flo
     Each frustum's wall has the constant radial thickness wall/cos(tilt) that eq. 18 assumes, and the ends have
     none: the cavity reaches through them.
     """
-    hollow = [_disc(dome - wall)]
+    hollow = [_make_disc(dome - wall)]
     for side, sign in ((fore, 1), (aft, -1)):
         for (x0, r0), (x1, r1) in pairwise(zip(side.x, side.r, strict=True)):
             radial = wall * math.hypot(x1 - x0, r1 - r0) / (x1 - x0)
             inner = np.array([(sign * x0, max(r0 - radial, 0.0)), (sign * x1, max(r1 - radial, 0.0))])
-            hollow.append(_closed(inner[::sign]))
-    return _contour(_outline(fore, aft, dome)), _contour(_united(hollow))
+            hollow.append(_close(inner[::sign]))
+    return _extract_contour(_unite_outline(fore, aft, dome)), _extract_contour(_unite(hollow))
 
 
-def _outline(fore: Chain, aft: Chain, dome: float, depth: float = 0.0) -> manifold3d.CrossSection:
+def _unite_outline(fore: Chain, aft: Chain, dome: float, depth: float = 0.0) -> manifold3d.CrossSection:
     """The chains and the dome united, down to at least ``depth`` (m) below the axis; mm."""
     x, r = np.concatenate([-aft.x[:0:-1], fore.x]), np.concatenate([aft.r[:0:-1], fore.r])
-    chains = _closed(np.column_stack([x, r]), depth)
-    return _united([chains, _disc(dome, depth)]).simplify(SIMPLIFY)
+    chains = _close(np.column_stack([x, r]), depth)
+    return _unite([chains, _make_disc(dome, depth)]).simplify(SIMPLIFY)
 
 
 @lru_cache(maxsize=16)
-def _disc(radius: float, depth: float = 0.0) -> FloatArray:
+def _make_disc(radius: float, depth: float = 0.0) -> FloatArray:
     """A disc as a polygon, cut off at ``depth`` (m) below the axis or a little deeper; mm."""
     below = math.ceil(math.asin(depth / max(radius, depth)) / DOME_STEP)
     angles = DOME_STEP * np.arange(-below, round(np.pi / DOME_STEP) + below + 1)
     return MM * radius * np.column_stack([np.cos(angles), np.sin(angles)])
 
 
-def _closed(contour: FloatArray, depth: float = 0.0) -> FloatArray:
+def _close(contour: FloatArray, depth: float = 0.0) -> FloatArray:
     """What lies between a contour and the line ``depth`` (m) below the axis, as a polygon; mm."""
     below = ((contour[0, 0], -depth), (contour[-1, 0], -depth))
     return MM * np.concatenate([below, contour[::-1]])
 
 
-def _united(polygons: Sequence[FloatArray]) -> manifold3d.CrossSection:
+def _unite(polygons: Sequence[FloatArray]) -> manifold3d.CrossSection:
     return manifold3d.CrossSection(polygons, manifold3d.FillRule.Positive)
 
 
-def _contour(section: manifold3d.CrossSection) -> FloatArray:
+def _extract_contour(section: manifold3d.CrossSection) -> FloatArray:
     """The part of a section above the axis and around the core as a contour from aft to fore, m."""
     for polygon in section.to_polygons():
         # Polygons run counter-clockwise. Turned round, and begun below, they go over the top from aft to fore.
@@ -117,15 +119,15 @@ def _contour(section: manifold3d.CrossSection) -> FloatArray:
         above = points[:, 1] > ON_AXIS
         for rise, fall in np.flatnonzero(above[1:] != above[:-1]).reshape(-1, 2):
             path = points[rise : fall + 2] / MM
-            path[0] = _on_axis(path[0], path[1])
-            path[-1] = _on_axis(path[-1], path[-2])
+            path[0] = _meet_axis(path[0], path[1])
+            path[-1] = _meet_axis(path[-1], path[-2])
             # A cavity of several parts would leave some without the core: the one around the core is the cavity.
             if path[0, 0] <= 0.0 <= path[-1, 0]:
                 return path
     raise ValueError("the section does not contain the core")
 
 
-def _on_axis(below: FloatArray, above: FloatArray) -> tuple[float, float]:
+def _meet_axis(below: FloatArray, above: FloatArray) -> tuple[float, float]:
     """Where the line through two points meets the axis."""
     (x0, r0), (x1, r1) = below, above
     return x0 - r0 * (x1 - x0) / (r1 - r0), 0.0

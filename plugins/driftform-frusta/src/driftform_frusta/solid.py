@@ -25,8 +25,8 @@ from driftform_frusta.csg import (
     Translate,
     Union,
 )
-from driftform_frusta.lettering import STROKE, strokes
-from driftform_frusta.revolution import revolved
+from driftform_frusta.lettering import STROKE, draw_strokes
+from driftform_frusta.revolution import revolve_profiles
 
 # mm. Clipping leaves vertices some 1e-8 mm apart, which must go. With much more than this, vertices between
 # almost aligned frustums go too, and the volume of a 1.25 mm wall shifts by more than 1e-6 of itself.
@@ -69,11 +69,11 @@ def to_solid(node: Node, segments: int = 64) -> Solid:
         case Named():
             return to_solid(node.child, segments)
         case Translate():
-            return to_solid(node.child, segments).moved(node.offset)
+            return to_solid(node.child, segments).translate(node.offset)
         case Revolve():
-            return revolved(_profiles(node), segments)
+            return revolve_profiles(_profiles(node), segments)
         case _:
-            return Solid.of(to_manifold(node, segments))
+            return Solid.from_manifold(to_manifold(node, segments))
 
 
 def to_manifold(node: Node, segments: int = 64) -> Manifold:
@@ -98,13 +98,13 @@ def _interpret(node: Node, segments: int) -> Manifold:
 
     match node:
         case Frustum():
-            solid = revolved([_frustum_meridian(node)], segments).manifold()
+            solid = revolve_profiles([_frustum_meridian(node)], segments).to_manifold()
         case Sphere():
-            solid = revolved([_sphere_meridian(node.radius, segments)], segments).manifold()
+            solid = revolve_profiles([_sphere_meridian(node.radius, segments)], segments).to_manifold()
         case Box():
             solid = Manifold.cube(node.size)
         case Revolve():
-            solid = revolved(_profiles(node), segments).manifold()
+            solid = revolve_profiles(_profiles(node), segments).to_manifold()
         case Text():
             solid = _letters(node).extrude(node.height)
         case Union():
@@ -130,7 +130,7 @@ def _letters(node: Text) -> CrossSection:
     pen = node.size * STROKE / 2 * np.column_stack((np.cos(angle), np.sin(angle)))
     drawn = [
         CrossSection.hull_points(np.concatenate((pen + start, pen + end)))
-        for start, end in strokes(node.text, node.size)
+        for start, end in draw_strokes(node.text, node.size)
     ]
     return CrossSection.batch_boolean(drawn, OpType.Add)
 

@@ -6,7 +6,7 @@ from driftform.interfaces import ExportJob
 from driftform_frusta.parametric import hull_source
 from driftform_frusta.parts import Part
 from driftform_frusta.plate import GAP
-from driftform_frusta.scad import definitions, module_of
+from driftform_frusta.scad import write_definitions, write_module
 
 _KIT = """\
 // {title}: a kit of {count} parts.
@@ -54,7 +54,7 @@ for (p = parts)
 """
 
 
-def source_of(job: ExportJob, parts: Sequence[Part], segments: int) -> str:
+def write_source(job: ExportJob, parts: Sequence[Part], segments: int) -> str:
     """Return source that renders to the sealed hull, or to the parts of a kit side by side as they are printed."""
     if len(parts) == 1:
         return hull_source(job.agent, segments, job.name)
@@ -72,8 +72,8 @@ def source_of(job: ExportJob, parts: Sequence[Part], segments: int) -> str:
         title=" ".join(job.name.split()),
         count=len(parts),
         names=", ".join(modules),
-        definitions=definitions([part.tree for part in parts], segments),
-        modules="\n".join(module_of(modules[part.name], part.tree) for part in parts),
+        definitions=write_definitions([part.tree for part in parts], segments),
+        modules="\n".join(write_module(modules[part.name], part.tree) for part in parts),
         choices="\n".join(f'    if (name == "{name}") {module}();' for name, module in modules.items()),
         table="\n".join(rows),
     )

@@ -10,8 +10,8 @@ from driftform.errors import WorkFailedError
 from driftform.interfaces import Checker, PrintJob
 from driftform.options import Table, option
 from driftform.types import Finding, State
-from driftform_printability.programs import last_line, missing, output_of
-from driftform_printability.slicing import as_stl
+from driftform_printability.programs import explain_missing, last_line, run_program
+from driftform_printability.slicing import provide_stl
 
 _FAULTS = {
     "Total disconnected facets": "disconnected",
@@ -38,14 +38,14 @@ class AdmeshChecker(Checker[AdmeshOptions]):
 
     def check(self, job: PrintJob) -> Iterator[Finding]:
         """Tell what it counts in all files."""
-        if reason := missing(self.program):
+        if reason := explain_missing(self.program):
             yield Finding(self.name, State.SKIPPED, reason)
             return
         counts = dict.fromkeys(_FAULTS.values(), 0)
         with TemporaryDirectory() as folder:
-            for path in as_stl(job.files, Path(folder)):
+            for path in provide_stl(job.files, Path(folder)):
                 try:
-                    said = output_of([self.program, str(path)], Path(folder), self.options.timeout)
+                    said = run_program([self.program, str(path)], Path(folder), self.options.timeout)
                 except WorkFailedError as error:
                     yield Finding(self.name, State.SKIPPED, str(error))
                     return

@@ -10,12 +10,12 @@ from driftform.geometry import hull_volume
 from driftform.interfaces import Checker, PrintJob
 from driftform.options import Table, option
 from driftform.types import Finding, FloatArray, State
-from driftform_printability.overhangs import Stand, best_stand, stands
+from driftform_printability.overhangs import Orientation, choose_orientation, list_orientations
 from driftform_printability.parts import MM3_PER_M3, MM_PER_M, Part
 from driftform_printability.reading import read_parts
-from driftform_printability.shells import Shell, as_solid, shells_of
-from driftform_printability.topology import Topology, topology
-from driftform_printability.walls import REACH, Wall, thinnest_wall
+from driftform_printability.shells import Shell, find_shells, orient_outward
+from driftform_printability.topology import Topology, analyse_topology
+from driftform_printability.walls import REACH, Wall, find_thinnest_wall
 
 _SMALLEST, _LARGEST = 1.0, 10_000.0
 """mm: what is smaller was written in metres, what is larger in micrometres."""
@@ -35,7 +35,7 @@ class MeshOptions(Table):
 
 
 @dataclass(frozen=True, eq=False)
-class Studied:
+class AnalysedPart:
     """A part, and what is known of it; ``shells`` are empty where it is not closed or not oriented."""
 
     part: Part
@@ -53,10 +53,10 @@ class Studied:
         return sum(shell.volume for shell in self.shells)
 
 
-def study(part: Part) -> Studied:
+def analyse_part(part: Part) -> AnalysedPart:
     """Look at how a part's triangles hang together."""
-    found = topology(part.triangles)
-    return Studied(part, found, shells_of(part, found) if found.closed and found.oriented else ())
+    found = analyse_topology(part.triangles)
+    return AnalysedPart(part, found, find_shells(part, found) if found.closed and found.oriented else ())
 
 
 class MeshChecker(Checker[MeshOptions]):
@@ -68,24 +68,24 @@ class MeshChecker(Checker[MeshOptions]):
     def check(self, job: PrintJob) -> Iterator[Finding]:
         """Tell of unit, closedness, orientation, shells, mass, walls, size, and the way to stand."""
         parts = [part for path in job.files for part in read_parts(path)]
-        studied = [study(part) for part in parts]
-        unit = _unit(parts)
+        studied = [analyse_part(part) for part in parts]
+        unit = _check_unit(parts)
         yield unit
-        yield _copies(studied)
-        yield _closed(studied)
-        yield _oriented(studied)
-        yield _shells(studied, job)
+        yield _check_copies(studied)
+        yield _check_closed(studied)
+        yield _check_oriented(studied)
+        yield _check_shells(studied, job)
         if unit.state is State.FAIL:
             for check in ("mass", "wall", "bed", "standing"):
                 yield Finding(check, State.SKIPPED, "the unit has to be mended first")
             return
-        yield self._mass(studied, job)
-        yield _thinnest(studied, job)
-        yield _bed(parts, job)
+        yield self._check_mass(studied, job)
+        yield _check_walls(studied, job)
+        yield _check_bed(parts, job)
         for one in studied:
-            yield self._standing(one, job, len(studied))
+            yield self._check_standing(one, job, len(studied))
 
-    def _mass(self, studied: Sequence[Studied], job: PrintJob) -> Finding:
+    def _check_mass(self, studied: Sequence[AnalysedPart], job: PrintJob) -> Finding:
         if not all(one.sound for one in studied):
             return Finding("mass", State.SKIPPED, "what is no solid has no volume")
         volume = sum(one.volume for one in studied)
@@ -112,21 +112,21 @@ class MeshChecker(Checker[MeshOptions]):
             f"{amount}, where the closed form has {job.volume * 1e6:.4f} cm3: another agent, or a wall that is not its own",
         )
 
-    def _standing(self, one: Studied, job: PrintJob, count: int) -> Finding:
+    def _check_standing(self, one: AnalysedPart, job: PrintJob, count: int) -> Finding:
         name = one.part.name if count > 1 else ""
         if not one.shells:
             return Finding("standing", State.SKIPPED, "what is not closed has no underside", name)
         hollow = sum(len(shell.triangles) for shell in one.shells if shell.hollow)
-        bed = _bed_of(job)
-        ways = stands(one.part.vertices, as_solid(one.shells), hollow)
-        best, now = best_stand(ways, bed), ways[0]
+        bed = _bed_size(job)
+        ways = list_orientations(one.part.vertices, orient_outward(one.shells), hollow)
+        best, now = choose_orientation(ways, bed), ways[0]
         # The files of an agent in one piece stand on its aft end.
         upright = job.export is not None and count == 1
         words = {"as it stands": "fore end up", "upside down": "fore end down"} if upright else {}
         shown = [
             way for way in ways if way is not ways[-1] or not np.isclose(way.overhang, ways[-2].overhang)
         ]
-        told = f"cm2 on the bed and hanging over: {', '.join(_told(way, words) for way in shown)}"
+        told = f"cm2 on the bed and hanging over: {', '.join(_describe_orientation(way, words) for way in shown)}"
         if best.name != now.name:
             return Finding("standing", State.WARN, f"{told}; better {words.get(best.name, best.name)}", name)
         if not now.steady:
@@ -136,16 +136,16 @@ class MeshChecker(Checker[MeshOptions]):
         return Finding("standing", state, f"{told}; best {words.get(best.name, best.name)}{support}", name)
 
 
-def _bed_of(job: PrintJob) -> FloatArray:
+def _bed_size(job: PrintJob) -> FloatArray:
     return MM_PER_M * np.array(job.printer.bed)
 
 
-def _told(way: Stand, words: Mapping[str, str]) -> str:
+def _describe_orientation(way: Orientation, words: Mapping[str, str]) -> str:
     inside = f" ({way.enclosed / 100:.1f} of it enclosed)" if way.enclosed >= 5 else ""
     return f"{words.get(way.name, way.name)} {way.contact / 100:.1f} and {way.overhang / 100:.1f}{inside}"
 
 
-def _unit(parts: Sequence[Part]) -> Finding:
+def _check_unit(parts: Sequence[Part]) -> Finding:
     largest = max(float(part.size.max()) for part in parts)
     if largest < _SMALLEST:
         return Finding(
@@ -162,7 +162,7 @@ def _unit(parts: Sequence[Part]) -> Finding:
     return Finding("unit", State.PASS, f"mm: {largest:.2f} mm at its largest")
 
 
-def _among(studied: Sequence[Studied], faults: Sequence[str]) -> str:
+def _join_faults(studied: Sequence[AnalysedPart], faults: Sequence[str]) -> str:
     """The faults of the parts, each with the name of its part where there are several."""
     named = zip(studied, faults, strict=True)
     return "; ".join(
@@ -170,67 +170,67 @@ def _among(studied: Sequence[Studied], faults: Sequence[str]) -> str:
     )
 
 
-def _many(count: int, what: str, plural: str = "") -> str:
+def _count(count: int, what: str, plural: str = "") -> str:
     return f"{count} {what if count == 1 else plural or what + 's'}"
 
 
-def _copies(studied: Sequence[Studied]) -> Finding:
+def _check_copies(studied: Sequence[AnalysedPart]) -> Finding:
     faults = [
-        f"{_many(one.topology.copies, 'triangle')} twice" if one.topology.copies else "" for one in studied
+        f"{_count(one.topology.copies, 'triangle')} twice" if one.topology.copies else "" for one in studied
     ]
-    if told := _among(studied, faults):
+    if told := _join_faults(studied, faults):
         return Finding("duplicate faces", State.FAIL, f"{told}: leave the copies out")
     count = sum(len(one.part.triangles) for one in studied)
     return Finding("duplicate faces", State.PASS, f"none among {count} triangles")
 
 
-def _closed(studied: Sequence[Studied]) -> Finding:
+def _check_closed(studied: Sequence[AnalysedPart]) -> Finding:
     faults = []
     for one in studied:
         t = one.topology
         told = []
         if t.open_edges:
             told.append(
-                f"{_many(t.open_edges, 'open edge')} round {_many(t.holes, 'hole')}: faces are missing"
+                f"{_count(t.open_edges, 'open edge')} round {_count(t.holes, 'hole')}: faces are missing"
             )
         if t.crowded_edges:
-            told.append(f"{_many(t.crowded_edges, 'edge')} of three faces or more")
+            told.append(f"{_count(t.crowded_edges, 'edge')} of three faces or more")
         faults.append(", ".join(told))
-    if told_of := _among(studied, faults):
+    if told_of := _join_faults(studied, faults):
         return Finding("closed", State.FAIL, told_of)
     return Finding("closed", State.PASS, "every edge has two faces")
 
 
-def _oriented(studied: Sequence[Studied]) -> Finding:
+def _check_oriented(studied: Sequence[AnalysedPart]) -> Finding:
     faults = [
-        f"{_many(one.topology.flipped, 'face')} turned against the rest" if one.topology.flipped else ""
+        f"{_count(one.topology.flipped, 'face')} turned against the rest" if one.topology.flipped else ""
         for one in studied
     ]
-    if told := _among(studied, faults):
+    if told := _join_faults(studied, faults):
         return Finding("oriented", State.FAIL, told)
     return Finding("oriented", State.PASS, "neighbours face the same way")
 
 
-def _shells(studied: Sequence[Studied], job: PrintJob) -> Finding:
+def _check_shells(studied: Sequence[AnalysedPart], job: PrintJob) -> Finding:
     if not all(one.shells for one in studied):
         return Finding("shells", State.SKIPPED, "what is not closed and oriented has no inside")
-    faults = [_turned(one.shells) for one in studied]
-    if told := _among(studied, faults):
+    faults = [_describe_turned(one.shells) for one in studied]
+    if told := _join_faults(studied, faults):
         return Finding("shells", State.FAIL, told)
     if job.export is not None and len(studied) == 1 and _is_whole(job):
         expected = 1 + bool(len(job.export.agent.body.cavity))
         count = len(studied[0].shells)
         if count != expected:
             return Finding(
-                "shells", State.FAIL, f"{_many(count, 'shell')}, where the hull of the agent has {expected}"
+                "shells", State.FAIL, f"{_count(count, 'shell')}, where the hull of the agent has {expected}"
             )
     loose = [sum(not shell.hollow for shell in one.shells) - 1 for one in studied]
-    told = _among(studied, [f"{_many(n + 1, 'piece')} that do not touch" if n else "" for n in loose])
+    told = _join_faults(studied, [f"{_count(n + 1, 'piece')} that do not touch" if n else "" for n in loose])
     if told:
         return Finding("shells", State.WARN, told)
     hollows = sum(shell.hollow for one in studied for shell in one.shells)
     outside = "an outside" if len(studied) == 1 else f"{len(studied)} outsides"
-    return Finding("shells", State.PASS, f"{outside} and {_many(hollows, 'hollow')}, each facing its way")
+    return Finding("shells", State.PASS, f"{outside} and {_count(hollows, 'hollow')}, each facing its way")
 
 
 def _is_whole(job: PrintJob) -> bool:
@@ -239,7 +239,7 @@ def _is_whole(job: PrintJob) -> bool:
     return job.volume is not None and bool(np.isclose(job.volume, hull_volume(job.export.agent.body)))
 
 
-def _turned(shells: Sequence[Shell]) -> str:
+def _describe_turned(shells: Sequence[Shell]) -> str:
     if any(shell.cut for shell in shells):
         return "shells pass through one another"
     wrong = [shell for shell in shells if shell.inside_out]
@@ -248,20 +248,20 @@ def _turned(shells: Sequence[Shell]) -> str:
     if len(wrong) == len(shells):
         return "everything is inside out: its volume is negative; turn all faces"
     hollows = sum(shell.hollow for shell in wrong)
-    told = [f"{_many(hollows, 'hollow')} inside out: printed as material, not as air"] if hollows else []
+    told = [f"{_count(hollows, 'hollow')} inside out: printed as material, not as air"] if hollows else []
     if len(wrong) > hollows:
-        told.append(f"{_many(len(wrong) - hollows, 'outside')} inside out")
+        told.append(f"{_count(len(wrong) - hollows, 'outside')} inside out")
     return ", ".join(told)
 
 
-def _thinnest(studied: Sequence[Studied], job: PrintJob) -> Finding:
+def _check_walls(studied: Sequence[AnalysedPart], job: PrintJob) -> Finding:
     if not all(one.shells for one in studied):
         return Finding("wall", State.SKIPPED, "what is not closed and oriented has no wall to measure")
     nozzle = MM_PER_M * job.printer.nozzle
     thin: Wall | None = None
     where = ""
     for one in studied:
-        wall = thinnest_wall(one.part.vertices, as_solid(one.shells))
+        wall = find_thinnest_wall(one.part.vertices, orient_outward(one.shells))
         if wall is not None and (thin is None or wall.thickness < thin.thickness):
             thin, where = wall, f"{one.part.name}, " if len(studied) > 1 else ""
     if thin is None:
@@ -277,12 +277,12 @@ def _thinnest(studied: Sequence[Studied], job: PrintJob) -> Finding:
     return Finding("wall", State.PASS, f"{told}: {thin.thickness / nozzle:.1f} lines of {nozzle:g} mm")
 
 
-def _bed(parts: Sequence[Part], job: PrintJob) -> Finding:
-    bed = _bed_of(job)
+def _check_bed(parts: Sequence[Part], job: PrintJob) -> Finding:
+    bed = _bed_size(job)
     room = " x ".join(f"{side:g}" for side in bed)
     faults = []
     for part in parts:
-        ways = stands(part.vertices, part.triangles, 0)
+        ways = list_orientations(part.vertices, part.triangles, 0)
         if ways[0].fits(bed):
             continue
         size = " x ".join(f"{side:.1f}" for side in part.size)

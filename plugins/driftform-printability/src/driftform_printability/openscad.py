@@ -9,8 +9,8 @@ from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import Checker, PrintJob
 from driftform.options import Table, option
 from driftform.types import Finding, State
-from driftform_printability.parts import MM3_PER_M3, signed_volume
-from driftform_printability.programs import missing
+from driftform_printability.parts import MM3_PER_M3
+from driftform_printability.programs import explain_missing
 from driftform_printability.rendering import TIMEOUT, render
 
 
@@ -30,14 +30,14 @@ class OpenScadChecker(Checker[OpenScadOptions]):
 
     def check(self, job: PrintJob) -> Iterator[Finding]:
         """Tell the volume of the source, and whether it is that of the meshes."""
-        yield self._finding(job)
+        yield self._check_source(job)
 
-    def _finding(self, job: PrintJob) -> Finding:
+    def _check_source(self, job: PrintJob) -> Finding:
         from driftform_printability.reading import read_parts
 
         if job.source is None:
             return Finding(self.name, State.SKIPPED, "there is no OpenSCAD source of it to render")
-        if reason := missing(self.program):
+        if reason := explain_missing(self.program):
             return Finding(self.name, State.SKIPPED, reason)
         with TemporaryDirectory() as folder:
             try:
@@ -46,9 +46,9 @@ class OpenScadChecker(Checker[OpenScadOptions]):
                 return Finding(self.name, State.FAIL, str(error).removeprefix(f"{job.source}: OpenSCAD: "))
             except WorkFailedError as error:
                 return Finding(self.name, State.SKIPPED, str(error))
-        volume = sum(signed_volume(part.corners) for part in rendered)
+        volume = sum(part.volume for part in rendered)
         parts = [part for path in job.files for part in read_parts(path)]
-        others = {"the mesh": sum(signed_volume(part.corners) for part in parts)}
+        others = {"the mesh": sum(part.volume for part in parts)}
         if job.volume is not None:
             # A broken mesh says nothing of the source.
             others["the closed form"] = job.volume * MM3_PER_M3

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from driftform.geometry.meshes import IntArray, area_vectors
 from driftform.types import FloatArray
-from driftform_printability.parts import IntArray, doubled_areas
 
 STEEPEST = np.radians(45)
 """Overhang, from the vertical, that prints without support."""
@@ -26,7 +26,7 @@ TURNS: dict[str, FloatArray] = {
 
 
 @dataclass(frozen=True, eq=False)
-class Stand:
+class Orientation:
     """One way for a part to stand.
 
     Attributes
@@ -61,7 +61,7 @@ class Stand:
         return bool((np.array([*across, self.size[2]]) <= np.array([*along, bed[2]]) + room).all())
 
 
-def stands(vertices: FloatArray, triangles: IntArray, hollow: int) -> tuple[Stand, ...]:
+def list_orientations(vertices: FloatArray, triangles: IntArray, hollow: int) -> tuple[Orientation, ...]:
     """Return the ways of :data:`TURNS`.
 
     Parameters
@@ -73,10 +73,10 @@ def stands(vertices: FloatArray, triangles: IntArray, hollow: int) -> tuple[Stan
     hollow
         how many those are.
     """
-    normals = doubled_areas(vertices[triangles])
-    area = np.linalg.norm(normals, axis=1) / 2
+    normals = area_vectors(vertices, triangles)
+    area = np.linalg.norm(normals, axis=1)
     sound = area > 0
-    normals, area, corners = normals[sound] / (2 * area[sound, None]), area[sound], triangles[sound]
+    normals, area, corners = normals[sound] / area[sound, None], area[sound], triangles[sound]
     enclosed = (np.arange(len(triangles)) >= len(triangles) - hollow)[sound]
     found = []
     for name, turn in TURNS.items():
@@ -87,7 +87,7 @@ def stands(vertices: FloatArray, triangles: IntArray, hollow: int) -> tuple[Stan
         # A hundredth of a degree more, so that a slope of just that overhang is none for its rounding.
         hanging = (down > np.sin(STEEPEST + 2e-4)) & ~on_bed
         found.append(
-            Stand(
+            Orientation(
                 name=name,
                 size=highest - lowest,
                 contact=float((area * down)[on_bed & (down > 0)].sum()),
@@ -98,11 +98,11 @@ def stands(vertices: FloatArray, triangles: IntArray, hollow: int) -> tuple[Stan
     return tuple(found)
 
 
-def best_stand(ways: tuple[Stand, ...], bed: FloatArray) -> Stand:
+def choose_orientation(ways: tuple[Orientation, ...], bed: FloatArray) -> Orientation:
     """The way that fits the bed, is steady, and hangs over least; the first of those that are as good, to 1 %."""
     least = min(way.overhang for way in ways)
 
-    def rank(way: Stand) -> tuple[bool, bool, float]:
+    def rank(way: Orientation) -> tuple[bool, bool, float]:
         slack = 0.01 * max(least, 10.0)
         return (not way.fits(bed), not way.steady, round((way.overhang - least) / slack))
 

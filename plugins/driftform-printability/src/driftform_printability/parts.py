@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from driftform.geometry.meshes import IntArray, merge_vertices, signed_volume
 from driftform.types import FloatArray
-
-IntArray = npt.NDArray[np.int64]
 
 MM_PER_M = 1000.0
 MM3_PER_M3 = 1e9
@@ -32,10 +31,9 @@ class Part:
     triangles: IntArray
 
     @property
-    def corners(self) -> FloatArray:
-        """The triangles' corners, (m, 3 corners, 3), mm."""
-        corners: FloatArray = self.vertices[self.triangles]
-        return corners
+    def volume(self) -> float:
+        """Volume inside the mesh, mm3; negative if its triangles face inward."""
+        return signed_volume(self.vertices, self.triangles)
 
     @property
     def bounds(self) -> FloatArray:
@@ -50,27 +48,10 @@ class Part:
         return extent
 
 
-def welded(name: str, vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> Part:
+def make_part(name: str, vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> Part:
     """Return a part whose vertices of equal coordinates are joined; triangles that collapse by it are left out.
 
     Files of loose triangles hold each vertex several times, and others do where normals or colours differ.
     """
-    # Adding zero turns -0.0 into 0.0, so that both are one vertex.
-    points = np.asarray(vertices, dtype=np.float64).reshape(-1, 3) + 0.0
-    unique, index = np.unique(points, axis=0, return_inverse=True)
-    joined = index.reshape(-1)[np.asarray(triangles, dtype=np.int64).reshape(-1, 3)].astype(np.int64)
-    a, b, c = joined.T
-    return Part(name, unique, joined[(a != b) & (b != c) & (c != a)])
-
-
-def doubled_areas(corners: FloatArray) -> FloatArray:
-    """Normals of triangles, of twice their area's length, (m, 3)."""
-    normals: FloatArray = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return normals
-
-
-def signed_volume(corners: FloatArray) -> float:
-    """Volume inside a closed mesh, in the cube of its unit; negative where its triangles face inward."""
-    # Seen from the mesh's middle, the tetrahedra are small and so is the rounding error.
-    a, b, c = np.moveaxis(corners - corners.reshape(-1, 3).mean(axis=0), 1, 0)
-    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+    points = np.asarray(vertices, dtype=np.float64).reshape(-1, 3)
+    return Part(name, *merge_vertices(points, np.asarray(triangles, dtype=np.int64).reshape(-1, 3)))

@@ -11,12 +11,12 @@ from pathlib import Path
 from driftform.errors import WorkFailedError
 
 
-def missing(program: str) -> str:
+def explain_missing(program: str) -> str:
     """The reason why a program cannot be asked, ``""`` where it can."""
     return "" if shutil.which(program) else f"{program} is not on PATH"
 
 
-def output_of(command: Sequence[str], folder: Path, timeout: float) -> str:
+def run_program(command: Sequence[str], folder: Path, timeout: float) -> str:
     """Run a program in ``folder`` and return what it printed, its errors too.
 
     Raises

@@ -12,10 +12,10 @@ from driftform.errors import WorkFailedError
 from driftform.interfaces import Checker, Printer, PrintJob
 from driftform.options import Table, option
 from driftform.types import Finding, State
-from driftform_printability.parts import MM_PER_M, signed_volume
-from driftform_printability.programs import last_line, missing, output_of
+from driftform_printability.parts import MM_PER_M
+from driftform_printability.programs import explain_missing, last_line, run_program
 from driftform_printability.reading import read_parts
-from driftform_printability.slicing import as_stl
+from driftform_printability.slicing import provide_stl
 
 _FILAMENT = 1.75
 """Diameter of the filament, mm."""
@@ -55,26 +55,26 @@ class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
     def check(self, job: PrintJob) -> Iterator[Finding]:
         """Tell whether it takes the meshes as they are, and what their g-code comes to."""
         mesh, gcode = f"{self.name} mesh", f"{self.name} g-code"
-        if reason := missing(self.program):
+        if reason := explain_missing(self.program):
             yield Finding(mesh, State.SKIPPED, reason)
             yield Finding(gcode, State.SKIPPED, reason)
             return
         with TemporaryDirectory() as name:
             folder = Path(name)
-            paths = as_stl(job.files, folder)
+            paths = provide_stl(job.files, folder)
             try:
-                faults = [fault for path in paths if (fault := self._fault(path, folder))]
+                faults = [fault for path in paths if (fault := self._find_fault(path, folder))]
                 if faults:
                     yield Finding(mesh, State.FAIL, "; ".join(faults))
                     yield Finding(gcode, State.SKIPPED, "the mesh has to be mended first")
                     return
                 yield Finding(mesh, State.PASS, "manifold, nothing reversed")
-                yield self._compared(gcode, paths, folder, job.printer)
+                yield self._compare_filament(gcode, paths, folder, job.printer)
             except WorkFailedError as error:
                 yield Finding(gcode, State.SKIPPED, str(error))
 
-    def _fault(self, path: Path, folder: Path) -> str:
-        said = output_of([self.program, "--info", str(path)], folder, self.options.timeout)
+    def _find_fault(self, path: Path, folder: Path) -> str:
+        said = run_program([self.program, "--info", str(path)], folder, self.options.timeout)
         facts = dict(re.findall(r"^(\w+) = +(\S+)", said, re.MULTILINE))
         if "manifold" not in facts:
             return f"{path.name}: {last_line(said)}"
@@ -95,13 +95,13 @@ class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
             )
         return ""
 
-    def _compared(self, check: str, paths: list[Path], folder: Path, printer: Printer) -> Finding:
+    def _compare_filament(self, check: str, paths: list[Path], folder: Path, printer: Printer) -> Finding:
         volume = filament = seconds = 0.0
         for path in paths:
-            sliced = self._sliced(path, folder, printer)
+            sliced = self._slice(path, folder, printer)
             if isinstance(sliced, str):
                 return Finding(check, State.FAIL, f"{path.name}: {sliced}")
-            volume += sum(signed_volume(part.corners) for part in read_parts(path))
+            volume += sum(part.volume for part in read_parts(path))
             filament += sliced.filament
             seconds += sliced.seconds
         ratio = filament / volume if volume > 0 else float("nan")
@@ -115,13 +115,13 @@ class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
             + ("; thick places are not filled: raise infill" if ratio < self.options.least else ""),
         )
 
-    def _sliced(self, path: Path, folder: Path, printer: Printer) -> Sliced | str:
+    def _slice(self, path: Path, folder: Path, printer: Printer) -> Sliced | str:
         """What the g-code of a part says of itself, or why there is none."""
         o = self.options
         width, depth, height = (MM_PER_M * side for side in printer.bed)
         gcode = folder / "part.gcode"
         gcode.unlink(missing_ok=True)
-        said = output_of(
+        said = run_program(
             [
                 self.program,
                 "--export-gcode",

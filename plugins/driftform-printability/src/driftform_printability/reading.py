@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from driftform.errors import InputError, WorkFailedError
-from driftform_printability.parts import MM_PER_M, Part, welded
+from driftform_printability.parts import MM_PER_M, Part, make_part
 from driftform_printability.rendering import render
 from driftform_printability.threemf import read_3mf
 
@@ -59,15 +59,15 @@ def _read(path: Path, _changed: int, _size: int) -> tuple[Part, ...]:
     for part in parts:
         if not np.isfinite(part.vertices).all():
             raise InputError(f"{path}: {part.name} has coordinates that are not finite")
-    return tuple(replace(part, name=_plain(part.name)) for part in parts)
+    return tuple(replace(part, name=_clean_name(part.name)) for part in parts)
 
 
-def _plain(name: str) -> str:
+def _clean_name(name: str) -> str:
     """A name as a line of a report can hold it: a stranger's file neither breaks it nor moves the cursor."""
     return "".join(c for c in name if c.isprintable())[:_LONGEST_NAME] or "part"
 
 
-def _with_trimesh(path: Path) -> tuple[Part, ...]:
+def _read_with_trimesh(path: Path) -> tuple[Part, ...]:
     import trimesh
 
     scene = trimesh.load_scene(path, process=False, skip_materials=True, split_object=True)
@@ -79,25 +79,25 @@ def _with_trimesh(path: Path) -> tuple[Part, ...]:
             continue
         vertices = mesh.vertices @ transform[:3, :3].T + transform[:3, 3]
         triangles = mesh.faces if np.linalg.det(transform[:3, :3]) > 0 else mesh.faces[:, ::-1]
-        found.append(welded(path.stem if len(scene.geometry) == 1 else str(name), vertices, triangles))
+        found.append(make_part(path.stem if len(scene.geometry) == 1 else str(name), vertices, triangles))
     return tuple(found)
 
 
-def _gltf(path: Path) -> tuple[Part, ...]:
-    return tuple(welded(p.name, p.vertices @ _FROM_GLTF.T, p.triangles) for p in _with_trimesh(path))
+def _read_gltf(path: Path) -> tuple[Part, ...]:
+    return tuple(make_part(p.name, p.vertices @ _FROM_GLTF.T, p.triangles) for p in _read_with_trimesh(path))
 
 
-def _scad(path: Path) -> tuple[Part, ...]:
+def _read_scad(path: Path) -> tuple[Part, ...]:
     with TemporaryDirectory() as folder:
-        [part] = _with_trimesh(render(path, Path(folder)))
+        [part] = _read_with_trimesh(render(path, Path(folder)))
     return (Part(path.stem, part.vertices, part.triangles),)
 
 
 _READERS: dict[str, Callable[[Path], tuple[Part, ...]]] = {
-    ".stl": _with_trimesh,
-    ".obj": _with_trimesh,
-    ".ply": _with_trimesh,
-    ".glb": _gltf,
+    ".stl": _read_with_trimesh,
+    ".obj": _read_with_trimesh,
+    ".ply": _read_with_trimesh,
+    ".glb": _read_gltf,
     ".3mf": read_3mf,
-    ".scad": _scad,
+    ".scad": _read_scad,
 }

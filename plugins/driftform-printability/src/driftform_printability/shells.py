@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from driftform.geometry.meshes import IntArray, signed_volume
 from driftform.types import FloatArray
-from driftform_printability.parts import IntArray, Part, signed_volume
+from driftform_printability.parts import Part
 from driftform_printability.topology import Topology, winding_numbers
 
 _PROBES = 32
@@ -40,7 +41,7 @@ class Shell:
         return (self.volume < 0) != self.hollow
 
 
-def shells_of(part: Part, topology: Topology) -> tuple[Shell, ...]:
+def find_shells(part: Part, topology: Topology) -> tuple[Shell, ...]:
     """Return the shells of a closed, oriented part, the outermost first."""
     groups = [topology.triangles[topology.surface == n] for n in range(int(topology.surface.max()) + 1)]
     corners = [part.vertices[group] for group in groups]
@@ -55,7 +56,7 @@ def shells_of(part: Part, topology: Topology) -> tuple[Shell, ...]:
         shells.append(
             Shell(
                 triangles=group,
-                volume=signed_volume(corners[i]),
+                volume=signed_volume(part.vertices, group),
                 depth=sum(share > 0.5 for share in inside),
                 cut=any(0 < share < 1 for share in inside),
             )
@@ -69,7 +70,7 @@ def _share_within(points: FloatArray, corners: FloatArray) -> float:
     return float((np.abs(winding_numbers(chosen, corners)) > 0.5).mean())
 
 
-def as_solid(shells: tuple[Shell, ...]) -> IntArray:
+def orient_outward(shells: tuple[Shell, ...]) -> IntArray:
     """The triangles of all shells, each turned to face as its place demands, (m, 3)."""
     turned = [s.triangles[:, ::-1] if s.inside_out else s.triangles for s in shells]
     return np.concatenate(turned)

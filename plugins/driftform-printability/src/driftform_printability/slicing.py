@@ -3,15 +3,11 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-
-from driftform_printability.parts import Part, doubled_areas
+from driftform.geometry.meshes import stl_bytes
 from driftform_printability.reading import read_parts
 
-_FACET = np.dtype([("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
-
-def as_stl(files: Sequence[Path], folder: Path) -> list[Path]:
+def provide_stl(files: Sequence[Path], folder: Path) -> list[Path]:
     """Return the STL files themselves, and for other formats a copy of each part in ``folder``."""
     found = []
     for path in files:
@@ -20,18 +16,6 @@ def as_stl(files: Sequence[Path], folder: Path) -> list[Path]:
             continue
         for number, part in enumerate(read_parts(path), 1):
             copy = folder / f"{path.stem}-{number}.stl"
-            _write(copy, part)
+            copy.write_bytes(stl_bytes(part.vertices, part.triangles))
             found.append(copy)
     return found
-
-
-def _write(path: Path, part: Part) -> None:
-    corners = part.corners
-    normals = doubled_areas(corners)
-    size = np.linalg.norm(normals, axis=1, keepdims=True)
-    facets = np.zeros(len(corners), dtype=_FACET)
-    facets["normal"] = np.divide(normals, size, out=np.zeros_like(normals), where=size > 0)
-    facets["corners"] = corners
-    path.write_bytes(
-        b"copy of a part, lengths in mm".ljust(80) + np.uint32(len(facets)).tobytes() + facets.tobytes()
-    )

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform_printability.parts import Part, welded
+from driftform_printability.parts import Part, make_part
 
 _UNITS = {
     "micron": 1e-3,
@@ -72,7 +72,7 @@ class _Package:
             triangles = np.concatenate(
                 [triangles + offset for (_, triangles), offset in zip(pieces, offsets, strict=False)]
             )
-            found.append(welded(name, vertices * self._unit(model), triangles))
+            found.append(make_part(name, vertices * self._unit(model), triangles))
         return tuple(found)
 
     def _pieces(

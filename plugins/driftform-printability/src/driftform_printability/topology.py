@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from driftform.geometry.meshes import IntArray
 from driftform.types import FloatArray
-from driftform_printability.parts import IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ class Topology:
         return not self.flipped
 
 
-def topology(triangles: IntArray) -> Topology:
+def analyse_topology(triangles: IntArray) -> Topology:
     """Study the triangles (m, 3) of a welded mesh."""
     _, first = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
     kept = triangles[np.sort(first)]
@@ -66,22 +66,22 @@ def topology(triangles: IntArray) -> Topology:
     a, b = face[pairs[:, 0]], face[pairs[:, 1]]
     # Neighbours that agree run along their common edge in opposite directions.
     agree = start[pairs[:, 0]] == end[pairs[:, 1]]
-    surface = _connected(a, b, len(kept))
-    patch = _connected(a[agree], b[agree], len(kept))
+    surface = _label_connected(a, b, len(kept))
+    patch = _label_connected(a[agree], b[agree], len(kept))
 
     rim = edges[count == 1]
     return Topology(
         triangles=kept,
         copies=len(triangles) - len(kept),
         open_edges=len(rim),
-        holes=_groups(rim),
+        holes=_count_groups(rim),
         crowded_edges=int((count > 2).sum()),
-        flipped=_minority(surface, patch),
+        flipped=_count_minority(surface, patch),
         surface=surface,
     )
 
 
-def _connected(a: IntArray, b: IntArray, count: int) -> IntArray:
+def _label_connected(a: IntArray, b: IntArray, count: int) -> IntArray:
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -90,15 +90,15 @@ def _connected(a: IntArray, b: IntArray, count: int) -> IntArray:
     return np.asarray(labels, dtype=np.int64)
 
 
-def _groups(rim: IntArray) -> int:
+def _count_groups(rim: IntArray) -> int:
     if not len(rim):
         return 0
     vertices, index = np.unique(rim, return_inverse=True)
     ends = index.reshape(-1, 2)
-    return int(_connected(ends[:, 0], ends[:, 1], len(vertices)).max()) + 1
+    return int(_label_connected(ends[:, 0], ends[:, 1], len(vertices)).max()) + 1
 
 
-def _minority(surface: IntArray, patch: IntArray) -> int:
+def _count_minority(surface: IntArray, patch: IntArray) -> int:
     """Triangles outside the largest patch of their surface; a patch is what agrees without a break."""
     if not len(patch):
         return 0

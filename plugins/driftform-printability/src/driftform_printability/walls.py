@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from manifold3d import Error, Manifold, Mesh64
 
+from driftform.geometry.meshes import IntArray, area_vectors
 from driftform.types import FloatArray
-from driftform_printability.parts import IntArray, doubled_areas
 
 REACH = 5.0
 """mm: thicker walls are not looked for."""
@@ -29,7 +29,7 @@ class Wall:
     where: tuple[float, float, float]
 
 
-def thinnest_wall(vertices: FloatArray, triangles: IntArray) -> Wall | None:
+def find_thinnest_wall(vertices: FloatArray, triangles: IntArray) -> Wall | None:
     """Return the thinnest wall of a solid, ``None`` where none is thinner than :data:`REACH` or it has no inside.
 
     From four points of each triangle a ray goes into the material, normal to the surface, until it comes out. Only
@@ -47,7 +47,7 @@ def thinnest_wall(vertices: FloatArray, triangles: IntArray) -> Wall | None:
     if solid.status() != Error.NoError:
         return None
     corners = vertices[triangles]
-    normals = doubled_areas(corners)
+    normals = area_vectors(vertices, triangles)
     size = np.linalg.norm(normals, axis=1)
     sound = size > 1e-9 * size.max()
     corners, normals = corners[sound], normals[sound] / size[sound, None]

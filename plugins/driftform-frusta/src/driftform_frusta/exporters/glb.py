@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform_frusta.colours import colour_of, linear
+from driftform_frusta.colours import colour_of, decode_srgb
 from driftform_frusta.exporters.meshes import JoinedFile
 from driftform_frusta.mesh import Mesh
 
@@ -84,7 +84,7 @@ def glb_bytes(title: str, meshes: Mapping[str, Mesh]) -> bytes:
             {
                 "name": name,
                 "pbrMetallicRoughness": {
-                    "baseColorFactor": [*linear(colour_of(index)), 1.0],
+                    "baseColorFactor": [*decode_srgb(colour_of(index)), 1.0],
                     "metallicFactor": 0.0,
                     "roughnessFactor": 0.8,
                 },

@@ -10,7 +10,7 @@ from driftform.options import Table
 from driftform.types import FloatArray, WrittenFile
 from driftform_frusta.exporters.common import facts_of_all, facts_of_part, path_of_part, save
 from driftform_frusta.kit.options import PartOptions
-from driftform_frusta.mesh import Mesh, mesh_of
+from driftform_frusta.mesh import Mesh, make_mesh
 
 
 class PartFiles(Exporter[PartOptions]):
@@ -34,12 +34,12 @@ class PartFiles(Exporter[PartOptions]):
             where the body has no closed printable solid, or a file cannot be written.
         """
         from driftform_frusta.kit.accounting import kit_facts
-        from driftform_frusta.parts import parts_of
+        from driftform_frusta.parts import make_parts
 
         body = job.agent.body
-        parts = parts_of(body, self.options)
+        parts = make_parts(body, self.options)
         # All are made before the first is written: what cannot be printed leaves no files.
-        meshes = [mesh_of(part.on_bed(), part.name) for part in parts]
+        meshes = [make_mesh(part.on_bed(), part.name) for part in parts]
         written = []
         for part, mesh in zip(parts, meshes, strict=True):
             target = path_of_part(path, part, parts)
@@ -69,11 +69,11 @@ class JoinedFile(Exporter[PartOptions]):
             where the body has no closed printable solid, or the file cannot be written.
         """
         from driftform_frusta.kit.accounting import kit_facts
-        from driftform_frusta.parts import parts_of
+        from driftform_frusta.parts import make_parts
 
         body = job.agent.body
-        parts = parts_of(body, self.options)
-        meshes = {part.name: mesh_of(part.solid, part.name, self.frame) for part in parts}
+        parts = make_parts(body, self.options)
+        meshes = {part.name: make_mesh(part.solid, part.name, self.frame) for part in parts}
         save(path, self.encode(job.name, meshes))
         triangles = sum(len(mesh.triangles) for mesh in meshes.values())
         facts: dict[str, Any] = {"triangles": triangles, "watertight": True}

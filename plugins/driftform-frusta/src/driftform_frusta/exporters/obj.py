@@ -5,6 +5,7 @@ Format: Wavefront Technologies, "Object Files (.obj)", Advanced Visualizer manua
 
 from collections.abc import Mapping
 
+from driftform.geometry.meshes import obj_lines
 from driftform_frusta.exporters.meshes import JoinedFile
 from driftform_frusta.mesh import Mesh
 
@@ -27,9 +28,6 @@ def obj_text(meshes: Mapping[str, Mesh]) -> str:
     for name, mesh in meshes.items():
         group = name.replace(" ", "_")
         pieces.append(f"o {group}\ng {group}\n")
-        # Nine digits bring back the same number in single precision.
-        pieces.append("v %.9g %.9g %.9g\n" * len(mesh.vertices) % tuple(mesh.vertices.ravel().tolist()))
-        corners = (mesh.triangles + first).ravel()
-        pieces.append("f %d %d %d\n" * len(mesh.triangles) % tuple(corners.tolist()))
+        pieces.append(obj_lines(mesh.vertices, mesh.triangles, first))
         first += len(mesh.vertices)
     return "".join(pieces)

@@ -29,10 +29,10 @@ class ScadExporter(Exporter[PartOptions]):
             where the body has no closed printable solid, or the file cannot be written.
         """
         from driftform_frusta.kit.accounting import kit_facts
-        from driftform_frusta.parts import parts_of
-        from driftform_frusta.source import source_of
+        from driftform_frusta.parts import make_parts
+        from driftform_frusta.source import write_source
 
-        parts = parts_of(job.agent.body, self.options)
-        save(path, source_of(job, parts, self.options.segments))
+        parts = make_parts(job.agent.body, self.options)
+        save(path, write_source(job, parts, self.options.segments))
         facts = facts_of_all(parts, job.agent.body) | kit_facts(job, self.options)
         return (WrittenFile(self.name, str(path), facts),)

@@ -44,12 +44,12 @@ class StepExporter(Exporter[PartOptions]):
         """
         from driftform_frusta.brep import require_opencascade, to_brep, volume_of
         from driftform_frusta.kit.accounting import kit_facts
-        from driftform_frusta.parts import parts_of
+        from driftform_frusta.parts import make_parts
         from driftform_frusta.printable import MM3_PER_M3
 
         require_opencascade()
         body = job.agent.body
-        parts = parts_of(body, self.options)
+        parts = make_parts(body, self.options)
         shapes = [to_brep(part.tree) for part in parts]
         for part, shape in zip(parts, shapes, strict=True):
             exact, meshed = volume_of(shape), part.solid.volume

@@ -1,8 +1,8 @@
 """STL: the format of every slicer, for one solid."""
 
+from driftform.geometry.meshes import stl_bytes
 from driftform_frusta.exporters.meshes import PartFiles
 from driftform_frusta.mesh import Mesh
-from driftform_frusta.stl import binary_stl
 
 
 class StlExporter(PartFiles):
@@ -13,4 +13,4 @@ class StlExporter(PartFiles):
 
     def encode(self, mesh: Mesh) -> bytes:
         """Return loose triangles with their normals."""
-        return binary_stl(mesh.vertices, mesh.triangles)
+        return stl_bytes(mesh.vertices, mesh.triangles)

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from driftform.figures.png import png_bytes
+from driftform.figures.files import ZOOM, rasterise
 from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table, option
 from driftform.types import WrittenFile
 from driftform_frusta.colours import colour_of
 from driftform_frusta.exporters.common import facts_of_all, save
 from driftform_frusta.kit.options import PartOptions
-from driftform_frusta.mesh import Mesh, mesh_of
-from driftform_frusta.picture import Shape, draw
+from driftform_frusta.mesh import Mesh, make_mesh
+from driftform_frusta.picture import Shape, plate_svg
 from driftform_frusta.plate import arrange, fits
 
 if TYPE_CHECKING:
@@ -73,14 +73,14 @@ class ThreeMfExporter(Exporter[ThreeMfOptions]):
         WorkFailedError
             where the body has no closed printable solid, or a file cannot be written.
         """
-        from driftform_frusta.parts import parts_of
-        from driftform_frusta.source import source_of
+        from driftform_frusta.parts import make_parts
+        from driftform_frusta.source import write_source
         from driftform_frusta.threemf import package_bytes
 
-        parts = parts_of(job.agent.body, self.options)
+        parts = make_parts(job.agent.body, self.options)
         placed = self._placed(parts)
         plates = 1 + max(p.plate for p in placed)
-        attachments = {"agent.scad": source_of(job, parts, self.options.segments)}
+        attachments = {"agent.scad": write_source(job, parts, self.options.segments)}
         if job.document:
             attachments["agent.json"] = json.dumps(dict(job.document), indent=1) + "\n"
         written = []
@@ -94,13 +94,13 @@ class ThreeMfExporter(Exporter[ThreeMfOptions]):
 
     def plate_picture(self, job: ExportJob, width: int = 400, height: int = 300) -> bytes:
         """Return the picture of the first plate, a PNG file."""
-        from driftform_frusta.parts import parts_of
+        from driftform_frusta.parts import make_parts
 
-        placed = self._placed(parts_of(job.agent.body, self.options))
+        placed = self._placed(make_parts(job.agent.body, self.options))
         return self._picture([p for p in placed if p.plate == 0], width, height)
 
     def _placed(self, parts: "Sequence[Part]") -> list[_Placed]:
-        meshes = [mesh_of(part.on_bed(), part.name) for part in parts]
+        meshes = [make_mesh(part.on_bed(), part.name) for part in parts]
         boxes = [(mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)) for mesh in meshes]
         sizes = [(float(high[0] - low[0]), float(high[1] - low[1])) for low, high in boxes]
         spots = arrange(sizes, self._bed[:2])
@@ -149,7 +149,8 @@ class ThreeMfExporter(Exporter[ThreeMfOptions]):
         return Package(title, items, {"Description": description}, hints, picture, attachments)
 
     def _picture(self, placed: Sequence[_Placed], width: int = 320, height: int = 240) -> bytes:
-        return png_bytes(draw([p.shape() for p in placed], self._bed[:2], width, height))
+        drawn = plate_svg([p.shape() for p in placed], self._bed[:2], width / ZOOM, height / ZOOM)
+        return rasterise(drawn) or b""
 
     def _facts(self, job: ExportJob, placed: Sequence[_Placed]) -> dict[str, Any]:
         from driftform_frusta.kit.accounting import kit_facts

@@ -15,14 +15,14 @@ from driftform.types import Body, FloatArray, MassProperties
 from driftform_frusta.kit.engraving import Engraving
 from driftform_frusta.kit.meridian import MM, moments
 from driftform_frusta.kit.options import KitOptions
-from driftform_frusta.kit.pieces import Kit, Piece, kit_of
+from driftform_frusta.kit.pieces import Kit, Piece, make_kit
 from driftform_frusta.solid import to_manifold
 
 _MM3_PER_M3 = MM**3
 
 
 @dataclass(frozen=True, eq=False)
-class Removed:
+class EngravedVolume:
     """What a text takes away: volume (m3), and its centroid in the body frame (m, (3,))."""
 
     volume: float
@@ -41,23 +41,23 @@ def kit_mass(body: Body, options: KitOptions) -> MassProperties:
     WorkFailedError
         where the body has no such kit.
     """
-    kit = kit_of(body, options)
+    kit = make_kit(body, options)
     printed = sum((moments(p.rings) for p in kit.pieces[1:]), moments(kit.pieces[0].rings))
     whole = assemble(printed, solid_of_revolution(body.outer), body.hull_density, body.core)
-    texts = [removed(piece.engraved) for piece in kit.pieces if piece.engraved is not None]
+    texts = [measure_engraving(piece.engraved) for piece in kit.pieces if piece.engraved is not None]
     outside = options.engrave_side == "outside"
     for text in texts:
-        whole = _without(whole, text, body.hull_density, outside)
+        whole = _subtract(whole, text, body.hull_density, outside)
     return whole
 
 
 @lru_cache(maxsize=64)
-def removed(text: Engraving) -> Removed:
+def measure_engraving(text: Engraving) -> EngravedVolume:
     """Return what an engraving takes from its part."""
     volume, first = _mesh_moments(to_manifold(text.gone))
     x, y, z = first / volume / MM
     # Printed: the axis along z. In the body frame it is x.
-    return Removed(volume / _MM3_PER_M3, np.array([z, x, y]))
+    return EngravedVolume(volume / _MM3_PER_M3, np.array([z, x, y]))
 
 
 def _mesh_moments(solid: Manifold) -> tuple[float, FloatArray]:
@@ -69,12 +69,15 @@ def _mesh_moments(solid: Manifold) -> tuple[float, FloatArray]:
     return float(sixfold.sum()) / 6, first
 
 
-def _without(whole: MassProperties, text: Removed, density: float, floods: bool) -> MassProperties:
+def _subtract(whole: MassProperties, text: EngravedVolume, density: float, floods: bool) -> MassProperties:
     lost = text.volume * density
     mass = whole.mass - lost
     cog = (whole.mass * whole.cog - lost * text.centroid) / mass
     inertia = (
-        whole.inertia + whole.mass * _square(whole.cog) - lost * _square(text.centroid) - mass * _square(cog)
+        whole.inertia
+        + whole.mass * _point_inertia(whole.cog)
+        - lost * _point_inertia(text.centroid)
+        - mass * _point_inertia(cog)
     )
     if not floods:
         return MassProperties(mass, cog, inertia, whole.volume, whole.cob)
@@ -83,7 +86,7 @@ def _without(whole: MassProperties, text: Removed, density: float, floods: bool)
     return MassProperties(mass, cog, inertia, volume, cob)
 
 
-def _square(at: FloatArray) -> FloatArray:
+def _point_inertia(at: FloatArray) -> FloatArray:
     """Inertia of a unit point mass, m2."""
     square: FloatArray = float(at @ at) * np.eye(3) - np.outer(at, at)
     return square
@@ -100,7 +103,7 @@ def kit_facts(job: ExportJob, options: KitOptions) -> dict[str, Any]:
     if not options.kit:
         return {}
     body, fluid = job.agent.body, job.scenario.fluid
-    kit = kit_of(body, options)
+    kit = make_kit(body, options)
     first = kit.core_joint.joint
     told: dict[str, Any] = {
         "joint": {"kind": first.kind, "x_mm": first.z, "why": kit.core_joint.reason},
@@ -117,7 +120,9 @@ def kit_facts(job: ExportJob, options: KitOptions) -> dict[str, Any]:
 
 def _facts_of_piece(piece: Piece, density: float) -> dict[str, Any]:
     z = np.concatenate([ring[:, 1] for ring in piece.rings])
-    volume = moments(piece.rings).volume - (removed(piece.engraved).volume if piece.engraved else 0.0)
+    volume = moments(piece.rings).volume - (
+        measure_engraving(piece.engraved).volume if piece.engraved else 0.0
+    )
     return {
         "name": piece.name,
         "mass_kg": volume * density,

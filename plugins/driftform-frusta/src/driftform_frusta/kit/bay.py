@@ -13,7 +13,7 @@ import numpy as np
 from manifold3d import CrossSection, OpType
 
 from driftform.errors import WorkFailedError
-from driftform_frusta.kit.meridian import Hull, disc, grown, polygon, right_of
+from driftform_frusta.kit.meridian import Hull, grow, make_disc, make_polygon, take_right
 
 SEAT = 1.2
 """mm, thickness of a seat: three lines of the usual nozzle."""
@@ -44,11 +44,11 @@ class Seat:
 
 def is_held(parts: Sequence[CrossSection], core: float, side: int, gap: float) -> bool:
     """Tell whether a core of that radius strikes a part as soon as it moves along the axis to one side."""
-    moved = disc(core).translate((0.0, side * max(PLAY, PLAY_OF_SEATS * gap)))
+    moved = make_disc(core).translate((0.0, side * max(PLAY, PLAY_OF_SEATS * gap)))
     return any((moved ^ part).area() > _AREA for part in parts)
 
 
-def seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: tuple[int, int]) -> list[Seat]:
+def place_seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: tuple[int, int]) -> list[Seat]:
     """Return the seats that a core needs to stay where it was simulated.
 
     Parameters
@@ -70,16 +70,16 @@ def seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: tuple[i
     found = []
     for side in (-1, 1):
         if not is_held(parts, hull.core, side, gap):
-            found.append(_seat(hull, parts, side, gap, shells[0 if side < 0 else 1]))
+            found.append(_place_seat(hull, parts, side, gap, shells[0 if side < 0 else 1]))
     return found
 
 
-def _seat(hull: Hull, parts: Sequence[CrossSection], side: int, gap: float, part: int) -> Seat:
+def _place_seat(hull: Hull, parts: Sequence[CrossSection], side: int, gap: float, part: int) -> Seat:
     others = CrossSection.batch_boolean([p for i, p in enumerate(parts) if i != part], OpType.Add)
     for latitude in _LATITUDES_DEG:
-        section = _cone(hull, math.radians(latitude), side, gap)
-        held = (grown(section, _TOUCHING) ^ parts[part]).area() > _AREA
-        clear = (grown(section, gap) ^ others).area() < _AREA
+        section = _draw_cone(hull, math.radians(latitude), side, gap)
+        held = (grow(section, _TOUCHING) ^ parts[part]).area() > _AREA
+        clear = (grow(section, gap) ^ others).area() < _AREA
         if held and clear:
             return Seat(section, part)
     raise WorkFailedError(
@@ -88,13 +88,13 @@ def _seat(hull: Hull, parts: Sequence[CrossSection], side: int, gap: float, part
     )
 
 
-def _cone(hull: Hull, latitude: float, side: int, gap: float) -> CrossSection:
+def _draw_cone(hull: Hull, latitude: float, side: int, gap: float) -> CrossSection:
     """The section of a cone about the ray from the origin at a latitude, from the core to the nearest wall."""
     along = np.array([math.cos(latitude), side * math.sin(latitude)])
     across = np.array([-along[1], along[0]]) * SEAT / 2
     far = 2 * float(np.abs(hull.skin).max())
-    strip = polygon([-across, far * along - across, far * along + across, across])
-    pieces = ((right_of(strip) ^ hull.inside) - disc(hull.core + gap)).decompose()
+    strip = make_polygon([-across, far * along - across, far * along + across, across])
+    pieces = ((take_right(strip) ^ hull.inside) - make_disc(hull.core + gap)).decompose()
     nearest = min(pieces, key=_distance)
     return nearest + nearest.mirror((1.0, 0.0))
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
-from driftform_frusta.kit.joint import Joint, bore_of_plug, mouth
+from driftform_frusta.kit.joint import Joint, plug_bore, trace_mouth
 from driftform_frusta.kit.meridian import MM, Hull
 from driftform_frusta.kit.options import KitOptions
 
@@ -33,7 +33,7 @@ class CoreJoint:
     reason: str
 
 
-def core_joint(hull: Hull, options: KitOptions) -> CoreJoint:
+def choose_core_joint(hull: Hull, options: KitOptions) -> CoreJoint:
     """Return the joint of the two shells: a sleeve as near to the core's equator as there is room, or a rabbet on it.
 
     Raises
@@ -41,13 +41,13 @@ def core_joint(hull: Hull, options: KitOptions) -> CoreJoint:
     WorkFailedError
         where the joint that was asked for, or any, has no room; the message tells why.
     """
-    sleeve = None if options.joint == "rabbet" else _sleeve_beside_core(hull, options)
+    sleeve = None if options.joint == "rabbet" else _find_sleeve(hull, options)
     if sleeve is not None:
         away = abs(sleeve.z)
         place = (
             "at the core's equator"
             if not away
-            else f"{away:g} mm {_side(sleeve.z)} of the core's equator, where the core leaves room inside"
+            else f"{away:g} mm {_name_side_of(sleeve.z)} of the core's equator, where the core leaves room inside"
         )
         return CoreJoint(sleeve, f"a sleeve of {sleeve.plug:g} mm {place}")
     no_sleeve = (
@@ -60,22 +60,23 @@ def core_joint(hull: Hull, options: KitOptions) -> CoreJoint:
         raise WorkFailedError(
             f"{no_sleeve}, and without a sleeve there is no groove for an O-ring: set o_ring to 0"
         )
-    rabbet = _rabbet(hull, options)
+    rabbet = _make_rabbet(hull, options)
     return CoreJoint(rabbet, "a rabbet was asked for" if options.joint == "rabbet" else no_sleeve)
 
 
-def _sleeve_beside_core(hull: Hull, options: KitOptions) -> Joint | None:
+def _find_sleeve(hull: Hull, options: KitOptions) -> Joint | None:
     need = hull.room(MM * options.clearance) - _ROUNDING
     reach = {side: _reach(hull, side, need) for side in (1, -1)}
     for away in np.arange(0.0, max(reach.values()), STEP).tolist():
         fitting = [
             joint
             for side in (1, -1)
-            if away < reach[side] and _takes_core(hull, joint := sleeve_at(side * away, side, options), need)
+            if away < reach[side]
+            and _takes_core(hull, joint := make_sleeve(side * away, side, options), need)
         ]
         if fitting:
             # The wider mouth takes a wider plug.
-            return max(fitting, key=lambda joint: bore_of_plug(hull, joint))
+            return max(fitting, key=lambda joint: plug_bore(hull, joint))
     return None
 
 
@@ -86,7 +87,7 @@ def _reach(hull: Hull, side: int, need: float) -> float:
     return float(away[narrow[0]]) if len(narrow) else float(away[-1])
 
 
-def sleeve_at(z: float, side: int, options: KitOptions) -> Joint:
+def make_sleeve(z: float, side: int, options: KitOptions) -> Joint:
     """Return a sleeve joint at a height."""
     return Joint(
         z=z,
@@ -102,16 +103,16 @@ def sleeve_at(z: float, side: int, options: KitOptions) -> Joint:
 
 def _takes_core(hull: Hull, joint: Joint, need: float) -> bool:
     """Tell whether the core passes the socket, of that radius at least, and then leaves room for the plug."""
-    line = mouth(hull, joint)
+    line = trace_mouth(hull, joint)
     if line[:, 1].min() < need or not _is_rooted(hull, joint):
         return False
     passage = joint.side * joint.z
     s = np.linspace(-joint.lap, 0.0, 2 + math.ceil(joint.lap / STEP))
-    inside = np.interp(-s, -line[:, 0], line[:, 1]) - _across(line) * (joint.gap + joint.plug)
+    inside = np.interp(-s, -line[:, 0], line[:, 1]) - _slant_factor(line) * (joint.gap + joint.plug)
     return bool(np.hypot(inside, passage + s).min() >= hull.core + joint.gap - _ROUNDING)
 
 
-def _across(line: FloatArray) -> float:
+def _slant_factor(line: FloatArray) -> float:
     """Most that a thickness normal to the meeting surface takes across the axis, over that thickness."""
     run = np.diff(line[:, 0])
     slope = np.diff(line[:, 1])[run < 0] / run[run < 0]
@@ -124,11 +125,11 @@ def _is_rooted(hull: Hull, joint: Joint) -> bool:
     held = joint.z + joint.side * np.linspace(0.0, height, 4)
     if hull.bore_radius(held).min() <= 0:
         return False
-    line = mouth(hull, joint)
-    return float(line[:, 1].min()) - _across(line) * (joint.gap + joint.plug) >= LEAST_BORE
+    line = trace_mouth(hull, joint)
+    return float(line[:, 1].min()) - _slant_factor(line) * (joint.gap + joint.plug) >= LEAST_BORE
 
 
-def _rabbet(hull: Hull, options: KitOptions) -> Joint:
+def _make_rabbet(hull: Hull, options: KitOptions) -> Joint:
     step, gap = (hull.wall - MM * options.clearance) / 2, MM * options.clearance
     if step < MM * options.nozzle - 1e-6:
         raise WorkFailedError(
@@ -137,18 +138,18 @@ def _rabbet(hull: Hull, options: KitOptions) -> Joint:
             "clearance smaller"
         )
     lap = MM * options.lap / 2
-    least = [_fill(hull, Joint(0.0, side, "rabbet", lap, step, gap)) for side in (1, -1)]
+    least = [_fill_depth(hull, Joint(0.0, side, "rabbet", lap, step, gap)) for side in (1, -1)]
     return Joint(0.0, 1 if least[0] <= least[1] else -1, "rabbet", lap, step, gap)
 
 
-def _fill(hull: Hull, joint: Joint) -> float:
+def _fill_depth(hull: Hull, joint: Joint) -> float:
     """How much wider than its mouth the cavity is along the socket, mm: what the socket is filled by."""
     s = np.linspace(0.0, joint.lap, 20)
-    line = mouth(hull, joint)
+    line = trace_mouth(hull, joint)
     return float((hull.bore_radius(joint.z - joint.side * s) - np.interp(s, -line[:, 0], line[:, 1])).max())
 
 
-def bed_joints(hull: Hull, first: Joint, options: KitOptions) -> tuple[Joint, ...]:
+def choose_bed_joints(hull: Hull, first: Joint, options: KitOptions) -> tuple[Joint, ...]:
     """Return the joints that cut shells further until each part fits the bed, from aft to fore; the fewest.
 
     Parameters
@@ -171,8 +172,8 @@ def bed_joints(hull: Hull, first: Joint, options: KitOptions) -> tuple[Joint, ..
             f"no kit can be made: the hull is {2 * hull.skin[:, 1].max():.1f} mm wide, the bed {width:g} x {depth:g} mm, "
             "and parts are cut across the axis only"
         )
-    aft = _chain(hull, first, -1, height, options)
-    fore = _chain(hull, first, 1, height, options)
+    aft = _cut_side(hull, first, -1, height, options)
+    fore = _cut_side(hull, first, 1, height, options)
     return (*aft[::-1], *fore)
 
 
@@ -182,7 +183,7 @@ def _seat_end(hull: Hull, side: int) -> float:
     return float(away[np.argmax(hull.bore_radius(side * away) <= away)])
 
 
-def _chain(hull: Hull, first: Joint, side: int, height: float, options: KitOptions) -> tuple[Joint, ...]:
+def _cut_side(hull: Hull, first: Joint, side: int, height: float, options: KitOptions) -> tuple[Joint, ...]:
     """Cuts on one side, from the core outward, beyond the core's seat."""
     end = float(hull.skin[-1 if side > 0 else 0, 0])
     # What a part takes on the bed goes from the tip of its plug to where its neighbour begins.
@@ -190,8 +191,8 @@ def _chain(hull: Hull, first: Joint, side: int, height: float, options: KitOptio
     margin = 2 * (MM * options.lap + 3 * MM * options.sleeve)
     keep = max(_seat_end(hull, side), side * first.z) + margin
     places = sorted(side * z for z in hull.joints if keep <= side * z <= side * end - 2 * MM * options.sleeve)
-    joints = [j for z in places if _is_rooted(hull, j := sleeve_at(side * z, side, options))]
-    return _fewest(hull, joints, side * start, side * end, height, margin, _named(side))
+    joints = [j for z in places if _is_rooted(hull, j := make_sleeve(side * z, side, options))]
+    return _choose_fewest(hull, joints, side * start, side * end, height, margin, _name_side(side))
 
 
 @dataclass(frozen=True)
@@ -208,7 +209,7 @@ class _Way:
         return self.cuts, self.slim, self.highest
 
 
-def _fewest(
+def _choose_fewest(
     hull: Hull, joints: Sequence[Joint], start: float, end: float, height: float, margin: float, what: str
 ) -> tuple[Joint, ...]:
     """The fewest cuts that leave no part higher than the bed; of those the sturdiest, then the most even.
@@ -219,7 +220,7 @@ def _fewest(
     reached: list[_Way | None] = [_Way(0, 0, 0.0, ())]
     starts, cuts = [start], [0.0]
     for joint in joints:
-        z, slim = abs(joint.z), bore_of_plug(hull, joint) < SLIM_BORE
+        z, slim = abs(joint.z), plug_bore(hull, joint) < SLIM_BORE
         ways = [
             _Way(way.cuts + 1, way.slim + slim, max(way.highest, z - begin), (*way.joints, joint))
             for way, begin, cut in zip(reached, starts, cuts, strict=True)
@@ -241,9 +242,9 @@ def _fewest(
     return min(ends, key=_Way.rank).joints
 
 
-def _named(side: int) -> str:
+def _name_side(side: int) -> str:
     return "fore" if side > 0 else "aft"
 
 
-def _side(z: float) -> str:
-    return _named(1 if z > 0 else -1)
+def _name_side_of(z: float) -> str:
+    return _name_side(1 if z > 0 else -1)

@@ -3,7 +3,7 @@
 from manifold3d import CrossSection
 
 from driftform.errors import WorkFailedError
-from driftform_frusta.kit.meridian import FAR, Hull, polygon
+from driftform_frusta.kit.meridian import FAR, Hull, make_polygon
 
 RIM = 1.0
 """mm of material that must stay around a hole."""
@@ -12,7 +12,7 @@ DEEPEST = 10.0
 """mm of solid end that a hole goes through."""
 
 
-def drained(hull: Hull, section: CrossSection, side: int, diameter: float) -> CrossSection:
+def add_drain(hull: Hull, section: CrossSection, side: int, diameter: float) -> CrossSection:
     """Return the section of an end part with a hole through its end.
 
     Raises
@@ -33,5 +33,5 @@ def drained(hull: Hull, section: CrossSection, side: int, diameter: float) -> Cr
     through = skin[(skin[:, 0] - inner) * side >= 0][1:, 1]
     if len(through) and float(through.max()) < r + RIM:
         raise WorkFailedError(f"{what}: it is {2 * float(through.max()):.1f} mm wide; make drain smaller")
-    hole = polygon([(-r, end + side * FAR), (r, end + side * FAR), (r, inner), (-r, inner)])
+    hole = make_polygon([(-r, end + side * FAR), (r, end + side * FAR), (r, inner), (-r, inner)])
     return section - hole

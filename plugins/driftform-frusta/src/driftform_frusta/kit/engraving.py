@@ -10,9 +10,9 @@ from manifold3d import CrossSection
 
 from driftform_frusta.csg import Intersection, Named, Node, Revolve, Rotate, Text, Translate, Union
 from driftform_frusta.kit.joint import Joint
-from driftform_frusta.kit.meridian import MM, Hull, grown, half, outline_and_holes, slab
+from driftform_frusta.kit.meridian import MM, Hull, grow, make_slab, split_pieces, take_half
 from driftform_frusta.kit.options import KitOptions
-from driftform_frusta.lettering import STROKE, length
+from driftform_frusta.lettering import STROKE, text_length
 
 MARGIN = 1.0
 """mm between the text and what is no plain wall."""
@@ -43,7 +43,7 @@ class Engraving:
     gone: Node
 
 
-def engraving(
+def engrave(
     hull: Hull, low: float, high: float, taken: list[tuple[float, float]], options: KitOptions
 ) -> Engraving | None:
     """Return the engraving of a part, ``None`` where the text has no room.
@@ -60,7 +60,7 @@ def engraving(
         the text, its size, its depth and its side.
     """
     size, depth = MM * options.engrave_size, MM * options.engrave_depth
-    place = _place(hull, low, high, taken, options)
+    place = _find_place(hull, low, high, taken, options)
     if place is None:
         return None
     begin, end = place
@@ -70,26 +70,26 @@ def engraving(
     # Read from where one looks at the wall: from the side of -x outside, from the axis towards +x inside.
     prism = Rotate((0.0, -90.0, 0.0), text)
     standing = Translate((0.0 if outside else reach, 0.0, begin + size * STROKE / 2), prism)
-    window = slab(begin - MARGIN / 2, end + MARGIN / 2)
+    window = make_slab(begin - MARGIN / 2, end + MARGIN / 2)
 
     def within(proud: float) -> Node:
-        layer = half(_layer(hull, depth, proud, outside) ^ window)
-        return Intersection((standing, Union(tuple(Revolve(*rings) for rings in outline_and_holes(layer)))))
+        layer = take_half(_draw_layer(hull, depth, proud, outside) ^ window)
+        return Intersection((standing, Union(tuple(Revolve(*rings) for rings in split_pieces(layer)))))
 
     return Engraving(Named(f"engraved: {options.engrave}", within(_PROUD)), within(0.0))
 
 
-def _layer(hull: Hull, depth: float, proud: float, outside: bool) -> CrossSection:
+def _draw_layer(hull: Hull, depth: float, proud: float, outside: bool) -> CrossSection:
     if outside:
-        return grown(hull.outer, proud) - grown(hull.outer, -depth)
-    return grown(hull.cavity, depth) - grown(hull.cavity, -proud)
+        return grow(hull.outer, proud) - grow(hull.outer, -depth)
+    return grow(hull.cavity, depth) - grow(hull.cavity, -proud)
 
 
-def _place(
+def _find_place(
     hull: Hull, low: float, high: float, taken: list[tuple[float, float]], options: KitOptions
 ) -> tuple[float, float] | None:
     """Where the wall is most nearly a cylinder, and wide enough."""
-    size, long = MM * options.engrave_size, length(options.engrave, MM * options.engrave_size)
+    size, long = MM * options.engrave_size, text_length(options.engrave, MM * options.engrave_size)
     z, r = (hull.skin if options.engrave_side == "outside" else hull.bore).T
     best: tuple[float, float] | None = None
     least = np.inf
@@ -108,7 +108,7 @@ def _place(
     return best
 
 
-def taken_by(
+def list_occupied(
     joints: tuple[Joint, ...], ends: list[tuple[float, float]], inside: bool
 ) -> list[tuple[float, float]]:
     """Return the z that joints and seats take of a wall's side.

@@ -15,7 +15,7 @@ import numpy as np
 from manifold3d import CrossSection
 
 from driftform.types import FloatArray
-from driftform_frusta.kit.meridian import FAR, Hull, grown, polygon, slab
+from driftform_frusta.kit.meridian import FAR, Hull, grow, make_polygon, make_slab
 from driftform_frusta.kit.options import GROOVE_WIDTH
 
 LEAD = 0.3
@@ -65,17 +65,17 @@ class Joint:
         """How deep the socket is cut into the wall."""
         return self.plug + self.gap if self.kind == "rabbet" else 0.0
 
-    def points(self, rs: list[tuple[float, float]]) -> CrossSection:
+    def draw_polygon(self, rs: list[tuple[float, float]]) -> CrossSection:
         """A polygon of (r, s), s from the cut towards the part with the plug."""
-        return polygon([(r, self.z + self.side * s) for r, s in rs])
+        return make_polygon([(r, self.z + self.side * s) for r, s in rs])
 
-    def between(self, low: float, high: float) -> CrossSection:
+    def draw_slab(self, low: float, high: float) -> CrossSection:
         """What lies between two s."""
         ends = sorted((self.z + self.side * low, self.z + self.side * high))
-        return slab(ends[0], ends[1])
+        return make_slab(ends[0], ends[1])
 
 
-def mouth(hull: Hull, joint: Joint) -> FloatArray:
+def trace_mouth(hull: Hull, joint: Joint) -> FloatArray:
     """Radius of the cavity along the socket, nowhere wider than nearer to the cut: s and r, (n, 2).
 
     It begins at the cut, s = 0, and ends a gap beyond the tip.
@@ -101,9 +101,9 @@ def mouth(hull: Hull, joint: Joint) -> FloatArray:
     return np.array(line)
 
 
-def bore_of_plug(hull: Hull, joint: Joint) -> float:
+def plug_bore(hull: Hull, joint: Joint) -> float:
     """Radius inside the plug at the cut."""
-    return float(mouth(hull, joint)[0, 1]) + joint.recess - joint.gap - joint.plug
+    return float(trace_mouth(hull, joint)[0, 1]) + joint.recess - joint.gap - joint.plug
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,50 +115,50 @@ class Fit:
     plug: CrossSection
 
 
-def fit(hull: Hull, joint: Joint) -> Fit:
+def draw_joint(hull: Hull, joint: Joint) -> Fit:
     """Draw a joint."""
-    line = mouth(hull, joint)
+    line = trace_mouth(hull, joint)
     end, least = line[-1]
     inner = [(0.0, FAR), (float(line[0, 1]), FAR), *((float(r), float(s)) for s, r in line)]
     wide = float(hull.skin[:, 1].max()) + 1
     # From the end of the socket the fill runs out at 45 degrees.
     inner += [(wide, float(end - (wide - least))), (wide, -FAR), (0.0, -FAR)]
-    clear = _symmetric(joint, inner)
-    socket_side = joint.between(-FAR, 0.0)
+    clear = _draw_symmetric(joint, inner)
+    socket_side = joint.draw_slab(-FAR, 0.0)
     pad = (hull.inside ^ socket_side) - clear
-    widened = grown(clear, joint.recess)
-    pocket = widened ^ joint.between(end, 0.0)
+    widened = grow(clear, joint.recess)
+    pocket = widened ^ joint.draw_slab(end, 0.0)
     passage = (
         pocket
         + (hull.cavity ^ clear ^ socket_side)
-        + (widened ^ joint.between(0.0, 4 * (joint.lap + joint.plug)))
+        + (widened ^ joint.draw_slab(0.0, 4 * (joint.lap + joint.plug)))
     )
-    outside = grown(passage, -joint.gap)
-    inside = grown(widened, -joint.gap - joint.plug)
-    ring = (outside - inside) ^ joint.between(-joint.lap, joint.plug)
-    plug = (ring - _relief(joint, line)) + (_root(hull, joint) ^ hull.inside)
+    outside = grow(passage, -joint.gap)
+    inside = grow(widened, -joint.gap - joint.plug)
+    ring = (outside - inside) ^ joint.draw_slab(-joint.lap, joint.plug)
+    plug = (ring - _draw_relief(joint, line)) + (_draw_root(hull, joint) ^ hull.inside)
     return Fit(pad, pocket, plug ^ hull.outer)
 
 
-def _symmetric(joint: Joint, points: list[tuple[float, float]]) -> CrossSection:
-    right = joint.points(points)
+def _draw_symmetric(joint: Joint, points: list[tuple[float, float]]) -> CrossSection:
+    right = joint.draw_polygon(points)
     return right + right.mirror((1.0, 0.0))
 
 
-def _root(hull: Hull, joint: Joint) -> CrossSection:
+def _draw_root(hull: Hull, joint: Joint) -> CrossSection:
     """What carries the plug, from the wall inward; its far side slopes by 45 degrees."""
-    r, wide = bore_of_plug(hull, joint), float(hull.skin[:, 1].max()) + 1
+    r, wide = plug_bore(hull, joint), float(hull.skin[:, 1].max()) + 1
     height = joint.plug
-    return _symmetric(joint, [(r, 0.0), (r, height), (wide, height + wide - r), (wide, 0.0)])
+    return _draw_symmetric(joint, [(r, 0.0), (r, height), (wide, height + wide - r), (wide, 0.0)])
 
 
-def _relief(joint: Joint, line: FloatArray) -> CrossSection:
+def _draw_relief(joint: Joint, line: FloatArray) -> CrossSection:
     """What is taken from the plug: the chamfer at the tip, the groove of an O-ring."""
     if joint.kind == "rabbet":
         return CrossSection()
     surface = float(np.interp(joint.lap, -line[:, 0], line[:, 1])) - joint.gap
     low, beyond = surface - LEAD, 5.0
-    cut = _symmetric(
+    cut = _draw_symmetric(
         joint,
         [
             (low - 1, -joint.lap - 1),
@@ -171,7 +171,7 @@ def _relief(joint: Joint, line: FloatArray) -> CrossSection:
         width = GROOVE_WIDTH * joint.cord
         near = -(joint.lap - width - joint.groove) / 2
         far = near - width
-        cut += _symmetric(
+        cut += _draw_symmetric(
             joint,
             [
                 (surface + 1, near),

@@ -80,10 +80,10 @@ class Hull:
     @cached_property
     def inside(self) -> CrossSection:
         """Where parts may be added: the cavity and a little of the wall, so that they grow together with it."""
-        return grown(self.cavity, OVERLAP) ^ self.outer
+        return grow(self.cavity, OVERLAP) ^ self.outer
 
 
-def hull_of(body: Body) -> Hull:
+def draw_hull(body: Body) -> Hull:
     """Return a body's hull in the meridian plane.
 
     Raises
@@ -106,8 +106,8 @@ def hull_of(body: Body) -> Hull:
         )
     skin, bore = contours
     return Hull(
-        outer=_both_sides(skin),
-        cavity=_both_sides(bore),
+        outer=_mirror_contour(skin),
+        cavity=_mirror_contour(bore),
         bore=bore,
         skin=skin,
         core=MM * body.core.radius,
@@ -116,50 +116,50 @@ def hull_of(body: Body) -> Hull:
     )
 
 
-def _both_sides(contour: FloatArray) -> CrossSection:
+def _mirror_contour(contour: FloatArray) -> CrossSection:
     z, r = contour.T
-    return polygon(np.concatenate((np.column_stack((r, z)), np.column_stack((-r, z))[-2:0:-1])))
+    return make_polygon(np.concatenate((np.column_stack((r, z)), np.column_stack((-r, z))[-2:0:-1])))
 
 
-def polygon(points: npt.ArrayLike) -> CrossSection:
+def make_polygon(points: npt.ArrayLike) -> CrossSection:
     """What lies inside a polygon of (r, z), in either sense."""
     return CrossSection([np.asarray(points, dtype=np.float64)], FillRule.NonZero)
 
 
-def slab(low: float, high: float) -> CrossSection:
+def make_slab(low: float, high: float) -> CrossSection:
     """What lies between two heights."""
     return CrossSection.square((2 * FAR, high - low)).translate((-FAR, low))
 
 
-def disc(radius: float) -> CrossSection:
+def make_disc(radius: float) -> CrossSection:
     """A ball about the origin; the polygon stands around the circle, so that no chord is nearer than it."""
     n = 240
     return CrossSection.circle(radius / np.cos(np.pi / n), n)
 
 
-def grown(section: CrossSection, by: float) -> CrossSection:
+def grow(section: CrossSection, by: float) -> CrossSection:
     """A section with its edges moved outward; a negative distance moves them inward."""
     return section.offset(by, JoinType.Miter, 2.0) if by else section
 
 
-def right_of(section: CrossSection) -> CrossSection:
+def take_right(section: CrossSection) -> CrossSection:
     """The side of positive radii."""
     return section ^ CrossSection.square((FAR, 2 * FAR)).translate((0.0, -FAR))
 
 
-def half(section: CrossSection) -> CrossSection:
+def take_half(section: CrossSection) -> CrossSection:
     """The side of positive radii, without what no mesh needs."""
-    return right_of(section).simplify(SIMPLIFY)
+    return take_right(section).simplify(SIMPLIFY)
 
 
-def rings(section: CrossSection) -> tuple[Ring, ...]:
+def list_rings(section: CrossSection) -> tuple[Ring, ...]:
     """The polygons of a section."""
     return tuple(np.asarray(ring, dtype=np.float64) for ring in section.to_polygons())
 
 
-def outline_and_holes(section: CrossSection) -> list[tuple[tuple[Point, ...], tuple[tuple[Point, ...], ...]]]:
+def split_pieces(section: CrossSection) -> list[tuple[tuple[Point, ...], tuple[tuple[Point, ...], ...]]]:
     """The pieces of a section as a tree of solids takes them."""
-    return [split_rings(rings(piece)) for piece in section.decompose()]
+    return [split_rings(list_rings(piece)) for piece in section.decompose()]
 
 
 def split_rings(polygons: Sequence[Ring]) -> tuple[tuple[Point, ...], tuple[tuple[Point, ...], ...]]:

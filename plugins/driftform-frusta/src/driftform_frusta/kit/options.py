@@ -6,7 +6,7 @@ from pydantic import Field, field_validator, model_validator
 
 from driftform.interfaces import Printer
 from driftform.options import Table, option
-from driftform_frusta.lettering import missing
+from driftform_frusta.lettering import missing_letters
 
 GROOVE_SHARE = 0.8
 """Room between bore and groove over the cord of an O-ring: a squeeze of 20 %, usual for a seal at rest."""
@@ -80,7 +80,7 @@ class KitOptions(Table):
     @field_validator("engrave")
     @classmethod
     def _can_be_engraved(cls, value: str) -> str:
-        if letters := missing(value):
+        if letters := missing_letters(value):
             raise ValueError(
                 f"there is no letter for {letters!r}; digits, A to Z and - . _ / : + # can be engraved"
             )

@@ -9,28 +9,28 @@ from manifold3d import CrossSection
 from driftform.errors import WorkFailedError
 from driftform.geometry import hull_volume
 from driftform.types import Body
-from driftform_frusta.kit.bay import Seat, seats
-from driftform_frusta.kit.cut import CoreJoint, bed_joints, core_joint
-from driftform_frusta.kit.drain import drained
-from driftform_frusta.kit.engraving import Engraving, engraving, taken_by
-from driftform_frusta.kit.joint import Joint, fit
+from driftform_frusta.kit.bay import Seat, place_seats
+from driftform_frusta.kit.cut import CoreJoint, choose_bed_joints, choose_core_joint
+from driftform_frusta.kit.drain import add_drain
+from driftform_frusta.kit.engraving import Engraving, engrave, list_occupied
+from driftform_frusta.kit.joint import Joint, draw_joint
 from driftform_frusta.kit.meridian import (
     FAR,
     MM,
     Hull,
     Ring,
-    disc,
-    half,
-    hull_of,
+    draw_hull,
+    list_rings,
+    make_disc,
+    make_slab,
     moments,
-    right_of,
-    rings,
     signed_area,
-    slab,
+    take_half,
+    take_right,
 )
 from driftform_frusta.kit.options import KitOptions
 from driftform_frusta.kit.upright import prints_fore_down
-from driftform_frusta.printable import printable_section, refuse_other_volume
+from driftform_frusta.printable import build_printable_section, refuse_other_volume
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +81,7 @@ class Kit:
 
 
 @lru_cache(maxsize=4)
-def kit_of(body: Body, options: KitOptions) -> Kit:
+def make_kit(body: Body, options: KitOptions) -> Kit:
     """Cut a hull into the parts of a kit.
 
     Raises
@@ -90,28 +90,30 @@ def kit_of(body: Body, options: KitOptions) -> Kit:
         where it cannot be; the message tells why.
     """
     # What cannot be printed whole cannot be cut either.
-    printable_section(body)
-    hull, gap = hull_of(body), MM * options.clearance
-    refuse_other_volume(MM**3 * moments(rings(right_of(hull.material))).volume, hull_volume(body), "hull")
+    build_printable_section(body)
+    hull, gap = draw_hull(body), MM * options.clearance
+    refuse_other_volume(
+        MM**3 * moments(list_rings(take_right(hull.material))).volume, hull_volume(body), "hull"
+    )
     if options.engrave and MM * options.engrave_depth > hull.wall / 2:
         raise WorkFailedError(
             f"no kit can be made: an engraving of {MM * options.engrave_depth:g} mm goes deeper than half the wall of "
             f"{hull.wall:g} mm; make engrave_depth smaller"
         )
-    chosen = core_joint(hull, options)
-    others = bed_joints(hull, chosen.joint, options)
+    chosen = choose_core_joint(hull, options)
+    others = choose_bed_joints(hull, chosen.joint, options)
     joints = tuple(sorted((chosen.joint, *others), key=lambda joint: joint.z))
-    sections = _joined(hull, joints, gap)
+    sections = _draw_parts(hull, joints, gap)
     inner = joints.index(chosen.joint)
-    found = tuple(seats(hull, sections, gap, (inner, inner + 1)))
+    found = tuple(place_seats(hull, sections, gap, (inner, inner + 1)))
     for seat in found:
         sections[seat.part] += seat.section
     if options.drain:
         for end, side in ((0, -1), (-1, 1)):
-            sections[end] = drained(hull, sections[end], side, MM * options.drain)
-    names = [_name(index, inner) for index in range(len(sections))]
-    polygons = [_rings(section, name) for section, name in zip(sections, names, strict=True)]
-    engraved = _engraved(hull, joints, found, options)
+            sections[end] = add_drain(hull, sections[end], side, MM * options.drain)
+    names = [_name_part(index, inner) for index in range(len(sections))]
+    polygons = [_take_rings(section, name) for section, name in zip(sections, names, strict=True)]
+    engraved = _engrave_parts(hull, joints, found, options)
     pieces = [
         Piece(name, drawn, prints_fore_down(drawn), text)
         for name, drawn, text in zip(names, polygons, engraved, strict=True)
@@ -119,13 +121,13 @@ def kit_of(body: Body, options: KitOptions) -> Kit:
     return Kit(hull, tuple(pieces), joints, chosen, found)
 
 
-def _joined(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[CrossSection]:
+def _draw_parts(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[CrossSection]:
     """The sections of the parts, without seats."""
     bounds = [-FAR, *(joint.z for joint in joints), FAR]
-    sections = [hull.material ^ slab(low, high) for low, high in pairwise(bounds)]
-    core = disc(hull.room(gap))
+    sections = [hull.material ^ make_slab(low, high) for low, high in pairwise(bounds)]
+    core = make_disc(hull.room(gap))
     for index, joint in enumerate(joints):
-        made = fit(hull, joint)
+        made = draw_joint(hull, joint)
         plug, socket = (index + 1, index) if joint.side > 0 else (index, index + 1)
         sections[plug] += made.plug - core
         sections[socket] += made.pad - core
@@ -133,20 +135,20 @@ def _joined(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[CrossSect
     return sections
 
 
-def _name(index: int, inner: int) -> str:
+def _name_part(index: int, inner: int) -> str:
     side, place = ("aft", inner - index) if index <= inner else ("fore", index - inner - 1)
     return f"{side} shell {place + 1}" if place else f"{side} shell"
 
 
-def _rings(section: CrossSection, name: str) -> tuple[Ring, ...]:
-    right = half(section)
+def _take_rings(section: CrossSection, name: str) -> tuple[Ring, ...]:
+    right = take_half(section)
     if len(right.decompose()) != 1:
         raise WorkFailedError(f"no kit can be made: its {name} falls into {len(right.decompose())} pieces")
     # A pocket between a plug and a seat would be closed for ever: it is filled.
-    return tuple(ring for ring in rings(right) if signed_area(ring) > 0)
+    return tuple(ring for ring in list_rings(right) if signed_area(ring) > 0)
 
 
-def _engraved(
+def _engrave_parts(
     hull: Hull, joints: tuple[Joint, ...], found: tuple[Seat, ...], options: KitOptions
 ) -> list[Engraving | None]:
     """What the text takes from each part.
@@ -160,8 +162,8 @@ def _engraved(
     if not options.engrave:
         return [None] * (len(bounds) - 1)
     seated = [seat.section.bounds() for seat in found]
-    taken = taken_by(joints, [(box[1], box[3]) for box in seated], options.engrave_side == "inside")
-    cut = [engraving(hull, low, high, taken, options) for low, high in pairwise(bounds)]
+    taken = list_occupied(joints, [(box[1], box[3]) for box in seated], options.engrave_side == "inside")
+    cut = [engrave(hull, low, high, taken, options) for low, high in pairwise(bounds)]
     if all(tool is None for tool in cut):
         raise WorkFailedError(
             f"no kit can be made: no part has room for {options.engrave!r} in letters of "

@@ -34,7 +34,7 @@ def _burden(polygons: Sequence[Ring], up: int) -> tuple[bool, float, float]:
     return foot < FOOT, round(overhang, 1), -foot
 
 
-def overhang(polygons: Sequence[Ring], fore_down: bool) -> float:
+def overhang_area(polygons: Sequence[Ring], fore_down: bool) -> float:
     """Area that hangs over by more than 45 degrees, mm2, in a part that is printed this way up."""
     up = -1 if fore_down else 1
     lowest = min(float((up * ring[:, 1]).min()) for ring in polygons)

@@ -8,7 +8,7 @@ from driftform.errors import WorkFailedError
 from driftform.types import Body, FloatArray, WrittenFile
 from driftform.util.files import write_folder
 from driftform_robotics.models.link import Link
-from driftform_robotics.models.meshes import Piece, convex_pieces, obj_text, revolved
+from driftform_robotics.models.meshes import Piece, convex_pieces, obj_text, revolve_contour
 
 HULL = "meshes/hull.obj"
 """The outside of the hull, about the centre of gravity."""
@@ -24,7 +24,7 @@ def piece_path(index: int) -> str:
 
 def hull_files(body: Body, cog: FloatArray, pieces: list[Piece]) -> dict[str, str]:
     """Return the hull's meshes, by their paths in the folder."""
-    files = {HULL: obj_text(revolved(body.outer).moved(-cog))}
+    files = {HULL: obj_text(revolve_contour(body.outer).translate(-cog))}
     return files | {piece_path(i): obj_text(piece.mesh) for i, piece in enumerate(pieces)}
 
 

@@ -5,14 +5,13 @@ tetrahedra without their sign, which is right only where every point is seen fro
 before its version of August 2026). Convex pieces, each about its own centroid, are read the same way by all.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 
 from driftform.geometry import solid_of_revolution
+from driftform.geometry.meshes import IntArray, obj_lines, revolve
 from driftform.types import FloatArray
 
 SEGMENTS = 64
@@ -30,9 +29,9 @@ class Mesh:
     """A closed mesh: ``vertices`` (n, 3) in m, ``triangles`` (m, 3), counterclockwise seen from outside."""
 
     vertices: FloatArray
-    triangles: npt.NDArray[np.int64]
+    triangles: IntArray
 
-    def moved(self, offset: FloatArray) -> "Mesh":
+    def translate(self, offset: FloatArray) -> "Mesh":
         """The mesh, moved by ``offset`` (m)."""
         return Mesh(self.vertices + offset, self.triangles)
 
@@ -46,54 +45,20 @@ class Piece:
     volume: float
 
 
-def area_factor(segments: int) -> float:
-    """Return the factor on a radius that gives a regular polygon the area of its circle.
-
-    With it, every cross-section of a revolved mesh has its circle's area, and the mesh the volume and the centroid of
-    the closed forms.
-    """
-    return float(1 / np.sqrt(segments / (2 * np.pi) * np.sin(2 * np.pi / segments)))
-
-
-def revolved(contour: FloatArray, segments: int = SEGMENTS) -> Mesh:
+def revolve_contour(contour: FloatArray, segments: int = SEGMENTS) -> Mesh:
     """Return the solid of a meridian (n, 2), which begins and ends on the axis, about the x axis."""
-    line = contour[1:-1]
-    circle = _circle(segments) * area_factor(segments)
-    rings = np.empty((len(line), segments, 3))
-    rings[..., 0] = line[:, :1]
-    rings[..., 1:] = line[:, 1, None, None] * circle
-    poles = np.array([[contour[0, 0], 0.0, 0.0], [contour[-1, 0], 0.0, 0.0]])
-    index = np.arange(rings[..., 0].size).reshape(rings.shape[:2])
-    following = np.roll(index, -1, axis=1)
-    aft, fore = np.full(segments, index.size), np.full(segments, index.size + 1)
-    faces = [
-        np.stack((aft, following[0], index[0]), axis=-1),
-        *_bands(index, following),
-        np.stack((fore, index[-1], following[-1]), axis=-1),
-    ]
-    return Mesh(np.concatenate((rings.reshape(-1, 3), poles)), np.concatenate(faces))
+    vertices, triangles = revolve(contour[:, ::-1], segments)
+    bands, aft, fore = np.split(triangles, [-2 * segments, -segments])
+    return Mesh(np.roll(vertices, 1, axis=1), np.concatenate((aft, bands[::2], bands[1::2], fore)))
 
 
-def tube(length: float, radius: float, wall: float, segments: int = SEGMENTS) -> Mesh:
+def make_tube(length: float, radius: float, wall: float, segments: int = SEGMENTS) -> Mesh:
     """Return a pipe about the x axis, its middle at the origin; ``radius`` is that of its bore, m."""
-    corners = np.array([(-1, 0), (1, 0), (1, 1), (-1, 1), (-1, 0)]) * (length / 2, wall) + (0, radius)
-    circle = _circle(segments) * area_factor(segments)
-    rings = np.empty((4, segments, 3))
-    rings[..., 0] = corners[:4, :1]
-    rings[..., 1:] = corners[:4, 1, None, None] * circle
-    index = np.arange(4 * segments).reshape(4, segments)[[0, 3, 2, 1, 0]]
-    return Mesh(rings.reshape(-1, 3), np.concatenate(list(_bands(index, np.roll(index, -1, axis=1)))))
-
-
-def _circle(segments: int) -> FloatArray:
-    angle = np.arange(segments) * (2 * np.pi / segments)
-    return np.column_stack((np.cos(angle), np.sin(angle)))
-
-
-def _bands(index: npt.NDArray[np.int64], following: npt.NDArray[np.int64]) -> Iterator[npt.NDArray[np.int64]]:
-    """Triangles between each ring and the next, seen from outside where the rings go towards +x."""
-    yield np.stack((index[:-1], following[:-1], following[1:]), axis=-1).reshape(-1, 3)
-    yield np.stack((index[:-1], following[1:], index[1:]), axis=-1).reshape(-1, 3)
+    corners = np.array([(0, -1), (1, -1), (1, 1), (0, 1)]) * (wall, length / 2) + (radius, 0)
+    vertices, bands = revolve(corners, segments, closed=True)
+    # In the file, the rings at each end of the bore come first.
+    order = np.arange(len(vertices)).reshape(4, segments)[[0, 3, 2, 1]].ravel()
+    return Mesh(np.roll(vertices[order], 1, axis=1), order[np.concatenate((bands[::2], bands[1::2]))])
 
 
 def convex_pieces(contour: FloatArray, segments: int = SEGMENTS) -> list[Piece]:
@@ -107,7 +72,7 @@ def convex_pieces(contour: FloatArray, segments: int = SEGMENTS) -> list[Piece]:
         moments = solid_of_revolution(part)
         if moments.volume > _NEGLIGIBLE * whole.volume:
             x = moments.centroid
-            pieces.append(Piece(revolved(part - (x, 0.0), segments), x, moments.volume))
+            pieces.append(Piece(revolve_contour(part - (x, 0.0), segments), x, moments.volume))
     return pieces
 
 
@@ -139,7 +104,4 @@ def _convex_parts(contour: FloatArray) -> list[FloatArray]:
 
 def obj_text(mesh: Mesh) -> str:
     """Return a mesh as the text of an OBJ file: the one format that all these simulators read."""
-    pieces = ["# driftform, lengths in m\n"]
-    pieces.append("v %.9g %.9g %.9g\n" * len(mesh.vertices) % tuple((mesh.vertices + 0.0).ravel().tolist()))
-    pieces.append("f %d %d %d\n" * len(mesh.triangles) % tuple((mesh.triangles + 1).ravel().tolist()))
-    return "".join(pieces)
+    return "# driftform, lengths in m\n" + obj_lines(mesh.vertices, mesh.triangles)

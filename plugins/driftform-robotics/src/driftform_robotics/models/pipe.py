@@ -6,7 +6,7 @@ import numpy as np
 
 from driftform.scenario import Segment
 from driftform.types import FloatArray
-from driftform_robotics.models.meshes import Mesh, tube
+from driftform_robotics.models.meshes import Mesh, make_tube
 
 PLANKS = 64
 """Planks around the bore: their faces lie within 0.08 % of its radius from the circle."""
@@ -43,7 +43,7 @@ class Bore:
 
     def mesh(self) -> Mesh:
         """The wall as one closed mesh."""
-        return tube(self.length, self.radius, self.wall)
+        return make_tube(self.length, self.radius, self.wall)
 
     def planks(self) -> list[Plank]:
         """The wall as boxes, because a mesh of a pipe would be taken for its convex hull, which is solid.

@@ -12,7 +12,7 @@ from driftform.interfaces import ExportJob
 from driftform.trajectory.forces import accelerations_along, net_wrench
 from driftform.types import FloatArray, Trajectory
 from driftform_robotics import sensors
-from driftform_robotics.models.meshes import revolved
+from driftform_robotics.models.meshes import revolve_contour
 from driftform_robotics.plume import Plume, plume_of
 from driftform_robotics.recording.messages import SECOND, Messages
 from driftform_robotics.recording.options import FlightOptions
@@ -265,7 +265,7 @@ class FlightTopics:
             found.append(
                 self._marker(stamp, "names", "TEXT_VIEW_FACING", VERMILLION, pose=above, size=size, text=name)
             )
-        mesh = revolved(self.job.agent.body.outer, SEGMENTS)
+        mesh = revolve_contour(self.job.agent.body.outer, SEGMENTS)
         corners = [
             self.ros.vector(corner, "geometry_msgs/Point") for corner in mesh.vertices[mesh.triangles.ravel()]
         ]
