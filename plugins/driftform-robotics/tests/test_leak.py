@@ -14,7 +14,7 @@ from driftform.testing import FitnessContract
 from driftform.testing.fitness import straight_flight
 from driftform.types import Trajectory
 from driftform_robotics.leak import Leak, LeakOptions
-from driftform_robotics.plume import plume_of
+from driftform_robotics.plume import make_plume
 
 PIPE = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(16.0, 0.0, 0.0), radius=0.5),))
 
@@ -43,7 +43,7 @@ def test_drifting_along_the_leaking_wall_is_almost_perfect() -> None:
 def test_a_reading_at_the_threshold_counts_half() -> None:
     """An agent that stays where the concentration is C, while the water takes 14 s to the end of the pipe."""
     there, surroundings = (5.0, 0.3, 0.1), scenario((2.0, 0.5, 0.0))
-    C = plume_of(surroundings, (2.0, 0.5, 0.0), 0.001).concentration(np.array([there]))[0]
+    C = make_plume(surroundings, (2.0, 0.5, 0.0), 0.001).concentration(np.array([there]))[0]
     still = straight_flight(there, there, np.linspace(0, 7.0, 8))
     for share, expected in ((1.0, 25.0), (3.0, 37.5), (1 / 3, 12.5)):
         leak = Leak(LeakOptions(threshold=C / share))
@@ -81,7 +81,7 @@ def test_who_stays_longer_sees_more_but_never_more_than_all() -> None:
 def test_seconds_in_the_plume_are_those_above_the_threshold() -> None:
     """Along the wall at the leak's height the concentration falls with the distance: it is in it from there on."""
     surroundings = scenario((2.0, 0.5, 0.0))
-    plume = plume_of(surroundings, (2.0, 0.5, 0.0), 0.001)
+    plume = make_plume(surroundings, (2.0, 0.5, 0.0), 0.001)
     C = plume.concentration(np.array([[9.0, 0.5, 0.0]]))[0]
     leak = Leak(LeakOptions(threshold=C))
     assert leak.seconds_in_plume(along(0.5, 0.0), surroundings) == pytest.approx([7.0], abs=0.06)

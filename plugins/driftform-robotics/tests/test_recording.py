@@ -27,7 +27,7 @@ from driftform.trajectory.forces import accelerations_along, net_wrench
 from driftform.trajectory.path import world_velocity
 from driftform.types import Trajectory
 from driftform_robotics import sensors
-from driftform_robotics.plume import plume_of
+from driftform_robotics.plume import make_plume
 from driftform_robotics.recording.recorders import McapRecorder, Rosbag2Options, Rosbag2Recorder
 from driftform_robotics.recording.topics import FlightOptions
 
@@ -187,7 +187,7 @@ def test_sensors_read_what_their_functions_say(
     read: dict[str, list[tuple[int, Any]]], job: ExportJob, flight: Trajectory
 ) -> None:
     point, scenario = np.array([0.02, 0.0, 0.01]), job.scenario
-    there = sensors.places(flight, point)
+    there = sensors.point_positions(flight, point)
     moved_by = accelerations_along(flight, job.agent, scenario)
     force = sensors.specific_force(flight, moved_by, point, scenario.fluid.gravity)
     assert [xyz(m.linear_acceleration) for _, m in read["/agent/imu"]] == force.tolist()
@@ -199,7 +199,7 @@ def test_sensors_read_what_their_functions_say(
     assert [m.range for _, m in read["/agent/range"]] == pytest.approx(
         1.0 - np.hypot(there[:, 1], there[:, 2]), rel=1e-6
     )
-    plume = plume_of(scenario, scenario.targets["leak"], 0.001)
+    plume = make_plume(scenario, scenario.targets["leak"], 0.001)
     assert [m.data for _, m in read["/agent/concentration"]] == plume.concentration(there).tolist()
 
 

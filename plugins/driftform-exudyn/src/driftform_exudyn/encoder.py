@@ -24,7 +24,7 @@ _MP4 = (
 _GIF = ("-lavfi", "paletteuse=dither=bayer:bayer_scale=4", "-loop", "0", "-f", "gif")
 
 
-def ffmpeg() -> str:
+def find_ffmpeg() -> str:
     """Return the path of the program.
 
     Raises
@@ -58,20 +58,20 @@ def encode(
     # Without "file:" what stands before a colon would be a protocol.
     film = ("-fflags", "+bitexact", f"file:{path}")
     if suffix == ".mp4":
-        _run(images, fps, (*_MP4, *film))
+        _run_ffmpeg(images, fps, (*_MP4, *film))
         return
     with tempfile.TemporaryDirectory() as folder:
         palette = str(Path(folder) / "palette.png")
-        _run(samples, fps, ("-vf", "palettegen", "-update", "1", palette))
-        _run(images, fps, ("-i", palette, *_GIF, *film))
+        _run_ffmpeg(samples, fps, ("-vf", "palettegen", "-update", "1", palette))
+        _run_ffmpeg(images, fps, ("-i", palette, *_GIF, *film))
 
 
-def _run(images: "Iterable[Image]", fps: float, arguments: Sequence[str]) -> None:
+def _run_ffmpeg(images: "Iterable[Image]", fps: float, arguments: Sequence[str]) -> None:
     images = iter(images)
     first = next(images)
     height, width, _ = first.shape
     raw = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", f"{fps:g}", "-i", "-")
-    command = [ffmpeg(), "-y", "-v", "error", *raw, *arguments]
+    command = [find_ffmpeg(), "-y", "-v", "error", *raw, *arguments]
     with tempfile.TemporaryFile() as said:
         with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=said) as process:
             assert process.stdin is not None

@@ -12,16 +12,16 @@ from driftform.options import Table, option
 from driftform.scenario import Scenario
 from driftform.types import Agent, Trajectory, WrittenFile
 from driftform.util.files import write_whole
-from driftform_exudyn.encoder import SUFFIXES, encode, ffmpeg
+from driftform_exudyn.encoder import SUFFIXES, encode, find_ffmpeg
 
 if TYPE_CHECKING:
     from driftform_exudyn.scene import Scene
     from driftform_exudyn.stage import Image
 
-STEP = 0.04
+PATH_STEP = 0.04
 """Spacing of the times that the path on a still is drawn through, s."""
 
-SAMPLES = 8
+PALETTE_FRAMES = 8
 """Frames that stand for all where the format of a film has a palette."""
 
 
@@ -60,7 +60,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
     def check(self, path: Path) -> None:
         """Refuse other suffixes, and any film where there is no ffmpeg."""
         super().check(path)
-        ffmpeg()
+        find_ffmpeg()
 
     def film(
         self,
@@ -77,10 +77,10 @@ class ExudynRenderer(Renderer[FilmOptions]):
         self.check(path)
         size, fps = self._size, self.options.fps
         t = even_times(float(trajectory.t[-1]), self.options.speed / fps)
-        scene = Scene(agent, trajectory, scenario, t, self._letters)
+        scene = Scene(agent, trajectory, scenario, t, self._letter_height)
 
         def images(frames: Iterable[int]) -> "Iterator[Image]":
-            yield from map(self._camera(scene), frames)
+            yield from map(self._make_view(scene), frames)
 
         def counted() -> "Iterator[Image]":
             for done, image in enumerate(images(range(len(t))), start=1):
@@ -88,7 +88,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
                 progress(done, len(t))
 
         def write(part: Path) -> None:
-            some = np.unique(np.linspace(0, len(t) - 1, SAMPLES).astype(int))
+            some = np.unique(np.linspace(0, len(t) - 1, PALETTE_FRAMES).astype(int))
             encode(counted(), images(some), part, path.suffix.lower(), fps)
 
         _save(path, write)
@@ -103,10 +103,10 @@ class ExudynRenderer(Renderer[FilmOptions]):
         from driftform_exudyn.scene import Scene
 
         self.check_still(path)
-        t = np.union1d(even_times(float(trajectory.t[-1]), STEP), at)
+        t = np.union1d(even_times(float(trajectory.t[-1]), PATH_STEP), at)
         moment = int(np.searchsorted(t, at))
         picture = png_bytes(
-            self._camera(Scene(agent, trajectory, scenario, t, self._letters, moment))(moment)
+            self._make_view(Scene(agent, trajectory, scenario, t, self._letter_height, moment))(moment)
         )
         _save(path, lambda part: part.write_bytes(picture))
         return WrittenFile(self.name, str(path), {"t": at, "size_px": self._size})
@@ -116,11 +116,11 @@ class ExudynRenderer(Renderer[FilmOptions]):
         return [self.options.width, self.options.height]
 
     @property
-    def _letters(self) -> float:
+    def _letter_height(self) -> float:
         """Height of letters, px."""
         return min(24.0, max(8.0, self._size[0] / 64), min(self._size) / 16)
 
-    def _camera(self, scene: "Scene") -> "Callable[[int], Image]":
+    def _make_view(self, scene: "Scene") -> "Callable[[int], Image]":
         """Return what makes the image of a frame; frames are asked for in their order."""
         from driftform_exudyn.follow import FollowView
         from driftform_exudyn.side import SideView, wanted_height
@@ -128,14 +128,14 @@ class ExudynRenderer(Renderer[FilmOptions]):
         width, height, rays = self.options.width, self.options.height, self.options.rays
         match self.options.view:
             case "follow":
-                return FollowView(scene, (width, height), rays).image
+                return FollowView(scene, (width, height), rays).render
             case "side":
-                return SideView(scene, (width, height), rays, captioned=True).image
-        least = max(0.2 * height, 6 * scene.letters)
+                return SideView(scene, (width, height), rays, captioned=True).render
+        least = max(0.2 * height, 6 * scene.letter_height)
         low = 2 * round(float(np.clip(wanted_height(scene, width), least, 0.45 * height)) / 2)
         above = FollowView(scene, (width, height - low), rays)
         below = SideView(scene, (width, low), rays, captioned=False)
-        return lambda frame: np.concatenate([above.image(frame), below.image(frame)])
+        return lambda frame: np.concatenate([above.render(frame), below.render(frame)])
 
 
 def _save(path: Path, write: Callable[[Path], object]) -> None:

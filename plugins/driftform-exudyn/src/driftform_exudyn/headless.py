@@ -19,11 +19,11 @@ exudyn.config.printToConsole = False
 
 items = exudyn.itemInterface
 
-__all__ = ["exudyn", "items", "uninterrupted"]
+__all__ = ["defer_interrupts", "exudyn", "items"]
 
 
 @contextlib.contextmanager
-def uninterrupted() -> Iterator[None]:
+def defer_interrupts() -> Iterator[None]:
     """Hold an interruption back until the end: Exudyn would take it for an error of what it was given."""
     if threading.current_thread() is not threading.main_thread():
         yield

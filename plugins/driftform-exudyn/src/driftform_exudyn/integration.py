@@ -18,21 +18,21 @@ from driftform_exudyn.headless import items as typed_items
 
 items: Any = typed_items  # exudyn's items are partly typed, and not by what they take
 
-PATIENCE = 5_000
+MAX_TRIES = 5_000
 """Evaluations within one step after which it has failed.
 
 Halving the longest step down to the shortest takes some 300. Where forces are absurd, Exudyn's error control can
 go on for ever, trying longer and shorter steps in turn.
 """
 
-SAFETY = 0.75
+STEP_SAFETY = 0.75
 """Share of the step that its error control takes for the longest possible.
 
 With Exudyn's own 0.9 every fourth step is rejected; the same error takes a fifth more evaluations then.
 """
 
 
-def settings_for(integrator: str, horizon: float, tolerance: float, max_step: float) -> Any:
+def make_settings(integrator: str, horizon: float, tolerance: float, max_step: float) -> Any:
     """Return Exudyn's settings for a flight of at most ``horizon`` s.
 
     ``tolerance`` is that of DOPRI5; RK67 and RK44 take equal steps of at most ``max_step`` s, and DOPRI5 none longer.
@@ -47,12 +47,12 @@ def settings_for(integrator: str, horizon: float, tolerance: float, max_step: fl
     integration.absoluteTolerance = tolerance
     integration.relativeTolerance = tolerance
     integration.minimumStepSize = 1e-10
-    integration.stepSizeSafety = SAFETY
+    integration.stepSizeSafety = STEP_SAFETY
     integration.explicit.computeEndOfStepAccelerations = False
     return settings
 
 
-def integrated(motion: Motion, settings: Any, limit: int) -> FloatArray:
+def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
     """Return the raw samples of a flight, (k, 14): the release and the ends of at most ``limit`` steps."""
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
@@ -64,7 +64,7 @@ def integrated(motion: Motion, settings: Any, limit: int) -> FloatArray:
     def force(_: Any, t: float, *__: Any) -> tuple[float, ...]:
         nonlocal tries
         tries += 1
-        return accelerations(t, coordinates, rates, values) if tries <= PATIENCE else nowhere
+        return accelerations(t, coordinates, rates, values) if tries <= MAX_TRIES else nowhere
 
     def after_step(_: Any, t: float) -> bool:
         nonlocal samples, count, tries

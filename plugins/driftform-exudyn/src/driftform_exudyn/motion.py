@@ -15,7 +15,7 @@ class Pose:
     rotation: FloatArray
 
 
-def poses(trajectory: Trajectory, t: FloatArray) -> list[Pose]:
+def interpolate_poses(trajectory: Trajectory, t: FloatArray) -> list[Pose]:
     """Return the poses at times ``t`` (s, (n,)): on the cubic path that fitness measures, and on the cubic turn."""
     rotations = matrix_from_quaternion(interpolate_attitudes(trajectory, t))
     return [Pose(*pose) for pose in zip(interpolate_positions(trajectory, t), rotations, strict=True)]

@@ -9,8 +9,8 @@ from driftform.figures.style import INK, VERMILLION
 from driftform.scenario import Scenario
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Agent, FloatArray, Trajectory
-from driftform_exudyn.motion import Pose, poses
-from driftform_exudyn.shapes import Shape, ball, text
+from driftform_exudyn.motion import Pose, interpolate_poses
+from driftform_exudyn.shapes import Shape, make_ball, make_text
 from driftform_exudyn.surroundings import Bore, upright_axes
 
 PER_FRAME = 8
@@ -34,16 +34,16 @@ class Scene:
     """
 
     agent: Agent
-    flight: Trajectory
+    trajectory: Trajectory
     scenario: Scenario
     t: FloatArray
-    letters: float
+    letter_height: float
     still: int | None = None
 
     @property
-    def pen(self) -> float:
+    def line_width(self) -> float:
         """Width of lines, px: it goes with the letters."""
-        return max(2.0, 0.2 * self.letters)
+        return max(2.0, 0.2 * self.letter_height)
 
     @cached_property
     def axes(self) -> FloatArray:
@@ -53,16 +53,16 @@ class Scene:
     @cached_property
     def poses(self) -> list[Pose]:
         """The agent's pose at each frame."""
-        return poses(self.flight, self.t)
+        return interpolate_poses(self.trajectory, self.t)
 
     @cached_property
     def path(self) -> FloatArray:
         """Points along the path of the core's centre, ``PER_FRAME`` for each frame, world, m, (k, 3)."""
         frames = np.arange(len(self.t))
         between = np.linspace(0, len(self.t) - 1, PER_FRAME * (len(self.t) - 1) + 1)
-        return interpolate_positions(self.flight, np.interp(between, frames, self.t))
+        return interpolate_positions(self.trajectory, np.interp(between, frames, self.t))
 
-    def flown(self, frame: int) -> FloatArray:
+    def path_until(self, frame: int) -> FloatArray:
         """The path up to a frame, or all of it where that is a still, (k, 3)."""
         return self.path if self.still is not None else self.path[: PER_FRAME * frame + 1]
 
@@ -71,21 +71,24 @@ class Scene:
         """The pipe, as it is seen from the side."""
         return [Bore.of(segment, self.axes[2]) for segment in self.scenario.pipe.segments]
 
-    def water(self, bore: Bore, first: float, last: float) -> list[Shape]:
+    def make_water(self, bore: Bore, first: float, last: float) -> list[Shape]:
         """The water's surface from ``first`` to ``last`` (m along the bore), where the pipe is not full."""
         level = self.scenario.fluid.water_level
-        return [] if level is None else bore.surface(level, first, last)
+        return [] if level is None else bore.make_surface(level, first, last)
 
-    def targets(self, radius: float, focus: FloatArray, near: float = np.inf) -> list[Shape]:
+    def make_targets(self, radius: float, focus: FloatArray, near: float = np.inf) -> list[Shape]:
         """The targets within ``near`` (m) of ``focus`` as balls of ``radius`` (m), with their names."""
         shapes = []
         for name, place in self.scenario.targets.items():
             if np.linalg.norm(focus - place) < near:
                 beside = np.array(place) + 1.6 * radius * self.axes[0]
-                shapes += [ball(place, radius, VERMILLION), text(beside, name, INK, self.letters)]
+                shapes += [
+                    make_ball(place, radius, VERMILLION),
+                    make_text(beside, name, INK, self.letter_height),
+                ]
         return shapes
 
-    def caption(self, frame: int) -> str:
+    def format_caption(self, frame: int) -> str:
         """When it is, and where the core's centre is."""
         where = zip("xyz", self.poses[frame].position, strict=True)
         return "   ".join([f"t {self.t[frame]:.2f} s", *(f"{name} {value:.2f} m" for name, value in where)])

@@ -11,11 +11,11 @@ from driftform.types import FloatArray
 Shape: TypeAlias = dict[str, Any]
 """One ``GraphicsData`` dictionary."""
 
-AROUND = np.linspace(0, 2 * np.pi, 37)
+FULL_TURN = np.linspace(0, 2 * np.pi, 37)
 """Angles of the corners of a whole circle, rad."""
 
 
-PLACES = ("points", "data", "position")
+POINT_KEYS = ("points", "data", "position")
 """Keys of a shape that hold points."""
 
 GLOWING = 1001.0
@@ -31,14 +31,14 @@ def rgba(colour: str, opacity: float = 1.0) -> list[float]:
     return [*(int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)), opacity]
 
 
-def line(points: npt.ArrayLike, colour: str) -> Shape:
+def make_line(points: npt.ArrayLike, colour: str) -> Shape:
     """A line of constant width through points (n, 3), at least one."""
     corners = np.asarray(points, dtype=np.float64)
     # The last point twice, because Exudyn has no line through a single one.
     return {"type": "Line", "color": rgba(colour), "data": np.vstack([corners, corners[-1:]]).ravel()}
 
 
-def thinned(points: FloatArray, gap: float) -> FloatArray:
+def thin(points: FloatArray, gap: float) -> FloatArray:
     """Return points (n, 3) of a polyline about ``gap`` (m) apart, the first and the last among them.
 
     The ray tracer drops what is shorter than a pixel.
@@ -49,7 +49,7 @@ def thinned(points: FloatArray, gap: float) -> FloatArray:
     return points[kept]
 
 
-def text(point: FloatArray, words: str, colour: str, size: float) -> Shape:
+def make_text(point: FloatArray, words: str, colour: str, size: float) -> Shape:
     """Words in letters of ``size`` px, to the right of a point (3,)."""
     return {
         "type": "Text",
@@ -61,7 +61,9 @@ def text(point: FloatArray, words: str, colour: str, size: float) -> Shape:
     }
 
 
-def strips(grid: FloatArray, normals: FloatArray, colours: Sequence[str], opacity: float = 1.0) -> Shape:
+def make_ribbons(
+    grid: FloatArray, normals: FloatArray, colours: Sequence[str], opacity: float = 1.0
+) -> Shape:
     """Ribbons of triangles.
 
     Parameters
@@ -85,7 +87,7 @@ def strips(grid: FloatArray, normals: FloatArray, colours: Sequence[str], opacit
     }
 
 
-def revolved(
+def revolve(
     contour: FloatArray, axes: FloatArray, angles: FloatArray, colours: Sequence[str], opacity: float = 1.0
 ) -> Shape:
     """The surface that a meridian sweeps about the origin.
@@ -109,23 +111,23 @@ def revolved(
     # Each edge has normals of its own, so that rims look sharp.
     normals = (along * out - rise * axes[0]) / np.hypot(along, rise)
     edges = np.stack([rims[:-1], rims[1:]], axis=1)
-    return strips(edges, np.stack([normals, normals], axis=1), colours, opacity)
+    return make_ribbons(edges, np.stack([normals, normals], axis=1), colours, opacity)
 
 
-def placed(shape: Shape, scale: float, offset: npt.ArrayLike) -> Shape:
+def place(shape: Shape, scale: float, offset: npt.ArrayLike) -> Shape:
     """The shape magnified about the origin, then moved by ``offset``."""
-    found = [key for key in PLACES if key in shape]
+    found = [key for key in POINT_KEYS if key in shape]
     return {**shape, **{key: (scale * shape[key].reshape(-1, 3) + offset).ravel() for key in found}}
 
 
-def turned(shape: Shape, rotation: FloatArray, position: FloatArray) -> Shape:
+def turn(shape: Shape, rotation: FloatArray, position: FloatArray) -> Shape:
     """Triangles of a body, with their normals, where it is and as it lies: ``rotation`` (3, 3) is body to world."""
     points, normals = (shape[key].reshape(-1, 3) @ rotation.T for key in ("points", "normals"))
     return {**shape, "points": (points + position).ravel(), "normals": normals.ravel()}
 
 
-def ball(centre: npt.ArrayLike, radius: float, colour: str) -> Shape:
+def make_ball(centre: npt.ArrayLike, radius: float, colour: str) -> Shape:
     """A sphere."""
     angles = np.linspace(np.pi, 0, 13)
     contour = radius * np.column_stack([np.cos(angles), np.sin(angles)])
-    return placed(revolved(contour, np.eye(3), AROUND[::2], [colour] * 12), 1.0, centre)
+    return place(revolve(contour, np.eye(3), FULL_TURN[::2], [colour] * 12), 1.0, centre)

@@ -10,7 +10,7 @@ from driftform.types import Agent, Trajectory
 TIGHTENING = 0.1
 """What the tolerance is multiplied by where a flight is not accurate enough."""
 
-REFERENCE = 0.4
+REFERENCE_SHARE = 0.4
 """Share of the accuracy that the flight it is held against may be off, to begin with."""
 
 
@@ -60,18 +60,18 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         from driftform.dynamics.flight import finish_trajectory, release_state
         from driftform.dynamics.integrator import Accuracy, greatest_distance, integrate
         from driftform.dynamics.model import flight_model
-        from driftform_exudyn.integration import integrated, settings_for
+        from driftform_exudyn.integration import integrate_motion, make_settings
 
         options, horizon = self.options, scenario.flight.horizon
         model = flight_model(agent, scenario)
         start = release_state(model, scenario)
         motion = motion_of(model, start)
-        tolerance, share = options.tolerance, REFERENCE
+        tolerance, share = options.tolerance, REFERENCE_SHARE
         while True:
             known = Accuracy(share * options.accuracy, step_limit=options.step_limit)
             other = integrate(model, start, horizon, known)
-            settings = settings_for(options.integrator, horizon, tolerance, options.max_step)
-            samples = integrated(motion, settings, options.step_limit)
+            settings = make_settings(options.integrator, horizon, tolerance, options.max_step)
+            samples = integrate_motion(motion, settings, options.step_limit)
             error = other.error + greatest_distance(other.samples, samples)
             tolerance, share = TIGHTENING * tolerance, TIGHTENING * share
             equal_steps = options.integrator != "DOPRI5"

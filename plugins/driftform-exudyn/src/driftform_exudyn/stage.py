@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from driftform.types import FloatArray
-from driftform_exudyn.headless import exudyn, items, uninterrupted
+from driftform_exudyn.headless import defer_interrupts, exudyn, items
 from driftform_exudyn.motion import Pose
-from driftform_exudyn.shapes import PLACES, Shape, placed
+from driftform_exudyn.shapes import POINT_KEYS, Shape, place
 
 Image: TypeAlias = npt.NDArray[np.uint8]
 """Rows of pixels from above, (height, width, 3), red, green and blue."""
@@ -42,7 +42,7 @@ class Camera:
 class Stage:
     """A body before a camera, and whatever else is to be seen with it."""
 
-    @uninterrupted()
+    @defer_interrupts()
     def __init__(self, body: Shape, camera: Camera, rays: int, pen: float = 2.0) -> None:
         """Put up the body; ``rays`` by ``rays`` of them make one pixel, and lines are ``pen`` px wide."""
         self._camera = camera
@@ -52,7 +52,7 @@ class Stage:
         self._container = exudyn.SystemContainer()
         self._mbs = self._container.AddSystem()
         ground: Any = items.ObjectGround  # exudyn's items are partly typed, and not by what they take
-        hull = placed(body, self._scale, np.zeros(3))
+        hull = place(body, self._scale, np.zeros(3))
         self._body = self._mbs.AddObject(ground(visualization=items.VObjectGround(graphicsData=[hull])))
         self._others = self._mbs.AddObject(ground())
         self._mbs.Assemble()
@@ -64,24 +64,24 @@ class Stage:
         # Without it the first image would set a view of its own.
         self._container.renderer.ZoomAll()
 
-    @uninterrupted()
-    def image(self, size: tuple[int, int], focus: FloatArray, pose: Pose, others: Sequence[Shape]) -> Image:
+    @defer_interrupts()
+    def render(self, size: tuple[int, int], focus: FloatArray, pose: Pose, others: Sequence[Shape]) -> Image:
         """Return an image of ``size`` (width and height, px) with ``focus`` (world, m, (3,)) in its middle."""
         camera, scale = self._camera, self._scale
         offset = -scale * focus - self._away * camera.axes[2]
-        shapes = [self._legible(placed(shape, scale, offset)) for shape in others]
-        self._put(scale * pose.position + offset, pose.rotation, shapes)
-        self._look(size, self._extent(shapes))
+        shapes = [self._scale_letters(place(shape, scale, offset)) for shape in others]
+        self._set_shapes(scale * pose.position + offset, pose.rotation, shapes)
+        self._aim(size, self._extent(shapes))
         image: Image = self._container.renderer.RedrawAndGetImage(useRaytracer=True)
         return image
 
-    def _put(self, position: FloatArray, rotation: FloatArray, shapes: Sequence[Shape]) -> None:
+    def _set_shapes(self, position: FloatArray, rotation: FloatArray, shapes: Sequence[Shape]) -> None:
         """Put up what is to be seen."""
         self._mbs.SetObjectParameter(self._body, "referencePosition", position)
         self._mbs.SetObjectParameter(self._body, "referenceRotation", rotation)
         self._mbs.SetObjectParameter(self._others, "VgraphicsData", shapes)
 
-    def _look(self, size: tuple[int, int], extent: float) -> None:
+    def _aim(self, size: tuple[int, int], extent: float) -> None:
         """Turn the ray tracer to it."""
         view: Any = self._container.visualizationSettings.view0
         view.window.renderWindowSize = list(size)
@@ -99,10 +99,10 @@ class Stage:
 
     def _extent(self, shapes: Sequence[Shape]) -> float:
         """How far things are from the origin: what is farther than a few times that is not drawn."""
-        points = (shape[key] for shape in shapes for key in PLACES if key in shape)
+        points = (shape[key] for shape in shapes for key in POINT_KEYS if key in shape)
         return float(max([1.0, self._away, *(np.abs(point).max() for point in points)]))
 
-    def _legible(self, shape: Shape) -> Shape:
+    def _scale_letters(self, shape: Shape) -> Shape:
         """Letters look as large as they are at the origin, so that at the focus they would look half as large."""
         return {**shape, "fontSize": 2 * shape["fontSize"]} if self._away and "fontSize" in shape else shape
 

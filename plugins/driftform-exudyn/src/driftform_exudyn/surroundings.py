@@ -7,12 +7,12 @@ import numpy as np
 from driftform.figures.style import BLUE, MUTED, WALL, tint
 from driftform.scenario import Scenario, Segment
 from driftform.types import FloatArray
-from driftform_exudyn.shapes import GLOWING, Shape, line, placed, revolved, strips, text
+from driftform_exudyn.shapes import GLOWING, Shape, make_line, make_ribbons, make_text, place, revolve
 
 LIT = "#576670"
 """What light adds to the wall, which glows: it is seen from its concave side, and would be dark above otherwise."""
 
-PIECES = 65
+LINE_POINTS = 65
 """Corners of a long line: the ray tracer drops pieces with neither end in view."""
 
 THICKNESS = 0.03
@@ -29,7 +29,7 @@ def upright_axes(scenario: Scenario) -> FloatArray:
     return np.stack([right, up, np.cross(right, up)])
 
 
-def nice(length: float) -> float:
+def round_down(length: float) -> float:
     """Return 1, 2 or 5 times a power of ten, the largest that is not above ``length``.
 
     >>> nice(0.5), nice(0.9), nice(34.0)
@@ -66,7 +66,7 @@ class Bore:
         x, r, a = (np.asarray(value, dtype=np.float64)[..., None] for value in (along, radius, angle))
         return np.asarray(self.start + x * axis + r * (np.cos(a) * up + np.sin(a) * back), dtype=np.float64)
 
-    def shapes(
+    def make_shapes(
         self, first: float, last: float, step: float, low: float = -np.inf, high: float = np.inf
     ) -> list[Shape]:
         """Return what is seen from ``first`` to ``last`` (m along the axis), with a ring every ``step`` (m).
@@ -81,34 +81,34 @@ class Bore:
         # From the far end to the near one, so that the surface faces inward.
         stations = np.linspace(last, first, 2 + int((last - first) / step))
         contour = np.column_stack([stations, np.full(len(stations), self.radius)])
-        inside = revolved(contour, self.axes, half, [LIT] * (len(stations) - 1), GLOWING)
+        inside = revolve(contour, self.axes, half, [LIT] * (len(stations) - 1), GLOWING)
         # Inside the wall, where it does not hide them.
         near = 0.985 * self.radius
         marks = np.arange(np.ceil(first / step - 1e-9), np.floor(last / step + 1e-9) + 1) * step
         # Not to the very top, where they would be seen through the wall in parts.
         ring = np.clip(half, 0.2, np.pi - 0.2)
-        rings = [line(self.point(s, near, ring), tint(WALL, 0.4)) for s in marks]
+        rings = [make_line(self.point(s, near, ring), tint(WALL, 0.4)) for s in marks]
         stripes = [
-            line(self.point(np.linspace(first, last, PIECES), near, a), tint(WALL, 0.2))
+            make_line(self.point(np.linspace(first, last, LINE_POINTS), near, a), tint(WALL, 0.2))
             for a in np.deg2rad(np.arange(15, 180, 15))
             if half[0] < a < half[-1]
         ]
-        return [placed(inside, 1.0, self.start), self._section(first, last), *rings, *stripes]
+        return [place(inside, 1.0, self.start), self._make_section(first, last), *rings, *stripes]
 
-    def _section(self, first: float, last: float) -> Shape:
+    def _make_section(self, first: float, last: float) -> Shape:
         """The cut through the wall, above and below."""
         angles = np.array([0.0, np.pi])[:, None, None]
         rims = self.radius * np.array([1.0, 1 + THICKNESS])[:, None]
         grid = self.point(np.array([first, last]), rims, angles)
-        return strips(grid, np.broadcast_to(-self.axes[2], grid.shape), [tint(WALL, 0.6)] * 2)
+        return make_ribbons(grid, np.broadcast_to(-self.axes[2], grid.shape), [tint(WALL, 0.6)] * 2)
 
-    def surface(self, level: float, first: float, last: float) -> list[Shape]:
+    def make_surface(self, level: float, first: float, last: float) -> list[Shape]:
         """Return the water's surface at the height ``level`` (m), where the pipe is partly full of it."""
         _, up, back = self.axes
         first, last = max(first, 0.0), min(last, self.length)
         if last <= first or abs(up[2]) < 1e-6:
             return []
-        middles = self.point(np.linspace(first, last, PIECES), 0.0, 0.0)
+        middles = self.point(np.linspace(first, last, LINE_POINTS), 0.0, 0.0)
         above = (level - middles[:, 2]) / up[2]
         cut = np.abs(above) < self.radius
         if cut.sum() < 2:
@@ -116,17 +116,20 @@ class Bore:
         near = (middles + above[:, None] * up)[cut]
         far = near + np.sqrt(self.radius**2 - above[cut] ** 2)[:, None] * back
         grid = np.stack([near, far])[None]
-        return [strips(grid, np.broadcast_to(up, grid.shape), [tint(BLUE, 0.35)]), line(near, BLUE)]
+        return [
+            make_ribbons(grid, np.broadcast_to(up, grid.shape), [tint(BLUE, 0.35)]),
+            make_line(near, BLUE),
+        ]
 
-    def labels(self, step: float, size: float, gap: float) -> list[Shape]:
+    def make_labels(self, step: float, size: float, gap: float) -> list[Shape]:
         """Return the distances from the inlet every ``step`` (m), ``gap`` (m) below the pipe, in letters of ``size`` px."""
         return [
-            text(self.point(s, self.radius + gap, np.pi), f"{s:g} m", MUTED, size)
+            make_text(self.point(s, self.radius + gap, np.pi), f"{s:g} m", MUTED, size)
             for s in np.arange(np.floor(self.length / step + 1e-9) + 1) * step
         ]
 
 
-def lattice(axes: FloatArray, centre: FloatArray, seen: FloatArray, step: float) -> list[Shape]:
+def make_lattice(axes: FloatArray, centre: FloatArray, seen: FloatArray, step: float) -> list[Shape]:
     """Return lines ``step`` (m) apart on a plane through ``centre``: what open water is seen to pass by.
 
     ``axes`` are right, up and towards the viewer, and ``seen`` is how far the lines go, width and height (m).
@@ -134,9 +137,10 @@ def lattice(axes: FloatArray, centre: FloatArray, seen: FloatArray, step: float)
     shapes = []
     for i in (0, 1):
         along, across, middle = axes[i], axes[1 - i], float(centre @ axes[i])
-        ends = centre + np.linspace(-0.5, 0.5, PIECES)[:, None] * seen[1 - i] * across
+        ends = centre + np.linspace(-0.5, 0.5, LINE_POINTS)[:, None] * seen[1 - i] * across
         first, last = np.ceil((middle - seen[i] / 2) / step), np.floor((middle + seen[i] / 2) / step)
         shapes += [
-            line(ends + (n * step - middle) * along, tint(BLUE, 0.15)) for n in np.arange(first, last + 1)
+            make_line(ends + (n * step - middle) * along, tint(BLUE, 0.15))
+            for n in np.arange(first, last + 1)
         ]
     return shapes

@@ -19,7 +19,7 @@ from driftform_lsystem.alphabet import (
 )
 
 
-def quintuples_fault(symbols: Sequence[str]) -> str | None:
+def find_quintuple_fault(symbols: Sequence[str]) -> str | None:
     """Return the first fault in what should be whole quintuples, ``None`` where there is none."""
     # Nearly always there is none, and comparing all places at once is several times as fast as one by one.
     if list(map(PLACE.get, symbols)) == [*range(len(QUINTUPLE))] * (len(symbols) // len(QUINTUPLE)):
@@ -38,25 +38,25 @@ def quintuples_fault(symbols: Sequence[str]) -> str | None:
     return None
 
 
-def rule_fault(rule: str, symbols: Sequence[str]) -> str | None:
+def find_rule_fault(rule: str, symbols: Sequence[str]) -> str | None:
     """Return the first fault in one rule of a genotype, ``None`` where there is none."""
-    fault = quintuples_fault(symbols)
+    fault = find_quintuple_fault(symbols)
     if fault is None and len(symbols) != RULE_LENGTH:
         fault = f"quintuples: {len(symbols) // len(QUINTUPLE)}, expected {QUINTUPLES_PER_RULE}"
     return None if fault is None else f"rule {rule}: {fault}"
 
 
-def fault(symbols: Sequence[str]) -> str | None:
+def find_fault(symbols: Sequence[str]) -> str | None:
     """Return the first fault in the symbols of a genome, ``None`` where there is none."""
     if is_word(symbols):
-        return quintuples_fault(symbols[1:])
+        return find_quintuple_fault(symbols[1:])
     if len(symbols) != GENOTYPE_LENGTH:
         return (
             f"the number of symbols is {len(symbols)}, but a genotype has {GENOTYPE_LENGTH}, "
             f"and a developed word starts with {CORE!r}"
         )
     for rule, start in zip(RULES, range(0, GENOTYPE_LENGTH, RULE_LENGTH), strict=True):
-        found = rule_fault(rule, symbols[start : start + RULE_LENGTH])
+        found = find_rule_fault(rule, symbols[start : start + RULE_LENGTH])
         if found is not None:
             return found
     return None

@@ -135,7 +135,7 @@ class LSystemGrammar(Grammar[LSystemOptions]):
     def _check(self, genome: Genome) -> None:
         if genome.grammar != self.name:
             raise ValueError(f"the genome is one of grammar {genome.grammar!r}, not of {self.name!r}")
-        fault = checking.fault(genome.symbols)
+        fault = checking.find_fault(genome.symbols)
         if fault is not None:
             raise ValueError(fault)
 

@@ -11,12 +11,12 @@ from driftform_lsystem.options import MAX_TILT_DEG, LSystemOptions
 
 def interpret(word: Iterable[str], options: LSystemOptions) -> Morphology:
     """Return the modules that a word builds: lengths in m, tilts in rad."""
-    steps = instructions(word, last=options.repetition == "last")
-    aft, fore = chain(steps, skip=options.occupied == "skip")
-    return Morphology(fore=_modules(fore, options), aft=_modules(aft, options))
+    steps = read_instructions(word, last=options.repetition == "last")
+    aft, fore = place_modules(steps, skip=options.occupied == "skip")
+    return Morphology(fore=_make_modules(fore, options), aft=_make_modules(aft, options))
 
 
-def instructions(word: Iterable[str], *, last: bool = False) -> list[list[str]]:
+def read_instructions(word: Iterable[str], *, last: bool = False) -> list[list[str]]:
     """Return one quintuple for each module letter of a word.
 
     Rewriting leaves runs of adds, tilts and degrees before a letter, and of moves after it. The first of each
@@ -38,7 +38,7 @@ def instructions(word: Iterable[str], *, last: bool = False) -> list[list[str]]:
     return steps
 
 
-def chain(steps: Sequence[Sequence[str]], *, skip: bool = False) -> tuple[list[str], list[str]]:
+def place_modules(steps: Sequence[Sequence[str]], *, skip: bool = False) -> tuple[list[str], list[str]]:
     """Place the modules; return those aft and those fore of the core, each from the core outward.
 
     A module is told by its tilt, degree and letter in one string, such as ``"tiltn1M"``. Where another
@@ -62,8 +62,8 @@ def chain(steps: Sequence[Sequence[str]], *, skip: bool = False) -> tuple[list[s
     return places[:core][::-1], places[core + 1 :]
 
 
-def _modules(side: Sequence[str], options: LSystemOptions) -> tuple[Module, ...]:
-    modules = _catalogue(options)
+def _make_modules(side: Sequence[str], options: LSystemOptions) -> tuple[Module, ...]:
+    modules = _make_catalogue(options)
     if options.tilt_reference == "axis":
         return tuple([modules[kind] for kind in side])
     limit = math.radians(MAX_TILT_DEG)
@@ -77,7 +77,7 @@ def _modules(side: Sequence[str], options: LSystemOptions) -> tuple[Module, ...]
 
 
 @lru_cache(maxsize=16)
-def _catalogue(options: LSystemOptions) -> dict[str, Module]:
+def _make_catalogue(options: LSystemOptions) -> dict[str, Module]:
     """The modules by what :func:`chain` tells them by, with their tilt as if against the axis."""
     lengths = {"S": options.small, "M": options.medium, "L": options.large}
     degrees = {"0": options.tilt_0_deg, "1": options.tilt_1_deg, "2": options.tilt_2_deg}

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from driftform.errors import InputError, did_you_mean
 from driftform_lsystem.alphabet import CORE, RULE_LENGTH, RULES
-from driftform_lsystem.checking import is_word, quintuples_fault, rule_fault
+from driftform_lsystem.checking import find_quintuple_fault, find_rule_fault, is_word
 
 _EXPECTED = "expected a word such as addB-tiltn-1-M-moveB, or the rules 'C: ... | S: ... | M: ... | L: ...'"
 
@@ -42,7 +42,7 @@ def _read_word(text: str) -> tuple[str, ...]:
     symbols = _split(text)
     if symbols[0] == CORE:
         del symbols[0]
-    fault = quintuples_fault(symbols)
+    fault = find_quintuple_fault(symbols)
     if fault is not None:
         raise InputError(fault)
     return (CORE, *symbols)
@@ -68,7 +68,7 @@ def _read_genotype(text: str) -> tuple[str, ...]:
             f"missing: {', '.join(missing)}"
         )
     for rule in RULES:
-        fault = rule_fault(rule, rules[rule])
+        fault = find_rule_fault(rule, rules[rule])
         if fault is not None:
             raise InputError(fault)
     return tuple(symbol for rule in RULES for symbol in rules[rule])

@@ -51,17 +51,17 @@ class NativeSimulator(Simulator[NativeOptions]):
 
     def simulate(self, agent: Agent, scenario: Scenario) -> Trajectory:
         """Return the flight; it ends at the outlet, the horizon, or where it is no longer finite."""
-        return self._finished(*self._flown(agent, scenario))
+        return self._finish(*self._fly(agent, scenario))
 
     def simulate_batch(self, agents: Sequence[Agent], scenarios: Sequence[Scenario]) -> list[Trajectory]:
         """Return the flights of many agents, each in its own scenario."""
         if self.options.threads == 1 or len(agents) < 2:
             return super().simulate_batch(agents, scenarios)
         with ThreadPoolExecutor(self.options.threads) as pool:
-            flown = list(pool.map(self._flown, agents, scenarios))
-        return [self._finished(*flight) for flight in flown]
+            flown = list(pool.map(self._fly, agents, scenarios))
+        return [self._finish(*flight) for flight in flown]
 
-    def _flown(self, agent: Agent, scenario: Scenario) -> "tuple[FlightModel, Scenario, IntegrationResult]":
+    def _fly(self, agent: Agent, scenario: Scenario) -> "tuple[FlightModel, Scenario, IntegrationResult]":
         # Compiled: here, and not above, or whoever asks for the names of plugins would load a compiler.
         from driftform.dynamics.flight import release_state
         from driftform.dynamics.integrator import Accuracy, integrate
@@ -75,7 +75,7 @@ class NativeSimulator(Simulator[NativeOptions]):
         start = release_state(model, scenario)
         return model, scenario, integrate(model, start, scenario.flight.horizon, accuracy)
 
-    def _finished(self, model: "FlightModel", scenario: Scenario, flown: "IntegrationResult") -> Trajectory:
+    def _finish(self, model: "FlightModel", scenario: Scenario, flown: "IntegrationResult") -> Trajectory:
         from driftform.dynamics.flight import finish_trajectory
 
         return finish_trajectory(

@@ -32,7 +32,7 @@ NEAR = 0.8
 SHORTEST = 1e-3
 """Length of a piece, relative to its panel, that is not cut any more."""
 
-_PIECES = 48
+_MAX_PIECES = 48
 _EIGHT = 8
 
 _x, _w = np.polynomial.legendre.leggauss(NODES)
@@ -46,19 +46,19 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 
-def _compiled(function: Callable[P, R]) -> Callable[P, R]:
+def _compile(function: Callable[P, R]) -> Callable[P, R]:
     dispatcher: Callable[P, R] = njit(cache=True, error_model="numpy", nogil=True)(function)
     return dispatcher
 
 
-def _inlined(function: Callable[P, R]) -> Callable[P, R]:
+def _inline(function: Callable[P, R]) -> Callable[P, R]:
     """Compile into the caller: a loop that calls a function as large as that is not made of vector instructions."""
     dispatcher: Callable[P, R] = njit(inline="always", error_model="numpy", nogil=True)(function)
     return dispatcher
 
 
-@_inlined
-def _elliptic(dx: float, r: float, s: float) -> tuple[float, float]:
+@_inline
+def _ring_integrals(dx: float, r: float, s: float) -> tuple[float, float]:
     """Return I0 and I1 / I0, with I_m = int cos(m theta) / R over the ring, R^2 = dx^2 + r^2 + s^2 - 2 r s cos(theta).
 
     They are complete elliptic integrals, found by their arithmetic-geometric mean (Abramowitz & Stegun, 17.6). Let
@@ -86,8 +86,8 @@ def _elliptic(dx: float, r: float, s: float) -> tuple[float, float]:
     return 4.0 * math.pi / (a + g), total / p
 
 
-@_compiled
-def rings(x: float, r: float, source: FloatArray, count: int, out: FloatArray) -> None:
+@_compile
+def integrate_rings(x: float, r: float, source: FloatArray, count: int, out: FloatArray) -> None:
     """Find what rings do at one point of the meridian; the loop is compiled to vector instructions.
 
     Parameters
@@ -106,7 +106,7 @@ def rings(x: float, r: float, source: FloatArray, count: int, out: FloatArray) -
     for k in range(count):
         s, nx, nr = source[1, k], source[2, k], source[3, k]
         dx = x - source[0, k]
-        i0, ratio = _elliptic(dx, r, s)
+        i0, ratio = _ring_integrals(dx, r, s)
         i0 *= s
         i1 = i0 * ratio
         p = 2.0 * r * s
@@ -125,27 +125,27 @@ def rings(x: float, r: float, source: FloatArray, count: int, out: FloatArray) -
         )
 
 
-@_compiled
-def _at(curve: FloatArray, u: float) -> float:
+@_compile
+def _evaluate(curve: FloatArray, u: float) -> float:
     return float(((curve[0] * u + curve[1]) * u + curve[2]) * u + curve[3])
 
 
-@_compiled
+@_compile
 def _slope(curve: FloatArray, u: float) -> float:
     return float((3.0 * curve[0] * u + 2.0 * curve[1]) * u + curve[2])
 
 
-@_compiled
-def _place(x: FloatArray, r: FloatArray, u: float, weight: float, source: FloatArray, k: int) -> None:
+@_compile
+def _place_ring(x: FloatArray, r: FloatArray, u: float, weight: float, source: FloatArray, k: int) -> None:
     """Put a ring at the point u of a panel, with its weight in a quadrature over u."""
-    source[0, k] = _at(x, u)
-    source[1, k] = _at(r, u)
+    source[0, k] = _evaluate(x, u)
+    source[1, k] = _evaluate(r, u)
     source[2, k] = -weight * _slope(r, u)
     source[3, k] = weight * _slope(x, u)
 
 
-@_compiled
-def _around(u: float, points: FloatArray, weights: FloatArray) -> int:
+@_compile
+def _choose_points_around(u: float, points: FloatArray, weights: FloatArray) -> int:
     """Choose points and weights for a panel whose integrand is logarithmic at u; return how many.
 
     On either side the distance from u is the cube of the variable of Gauss's rule, whose integrand then is smooth
@@ -161,8 +161,8 @@ def _around(u: float, points: FloatArray, weights: FloatArray) -> int:
     return count
 
 
-@_compiled
-def _beside(
+@_compile
+def _choose_points_beside(
     xi: float, ri: float, x: FloatArray, r: FloatArray, length: float, points: FloatArray, weights: FloatArray
 ) -> int:
     """Choose points and weights for a panel that comes near the point (xi, ri); return how many.
@@ -175,7 +175,7 @@ def _beside(
         if count + 2 * _EIGHT <= len(points):
             while piece > SHORTEST:
                 middle = start + 0.5 * piece
-                if math.hypot(xi - _at(x, middle), ri - _at(r, middle)) >= NEAR * piece * length:
+                if math.hypot(xi - _evaluate(x, middle), ri - _evaluate(r, middle)) >= NEAR * piece * length:
                     break
                 piece *= 0.5
         for k in range(_EIGHT):
@@ -186,8 +186,10 @@ def _beside(
     return count
 
 
-@_compiled
-def equations(x: FloatArray, r: FloatArray, lengths: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+@_compile
+def assemble_equations(
+    x: FloatArray, r: FloatArray, lengths: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Set up the equations of m = 0 and m = 1 at the collocation points, three on each panel.
 
     Far panels are integrated by Gauss's rule on the nodes of the potential, whose interpolation drops out; near ones
@@ -216,19 +218,21 @@ def equations(x: FloatArray, r: FloatArray, lengths: FloatArray) -> tuple[FloatA
     n = NODES * panels
     matrices, sides = np.empty((2, n, n)), np.empty((n, 3))
     nodes, far = np.empty((4, n)), np.empty((5, n))
-    size = _EIGHT * _PIECES
+    size = _EIGHT * _MAX_PIECES
     points, weights, source, near = np.empty(size), np.empty(size), np.empty((4, size)), np.empty((5, size))
     for j in range(panels):
         for k in range(NODES):
-            _place(x[j], r[j], POINTS[k], WEIGHTS[k], nodes, NODES * j + k)
+            _place_ring(x[j], r[j], POINTS[k], WEIGHTS[k], nodes, NODES * j + k)
     for i in range(n):
         xi, ri = nodes[0, i], nodes[1, i]
-        rings(xi, ri, nodes, n, far)
+        integrate_rings(xi, ri, nodes, n, far)
         surge, sway, yaw, row = 0.0, 0.0, 0.0, 0.0
         for j in range(panels):
             first = NODES * j
             u = POINTS[i - first] if i // NODES == j else -1.0
-            if u < 0.0 and (math.hypot(xi - _at(x[j], 0.5), ri - _at(r[j], 0.5)) >= FAR * lengths[j]):
+            if u < 0.0 and (
+                math.hypot(xi - _evaluate(x[j], 0.5), ri - _evaluate(r[j], 0.5)) >= FAR * lengths[j]
+            ):
                 for k in range(first, first + NODES):
                     surge += far[0, k]
                     sway += far[1, k]
@@ -238,12 +242,12 @@ def equations(x: FloatArray, r: FloatArray, lengths: FloatArray) -> tuple[FloatA
                     matrices[1, i, k] = -far[4, k]
                 continue
             if u >= 0.0:
-                count = _around(u, points, weights)
+                count = _choose_points_around(u, points, weights)
             else:
-                count = _beside(xi, ri, x[j], r[j], lengths[j], points, weights)
+                count = _choose_points_beside(xi, ri, x[j], r[j], lengths[j], points, weights)
             for k in range(count):
-                _place(x[j], r[j], points[k], weights[k], source, k)
-            rings(xi, ri, source, count, near)
+                _place_ring(x[j], r[j], points[k], weights[k], source, k)
+            integrate_rings(xi, ri, source, count, near)
             for m in range(NODES):
                 matrices[0, i, first + m] = 0.0
                 matrices[1, i, first + m] = 0.0

@@ -74,7 +74,7 @@ class Panels:
         return float(np.where(facing, -ahead / self.lengths, np.inf).min())
 
 
-def panels(contour: npt.ArrayLike, count: int, corner: float) -> Panels:
+def make_panels(contour: npt.ArrayLike, count: int, corner: float) -> Panels:
     """Divide a contour.
 
     Edges that are short and turn little from one to the next (``SMOOTH``, ``SAGITTA``) are one curve; at all other
@@ -95,7 +95,7 @@ def panels(contour: npt.ArrayLike, count: int, corner: float) -> Panels:
     corner
         length of a panel at a sharp corner, relative to the corner's radius.
     """
-    points, edges, lengths = _sound(np.asarray(contour, dtype=np.float64))
+    points, edges, lengths = _clean_contour(np.asarray(contour, dtype=np.float64))
     along = np.concatenate([[0.0], np.cumsum(lengths)])
 
     # Joints lie between edges; the ends of the contour count as joints without a turn.
@@ -135,14 +135,14 @@ def panels(contour: npt.ArrayLike, count: int, corner: float) -> Panels:
     crowding = np.zeros((2, last[-1]))
     crowding[0, last - whole] = CROWDING * is_corner[:-1]
     crowding[1, last - 1] = CROWDING * is_corner[1:]
-    where = breaks[:-1, None] + np.diff(breaks)[:, None] * _crowded(
+    where = breaks[:-1, None] + np.diff(breaks)[:, None] * _crowd_points(
         crowding[0, :, None], crowding[1, :, None]
     )
     x, r = (np.interp(where, along, points[:, k]) @ _CUBIC.T for k in (0, 1))
     return Panels(x, r, np.diff(breaks))
 
 
-def _sound(points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _clean_contour(points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Points, edges and lengths of a contour, without edges that have no length or lie on the axis at an end.
 
     Raises
@@ -163,7 +163,7 @@ def _sound(points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     return points, np.diff(points, axis=0), lengths[keep]
 
 
-def _crowded(aft: FloatArray, fore: FloatArray) -> FloatArray:
+def _crowd_points(aft: FloatArray, fore: FloatArray) -> FloatArray:
     """Place along a panel, from 0 to 1, at the thirds of its parameter u, (n, 4).
 
     Its derivative is 1 - aft (1 - u)^2 - fore u^2, scaled to end at 1.

@@ -12,12 +12,12 @@ from driftform.geometry import solid_of_revolution
 from driftform.interfaces import HydrodynamicsOptions
 from driftform.options import option
 from driftform.types import FloatArray
-from driftform_panels.meridian import Panels, panels
+from driftform_panels.meridian import Panels, make_panels
 
 if TYPE_CHECKING:
     from threadpoolctl import ThreadpoolController
 
-THINNEST = 0.02
+MIN_WALL = 0.02
 """Thickness of a wall, relative to its panels, below which they cannot resolve it."""
 
 
@@ -113,7 +113,7 @@ def solve(
     points: FloatArray = np.asarray(contour, dtype=np.float64)
     options = options or PanelOptions()
     centre = solid_of_revolution(points).centroid if origin is None else origin
-    return solve_panels(panels(points - (centre, 0.0), options.panels, options.corner), centre)
+    return solve_panels(make_panels(points - (centre, 0.0), options.panels, options.corner), centre)
 
 
 def solve_panels(divided: Panels, origin: float = 0.0) -> PanelSolution:
@@ -123,16 +123,16 @@ def solve_panels(divided: Panels, origin: float = 0.0) -> PanelSolution:
     m = 0 and pi r for m = 1 (Newman, Marine Hydrodynamics, section 4.14).
     """
     # Compiled: here, and not above, or whoever asks for the names of plugins would load a compiler.
-    from driftform_panels.kernels import equations
+    from driftform_panels.kernels import assemble_equations
 
     wall = divided.thinnest_wall()
-    if wall < THINNEST:
+    if wall < MIN_WALL:
         raise ValueError(
-            f"a wall is {wall:.2g} of its panels thick and would need {THINNEST:g}: raise hydrodynamics.panels"
+            f"a wall is {wall:.2g} of its panels thick and would need {MIN_WALL:g}: raise hydrodynamics.panels"
         )
-    matrices, sides, (x, r, nx, nr) = equations(divided.x, divided.r, divided.lengths)
+    matrices, sides, (x, r, nx, nr) = assemble_equations(divided.x, divided.r, divided.lengths)
     # More than one thread makes systems of this size slower, by far where cores are busy.
-    with _libraries().limit(limits=1, user_api="blas"):
+    with _find_libraries().limit(limits=1, user_api="blas"):
         surge = np.linalg.solve(matrices[0], sides[:, 0])
         sway, yaw = np.linalg.solve(matrices[1], sides[:, 1:]).T
     across, turning = -np.pi * r * nr, -np.pi * r * (x * nr - r * nx)
@@ -153,7 +153,7 @@ def solve_panels(divided: Panels, origin: float = 0.0) -> PanelSolution:
 
 
 @cache
-def _libraries() -> "ThreadpoolController":
+def _find_libraries() -> "ThreadpoolController":
     """The libraries of linear algebra, which take a while to be found."""
     from threadpoolctl import ThreadpoolController
 

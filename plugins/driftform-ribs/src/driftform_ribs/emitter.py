@@ -15,7 +15,7 @@ ObjectArray = npt.NDArray[np.object_]
 """Solutions as pyribs wants them: an array of genomes, (n,)."""
 
 
-def as_solutions(genomes: list[Genome]) -> ObjectArray:
+def to_solutions(genomes: list[Genome]) -> ObjectArray:
     """Return genomes as an array of objects, (n,)."""
     solutions = np.empty(len(genomes), dtype=object)
     solutions[:] = genomes
@@ -54,7 +54,7 @@ class SymbolEmitter(EmitterBase):
         """Return offspring of elites drawn uniformly, or random genomes where there are none yet, (batch,)."""
         if self.archive.empty:
             self.parents = [()] * self._batch
-            return as_solutions([self._grammar.random(self._rng) for _ in range(self._batch)])
+            return to_solutions([self._grammar.random(self._rng) for _ in range(self._batch)])
         # Drawn by our generator and not by the archive's, so that all that happens follows from one seed.
         elites = self.archive.data(["solution", "evaluation"])
         genomes, evaluations = elites["solution"], elites["evaluation"]
@@ -71,4 +71,4 @@ class SymbolEmitter(EmitterBase):
             of = tuple(evaluations[[i, j] if crossed else [i]].tolist())
             self.parents.append(of)
             offspring.append(child)
-        return as_solutions(offspring)
+        return to_solutions(offspring)

@@ -69,7 +69,7 @@ class RibsStrategy(Strategy[RibsOptions]):
         self._cells = PipeGrid.of(space.scenario)
         length, height = self._cells.size[:2] * self._cells.shape
         self._stations = length * np.array(options.stations)
-        self._archive = archive_of(options, float(height / 2), int(space.rng.integers(2**31)))
+        self._archive = make_archive(options, float(height / 2), int(space.rng.integers(2**31)))
         self._emitter = SymbolEmitter(
             self._archive,
             space.grammar,
@@ -96,7 +96,7 @@ class RibsStrategy(Strategy[RibsOptions]):
 
     def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
         """Offer the flights to the archive."""
-        from driftform_ribs.emitter import as_solutions
+        from driftform_ribs.emitter import to_solutions
 
         sound = [
             (index, evaluation, evaluation.trajectory)
@@ -106,16 +106,16 @@ class RibsStrategy(Strategy[RibsOptions]):
         if sound:
             score = np.max if self.options.objective == "best" else np.mean
             self._archive.add(
-                as_solutions([evaluation.genome for _, evaluation, _ in sound]),
+                to_solutions([evaluation.genome for _, evaluation, _ in sound]),
                 np.array([score(evaluation.fitness) for _, evaluation, _ in sound]),
-                np.array([heights(self._cells, flight, self._stations) for _, _, flight in sound]),
+                np.array([station_heights(self._cells, flight, self._stations) for _, _, flight in sound]),
                 evaluation=np.array([index for index, _, _ in sound]),
             )
         self._told += len(evaluations)
         self._generation += 1
 
 
-def archive_of(options: RibsOptions, radius: float, seed: int) -> "ArchiveBase":
+def make_archive(options: RibsOptions, radius: float, seed: int) -> "ArchiveBase":
     """Return an empty archive of genomes over heights from ``-radius`` to ``radius`` (m) at every station."""
     from ribs.archives import CVTArchive, GridArchive
     from threadpoolctl import threadpool_limits
@@ -138,7 +138,7 @@ def archive_of(options: RibsOptions, radius: float, seed: int) -> "ArchiveBase":
         return CVTArchive(centroids=options.cells, samples=max(_SAMPLES, 10 * options.cells), **common)
 
 
-def heights(cells: PipeGrid, trajectory: Trajectory, stations: FloatArray) -> FloatArray:
+def station_heights(cells: PipeGrid, trajectory: Trajectory, stations: FloatArray) -> FloatArray:
     """Return the height above the axis (m) at which a flight first passes each station (m along the pipe), (stations,).
 
     It is interpolated between samples along straight lines. Where a flight ends before a station, the height of its

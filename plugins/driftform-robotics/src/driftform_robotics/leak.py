@@ -47,7 +47,7 @@ class Leak(Fitness[LeakOptions]):
         ValueError
             where the scenario's water carries no plume.
         """
-        t, readings = self._readings(trajectory, scenario)
+        t, readings = self._read_sensor(trajectory, scenario)
         seen = [
             np.trapezoid(C / (C + self.options.threshold), t) * plume.speed / max(plume.length, 1e-9)
             for plume, C in readings
@@ -56,23 +56,23 @@ class Leak(Fitness[LeakOptions]):
 
     def seconds_in_plume(self, trajectory: Trajectory, scenario: Scenario) -> FloatArray:
         """Return for each leak how long the sensor reads more than the threshold, s, (targets,)."""
-        t, readings = self._readings(trajectory, scenario)
+        t, readings = self._read_sensor(trajectory, scenario)
         threshold = self.options.threshold
         inside = [np.trapezoid(np.where(threshold < C, 1.0, 0.0), t) for _, C in readings]
         return np.array(inside, dtype=np.float64)
 
-    def _readings(
+    def _read_sensor(
         self, trajectory: Trajectory, scenario: Scenario
     ) -> tuple[FloatArray, list[tuple["Plume", FloatArray]]]:
         """Times of the readings, s, and for each leak its plume and what is read of it, kg/m3."""
         from driftform.trajectory.resampling import resample
-        from driftform_robotics.plume import plume_of
-        from driftform_robotics.sensors import places
+        from driftform_robotics.plume import make_plume
+        from driftform_robotics.sensors import point_positions
 
         flight = resample(trajectory, 1 / self.options.interval)
-        where = places(flight, np.array(self.options.sensor))
+        where = point_positions(flight, np.array(self.options.sensor))
         plumes = [
-            plume_of(scenario, point, self.options.rate, self.options.diffusivity)
+            make_plume(scenario, point, self.options.rate, self.options.diffusivity)
             for point in scenario.targets.values()
         ]
         return flight.t, [(plume, plume.concentration(where)) for plume in plumes]

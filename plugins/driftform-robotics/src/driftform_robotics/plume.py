@@ -23,13 +23,13 @@ from driftform.dynamics.flow import KARMAN, friction_factor
 from driftform.scenario import LogLawFlow, Scenario, Segment, TurbulentFlow, Vector
 from driftform.types import FloatArray
 
-NEAR = 0.003
+MAX_NEAR_TAU = 0.003
 """The tau up to which the formula for the neighbourhood of the leak is used: both agree there within 0.2 % of the peak."""
 
-NEGLIGIBLE = 20.0
+MAX_MODE_EXPONENT = 20.0
 """Terms below exp(-20) are left out."""
 
-FAR = 25.0
+MAX_PLUME_EXPONENT = 25.0
 """Where the unbounded plume has fallen to exp(-25) of its middle, there is nothing of it."""
 
 
@@ -67,7 +67,7 @@ class Plume:
     rate: float
 
     @property
-    def mixed(self) -> float:
+    def mixed_concentration(self) -> float:
         """Concentration where it has spread evenly, Q / (U A), kg/m3."""
         return float(self.rate / (self.speed * np.pi * self.radius**2))
 
@@ -83,10 +83,10 @@ class Plume:
         z = off @ np.cross(self.axis, self.outward)
         r, phi = np.minimum(np.hypot(y, z) / self.radius, 1.0), np.arctan2(z, y)
         tau = self.diffusivity * x / (self.speed * self.radius**2)
-        return self.mixed * spread(tau, r, phi)
+        return self.mixed_concentration * relative_concentration(tau, r, phi)
 
 
-def spread(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
+def relative_concentration(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
     """Return the concentration over that of an even mixture, for a source on the rim of a disc of radius 1, (n,).
 
     Parameters
@@ -100,14 +100,14 @@ def spread(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
     square = 1 + r * r - 2 * r * np.cos(phi)
     # At once at the source itself there is no finite answer; that of a moment later is large enough.
     tau = np.where(tau > 0, np.maximum(tau, 1e-9), 0.0)
-    reached = (tau > 0) & (square < 4 * FAR * tau)
-    near, far = reached & (tau < NEAR), reached & (tau >= NEAR)
-    found[near] = near_spread(tau[near], r[near], phi[near])
-    found[far] = far_spread(tau[far], r[far], phi[far])
+    reached = (tau > 0) & (square < 4 * MAX_PLUME_EXPONENT * tau)
+    near, far = reached & (tau < MAX_NEAR_TAU), reached & (tau >= MAX_NEAR_TAU)
+    found[near] = relative_concentration_near(tau[near], r[near], phi[near])
+    found[far] = relative_concentration_far(tau[far], r[far], phi[far])
     return found
 
 
-def near_spread(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
+def relative_concentration_near(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
     """Return the same near the source, to first order in the curvature of the wall.
 
     With the depth d = 1 - r below the wall and the arc phi, z = d / (2 sqrt(tau)) and eta = phi / sqrt(tau), twice the
@@ -130,17 +130,17 @@ def near_spread(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
     return np.asarray((plane + bent) / (2 * tau), dtype=np.float64)
 
 
-def far_spread(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
+def relative_concentration_far(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
     """Return the same by the series, without the terms that are negligible at each point."""
     from scipy.special import jv
 
     found = np.ones(np.shape(tau))
     if not len(tau):
         return found
-    order, root, weight = _modes(min(NEAR, float(tau.min())))
+    order, root, weight = _compute_modes(min(MAX_NEAR_TAU, float(tau.min())))
     # From the latest time to the earliest, which needs the most terms.
     for i in np.argsort(-tau):
-        count = int(np.searchsorted(root, np.sqrt(NEGLIGIBLE / tau[i])))
+        count = int(np.searchsorted(root, np.sqrt(MAX_MODE_EXPONENT / tau[i])))
         m, k = order[:count], root[:count]
         terms = weight[:count] * np.exp(-k * k * tau[i]) * np.cos(m * phi[i]) * jv(m, k * r[i])
         found[i] += terms.sum()
@@ -149,14 +149,14 @@ def far_spread(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
 
 
 @lru_cache(maxsize=4)
-def _modes(tau: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _compute_modes(tau: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Orders m, roots k of J_m'(k) = 0, and factors e_m / (J_m(k) (1 - m^2 / k^2)) that count from ``tau`` on.
 
     They are in the order of their roots.
     """
     from scipy.special import jnp_zeros, jv
 
-    largest = np.sqrt(NEGLIGIBLE / tau)
+    largest = np.sqrt(MAX_MODE_EXPONENT / tau)
     # The first root of J_m' is larger than m, and two roots are about pi apart.
     found = [(n, jnp_zeros(n, int((largest - n) / np.pi) + 2)) for n in range(int(largest) + 1)]
     orders = np.concatenate([np.full(len(roots), float(n)) for n, roots in found])
@@ -184,7 +184,7 @@ def eddy_diffusivity(scenario: Scenario) -> float:
     return float(KARMAN * friction_velocity * radius / 6)
 
 
-def plume_of(scenario: Scenario, point: Vector, rate: float, diffusivity: float | None = None) -> Plume:
+def make_plume(scenario: Scenario, point: Vector, rate: float, diffusivity: float | None = None) -> Plume:
     """Return the plume of a leak at the place of the wall that is nearest to ``point`` (world frame, m).
 
     A point on the pipe's axis stands for the wall below it, or beside it where the pipe is upright. The rate is in
@@ -200,7 +200,7 @@ def plume_of(scenario: Scenario, point: Vector, rate: float, diffusivity: float 
     if scenario.flow.speed == 0:
         raise ValueError("the water stands still: it carries no plume")
     segment = scenario.pipe.segments[0]
-    start, axis, length = _frame(segment)
+    start, axis, length = _locate_segment(segment)
     along = float(axis @ (np.array(point) - start))
     outward = np.array(point) - start - along * axis
     if np.linalg.norm(outward) < 1e-9 * segment.radius:
@@ -224,7 +224,7 @@ def plume_of(scenario: Scenario, point: Vector, rate: float, diffusivity: float 
     )
 
 
-def _frame(segment: Segment) -> tuple[FloatArray, FloatArray, float]:
+def _locate_segment(segment: Segment) -> tuple[FloatArray, FloatArray, float]:
     start, end = np.array(segment.start), np.array(segment.end)
     length = float(np.linalg.norm(end - start))
     return start, (end - start) / length, length

@@ -11,10 +11,10 @@ from driftform.scenario import Fluid, Pipe, Scenario
 from driftform.trajectory.forces import acceleration_at
 from driftform.types import Body, FloatArray, Trajectory
 from driftform_robotics.atmosphere import ATMOSPHERE
-from driftform_robotics.models.pipe import bore_of
+from driftform_robotics.models.pipe import make_bore
 
 
-def places(trajectory: Trajectory, point: FloatArray) -> FloatArray:
+def point_positions(trajectory: Trajectory, point: FloatArray) -> FloatArray:
     """Return where a point of the body is at each sample, world frame, m, (k, 3)."""
     return np.asarray(
         trajectory.position + matrix_from_quaternion(trajectory.quaternion) @ point, dtype=np.float64
@@ -62,7 +62,7 @@ def specific_force(
 
 def wall_distance(points: FloatArray, pipe: Pipe) -> FloatArray:
     """Return how far points (k, 3) are from the wall of the pipe's bore, m, (k,), negative in the wall."""
-    across = (points - pipe.segments[0].start) @ _across(pipe)
+    across = (points - pipe.segments[0].start) @ _cross_axes(pipe)
     return np.asarray(pipe.segments[0].radius - np.linalg.norm(across, axis=1), dtype=np.float64)
 
 
@@ -73,7 +73,7 @@ def clearance(trajectory: Trajectory, body: Body, pipe: Pipe) -> FloatArray:
     Seen along the pipe a rim is an ellipse, c + p cos(a) + q sin(a): its greatest distance from the pipe's axis is
     sought by Newton's method from the farthest of sixteen of its points.
     """
-    across = _across(pipe)
+    across = _cross_axes(pipe)
     R = matrix_from_quaternion(trajectory.quaternion)
     x, r = touching_rims(body).T
     c = ((trajectory.position - pipe.segments[0].start) @ across)[:, None] + x[:, None] * (
@@ -101,12 +101,12 @@ def clearance(trajectory: Trajectory, body: Body, pipe: Pipe) -> FloatArray:
     )
 
 
-def _across(pipe: Pipe) -> FloatArray:
+def _cross_axes(pipe: Pipe) -> FloatArray:
     """Two unit vectors across the pipe, as the columns of a matrix, (3, 2)."""
-    rotation: FloatArray = bore_of(pipe.segments[0]).rotation
+    rotation: FloatArray = make_bore(pipe.segments[0]).rotation
     return rotation[:, 1:]
 
 
-def noisy(values: FloatArray, deviation: float, rng: np.random.Generator) -> FloatArray:
+def add_noise(values: FloatArray, deviation: float, rng: np.random.Generator) -> FloatArray:
     """Return readings with white Gaussian noise of a standard deviation; with none they are the same."""
     return np.asarray(values + deviation * rng.standard_normal(values.shape), dtype=np.float64)

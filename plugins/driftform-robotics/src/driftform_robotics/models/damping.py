@@ -6,7 +6,7 @@ from driftform.dynamics.inertia import shift_origin
 from driftform.scenario import Fluid
 from driftform.types import Agent, FloatArray
 
-SLOWEST = 0.05
+MIN_SPEED = 0.05
 """Least speed, m/s, at which drag is taken: of a neutral agent, which would not move through the water at all."""
 
 
@@ -22,10 +22,10 @@ def reference_speed(agent: Agent, fluid: Fluid) -> float:
 
     drag, mass = agent.coefficients.drag, agent.mass
     if drag is None:
-        return SLOWEST
+        return MIN_SPEED
     net = (fluid.density * mass.volume - mass.mass) * fluid.gravity
     _, across = terminal_speeds(drag, net, True, fluid.density, fluid.viscosity)
-    return max(across, SLOWEST)
+    return max(across, MIN_SPEED)
 
 
 def quadratic_damping(agent: Agent, fluid: Fluid, speed: float) -> FloatArray:

@@ -10,7 +10,7 @@ import numpy as np
 
 from driftform_robotics.models.link import Link
 
-_EXTREME = 1e4
+_MAX_SLENDERNESS = 1e4
 """Greatest slenderness, and flatness, of the ellipsoid."""
 
 
@@ -35,10 +35,10 @@ class Ellipsoid:
     slender: float
     angular: float
 
-    def turning(self, density: float) -> float:
+    def added_inertia(self, density: float) -> float:
         """Added mass moment of inertia about a transverse axis through its centre, kg m2 (Lamb, section 115)."""
         a, b = self.along, self.across
-        alpha, beta = _lamb(b / a)
+        alpha, beta = _lamb_coefficients(b / a)
         S, D = a * a + b * b, a * a - b * b
         if abs(D) < 1e-9 * S:
             return 0.0
@@ -46,7 +46,7 @@ class Ellipsoid:
         return float(displaced / 5 * D * D * (beta - alpha) / (2 * D - S * (beta - alpha)))
 
 
-def _lamb(ratio: float) -> tuple[float, float]:
+def _lamb_coefficients(ratio: float) -> tuple[float, float]:
     """Return alpha_0 and beta_0 of a spheroid whose radius is ``ratio`` of its half axis.
 
     Lamb, Hydrodynamics (6th ed.), section 114: alpha_0 = a b^2 int_0^inf dl / ((a^2 + l)^(3/2) (b^2 + l)), which is
@@ -65,11 +65,11 @@ def added_mass_factors(ratio: float) -> tuple[float, float]:
     >>> [round(k, 4) for k in added_mass_factors(0.5)]
     [0.21, 0.7042]
     """
-    alpha, beta = _lamb(ratio)
+    alpha, beta = _lamb_coefficients(ratio)
     return alpha / (2 - alpha), beta / (2 - beta)
 
 
-def ellipsoid_of(link: Link, density: float) -> Ellipsoid:
+def fit_ellipsoid(link: Link, density: float) -> Ellipsoid:
     """Return the spheroid whose added mass along and across, and centre, are those of the link.
 
     Its drag is that of the link along each axis alone, as far as positive coefficients can give it.
@@ -82,15 +82,15 @@ def ellipsoid_of(link: Link, density: float) -> Ellipsoid:
         k1, k2 = added_mass_factors(float(np.exp(log_ratio)))
         return float(np.log(k1 / k2) - np.log(along / across))
 
-    bound = float(np.log(_EXTREME))
+    bound = float(np.log(_MAX_SLENDERNESS))
     ratio = float(np.exp(brentq(excess, -bound, bound, xtol=1e-12)))
     k1, _ = added_mass_factors(ratio)
     a = float(np.cbrt(along / k1 / (density * 4 / 3 * np.pi * ratio**2)))
     b = ratio * a
-    return Ellipsoid(a, b, float(link.added_mass[1, 5]) / across, *_drag(link, density, a, b))
+    return Ellipsoid(a, b, float(link.added_mass[1, 5]) / across, *_fit_drag(link, density, a, b))
 
 
-def _drag(link: Link, density: float, a: float, b: float) -> tuple[float, float, float]:
+def _fit_drag(link: Link, density: float, a: float, b: float) -> tuple[float, float, float]:
     """Return blunt, slender and angular drag.
 
     At a speed along an axis that shows the area A, MuJoCo's force is rho (blunt A + slender (A_max - A)) v^2; turning

@@ -28,7 +28,7 @@ def hull_files(body: Body, cog: FloatArray, pieces: list[Piece]) -> dict[str, st
     return files | {piece_path(i): obj_text(piece.mesh) for i, piece in enumerate(pieces)}
 
 
-def pieces_of(body: Body) -> list[Piece]:
+def cut_hull(body: Body) -> list[Piece]:
     """Return the convex pieces of the outside of the hull.
 
     Raises
@@ -44,7 +44,9 @@ def pieces_of(body: Body) -> list[Piece]:
     return convex_pieces(contour)
 
 
-def save(name: str, folder: Path, files: Mapping[str, str], facts: dict[str, Any]) -> tuple[WrittenFile, ...]:
+def save_folder(
+    name: str, folder: Path, files: Mapping[str, str], facts: dict[str, Any]
+) -> tuple[WrittenFile, ...]:
     """Write texts by their paths in the folder; the first is the one to open, and has the facts.
 
     Raises
@@ -63,7 +65,7 @@ def save(name: str, folder: Path, files: Mapping[str, str], facts: dict[str, Any
     return tuple(WrittenFile(name, str(folder / path), facts if path == first else {}) for path in files)
 
 
-def facts_of(link: Link, beware: list[str]) -> dict[str, Any]:
+def model_facts(link: Link, beware: list[str]) -> dict[str, Any]:
     """Facts of a model: ``mass_kg``, ``cog_mm`` and ``cob_mm`` along the axis from the core's centre,
     ``volume_mm3``, ``added_over_own_mass``, and what to ``beware`` of, if anything.
     """

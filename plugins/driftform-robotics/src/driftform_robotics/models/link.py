@@ -79,7 +79,7 @@ class Link:
         return np.concatenate((self.rotation @ along[:3], self.rotation @ along[3:]))
 
 
-def link_of(job: ExportJob, drag_speed: float | None = None) -> Link:
+def make_link(job: ExportJob, drag_speed: float | None = None) -> Link:
     """Return the link of a job, at its release."""
     from driftform.dynamics.rotations import matrix_from_quaternion
 
@@ -100,18 +100,18 @@ def link_of(job: ExportJob, drag_speed: float | None = None) -> Link:
         drag_speed=speed if agent.coefficients.drag is not None else 0.0,
         position=np.array(scenario.release.position) + matrix_from_quaternion(quaternion) @ mass.cog,
         quaternion=quaternion,
-        velocity=_released(scenario),
+        velocity=_release_velocity(scenario),
     )
 
 
-def _released(scenario: Scenario) -> FloatArray:
+def _release_velocity(scenario: Scenario) -> FloatArray:
     velocity = scenario.release.velocity
     if velocity == "current":
         return scenario.current()
     return np.zeros(3) if velocity == "rest" else np.array(velocity, dtype=np.float64)
 
 
-def lost_by_a_uniform_current(scenario: Scenario) -> list[str]:
+def warn_of_flow(scenario: Scenario) -> list[str]:
     """Tell what of a scenario's flow a current that is the same everywhere and always cannot hold."""
     flow = scenario.flow
     if not isinstance(flow, UniformFlow):
@@ -124,7 +124,7 @@ def lost_by_a_uniform_current(scenario: Scenario) -> list[str]:
     return []
 
 
-def lost_by_folding(body: Body) -> list[str]:
+def warn_of_folding(body: Body) -> list[str]:
     """Tell of an outline that cannot be cut into convex pieces."""
     if not folds_back(body.outer):
         return []
@@ -134,7 +134,7 @@ def lost_by_folding(body: Body) -> list[str]:
     ]
 
 
-def lost_by_damping(link: Link) -> list[str]:
+def warn_of_damping(link: Link) -> list[str]:
     """Tell how drag by strips became quadratic damping."""
     if not link.drag_speed:
         return []
@@ -144,7 +144,7 @@ def lost_by_damping(link: Link) -> list[str]:
     ]
 
 
-def lagged(link: Link, smoothing: float) -> list[str]:
+def warn_of_divergence(link: Link, smoothing: float) -> list[str]:
     """Warn where added mass times the acceleration of the step before diverges.
 
     With accelerations smoothed by a <- (1 - s) a + s da, s being ``smoothing``, a mode of added over own mass

@@ -11,7 +11,7 @@ from driftform_robotics.models.meshes import Mesh, tube
 PLANKS = 64
 """Planks around the bore: their faces lie within 0.08 % of its radius from the circle."""
 
-WALL = 0.02
+RELATIVE_THICKNESS = 0.02
 """Thickness of the wall over the radius of the bore."""
 
 
@@ -37,32 +37,32 @@ class Bore:
     rotation: FloatArray
 
     @property
-    def wall(self) -> float:
+    def thickness(self) -> float:
         """Thickness of the wall, m."""
-        return WALL * self.radius
+        return RELATIVE_THICKNESS * self.radius
 
-    def mesh(self) -> Mesh:
+    def make_mesh(self) -> Mesh:
         """The wall as one closed mesh."""
-        return tube(self.length, self.radius, self.wall)
+        return tube(self.length, self.radius, self.thickness)
 
-    def planks(self) -> list[Plank]:
+    def make_planks(self) -> list[Plank]:
         """The wall as boxes, because a mesh of a pipe would be taken for its convex hull, which is solid.
 
         The polygon of their inner faces has the area of the bore.
         """
         half = np.pi / PLANKS
         apothem = self.radius * np.sqrt(half / np.tan(half))
-        size = np.array([self.length, 2 * (apothem + self.wall) * np.tan(half), self.wall])
+        size = np.array([self.length, 2 * (apothem + self.thickness) * np.tan(half), self.thickness])
         axis = np.array([1.0, 0.0, 0.0])
         found = []
         for angle in 2 * half * np.arange(PLANKS):
             outward = np.array([0.0, np.cos(angle), np.sin(angle)])
             rotation = np.column_stack((axis, np.cross(outward, axis), outward))
-            found.append(Plank(size, (apothem + self.wall / 2) * outward, rotation))
+            found.append(Plank(size, (apothem + self.thickness / 2) * outward, rotation))
         return found
 
 
-def bore_of(segment: Segment) -> Bore:
+def make_bore(segment: Segment) -> Bore:
     """Return a segment of a scenario's pipe with a frame of its own."""
     start, end = np.array(segment.start), np.array(segment.end)
     length = float(np.linalg.norm(end - start))

@@ -20,25 +20,41 @@ from driftform.types import FloatArray, WrittenFile
 from driftform_robotics.models.folder import (
     HULL,
     PIPE,
-    facts_of,
+    cut_hull,
     hull_files,
+    model_facts,
     piece_path,
-    pieces_of,
-    save,
+    save_folder,
 )
 from driftform_robotics.models.link import (
     Link,
     ModelOptions,
-    lagged,
-    link_of,
-    lost_by_a_uniform_current,
-    lost_by_damping,
-    lost_by_folding,
+    make_link,
+    warn_of_damping,
+    warn_of_divergence,
+    warn_of_flow,
+    warn_of_folding,
 )
 from driftform_robotics.models.meshes import Piece, obj_text
-from driftform_robotics.models.pipe import bore_of
-from driftform_robotics.models.scenery import add_friction, add_light, add_mesh, add_pipe, add_targets, fix
-from driftform_robotics.models.xml import add, document, fields, identifier, note, number, numbers, pose
+from driftform_robotics.models.pipe import make_bore
+from driftform_robotics.models.scenery import (
+    add_friction,
+    add_light,
+    add_mesh,
+    add_pipe,
+    add_targets,
+    make_static,
+)
+from driftform_robotics.models.xml import (
+    add,
+    add_comment,
+    format_document,
+    format_fields,
+    format_number,
+    format_numbers,
+    format_pose,
+    make_identifier,
+)
 
 WORLD = "driftform"
 LINK = "base_link"
@@ -47,7 +63,7 @@ PUSH, PUSH_DRIFT = "push.sh", "push_drift.sh"
 _FORCES, _RATES = "xyzkmn", "UVWPQR"
 _SDF_AXES = "xyzpqr"
 
-_MOST_SPHERES = 40
+_MAX_SPHERES = 40
 
 
 class SdfOptions(ModelOptions):
@@ -107,39 +123,39 @@ class SdfExporter(Exporter[SdfOptions]):
             where the body has no solid, or the files cannot be written.
         """
         body, scenario = job.agent.body, job.scenario
-        gazebo, title = _GAZEBO[self.options.gazebo], identifier(job.name)
-        pieces = pieces_of(body)
-        link = link_of(job, self.options.drag_speed)
-        beware = _beware(job, link, pieces, gazebo, PUSH)
+        gazebo, title = _GAZEBO[self.options.gazebo], make_identifier(job.name)
+        pieces = cut_hull(body)
+        link = make_link(job, self.options.drag_speed)
+        beware = _list_warnings(job, link, pieces, gazebo, PUSH)
 
         alone = ET.Element("sdf", version=gazebo.sdf)
         _add_model(alone, title, job, link, pieces, gazebo, beware)
-        pipes = [bore_of(segment).mesh() for segment in scenario.pipe.segments]
+        pipes = [make_bore(segment).make_mesh() for segment in scenario.pipe.segments]
         step = self.options.step
         files = {
-            "world.sdf": document(_world(job, link, pieces, gazebo, step, beware)),
-            "model.sdf": document(alone),
-            "model.config": document(_config(title, job.name, gazebo)),
+            "world.sdf": format_document(_make_world(job, link, pieces, gazebo, step, beware)),
+            "model.sdf": format_document(alone),
+            "model.config": format_document(_make_config(title, job.name, gazebo)),
             **hull_files(body, job.agent.mass.cog, pieces),
             **({PIPE: obj_text(pipes[0])} if pipes else {}),
         }
         if link.velocity.any():
-            files[PUSH] = _push(title, link, gazebo, step)
+            files[PUSH] = _make_push_script(title, link, gazebo, step)
         if scenario.current().any():
-            drifting = _seen_from_the_water(job)
-            adrift = link_of(drifting, self.options.drag_speed)
-            told = lost_by_a_uniform_current(scenario) + _beware(drifting, adrift, pieces, gazebo, PUSH_DRIFT)
-            world = _world(drifting, adrift, pieces, gazebo, step, told, -scenario.current())
-            files["drift.sdf"] = document(world)
+            drifting = _move_to_water_frame(job)
+            adrift = make_link(drifting, self.options.drag_speed)
+            told = warn_of_flow(scenario) + _list_warnings(drifting, adrift, pieces, gazebo, PUSH_DRIFT)
+            world = _make_world(drifting, adrift, pieces, gazebo, step, told, -scenario.current())
+            files["drift.sdf"] = format_document(world)
             if adrift.velocity.any():
-                files[PUSH_DRIFT] = _push(title, adrift, gazebo, step)
-        return save(self.name, path, files, facts_of(link, beware))
+                files[PUSH_DRIFT] = _make_push_script(title, adrift, gazebo, step)
+        return save_folder(self.name, path, files, model_facts(link, beware))
 
 
-def _seen_from_the_water(job: ExportJob) -> ExportJob:
+def _move_to_water_frame(job: ExportJob) -> ExportJob:
     """The same in the frame of the water, where the pipe moves and the current does not: motion is the same there."""
     scenario = job.scenario
-    released = link_of(job).velocity - scenario.current()
+    released = make_link(job).velocity - scenario.current()
     x, y, z = released.tolist()
     calm = {
         "flow": UniformFlow(speed=0.0),
@@ -148,9 +164,9 @@ def _seen_from_the_water(job: ExportJob) -> ExportJob:
     return replace(job, scenario=scenario.model_copy(update=calm))
 
 
-def _beware(job: ExportJob, link: Link, pieces: list[Piece], gazebo: _Gazebo, push: str) -> list[str]:
+def _list_warnings(job: ExportJob, link: Link, pieces: list[Piece], gazebo: _Gazebo, push: str) -> list[str]:
     scenario = job.scenario
-    found = lost_by_folding(job.agent.body) + lost_by_a_uniform_current(scenario) + lost_by_damping(link)
+    found = warn_of_folding(job.agent.body) + warn_of_flow(scenario) + warn_of_damping(link)
     solid = sum(piece.volume for piece in pieces)
     if abs(solid - link.volume) > 1e-6 * link.volume:
         found.append(
@@ -158,7 +174,7 @@ def _beware(job: ExportJob, link: Link, pieces: list[Piece], gazebo: _Gazebo, pu
             f"this agent displaces {1e6 * link.volume:.6g} cm3."
         )
     if not gazebo.solves_added_mass:
-        found += lagged(link, 1.0)
+        found += warn_of_divergence(link, 1.0)
     elif scenario.current().any():
         found.append(
             "In a current Gazebo lacks the force -M_A (w x u) on an agent that turns, u being the current in body "
@@ -170,7 +186,7 @@ def _beware(job: ExportJob, link: Link, pieces: list[Piece], gazebo: _Gazebo, pu
     return found
 
 
-def _config(title: str, name: str, gazebo: _Gazebo) -> ET.Element:
+def _make_config(title: str, name: str, gazebo: _Gazebo) -> ET.Element:
     root = ET.Element("model")
     add(root, "name", title)
     add(root, "version", "1.0")
@@ -179,7 +195,7 @@ def _config(title: str, name: str, gazebo: _Gazebo) -> ET.Element:
     return root
 
 
-def _plugin(parent: ET.Element, gazebo: _Gazebo, system: str, name: str) -> ET.Element:
+def _add_plugin(parent: ET.Element, gazebo: _Gazebo, system: str, name: str) -> ET.Element:
     return add(
         parent,
         "plugin",
@@ -188,7 +204,7 @@ def _plugin(parent: ET.Element, gazebo: _Gazebo, system: str, name: str) -> ET.E
     )
 
 
-def _world(
+def _make_world(
     job: ExportJob,
     link: Link,
     pieces: list[Piece],
@@ -203,22 +219,22 @@ def _world(
     root = ET.Element("sdf", version=gazebo.sdf)
     world = add(root, "world", name=WORLD)
     physics = add(world, "physics", name="step", type="ignored")
-    add(physics, "max_step_size", number(step))
+    add(physics, "max_step_size", format_number(step))
     add(physics, "real_time_factor", "1")
-    add(world, "gravity", numbers([0.0, 0.0, -fluid.gravity]))
-    _plugin(world, gazebo, "physics", "Physics")
-    _plugin(world, gazebo, "user-commands", "UserCommands")
-    _plugin(world, gazebo, "scene-broadcaster", "SceneBroadcaster")
-    _plugin(world, gazebo, "apply-link-wrench", "ApplyLinkWrench")
-    title = identifier(job.name)
-    buoyancy = _plugin(world, gazebo, "buoyancy", "Buoyancy")
+    add(world, "gravity", format_numbers([0.0, 0.0, -fluid.gravity]))
+    _add_plugin(world, gazebo, "physics", "Physics")
+    _add_plugin(world, gazebo, "user-commands", "UserCommands")
+    _add_plugin(world, gazebo, "scene-broadcaster", "SceneBroadcaster")
+    _add_plugin(world, gazebo, "apply-link-wrench", "ApplyLinkWrench")
+    title = make_identifier(job.name)
+    buoyancy = _add_plugin(world, gazebo, "buoyancy", "Buoyancy")
     if fluid.water_level is None:
-        add(buoyancy, "uniform_fluid_density", number(fluid.density))
+        add(buoyancy, "uniform_fluid_density", format_number(fluid.density))
     else:
         graded = add(buoyancy, "graded_buoyancy")
-        add(graded, "default_density", number(fluid.density))
+        add(graded, "default_density", format_number(fluid.density))
         change = add(graded, "density_change")
-        add(change, "above_depth", number(fluid.water_level))
+        add(change, "above_depth", format_number(fluid.water_level))
         add(change, "density", "0")
     add(buoyancy, "enable", title)
     scene = add(world, "scene")
@@ -229,14 +245,14 @@ def _world(
     pipe = add_pipe(world, scenario, np.zeros(3), [PIPE] * len(scenario.pipe.segments))
     around = [pipe, add_targets(world, scenario, np.zeros(3))]
     if passing is None:
-        fix(around)
+        make_static(around)
     else:
-        _move(around, passing, gazebo)
-    _add_model(world, title, job, link, pieces, gazebo, beware, pose(link.position, link.rotation))
+        _add_motion(around, passing, gazebo)
+    _add_model(world, title, job, link, pieces, gazebo, beware, format_pose(link.position, link.rotation))
     return root
 
 
-def _move(models: list[ET.Element | None], velocity: FloatArray, gazebo: _Gazebo) -> None:
+def _add_motion(models: list[ET.Element | None], velocity: FloatArray, gazebo: _Gazebo) -> None:
     """Make models move with a velocity that nothing changes: they are heavy, and Gazebo sets it in every step."""
     for model in models:
         if model is None:
@@ -249,8 +265,8 @@ def _move(models: list[ET.Element | None], velocity: FloatArray, gazebo: _Gazebo
         inertia = add(inertial, "inertia")
         for axis in "xyz":
             add(inertia, f"i{axis}{axis}", "1e6")
-        control = _plugin(model, gazebo, "velocity-control", "VelocityControl")
-        add(control, "initial_linear", numbers(velocity))
+        control = _add_plugin(model, gazebo, "velocity-control", "VelocityControl")
+        add(control, "initial_linear", format_numbers(velocity))
 
 
 def _add_model(
@@ -265,21 +281,21 @@ def _add_model(
 ) -> None:
     scenario, cog = job.scenario, job.agent.mass.cog
     model = add(parent, "model", name=title)
-    note(model, ["The origin is the centre of gravity; x is the axis, forward; z is up.", *beware])
+    add_comment(model, ["The origin is the centre of gravity; x is the axis, forward; z is up.", *beware])
     if place:
         add(model, "pose", place)
     element = add(model, "link", name=LINK)
     inertial = add(element, "inertial")
-    add(inertial, "mass", number(link.mass))
+    add(inertial, "mass", format_number(link.mass))
     inertia = add(inertial, "inertia")
     for i, j in combinations_with_replacement(range(3), 2):
-        add(inertia, f"i{'xyz'[i]}{'xyz'[j]}", number(link.inertia[i, j]))
+        add(inertia, f"i{'xyz'[i]}{'xyz'[j]}", format_number(link.inertia[i, j]))
     if gazebo.solves_added_mass:
         added = add(inertial, "fluid_added_mass")
         for i, j in combinations_with_replacement(range(6), 2):
-            add(added, f"{_SDF_AXES[i]}{_SDF_AXES[j]}", number(link.added_mass[i, j]))
+            add(added, f"{_SDF_AXES[i]}{_SDF_AXES[j]}", format_number(link.added_mass[i, j]))
     add_mesh(add(element, "visual", name="hull"), HULL)
-    note(
+    add_comment(
         element,
         [
             "Each piece is convex, and its mesh is about its own centroid: Gazebo takes a piece's place for the "
@@ -288,72 +304,74 @@ def _add_model(
     )
     for index, piece in enumerate(pieces):
         collision = add(element, "collision", name=f"piece_{index}")
-        add(collision, "pose", pose(np.array([piece.x, 0.0, 0.0]) - cog))
+        add(collision, "pose", format_pose(np.array([piece.x, 0.0, 0.0]) - cog))
         add_mesh(collision, piece_path(index))
         add_friction(collision, scenario.contact.friction)
     if scenario.fluid.water_level is not None:
         _add_spheres(element, job)
     # After the link, because a frame may be attached only to what is known.
     core = add(model, "frame", name="core", attached_to=LINK)
-    add(core, "pose", pose(link.core))
+    add(core, "pose", format_pose(link.core))
     _add_hydrodynamics(model, job, link, gazebo)
 
 
 def _add_spheres(element: ET.Element, job: ExportJob) -> None:
     """At a free surface Gazebo takes no mesh for buoyancy, and turns no shape but a sphere with the body."""
     body, cog = job.agent.body, job.agent.mass.cog
-    count = int(np.clip(round(1.5 * body.length / body.max_diameter), 4, _MOST_SPHERES))
-    note(
+    count = int(np.clip(round(1.5 * body.length / body.max_diameter), 4, _MAX_SPHERES))
+    add_comment(
         element, ["Buoyancy at a free surface: spheres of the volume of slices, which nothing collides with."]
     )
     for index, (x, volume, _) in enumerate(slices(body.outer, count)):
         collision = add(element, "collision", name=f"slice_{index}")
-        add(collision, "pose", pose(np.array([x, 0.0, 0.0]) - cog))
-        add(add(add(collision, "geometry"), "sphere"), "radius", number(np.cbrt(0.75 * volume / np.pi)))
+        add(collision, "pose", format_pose(np.array([x, 0.0, 0.0]) - cog))
+        add(
+            add(add(collision, "geometry"), "sphere"), "radius", format_number(np.cbrt(0.75 * volume / np.pi))
+        )
         add(add(add(collision, "surface"), "contact"), "collide_bitmask", "0")
 
 
 def _add_hydrodynamics(model: ET.Element, job: ExportJob, link: Link, gazebo: _Gazebo) -> None:
-    plugin = _plugin(model, gazebo, "hydrodynamics", "Hydrodynamics")
+    plugin = _add_plugin(model, gazebo, "hydrodynamics", "Hydrodynamics")
     add(plugin, "link_name", LINK)
-    note(plugin, ["The current, world frame, m/s."])
-    add(plugin, "default_current", numbers(job.scenario.current()))
+    add_comment(plugin, ["The current, world frame, m/s."])
+    add(plugin, "default_current", format_numbers(job.scenario.current()))
     lines = {
-        f"{_FORCES[i]}{_RATES[j]}": -link.linear_damping[i, j] for i, j in _entries(link.linear_damping)
+        f"{_FORCES[i]}{_RATES[j]}": -link.linear_damping[i, j] for i, j in _list_entries(link.linear_damping)
     } | {
         f"{_FORCES[i]}{_RATES[j]}abs{_RATES[j]}": -link.quadratic_damping[i, j]
-        for i, j in _entries(link.quadratic_damping)
+        for i, j in _list_entries(link.quadratic_damping)
     }
     if lines:
-        note(plugin, ["Damping, negative where it resists: force and moment by speed and rate."])
+        add_comment(plugin, ["Damping, negative where it resists: force and moment by speed and rate."])
     for tag, value in lines.items():
-        add(plugin, tag, number(value))
+        add(plugin, tag, format_number(value))
     if gazebo.solves_added_mass:
-        note(plugin, ["The added mass is the link's: here it would count twice."])
+        add_comment(plugin, ["The added mass is the link's: here it would count twice."])
         return
-    note(plugin, ["Added mass, negative; of its Coriolis forces Gazebo has those of the diagonal."])
-    for i, j in _entries(link.added_mass):
-        add(plugin, f"{_FORCES[i]}Dot{_RATES[j]}", number(-link.added_mass[i, j]))
+    add_comment(plugin, ["Added mass, negative; of its Coriolis forces Gazebo has those of the diagonal."])
+    for i, j in _list_entries(link.added_mass):
+        add(plugin, f"{_FORCES[i]}Dot{_RATES[j]}", format_number(-link.added_mass[i, j]))
 
 
-def _entries(matrix: FloatArray) -> list[tuple[int, int]]:
+def _list_entries(matrix: FloatArray) -> list[tuple[int, int]]:
     """Rows and columns of what is not zero, but for rounding."""
     found = np.argwhere(np.abs(matrix) > 1e-12 * np.abs(matrix).max())
     return [(int(i), int(j)) for i, j in found]
 
 
-def _push(title: str, link: Link, gazebo: _Gazebo, step: float) -> str:
+def _make_push_script(title: str, link: Link, gazebo: _Gazebo, step: float) -> str:
     """A script that gives the agent, and the water it moves, the momentum of the release within one step."""
     force = link.momentum / step
 
-    speed = numbers(link.velocity)
+    speed = format_numbers(link.velocity)
     return f"""#!/bin/sh
 # Releases the agent at {speed} m/s: run it while the world is paused, then press play.
-# The wrench acts for the first step of {number(step)} s, and is the momentum of the agent and its added mass over that.
+# The wrench acts for the first step of {format_number(step)} s, and is the momentum of the agent and its added mass over that.
 exec {gazebo.program} topic -t /world/{WORLD}/wrench -m {gazebo.messages}.EntityWrench -p '
 entity: {{name: "{title}::{LINK}", type: LINK}}
 wrench: {{
-  force: {fields(force[:3])}
-  torque: {fields(force[3:])}
+  force: {format_fields(force[:3])}
+  torque: {format_fields(force[3:])}
 }}'
 """

@@ -13,10 +13,17 @@ import numpy as np
 from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table, option
 from driftform.types import FloatArray, WrittenFile
-from driftform_robotics.models.folder import HULL, facts_of, hull_files, piece_path, pieces_of, save
-from driftform_robotics.models.link import Link, link_of, lost_by_folding
+from driftform_robotics.models.folder import HULL, cut_hull, hull_files, model_facts, piece_path, save_folder
+from driftform_robotics.models.link import Link, make_link, warn_of_folding
 from driftform_robotics.models.meshes import Piece
-from driftform_robotics.models.xml import add, document, identifier, note, number, numbers
+from driftform_robotics.models.xml import (
+    add,
+    add_comment,
+    format_document,
+    format_number,
+    format_numbers,
+    make_identifier,
+)
 
 ZERO = "0 0 0"
 
@@ -50,23 +57,23 @@ class UrdfExporter(Exporter[UrdfOptions]):
         WorkFailedError
             where the body has no solid, or the files cannot be written.
         """
-        body, title = job.agent.body, identifier(job.name)
-        pieces, link = pieces_of(body), link_of(job)
+        body, title = job.agent.body, make_identifier(job.name)
+        pieces, link = cut_hull(body), make_link(job)
         files = {
-            "agent.urdf": document(self._robot(title, job, link, pieces)),
+            "agent.urdf": format_document(self._make_robot(title, job, link, pieces)),
             **package_files(title, job.name),
             **hull_files(body, job.agent.mass.cog, pieces),
         }
-        return save(self.name, path, files, facts_of(link, lost_by_folding(body)))
+        return save_folder(self.name, path, files, model_facts(link, warn_of_folding(body)))
 
-    def _robot(self, title: str, job: ExportJob, link: Link, pieces: list[Piece]) -> ET.Element:
+    def _make_robot(self, title: str, job: ExportJob, link: Link, pieces: list[Piece]) -> ET.Element:
         root = ET.Element("robot", name=title)
-        note(
+        add_comment(
             root,
             [
                 "The origin is the centre of gravity; x is the axis, forward; z is up. URDF knows no water:",
-                f"it displaces {number(link.volume)} m3 about {numbers(link.buoyancy)} m, and its added mass is",
-                *(numbers(row) for row in link.added_mass),
+                f"it displaces {format_number(link.volume)} m3 about {format_numbers(link.buoyancy)} m, and its added mass is",
+                *(format_numbers(row) for row in link.added_mass),
             ],
         )
         # For MuJoCo, which drops the folders of meshes in a URDF; other programs pass over it.
@@ -94,15 +101,17 @@ def add_link(
     element = add(root, "link", name=name)
     inertial = add(element, "inertial")
     add(inertial, "origin", xyz=ZERO, rpy=ZERO)
-    add(inertial, "mass", value=number(link.mass))
+    add(inertial, "mass", value=format_number(link.mass))
     pairs = combinations_with_replacement(range(3), 2)
-    add(inertial, "inertia", **{f"i{'xyz'[i]}{'xyz'[j]}": number(link.inertia[i, j]) for i, j in pairs})
+    add(
+        inertial, "inertia", **{f"i{'xyz'[i]}{'xyz'[j]}": format_number(link.inertia[i, j]) for i, j in pairs}
+    )
     visual = add(element, "visual", name="hull")
     add(visual, "origin", xyz=ZERO, rpy=ZERO)
     add(add(visual, "geometry"), "mesh", filename=f"{folder}/{HULL}")
     for index, piece in enumerate(pieces):
         collision = add(element, "collision", name=f"piece_{index}")
-        add(collision, "origin", xyz=numbers(np.array([piece.x, 0.0, 0.0]) - cog), rpy=ZERO)
+        add(collision, "origin", xyz=format_numbers(np.array([piece.x, 0.0, 0.0]) - cog), rpy=ZERO)
         add(add(collision, "geometry"), "mesh", filename=f"{folder}/{piece_path(index)}")
 
 
@@ -123,4 +132,4 @@ find_package(catkin REQUIRED)
 catkin_package()
 install(DIRECTORY . DESTINATION ${{CATKIN_PACKAGE_SHARE_DESTINATION}})
 """
-    return {"package.xml": document(root), "CMakeLists.txt": build}
+    return {"package.xml": format_document(root), "CMakeLists.txt": build}

@@ -19,30 +19,30 @@ def add(parent: ET.Element, tag: str, text: str = "", **attributes: str) -> ET.E
     return found
 
 
-def note(parent: ET.Element, lines: Iterable[str]) -> None:
+def add_comment(parent: ET.Element, lines: Iterable[str]) -> None:
     """Append a comment, if there is anything to say; two dashes would end it."""
     text = "\n".join(line.replace("--", "- -") for line in lines)
     if text:
         parent.append(ET.Comment(f" {text} "))
 
 
-def document(root: ET.Element) -> str:
+def format_document(root: ET.Element) -> str:
     """Return the text of an XML file."""
     ET.indent(root)
     return '<?xml version="1.0" encoding="utf-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
 
-def number(value: float) -> str:
+def format_number(value: float) -> str:
     """Return a number with all the digits that matter, and no minus before a zero."""
     return f"{value + 0.0:.12g}"
 
 
-def numbers(values: npt.ArrayLike) -> str:
+def format_numbers(values: npt.ArrayLike) -> str:
     """Return an array's numbers in one line, row by row."""
-    return " ".join(number(value) for value in np.ravel(values).tolist())
+    return " ".join(format_number(value) for value in np.ravel(values).tolist())
 
 
-def angles(rotation: FloatArray) -> FloatArray:
+def roll_pitch_yaw(rotation: FloatArray) -> FloatArray:
     """Return roll, pitch and yaw (rad) of a rotation (3, 3): turns about the fixed x, y, z axes, in this order."""
     R = rotation
     pitch = np.arctan2(-R[2, 0], np.hypot(R[2, 1], R[2, 2]))
@@ -52,19 +52,19 @@ def angles(rotation: FloatArray) -> FloatArray:
     return np.array([np.arctan2(R[2, 1], R[2, 2]), pitch, np.arctan2(R[1, 0], R[0, 0])])
 
 
-def fields(values: FloatArray, names: str = "xyz") -> str:
+def format_fields(values: FloatArray, names: str = "xyz") -> str:
     """Return ``{x: 1, y: 2, z: 3}``, as YAML and messages of Gazebo have it."""
     pairs = zip(names, values.tolist(), strict=True)
-    return "{" + ", ".join(f"{name}: {number(value)}" for name, value in pairs) + "}"
+    return "{" + ", ".join(f"{name}: {format_number(value)}" for name, value in pairs) + "}"
 
 
-def pose(position: FloatArray, rotation: FloatArray | None = None) -> str:
+def format_pose(position: FloatArray, rotation: FloatArray | None = None) -> str:
     """Return ``x y z roll pitch yaw``, m and rad, as SDF takes it."""
-    turned = np.zeros(3) if rotation is None else angles(rotation)
-    return numbers(np.concatenate((position, turned)))
+    turned = np.zeros(3) if rotation is None else roll_pitch_yaw(rotation)
+    return format_numbers(np.concatenate((position, turned)))
 
 
-def identifier(name: str) -> str:
+def make_identifier(name: str) -> str:
     """Return a name that every format and ROS take: small letters, digits and underscores, a letter first.
 
     >>> identifier("r1-TP3"), identifier("2 fast"), identifier("world")

@@ -35,25 +35,25 @@ def write_bag(
                 topic.name,
                 full_name(topic.kind),
                 typestore=ros.store,
-                offered_qos_profiles=[_quality(topic.latched)],
+                offered_qos_profiles=[_make_qos(topic.latched)],
             )
             for topic in topics
         ]
-        streams = [_numbered(place, topic) for place, topic in enumerate(topics)]
+        streams = [_number_messages(place, topic) for place, topic in enumerate(topics)]
         for stamp, place, message in merge(*streams, key=lambda item: item[:2]):
             topic = topics[place]
-            writer.write(connections[place], stamp, ros.encoded(topic.kind, message))
+            writer.write(connections[place], stamp, ros.encode(topic.kind, message))
             counts[topic.name] += 1
     return counts
 
 
-def _numbered(place: int, topic: Topic) -> Iterator[tuple[int, int, Any]]:
+def _number_messages(place: int, topic: Topic) -> Iterator[tuple[int, int, Any]]:
     """Time, place of the topic, and message."""
     for stamp, message in topic.messages():
         yield stamp, place, message
 
 
-def _quality(latched: bool) -> Qos:
+def _make_qos(latched: bool) -> Qos:
     """Reliable; a latched topic keeps its last message for whoever comes later."""
     forever = QosTime(2_147_483_647, 4_294_967_295)
     return Qos(

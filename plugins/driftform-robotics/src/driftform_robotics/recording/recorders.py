@@ -30,7 +30,7 @@ class McapRecorder(Recorder[FlightOptions]):
             scratch = part.with_name(f"{part.name}.bag")
             bag = scratch / path.stem
             try:
-                facts.update(_write(bag, job, trajectory, self.options, "mcap"))
+                facts.update(_write_bag(bag, job, trajectory, self.options, "mcap"))
                 (bag / f"{bag.name}.mcap").replace(part)
             finally:
                 shutil.rmtree(scratch, ignore_errors=True)
@@ -54,7 +54,7 @@ class Rosbag2Recorder(Recorder[Rosbag2Options]):
         with write_folder(path) as part:
             # The writer makes a folder of its own, and names the file with the messages after it.
             bag = part / path.name
-            facts = _write(bag, job, trajectory, self.options, self.options.storage)
+            facts = _write_bag(bag, job, trajectory, self.options, self.options.storage)
             for file in bag.iterdir():
                 file.replace(part / file.name)
             bag.rmdir()
@@ -65,7 +65,7 @@ class Rosbag2Recorder(Recorder[Rosbag2Options]):
         )
 
 
-def _write(
+def _write_bag(
     folder: Path, job: ExportJob, trajectory: Trajectory, options: FlightOptions, storage: Storage
 ) -> dict[str, object]:
     from driftform_robotics.recording.bag import write_bag
@@ -73,7 +73,7 @@ def _write(
 
     found = FlightTopics(job, trajectory, options)
     notes = {"agent": job.name, "end": str(trajectory.end), "document": json.dumps(job.document)}
-    counts = write_bag(folder, found.topics(), found.ros, storage, notes)
+    counts = write_bag(folder, found.list_topics(), found.ros, storage, notes)
     return {
         "messages": sum(counts.values()),
         "duration": float(trajectory.t[-1]),
