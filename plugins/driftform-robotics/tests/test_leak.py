@@ -97,11 +97,11 @@ def test_the_result_hardly_depends_on_how_often_the_sensor_is_read() -> None:
 
 
 def test_still_water_is_a_reason_and_no_score() -> None:
-    with pytest.raises(ValueError, match="stands still"):
+    with pytest.raises(ValueError, match="is at rest"):
         Leak(LeakOptions()).score(along(0.0, 0.0), scenario((2.0, 0.5, 0.0), speed=0.0))
 
 
-def test_a_wrong_option_is_told_with_its_line(tmp_path: Path) -> None:
+def test_an_error_in_an_option_names_its_line(tmp_path: Path) -> None:
     path = tmp_path / "own.toml"
     path.write_text('base = "leak-search"\n[fitness]\nthreshhold = 1e-5\n')
     with pytest.raises(InputError, match=r"own\.toml:3: .*did you mean 'threshold'"):

@@ -192,7 +192,7 @@ def test_in_an_upright_pipe_a_leak_on_the_axis_has_a_side_all_the_same() -> None
 def test_without_a_pipe_or_a_current_there_is_no_plume() -> None:
     with pytest.raises(ValueError, match="open water"):
         make_plume(Scenario(), (0.0, 0.0, 0.0), RATE)
-    with pytest.raises(ValueError, match="stands still"):
+    with pytest.raises(ValueError, match="is at rest"):
         make_plume(SCENARIO.model_copy(update={"flow": UniformFlow(speed=0.0)}), (0.5, 0.5, 0.0), RATE)
 
 

@@ -1,4 +1,4 @@
-"""Link -> the ellipsoid that MuJoCo takes a body for in water.
+"""Link -> the ellipsoid by which MuJoCo computes the forces of water on a body.
 
 The forces are those of MuJoCo's documentation, "Computation: fluid forces, ellipsoid model", and of
 ``mj_ellipsoidFluidModel`` in ``src/engine/engine_passive.c``.
@@ -11,7 +11,7 @@ import numpy as np
 from driftform_robotics.models.link import Link
 
 _MAX_SLENDERNESS = 1e4
-"""Greatest slenderness, and flatness, of the ellipsoid."""
+"""Greatest ratio of length to diameter, and of diameter to length, of the ellipsoid."""
 
 
 @dataclass(frozen=True)
@@ -23,9 +23,9 @@ class Ellipsoid:
     along, across
         half axes, m.
     x
-        its centre, from the centre of gravity, m.
+        position of its centre along the axis, relative to the centre of gravity, m.
     blunt, slender, angular
-        MuJoCo's coefficients of drag.
+        MuJoCo's drag coefficients.
     """
 
     along: float
@@ -36,7 +36,7 @@ class Ellipsoid:
     angular: float
 
     def added_inertia(self, density: float) -> float:
-        """Added mass moment of inertia about a transverse axis through its centre, kg m2 (Lamb, section 115)."""
+        """Return the added moment of inertia about a transverse axis through the centre, kg m2 (Lamb, section 115)."""
         a, b = self.along, self.across
         alpha, beta = _lamb_coefficients(b / a)
         S, D = a * a + b * b, a * a - b * b
@@ -47,7 +47,7 @@ class Ellipsoid:
 
 
 def _lamb_coefficients(ratio: float) -> tuple[float, float]:
-    """Return alpha_0 and beta_0 of a spheroid whose radius is ``ratio`` of its half axis.
+    """Return alpha_0 and beta_0 of a spheroid whose radius is ``ratio`` times its half length.
 
     Lamb, Hydrodynamics (6th ed.), section 114: alpha_0 = a b^2 int_0^inf dl / ((a^2 + l)^(3/2) (b^2 + l)), which is
     2/3 a b^2 R_D(b^2, b^2, a^2) by Carlson's integral (DLMF 19.16.5); the three sum to 2.
@@ -60,7 +60,9 @@ def _lamb_coefficients(ratio: float) -> tuple[float, float]:
 
 
 def added_mass_factors(ratio: float) -> tuple[float, float]:
-    """Return added over displaced mass of a spheroid along and across its axis; ``ratio`` is radius over half axis.
+    """Return the ratios of added to displaced mass of a spheroid along and across its axis.
+
+    ``ratio`` is its radius over its half length.
 
     >>> [round(k, 4) for k in added_mass_factors(0.5)]
     [0.21, 0.7042]
@@ -70,9 +72,9 @@ def added_mass_factors(ratio: float) -> tuple[float, float]:
 
 
 def fit_ellipsoid(link: Link, density: float) -> Ellipsoid:
-    """Return the spheroid whose added mass along and across, and centre, are those of the link.
+    """Return the spheroid that has the link's added mass along and across its axis, at the same centre.
 
-    Its drag is that of the link along each axis alone, as far as positive coefficients can give it.
+    Its drag equals that of the link for motion along each axis alone, as far as positive coefficients allow.
     """
     from scipy.optimize import brentq
 
@@ -91,10 +93,11 @@ def fit_ellipsoid(link: Link, density: float) -> Ellipsoid:
 
 
 def _fit_drag(link: Link, density: float, a: float, b: float) -> tuple[float, float, float]:
-    """Return blunt, slender and angular drag.
+    """Return the blunt, slender and angular drag coefficients.
 
-    At a speed along an axis that shows the area A, MuJoCo's force is rho (blunt A + slender (A_max - A)) v^2; turning
-    across the axis its moment is rho angular 8/15 pi b max(a, b)^4 w^2.
+    For motion at the speed v along an axis with the projected area A, MuJoCo's force is
+    rho (blunt A + slender (A_max - A)) v^2; for rotation across the axis its moment is
+    rho angular 8/15 pi b max(a, b)^4 w^2.
     """
     ends, side = np.pi * b * b, np.pi * a * b
     surge, sway, pitch = (float(link.quadratic_damping[i, i]) / density for i in (0, 1, 4))

@@ -1,4 +1,4 @@
-"""The pipe as other simulators take it: a ring of planks to collide with, and a tube to look at."""
+"""The pipe for other simulators: a ring of planks for collisions, and a tube for display."""
 
 from dataclasses import dataclass
 
@@ -9,15 +9,15 @@ from driftform.types import FloatArray
 from driftform_robotics.models.meshes import Mesh, tube
 
 PLANKS = 64
-"""Planks around the bore: their faces lie within 0.08 % of its radius from the circle."""
+"""Number of planks around the bore: their faces lie within 0.08 % of its radius from the circle."""
 
 RELATIVE_THICKNESS = 0.02
-"""Thickness of the wall over the radius of the bore."""
+"""Thickness of the wall, relative to the radius of the bore."""
 
 
 @dataclass(frozen=True, eq=False)
 class Plank:
-    """A box: its ``size`` along its own axes (m), its ``position`` (m) and ``rotation`` (3, 3) in the pipe's frame."""
+    """A box: ``size`` along its own axes (m), ``position`` (m) and ``rotation`` (3, 3) in the pipe's frame."""
 
     size: FloatArray
     position: FloatArray
@@ -26,9 +26,9 @@ class Plank:
 
 @dataclass(frozen=True, eq=False)
 class Bore:
-    """A straight piece of pipe about the x axis of its own frame, whose origin is its middle.
+    """A straight pipe about the x axis of its frame, whose origin is the middle of the pipe.
 
-    ``position`` (m) and ``rotation`` (3, 3) are those of that frame in the world.
+    ``position`` (m) and ``rotation`` (3, 3) give that frame in the world.
     """
 
     length: float
@@ -42,11 +42,11 @@ class Bore:
         return RELATIVE_THICKNESS * self.radius
 
     def make_mesh(self) -> Mesh:
-        """The wall as one closed mesh."""
+        """Return the wall as one closed mesh."""
         return tube(self.length, self.radius, self.thickness)
 
     def make_planks(self) -> list[Plank]:
-        """The wall as boxes, because a mesh of a pipe would be taken for its convex hull, which is solid.
+        """Return the wall as boxes, because programs replace a mesh by its convex hull, which is solid for a pipe.
 
         The polygon of their inner faces has the area of the bore.
         """
@@ -63,11 +63,11 @@ class Bore:
 
 
 def make_bore(segment: Segment) -> Bore:
-    """Return a segment of a scenario's pipe with a frame of its own."""
+    """Return a segment of a scenario's pipe with its frame."""
     start, end = np.array(segment.start), np.array(segment.end)
     length = float(np.linalg.norm(end - start))
     axis = (end - start) / length
-    # Any direction across will do, as long as it is well across.
+    # Any direction across will do; the axis of the world with the smallest component is far from parallel.
     across = np.cross(np.eye(3)[int(np.argmin(np.abs(axis)))], axis)
     across /= np.linalg.norm(across)
     rotation = np.column_stack((axis, across, np.cross(axis, across)))

@@ -1,4 +1,4 @@
-"""What SDF worlds have around the agent: light, the pipe and its targets."""
+"""The surroundings of the agent in SDF worlds: light, the pipe and the targets."""
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
@@ -13,8 +13,12 @@ from driftform_robotics.models.xml import add, add_comment, format_number, forma
 _GLASS, _RED = "0.6 0.8 0.9 1", "0.9 0.2 0.1 1"
 
 
-def add_light(world: ET.Element) -> None:
-    """Append a light from above, so that the world needs none from elsewhere."""
+def add_scene(world: ET.Element) -> None:
+    """Append the colours of the scene and a light from above, so that the world includes no other files."""
+    scene = add(world, "scene")
+    add(scene, "ambient", "0.6 0.6 0.6 1")
+    add(scene, "background", "0.7 0.8 0.9 1")
+    add(scene, "shadows", "false")
     light = add(world, "light", type="directional", name="sun")
     add(light, "pose", "0 0 10 0 0 0")
     add(light, "cast_shadows", "false")
@@ -44,9 +48,9 @@ def _add_material(visual: ET.Element, colour: str) -> None:
 def add_pipe(
     world: ET.Element, scenario: Scenario, offset: FloatArray, meshes: list[str]
 ) -> ET.Element | None:
-    """Append the pipe, moved by ``offset`` (m), and return its model; none in open water.
+    """Append the pipe, moved by ``offset`` (m), and return its model, or ``None`` in open water.
 
-    Its wall collides as planks. It looks like ``meshes``, one for each segment, or without any like the planks.
+    The wall collides as planks. It is displayed as ``meshes``, one for each segment, or, without meshes, as the planks.
     """
     if not scenario.pipe.segments:
         return None
@@ -54,7 +58,7 @@ def add_pipe(
     link = add(model, "link", name="wall")
     add_comment(
         link,
-        ["The wall is a ring of planks: a mesh of it would be taken for its convex hull, which is solid."],
+        ["The wall is a ring of planks: simulators replace a mesh by its convex hull, which is solid."],
     )
     for index, segment in enumerate(scenario.pipe.segments):
         bore = make_bore(segment)
@@ -83,7 +87,7 @@ def _add_glass(visual: ET.Element) -> None:
 
 
 def add_targets(world: ET.Element, scenario: Scenario, offset: FloatArray) -> ET.Element | None:
-    """Append the targets as marks that nothing collides with, moved by ``offset`` (m), and return their model."""
+    """Append the targets as marks without collision, moved by ``offset`` (m); return their model, ``None`` without targets."""
     if not scenario.targets:
         return None
     radius = 0.02 * min((segment.radius for segment in scenario.pipe.segments), default=1.0)
@@ -98,7 +102,7 @@ def add_targets(world: ET.Element, scenario: Scenario, offset: FloatArray) -> ET
 
 
 def make_static(models: Iterable[ET.Element | None]) -> None:
-    """Make models stand still."""
+    """Make models immovable."""
     for model in models:
         if model is not None:
             add(model, "static", "true")

@@ -11,18 +11,18 @@ from driftform.types import FloatArray
 from driftform_robotics.recording.options import Release
 
 SECOND = 1_000_000_000
-"""Nanoseconds."""
+"""Nanoseconds in a second."""
 
 
 class Messages:
-    """Makes messages of a release, and their bytes; fields that are not given are zero or empty."""
+    """Makes messages of a release and encodes them; fields without a value are zero or empty."""
 
     def __init__(self, release: Release) -> None:
         self.store = get_typestore(Stores[f"ROS2_{release.upper()}"])
         self._zeros: dict[str, Mapping[str, Any]] = {}
 
     def make(self, kind: str, **fields: Any) -> Any:
-        """Return a message, such as ``new("geometry_msgs/Vector3", x=1.0)``; a field that it has not is left out."""
+        """Return a message, such as ``make("geometry_msgs/Vector3", x=1.0)``; fields that the type lacks are left out."""
         name = full_name(kind)
         zeros = self._list_zeros(name)
         return self.store.types[name](**{key: fields.get(key, zero) for key, zero in zeros.items()})
@@ -32,22 +32,22 @@ class Messages:
         return bytes(self.store.serialize_cdr(message, full_name(kind)))
 
     def make_header(self, stamp: int, frame: str) -> Any:
-        """A header with a time in ns."""
+        """Return a header; ``stamp`` is in ns."""
         time = self.make("builtin_interfaces/Time", sec=stamp // SECOND, nanosec=stamp % SECOND)
         return self.make("std_msgs/Header", stamp=time, frame_id=frame)
 
     def make_vector(self, values: FloatArray, kind: str = "geometry_msgs/Vector3") -> Any:
-        """A vector, or a point."""
+        """Return a vector or a point."""
         x, y, z = map(float, values)
         return self.make(kind, x=x, y=y, z=z)
 
     def make_quaternion(self, values: FloatArray) -> Any:
-        """A quaternion of ours (w, x, y, z), which ROS writes x, y, z, w."""
+        """Return a quaternion of driftform (w, x, y, z) in the order of ROS: x, y, z, w."""
         w, x, y, z = map(float, values)
         return self.make("geometry_msgs/Quaternion", x=x, y=y, z=z, w=w)
 
     def make_pose(self, position: FloatArray, quaternion: FloatArray) -> Any:
-        """A position with an attitude."""
+        """Return a position with an attitude."""
         point = self.make_vector(position, "geometry_msgs/Point")
         return self.make("geometry_msgs/Pose", position=point, orientation=self.make_quaternion(quaternion))
 
@@ -71,7 +71,7 @@ class Messages:
 
 
 def full_name(kind: str) -> str:
-    """The name of a message's type with ``/msg/`` in it.
+    """Return the full name of a message type, with ``/msg/``.
 
     >>> full_name("nav_msgs/Path")
     'nav_msgs/msg/Path'

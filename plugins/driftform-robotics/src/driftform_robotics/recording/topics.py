@@ -1,4 +1,4 @@
-"""A flight as topics: which messages there are, in which frames, and when."""
+"""A flight as topics: the messages, their frames and their times."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -20,19 +20,19 @@ from driftform_robotics.recording.options import FlightOptions
 WORLD = "world"
 
 ON_WALL = 0.01
-"""A target that is so near to the wall, relative to the bore's radius, is a leak."""
+"""Largest distance of a leak from the wall, relative to the bore's radius: such targets are leaks."""
 
 SEGMENTS = 24
-"""Corners of the agent's circles in its marker."""
+"""Corners of the circles of the agent's marker."""
 
 GREY, ORANGE, VERMILLION = (0.6, 0.65, 0.7, 0.15), (0.9, 0.6, 0.0, 1.0), (0.84, 0.37, 0.0, 0.9)
 
 
 @dataclass(frozen=True, eq=False)
 class Topic:
-    """A topic: its ``name``, the ``kind`` of its messages, and what gives them with their times in ns.
+    """A topic: its ``name``, the ``kind`` of its messages, and a function that yields times in ns and ``messages``.
 
-    Messages of a ``latched`` topic are told to whoever comes later, too.
+    Later subscribers also receive the last message of a ``latched`` topic.
     """
 
     name: str
@@ -45,13 +45,13 @@ class FlightTopics:
     """All topics of one flight."""
 
     def __init__(self, job: ExportJob, trajectory: Trajectory, options: FlightOptions) -> None:
-        self.job, self.flight, self.options = job, trajectory, options
+        self.job, self.trajectory, self.options = job, trajectory, options
         self.ros = Messages(options.release)
         self.stamps = [round(options.start * SECOND) + round(float(t) * SECOND) for t in trajectory.t]
         self.base = f"{options.namespace}/base_link"
 
     def list_topics(self) -> list[Topic]:
-        """The topics that there is anything to tell on."""
+        """Return the topics that have messages."""
         name = self.options.namespace
         found = [
             Topic("/tf_static", "tf2_msgs/TFMessage", self._make_static_tf, latched=True),
@@ -74,17 +74,17 @@ class FlightTopics:
 
     @cached_property
     def accelerations(self) -> FloatArray:
-        """Those of the equations of motion, (k, 6)."""
-        return accelerations_along(self.flight, self.job.agent, self.job.scenario)
+        """Accelerations by the equations of motion, (k, 6)."""
+        return accelerations_along(self.trajectory, self.job.agent, self.job.scenario)
 
     @cached_property
     def sensor_positions(self) -> FloatArray:
-        """Where the sensors are, world frame, m, (k, 3)."""
-        return sensors.point_positions(self.flight, np.array(self.options.sensor))
+        """Positions of the sensors, world frame, m, (k, 3)."""
+        return sensors.point_positions(self.trajectory, np.array(self.options.sensor))
 
     @cached_property
     def plumes(self) -> list[Plume]:
-        """Those of the targets on the wall; none where the water stands still."""
+        """Plumes of the targets on the wall; empty if the water is at rest."""
         scenario = self.job.scenario
         if not scenario.targets or scenario.flow.speed == 0:
             return []
@@ -97,7 +97,7 @@ class FlightTopics:
         ]
 
     def _make_rng(self, sensor: int) -> np.random.Generator:
-        # Each sensor has its own noise, whichever others there are.
+        # The noise of a sensor does not depend on the other sensors.
         return np.random.default_rng((self.options.seed, sensor))
 
     def _make_transform(
@@ -116,7 +116,7 @@ class FlightTopics:
         )
 
     def _make_tf(self) -> Iterator[tuple[int, Any]]:
-        samples = zip(self.stamps, self.flight.position, self.flight.quaternion, strict=True)
+        samples = zip(self.stamps, self.trajectory.position, self.trajectory.quaternion, strict=True)
         for stamp, place, turned in samples:
             moved = self._make_transform(stamp, WORLD, self.base, place, turned)
             yield stamp, self.ros.make("tf2_msgs/TFMessage", transforms=[moved])
@@ -133,7 +133,7 @@ class FlightTopics:
         yield self.stamps[0], self.ros.make("tf2_msgs/TFMessage", transforms=fixed)
 
     def _make_odometry(self) -> Iterator[tuple[int, Any]]:
-        flight = self.flight
+        flight = self.trajectory
         samples = zip(self.stamps, flight.position, flight.quaternion, flight.velocity, strict=True)
         for stamp, place, turned, velocity in samples:
             twist = self.ros.make(
@@ -162,14 +162,14 @@ class FlightTopics:
                 pose=self.ros.make_pose(place, turned),
             )
             for stamp, place, turned in zip(
-                self.stamps, self.flight.position, self.flight.quaternion, strict=True
+                self.stamps, self.trajectory.position, self.trajectory.quaternion, strict=True
             )
         ]
         header = self.ros.make_header(self.stamps[0], WORLD)
         yield self.stamps[0], self.ros.make("nav_msgs/Path", header=header, poses=poses)
 
     def _make_wrenches(self) -> Iterator[tuple[int, Any]]:
-        found = net_wrench(self.flight, self.accelerations, self.job.agent.mass)
+        found = net_wrench(self.trajectory, self.accelerations, self.job.agent.mass)
         for stamp, values in zip(self.stamps, found, strict=True):
             wrench = self.ros.make(
                 "geometry_msgs/Wrench",
@@ -182,14 +182,14 @@ class FlightTopics:
     def _make_imu(self) -> Iterator[tuple[int, Any]]:
         options, rng = self.options, self._make_rng(0)
         gravity = self.job.scenario.fluid.gravity
-        force = sensors.specific_force(self.flight, self.accelerations, np.array(options.sensor), gravity)
+        force = sensors.specific_force(self.trajectory, self.accelerations, np.array(options.sensor), gravity)
         force = sensors.add_noise(force, options.acceleration_noise, rng)
-        rates = sensors.add_noise(self.flight.velocity[:, 3:], options.rate_noise, rng)
+        rates = sensors.add_noise(self.trajectory.velocity[:, 3:], options.rate_noise, rng)
         covariances = {
             "linear_acceleration_covariance": (options.acceleration_noise**2 * np.eye(3)).ravel(),
             "angular_velocity_covariance": (options.rate_noise**2 * np.eye(3)).ravel(),
         }
-        for stamp, turned, f, w in zip(self.stamps, self.flight.quaternion, force, rates, strict=True):
+        for stamp, turned, f, w in zip(self.stamps, self.trajectory.quaternion, force, rates, strict=True):
             yield (
                 stamp,
                 self.ros.make(
@@ -230,7 +230,7 @@ class FlightTopics:
                 self.ros.make(
                     "sensor_msgs/Range",
                     header=self._make_sensor_header(stamp),
-                    # In all directions: the distance of the nearest point of the wall.
+                    # All directions: the distance is that of the nearest point of the wall.
                     field_of_view=2 * np.pi,
                     max_range=pipe.segments[0].radius,
                     range=float(value),
@@ -240,7 +240,9 @@ class FlightTopics:
 
     def _make_clearances(self) -> Iterator[tuple[int, Any]]:
         body, pipe = self.job.agent.body, self.job.scenario.pipe
-        return self._make_readings(sensors.clearance(self.flight, body, pipe), self.options.distance_noise, 3)
+        return self._make_readings(
+            sensors.clearance(self.trajectory, body, pipe), self.options.distance_noise, 3
+        )
 
     def _make_concentrations(self) -> Iterator[tuple[int, Any]]:
         found = sum(
@@ -326,7 +328,7 @@ class FlightTopics:
 
 
 def _turn_z_to(direction: FloatArray) -> FloatArray:
-    """The quaternion that turns z, the axis of a cylinder, into a direction, (4,)."""
+    """Return the quaternion that rotates z, the axis of a cylinder, to a direction, (4,)."""
     axis = direction / np.linalg.norm(direction)
     across = np.array([-axis[1], axis[0], 0.0])
     sine = np.linalg.norm(across)
