@@ -111,7 +111,7 @@ def test_edges_without_length_or_on_the_axis_do_not_count():
     ids=["nothing", "open aft", "open fore", "beyond the axis"],
 )
 def test_a_contour_that_bounds_no_body_is_refused(contour):
-    with pytest.raises(ValueError, match="starts and ends on the axis"):
+    with pytest.raises(ValueError, match="must start and end on the axis"):
         make_panels(contour, 15, 0.2)
 
 

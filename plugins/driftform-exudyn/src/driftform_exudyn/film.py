@@ -1,4 +1,4 @@
-"""A flight as a film or as a still, made by Exudyn's ray tracer."""
+"""A flight as a film or as a still, by Exudyn's ray tracer."""
 
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
@@ -19,37 +19,38 @@ if TYPE_CHECKING:
     from driftform_exudyn.stage import Image
 
 PATH_STEP = 0.04
-"""Spacing of the times that the path on a still is drawn through, s."""
+"""Time between two points of the path on a still, s."""
 
 PALETTE_FRAMES = 8
-"""Frames that stand for all where the format of a film has a palette."""
+"""Number of frames from which the palette of a film is made."""
 
 
 class FilmOptions(Table):
-    """How large a film is, how fast, and what it shows."""
+    """Size, speed and view of a film."""
 
     width: int = option(800, "width of the film", "px", ge=64, le=4096, multiple_of=2)
     height: int = option(500, "height of the film", "px", ge=64, le=4096, multiple_of=2)
-    fps: float = option(25.0, "frames for each second of the film", "1/s", gt=0, le=120)
+    fps: float = option(25.0, "frames per second of the film", "1/s", gt=0, le=120)
     speed: float = option(
         1.0,
-        "seconds of the flight in one second of the film: less than 1 is slow motion",
+        "seconds of the flight per second of the film; less than 1 is slow motion",
         "",
         ge=0.001,
         le=1000,
     )
     view: Literal["both", "follow", "side"] = option(
-        "both", "'follow': the agent from close by; 'side': the whole pipe; 'both': one above the other"
+        "both",
+        "'follow': close view of the agent; 'side': the whole pipe; 'both': the first above the second",
     )
     rays: int = option(
-        2, "rays along each side of a pixel: more give smoother edges, and take longer", ge=1, le=4
+        2, "rays along each side of a pixel: more rays give smoother edges and take longer", ge=1, le=4
     )
 
 
 class ExudynRenderer(Renderer[FilmOptions]):
     """A film or a still by Exudyn's ray tracer, which needs no display; ffmpeg encodes films.
 
-    The agent's modules are in two shades, its fore end is blue; the pipe is cut open, with rings at equal distances.
+    The agent's modules have two alternating shades, its fore end is blue; the pipe is cut open, with equally spaced rings.
     """
 
     name = "exudyn"
@@ -58,7 +59,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
     Options = FilmOptions
 
     def check(self, path: Path) -> None:
-        """Refuse other suffixes, and any film where there is no ffmpeg."""
+        """Raise an error for other suffixes, and for any film if ffmpeg is not installed."""
         super().check(path)
         find_ffmpeg()
 
@@ -70,7 +71,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
         path: Path,
         progress: Callable[[int, int], None],
     ) -> WrittenFile:
-        """Make the film. Facts: ``frames``, ``seconds`` of the film, ``size_px``."""
+        """Write the film. Facts: ``frames``, ``seconds`` of the film, ``size_px``."""
         from driftform.trajectory.resampling import even_times
         from driftform_exudyn.scene import Scene
 
@@ -79,17 +80,17 @@ class ExudynRenderer(Renderer[FilmOptions]):
         t = even_times(float(trajectory.t[-1]), self.options.speed / fps)
         scene = Scene(agent, trajectory, scenario, t, self._letter_height)
 
-        def images(frames: Iterable[int]) -> "Iterator[Image]":
+        def render(frames: Iterable[int]) -> "Iterator[Image]":
             yield from map(self._make_view(scene), frames)
 
-        def counted() -> "Iterator[Image]":
-            for done, image in enumerate(images(range(len(t))), start=1):
+        def render_all() -> "Iterator[Image]":
+            for done, image in enumerate(render(range(len(t))), start=1):
                 yield image
                 progress(done, len(t))
 
         def write(part: Path) -> None:
             some = np.unique(np.linspace(0, len(t) - 1, PALETTE_FRAMES).astype(int))
-            encode(counted(), images(some), part, path.suffix.lower(), fps)
+            encode(render_all(), render(some), part, path.suffix.lower(), fps)
 
         _save(path, write)
         return WrittenFile(self.name, str(path), {"frames": len(t), "seconds": len(t) / fps, "size_px": size})
@@ -97,7 +98,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
     def still(
         self, agent: Agent, trajectory: Trajectory, scenario: Scenario, path: Path, at: float
     ) -> WrittenFile:
-        """Make the still: from the side it has the agent at equal intervals too. Facts: ``t``, ``size_px``."""
+        """Write the still; the side view also shows the agent at equal intervals. Facts: ``t``, ``size_px``."""
         from driftform.figures.png import png_bytes
         from driftform.trajectory.resampling import even_times
         from driftform_exudyn.scene import Scene
@@ -121,7 +122,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
         return min(24.0, max(8.0, self._size[0] / 64), min(self._size) / 16)
 
     def _make_view(self, scene: "Scene") -> "Callable[[int], Image]":
-        """Return what makes the image of a frame; frames are asked for in their order."""
+        """Return the function that renders a frame; frames must be rendered in order."""
         from driftform_exudyn.follow import FollowView
         from driftform_exudyn.side import SideView, wanted_height
 
@@ -139,7 +140,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
 
 
 def _save(path: Path, write: Callable[[Path], object]) -> None:
-    """Write a file that appears whole or not at all."""
+    """Write a file completely or not at all."""
     try:
         write_whole(path, write)
     except OSError as error:

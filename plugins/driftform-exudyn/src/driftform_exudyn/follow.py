@@ -1,4 +1,4 @@
-"""The agent from close by: its shape, its attitude, and what it passes."""
+"""A close view of the agent: its shape, its attitude and its surroundings."""
 
 import numpy as np
 
@@ -11,17 +11,17 @@ from driftform_exudyn.stage import Camera, Image, Stage
 from driftform_exudyn.surroundings import make_lattice, round_down
 
 ELEVATION = np.deg2rad(12.0)
-"""How far above the horizon the viewer is: enough to see that the body is round."""
+"""Elevation of the viewer above the horizontal, rad: enough to show that the body is round."""
 
 MIN_DISTANCE = 2.0
-"""Least distance of the viewer over the shorter side of what is seen there."""
+"""Least distance of the viewer, relative to the shorter side of the visible area."""
 
 MARGIN = 1.3
-"""Half the shorter side of the image over the reach of the body, which fits in whatever its attitude."""
+"""Half of the shorter side of the visible area, relative to the reach of the body: the body fits in any attitude."""
 
 
 class FollowView:
-    """A camera that goes with the middle of the body."""
+    """A camera that follows the middle of the body."""
 
     def __init__(self, scene: Scene, size: tuple[int, int], rays: int) -> None:
         self._scene, self._size = scene, size
@@ -31,17 +31,20 @@ class FollowView:
         towards = np.cos(ELEVATION) * viewer + np.sin(ELEVATION) * up
         axes = np.stack([right, np.cross(towards, right), towards])
         room = 2 * MARGIN * self._reach(axes)
-        # From too close to a small body, a wide pipe would be all there is to see.
+        # From a viewer close to a small body, the wall of a wide pipe would fill the image.
         widest = max((bore.radius for bore in scene.bores), default=0.0)
         self._camera = Camera(axes, min(size) / room, max(MIN_DISTANCE * room, widest / 2))
         self._stage = Stage(make_hull(body), self._camera, rays, scene.line_width)
 
     def _reach(self, axes: FloatArray) -> float:
-        """Half of what the body needs of the shorter side of the image, m: as it lies on a still, else however it lies."""
+        """Return half of the space that the body needs along the shorter side of the image, m.
+
+        For a still it is that of the attitude shown; for a film it is enough for any attitude.
+        """
         scene, outer = self._scene, self._scene.agent.body.outer - self._middle[:2]
         if scene.still is None:
             return float(np.linalg.norm(outer, axis=1).max())
-        # A ring about the axis is as high as its radius times what is seen of it from the side.
+        # The projected height of a ring about the axis is its radius times the sine of the angle of view.
         axis = axes[:2] @ scene.poses[scene.still].rotation[:, 0]
         half = np.abs(outer[:, :1] * axis) + outer[:, 1:] * np.sqrt(1 - axis**2)
         return float((half.max(axis=0) * min(self._size) / np.array(self._size)).max())
@@ -59,7 +62,7 @@ class FollowView:
         near = float(width)
         for bore in scene.bores:
             along, up, back = bore.axes @ (focus - bore.start)
-            # What is behind the agent looks smaller, so that more of it is in view.
+            # Objects behind the agent look smaller, so that more of them is visible.
             depth = max(0.0, bore.radius - back)
             shrink = 1 + depth / camera.distance
             wide, high = 0.6 * width * shrink, 0.6 * height * shrink + depth * np.tan(ELEVATION)

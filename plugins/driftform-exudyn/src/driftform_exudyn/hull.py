@@ -1,4 +1,4 @@
-"""An agent's hull to look at: its modules in two shades, its fore end in another colour."""
+"""The hull of an agent for display: modules in two shades, the fore end in another colour."""
 
 from collections.abc import Iterable
 
@@ -9,7 +9,7 @@ from driftform.types import Body, FloatArray
 from driftform_exudyn.shapes import FULL_TURN, Shape, revolve
 
 NOSE_SHARE = 0.1
-"""Share of the length that is painted as the fore end."""
+"""Share of the length that has the colour of the fore end."""
 
 
 def make_hull(body: Body, scale: float = 1.0) -> Shape:
@@ -24,7 +24,7 @@ def make_hull(body: Body, scale: float = 1.0) -> Shape:
 
 
 def _split_contour(contour: FloatArray, cuts: Iterable[float]) -> FloatArray:
-    """The contour with a point wherever it crosses one of the ``cuts`` (x, m), and without edges of no length."""
+    """Return the contour with a point wherever it crosses one of the ``cuts`` (x, m), without edges of zero length."""
     for x in cuts:
         (crossing,) = np.nonzero((contour[:-1, 0] - x) * (contour[1:, 0] - x) < 0)
         p, q = contour[crossing], contour[crossing + 1]

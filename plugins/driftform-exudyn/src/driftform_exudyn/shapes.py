@@ -1,4 +1,4 @@
-"""What is seen, as Exudyn takes it (``GraphicsData``): metres and colours in, triangles, lines and texts out."""
+"""Shapes for Exudyn (``GraphicsData``): triangles, lines and texts from lengths in m and colours."""
 
 from collections.abc import Sequence
 from typing import Any, TypeAlias
@@ -19,7 +19,7 @@ POINT_KEYS = ("points", "data", "position")
 """Keys of a shape that hold points."""
 
 GLOWING = 1001.0
-"""In place of an opacity: the ray tracer's material 1, which the stage makes light by itself."""
+"""Value of an opacity that selects the ray tracer's material 1, which the stage makes luminous."""
 
 
 def rgba(colour: str, opacity: float = 1.0) -> list[float]:
@@ -32,16 +32,16 @@ def rgba(colour: str, opacity: float = 1.0) -> list[float]:
 
 
 def make_line(points: npt.ArrayLike, colour: str) -> Shape:
-    """A line of constant width through points (n, 3), at least one."""
+    """Return a line of constant width through points (n, 3), at least one."""
     corners = np.asarray(points, dtype=np.float64)
-    # The last point twice, because Exudyn has no line through a single one.
+    # The last point twice: Exudyn cannot draw a line with a single point.
     return {"type": "Line", "color": rgba(colour), "data": np.vstack([corners, corners[-1:]]).ravel()}
 
 
 def thin(points: FloatArray, gap: float) -> FloatArray:
-    """Return points (n, 3) of a polyline about ``gap`` (m) apart, the first and the last among them.
+    """Return points of a polyline (n, 3) about ``gap`` (m) apart, with the first and the last.
 
-    The ray tracer drops what is shorter than a pixel.
+    The ray tracer drops segments shorter than a pixel.
     """
     gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     kept = np.diff(np.floor(gone / gap), prepend=-1.0) > 0
@@ -50,7 +50,7 @@ def thin(points: FloatArray, gap: float) -> FloatArray:
 
 
 def make_text(point: FloatArray, words: str, colour: str, size: float) -> Shape:
-    """Words in letters of ``size`` px, to the right of a point (3,)."""
+    """Return text in letters of ``size`` px, to the right of a point (3,)."""
     return {
         "type": "Text",
         "position": point,
@@ -64,12 +64,12 @@ def make_text(point: FloatArray, words: str, colour: str, size: float) -> Shape:
 def make_ribbons(
     grid: FloatArray, normals: FloatArray, colours: Sequence[str], opacity: float = 1.0
 ) -> Shape:
-    """Ribbons of triangles.
+    """Return ribbons of triangles.
 
     Parameters
     ----------
     grid, normals
-        both edges of each ribbon, and what they face, (ribbons, 2, n, 3).
+        points of both edges of each ribbon, and their normals, (ribbons, 2, n, 3).
     colours
         one for each ribbon.
     opacity
@@ -90,16 +90,16 @@ def make_ribbons(
 def revolve(
     contour: FloatArray, axes: FloatArray, angles: FloatArray, colours: Sequence[str], opacity: float = 1.0
 ) -> Shape:
-    """The surface that a meridian sweeps about the origin.
+    """Return the surface of revolution of a meridian about an axis through the origin.
 
     Parameters
     ----------
     contour
-        positions along the axis, and radii, (n, 2); the surface faces to the left of it.
+        positions along the axis, and radii, m, (n, 2); the surface faces to the left of the contour.
     axes
-        the axis, and the directions that angles are counted from and towards: rows, (3, 3).
+        the axis, the direction of angle 0 and the direction of angle pi/2, as rows, (3, 3).
     angles
-        where the surface has corners, rad, (k,).
+        angles of the corners of the surface, rad, (k,).
     colours
         one for each edge of the contour.
     opacity
@@ -108,26 +108,26 @@ def revolve(
     along, rise = np.diff(contour, axis=0).T[..., None, None]
     out = np.cos(angles)[:, None] * axes[1] + np.sin(angles)[:, None] * axes[2]
     rims = contour[:, 0, None, None] * axes[0] + contour[:, 1, None, None] * out
-    # Each edge has normals of its own, so that rims look sharp.
+    # The normals are constant along each edge, so that rims look sharp.
     normals = (along * out - rise * axes[0]) / np.hypot(along, rise)
     edges = np.stack([rims[:-1], rims[1:]], axis=1)
     return make_ribbons(edges, np.stack([normals, normals], axis=1), colours, opacity)
 
 
 def place(shape: Shape, scale: float, offset: npt.ArrayLike) -> Shape:
-    """The shape magnified about the origin, then moved by ``offset``."""
+    """Return the shape magnified about the origin, then moved by ``offset``."""
     found = [key for key in POINT_KEYS if key in shape]
     return {**shape, **{key: (scale * shape[key].reshape(-1, 3) + offset).ravel() for key in found}}
 
 
 def turn(shape: Shape, rotation: FloatArray, position: FloatArray) -> Shape:
-    """Triangles of a body, with their normals, where it is and as it lies: ``rotation`` (3, 3) is body to world."""
+    """Return triangles of a body at its pose in the world, with their normals: ``rotation`` (3, 3) is body to world."""
     points, normals = (shape[key].reshape(-1, 3) @ rotation.T for key in ("points", "normals"))
     return {**shape, "points": (points + position).ravel(), "normals": normals.ravel()}
 
 
 def make_ball(centre: npt.ArrayLike, radius: float, colour: str) -> Shape:
-    """A sphere."""
+    """Return a sphere."""
     angles = np.linspace(np.pi, 0, 13)
     contour = radius * np.column_stack([np.cos(angles), np.sin(angles)])
     return place(revolve(contour, np.eye(3), FULL_TURN[::2], [colour] * 12), 1.0, centre)

@@ -1,4 +1,4 @@
-"""The whole pipe from the side, with the path so far and the agent, magnified where it would be too small to see."""
+"""The whole pipe from the side, with the path so far and the agent, which is magnified if it is too small to see."""
 
 import numpy as np
 
@@ -12,19 +12,19 @@ from driftform_exudyn.stage import Camera, Image, Stage
 from driftform_exudyn.surroundings import THICKNESS, make_lattice, round_down
 
 MIN_LENGTH = 0.05
-"""Length of the agent over the width of the image, above which it is not magnified."""
+"""Length of the agent relative to the width of the image; a smaller agent is magnified."""
 
 MAX_INTERVALS = 20
-"""Most intervals between which a still has the agent."""
+"""Largest number of intervals at which a still shows the agent."""
 
 SMALL_LETTERS = 0.8
-"""Size of the letters of distances and remarks, relative to the others."""
+"""Height of the letters of distances and remarks, relative to that of other letters."""
 
 
 class SideView:
-    """A camera that stands still.
+    """A fixed camera.
 
-    Little changes between frames, so one image is kept and painted over where the agent is and was.
+    Little changes between frames: one image is kept, and repainted where the agent is and where it was.
     """
 
     def __init__(self, scene: Scene, size: tuple[int, int], rays: int, captioned: bool) -> None:
@@ -33,7 +33,7 @@ class SideView:
         edge, foot = margins(scene)
         scale = ((self._size - [2 * edge, edge + foot]) / (self._high - self._low)[:2]).min()
         self._px_per_m = float(scale)
-        # The margin below is another than that above.
+        # The margins below and above differ.
         self._centre = ((self._low + self._high) / 2 - [0.0, (foot - edge) / 2 / scale, 0.0]) @ scene.axes
         body = scene.agent.body
         length = max(body.length, body.max_diameter)
@@ -47,7 +47,7 @@ class SideView:
         self._kept = self._paint(self._last, np.zeros(2, dtype=int), self._size)
 
     def render(self, frame: int) -> Image:
-        """Return a frame; frames are asked for in their order."""
+        """Return a frame; frames must be rendered in order."""
         margin = self._reach * self._px_per_m + 3
         places = np.array([self._to_pixel(self._scene.poses[k].position) for k in (self._last, frame)])
         self._repaint(frame, places.min(axis=0) - margin, places.max(axis=0) + margin)
@@ -60,7 +60,7 @@ class SideView:
         scene, px, size = self._scene, self._px_per_m, SMALL_LETTERS * self._scene.letter_height
         shapes = []
         for bore in scene.bores:
-            # So far apart that there is room for the words, or for a line where the pipe is steep.
+            # The spacing leaves room for the text, or for its height if the pipe is steep.
             right, up, _ = np.abs(scene.axes @ bore.axes[0]) * px / size
             step = round_down(2.5 / max(float(right) / 5, float(up) / 1.6))
             shapes += bore.make_shapes(0.0, bore.length, step / 2)
@@ -83,7 +83,7 @@ class SideView:
         return shapes + scene.make_targets(0.3 * scene.letter_height / px, self._centre)
 
     def _exposure_times(self) -> FloatArray:
-        """Times at which a still has the agent, s, from the release at equal intervals in which it gets out of its own way."""
+        """Return the times at which a still shows the agent, s: equal intervals, long enough to avoid overlaps."""
         scene, end = self._scene, float(self._scene.trajectory.t[-1])
         length = float(np.linalg.norm(np.diff(scene.path, axis=0), axis=1).sum())
         count = min(MAX_INTERVALS, length / self._drawn)
@@ -93,12 +93,12 @@ class SideView:
         return np.asarray(np.arange(np.floor(end / step + 1e-9) + 1) * step, dtype=np.float64)
 
     def _to_pixel(self, place: FloatArray) -> FloatArray:
-        """Column and row of a place of the world, (2,)."""
+        """Return the column and row of a point of the world, (2,)."""
         offset = self._scene.axes[:2] @ (place - self._centre) * self._px_per_m
         return np.asarray(self._size / 2 + offset * (1, -1), dtype=np.float64)
 
     def _to_world(self, pixel: FloatArray) -> FloatArray:
-        """A place of the world that is seen at a column and row, (3,)."""
+        """Return the point of the world at a column and row, m, (3,)."""
         offset = (pixel - self._size / 2) * (1, -1) / self._px_per_m
         return np.asarray(self._centre + offset @ self._scene.axes[:2], dtype=np.float64)
 
@@ -109,7 +109,7 @@ class SideView:
             self._kept[first[1] : last[1], first[0] : last[0]] = self._paint(frame, first, last)
 
     def _paint(self, frame: int, first: FloatArray, last: FloatArray) -> Image:
-        """Return what of a frame is between two pixels: the upper left one, and one past the lower right."""
+        """Return the part of a frame from the upper left pixel ``first`` to the lower right pixel before ``last``."""
         scene = self._scene
         shapes = [*self._still, make_line(thin(scene.path_until(frame), 3 / self._px_per_m), BLUE)]
         if self._captioned:
@@ -137,7 +137,7 @@ def extent(scene: Scene) -> tuple[FloatArray, FloatArray]:
 
 
 def margins(scene: Scene) -> tuple[float, float]:
-    """Return the margin (px) above and on either side, and the one below, where a pipe has its distances."""
+    """Return the margin (px) above and on either side, and the margin below, which holds the distances along a pipe."""
     return 2 * scene.letter_height, (2.2 if scene.bores else 1.0) * scene.letter_height
 
 

@@ -1,4 +1,4 @@
-"""The pipe to look at: cut open along its length, with rings at equal distances, and the water's surface in it."""
+"""The pipe for display: cut open along its length, with equally spaced rings, and the water's surface."""
 
 from dataclasses import dataclass
 
@@ -10,13 +10,13 @@ from driftform.types import FloatArray
 from driftform_exudyn.shapes import GLOWING, Shape, make_line, make_ribbons, make_text, place, revolve
 
 LIT = "#576670"
-"""What light adds to the wall, which glows: it is seen from its concave side, and would be dark above otherwise."""
+"""Colour that light adds to the luminous wall: its upper part would otherwise be dark, seen from inside."""
 
 LINE_POINTS = 65
-"""Corners of a long line: the ray tracer drops pieces with neither end in view."""
+"""Points of a long line: the ray tracer drops segments with neither end in view."""
 
 THICKNESS = 0.03
-"""Of the wall that is drawn, relative to the bore's radius."""
+"""Thickness of the displayed wall, relative to the bore's radius."""
 
 
 def upright_axes(scenario: Scenario) -> FloatArray:
@@ -30,7 +30,7 @@ def upright_axes(scenario: Scenario) -> FloatArray:
 
 
 def round_down(length: float) -> float:
-    """Return 1, 2 or 5 times a power of ten, the largest that is not above ``length``.
+    """Return the largest of 1, 2 or 5 times a power of ten that does not exceed ``length``.
 
     >>> nice(0.5), nice(0.9), nice(34.0)
     (0.5, 0.5, 20.0)
@@ -41,7 +41,7 @@ def round_down(length: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Bore:
-    """A segment of pipe: its ``axes`` are its own, the one towards the back wall, and the one up between (3, 3)."""
+    """A segment of pipe; the rows of ``axes`` (3, 3) are its axis, up, and the direction of the back wall."""
 
     start: FloatArray
     length: float
@@ -50,7 +50,7 @@ class Bore:
 
     @classmethod
     def of(cls, segment: Segment, viewer: FloatArray) -> "Bore":
-        """Return the segment as it is seen from the direction ``viewer`` (world, (3,)), across the pipe."""
+        """Return the segment seen across the pipe, from the direction ``viewer`` (world, (3,))."""
         start, end = np.array(segment.start), np.array(segment.end)
         length = float(np.linalg.norm(end - start))
         axis = (end - start) / length
@@ -61,7 +61,7 @@ class Bore:
     def point(
         self, along: FloatArray | float, radius: FloatArray | float, angle: FloatArray | float
     ) -> FloatArray:
-        """Return points of the world by their cylindrical coordinates, ``angle`` (rad) from up to the back, (..., 3)."""
+        """Return points of the world by cylindrical coordinates, ``angle`` (rad) from up towards the back, m, (..., 3)."""
         axis, up, back = self.axes
         x, r, a = (np.asarray(value, dtype=np.float64)[..., None] for value in (along, radius, angle))
         return np.asarray(self.start + x * axis + r * (np.cos(a) * up + np.sin(a) * back), dtype=np.float64)
@@ -69,9 +69,9 @@ class Bore:
     def make_shapes(
         self, first: float, last: float, step: float, low: float = -np.inf, high: float = np.inf
     ) -> list[Shape]:
-        """Return what is seen from ``first`` to ``last`` (m along the axis), with a ring every ``step`` (m).
+        """Return the pipe from ``first`` to ``last`` (m along the axis), with a ring every ``step`` (m).
 
-        The back wall reaches from ``low`` to ``high`` (m above the axis): what is in view is enough.
+        The back wall is drawn from ``low`` to ``high`` (m above the axis), the range in view.
         """
         first, last = max(first, 0.0), min(last, self.length)
         bottom, top = np.clip([low / self.radius, high / self.radius], -1.0, 1.0)
@@ -82,10 +82,10 @@ class Bore:
         stations = np.linspace(last, first, 2 + int((last - first) / step))
         contour = np.column_stack([stations, np.full(len(stations), self.radius)])
         inside = revolve(contour, self.axes, half, [LIT] * (len(stations) - 1), GLOWING)
-        # Inside the wall, where it does not hide them.
+        # Lines lie just inside the wall, which would hide them otherwise.
         near = 0.985 * self.radius
         marks = np.arange(np.ceil(first / step - 1e-9), np.floor(last / step + 1e-9) + 1) * step
-        # Not to the very top, where they would be seen through the wall in parts.
+        # Rings stop short of the edges, where parts of them would show through the wall.
         ring = np.clip(half, 0.2, np.pi - 0.2)
         rings = [make_line(self.point(s, near, ring), tint(WALL, 0.4)) for s in marks]
         stripes = [
@@ -96,14 +96,14 @@ class Bore:
         return [place(inside, 1.0, self.start), self._make_section(first, last), *rings, *stripes]
 
     def _make_section(self, first: float, last: float) -> Shape:
-        """The cut through the wall, above and below."""
+        """Return the cut through the wall, above and below."""
         angles = np.array([0.0, np.pi])[:, None, None]
         rims = self.radius * np.array([1.0, 1 + THICKNESS])[:, None]
         grid = self.point(np.array([first, last]), rims, angles)
         return make_ribbons(grid, np.broadcast_to(-self.axes[2], grid.shape), [tint(WALL, 0.6)] * 2)
 
     def make_surface(self, level: float, first: float, last: float) -> list[Shape]:
-        """Return the water's surface at the height ``level`` (m), where the pipe is partly full of it."""
+        """Return the water's surface at the height ``level`` (m), where it lies within the pipe."""
         _, up, back = self.axes
         first, last = max(first, 0.0), min(last, self.length)
         if last <= first or abs(up[2]) < 1e-6:
@@ -130,9 +130,9 @@ class Bore:
 
 
 def make_lattice(axes: FloatArray, centre: FloatArray, seen: FloatArray, step: float) -> list[Shape]:
-    """Return lines ``step`` (m) apart on a plane through ``centre``: what open water is seen to pass by.
+    """Return a grid of lines ``step`` (m) apart on a plane through ``centre``, to show motion in open water.
 
-    ``axes`` are right, up and towards the viewer, and ``seen`` is how far the lines go, width and height (m).
+    ``axes`` are right, up and towards the viewer; ``seen`` is the extent of the lines, width and height (m).
     """
     shapes = []
     for i in (0, 1):

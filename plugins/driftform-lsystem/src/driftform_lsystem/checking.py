@@ -1,4 +1,4 @@
-"""What is wrong with a sequence of symbols, in one line.
+"""Errors in a sequence of symbols, as one line each.
 
 Positions count from 1 as :mod:`driftform_lsystem.text` prints them: within the named rule of a genotype, and
 after the core's letter in a developed word.
@@ -20,8 +20,8 @@ from driftform_lsystem.alphabet import (
 
 
 def find_quintuple_fault(symbols: Sequence[str]) -> str | None:
-    """Return the first fault in what should be whole quintuples, ``None`` where there is none."""
-    # Nearly always there is none, and comparing all places at once is several times as fast as one by one.
+    """Return the first fault in symbols that should be complete quintuples, or ``None``."""
+    # Almost all symbols are valid, and comparing all places at once is several times as fast as one by one.
     if list(map(PLACE.get, symbols)) == [*range(len(QUINTUPLE))] * (len(symbols) // len(QUINTUPLE)):
         return None
     for index, symbol in enumerate(symbols):
@@ -39,7 +39,7 @@ def find_quintuple_fault(symbols: Sequence[str]) -> str | None:
 
 
 def find_rule_fault(rule: str, symbols: Sequence[str]) -> str | None:
-    """Return the first fault in one rule of a genotype, ``None`` where there is none."""
+    """Return the first fault in one rule of a genotype, or ``None``."""
     fault = find_quintuple_fault(symbols)
     if fault is None and len(symbols) != RULE_LENGTH:
         fault = f"quintuples: {len(symbols) // len(QUINTUPLE)}, expected {QUINTUPLES_PER_RULE}"
@@ -47,7 +47,7 @@ def find_rule_fault(rule: str, symbols: Sequence[str]) -> str | None:
 
 
 def find_fault(symbols: Sequence[str]) -> str | None:
-    """Return the first fault in the symbols of a genome, ``None`` where there is none."""
+    """Return the first fault in the symbols of a genome, or ``None``."""
     if is_word(symbols):
         return find_quintuple_fault(symbols[1:])
     if len(symbols) != GENOTYPE_LENGTH:
@@ -63,5 +63,5 @@ def find_fault(symbols: Sequence[str]) -> str | None:
 
 
 def is_word(symbols: Sequence[str]) -> bool:
-    """Tell a developed word, which starts with the core's letter, from a genotype, which never does."""
+    """Return whether the symbols are a developed word, which starts with the core's letter, and not a genotype."""
     return bool(symbols) and symbols[0] == CORE

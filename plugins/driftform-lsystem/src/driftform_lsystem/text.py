@@ -1,7 +1,7 @@
 """Symbols <-> one line of text.
 
-A developed word stands as the paper prints it, ``addB-tiltn-1-M-moveB-...``, the bare core as ``C``; a
-genotype as its four rules, ``C: ... | S: ... | M: ... | L: ...``.
+A developed word is written as in the paper, ``addB-tiltn-1-M-moveB-...``, and the core alone as ``C``; a
+genotype is written as its four rules, ``C: ... | S: ... | M: ... | L: ...``.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ _EXPECTED = "expected a word such as addB-tiltn-1-M-moveB, or the rules 'C: ... 
 
 
 def write(symbols: Sequence[str]) -> str:
-    """Return the text of a sound genome's symbols."""
+    """Return the text of the symbols of a valid genome."""
     if is_word(symbols):
         return "-".join(symbols[1:]) or CORE
     return " | ".join(
@@ -31,7 +31,7 @@ def read(text: str) -> tuple[str, ...]:
     Raises
     ------
     InputError
-        where the text is not a genome; the message names the symbol or the rule.
+        if the text is not a genome; the message names the symbol or the rule.
     """
     if not text.strip():
         raise InputError(f"the genome is empty; {_EXPECTED}")
