@@ -17,10 +17,10 @@ from driftform.types import Agent, Coefficients
 from driftform_exudyn import encoder
 from driftform_exudyn.film import ExudynRenderer, FilmOptions
 from driftform_exudyn.follow import FollowView
-from driftform_exudyn.headless import uninterrupted
-from driftform_exudyn.motion import Pose, poses
+from driftform_exudyn.headless import defer_interrupts
+from driftform_exudyn.motion import Pose, interpolate_poses
 from driftform_exudyn.scene import Scene
-from driftform_exudyn.shapes import ball, line
+from driftform_exudyn.shapes import make_ball, make_line
 from driftform_exudyn.side import SideView
 from driftform_exudyn.stage import Camera, Stage
 
@@ -38,7 +38,7 @@ def agent() -> Agent:
 def scene(agent: Agent, flight=None, scenario=None, frames: int = 5) -> Scene:
     flight = drifting_trajectory(0.8, turn=0.0) if flight is None else flight
     t = np.linspace(0, flight.t[-1], frames)
-    return Scene(agent, flight, scenario or Scenario(pipe=PIPE), t, letters=8.0)
+    return Scene(agent, flight, scenario or Scenario(pipe=PIPE), t, letter_height=8.0)
 
 
 HULL, NOSE, TARGET = "hull", "nose", "target"
@@ -67,9 +67,9 @@ def middle(image, what: str):
 @pytest.mark.parametrize("distance", [np.inf, 0.6, 2.0])
 @pytest.mark.parametrize("focus", [(0.0, 0.0, 0.0), (5.0, 1.0, -0.9)])
 def test_a_thing_is_where_the_laws_of_perspective_put_it(distance, focus):
-    stage = Stage(ball((0, 0, 0), 0.01, BLUE), Camera(UPRIGHT, 400.0, distance), rays=1)
+    stage = Stage(make_ball((0, 0, 0), 0.01, BLUE), Camera(UPRIGHT, 400.0, distance), rays=1)
     for place in np.array([(0.0, 0, 0), (0.1, 0, 0.05), (-0.1, 0.3, 0.1), (0.05, -0.2, -0.08)]):
-        image = stage.image((200, 120), np.array(focus), Pose(place + focus, np.eye(3)), [])
+        image = stage.render((200, 120), np.array(focus), Pose(place + focus, np.eye(3)), [])
         shrunk = 400 / (1 + place[1] / distance)
         assert middle(image, NOSE) == pytest.approx(
             (99.5 + shrunk * place[0], 59.5 - shrunk * place[2]), abs=0.8
@@ -77,10 +77,12 @@ def test_a_thing_is_where_the_laws_of_perspective_put_it(distance, focus):
 
 
 def test_a_line_is_seen_before_and_behind_the_point_that_is_looked_at():
-    stage = Stage(ball((0, 0, 0), 1e-4, BLUE), Camera(UPRIGHT, 400.0, 0.6), rays=1)
+    stage = Stage(make_ball((0, 0, 0), 1e-4, BLUE), Camera(UPRIGHT, 400.0, 0.6), rays=1)
     for y in (-0.2, -0.05, 0.0, 0.05, 0.2):
         across = [(x, y, 0.05) for x in np.linspace(-0.3, 0.3, 9)]
-        image = stage.image((200, 120), np.zeros(3), Pose(np.zeros(3), np.eye(3)), [line(across, VERMILLION)])
+        image = stage.render(
+            (200, 120), np.zeros(3), Pose(np.zeros(3), np.eye(3)), [make_line(across, VERMILLION)]
+        )
         assert middle(image, TARGET)[1] == pytest.approx(59.5 - 20 / (1 + y / 0.6), abs=1.0)
 
 
@@ -93,7 +95,7 @@ def test_seen_from_the_side_the_agent_goes_from_left_to_right(agent, downstream)
     flight = drifting_trajectory(0.8, turn=0.0)
     flight = replace(flight, position=flight.t[:, None] * downstream, velocity=0 * flight.velocity)
     view = SideView(scene(agent, flight, Scenario(pipe=pipe)), (240, 120), rays=1, captioned=False)
-    columns = [middle(view.image(frame), HULL)[0] for frame in range(5)]
+    columns = [middle(view.render(frame), HULL)[0] for frame in range(5)]
     assert (np.diff(columns) > 20).all()
     # 0.8 m of a pipe of 1 m.
     assert 150 < columns[-1] - columns[0] < 200
@@ -103,7 +105,7 @@ def test_the_path_grows_behind_it(agent):
     view = SideView(scene(agent), (240, 120), rays=1, captioned=False)
     lengths = []
     for frame in range(5):
-        image = view.image(frame)
+        image = view.render(frame)
         path = pixels(image, NOSE)
         lengths.append(np.ptp(path[:, 0]) if len(path) else 0)
     assert (np.diff(lengths) > 10).all()
@@ -116,8 +118,8 @@ def test_an_image_that_was_painted_over_is_the_same_as_one_that_was_painted_anew
     )
     view = SideView(flying, (240, 120), rays=1, captioned=captioned)
     for frame in range(5):
-        kept = view.image(frame)
-    anew = view._painted(4, np.zeros(2, dtype=int), np.array([240, 120]))
+        kept = view.render(frame)
+    anew = view._paint(4, np.zeros(2, dtype=int), np.array([240, 120]))
     # Letters are set to whole pixels of what is painted, so that the caption may be one off.
     assert np.abs(kept.astype(int) - anew)[24:].max() < 8
 
@@ -125,7 +127,7 @@ def test_an_image_that_was_painted_over_is_the_same_as_one_that_was_painted_anew
 def test_a_small_agent_is_magnified_from_the_side_and_the_image_says_so(agent):
     long_pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=(30, 0, 0), radius=1),))
     view = SideView(scene(agent, scenario=Scenario(pipe=long_pipe)), (400, 100), rays=1, captioned=False)
-    found = pixels(view.image(0), HULL)
+    found = pixels(view.render(0), HULL)
     assert 6 <= np.ptp(found[:, 0]) <= 20, "it would be less than a pixel"
     assert any(shape.get("text") == "agent drawn 20 times its size" for shape in view._still)
 
@@ -135,7 +137,7 @@ def test_seen_from_close_by_the_fore_end_points_where_the_attitude_does(agent, p
     flight = drifting_trajectory(turn=0.0)
     half = np.full(len(flight.t), pitch / 2)
     flight = replace(flight, quaternion=np.column_stack([np.cos(half), 0 * half, np.sin(half), 0 * half]))
-    image = FollowView(scene(agent, flight, Scenario()), (240, 160), rays=1).image(0)
+    image = FollowView(scene(agent, flight, Scenario()), (240, 160), rays=1).render(0)
     # The path is as blue as the nose; at the release it has no length yet.
     offset = middle(image[20:], NOSE) - middle(image[20:], HULL)
     assert np.sign(np.where(np.abs(offset) < 4, 0, offset)) == pytest.approx(where)
@@ -149,7 +151,7 @@ LEVEL, UPRIGHT_POSE, ASLANT = 0.0, -np.pi / 2, 0.6
 
 def still_of(agent: Agent, flight, scenario: Scenario, at: float) -> Scene:
     t = np.union1d(np.linspace(0, flight.t[-1], 9), at)
-    return Scene(agent, flight, scenario, t, letters=8.0, still=int(np.searchsorted(t, at)))
+    return Scene(agent, flight, scenario, t, letter_height=8.0, still=int(np.searchsorted(t, at)))
 
 
 def held(pitch: float):
@@ -165,7 +167,7 @@ def held(pitch: float):
 @pytest.mark.parametrize("pitch", [LEVEL, UPRIGHT_POSE, ASLANT])
 def test_on_a_still_the_agent_is_as_large_as_fits_as_it_lies(agent, pitch):
     seen = still_of(agent, held(pitch), Scenario(), 0.4)
-    image = FollowView(seen, (240, 160), rays=1).image(seen.still)
+    image = FollowView(seen, (240, 160), rays=1).render(seen.still)
     room = (np.abs(pixels(image, HULL) - (119.5, 79.5)).max(axis=0) + 0.5) / (120, 80)
     # What is nearer than the axis looks larger, by less than 1.3.
     assert 1 / 1.3 - 0.02 < room.max() < 0.98
@@ -173,7 +175,7 @@ def test_on_a_still_the_agent_is_as_large_as_fits_as_it_lies(agent, pitch):
 
 def test_a_still_shows_the_path_before_and_after_its_moment(agent):
     seen = still_of(agent, held(UPRIGHT_POSE), Scenario(pipe=PIPE), 0.3)
-    image = SideView(seen, (240, 120), rays=1, captioned=False).image(seen.still)
+    image = SideView(seen, (240, 120), rays=1, captioned=False).render(seen.still)
     # 0.8 m of a pipe of 1 m, which has a margin on either side.
     assert 150 < np.ptp(pixels(image, NOSE)[:, 0]) < 200
 
@@ -185,7 +187,7 @@ def test_a_still_shows_the_agent_at_equal_intervals_and_says_at_which(agent, slo
     pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=(0.8 * slow, 0, 0), radius=0.1 * slow),))
     seen = still_of(agent, flight, Scenario(pipe=pipe), 0.0)
     view = SideView(seen, (480, 160), rays=1, captioned=False)
-    columns = np.unique(pixels(view.image(seen.still), HULL)[:, 0])
+    columns = np.unique(pixels(view.render(seen.still), HULL)[:, 0])
     first = columns[np.append(True, np.diff(columns) > 2)]
     assert len(first) == round(0.8 * slow / every) + 1
     assert np.ptp(np.diff(first)) <= 2
@@ -195,7 +197,7 @@ def test_a_still_shows_the_agent_at_equal_intervals_and_says_at_which(agent, slo
 def test_seen_from_close_by_the_agent_stays_in_the_middle_and_is_as_large_as_fits(agent):
     view = FollowView(scene(agent), (240, 160), rays=1)
     for frame in (0, 4):
-        found = pixels(view.image(frame)[20:], HULL)
+        found = pixels(view.render(frame)[20:], HULL)
         assert found.mean(axis=0) == pytest.approx((120, 60), abs=12)
         # The tube is 60 mm long; its diagonal takes 1/1.3 of the height.
         assert 90 < np.ptp(found[:, 0]) < 125
@@ -206,7 +208,7 @@ def test_seen_from_close_by_the_whole_agent_is_in_a_picture_of_any_shape(agent, 
     flying = scene(agent, drifting_trajectory(0.8, turn=2.0))
     view = FollowView(flying, size, rays=1)
     for frame in range(5):
-        image = view.image(frame)
+        image = view.render(frame)
         found = pixels(image, HULL)
         assert len(found) > 100
         assert (found > 2).all() and (found < np.array(size) - 3).all()
@@ -215,7 +217,7 @@ def test_seen_from_close_by_the_whole_agent_is_in_a_picture_of_any_shape(agent, 
 def test_modules_are_told_apart(agent):
     joints = np.linspace(-0.03, 0.03, 5)
     banded = replace(agent, body=replace(agent.body, joints=joints))
-    images = [FollowView(scene(a), (240, 160), rays=1).image(0) for a in (agent, banded)]
+    images = [FollowView(scene(a), (240, 160), rays=1).render(0) for a in (agent, banded)]
     row = [image[80, :, 2].astype(int) for image in images]
     edges = [np.count_nonzero(np.abs(np.diff(r)) > 30) for r in row]
     assert edges[1] >= edges[0] + 3
@@ -225,18 +227,18 @@ def test_targets_and_the_waters_surface_are_seen(agent):
     bare = Scenario(pipe=PIPE)
     wet = Scenario(pipe=PIPE, fluid=Fluid(water_level=0.08), targets={"leak": (0.7, 0.0, -0.05)})
     before, after = (
-        SideView(scene(agent, scenario=s), (240, 120), rays=1, captioned=False).image(0) for s in (bare, wet)
+        SideView(scene(agent, scenario=s), (240, 120), rays=1, captioned=False).render(0) for s in (bare, wet)
     )
     changed = np.abs(before.astype(int) - after).max(axis=2) > 40
     view = SideView(scene(agent, scenario=wet), (240, 120), rays=1, captioned=False)
-    column, row = view._pixel(np.array([0.7, 0.0, -0.05])).astype(int)
+    column, row = view._to_pixel(np.array([0.7, 0.0, -0.05])).astype(int)
     assert changed[row - 1 : row + 2, column - 1 : column + 2].all()
-    level = int(view._pixel(np.array([0.5, 0.0, 0.08]))[1])
+    level = int(view._to_pixel(np.array([0.5, 0.0, 0.08]))[1])
     assert changed[level - 2 : level + 3, 40:200].any(axis=0).mean() > 0.9
 
 
 def test_seen_from_close_by_the_pipe_passes(agent):
-    images = [FollowView(scene(agent, frames=8), (240, 160), rays=1).image(frame) for frame in (3, 4)]
+    images = [FollowView(scene(agent, frames=8), (240, 160), rays=1).render(frame) for frame in (3, 4)]
     below = [image[120:].astype(int) for image in images]
     assert np.abs(below[0] - below[1]).max() > 20
 
@@ -246,10 +248,10 @@ def test_seen_from_close_by_the_pipe_passes(agent):
 
 def test_samples_are_met_and_the_path_between_them_is_the_one_that_fitness_measures():
     flight = drifting_trajectory(1.0, turn=0.5)
-    for pose, place, when in zip(poses(flight, flight.t), flight.position, flight.t, strict=True):
+    for pose, place, when in zip(interpolate_poses(flight, flight.t), flight.position, flight.t, strict=True):
         assert pose.position == pytest.approx(place)
         assert pose.rotation[:, 0] == pytest.approx([np.cos(0.5 * when), 0, -np.sin(0.5 * when)])
-    [between] = poses(flight, np.array([0.4321]))
+    [between] = interpolate_poses(flight, np.array([0.4321]))
     assert between.position == pytest.approx([0.4321, 0, 0])
 
 
@@ -316,7 +318,7 @@ def test_a_folder_that_cannot_be_is_an_error_that_names_the_film(agent, tmp_path
 
 def test_an_interruption_waits_until_exudyn_is_done():
     before, done = signal.getsignal(signal.SIGINT), False
-    with pytest.raises(KeyboardInterrupt), uninterrupted():
+    with pytest.raises(KeyboardInterrupt), defer_interrupts():
         signal.raise_signal(signal.SIGINT)
         done = True
     assert done and signal.getsignal(signal.SIGINT) is before

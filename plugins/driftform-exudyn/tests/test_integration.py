@@ -10,10 +10,10 @@ from driftform.dynamics.flight import release_state
 from driftform.dynamics.integrator import greatest_distance
 from driftform.dynamics.model import DAMPED, flight_model
 from driftform.study import load_study
-from driftform_exudyn.integration import integrated, settings_for
+from driftform_exudyn.integration import integrate_motion, make_settings
 
 PIPELINE = load_study().make_pipeline()
-SETTINGS = settings_for("DOPRI5", horizon=2.0, tolerance=1e-8, max_step=0.05)
+SETTINGS = make_settings("DOPRI5", horizon=2.0, tolerance=1e-8, max_step=0.05)
 
 
 def motions(seed):
@@ -34,7 +34,7 @@ def motions(seed):
 def test_a_flight_is_the_same_in_the_plane_and_in_space(seed):
     in_plane, in_space = motions(seed)
     assert (len(in_plane.rates), len(in_space.rates)) == (3, 6)
-    here, there = (integrated(motion, SETTINGS, 10_000) for motion in (in_plane, in_space))
+    here, there = (integrate_motion(motion, SETTINGS, 10_000) for motion in (in_plane, in_space))
     assert here[-1, 0] == there[-1, 0] == 2.0
     assert greatest_distance(here, there) < 1e-5
     assert not here[:, [2, 5, 7, 9, 11, 13]].any()
@@ -54,10 +54,10 @@ def test_an_interruption_stops_a_flight_as_it_stops_anything(which, function):
         return getattr(motion, function)(*arguments)
 
     with pytest.raises(KeyboardInterrupt):
-        integrated(replace(motion, **{function: interrupted}), SETTINGS, 10_000)
+        integrate_motion(replace(motion, **{function: interrupted}), SETTINGS, 10_000)
 
 
 @pytest.mark.parametrize("which", ["plane", "space"])
 def test_the_step_limit_ends_a_flight(which):
     motion = motions(1)[which == "space"]
-    assert len(integrated(motion, SETTINGS, 17)) == 18
+    assert len(integrate_motion(motion, SETTINGS, 17)) == 18

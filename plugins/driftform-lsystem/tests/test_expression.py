@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from driftform.types import Genome, Module, Morphology
 from driftform_lsystem.grammar import LSystemGrammar
-from driftform_lsystem.interpret import instructions, interpret
+from driftform_lsystem.interpret import interpret, read_instructions
 from driftform_lsystem.options import LSystemOptions
 from driftform_lsystem.rewriting import rewrite
 
@@ -178,7 +178,7 @@ def test_the_place_next_to_the_core_counts_as_occupied_by_it():
 def test_a_genotype_builds_the_same_as_its_word_without_repetitions(repetition, seed):
     grammar = LSystemGrammar(LSystemOptions(repetition=repetition))
     genome = random_genome(seed)
-    steps = instructions(rewrite(genome.symbols, 3), last=repetition == "last")
+    steps = read_instructions(rewrite(genome.symbols, 3), last=repetition == "last")
     word = Genome("lsystem", ("C", *(symbol for step in steps for symbol in step)))
     assert grammar.express(word) == grammar.express(genome)
 

@@ -6,15 +6,15 @@ from scipy.special import ellipe, ellipkm1
 
 from driftform.testing.bodies import cylinder_body, spheroid_body
 from driftform_panels import meridian
-from driftform_panels.kernels import equations, rings
-from driftform_panels.meridian import panels
+from driftform_panels.kernels import assemble_equations, integrate_rings
+from driftform_panels.meridian import make_panels
 
 
 def acting(x, r, rows):
     """What rings (x', r', n_x, n_r) do at (x, r), (5, n)."""
     source = np.ascontiguousarray(np.transpose(rows))
     out = np.empty((5, source.shape[1]))
-    rings(x, r, source, source.shape[1], out)
+    integrate_rings(x, r, source, source.shape[1], out)
     return out
 
 
@@ -80,8 +80,8 @@ def identity_errors(contour):
 
     There 2 pi phi + D phi = S dphi/dn, with D as it is for the outside.
     """
-    divided = panels(contour, 15, 0.2)
-    matrices, sides, (x, r, _, _) = equations(divided.x, divided.r, divided.lengths)
+    divided = make_panels(contour, 15, 0.2)
+    matrices, sides, (x, r, _, _) = assemble_equations(divided.x, divided.r, divided.lengths)
     surge = 4 * np.pi * x - matrices[0] @ x + sides[:, 0]
     sway = 4 * np.pi * r - matrices[1] @ r + sides[:, 1]
     return np.abs(surge).max() / np.abs(x).max(), np.abs(sway).max() / r.max()
@@ -99,6 +99,6 @@ def test_a_uniform_flow_inside_satisfies_greens_identity(body, error, monkeypatc
 
 
 def test_a_constant_potential_has_no_flow():
-    divided = panels(cylinder_body(3.0, 1.0).outer, 15, 0.2)
-    matrices, _, _ = equations(divided.x, divided.r, divided.lengths)
+    divided = make_panels(cylinder_body(3.0, 1.0).outer, 15, 0.2)
+    matrices, _, _ = assemble_equations(divided.x, divided.r, divided.lengths)
     np.testing.assert_allclose(matrices[0].sum(axis=1), 4 * np.pi, rtol=1e-13)

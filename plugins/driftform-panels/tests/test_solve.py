@@ -11,7 +11,7 @@ from driftform.geometry import solid_of_revolution
 from driftform.scenario import Fluid
 from driftform.testing.bodies import cylinder_body, dome_body, remus_body, spheroid_body
 from driftform_panels import solve as module
-from driftform_panels.meridian import Panels, panels
+from driftform_panels.meridian import Panels, make_panels
 from driftform_panels.solve import PanelOptions, PanelSolution, solve, solve_panels
 from driftform_striptheory.coefficients import StripTheory, StripTheoryOptions
 
@@ -196,7 +196,7 @@ def test_a_contour_that_folds_back_is_reciprocal():
 def test_with_every_panel_cut_in_two_random_bodies_stay_as_they_are(random_bodies):
     worst = np.zeros(4)
     for body in random_bodies(20, 1):
-        divided = panels(centred(body.outer), 15, 0.2)
+        divided = make_panels(centred(body.outer), 15, 0.2)
         twice = halved(divided)
         assert len(twice.lengths) == 2 * len(divided.lengths)
         worst = np.maximum(worst, change(solve_panels(divided), solve_panels(twice)))
@@ -256,7 +256,7 @@ def test_a_contour_that_touches_itself_is_refused():
 def test_it_solves_with_one_thread_and_leaves_the_others_alone(monkeypatch):
     def threads():
         # Not those of a library that came later: scipy brings one of its own, which numpy does not use.
-        return [pool["num_threads"] for pool in module._libraries().info() if pool["user_api"] == "blas"]
+        return [pool["num_threads"] for pool in module._find_libraries().info() if pool["user_api"] == "blas"]
 
     before, during = threads(), []
     solver = np.linalg.solve

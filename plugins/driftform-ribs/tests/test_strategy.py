@@ -15,8 +15,8 @@ from driftform.scenario import Pipe, Scenario, Segment
 from driftform.testing.letters import LetterGrammar
 from driftform.trajectory.coverage import PipeGrid
 from driftform.types import End, Evaluation, Genome, Trajectory
-from driftform_ribs.emitter import SymbolEmitter, as_solutions
-from driftform_ribs.strategy import RibsOptions, RibsStrategy, archive_of, heights
+from driftform_ribs.emitter import SymbolEmitter, to_solutions
+from driftform_ribs.strategy import RibsOptions, RibsStrategy, make_archive, station_heights
 
 GRAMMAR = LetterGrammar(Table())
 SCENARIO = Scenario(pipe=Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0),)))
@@ -42,16 +42,20 @@ def strategy(seed: int = 0, **options) -> RibsStrategy:
 
 def test_heights_are_those_where_a_flight_first_passes_each_station():
     there_and_back = flight([[0, 0, 0], [4, 0, 0.4], [2, 0, -0.8], [9, 0, 0.6]])
-    np.testing.assert_allclose(heights(CELLS, there_and_back, np.array([1.0, 3.0, 9.0])), [0.1, 0.3, 0.6])
+    np.testing.assert_allclose(
+        station_heights(CELLS, there_and_back, np.array([1.0, 3.0, 9.0])), [0.1, 0.3, 0.6]
+    )
 
 
 def test_where_a_flight_does_not_come_to_a_station_the_height_of_its_end_counts():
     short = flight([[0, 0, 0], [4, 0, 0.4], [5, 0, -0.3]])
-    np.testing.assert_allclose(heights(CELLS, short, np.array([2.0, 6.0, 9.0])), [0.2, -0.3, -0.3])
+    np.testing.assert_allclose(station_heights(CELLS, short, np.array([2.0, 6.0, 9.0])), [0.2, -0.3, -0.3])
 
 
 def test_a_flight_that_is_released_behind_a_station_has_the_height_of_its_release_there():
-    np.testing.assert_allclose(heights(CELLS, flight([[3, 0, 0.2], [9, 0, 0.8]]), np.array([1.0])), [0.2])
+    np.testing.assert_allclose(
+        station_heights(CELLS, flight([[3, 0, 0.2], [9, 0, 0.8]]), np.array([1.0])), [0.2]
+    )
 
 
 def test_a_grid_has_as_many_cells_in_each_measure_as_the_number_of_cells_allows():
@@ -62,12 +66,12 @@ def test_a_grid_has_as_many_cells_in_each_measure_as_the_number_of_cells_allows(
         (2, 6, [2] * 6),
     ):
         options = RibsOptions(archive="grid", cells=cells, stations=tuple(np.linspace(0.1, 1, stations)))
-        assert archive_of(options, 1.0, 0).dims.tolist() == dims
+        assert make_archive(options, 1.0, 0).dims.tolist() == dims
 
 
 def test_the_centroids_of_a_cvt_archive_follow_from_the_seed_and_fill_the_heights():
     options = RibsOptions(cells=40)
-    one, same, other = (archive_of(options, 0.7, seed).centroids for seed in (3, 3, 4))
+    one, same, other = (make_archive(options, 0.7, seed).centroids for seed in (3, 3, 4))
     assert one.shape == (40, 3)
     np.testing.assert_array_equal(one, same)
     assert (one != other).any()
@@ -104,16 +108,16 @@ def test_fitter_means_the_best_for_any_target_or_the_mean_over_all(objective, ke
 
 
 def test_the_archive_keeps_genomes_of_any_length_as_they_are():
-    archive = archive_of(RibsOptions(archive="grid", cells=16, stations=(0.5, 1.0)), 1.0, 0)
+    archive = make_archive(RibsOptions(archive="grid", cells=16, stations=(0.5, 1.0)), 1.0, 0)
     genomes = [Genome("any", ("x",)), Genome("any", ("x", "yy", "z"))]
     archive.add(
-        as_solutions(genomes), np.ones(2), np.array([[-0.5, 0], [0.5, 0]]), evaluation=np.array([4, 7])
+        to_solutions(genomes), np.ones(2), np.array([[-0.5, 0], [0.5, 0]]), evaluation=np.array([4, 7])
     )
     assert sorted(archive.data("solution"), key=lambda g: len(g.symbols)) == genomes
 
 
 def test_the_emitter_begins_with_random_genomes_and_then_names_the_parents_of_each_solution():
-    archive = archive_of(RibsOptions(archive="grid", cells=16, stations=(0.5, 1.0)), 1.0, 0)
+    archive = make_archive(RibsOptions(archive="grid", cells=16, stations=(0.5, 1.0)), 1.0, 0)
     emitter = SymbolEmitter(
         archive, GRAMMAR, np.random.default_rng(0), batch=40, crossover=0.5, mutation_rate=0.1
     )

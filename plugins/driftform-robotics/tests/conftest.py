@@ -20,7 +20,8 @@ from driftform.scenario import Contact, Fluid, Release, Scenario, UniformFlow
 from driftform.study import Document, Study, load_study
 from driftform.testing.bodies import hollow_body
 from driftform.types import Agent, Coefficients
-from driftform_robotics.models.mjcf import MjcfExporter, MjcfOptions
+from driftform_robotics.models.exporter import ModelOptions
+from driftform_robotics.models.mjcf import MjcfExporter
 from driftform_robotics.models.sdf import SdfExporter, SdfOptions
 from driftform_robotics.models.urdf import UrdfExporter, UrdfOptions
 from driftform_robotics.models.uuv import UuvExporter, UuvOptions
@@ -96,7 +97,7 @@ EXPORTERS: dict[str, Callable[[dict[str, Any]], Any]] = {
     "sdf": lambda options: SdfExporter(SdfOptions(**options)),
     "uuv": lambda options: UuvExporter(UuvOptions(**options)),
     "urdf": lambda options: UrdfExporter(UrdfOptions(**options)),
-    "mjcf": lambda options: MjcfExporter(MjcfOptions(**options)),
+    "mjcf": lambda options: MjcfExporter(ModelOptions(**options)),
 }
 
 

@@ -18,7 +18,7 @@ def export(folder: Path, *more: str) -> str:
     return result.stdout
 
 
-def test_it_tells_of_the_file_to_open_and_counts_the_others(tmp_path: Path) -> None:
+def test_it_prints_the_file_to_open_and_counts_the_others(tmp_path: Path) -> None:
     lines = export(tmp_path).splitlines()
     assert len(lines) == 8
     assert [line.partition(":")[0].rpartition("/")[2] for line in lines[:4]] == [
@@ -33,7 +33,7 @@ def test_it_tells_of_the_file_to_open_and_counts_the_others(tmp_path: Path) -> N
         assert count == f"{sum(path.is_file() for path in Path(folder).rglob('*'))} files"
 
 
-def test_with_json_it_tells_of_all(tmp_path: Path) -> None:
+def test_with_json_it_prints_all_files(tmp_path: Path) -> None:
     files = json.loads(export(tmp_path, "--json"))["files"]
     assert sorted(file["path"] for file in files) == sorted(
         str(p) for p in tmp_path.rglob("*") if p.is_file()
@@ -44,7 +44,7 @@ def test_with_json_it_tells_of_all(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "setting", ["exporter.sdf.gazebo=classic", "exporter.uuv.depth=-1", "exporter.mjcf.step=0"]
 )
-def test_an_option_that_cannot_be_is_one_line_and_nothing_is_written(tmp_path: Path, setting: str) -> None:
+def test_an_invalid_option_is_one_line_and_nothing_is_written(tmp_path: Path, setting: str) -> None:
     words = ["export", WORD, "--format", "sdf,uuv,mjcf", "--out", str(tmp_path / "out"), "--set", setting]
     result = CliRunner().invoke(app, words)
     assert result.exit_code == 2

@@ -1,7 +1,8 @@
 import pytest
 
 from driftform.testing import ExporterContract
-from driftform_robotics.models.mjcf import MjcfExporter, MjcfOptions
+from driftform_robotics.models.exporter import ModelOptions
+from driftform_robotics.models.mjcf import MjcfExporter
 from driftform_robotics.models.sdf import SdfExporter, SdfOptions
 from driftform_robotics.models.urdf import UrdfExporter, UrdfOptions
 from driftform_robotics.models.uuv import UuvExporter, UuvOptions
@@ -29,7 +30,7 @@ class TestUrdf(ExporterContract):
 
 class TestMjcf(ExporterContract):
     def plugin(self) -> MjcfExporter:
-        return MjcfExporter(MjcfOptions())
+        return MjcfExporter(ModelOptions())
 
 
 @pytest.mark.parametrize("plugin", [SdfExporter, UuvExporter, UrdfExporter, MjcfExporter])

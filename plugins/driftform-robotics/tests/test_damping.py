@@ -11,7 +11,7 @@ from driftform.scenario import Fluid
 from driftform.testing.bodies import cylinder_body
 from driftform.types import Agent, Coefficients, MassProperties
 from driftform_robotics.models.damping import (
-    SLOWEST,
+    MIN_SPEED,
     linear_damping,
     quadratic_damping,
     quadratic_wrench,
@@ -72,9 +72,9 @@ def test_the_speed_of_reference_is_that_of_rising_and_never_nothing(cylinder: Ag
     fluid = Fluid()
     net = (fluid.density * cylinder.mass.volume - cylinder.mass.mass) * fluid.gravity
     _, across = terminal_speeds(cylinder.coefficients.drag, net, True, fluid.density, fluid.viscosity)
-    assert reference_speed(cylinder, fluid) == across > SLOWEST
+    assert reference_speed(cylinder, fluid) == across > MIN_SPEED
     neutral = replace(cylinder, mass=replace(cylinder.mass, mass=fluid.density * cylinder.mass.volume))
-    assert reference_speed(neutral, fluid) == SLOWEST
+    assert reference_speed(neutral, fluid) == MIN_SPEED
 
 
 def test_files_say_that_drag_was_simplified_and_at_what_speed(

@@ -339,18 +339,16 @@ def test_the_whole_pipe_is_below_the_uuv_simulators_surface(
     assert place["-x"] == pytest.approx(cog[0])
 
 
-def test_a_pipe_that_would_stand_out_of_the_water_is_told_of(
-    jobs: dict[str, ExportJob], export: Callable
-) -> None:
+def test_a_pipe_that_rises_above_the_water_is_a_warning(jobs: dict[str, ExportJob], export: Callable) -> None:
     folder = export("uuv", jobs["random"], depth=0.5)
-    assert "stands 0.5 m out of the water" in (folder / "urdf/agent.xacro").read_text(encoding="utf-8")
+    assert "rises 0.5 m above the water" in (folder / "urdf/agent.xacro").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("share", [0.97, 1.03])
-def test_a_warning_tells_whether_lagged_added_mass_diverges(
+def test_a_warning_appears_if_and_only_if_lagged_added_mass_diverges(
     share: float, jobs: dict[str, ExportJob], export: Callable, inertia_of: Callable
 ) -> None:
-    """The simulator's own filter, with the exported matrices: it diverges where the export says so, and only there."""
+    """The simulator's own filter, with the exported matrices: it diverges if and only if the export warns."""
     job = jobs["random"]
     agent = job.agent
     ratio = largest_added_mass_ratio(agent.mass, agent.coefficients)

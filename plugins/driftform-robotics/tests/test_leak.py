@@ -14,7 +14,7 @@ from driftform.testing import FitnessContract
 from driftform.testing.fitness import straight_trajectory
 from driftform.types import Trajectory
 from driftform_robotics.leak import Leak, LeakOptions
-from driftform_robotics.plume import plume_of
+from driftform_robotics.plume import make_plume
 
 PIPE = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(16.0, 0.0, 0.0), radius=0.5),))
 
@@ -43,7 +43,7 @@ def test_drifting_along_the_leaking_wall_is_almost_perfect() -> None:
 def test_a_reading_at_the_threshold_counts_half() -> None:
     """An agent that stays where the concentration is C, while the water takes 14 s to the end of the pipe."""
     there, surroundings = (5.0, 0.3, 0.1), scenario((2.0, 0.5, 0.0))
-    C = plume_of(surroundings, (2.0, 0.5, 0.0), 0.001).concentration(np.array([there]))[0]
+    C = make_plume(surroundings, (2.0, 0.5, 0.0), 0.001).concentration(np.array([there]))[0]
     still = straight_trajectory(there, there, np.linspace(0, 7.0, 8))
     for share, expected in ((1.0, 25.0), (3.0, 37.5), (1 / 3, 12.5)):
         leak = Leak(LeakOptions(threshold=C / share))
@@ -81,7 +81,7 @@ def test_who_stays_longer_sees_more_but_never_more_than_all() -> None:
 def test_seconds_in_the_plume_are_those_above_the_threshold() -> None:
     """Along the wall at the leak's height the concentration falls with the distance: it is in it from there on."""
     surroundings = scenario((2.0, 0.5, 0.0))
-    plume = plume_of(surroundings, (2.0, 0.5, 0.0), 0.001)
+    plume = make_plume(surroundings, (2.0, 0.5, 0.0), 0.001)
     C = plume.concentration(np.array([[9.0, 0.5, 0.0]]))[0]
     leak = Leak(LeakOptions(threshold=C))
     assert leak.seconds_in_plume(along(0.5, 0.0), surroundings) == pytest.approx([7.0], abs=0.06)
@@ -97,11 +97,11 @@ def test_the_result_hardly_depends_on_how_often_the_sensor_is_read() -> None:
 
 
 def test_still_water_is_a_reason_and_no_score() -> None:
-    with pytest.raises(ValueError, match="stands still"):
+    with pytest.raises(ValueError, match="is at rest"):
         Leak(LeakOptions()).score(along(0.0, 0.0), scenario((2.0, 0.5, 0.0), speed=0.0))
 
 
-def test_a_wrong_option_is_told_with_its_line(tmp_path: Path) -> None:
+def test_an_error_in_an_option_names_its_line(tmp_path: Path) -> None:
     path = tmp_path / "own.toml"
     path.write_text('base = "leak-search"\n[fitness]\nthreshhold = 1e-5\n')
     with pytest.raises(InputError, match=r"own\.toml:3: .*did you mean 'threshold'"):

@@ -10,8 +10,8 @@ from driftform.geometry import solid_of_revolution
 from driftform.interfaces import ExportJob
 from driftform.scenario import Segment
 from driftform_robotics.models.meshes import Mesh, convex_pieces, make_tube, revolve_contour
-from driftform_robotics.models.pipe import PLANKS, bore_of
-from driftform_robotics.models.xml import angles
+from driftform_robotics.models.pipe import PLANKS, make_bore
+from driftform_robotics.models.xml import roll_pitch_yaw
 
 profiles = st.lists(st.tuples(st.floats(0.0, 0.02), st.floats(0.002, 0.05)), min_size=2, max_size=12).filter(
     lambda steps: sum(step for step, _ in steps[1:]) > 1e-3
@@ -91,14 +91,14 @@ def test_a_tube_holds_the_material_of_its_wall() -> None:
 def test_planks_are_the_wall_of_the_bore(end: tuple[float, float, float]) -> None:
     """Their inner faces lie on the bore to within 0.1 % of its radius, next to one another, wherever it points."""
     start = (0.3, 0.1, -0.2)
-    bore = bore_of(Segment(start=start, end=tuple(np.add(start, end)), radius=0.5))
+    bore = make_bore(Segment(start=start, end=tuple(np.add(start, end)), radius=0.5))
     axis = np.array(end) / np.linalg.norm(end)
     np.testing.assert_allclose(bore.rotation.T @ bore.rotation, np.eye(3), atol=1e-12)
     assert np.linalg.det(bore.rotation) == pytest.approx(1)
     np.testing.assert_allclose(bore.rotation[:, 0], axis, atol=1e-12)
     np.testing.assert_allclose(bore.position, np.array(start) + np.array(end) / 2)
     assert bore.length == pytest.approx(np.linalg.norm(end))
-    planks = bore.planks()
+    planks = bore.make_planks()
     assert len(planks) == PLANKS
     for plank in planks:
         assert np.linalg.det(plank.rotation) == pytest.approx(1)
@@ -123,4 +123,4 @@ def test_angles_make_the_rotation_that_they_came_from(roll: float, pitch: float,
         return about(2, y) @ about(1, p) @ about(0, r)
 
     R = matrix(roll, pitch, yaw)
-    np.testing.assert_allclose(matrix(*angles(R)), R, atol=1e-7)
+    np.testing.assert_allclose(matrix(*roll_pitch_yaw(R)), R, atol=1e-7)

@@ -132,13 +132,13 @@ def test_coriolis_forces_of_added_mass_are_ours_but_for_the_turning(
 
 
 def test_added_mass_has_no_inertia_there(jobs: dict[str, ExportJob], export: Callable) -> None:
-    """What the comment in the file says that MuJoCo leaves out."""
+    """The comment in the file says what MuJoCo ignores."""
     job = jobs["another"]
     _, data = load(export("mjcf", job) / "agent.xml")
     mass, fluid = job.agent.mass, job.scenario.fluid
     net = (fluid.density * mass.volume / mass.mass - 1) * fluid.gravity
     np.testing.assert_allclose(data.qacc[:3], [0, 0, net], atol=1e-6 * abs(net))
-    assert "leaves out the inertia of added mass" in (export("mjcf", job) / "agent.xml").read_text(
+    assert "ignores the inertia of added mass" in (export("mjcf", job) / "agent.xml").read_text(
         encoding="utf-8"
     )
 

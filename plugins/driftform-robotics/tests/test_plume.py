@@ -7,7 +7,14 @@ from hypothesis import strategies as st
 
 from driftform.dynamics.flow import friction_factor
 from driftform.scenario import Fluid, LogLawFlow, Pipe, Scenario, Segment, UniformFlow
-from driftform_robotics.plume import NEAR, eddy_diffusivity, far_spread, near_spread, plume_of, spread
+from driftform_robotics.plume import (
+    MAX_NEAR_TAU,
+    eddy_diffusivity,
+    make_plume,
+    relative_concentration,
+    relative_concentration_far,
+    relative_concentration_near,
+)
 
 PIPE = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(20.0, 0.0, 0.0), radius=0.5),))
 SCENARIO = Scenario(pipe=PIPE, targets={"leak": (0.5, 0.5, 0.0)})
@@ -37,15 +44,15 @@ def test_the_quadrature_of_these_tests_finds_the_area() -> None:
 
 @pytest.mark.parametrize("behind", [0.01, 0.05, 0.2, 0.4, 0.55, 0.7, 2.0, 8.0, 19.0])
 def test_what_flows_through_every_cross_section_is_what_leaks(behind: float) -> None:
-    plume = plume_of(SCENARIO, (0.5, 0.5, 0.0), RATE)
+    plume = make_plume(SCENARIO, (0.5, 0.5, 0.0), RATE)
     points, area = crossing(0.5 + behind, 0.5)
     flux = plume.speed * (plume.concentration(points) * area).sum()
     assert flux == pytest.approx(RATE, rel=2e-3)
 
 
 def test_the_cross_sections_of_the_flux_lie_on_both_sides_of_the_change_of_formula() -> None:
-    plume = plume_of(SCENARIO, (0.5, 0.5, 0.0), RATE)
-    where = NEAR * plume.speed * plume.radius**2 / plume.diffusivity
+    plume = make_plume(SCENARIO, (0.5, 0.5, 0.0), RATE)
+    where = MAX_NEAR_TAU * plume.speed * plume.radius**2 / plume.diffusivity
     assert 0.4 < where < 0.7
 
 
@@ -54,24 +61,24 @@ def test_nothing_goes_through_the_wall() -> None:
     for tau in (0.0005, 0.002, 0.004, 0.02, 0.1):
         for phi in (0.0, np.sqrt(2 * tau), 2 * np.sqrt(2 * tau)):
             step = 1e-3 * np.sqrt(tau)
-            values = spread(np.full(3, tau), 1 - step * np.arange(3), np.full(3, phi))
+            values = relative_concentration(np.full(3, tau), 1 - step * np.arange(3), np.full(3, phi))
             at_wall = (3 * values[0] - 4 * values[1] + values[2]) / (2 * step)
             steepest = values[0] / np.sqrt(2 * tau)
             assert abs(at_wall) < 0.01 * steepest
 
 
-@pytest.mark.parametrize("tau", [0.002, NEAR])
+@pytest.mark.parametrize("tau", [0.002, MAX_NEAR_TAU])
 def test_near_the_leak_the_closed_form_and_the_series_are_the_same(tau: float) -> None:
     deviation = np.sqrt(2 * tau)
     down, along = (grid.ravel() for grid in np.meshgrid(np.arange(0, 2.5, 0.25), np.arange(0, 2.5, 0.25)))
     t, r, phi = np.full(down.shape, tau), 1 - down * deviation, along * deviation
-    series = far_spread(t, r, phi)
-    assert near_spread(t, r, phi) == pytest.approx(series, abs=2e-3 * series.max())
+    series = relative_concentration_far(t, r, phi)
+    assert relative_concentration_near(t, r, phi) == pytest.approx(series, abs=2e-3 * series.max())
 
 
 def test_very_near_the_leak_it_is_twice_the_unbounded_plume() -> None:
     """With the method of images: Q / (2 pi K x) exp(-U s^2 / (4 K x))."""
-    plume = plume_of(SCENARIO, (0.5, 0.5, 0.0), RATE, diffusivity=1e-6)
+    plume = make_plume(SCENARIO, (0.5, 0.5, 0.0), RATE, diffusivity=1e-6)
     U, K, x = plume.speed, plume.diffusivity, 0.3
     for depth in (0.0, 0.0005, 0.001):
         wanted = RATE / (2 * np.pi * K * x) * np.exp(-U * depth**2 / (4 * K * x))
@@ -99,19 +106,19 @@ def test_the_series_is_the_solution_that_finite_volumes_find() -> None:
             A = A + csr_matrix((g, (a, b)), A.shape) - csr_matrix((g, (a, a)), A.shape)
     A = csr_matrix(A.multiply(1 / area[:, None]))
     grid_r, grid_phi = (grid.ravel() for grid in np.meshgrid(r, phi, indexing="ij"))
-    C = far_spread(np.full(area.size, first), grid_r, grid_phi)
+    C = relative_concentration_far(np.full(area.size, first), grid_r, grid_phi)
     steps = 40
     h = (last - first) / steps
     # Crank and Nicolson's rule.
     solve = splu((identity(area.size) - h / 2 * A).tocsc()).solve
     for _ in range(steps):
         C = solve(C + h / 2 * (A @ C))
-    exact = far_spread(np.full(area.size, last), grid_r, grid_phi)
+    exact = relative_concentration_far(np.full(area.size, last), grid_r, grid_phi)
     assert np.abs(C - exact).max() < 0.01 * exact.max()
 
 
 def test_far_downstream_it_is_mixed_evenly() -> None:
-    found = spread(np.full(50, 2.0), np.linspace(0, 1, 50), np.linspace(0, np.pi, 50))
+    found = relative_concentration(np.full(50, 2.0), np.linspace(0, 1, 50), np.linspace(0, np.pi, 50))
     assert found == pytest.approx(np.ones(50), abs=0.01)
 
 
@@ -123,13 +130,13 @@ def test_far_downstream_it_is_mixed_evenly() -> None:
 def test_a_concentration_is_finite_never_negative_and_the_same_on_both_sides(
     tau: float, r: float, phi: float
 ) -> None:
-    found = spread(np.full(2, tau), np.full(2, r), np.array([phi, -phi]))
+    found = relative_concentration(np.full(2, tau), np.full(2, r), np.array([phi, -phi]))
     assert np.isfinite(found).all() and (found >= 0).all()
     assert found[0] == pytest.approx(found[1], rel=1e-9, abs=1e-9)
 
 
 def test_there_is_nothing_upstream_and_the_wall_has_no_more_than_its_surface() -> None:
-    plume = plume_of(SCENARIO, (0.5, 0.5, 0.0), RATE)
+    plume = make_plume(SCENARIO, (0.5, 0.5, 0.0), RATE)
     before = np.array([[0.49, 0.5, 0.0], [0.5, 0.5, 0.0], [-3.0, 0.0, 0.0]])
     assert not plume.concentration(before).any()
     surface, inside = plume.concentration(np.array([[2.0, 0.5, 0.0], [2.0, 0.52, 0.0]]))
@@ -143,8 +150,8 @@ def test_a_turned_pipe_has_the_same_plume() -> None:
     segment = Segment(start=tuple(shift.tolist()), end=tuple(end.tolist()), radius=0.5)
     scenario = SCENARIO.model_copy(update={"pipe": Pipe(segments=(segment,)), "targets": {}})
     points = np.random.default_rng(1).uniform((0, -0.3, -0.3), (20, 0.3, 0.3), (40, 3))
-    here = plume_of(SCENARIO, (0.5, 0.3, 0.4), RATE)
-    there = plume_of(scenario, tuple((turn @ [0.5, 0.3, 0.4] + shift).tolist()), RATE)
+    here = make_plume(SCENARIO, (0.5, 0.3, 0.4), RATE)
+    there = make_plume(scenario, tuple((turn @ [0.5, 0.3, 0.4] + shift).tolist()), RATE)
     assert there.concentration(points @ turn.T + shift) == pytest.approx(
         here.concentration(points), rel=1e-7, abs=1e-12
     )
@@ -153,11 +160,11 @@ def test_a_turned_pipe_has_the_same_plume() -> None:
 
 def test_water_that_runs_back_carries_the_plume_back() -> None:
     back = SCENARIO.model_copy(update={"flow": UniformFlow(speed=-1.0)})
-    plume = plume_of(back, (12.0, 0.5, 0.0), RATE)
+    plume = make_plume(back, (12.0, 0.5, 0.0), RATE)
     here, mirrored = np.array([[10.0, 0.4, 0.1]]), np.array([[14.0, 0.4, 0.1]])
     assert plume.length == pytest.approx(12.0)
     assert plume.concentration(here) == pytest.approx(
-        plume_of(SCENARIO, (12.0, 0.5, 0.0), RATE).concentration(mirrored)
+        make_plume(SCENARIO, (12.0, 0.5, 0.0), RATE).concentration(mirrored)
     )
     assert not plume.concentration(mirrored).any()
 
@@ -173,20 +180,20 @@ def test_water_that_runs_back_carries_the_plume_back() -> None:
 def test_the_leak_is_at_the_nearest_place_of_the_wall(
     point: tuple[float, float, float], wall: tuple[float, float, float]
 ) -> None:
-    assert plume_of(SCENARIO, point, RATE).leak == pytest.approx(wall)
+    assert make_plume(SCENARIO, point, RATE).leak == pytest.approx(wall)
 
 
 def test_in_an_upright_pipe_a_leak_on_the_axis_has_a_side_all_the_same() -> None:
     upright = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(0.0, 0.0, 5.0), radius=0.5),))
-    plume = plume_of(Scenario(pipe=upright), (0.0, 0.0, 1.0), RATE)
+    plume = make_plume(Scenario(pipe=upright), (0.0, 0.0, 1.0), RATE)
     assert np.linalg.norm(plume.leak - [0, 0, 1]) == pytest.approx(0.5)
 
 
 def test_without_a_pipe_or_a_current_there_is_no_plume() -> None:
     with pytest.raises(ValueError, match="open water"):
-        plume_of(Scenario(), (0.0, 0.0, 0.0), RATE)
-    with pytest.raises(ValueError, match="stands still"):
-        plume_of(SCENARIO.model_copy(update={"flow": UniformFlow(speed=0.0)}), (0.5, 0.5, 0.0), RATE)
+        make_plume(Scenario(), (0.0, 0.0, 0.0), RATE)
+    with pytest.raises(ValueError, match="is at rest"):
+        make_plume(SCENARIO.model_copy(update={"flow": UniformFlow(speed=0.0)}), (0.5, 0.5, 0.0), RATE)
 
 
 def test_the_diffusivity_is_the_mean_of_reynolds_analogy() -> None:

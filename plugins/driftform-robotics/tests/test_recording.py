@@ -1,7 +1,7 @@
 """Bags and MCAP files, read back by code that has nothing in common with what wrote them.
 
 MCAP files are read by the package mcap and decoded by mcap-ros2-support; a bag's database is read by sqlite3, and its
-metadata as YAML. Both decode CDR by the message definitions that stand in the file.
+metadata as YAML. Both decode CDR by the message definitions in the file.
 """
 
 import json
@@ -27,7 +27,7 @@ from driftform.trajectory.forces import accelerations_along, net_wrench
 from driftform.trajectory.path import world_velocity
 from driftform.types import Trajectory
 from driftform_robotics import sensors
-from driftform_robotics.plume import plume_of
+from driftform_robotics.plume import make_plume
 from driftform_robotics.recording.recorders import McapRecorder, Rosbag2Options, Rosbag2Recorder
 from driftform_robotics.recording.topics import FlightOptions
 
@@ -115,7 +115,7 @@ def test_every_topic_has_its_messages_at_the_times_of_the_samples(
                 assert message.header.stamp.sec * 10**9 + message.header.stamp.nanosec == stamp
 
 
-def test_the_summary_of_the_file_tells_the_same(mcap: Path, flight: Trajectory) -> None:
+def test_the_summary_of_the_file_agrees(mcap: Path, flight: Trajectory) -> None:
     with mcap.open("rb") as file:
         summary = make_reader(file).get_summary()
     assert summary is not None and summary.statistics is not None
@@ -187,7 +187,7 @@ def test_sensors_read_what_their_functions_say(
     read: dict[str, list[tuple[int, Any]]], job: ExportJob, flight: Trajectory
 ) -> None:
     point, scenario = np.array([0.02, 0.0, 0.01]), job.scenario
-    there = sensors.places(flight, point)
+    there = sensors.point_positions(flight, point)
     moved_by = accelerations_along(flight, job.agent, scenario)
     force = sensors.specific_force(flight, moved_by, point, scenario.fluid.gravity)
     assert [xyz(m.linear_acceleration) for _, m in read["/agent/imu"]] == force.tolist()
@@ -199,7 +199,7 @@ def test_sensors_read_what_their_functions_say(
     assert [m.range for _, m in read["/agent/range"]] == pytest.approx(
         1.0 - np.hypot(there[:, 1], there[:, 2]), rel=1e-6
     )
-    plume = plume_of(scenario, scenario.targets["leak"], 0.001)
+    plume = make_plume(scenario, scenario.targets["leak"], 0.001)
     assert [m.data for _, m in read["/agent/concentration"]] == plume.concentration(there).tolist()
 
 
@@ -254,16 +254,16 @@ def test_a_database_holds_the_same_bytes_as_the_mcap_file(
 
 
 @pytest.mark.parametrize("storage", ["sqlite3", "mcap"])
-def test_the_metadata_of_a_bag_tells_what_is_in_it(
+def test_the_metadata_of_a_bag_describes_its_contents(
     storage: Any, job: ExportJob, flight: Trajectory, tmp_path: Path
 ) -> None:
     folder = tmp_path / "agent-rosbag2"
     written = Rosbag2Recorder(Rosbag2Options(storage=storage)).write(job, flight, folder)
-    told = YAML(typ="safe").load(folder / "metadata.yaml")["rosbag2_bagfile_information"]
-    assert told["storage_identifier"] == storage
-    assert told["duration"]["nanoseconds"] == pytest.approx(flight.t[-1] * 1e9, abs=1)
-    assert told["starting_time"]["nanoseconds_since_epoch"] == 10**9
-    topics = {t["topic_metadata"]["name"]: t for t in told["topics_with_message_count"]}
+    metadata = YAML(typ="safe").load(folder / "metadata.yaml")["rosbag2_bagfile_information"]
+    assert metadata["storage_identifier"] == storage
+    assert metadata["duration"]["nanoseconds"] == pytest.approx(flight.t[-1] * 1e9, abs=1)
+    assert metadata["starting_time"]["nanoseconds_since_epoch"] == 10**9
+    topics = {t["topic_metadata"]["name"]: t for t in metadata["topics_with_message_count"]}
     assert {name: t["topic_metadata"]["type"] for name, t in topics.items()} == KINDS
     assert {name: t["message_count"] for name, t in topics.items()} == {
         name: 1 if name in ONCE else len(flight.t) for name in KINDS
@@ -272,10 +272,10 @@ def test_the_metadata_of_a_bag_tells_what_is_in_it(
         [quality] = YAML(typ="safe").load(topic["topic_metadata"]["offered_qos_profiles"])
         # 1 is "transient local" and 2 "volatile" in the numbers of ROS.
         assert quality["durability"] == (1 if name in ONCE else 2), name
-    assert [(folder / name).is_file() for name in told["relative_file_paths"]] == [True]
-    assert json.loads(told["custom_data"]["document"]) == job.document
+    assert [(folder / name).is_file() for name in metadata["relative_file_paths"]] == [True]
+    assert json.loads(metadata["custom_data"]["document"]) == job.document
     facts = [file.facts for file in written if file.facts]
-    assert [fact["messages"] for fact in facts] == [told["message_count"]]
+    assert [fact["messages"] for fact in facts] == [metadata["message_count"]]
 
 
 def test_what_is_not_there_has_no_topic(job: ExportJob, flight: Trajectory, tmp_path: Path) -> None:

@@ -121,9 +121,9 @@ def test_clearance_is_that_of_the_nearest_of_many_points_on_the_rims() -> None:
 
 def test_a_sensor_is_where_it_is_mounted() -> None:
     flight = at((1.0, 0.2, -0.3), np.pi / 2)
-    assert sensors.places(flight, np.array([0.1, 0.0, 0.0]))[0] == pytest.approx([1.0, 0.2, -0.4])
+    assert sensors.point_positions(flight, np.array([0.1, 0.0, 0.0]))[0] == pytest.approx([1.0, 0.2, -0.4])
 
 
 def test_without_noise_readings_are_the_same() -> None:
     values, rng = np.arange(5.0), np.random.default_rng(0)
-    assert np.array_equal(sensors.noisy(values, 0.0, rng), values)
+    assert np.array_equal(sensors.add_noise(values, 0.0, rng), values)

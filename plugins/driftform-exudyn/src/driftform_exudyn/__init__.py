@@ -1,4 +1,4 @@
-"""Rigid-body flights integrated by Exudyn, and films of them, as a driftform plugin."""
+"""driftform plugin: flights integrated by Exudyn, and films of them."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 @hookimpl
 def driftform_simulator() -> "type[Simulator[Any]]":
-    """Flights integrated by Exudyn, which is looked for here and imported where a flight begins."""
+    """Return the simulator. Check here that Exudyn is installed; import it only to simulate."""
     from driftform.registry import require_module
     from driftform_exudyn.simulator import ExudynSimulator
 
@@ -20,7 +20,7 @@ def driftform_simulator() -> "type[Simulator[Any]]":
 
 @hookimpl
 def driftform_renderer() -> "type[Renderer[Any]]":
-    """Films and stills by Exudyn's ray tracer."""
+    """Return the renderer of films and stills by Exudyn's ray tracer."""
     from driftform.registry import require_module
     from driftform_exudyn.film import ExudynRenderer
 

@@ -1,4 +1,4 @@
-"""Images in, a film out: by ffmpeg, as imageio-ffmpeg brings it."""
+"""Images -> a film, by the ffmpeg of imageio-ffmpeg."""
 
 import contextlib
 import subprocess
@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from driftform_exudyn.stage import Image
 
 SUFFIXES = (".mp4", ".gif")
-"""Of the formats that there are."""
+"""Suffixes of the formats."""
 
-# The colours are those of films in high definition; the index goes first, so that a film plays while it loads.
+# The colours are those of HD video; the index is written first, so that a film plays while it loads.
 _MP4 = (
     *("-vf", "scale=out_color_matrix=bt709", "-pix_fmt", "yuv420p", "-c:v", "libx264", "-crf", "18"),
     *("-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"),
@@ -24,13 +24,13 @@ _MP4 = (
 _GIF = ("-lavfi", "paletteuse=dither=bayer:bayer_scale=4", "-loop", "0", "-f", "gif")
 
 
-def ffmpeg() -> str:
-    """Return the path of the program.
+def find_ffmpeg() -> str:
+    """Return the path of ffmpeg.
 
     Raises
     ------
     WorkFailedError
-        where it is not installed.
+        if it is not installed.
     """
     try:
         from imageio_ffmpeg import get_ffmpeg_exe
@@ -38,7 +38,7 @@ def ffmpeg() -> str:
         return str(get_ffmpeg_exe())
     except (ImportError, RuntimeError):
         raise WorkFailedError(
-            'a film needs ffmpeg, which is not installed; get it by: pip install "driftform-exudyn[film]"'
+            'a film needs ffmpeg, which is not installed; run: pip install "driftform-exudyn[film]"'
         ) from None
 
 
@@ -47,31 +47,31 @@ def encode(
 ) -> None:
     """Write images of one size as a film in the format of ``suffix``.
 
-    ``samples`` are some of them. A format that has a palette gets it from these, because ffmpeg would keep the whole
-    film in memory to make one of all.
+    ``samples`` are some of the images. The palette of a format that has one is made from them: to make it from all
+    images, ffmpeg would keep the whole film in memory.
 
     Raises
     ------
     WorkFailedError
-        where ffmpeg cannot; the message ends with its own words.
+        if ffmpeg fails; the message ends with its error message.
     """
-    # Without "file:" what stands before a colon would be a protocol.
+    # Without "file:" ffmpeg reads the text before a colon as a protocol.
     film = ("-fflags", "+bitexact", f"file:{path}")
     if suffix == ".mp4":
-        _run(images, fps, (*_MP4, *film))
+        _run_ffmpeg(images, fps, (*_MP4, *film))
         return
     with tempfile.TemporaryDirectory() as folder:
         palette = str(Path(folder) / "palette.png")
-        _run(samples, fps, ("-vf", "palettegen", "-update", "1", palette))
-        _run(images, fps, ("-i", palette, *_GIF, *film))
+        _run_ffmpeg(samples, fps, ("-vf", "palettegen", "-update", "1", palette))
+        _run_ffmpeg(images, fps, ("-i", palette, *_GIF, *film))
 
 
-def _run(images: "Iterable[Image]", fps: float, arguments: Sequence[str]) -> None:
+def _run_ffmpeg(images: "Iterable[Image]", fps: float, arguments: Sequence[str]) -> None:
     images = iter(images)
     first = next(images)
     height, width, _ = first.shape
     raw = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", f"{fps:g}", "-i", "-")
-    command = [ffmpeg(), "-y", "-v", "error", *raw, *arguments]
+    command = [find_ffmpeg(), "-y", "-v", "error", *raw, *arguments]
     with tempfile.TemporaryFile() as said:
         with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=said) as process:
             assert process.stdin is not None
@@ -85,12 +85,12 @@ def _run(images: "Iterable[Image]", fps: float, arguments: Sequence[str]) -> Non
             said.seek(0)
             lines = said.read().decode(errors="replace").split("\n")
             raise WorkFailedError(
-                f"ffmpeg failed: {next(filter(None, reversed(lines)), 'it does not say why')}"
+                f"ffmpeg failed: {next(filter(None, reversed(lines)), 'it gives no reason')}"
             )
 
 
 def _feed(pipe: IO[bytes], first: "Image", others: "Iterable[Image]") -> None:
-    # Where ffmpeg gives up early, it says why itself.
+    # If ffmpeg stops early, it reports the reason itself.
     with contextlib.suppress(BrokenPipeError), pipe:
         pipe.write(first.tobytes())
         for image in others:

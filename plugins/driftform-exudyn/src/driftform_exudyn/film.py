@@ -1,4 +1,4 @@
-"""A flight as a film or as a still, made by Exudyn's ray tracer."""
+"""A flight as a film or as a still, by Exudyn's ray tracer."""
 
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
@@ -12,44 +12,45 @@ from driftform.options import Table, option
 from driftform.scenario import Scenario
 from driftform.types import Agent, Trajectory, WrittenFile
 from driftform.util.files import write_whole
-from driftform_exudyn.encoder import SUFFIXES, encode, ffmpeg
+from driftform_exudyn.encoder import SUFFIXES, encode, find_ffmpeg
 
 if TYPE_CHECKING:
     from driftform_exudyn.scene import Scene
     from driftform_exudyn.stage import Image
 
-STEP = 0.04
-"""Spacing of the times that the path on a still is drawn through, s."""
+PATH_STEP = 0.04
+"""Time between two points of the path on a still, s."""
 
-SAMPLES = 8
-"""Frames that stand for all where the format of a film has a palette."""
+PALETTE_FRAMES = 8
+"""Number of frames from which the palette of a film is made."""
 
 
 class FilmOptions(Table):
-    """How large a film is, how fast, and what it shows."""
+    """Size, speed and view of a film."""
 
     width: int = option(800, "width of the film", "px", ge=64, le=4096, multiple_of=2)
     height: int = option(500, "height of the film", "px", ge=64, le=4096, multiple_of=2)
-    fps: float = option(25.0, "frames for each second of the film", "1/s", gt=0, le=120)
+    fps: float = option(25.0, "frames per second of the film", "1/s", gt=0, le=120)
     speed: float = option(
         1.0,
-        "seconds of the flight in one second of the film: less than 1 is slow motion",
+        "seconds of the flight per second of the film; less than 1 is slow motion",
         "",
         ge=0.001,
         le=1000,
     )
     view: Literal["both", "follow", "side"] = option(
-        "both", "'follow': the agent from close by; 'side': the whole pipe; 'both': one above the other"
+        "both",
+        "'follow': close view of the agent; 'side': the whole pipe; 'both': the first above the second",
     )
     rays: int = option(
-        2, "rays along each side of a pixel: more give smoother edges, and take longer", ge=1, le=4
+        2, "rays along each side of a pixel: more rays give smoother edges and take longer", ge=1, le=4
     )
 
 
 class ExudynRenderer(Renderer[FilmOptions]):
     """A film or a still by Exudyn's ray tracer, which needs no display; ffmpeg encodes films.
 
-    The agent's modules are in two shades, its fore end is blue; the pipe is cut open, with rings at equal distances.
+    The agent's modules have two alternating shades, its fore end is blue; the pipe is cut open, with equally spaced rings.
     """
 
     name = "exudyn"
@@ -58,9 +59,9 @@ class ExudynRenderer(Renderer[FilmOptions]):
     Options = FilmOptions
 
     def check(self, path: Path) -> None:
-        """Refuse other suffixes, and any film where there is no ffmpeg."""
+        """Raise an error for other suffixes, and for any film if ffmpeg is not installed."""
         super().check(path)
-        ffmpeg()
+        find_ffmpeg()
 
     def film(
         self,
@@ -70,26 +71,26 @@ class ExudynRenderer(Renderer[FilmOptions]):
         path: Path,
         progress: Callable[[int, int], None],
     ) -> WrittenFile:
-        """Make the film. Facts: ``frames``, ``seconds`` of the film, ``size_px``."""
+        """Write the film. Facts: ``frames``, ``seconds`` of the film, ``size_px``."""
         from driftform.trajectory.resampling import even_times
         from driftform_exudyn.scene import Scene
 
         self.check(path)
         size, fps = self._size, self.options.fps
         t = even_times(float(trajectory.t[-1]), self.options.speed / fps)
-        scene = Scene(agent, trajectory, scenario, t, self._letters)
+        scene = Scene(agent, trajectory, scenario, t, self._letter_height)
 
-        def images(frames: Iterable[int]) -> "Iterator[Image]":
-            yield from map(self._camera(scene), frames)
+        def render(frames: Iterable[int]) -> "Iterator[Image]":
+            yield from map(self._make_view(scene), frames)
 
-        def counted() -> "Iterator[Image]":
-            for done, image in enumerate(images(range(len(t))), start=1):
+        def render_all() -> "Iterator[Image]":
+            for done, image in enumerate(render(range(len(t))), start=1):
                 yield image
                 progress(done, len(t))
 
         def write(part: Path) -> None:
-            some = np.unique(np.linspace(0, len(t) - 1, SAMPLES).astype(int))
-            encode(counted(), images(some), part, path.suffix.lower(), fps)
+            some = np.unique(np.linspace(0, len(t) - 1, PALETTE_FRAMES).astype(int))
+            encode(render_all(), render(some), part, path.suffix.lower(), fps)
 
         _save(path, write)
         return WrittenFile(self.name, str(path), {"frames": len(t), "seconds": len(t) / fps, "size_px": size})
@@ -97,16 +98,16 @@ class ExudynRenderer(Renderer[FilmOptions]):
     def still(
         self, agent: Agent, trajectory: Trajectory, scenario: Scenario, path: Path, at: float
     ) -> WrittenFile:
-        """Make the still: from the side it has the agent at equal intervals too. Facts: ``t``, ``size_px``."""
+        """Write the still; the side view also shows the agent at equal intervals. Facts: ``t``, ``size_px``."""
         from driftform.figures.png import png_bytes
         from driftform.trajectory.resampling import even_times
         from driftform_exudyn.scene import Scene
 
         self.check_still(path)
-        t = np.union1d(even_times(float(trajectory.t[-1]), STEP), at)
+        t = np.union1d(even_times(float(trajectory.t[-1]), PATH_STEP), at)
         moment = int(np.searchsorted(t, at))
         picture = png_bytes(
-            self._camera(Scene(agent, trajectory, scenario, t, self._letters, moment))(moment)
+            self._make_view(Scene(agent, trajectory, scenario, t, self._letter_height, moment))(moment)
         )
         _save(path, lambda part: part.write_bytes(picture))
         return WrittenFile(self.name, str(path), {"t": at, "size_px": self._size})
@@ -116,30 +117,30 @@ class ExudynRenderer(Renderer[FilmOptions]):
         return [self.options.width, self.options.height]
 
     @property
-    def _letters(self) -> float:
+    def _letter_height(self) -> float:
         """Height of letters, px."""
         return min(24.0, max(8.0, self._size[0] / 64), min(self._size) / 16)
 
-    def _camera(self, scene: "Scene") -> "Callable[[int], Image]":
-        """Return what makes the image of a frame; frames are asked for in their order."""
+    def _make_view(self, scene: "Scene") -> "Callable[[int], Image]":
+        """Return the function that renders a frame; frames must be rendered in order."""
         from driftform_exudyn.follow import FollowView
         from driftform_exudyn.side import SideView, wanted_height
 
         width, height, rays = self.options.width, self.options.height, self.options.rays
         match self.options.view:
             case "follow":
-                return FollowView(scene, (width, height), rays).image
+                return FollowView(scene, (width, height), rays).render
             case "side":
-                return SideView(scene, (width, height), rays, captioned=True).image
-        least = max(0.2 * height, 6 * scene.letters)
+                return SideView(scene, (width, height), rays, captioned=True).render
+        least = max(0.2 * height, 6 * scene.letter_height)
         low = 2 * round(float(np.clip(wanted_height(scene, width), least, 0.45 * height)) / 2)
         above = FollowView(scene, (width, height - low), rays)
         below = SideView(scene, (width, low), rays, captioned=False)
-        return lambda frame: np.concatenate([above.image(frame), below.image(frame)])
+        return lambda frame: np.concatenate([above.render(frame), below.render(frame)])
 
 
 def _save(path: Path, write: Callable[[Path], object]) -> None:
-    """Write a file that appears whole or not at all."""
+    """Write a file completely or not at all."""
     try:
         write_whole(path, write)
     except OSError as error:

@@ -1,27 +1,27 @@
-"""The agent from close by: its shape, its attitude, and what it passes."""
+"""A close view of the agent: its shape, its attitude and its surroundings."""
 
 import numpy as np
 
 from driftform.figures.style import BLUE, INK
 from driftform.types import FloatArray
-from driftform_exudyn.hull import hull_shape
+from driftform_exudyn.hull import make_hull
 from driftform_exudyn.scene import PER_FRAME, Scene
-from driftform_exudyn.shapes import Shape, line, text, thinned
+from driftform_exudyn.shapes import Shape, make_line, make_text, thin
 from driftform_exudyn.stage import Camera, Image, Stage
-from driftform_exudyn.surroundings import lattice, nice
+from driftform_exudyn.surroundings import make_lattice, round_down
 
 ELEVATION = np.deg2rad(12.0)
-"""How far above the horizon the viewer is: enough to see that the body is round."""
+"""Elevation of the viewer above the horizontal, rad: enough to show that the body is round."""
 
-DISTANCE = 2.0
-"""Least distance of the viewer over the shorter side of what is seen there."""
+MIN_DISTANCE = 2.0
+"""Least distance of the viewer, relative to the shorter side of the visible area."""
 
-ROOM = 1.3
-"""Half the shorter side of the image over the reach of the body, which fits in whatever its attitude."""
+MARGIN = 1.3
+"""Half of the shorter side of the visible area, relative to the reach of the body: the body fits in any attitude."""
 
 
 class FollowView:
-    """A camera that goes with the middle of the body."""
+    """A camera that follows the middle of the body."""
 
     def __init__(self, scene: Scene, size: tuple[int, int], rays: int) -> None:
         self._scene, self._size = scene, size
@@ -30,54 +30,57 @@ class FollowView:
         right, up, viewer = scene.axes
         towards = np.cos(ELEVATION) * viewer + np.sin(ELEVATION) * up
         axes = np.stack([right, np.cross(towards, right), towards])
-        room = 2 * ROOM * self._reach(axes)
-        # From too close to a small body, a wide pipe would be all there is to see.
+        room = 2 * MARGIN * self._reach(axes)
+        # From a viewer close to a small body, the wall of a wide pipe would fill the image.
         widest = max((bore.radius for bore in scene.bores), default=0.0)
-        self._camera = Camera(axes, min(size) / room, max(DISTANCE * room, widest / 2))
-        self._stage = Stage(hull_shape(body), self._camera, rays, scene.pen)
+        self._camera = Camera(axes, min(size) / room, max(MIN_DISTANCE * room, widest / 2))
+        self._stage = Stage(make_hull(body), self._camera, rays, scene.line_width)
 
     def _reach(self, axes: FloatArray) -> float:
-        """Half of what the body needs of the shorter side of the image, m: as it lies on a still, else however it lies."""
+        """Return half of the space that the body needs along the shorter side of the image, m.
+
+        For a still it is that of the attitude shown; for a film it is enough for any attitude.
+        """
         scene, outer = self._scene, self._scene.agent.body.outer - self._middle[:2]
         if scene.still is None:
             return float(np.linalg.norm(outer, axis=1).max())
-        # A ring about the axis is as high as its radius times what is seen of it from the side.
+        # The projected height of a ring about the axis is its radius times the sine of the angle of view.
         axis = axes[:2] @ scene.poses[scene.still].rotation[:, 0]
         half = np.abs(outer[:, :1] * axis) + outer[:, 1:] * np.sqrt(1 - axis**2)
         return float((half.max(axis=0) * min(self._size) / np.array(self._size)).max())
 
-    def image(self, frame: int) -> Image:
+    def render(self, frame: int) -> Image:
         """Return a frame."""
         pose = self._scene.poses[frame]
         focus = pose.position + pose.rotation @ self._middle
-        return self._stage.image(self._size, focus, pose, self._surroundings(frame, focus))
+        return self._stage.render(self._size, focus, pose, self._make_surroundings(frame, focus))
 
-    def _surroundings(self, frame: int, focus: FloatArray) -> list[Shape]:
+    def _make_surroundings(self, frame: int, focus: FloatArray) -> list[Shape]:
         scene, camera = self._scene, self._camera
         width, height = np.array(self._size) / camera.px_per_m
-        shapes = [self._caption(scene.caption(frame), focus)]
+        shapes = [self._make_caption(scene.format_caption(frame), focus)]
         near = float(width)
         for bore in scene.bores:
             along, up, back = bore.axes @ (focus - bore.start)
-            # What is behind the agent looks smaller, so that more of it is in view.
+            # Objects behind the agent look smaller, so that more of them is visible.
             depth = max(0.0, bore.radius - back)
             shrink = 1 + depth / camera.distance
             wide, high = 0.6 * width * shrink, 0.6 * height * shrink + depth * np.tan(ELEVATION)
             near = max(near, float(wide))
-            shapes += bore.shapes(along - wide, along + wide, nice(wide / 2), up - high, up + high)
-            shapes += scene.water(bore, along - wide, along + wide)
+            shapes += bore.make_shapes(along - wide, along + wide, round_down(wide / 2), up - high, up + high)
+            shapes += scene.make_water(bore, along - wide, along + wide)
         if not scene.bores:
             behind = focus - height * scene.axes[2]
-            shapes += lattice(scene.axes, behind, 2 * np.array([width, height]), nice(height / 2))
-        shapes += scene.targets(0.03 * height, focus, near)
-        flown = scene.flown(frame)
+            shapes += make_lattice(scene.axes, behind, 2 * np.array([width, height]), round_down(height / 2))
+        shapes += scene.make_targets(0.03 * height, focus, near)
+        flown = scene.path_until(frame)
         here = PER_FRAME * frame
         away = np.flatnonzero(np.linalg.norm(flown - focus, axis=1) > near)
         first = away[away < here].max(initial=-1) + 1
         close = flown[first : away[away > here].min(initial=len(flown))]
-        return [*shapes, line(thinned(close, 3 / camera.px_per_m), BLUE)]
+        return [*shapes, make_line(thin(close, 3 / camera.px_per_m), BLUE)]
 
-    def _caption(self, words: str, focus: FloatArray) -> Shape:
-        camera, letters = self._camera, self._scene.letters
+    def _make_caption(self, words: str, focus: FloatArray) -> Shape:
+        camera, letters = self._camera, self._scene.letter_height
         from_middle = np.array(self._size) * (-0.5, 0.5) + np.array([1.0, -2.0]) * letters
-        return text(focus + from_middle / camera.px_per_m @ camera.axes[:2], words, INK, letters)
+        return make_text(focus + from_middle / camera.px_per_m @ camera.axes[:2], words, INK, letters)

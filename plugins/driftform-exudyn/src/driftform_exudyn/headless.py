@@ -1,4 +1,4 @@
-"""Exudyn, imported so that it opens no window, says nothing, and is the same for every user."""
+"""Exudyn, imported so that it opens no window, prints nothing, and ignores the settings of the user."""
 
 import contextlib
 import io
@@ -7,7 +7,7 @@ import signal
 import threading
 from collections.abc import Iterator
 
-# Read when exudyn is imported: no window, and no settings from the user's home that would change results.
+# Exudyn reads these when it is imported: no window, and no settings from the user's home, which would change results.
 os.environ.setdefault("EXUDYN_SUPPRESS_UI_WINDOW_OPEN", "1")
 os.environ.setdefault("EXUDYN_NO_USER_SETTINGS", "1")
 
@@ -19,12 +19,12 @@ exudyn.config.printToConsole = False
 
 items = exudyn.itemInterface
 
-__all__ = ["exudyn", "items", "uninterrupted"]
+__all__ = ["defer_interrupts", "exudyn", "items"]
 
 
 @contextlib.contextmanager
-def uninterrupted() -> Iterator[None]:
-    """Hold an interruption back until the end: Exudyn would take it for an error of what it was given."""
+def defer_interrupts() -> Iterator[None]:
+    """Defer an interrupt (SIGINT) until the end: Exudyn would report it as an error in its input."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

@@ -1,4 +1,4 @@
-"""An agent's hull to look at: its modules in two shades, its fore end in another colour."""
+"""The hull of an agent for display: modules in two shades, the fore end in another colour."""
 
 from collections.abc import Iterable
 
@@ -6,25 +6,25 @@ import numpy as np
 
 from driftform.figures.style import BLUE, ORANGE, tint
 from driftform.types import Body, FloatArray
-from driftform_exudyn.shapes import AROUND, Shape, revolved
+from driftform_exudyn.shapes import FULL_TURN, Shape, revolve
 
-NOSE = 0.1
-"""Share of the length that is painted as the fore end."""
+NOSE_SHARE = 0.1
+"""Share of the length that has the colour of the fore end."""
 
 
-def hull_shape(body: Body, scale: float = 1.0) -> Shape:
+def make_hull(body: Body, scale: float = 1.0) -> Shape:
     """Return the outer surface in the body frame, magnified about the core."""
-    nose = float(body.outer[-1, 0]) - NOSE * body.length
-    contour = _split(body.outer, [nose, *body.joints])
+    nose = float(body.outer[-1, 0]) - NOSE_SHARE * body.length
+    contour = _split_contour(body.outer, [nose, *body.joints])
     middle = (contour[:-1, 0] + contour[1:, 0]) / 2
     shades = (ORANGE, tint(ORANGE, 0.6))
     module = np.searchsorted(body.joints, middle)
     colours = [BLUE if x > nose else shades[m % 2] for x, m in zip(middle, module, strict=True)]
-    return revolved(scale * contour, np.eye(3), AROUND, colours)
+    return revolve(scale * contour, np.eye(3), FULL_TURN, colours)
 
 
-def _split(contour: FloatArray, cuts: Iterable[float]) -> FloatArray:
-    """The contour with a point wherever it crosses one of the ``cuts`` (x, m), and without edges of no length."""
+def _split_contour(contour: FloatArray, cuts: Iterable[float]) -> FloatArray:
+    """Return the contour with a point wherever it crosses one of the ``cuts`` (x, m), without edges of zero length."""
     for x in cuts:
         (crossing,) = np.nonzero((contour[:-1, 0] - x) * (contour[1:, 0] - x) < 0)
         p, q = contour[crossing], contour[crossing + 1]

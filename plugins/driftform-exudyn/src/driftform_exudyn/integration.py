@@ -1,7 +1,8 @@
-"""Motions integrated by Exudyn: it holds coordinates and rates, and asks driftform's equations for accelerations.
+"""Motions integrated by Exudyn, which calls driftform's equations for the accelerations.
 
-A motion in space is that of a unit mass on a rigid body's node, with a force function. One in the plane is that of a
-point mass in the space of its three coordinates, and the force is a load: Exudyn asks for that in a third of the time.
+A motion in space is that of a unit mass on a rigid body's node, with a force function. A motion in the plane is that of
+a point mass in the space of its three coordinates, with a load as the force: Exudyn evaluates a load in a third of the
+time.
 """
 
 import contextlib
@@ -16,26 +17,27 @@ from driftform.types import FloatArray
 from driftform_exudyn.headless import exudyn
 from driftform_exudyn.headless import items as typed_items
 
-items: Any = typed_items  # exudyn's items are partly typed, and not by what they take
+items: Any = typed_items  # the type hints of exudyn's items do not match their arguments
 
-PATIENCE = 5_000
-"""Evaluations within one step after which it has failed.
+MAX_TRIES = 5_000
+"""Evaluations within one step after which the flight fails.
 
-Halving the longest step down to the shortest takes some 300. Where forces are absurd, Exudyn's error control can
-go on for ever, trying longer and shorter steps in turn.
+Halving the longest step down to the shortest takes some 300 evaluations. If forces are unphysically large, Exudyn's
+error control can loop for ever, alternating between longer and shorter steps.
 """
 
-SAFETY = 0.75
-"""Share of the step that its error control takes for the longest possible.
+STEP_SAFETY = 0.75
+"""Step size relative to the largest that the error control estimates to be possible.
 
-With Exudyn's own 0.9 every fourth step is rejected; the same error takes a fifth more evaluations then.
+With Exudyn's default of 0.9 every fourth step is rejected, and the same error takes a fifth more evaluations.
 """
 
 
-def settings_for(integrator: str, horizon: float, tolerance: float, max_step: float) -> Any:
+def make_settings(integrator: str, horizon: float, tolerance: float, max_step: float) -> Any:
     """Return Exudyn's settings for a flight of at most ``horizon`` s.
 
-    ``tolerance`` is that of DOPRI5; RK67 and RK44 take equal steps of at most ``max_step`` s, and DOPRI5 none longer.
+    ``tolerance`` applies to DOPRI5. RK67 and RK44 take equal steps of at most ``max_step`` s; steps of DOPRI5 are not
+    longer either.
     """
     settings = exudyn.SimulationSettings()
     settings.solution.file.write = False
@@ -47,12 +49,12 @@ def settings_for(integrator: str, horizon: float, tolerance: float, max_step: fl
     integration.absoluteTolerance = tolerance
     integration.relativeTolerance = tolerance
     integration.minimumStepSize = 1e-10
-    integration.stepSizeSafety = SAFETY
+    integration.stepSizeSafety = STEP_SAFETY
     integration.explicit.computeEndOfStepAccelerations = False
     return settings
 
 
-def integrated(motion: Motion, settings: Any, limit: int) -> FloatArray:
+def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
     """Return the raw samples of a flight, (k, 14): the release and the ends of at most ``limit`` steps."""
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
@@ -64,16 +66,16 @@ def integrated(motion: Motion, settings: Any, limit: int) -> FloatArray:
     def force(_: Any, t: float, *__: Any) -> tuple[float, ...]:
         nonlocal tries
         tries += 1
-        return accelerations(t, coordinates, rates, values) if tries <= PATIENCE else nowhere
+        return accelerations(t, coordinates, rates, values) if tries <= MAX_TRIES else nowhere
 
     def after_step(_: Any, t: float) -> bool:
         nonlocal samples, count, tries
         tries = 0
         if count == len(samples):
             samples = np.concatenate([samples, np.empty_like(samples)])
-        goes_on = fill_sample(samples[count], t, coordinates, rates, values)
+        proceeds = fill_sample(samples[count], t, coordinates, rates, values)
         count += 1
-        return goes_on and count <= limit
+        return proceeds and count <= limit
 
     _add_mass(mbs, motion, force)
     mbs.Assemble()
@@ -82,12 +84,12 @@ def integrated(motion: Motion, settings: Any, limit: int) -> FloatArray:
     rates: Any = mbs.systemData.GetODE2Coordinates_t(copy=False)
     after_step(mbs, 0.0)
     mbs.SetPostStepUserFunction(after_step)
-    # Exudyn raises where the error control cannot go on, and returns True after NaN: the samples tell.
+    # Exudyn raises an error if the error control fails, and returns True after NaN: the samples show both.
     with contextlib.suppress(exudyn.SolverError):
         try:
             mbs.SolveDynamic(settings)
         except exudyn.ModelError as error:
-            # An interruption reaches whatever Python runs, which are mostly the functions that Exudyn calls.
+            # An interrupt is raised in the running Python code, usually a function that Exudyn calls.
             raise error.__cause__ or error from None
     return samples[:count]
 

@@ -1,4 +1,4 @@
-"""Where the agent is, and how it lies, at any time of its flight."""
+"""Position and attitude of the agent at any time of its flight."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ class Pose:
     rotation: FloatArray
 
 
-def poses(trajectory: Trajectory, t: FloatArray) -> list[Pose]:
-    """Return the poses at times ``t`` (s, (n,)): on the cubic path that fitness measures, and on the cubic turn."""
+def interpolate_poses(trajectory: Trajectory, t: FloatArray) -> list[Pose]:
+    """Return the poses at times ``t`` (s, (n,)), by the cubic interpolation that fitness uses for the path."""
     rotations = matrix_from_quaternion(interpolate_attitudes(trajectory, t))
     return [Pose(*pose) for pose in zip(interpolate_positions(trajectory, t), rotations, strict=True)]

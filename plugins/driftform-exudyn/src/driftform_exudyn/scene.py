@@ -1,4 +1,4 @@
-"""What happens in a film, and the signs that both of its views put up."""
+"""The contents of a film, and the shapes that both views share."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -9,41 +9,41 @@ from driftform.figures.style import INK, VERMILLION
 from driftform.scenario import Scenario
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Agent, FloatArray, Trajectory
-from driftform_exudyn.motion import Pose, poses
-from driftform_exudyn.shapes import Shape, ball, text
+from driftform_exudyn.motion import Pose, interpolate_poses
+from driftform_exudyn.shapes import Shape, make_ball, make_text
 from driftform_exudyn.surroundings import Bore, upright_axes
 
 PER_FRAME = 8
-"""Stretches of the line along the path for each frame."""
+"""Segments of the line along the path for each frame."""
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """An agent, its flight, and when it is seen.
+    """An agent, its flight, and the times of the frames.
 
     Attributes
     ----------
     agent, flight, scenario
-        who flies, how, and where.
+        the agent, its flight, and the surroundings.
     t
         time of each frame, s, (n,).
     letters
         height of letters, px.
     still
-        the only frame that is seen of a still, which shows all of the path; none in a film.
+        the frame of a still, which shows the whole path; ``None`` for a film.
     """
 
     agent: Agent
-    flight: Trajectory
+    trajectory: Trajectory
     scenario: Scenario
     t: FloatArray
-    letters: float
+    letter_height: float
     still: int | None = None
 
     @property
-    def pen(self) -> float:
-        """Width of lines, px: it goes with the letters."""
-        return max(2.0, 0.2 * self.letters)
+    def line_width(self) -> float:
+        """Width of lines, px, in proportion to the letters."""
+        return max(2.0, 0.2 * self.letter_height)
 
     @cached_property
     def axes(self) -> FloatArray:
@@ -53,39 +53,42 @@ class Scene:
     @cached_property
     def poses(self) -> list[Pose]:
         """The agent's pose at each frame."""
-        return poses(self.flight, self.t)
+        return interpolate_poses(self.trajectory, self.t)
 
     @cached_property
     def path(self) -> FloatArray:
-        """Points along the path of the core's centre, ``PER_FRAME`` for each frame, world, m, (k, 3)."""
+        """Points of the path of the core's centre, ``PER_FRAME`` for each frame, world, m, (k, 3)."""
         frames = np.arange(len(self.t))
         between = np.linspace(0, len(self.t) - 1, PER_FRAME * (len(self.t) - 1) + 1)
-        return interpolate_positions(self.flight, np.interp(between, frames, self.t))
+        return interpolate_positions(self.trajectory, np.interp(between, frames, self.t))
 
-    def flown(self, frame: int) -> FloatArray:
-        """The path up to a frame, or all of it where that is a still, (k, 3)."""
+    def path_until(self, frame: int) -> FloatArray:
+        """Return the path up to a frame, or the whole path for a still, world, m, (k, 3)."""
         return self.path if self.still is not None else self.path[: PER_FRAME * frame + 1]
 
     @cached_property
     def bores(self) -> list[Bore]:
-        """The pipe, as it is seen from the side."""
+        """The pipe, seen from the side."""
         return [Bore.of(segment, self.axes[2]) for segment in self.scenario.pipe.segments]
 
-    def water(self, bore: Bore, first: float, last: float) -> list[Shape]:
-        """The water's surface from ``first`` to ``last`` (m along the bore), where the pipe is not full."""
+    def make_water(self, bore: Bore, first: float, last: float) -> list[Shape]:
+        """Return the water's surface from ``first`` to ``last`` (m along the bore); nothing in a full pipe."""
         level = self.scenario.fluid.water_level
-        return [] if level is None else bore.surface(level, first, last)
+        return [] if level is None else bore.make_surface(level, first, last)
 
-    def targets(self, radius: float, focus: FloatArray, near: float = np.inf) -> list[Shape]:
-        """The targets within ``near`` (m) of ``focus`` as balls of ``radius`` (m), with their names."""
+    def make_targets(self, radius: float, focus: FloatArray, near: float = np.inf) -> list[Shape]:
+        """Return the targets within ``near`` (m) of ``focus`` as balls of ``radius`` (m), with their names."""
         shapes = []
         for name, place in self.scenario.targets.items():
             if np.linalg.norm(focus - place) < near:
                 beside = np.array(place) + 1.6 * radius * self.axes[0]
-                shapes += [ball(place, radius, VERMILLION), text(beside, name, INK, self.letters)]
+                shapes += [
+                    make_ball(place, radius, VERMILLION),
+                    make_text(beside, name, INK, self.letter_height),
+                ]
         return shapes
 
-    def caption(self, frame: int) -> str:
-        """When it is, and where the core's centre is."""
+    def format_caption(self, frame: int) -> str:
+        """Return the time and the position of the core's centre as text."""
         where = zip("xyz", self.poses[frame].position, strict=True)
         return "   ".join([f"t {self.t[frame]:.2f} s", *(f"{name} {value:.2f} m" for name, value in where)])

@@ -1,4 +1,4 @@
-"""What is seen, as Exudyn takes it (``GraphicsData``): metres and colours in, triangles, lines and texts out."""
+"""Shapes for Exudyn (``GraphicsData``): triangles, lines and texts from lengths in m and colours."""
 
 from collections.abc import Sequence
 from typing import Any, TypeAlias
@@ -11,15 +11,15 @@ from driftform.types import FloatArray
 Shape: TypeAlias = dict[str, Any]
 """One ``GraphicsData`` dictionary."""
 
-AROUND = np.linspace(0, 2 * np.pi, 37)
+FULL_TURN = np.linspace(0, 2 * np.pi, 37)
 """Angles of the corners of a whole circle, rad."""
 
 
-PLACES = ("points", "data", "position")
+POINT_KEYS = ("points", "data", "position")
 """Keys of a shape that hold points."""
 
 GLOWING = 1001.0
-"""In place of an opacity: the ray tracer's material 1, which the stage makes light by itself."""
+"""Value of an opacity that selects the ray tracer's material 1, which the stage makes luminous."""
 
 
 def rgba(colour: str, opacity: float = 1.0) -> list[float]:
@@ -31,17 +31,17 @@ def rgba(colour: str, opacity: float = 1.0) -> list[float]:
     return [*(int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)), opacity]
 
 
-def line(points: npt.ArrayLike, colour: str) -> Shape:
-    """A line of constant width through points (n, 3), at least one."""
+def make_line(points: npt.ArrayLike, colour: str) -> Shape:
+    """Return a line of constant width through points (n, 3), at least one."""
     corners = np.asarray(points, dtype=np.float64)
-    # The last point twice, because Exudyn has no line through a single one.
+    # The last point twice: Exudyn cannot draw a line with a single point.
     return {"type": "Line", "color": rgba(colour), "data": np.vstack([corners, corners[-1:]]).ravel()}
 
 
-def thinned(points: FloatArray, gap: float) -> FloatArray:
-    """Return points (n, 3) of a polyline about ``gap`` (m) apart, the first and the last among them.
+def thin(points: FloatArray, gap: float) -> FloatArray:
+    """Return points of a polyline (n, 3) about ``gap`` (m) apart, with the first and the last.
 
-    The ray tracer drops what is shorter than a pixel.
+    The ray tracer drops segments shorter than a pixel.
     """
     gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     kept = np.diff(np.floor(gone / gap), prepend=-1.0) > 0
@@ -49,8 +49,8 @@ def thinned(points: FloatArray, gap: float) -> FloatArray:
     return points[kept]
 
 
-def text(point: FloatArray, words: str, colour: str, size: float) -> Shape:
-    """Words in letters of ``size`` px, to the right of a point (3,)."""
+def make_text(point: FloatArray, words: str, colour: str, size: float) -> Shape:
+    """Return text in letters of ``size`` px, to the right of a point (3,)."""
     return {
         "type": "Text",
         "position": point,
@@ -61,13 +61,15 @@ def text(point: FloatArray, words: str, colour: str, size: float) -> Shape:
     }
 
 
-def strips(grid: FloatArray, normals: FloatArray, colours: Sequence[str], opacity: float = 1.0) -> Shape:
-    """Ribbons of triangles.
+def make_ribbons(
+    grid: FloatArray, normals: FloatArray, colours: Sequence[str], opacity: float = 1.0
+) -> Shape:
+    """Return ribbons of triangles.
 
     Parameters
     ----------
     grid, normals
-        both edges of each ribbon, and what they face, (ribbons, 2, n, 3).
+        points of both edges of each ribbon, and their normals, (ribbons, 2, n, 3).
     colours
         one for each ribbon.
     opacity
@@ -85,19 +87,19 @@ def strips(grid: FloatArray, normals: FloatArray, colours: Sequence[str], opacit
     }
 
 
-def revolved(
+def revolve(
     contour: FloatArray, axes: FloatArray, angles: FloatArray, colours: Sequence[str], opacity: float = 1.0
 ) -> Shape:
-    """The surface that a meridian sweeps about the origin.
+    """Return the surface of revolution of a meridian about an axis through the origin.
 
     Parameters
     ----------
     contour
-        positions along the axis, and radii, (n, 2); the surface faces to the left of it.
+        positions along the axis, and radii, m, (n, 2); the surface faces to the left of the contour.
     axes
-        the axis, and the directions that angles are counted from and towards: rows, (3, 3).
+        the axis, the direction of angle 0 and the direction of angle pi/2, as rows, (3, 3).
     angles
-        where the surface has corners, rad, (k,).
+        angles of the corners of the surface, rad, (k,).
     colours
         one for each edge of the contour.
     opacity
@@ -106,26 +108,26 @@ def revolved(
     along, rise = np.diff(contour, axis=0).T[..., None, None]
     out = np.cos(angles)[:, None] * axes[1] + np.sin(angles)[:, None] * axes[2]
     rims = contour[:, 0, None, None] * axes[0] + contour[:, 1, None, None] * out
-    # Each edge has normals of its own, so that rims look sharp.
+    # The normals are constant along each edge, so that rims look sharp.
     normals = (along * out - rise * axes[0]) / np.hypot(along, rise)
     edges = np.stack([rims[:-1], rims[1:]], axis=1)
-    return strips(edges, np.stack([normals, normals], axis=1), colours, opacity)
+    return make_ribbons(edges, np.stack([normals, normals], axis=1), colours, opacity)
 
 
-def placed(shape: Shape, scale: float, offset: npt.ArrayLike) -> Shape:
-    """The shape magnified about the origin, then moved by ``offset``."""
-    found = [key for key in PLACES if key in shape]
+def place(shape: Shape, scale: float, offset: npt.ArrayLike) -> Shape:
+    """Return the shape magnified about the origin, then moved by ``offset``."""
+    found = [key for key in POINT_KEYS if key in shape]
     return {**shape, **{key: (scale * shape[key].reshape(-1, 3) + offset).ravel() for key in found}}
 
 
-def turned(shape: Shape, rotation: FloatArray, position: FloatArray) -> Shape:
-    """Triangles of a body, with their normals, where it is and as it lies: ``rotation`` (3, 3) is body to world."""
+def turn(shape: Shape, rotation: FloatArray, position: FloatArray) -> Shape:
+    """Return triangles of a body at its pose in the world, with their normals: ``rotation`` (3, 3) is body to world."""
     points, normals = (shape[key].reshape(-1, 3) @ rotation.T for key in ("points", "normals"))
     return {**shape, "points": (points + position).ravel(), "normals": normals.ravel()}
 
 
-def ball(centre: npt.ArrayLike, radius: float, colour: str) -> Shape:
-    """A sphere."""
+def make_ball(centre: npt.ArrayLike, radius: float, colour: str) -> Shape:
+    """Return a sphere."""
     angles = np.linspace(np.pi, 0, 13)
     contour = radius * np.column_stack([np.cos(angles), np.sin(angles)])
-    return placed(revolved(contour, np.eye(3), AROUND[::2], [colour] * 12), 1.0, centre)
+    return place(revolve(contour, np.eye(3), FULL_TURN[::2], [colour] * 12), 1.0, centre)

@@ -1,30 +1,30 @@
-"""The whole pipe from the side, with the path so far and the agent, magnified where it would be too small to see."""
+"""The whole pipe from the side, with the path so far and the agent, which is magnified if it is too small to see."""
 
 import numpy as np
 
 from driftform.figures.style import BLUE, INK, MUTED
 from driftform.types import FloatArray
-from driftform_exudyn.hull import hull_shape
-from driftform_exudyn.motion import poses
+from driftform_exudyn.hull import make_hull
+from driftform_exudyn.motion import interpolate_poses
 from driftform_exudyn.scene import Scene
-from driftform_exudyn.shapes import Shape, line, text, thinned, turned
+from driftform_exudyn.shapes import Shape, make_line, make_text, thin, turn
 from driftform_exudyn.stage import Camera, Image, Stage
-from driftform_exudyn.surroundings import THICKNESS, lattice, nice
+from driftform_exudyn.surroundings import THICKNESS, make_lattice, round_down
 
-LEAST = 0.05
-"""Length of the agent over the width of the image, above which it is not magnified."""
+MIN_LENGTH = 0.05
+"""Length of the agent relative to the width of the image; a smaller agent is magnified."""
 
-EXPOSURES = 20
-"""Most intervals between which a still has the agent."""
+MAX_INTERVALS = 20
+"""Largest number of intervals at which a still shows the agent."""
 
-SMALL = 0.8
-"""Size of the letters of distances and remarks, relative to the others."""
+SMALL_LETTERS = 0.8
+"""Height of the letters of distances and remarks, relative to that of other letters."""
 
 
 class SideView:
-    """A camera that stands still.
+    """A fixed camera.
 
-    Little changes between frames, so one image is kept and painted over where the agent is and was.
+    Little changes between frames: one image is kept, and repainted where the agent is and where it was.
     """
 
     def __init__(self, scene: Scene, size: tuple[int, int], rays: int, captioned: bool) -> None:
@@ -33,70 +33,72 @@ class SideView:
         edge, foot = margins(scene)
         scale = ((self._size - [2 * edge, edge + foot]) / (self._high - self._low)[:2]).min()
         self._px_per_m = float(scale)
-        # The margin below is another than that above.
+        # The margins below and above differ.
         self._centre = ((self._low + self._high) / 2 - [0.0, (foot - edge) / 2 / scale, 0.0]) @ scene.axes
         body = scene.agent.body
         length = max(body.length, body.max_diameter)
-        self._magnified = max(1.0, nice(LEAST * size[0] / (length * self._px_per_m)))
+        self._magnified = max(1.0, round_down(MIN_LENGTH * size[0] / (length * self._px_per_m)))
         self._drawn = self._magnified * length
         self._reach = self._magnified * float(np.linalg.norm(body.outer, axis=1).max())
         camera = Camera(scene.axes, self._px_per_m)
-        self._stage = Stage(hull_shape(body, self._magnified), camera, rays, scene.pen)
-        self._still = self._surroundings()
+        self._stage = Stage(make_hull(body, self._magnified), camera, rays, scene.line_width)
+        self._still = self._make_surroundings()
         self._last = scene.still or 0
-        self._kept = self._painted(self._last, np.zeros(2, dtype=int), self._size)
+        self._kept = self._paint(self._last, np.zeros(2, dtype=int), self._size)
 
-    def image(self, frame: int) -> Image:
-        """Return a frame; frames are asked for in their order."""
+    def render(self, frame: int) -> Image:
+        """Return a frame; frames must be rendered in order."""
         margin = self._reach * self._px_per_m + 3
-        places = np.array([self._pixel(self._scene.poses[k].position) for k in (self._last, frame)])
+        places = np.array([self._to_pixel(self._scene.poses[k].position) for k in (self._last, frame)])
         self._repaint(frame, places.min(axis=0) - margin, places.max(axis=0) + margin)
         if self._captioned:
-            self._repaint(frame, np.zeros(2), np.array([self._size[0], 3 * self._scene.letters]))
+            self._repaint(frame, np.zeros(2), np.array([self._size[0], 3 * self._scene.letter_height]))
         self._last = frame
         return self._kept.copy()
 
-    def _surroundings(self) -> list[Shape]:
-        scene, px, size = self._scene, self._px_per_m, SMALL * self._scene.letters
+    def _make_surroundings(self) -> list[Shape]:
+        scene, px, size = self._scene, self._px_per_m, SMALL_LETTERS * self._scene.letter_height
         shapes = []
         for bore in scene.bores:
-            # So far apart that there is room for the words, or for a line where the pipe is steep.
+            # The spacing leaves room for the text, or for its height if the pipe is steep.
             right, up, _ = np.abs(scene.axes @ bore.axes[0]) * px / size
-            step = nice(2.5 / max(float(right) / 5, float(up) / 1.6))
-            shapes += bore.shapes(0.0, bore.length, step / 2)
-            shapes += bore.labels(step, size, 1.4 * scene.letters / px)
-            shapes += scene.water(bore, 0.0, bore.length)
+            step = round_down(2.5 / max(float(right) / 5, float(up) / 1.6))
+            shapes += bore.make_shapes(0.0, bore.length, step / 2)
+            shapes += bore.make_labels(step, size, 1.4 * scene.letter_height / px)
+            shapes += scene.make_water(bore, 0.0, bore.length)
         if not scene.bores:
             seen = self._size / px
-            shapes += lattice(scene.axes, self._centre, seen, nice(float(seen[0]) / 9))
+            shapes += make_lattice(scene.axes, self._centre, seen, round_down(float(seen[0]) / 9))
         drawn = [f"drawn {self._magnified:g} times its size"] if self._magnified > 1 else []
         if scene.still is not None:
-            t = self._exposures()
+            t = self._exposure_times()
             drawn += [f"every {t[1]:g} s"] if len(t) > 1 else []
-            hull = hull_shape(scene.agent.body, self._magnified)
-            shapes += [turned(hull, pose.rotation, pose.position) for pose in poses(scene.flight, t)]
+            hull = make_hull(scene.agent.body, self._magnified)
+            shapes += [
+                turn(hull, pose.rotation, pose.position) for pose in interpolate_poses(scene.trajectory, t)
+            ]
         if drawn:
-            above = np.array([self._low[0], self._high[1] + 0.4 * scene.letters / px, self._high[2]])
-            shapes.append(text(above @ scene.axes, f"agent {', '.join(drawn)}", MUTED, size))
-        return shapes + scene.targets(0.3 * scene.letters / px, self._centre)
+            above = np.array([self._low[0], self._high[1] + 0.4 * scene.letter_height / px, self._high[2]])
+            shapes.append(make_text(above @ scene.axes, f"agent {', '.join(drawn)}", MUTED, size))
+        return shapes + scene.make_targets(0.3 * scene.letter_height / px, self._centre)
 
-    def _exposures(self) -> FloatArray:
-        """Times at which a still has the agent, s, from the release at equal intervals in which it gets out of its own way."""
-        scene, end = self._scene, float(self._scene.flight.t[-1])
+    def _exposure_times(self) -> FloatArray:
+        """Return the times at which a still shows the agent, s: equal intervals, long enough to avoid overlaps."""
+        scene, end = self._scene, float(self._scene.trajectory.t[-1])
         length = float(np.linalg.norm(np.diff(scene.path, axis=0), axis=1).sum())
-        count = min(EXPOSURES, length / self._drawn)
+        count = min(MAX_INTERVALS, length / self._drawn)
         if count < 1 or not end > 0:
             return np.zeros(1)
-        step = 1 / nice(count / end)
+        step = 1 / round_down(count / end)
         return np.asarray(np.arange(np.floor(end / step + 1e-9) + 1) * step, dtype=np.float64)
 
-    def _pixel(self, place: FloatArray) -> FloatArray:
-        """Column and row of a place of the world, (2,)."""
+    def _to_pixel(self, place: FloatArray) -> FloatArray:
+        """Return the column and row of a point of the world, (2,)."""
         offset = self._scene.axes[:2] @ (place - self._centre) * self._px_per_m
         return np.asarray(self._size / 2 + offset * (1, -1), dtype=np.float64)
 
-    def _place(self, pixel: FloatArray) -> FloatArray:
-        """A place of the world that is seen at a column and row, (3,)."""
+    def _to_world(self, pixel: FloatArray) -> FloatArray:
+        """Return the point of the world at a column and row, m, (3,)."""
         offset = (pixel - self._size / 2) * (1, -1) / self._px_per_m
         return np.asarray(self._centre + offset @ self._scene.axes[:2], dtype=np.float64)
 
@@ -104,17 +106,19 @@ class SideView:
         first = np.clip(np.floor(low).astype(int), 0, self._size)
         last = np.clip(np.ceil(high).astype(int), 0, self._size)
         if (last > first).all():
-            self._kept[first[1] : last[1], first[0] : last[0]] = self._painted(frame, first, last)
+            self._kept[first[1] : last[1], first[0] : last[0]] = self._paint(frame, first, last)
 
-    def _painted(self, frame: int, first: FloatArray, last: FloatArray) -> Image:
-        """Return what of a frame is between two pixels: the upper left one, and one past the lower right."""
+    def _paint(self, frame: int, first: FloatArray, last: FloatArray) -> Image:
+        """Return the part of a frame from the upper left pixel ``first`` to the lower right pixel before ``last``."""
         scene = self._scene
-        shapes = [*self._still, line(thinned(scene.flown(frame), 3 / self._px_per_m), BLUE)]
+        shapes = [*self._still, make_line(thin(scene.path_until(frame), 3 / self._px_per_m), BLUE)]
         if self._captioned:
-            corner = self._place(np.array([1.0, 2.0]) * scene.letters)
-            shapes.append(text(corner, scene.caption(frame), INK, scene.letters))
+            corner = self._to_world(np.array([1.0, 2.0]) * scene.letter_height)
+            shapes.append(make_text(corner, scene.format_caption(frame), INK, scene.letter_height))
         width, height = map(int, last - first)
-        return self._stage.image((width, height), self._place((first + last) / 2), scene.poses[frame], shapes)
+        return self._stage.render(
+            (width, height), self._to_world((first + last) / 2), scene.poses[frame], shapes
+        )
 
 
 def extent(scene: Scene) -> tuple[FloatArray, FloatArray]:
@@ -133,8 +137,8 @@ def extent(scene: Scene) -> tuple[FloatArray, FloatArray]:
 
 
 def margins(scene: Scene) -> tuple[float, float]:
-    """Return the margin (px) above and on either side, and the one below, where a pipe has its distances."""
-    return 2 * scene.letters, (2.2 if scene.bores else 1.0) * scene.letters
+    """Return the margin (px) above and on either side, and the margin below, which holds the distances along a pipe."""
+    return 2 * scene.letter_height, (2.2 if scene.bores else 1.0) * scene.letter_height
 
 
 def wanted_height(scene: Scene, width: int) -> float:

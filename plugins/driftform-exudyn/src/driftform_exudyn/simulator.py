@@ -1,4 +1,4 @@
-"""Flights integrated by Exudyn, with driftform's own equations of motion as the right-hand side."""
+"""Flights integrated by Exudyn, with driftform's equations of motion as the right-hand side."""
 
 from typing import Literal
 
@@ -8,10 +8,10 @@ from driftform.scenario import Scenario
 from driftform.types import Agent, Trajectory
 
 TIGHTENING = 0.1
-"""What the tolerance is multiplied by where a flight is not accurate enough."""
+"""Factor on the tolerance after a flight that is not accurate enough."""
 
-REFERENCE = 0.4
-"""Share of the accuracy that the flight it is held against may be off, to begin with."""
+REFERENCE_SHARE = 0.4
+"""Initial accuracy of the reference flight, relative to the accuracy asked for."""
 
 
 class ExudynOptions(Table):
@@ -21,18 +21,18 @@ class ExudynOptions(Table):
         "DOPRI5", "explicit integrator: DOPRI5 controls its error, RK67 and RK44 take equal steps"
     )
     accuracy: float = option(
-        1e-3, "largest estimated error of the position; the tolerance is tightened until it is met", "m", gt=0
+        1e-3, "largest estimated error of the position; the tolerance is reduced until this is met", "m", gt=0
     )
     tolerance: float = option(
         4e-6,
-        "relative and absolute tolerance of a step in every coordinate, to begin with (DOPRI5)",
+        "initial relative and absolute tolerance of a step in every coordinate (DOPRI5)",
         "SI",
         gt=0,
     )
     tightest: float = option(1e-11, "tolerance below which a flight counts as not converged", "SI", gt=0)
     max_step: float = option(
         0.05,
-        "longest time step and gap between samples; RK67 and RK44 take every step of this length",
+        "longest time step and time between samples; RK67 and RK44 take all steps of this length",
         "s",
         gt=0,
     )
@@ -42,37 +42,37 @@ class ExudynOptions(Table):
 class ExudynSimulator(Simulator[ExudynOptions]):
     """Flights by Exudyn's explicit solvers.
 
-    They see unit masses whose forces are accelerations: the 6x6 mass with its added mass is inverted once, exactly, in
-    the body frame, where it is constant. There is no lag and no mass matrix that depends on the pose. In space the mass
-    is a rigid body on a Lie-group node, so that no attitude is singular. A motion that stays in the vertical plane is
-    that of a point with the coordinates x, z and pitch.
+    Exudyn integrates unit masses whose forces are accelerations: the 6x6 mass matrix with its added mass is inverted
+    once, exactly, in the body frame, where it is constant. The added mass therefore does not lag, and the mass matrix
+    does not depend on the pose. In space the mass is a rigid body on a Lie-group node, for which no attitude is
+    singular. A motion that stays in the vertical plane is that of a point with the coordinates x, z and pitch.
 
-    A flight's error is how far it is from one by another integrator, that of :mod:`driftform.dynamics.integrator`,
-    plus what that one's may be. The two share no more than the equations.
+    The error of a flight is its distance from a flight by another integrator,
+    :mod:`driftform.dynamics.integrator`, plus the error of that flight. The two share only the equations.
     """
 
     name = "exudyn"
     Options = ExudynOptions
 
     def simulate(self, agent: Agent, scenario: Scenario) -> Trajectory:
-        """Return the flight; it ends at the outlet, the horizon, or where it is no longer finite."""
+        """Return the flight; it ends at the outlet, at the horizon, or when it is no longer finite."""
         from driftform.dynamics.coordinates import describe_motion
         from driftform.dynamics.flight import finish_trajectory, release_state
         from driftform.dynamics.integrator import Accuracy, greatest_distance, integrate
         from driftform.dynamics.model import flight_model
-        from driftform_exudyn.integration import integrated, settings_for
+        from driftform_exudyn.integration import integrate_motion, make_settings
 
         options, horizon = self.options, scenario.flight.horizon
         model = flight_model(agent, scenario)
         start = release_state(model, scenario)
         motion = describe_motion(model, start)
-        tolerance, share = options.tolerance, REFERENCE
+        tolerance, share = options.tolerance, REFERENCE_SHARE
         while True:
-            known = Accuracy(share * options.accuracy, step_limit=options.step_limit)
-            other = integrate(model, start, horizon, known)
-            settings = settings_for(options.integrator, horizon, tolerance, options.max_step)
-            samples = integrated(motion, settings, options.step_limit)
-            error = other.error + greatest_distance(other.samples, samples)
+            accuracy = Accuracy(share * options.accuracy, step_limit=options.step_limit)
+            reference = integrate(model, start, horizon, accuracy)
+            settings = make_settings(options.integrator, horizon, tolerance, options.max_step)
+            samples = integrate_motion(motion, settings, options.step_limit)
+            error = reference.error + greatest_distance(reference.samples, samples)
             tolerance, share = TIGHTENING * tolerance, TIGHTENING * share
             equal_steps = options.integrator != "DOPRI5"
             if error <= options.accuracy or equal_steps or tolerance < options.tightest:

@@ -1,4 +1,4 @@
-"""Exudyn's ray tracer as a camera: shapes in, an image out. It needs no display."""
+"""Exudyn's ray tracer as a camera: shapes -> an image, without a display."""
 
 import os
 from collections.abc import Sequence
@@ -9,29 +9,29 @@ import numpy as np
 import numpy.typing as npt
 
 from driftform.types import FloatArray
-from driftform_exudyn.headless import exudyn, items, uninterrupted
+from driftform_exudyn.headless import defer_interrupts, exudyn, items
 from driftform_exudyn.motion import Pose
-from driftform_exudyn.shapes import PLACES, Shape, placed
+from driftform_exudyn.shapes import POINT_KEYS, Shape, place
 
 Image: TypeAlias = npt.NDArray[np.uint8]
-"""Rows of pixels from above, (height, width, 3), red, green and blue."""
+"""Rows of pixels from top to bottom, (height, width, 3), red, green and blue."""
 
 UNIT = 100.0
-"""Pixels that are a metre to Exudyn: its thresholds are in metres, whatever the size of what is seen."""
+"""Pixels per metre in Exudyn, whose thresholds are in metres and do not adapt to the size of the scene."""
 
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """How the world is seen.
+    """A view of the world.
 
     Attributes
     ----------
     axes
         the directions right, up, and towards the viewer in the world frame: rows, (3, 3).
     px_per_m
-        scale, at the distance of the point that the camera looks at.
+        scale at the distance of the focus, the point in the middle of the image.
     distance
-        of the viewer from that point, m; infinite for parallel lines of sight.
+        distance of the viewer from the focus, m; infinite for parallel lines of sight.
     """
 
     axes: FloatArray
@@ -40,49 +40,49 @@ class Camera:
 
 
 class Stage:
-    """A body before a camera, and whatever else is to be seen with it."""
+    """A body and its surroundings in front of a camera."""
 
-    @uninterrupted()
+    @defer_interrupts()
     def __init__(self, body: Shape, camera: Camera, rays: int, pen: float = 2.0) -> None:
-        """Put up the body; ``rays`` by ``rays`` of them make one pixel, and lines are ``pen`` px wide."""
+        """Add the body; a pixel is traced by ``rays`` x ``rays`` rays, and lines are ``pen`` px wide."""
         self._camera = camera
         self._scale = camera.px_per_m / UNIT
-        # Exudyn drops lines that are nearer than the origin where there is perspective: all is moved away from it.
+        # With perspective, Exudyn drops lines that are nearer than the origin: everything is moved behind it.
         self._away = camera.distance / 2 * self._scale if np.isfinite(camera.distance) else 0.0
         self._container = exudyn.SystemContainer()
         self._mbs = self._container.AddSystem()
         ground: Any = items.ObjectGround  # exudyn's items are partly typed, and not by what they take
-        hull = placed(body, self._scale, np.zeros(3))
+        hull = place(body, self._scale, np.zeros(3))
         self._body = self._mbs.AddObject(ground(visualization=items.VObjectGround(graphicsData=[hull])))
         self._others = self._mbs.AddObject(ground())
         self._mbs.Assemble()
         settings: Any = self._container.visualizationSettings
         _set_up(settings, rays, pen)
         if self._away:
-            # Close to a wide wall, a small body has all its triangles in few branches of a search tree of usual size.
+            # Close to a wide wall, all triangles of a small body are in a few branches of a default search tree.
             settings.raytracer.advanced.searchTreeFactor = 64
-        # Without it the first image would set a view of its own.
+        # Otherwise the first image resets the view.
         self._container.renderer.ZoomAll()
 
-    @uninterrupted()
-    def image(self, size: tuple[int, int], focus: FloatArray, pose: Pose, others: Sequence[Shape]) -> Image:
+    @defer_interrupts()
+    def render(self, size: tuple[int, int], focus: FloatArray, pose: Pose, others: Sequence[Shape]) -> Image:
         """Return an image of ``size`` (width and height, px) with ``focus`` (world, m, (3,)) in its middle."""
         camera, scale = self._camera, self._scale
         offset = -scale * focus - self._away * camera.axes[2]
-        shapes = [self._legible(placed(shape, scale, offset)) for shape in others]
-        self._put(scale * pose.position + offset, pose.rotation, shapes)
-        self._look(size, self._extent(shapes))
+        shapes = [self._scale_letters(place(shape, scale, offset)) for shape in others]
+        self._set_shapes(scale * pose.position + offset, pose.rotation, shapes)
+        self._aim(size, self._extent(shapes))
         image: Image = self._container.renderer.RedrawAndGetImage(useRaytracer=True)
         return image
 
-    def _put(self, position: FloatArray, rotation: FloatArray, shapes: Sequence[Shape]) -> None:
-        """Put up what is to be seen."""
+    def _set_shapes(self, position: FloatArray, rotation: FloatArray, shapes: Sequence[Shape]) -> None:
+        """Set the pose of the body and the shapes around it."""
         self._mbs.SetObjectParameter(self._body, "referencePosition", position)
         self._mbs.SetObjectParameter(self._body, "referenceRotation", rotation)
         self._mbs.SetObjectParameter(self._others, "VgraphicsData", shapes)
 
-    def _look(self, size: tuple[int, int], extent: float) -> None:
-        """Turn the ray tracer to it."""
+    def _aim(self, size: tuple[int, int], extent: float) -> None:
+        """Set the size of the image, the view and the largest distance."""
         view: Any = self._container.visualizationSettings.view0
         view.window.renderWindowSize = list(size)
         half = size[1] / 2 / UNIT
@@ -91,24 +91,24 @@ class Stage:
             {
                 "modelRotation": self._camera.axes.T,
                 "centerPoint": np.zeros(3),
-                # What is seen at the origin, which is half as far from the viewer as the focus.
+                # The zoom refers to the origin, which is half as far from the viewer as the focus.
                 "zoom": half / 2 if self._away else half,
                 "maxSceneSize": extent,
             }
         )
 
     def _extent(self, shapes: Sequence[Shape]) -> float:
-        """How far things are from the origin: what is farther than a few times that is not drawn."""
-        points = (shape[key] for shape in shapes for key in PLACES if key in shape)
+        """Return the largest distance from the origin: Exudyn does not draw beyond a few times that distance."""
+        points = (shape[key] for shape in shapes for key in POINT_KEYS if key in shape)
         return float(max([1.0, self._away, *(np.abs(point).max() for point in points)]))
 
-    def _legible(self, shape: Shape) -> Shape:
-        """Letters look as large as they are at the origin, so that at the focus they would look half as large."""
+    def _scale_letters(self, shape: Shape) -> Shape:
+        """Double the size of letters with perspective: it refers to the origin, and is half as large at the focus."""
         return {**shape, "fontSize": 2 * shape["fontSize"]} if self._away and "fontSize" in shape else shape
 
 
 def _set_up(settings: Any, rays: int, pen: float) -> None:
-    """Show nothing but the shapes, lit from above the viewer's left shoulder."""
+    """Show only the shapes, lit from above the viewer's left shoulder."""
     settings.general.autoFitScene = False
     settings.view0.scene.drawCoordinateSystem = 0
     settings.view0.window.showComputationInfo = False

@@ -1,4 +1,4 @@
-"""The pipe to look at: cut open along its length, with rings at equal distances, and the water's surface in it."""
+"""The pipe for display: cut open along its length, with equally spaced rings, and the water's surface."""
 
 from dataclasses import dataclass
 
@@ -7,16 +7,16 @@ import numpy as np
 from driftform.figures.style import BLUE, MUTED, WALL, tint
 from driftform.scenario import Scenario, Segment
 from driftform.types import FloatArray
-from driftform_exudyn.shapes import GLOWING, Shape, line, placed, revolved, strips, text
+from driftform_exudyn.shapes import GLOWING, Shape, make_line, make_ribbons, make_text, place, revolve
 
 LIT = "#576670"
-"""What light adds to the wall, which glows: it is seen from its concave side, and would be dark above otherwise."""
+"""Colour that light adds to the luminous wall: its upper part would otherwise be dark, seen from inside."""
 
-PIECES = 65
-"""Corners of a long line: the ray tracer drops pieces with neither end in view."""
+LINE_POINTS = 65
+"""Points of a long line: the ray tracer drops segments with neither end in view."""
 
 THICKNESS = 0.03
-"""Of the wall that is drawn, relative to the bore's radius."""
+"""Thickness of the displayed wall, relative to the bore's radius."""
 
 
 def upright_axes(scenario: Scenario) -> FloatArray:
@@ -29,8 +29,8 @@ def upright_axes(scenario: Scenario) -> FloatArray:
     return np.stack([right, up, np.cross(right, up)])
 
 
-def nice(length: float) -> float:
-    """Return 1, 2 or 5 times a power of ten, the largest that is not above ``length``.
+def round_down(length: float) -> float:
+    """Return the largest of 1, 2 or 5 times a power of ten that does not exceed ``length``.
 
     >>> nice(0.5), nice(0.9), nice(34.0)
     (0.5, 0.5, 20.0)
@@ -41,7 +41,7 @@ def nice(length: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Bore:
-    """A segment of pipe: its ``axes`` are its own, the one towards the back wall, and the one up between (3, 3)."""
+    """A segment of pipe; the rows of ``axes`` (3, 3) are its axis, up, and the direction of the back wall."""
 
     start: FloatArray
     length: float
@@ -50,7 +50,7 @@ class Bore:
 
     @classmethod
     def of(cls, segment: Segment, viewer: FloatArray) -> "Bore":
-        """Return the segment as it is seen from the direction ``viewer`` (world, (3,)), across the pipe."""
+        """Return the segment seen across the pipe, from the direction ``viewer`` (world, (3,))."""
         start, end = np.array(segment.start), np.array(segment.end)
         length = float(np.linalg.norm(end - start))
         axis = (end - start) / length
@@ -61,17 +61,17 @@ class Bore:
     def point(
         self, along: FloatArray | float, radius: FloatArray | float, angle: FloatArray | float
     ) -> FloatArray:
-        """Return points of the world by their cylindrical coordinates, ``angle`` (rad) from up to the back, (..., 3)."""
+        """Return points of the world by cylindrical coordinates, ``angle`` (rad) from up towards the back, m, (..., 3)."""
         axis, up, back = self.axes
         x, r, a = (np.asarray(value, dtype=np.float64)[..., None] for value in (along, radius, angle))
         return np.asarray(self.start + x * axis + r * (np.cos(a) * up + np.sin(a) * back), dtype=np.float64)
 
-    def shapes(
+    def make_shapes(
         self, first: float, last: float, step: float, low: float = -np.inf, high: float = np.inf
     ) -> list[Shape]:
-        """Return what is seen from ``first`` to ``last`` (m along the axis), with a ring every ``step`` (m).
+        """Return the pipe from ``first`` to ``last`` (m along the axis), with a ring every ``step`` (m).
 
-        The back wall reaches from ``low`` to ``high`` (m above the axis): what is in view is enough.
+        The back wall is drawn from ``low`` to ``high`` (m above the axis), the range in view.
         """
         first, last = max(first, 0.0), min(last, self.length)
         bottom, top = np.clip([low / self.radius, high / self.radius], -1.0, 1.0)
@@ -81,34 +81,34 @@ class Bore:
         # From the far end to the near one, so that the surface faces inward.
         stations = np.linspace(last, first, 2 + int((last - first) / step))
         contour = np.column_stack([stations, np.full(len(stations), self.radius)])
-        inside = revolved(contour, self.axes, half, [LIT] * (len(stations) - 1), GLOWING)
-        # Inside the wall, where it does not hide them.
+        inside = revolve(contour, self.axes, half, [LIT] * (len(stations) - 1), GLOWING)
+        # Lines lie just inside the wall, which would hide them otherwise.
         near = 0.985 * self.radius
         marks = np.arange(np.ceil(first / step - 1e-9), np.floor(last / step + 1e-9) + 1) * step
-        # Not to the very top, where they would be seen through the wall in parts.
+        # Rings stop short of the edges, where parts of them would show through the wall.
         ring = np.clip(half, 0.2, np.pi - 0.2)
-        rings = [line(self.point(s, near, ring), tint(WALL, 0.4)) for s in marks]
+        rings = [make_line(self.point(s, near, ring), tint(WALL, 0.4)) for s in marks]
         stripes = [
-            line(self.point(np.linspace(first, last, PIECES), near, a), tint(WALL, 0.2))
+            make_line(self.point(np.linspace(first, last, LINE_POINTS), near, a), tint(WALL, 0.2))
             for a in np.deg2rad(np.arange(15, 180, 15))
             if half[0] < a < half[-1]
         ]
-        return [placed(inside, 1.0, self.start), self._section(first, last), *rings, *stripes]
+        return [place(inside, 1.0, self.start), self._make_section(first, last), *rings, *stripes]
 
-    def _section(self, first: float, last: float) -> Shape:
-        """The cut through the wall, above and below."""
+    def _make_section(self, first: float, last: float) -> Shape:
+        """Return the cut through the wall, above and below."""
         angles = np.array([0.0, np.pi])[:, None, None]
         rims = self.radius * np.array([1.0, 1 + THICKNESS])[:, None]
         grid = self.point(np.array([first, last]), rims, angles)
-        return strips(grid, np.broadcast_to(-self.axes[2], grid.shape), [tint(WALL, 0.6)] * 2)
+        return make_ribbons(grid, np.broadcast_to(-self.axes[2], grid.shape), [tint(WALL, 0.6)] * 2)
 
-    def surface(self, level: float, first: float, last: float) -> list[Shape]:
-        """Return the water's surface at the height ``level`` (m), where the pipe is partly full of it."""
+    def make_surface(self, level: float, first: float, last: float) -> list[Shape]:
+        """Return the water's surface at the height ``level`` (m), where it lies within the pipe."""
         _, up, back = self.axes
         first, last = max(first, 0.0), min(last, self.length)
         if last <= first or abs(up[2]) < 1e-6:
             return []
-        middles = self.point(np.linspace(first, last, PIECES), 0.0, 0.0)
+        middles = self.point(np.linspace(first, last, LINE_POINTS), 0.0, 0.0)
         above = (level - middles[:, 2]) / up[2]
         cut = np.abs(above) < self.radius
         if cut.sum() < 2:
@@ -116,27 +116,31 @@ class Bore:
         near = (middles + above[:, None] * up)[cut]
         far = near + np.sqrt(self.radius**2 - above[cut] ** 2)[:, None] * back
         grid = np.stack([near, far])[None]
-        return [strips(grid, np.broadcast_to(up, grid.shape), [tint(BLUE, 0.35)]), line(near, BLUE)]
+        return [
+            make_ribbons(grid, np.broadcast_to(up, grid.shape), [tint(BLUE, 0.35)]),
+            make_line(near, BLUE),
+        ]
 
-    def labels(self, step: float, size: float, gap: float) -> list[Shape]:
+    def make_labels(self, step: float, size: float, gap: float) -> list[Shape]:
         """Return the distances from the inlet every ``step`` (m), ``gap`` (m) below the pipe, in letters of ``size`` px."""
         return [
-            text(self.point(s, self.radius + gap, np.pi), f"{s:g} m", MUTED, size)
+            make_text(self.point(s, self.radius + gap, np.pi), f"{s:g} m", MUTED, size)
             for s in np.arange(np.floor(self.length / step + 1e-9) + 1) * step
         ]
 
 
-def lattice(axes: FloatArray, centre: FloatArray, seen: FloatArray, step: float) -> list[Shape]:
-    """Return lines ``step`` (m) apart on a plane through ``centre``: what open water is seen to pass by.
+def make_lattice(axes: FloatArray, centre: FloatArray, seen: FloatArray, step: float) -> list[Shape]:
+    """Return a grid of lines ``step`` (m) apart on a plane through ``centre``, to show motion in open water.
 
-    ``axes`` are right, up and towards the viewer, and ``seen`` is how far the lines go, width and height (m).
+    ``axes`` are right, up and towards the viewer; ``seen`` is the extent of the lines, width and height (m).
     """
     shapes = []
     for i in (0, 1):
         along, across, middle = axes[i], axes[1 - i], float(centre @ axes[i])
-        ends = centre + np.linspace(-0.5, 0.5, PIECES)[:, None] * seen[1 - i] * across
+        ends = centre + np.linspace(-0.5, 0.5, LINE_POINTS)[:, None] * seen[1 - i] * across
         first, last = np.ceil((middle - seen[i] / 2) / step), np.floor((middle + seen[i] / 2) / step)
         shapes += [
-            line(ends + (n * step - middle) * along, tint(BLUE, 0.15)) for n in np.arange(first, last + 1)
+            make_line(ends + (n * step - middle) * along, tint(BLUE, 0.15))
+            for n in np.arange(first, last + 1)
         ]
     return shapes

@@ -66,9 +66,11 @@ def plate_svg(
     """
     view = _View.of(shapes, width, height)
     shapes = [_simplify(shape, _DETAIL / view.scale) for shape in shapes]
-    root = svg.document(width, height, "Parts on the bed", "The parts as they are printed, in their colours.")
+    root = svg.start_document(
+        width, height, "Parts on the bed", "The parts as they are printed, in their colours."
+    )
     page = np.array([(0, 0), (width, 0), (width, height), (0, height)], dtype=np.float64)
-    svg.add(root, "path", d=svg.polyline(page, closed=True), fill=_PAPER)
+    svg.add(root, "path", d=svg.path_data(page, closed=True), fill=_PAPER)
     _add_bed(root, view, bed, page, shapes)
     # In parallel projection, a part hides only those behind its axis.
     for shape in sorted(shapes, key=lambda shape: _depth(shape.vertices.mean(axis=0))):
@@ -127,7 +129,7 @@ def _add_bed(
     """Draw the bed, its lines, and the shadows of the shapes."""
     half = np.array([bed[0], bed[1], 0.0]) / 2
     corners = view.project(half * np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]))
-    svg.add(root, "path", d=svg.polyline(corners, closed=True), fill=_BED)
+    svg.add(root, "path", d=svg.path_data(corners, closed=True), fill=_BED)
     for colour, wanted in ((_LINE, False), (_RULER, True)):
         lines = []
         for across, along in ((0, 1), (1, 0)):
@@ -137,7 +139,7 @@ def _add_bed(
                     ends = np.zeros((2, 3))
                     ends[:, across] = number * _STEP
                     ends[:, along] = -half[along], half[along]
-                    lines.append(svg.polyline(view.project(ends)))
+                    lines.append(svg.path_data(view.project(ends)))
         svg.add(root, "path", d="".join(lines), stroke=colour, stroke_width=0.5, fill="none")
     shadows = [_triangles(view.project(_cast(shape.vertices))[_facing(shape, _LIGHT)[0]]) for shape in shapes]
     svg.add(root, "path", d="".join(shadows), fill="#000000", fill_opacity=0.2)
@@ -145,11 +147,11 @@ def _add_bed(
     svg.add(
         root,
         "path",
-        d=svg.polyline(page, closed=True) + svg.polyline(corners, closed=True),
+        d=svg.path_data(page, closed=True) + svg.path_data(corners, closed=True),
         fill=_PAPER,
         fill_rule="evenodd",
     )
-    svg.add(root, "path", d=svg.polyline(corners, closed=True), stroke=_EDGE, stroke_width=0.5, fill="none")
+    svg.add(root, "path", d=svg.path_data(corners, closed=True), stroke=_EDGE, stroke_width=0.5, fill="none")
 
 
 def _cast(vertices: FloatArray) -> FloatArray:

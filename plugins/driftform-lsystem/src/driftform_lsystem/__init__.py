@@ -1,4 +1,4 @@
-"""The paper's L-system grammar, as a driftform plugin."""
+"""driftform plugin: the L-system grammar of the paper."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 @hookimpl
 def driftform_grammar() -> "type[Grammar[Any]]":
-    """The paper's L-system."""
+    """Return the L-system of the paper."""
     from driftform_lsystem.grammar import LSystemGrammar
 
     return LSystemGrammar

@@ -1,4 +1,4 @@
-"""The symbols of the grammar (Table 1 of the paper) and where in a quintuple each class stands."""
+"""The symbols of the grammar (Table 1 of the paper) and the place of each class in a quintuple."""
 
 CORE = "C"
 """The letter of the core module: the axiom, and the first symbol of every developed word."""
@@ -13,10 +13,10 @@ QUINTUPLE = (ADDS, TILTS, DEGREES, LETTERS, MOVES)
 """The classes of a quintuple's five symbols, in order."""
 
 NOUNS = ("an add", "a tilt", "a degree", "a letter", "a move")
-"""What a message calls a symbol of each class."""
+"""Names of the classes in messages."""
 
 PLACE = {symbol: place for place, symbols in enumerate(QUINTUPLE) for symbol in symbols}
-"""The place of each symbol in a quintuple, counted from 0; the core's letter has none."""
+"""The place of each symbol in a quintuple, counted from 0, without the core's letter."""
 
 LETTER_PLACE = 3
 

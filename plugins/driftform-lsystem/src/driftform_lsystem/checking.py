@@ -1,4 +1,4 @@
-"""What is wrong with a sequence of symbols, in one line.
+"""Errors in a sequence of symbols, as one line each.
 
 Positions count from 1 as :mod:`driftform_lsystem.text` prints them: within the named rule of a genotype, and
 after the core's letter in a developed word.
@@ -19,9 +19,9 @@ from driftform_lsystem.alphabet import (
 )
 
 
-def quintuples_fault(symbols: Sequence[str]) -> str | None:
-    """Return the first fault in what should be whole quintuples, ``None`` where there is none."""
-    # Nearly always there is none, and comparing all places at once is several times as fast as one by one.
+def find_quintuple_fault(symbols: Sequence[str]) -> str | None:
+    """Return the first fault in symbols that should be complete quintuples, or ``None``."""
+    # Almost all symbols are valid, and comparing all places at once is several times as fast as one by one.
     if list(map(PLACE.get, symbols)) == [*range(len(QUINTUPLE))] * (len(symbols) // len(QUINTUPLE)):
         return None
     for index, symbol in enumerate(symbols):
@@ -38,30 +38,30 @@ def quintuples_fault(symbols: Sequence[str]) -> str | None:
     return None
 
 
-def rule_fault(rule: str, symbols: Sequence[str]) -> str | None:
-    """Return the first fault in one rule of a genotype, ``None`` where there is none."""
-    fault = quintuples_fault(symbols)
+def find_rule_fault(rule: str, symbols: Sequence[str]) -> str | None:
+    """Return the first fault in one rule of a genotype, or ``None``."""
+    fault = find_quintuple_fault(symbols)
     if fault is None and len(symbols) != RULE_LENGTH:
         fault = f"quintuples: {len(symbols) // len(QUINTUPLE)}, expected {QUINTUPLES_PER_RULE}"
     return None if fault is None else f"rule {rule}: {fault}"
 
 
-def fault(symbols: Sequence[str]) -> str | None:
-    """Return the first fault in the symbols of a genome, ``None`` where there is none."""
+def find_fault(symbols: Sequence[str]) -> str | None:
+    """Return the first fault in the symbols of a genome, or ``None``."""
     if is_word(symbols):
-        return quintuples_fault(symbols[1:])
+        return find_quintuple_fault(symbols[1:])
     if len(symbols) != GENOTYPE_LENGTH:
         return (
             f"the number of symbols is {len(symbols)}, but a genotype has {GENOTYPE_LENGTH}, "
             f"and a developed word starts with {CORE!r}"
         )
     for rule, start in zip(RULES, range(0, GENOTYPE_LENGTH, RULE_LENGTH), strict=True):
-        found = rule_fault(rule, symbols[start : start + RULE_LENGTH])
+        found = find_rule_fault(rule, symbols[start : start + RULE_LENGTH])
         if found is not None:
             return found
     return None
 
 
 def is_word(symbols: Sequence[str]) -> bool:
-    """Tell a developed word, which starts with the core's letter, from a genotype, which never does."""
+    """Return whether the symbols are a developed word, which starts with the core's letter, and not a genotype."""
     return bool(symbols) and symbols[0] == CORE

@@ -1,4 +1,4 @@
-"""The seam: the paper's L-system as a grammar of driftform."""
+"""The L-system of the paper as a grammar of driftform."""
 
 from collections.abc import Iterable
 from typing import ClassVar
@@ -21,7 +21,7 @@ class LSystemGrammar(Grammar[LSystemOptions]):
 
     A genotype is 60 symbols: the rules of C, S, M and L, each three quintuples of add, tilt, degree, letter
     and move; there are 108^12. A genome that starts with ``"C"`` is an already developed word, C and any
-    number of quintuples, and is built as it stands.
+    number of quintuples, and is built without rewriting.
     """
 
     name = "lsystem"
@@ -36,15 +36,15 @@ class LSystemGrammar(Grammar[LSystemOptions]):
     def flip(self, genome: Genome, index: int, rng: np.random.Generator) -> Genome:
         """Return the genome with the symbol at ``index`` changed to another of its class.
 
-        The core's letter at the start of a developed word has no alternative: there the genome comes back
+        The core's letter at the start of a developed word has no alternative: the genome is then returned
         unchanged.
 
         Raises
         ------
         ValueError
-            where the genome is not one of this grammar.
+            if the genome is not one of this grammar.
         IndexError
-            where it has no symbol at ``index``.
+            if it has no symbol at ``index``.
         """
         self._check(genome)
         symbols = list(genome.symbols)
@@ -57,9 +57,9 @@ class LSystemGrammar(Grammar[LSystemOptions]):
         Raises
         ------
         ValueError
-            where the genome is not one of this grammar.
+            if the genome is not one of this grammar.
         """
-        # As the base class has it, but checked once and not for every flip: it is most of what a strategy costs.
+        # As in the base class, but checked once and not for every flip: mutation is most of the cost of a strategy.
         self._check(genome)
         symbols = list(genome.symbols)
         for index in np.flatnonzero(rng.random(len(symbols)) < rate).tolist():
@@ -70,12 +70,12 @@ class LSystemGrammar(Grammar[LSystemOptions]):
         """Return two offspring with the parents' tails swapped at one point, the same in both.
 
         Genotypes are cut between two rules, developed words between two quintuples; words too short to be cut
-        come back unchanged.
+        are returned unchanged.
 
         Raises
         ------
         ValueError
-            where a genome is not one of this grammar, or one is a genotype and the other a developed word.
+            if a genome is not one of this grammar, or if one is a genotype and the other a developed word.
         """
         self._check(a)
         self._check(b)
@@ -100,7 +100,7 @@ class LSystemGrammar(Grammar[LSystemOptions]):
         Raises
         ------
         ValueError
-            where the genome is not one of this grammar; the message names the symbol and its position as
+            if the genome is not one of this grammar; the message names the symbol and its position as
             :meth:`to_text` prints it.
         """
         self._check(genome)
@@ -114,7 +114,7 @@ class LSystemGrammar(Grammar[LSystemOptions]):
         Raises
         ------
         ValueError
-            where the genome is not one of this grammar.
+            if the genome is not one of this grammar.
         """
         self._check(genome)
         return lines.write(genome.symbols)
@@ -125,7 +125,7 @@ class LSystemGrammar(Grammar[LSystemOptions]):
         Raises
         ------
         InputError
-            where the text is neither; the message names the symbol and its position, counted from 1.
+            if the text is neither; the message names the symbol and its position, counted from 1.
         """
         return self._genome(lines.read(text))
 
@@ -135,7 +135,7 @@ class LSystemGrammar(Grammar[LSystemOptions]):
     def _check(self, genome: Genome) -> None:
         if genome.grammar != self.name:
             raise ValueError(f"the genome is one of grammar {genome.grammar!r}, not of {self.name!r}")
-        fault = checking.fault(genome.symbols)
+        fault = checking.find_fault(genome.symbols)
         if fault is not None:
             raise ValueError(fault)
 

@@ -11,12 +11,12 @@ from driftform_lsystem.options import MAX_TILT_DEG, LSystemOptions
 
 def interpret(word: Iterable[str], options: LSystemOptions) -> Morphology:
     """Return the modules that a word builds: lengths in m, tilts in rad."""
-    steps = instructions(word, last=options.repetition == "last")
-    aft, fore = chain(steps, skip=options.occupied == "skip")
-    return Morphology(fore=_modules(fore, options), aft=_modules(aft, options))
+    steps = read_instructions(word, last=options.repetition == "last")
+    aft, fore = place_modules(steps, skip=options.occupied == "skip")
+    return Morphology(fore=_make_modules(fore, options), aft=_make_modules(aft, options))
 
 
-def instructions(word: Iterable[str], *, last: bool = False) -> list[list[str]]:
+def read_instructions(word: Iterable[str], *, last: bool = False) -> list[list[str]]:
     """Return one quintuple for each module letter of a word.
 
     Rewriting leaves runs of adds, tilts and degrees before a letter, and of moves after it. The first of each
@@ -38,18 +38,18 @@ def instructions(word: Iterable[str], *, last: bool = False) -> list[list[str]]:
     return steps
 
 
-def chain(steps: Sequence[Sequence[str]], *, skip: bool = False) -> tuple[list[str], list[str]]:
+def place_modules(steps: Sequence[Sequence[str]], *, skip: bool = False) -> tuple[list[str], list[str]]:
     """Place the modules; return those aft and those fore of the core, each from the core outward.
 
-    A module is told by its tilt, degree and letter in one string, such as ``"tiltn1M"``. Where another
-    module, or the core, is already next to the reference, the new one goes between, or is left out with
-    ``skip``; its move counts either way.
+    A module is named by its tilt, degree and letter in one string, such as ``"tiltn1M"``. If another
+    module, or the core, is already next to the reference, the new module is inserted between, or left out with
+    ``skip``; its move counts in both cases.
     """
     places = [CORE]
     reference = 0
     for add, tilt, degree, letter, move in steps:
         at = reference + (add == "addF")
-        # Only beyond the two ends of the chain is nothing there yet.
+        # Only the places beyond the two ends of the chain are free.
         if not skip or at in (0, len(places)):
             places.insert(at, tilt + degree + letter)
             if at == reference:
@@ -62,26 +62,26 @@ def chain(steps: Sequence[Sequence[str]], *, skip: bool = False) -> tuple[list[s
     return places[:core][::-1], places[core + 1 :]
 
 
-def _modules(side: Sequence[str], options: LSystemOptions) -> tuple[Module, ...]:
-    modules = _catalogue(options)
+def _make_modules(side: Sequence[str], options: LSystemOptions) -> tuple[Module, ...]:
+    modules = _make_catalogue(options)
     if options.tilt_reference == "axis":
         return tuple([modules[kind] for kind in side])
     limit = math.radians(MAX_TILT_DEG)
     leaning = []
     wall = 0.0
     for kind in side:
-        # Each step is clipped, and not the sum: the next module leans on the wall that is really there.
+        # Each step is clipped, and not the sum: the tilt of the next module refers to the clipped wall.
         wall = min(max(wall + modules[kind].tilt, -limit), limit)
         leaning.append(Module(modules[kind].length, wall))
     return tuple(leaning)
 
 
 @lru_cache(maxsize=16)
-def _catalogue(options: LSystemOptions) -> dict[str, Module]:
-    """The modules by what :func:`chain` tells them by, with their tilt as if against the axis."""
+def _make_catalogue(options: LSystemOptions) -> dict[str, Module]:
+    """Return the modules by their names in :func:`place_modules`, with their tilt against the axis."""
     lengths = {"S": options.small, "M": options.medium, "L": options.large}
     degrees = {"0": options.tilt_0_deg, "1": options.tilt_1_deg, "2": options.tilt_2_deg}
-    # Subtracting from zero, for the negative of 0.0 is -0.0, which would be printed so.
+    # Subtracted from zero, because the negative of 0.0 is -0.0 and would be printed as such.
     tilts = {"tiltp" + d: math.radians(deg) for d, deg in degrees.items()}
     tilts |= {"tiltn" + d: 0.0 - math.radians(deg) for d, deg in degrees.items()}
     return {

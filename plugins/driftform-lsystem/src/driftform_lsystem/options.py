@@ -1,30 +1,30 @@
-"""The options of the grammar: how the paper is read where it is silent or contradicts itself."""
+"""Options of the grammar: readings of the paper where it is silent or contradicts itself."""
 
 from typing import Literal
 
 from driftform.options import Table, option
 
 MAX_TILT_DEG = 80.0
-"""No wall is steeper than this against the axis, deg: near 90 the meridian would fold back on itself."""
+"""Largest tilt of a wall against the axis, deg: near 90 the meridian would fold back on itself."""
 
 
 class LSystemOptions(Table):
     """The table ``[grammar]`` of a study that uses ``lsystem``."""
 
     # The number of modules triples with each iteration; six already make 1092.
-    iterations: int = option(3, "how often the rules are applied to the axiom", ge=1, le=6)
+    iterations: int = option(3, "number of times that the rules are applied to the axiom", ge=1, le=6)
     small: float = option(0.0025, "length along the slant of a module S", "m", ge=1e-4, le=1)
     medium: float = option(0.005, "length along the slant of a module M", "m", ge=1e-4, le=1)
     large: float = option(0.01, "length along the slant of a module L", "m", ge=1e-4, le=1)
-    tilt_0_deg: float = option(0.0, "tilt that degree 0 stands for", "deg", ge=0, le=MAX_TILT_DEG)
-    tilt_1_deg: float = option(10.0, "tilt that degree 1 stands for", "deg", ge=0, le=MAX_TILT_DEG)
-    tilt_2_deg: float = option(20.0, "tilt that degree 2 stands for", "deg", ge=0, le=MAX_TILT_DEG)
+    tilt_0_deg: float = option(0.0, "tilt of degree 0", "deg", ge=0, le=MAX_TILT_DEG)
+    tilt_1_deg: float = option(10.0, "tilt of degree 1", "deg", ge=0, le=MAX_TILT_DEG)
+    tilt_2_deg: float = option(20.0, "tilt of degree 2", "deg", ge=0, le=MAX_TILT_DEG)
     repetition: Literal["first", "last"] = option(
-        "first", "which of a run of adds, tilts, degrees or moves between two modules counts"
+        "first", "which symbol counts in a run of adds, tilts, degrees or moves between two modules"
     )
     occupied: Literal["insert", "skip"] = option(
-        "insert", "adding where a module already is: insert the new one between, or skip it"
+        "insert", "adding a module at an occupied place: insert it between, or skip it"
     )
     tilt_reference: Literal["axis", "neighbour"] = option(
-        "axis", "what a tilt is measured against: the axis, or the wall of the next module towards the core"
+        "axis", "reference of a tilt: the axis, or the wall of the next module towards the core"
     )

@@ -9,8 +9,8 @@ def rewrite(genotype: Sequence[str], iterations: int) -> list[str]:
     """Return the word that the axiom C grows into.
 
     The core's rule keeps its letter, C -> C q q q, and so adds three modules in each iteration. The letters
-    S, M, L are consumed, S -> q q q: what stood around a letter, its "add tilt degree" and its move, stays
-    and now stands around its children. From n modules come 3 n + 3.
+    S, M, L are consumed, S -> q q q: the symbols around a letter, its "add tilt degree" and its move, remain
+    around its children. n modules become 3 n + 3.
     """
     rules = {rule: list(genotype[i * RULE_LENGTH : (i + 1) * RULE_LENGTH]) for i, rule in enumerate(RULES)}
     rules[CORE].insert(0, CORE)

@@ -1,20 +1,20 @@
 """Symbols <-> one line of text.
 
-A developed word stands as the paper prints it, ``addB-tiltn-1-M-moveB-...``, the bare core as ``C``; a
-genotype as its four rules, ``C: ... | S: ... | M: ... | L: ...``.
+A developed word is written as in the paper, ``addB-tiltn-1-M-moveB-...``, and the core alone as ``C``; a
+genotype is written as its four rules, ``C: ... | S: ... | M: ... | L: ...``.
 """
 
 from collections.abc import Sequence
 
 from driftform.errors import InputError, did_you_mean
 from driftform_lsystem.alphabet import CORE, RULE_LENGTH, RULES
-from driftform_lsystem.checking import is_word, quintuples_fault, rule_fault
+from driftform_lsystem.checking import find_quintuple_fault, find_rule_fault, is_word
 
 _EXPECTED = "expected a word such as addB-tiltn-1-M-moveB, or the rules 'C: ... | S: ... | M: ... | L: ...'"
 
 
 def write(symbols: Sequence[str]) -> str:
-    """Return the text of a sound genome's symbols."""
+    """Return the text of the symbols of a valid genome."""
     if is_word(symbols):
         return "-".join(symbols[1:]) or CORE
     return " | ".join(
@@ -31,7 +31,7 @@ def read(text: str) -> tuple[str, ...]:
     Raises
     ------
     InputError
-        where the text is not a genome; the message names the symbol or the rule.
+        if the text is not a genome; the message names the symbol or the rule.
     """
     if not text.strip():
         raise InputError(f"the genome is empty; {_EXPECTED}")
@@ -42,7 +42,7 @@ def _read_word(text: str) -> tuple[str, ...]:
     symbols = _split(text)
     if symbols[0] == CORE:
         del symbols[0]
-    fault = quintuples_fault(symbols)
+    fault = find_quintuple_fault(symbols)
     if fault is not None:
         raise InputError(fault)
     return (CORE, *symbols)
@@ -68,7 +68,7 @@ def _read_genotype(text: str) -> tuple[str, ...]:
             f"missing: {', '.join(missing)}"
         )
     for rule in RULES:
-        fault = rule_fault(rule, rules[rule])
+        fault = find_rule_fault(rule, rules[rule])
         if fault is not None:
             raise InputError(fault)
     return tuple(symbol for rule in RULES for symbol in rules[rule])

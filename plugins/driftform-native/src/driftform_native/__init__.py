@@ -1,4 +1,4 @@
-"""Flights by driftform's own compiled integrator, as a driftform plugin."""
+"""driftform plugin: flights by the compiled integrator of driftform."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 @hookimpl
 def driftform_simulator() -> "type[Simulator[Any]]":
-    """Flights by an adaptive high-order integrator in compiled code."""
+    """Return the simulator with an adaptive high-order integrator in compiled code."""
     from driftform_native.simulator import NativeSimulator
 
     return NativeSimulator

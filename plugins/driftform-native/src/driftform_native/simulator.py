@@ -1,4 +1,4 @@
-"""Flights by driftform's own integrator, many at once where threads are given."""
+"""Flights by driftform's integrator, optionally in parallel threads."""
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -19,50 +19,50 @@ class NativeOptions(Table):
 
     accuracy: float = option(
         1e-3,
-        "largest estimated error of the position; the tolerance is tightened until it is met",
+        "largest estimated error of the position; the tolerance is reduced until this is met",
         "m",
         gt=0,
     )
     tolerance: float = option(
         1e-6,
-        "tolerance of a step, relative to 1 + |value| in every coordinate, to begin with",
+        "initial tolerance of a step, relative to 1 + |value| in every coordinate",
         "SI",
         gt=0,
         le=1e-2,
     )
     tightest: float = option(1e-12, "tolerance below which a flight counts as not converged", "SI", gt=0)
-    max_step: float = option(0.05, "longest time step and gap between samples", "s", gt=0)
+    max_step: float = option(0.05, "longest time step and time between samples", "s", gt=0)
     step_limit: int = option(200_000, "steps after which a flight counts as failed", "", gt=0)
     threads: int = option(
         1,
-        "flights of a batch at the same time; the worker processes of a run share the machine already",
+        "flights of a batch that run in parallel; the worker processes of a run already share the machine",
         gt=0,
     )
 
 
 class NativeSimulator(Simulator[NativeOptions]):
-    """DOP853 clear of the wall and DOPRI5 near it, both adaptive; every flight is checked against a second one.
+    """DOP853 away from the wall and DOPRI5 near it, both adaptive; a second flight checks the error of each flight.
 
-    A flight is one call of compiled code, which holds no lock: flights of a batch run in parallel threads.
+    A flight is one call of compiled code, which releases the interpreter lock: flights of a batch can run in threads.
     """
 
     name = "native"
     Options = NativeOptions
 
     def simulate(self, agent: Agent, scenario: Scenario) -> Trajectory:
-        """Return the flight; it ends at the outlet, the horizon, or where it is no longer finite."""
-        return self._finished(*self._flown(agent, scenario))
+        """Return the flight; it ends at the outlet, at the horizon, or when it is no longer finite."""
+        return self._finish(*self._fly(agent, scenario))
 
     def simulate_batch(self, agents: Sequence[Agent], scenarios: Sequence[Scenario]) -> list[Trajectory]:
         """Return the flights of many agents, each in its own scenario."""
         if self.options.threads == 1 or len(agents) < 2:
             return super().simulate_batch(agents, scenarios)
         with ThreadPoolExecutor(self.options.threads) as pool:
-            flown = list(pool.map(self._flown, agents, scenarios))
-        return [self._finished(*flight) for flight in flown]
+            flown = list(pool.map(self._fly, agents, scenarios))
+        return [self._finish(*flight) for flight in flown]
 
-    def _flown(self, agent: Agent, scenario: Scenario) -> "tuple[FlightModel, Scenario, IntegrationResult]":
-        # Compiled: here, and not above, or whoever asks for the names of plugins would load a compiler.
+    def _fly(self, agent: Agent, scenario: Scenario) -> "tuple[FlightModel, Scenario, IntegrationResult]":
+        # Imported here, because compiled code loads the compiler, and listing the plugins must not.
         from driftform.dynamics.flight import release_state
         from driftform.dynamics.integrator import Accuracy, integrate
         from driftform.dynamics.model import flight_model
@@ -75,7 +75,7 @@ class NativeSimulator(Simulator[NativeOptions]):
         start = release_state(model, scenario)
         return model, scenario, integrate(model, start, scenario.flight.horizon, accuracy)
 
-    def _finished(self, model: "FlightModel", scenario: Scenario, flown: "IntegrationResult") -> Trajectory:
+    def _finish(self, model: "FlightModel", scenario: Scenario, flown: "IntegrationResult") -> Trajectory:
         from driftform.dynamics.flight import finish_trajectory
 
         return finish_trajectory(

@@ -1,4 +1,4 @@
-"""Added mass in potential flow by boundary elements on the meridian, as a driftform plugin."""
+"""driftform plugin: added mass in potential flow by boundary elements on the meridian."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 @hookimpl
 def driftform_hydrodynamics() -> "type[Hydrodynamics[Any]]":
-    """Axisymmetric boundary elements."""
+    """Return the axisymmetric boundary-element method."""
     from driftform_panels.coefficients import PanelMethod
 
     return PanelMethod

@@ -12,10 +12,10 @@ class PanelMethod(Hydrodynamics[PanelOptions]):
     """Added mass of any body of revolution in unbounded potential flow, about the centre of buoyancy.
 
     Boundary elements on the meridian, with the integral over the circle in closed form: Green's identity for the
-    potentials of surge, which are the same all round, and of sway and yaw, which vary as the cosine; three points of
-    collocation on each panel. With the default panels, 141 unknowns in the median, M11 of 200 random agents is within
-    0.1 % of what `panels = 100` and `corner = 0.02` find, M22, M55 and M26 (over the root of M22 M66) within 0.03 %.
-    Walls may be thin, but not thinner than a fiftieth of their panels.
+    potentials of surge, which are axisymmetric, and of sway and yaw, which vary as the cosine; three collocation points
+    on each panel. With the default panels, 141 unknowns in the median, M11 of 200 random agents is within
+    0.1 % of the result with `panels = 100` and `corner = 0.02`; M22, M55 and M26 (relative to the root of M22 M66) are
+    within 0.03 %. A wall must be at least a fiftieth as thick as its panels are long.
     """
 
     name = "panels"

@@ -1,6 +1,6 @@
-"""The compiled part: integrals over rings, and the equations at all collocation points.
+"""Compiled code: integrals over rings, and the equations at all collocation points.
 
-All compiled functions are in this one file, because numba's cache of a function sees changes of its own file alone.
+All compiled functions are in this file, because numba's cache of a function detects only changes of its own file.
 
 Green's identity for the potential phi outside a body, with the normal n into the water, on its surface:
 
@@ -8,7 +8,7 @@ Green's identity for the potential phi outside a body, with the normal n into th
 
 On a body of revolution phi = phi_m(s) cos(m theta), and the integral over theta is done in closed form: a ring of
 radius r' acts on the point (x, r) of the meridian by complete elliptic integrals. Surge has m = 0, sway and yaw have
-m = 1. Nothing here has a length of its own: any unit will do.
+m = 1. The equations hold in any unit of length.
 """
 
 import math
@@ -24,15 +24,15 @@ NODES = 3
 """Values of the potential on each panel, at Gauss's points of the panel's parameter."""
 
 FAR = 3.0
-"""Distance of a panel's middle, in panel lengths, from which on these points do for quadrature, too."""
+"""Distance of a panel's middle, in panel lengths, beyond which these points suffice for quadrature."""
 
 NEAR = 0.8
-"""Distance of a piece's middle, in lengths of the piece, from which on eight points do."""
+"""Distance of a piece's middle, in lengths of the piece, beyond which eight points suffice."""
 
 SHORTEST = 1e-3
-"""Length of a piece, relative to its panel, that is not cut any more."""
+"""Length of the shortest piece, relative to its panel."""
 
-_PIECES = 48
+_MAX_PIECES = 48
 _EIGHT = 8
 
 _x, _w = np.polynomial.legendre.leggauss(NODES)
@@ -46,19 +46,19 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 
-def _compiled(function: Callable[P, R]) -> Callable[P, R]:
+def _compile(function: Callable[P, R]) -> Callable[P, R]:
     dispatcher: Callable[P, R] = njit(cache=True, error_model="numpy", nogil=True)(function)
     return dispatcher
 
 
-def _inlined(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile into the caller: a loop that calls a function as large as that is not made of vector instructions."""
+def _inline(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile into the caller: a loop that calls a function of this size is not vectorised."""
     dispatcher: Callable[P, R] = njit(inline="always", error_model="numpy", nogil=True)(function)
     return dispatcher
 
 
-@_inlined
-def _elliptic(dx: float, r: float, s: float) -> tuple[float, float]:
+@_inline
+def _ring_integrals(dx: float, r: float, s: float) -> tuple[float, float]:
     """Return I0 and I1 / I0, with I_m = int cos(m theta) / R over the ring, R^2 = dx^2 + r^2 + s^2 - 2 r s cos(theta).
 
     They are complete elliptic integrals, found by their arithmetic-geometric mean (Abramowitz & Stegun, 17.6). Let
@@ -67,8 +67,8 @@ def _elliptic(dx: float, r: float, s: float) -> tuple[float, float]:
 
         I0 = 4 K / a_0 = 2 pi / M,    I1 = ((a_0^2 - p) I0 - 4 a_0 E) / p = I0 (c_1^2 + 2 c_2^2 + 4 c_3^2 + ...) / p
 
-    so that no difference of K and E is ever taken: the result is right to rounding on the axis and far away, and near
-    the ring as long as b_0 > 1e-6 a_0.
+    so that no difference of K and E is computed: the result is exact to rounding on the axis, far away, and near the
+    ring for b_0 > 1e-6 a_0.
     """
     p = 2.0 * r * s
     a = math.sqrt(dx * dx + (r + s) * (r + s))
@@ -86,34 +86,34 @@ def _elliptic(dx: float, r: float, s: float) -> tuple[float, float]:
     return 4.0 * math.pi / (a + g), total / p
 
 
-@_compiled
-def rings(x: float, r: float, source: FloatArray, count: int, out: FloatArray) -> None:
-    """Find what rings do at one point of the meridian; the loop is compiled to vector instructions.
+@_compile
+def integrate_rings(x: float, r: float, source: FloatArray, count: int, out: FloatArray) -> None:
+    """Compute the influence of rings on one point of the meridian; the loop is compiled to vector instructions.
 
     Parameters
     ----------
     x, r
         the point, r > 0.
     source
-        of each ring x', r' > 0, and the normal's components n_x, n_r times its width, (4, n).
+        x', r' > 0 of each ring, and the normal's components n_x, n_r times its width, (4, n).
     count
-        how many there are.
+        number of rings.
     out
-        receives what each ring does, (5, n): the single layers r' I0 n_x, r' I1 n_r and r' I1 (x' n_r - r' n_x) of
+        receives the influence of each ring, (5, n): the single layers r' I0 n_x, r' I1 n_r and r' I1 (x' n_r - r' n_x) of
         surge, sway and yaw, and the double layers of m = 0 and m = 1,
         r' [n_x (x - x') J_m + n_r (r J_{m+1} - r' J_m)], with J_m the integral of cos(theta)^m / R^3.
     """
     for k in range(count):
         s, nx, nr = source[1, k], source[2, k], source[3, k]
         dx = x - source[0, k]
-        i0, ratio = _elliptic(dx, r, s)
+        i0, ratio = _ring_integrals(dx, r, s)
         i0 *= s
         i1 = i0 * ratio
         p = 2.0 * r * s
         square = dx * dx + r * r + s * s
         scaled = i0 / (square + p)
         # J0 = I0 (A - p q) / (a b)^2 and J1 = I0 (p - A q) / (a b)^2, with A = square and q = ratio. The distance
-        # from the ring's tangent plane carries the singularity; J0 - J1 and J1 - J2 have it only as a logarithm.
+        # from the ring's tangent plane holds the singularity; that of J0 - J1 and J1 - J2 is only logarithmic.
         plane = (nx * dx + nr * (r - s)) / (dx * dx + (r - s) * (r - s))
         turned = nr * r
         out[0, k] = i0 * nx
@@ -125,30 +125,30 @@ def rings(x: float, r: float, source: FloatArray, count: int, out: FloatArray) -
         )
 
 
-@_compiled
-def _at(curve: FloatArray, u: float) -> float:
+@_compile
+def _evaluate(curve: FloatArray, u: float) -> float:
     return float(((curve[0] * u + curve[1]) * u + curve[2]) * u + curve[3])
 
 
-@_compiled
+@_compile
 def _slope(curve: FloatArray, u: float) -> float:
     return float((3.0 * curve[0] * u + 2.0 * curve[1]) * u + curve[2])
 
 
-@_compiled
-def _place(x: FloatArray, r: FloatArray, u: float, weight: float, source: FloatArray, k: int) -> None:
-    """Put a ring at the point u of a panel, with its weight in a quadrature over u."""
-    source[0, k] = _at(x, u)
-    source[1, k] = _at(r, u)
+@_compile
+def _place_ring(x: FloatArray, r: FloatArray, u: float, weight: float, source: FloatArray, k: int) -> None:
+    """Place a ring at the point u of a panel, with its weight in a quadrature over u."""
+    source[0, k] = _evaluate(x, u)
+    source[1, k] = _evaluate(r, u)
     source[2, k] = -weight * _slope(r, u)
     source[3, k] = weight * _slope(x, u)
 
 
-@_compiled
-def _around(u: float, points: FloatArray, weights: FloatArray) -> int:
-    """Choose points and weights for a panel whose integrand is logarithmic at u; return how many.
+@_compile
+def _choose_points_around(u: float, points: FloatArray, weights: FloatArray) -> int:
+    """Choose points and weights for a panel whose integrand is logarithmic at u; return their number.
 
-    On either side the distance from u is the cube of the variable of Gauss's rule, whose integrand then is smooth
+    On either side the distance from u is the cube of the variable of Gauss's rule, which makes the integrand smooth
     enough.
     """
     count = 0
@@ -161,13 +161,13 @@ def _around(u: float, points: FloatArray, weights: FloatArray) -> int:
     return count
 
 
-@_compiled
-def _beside(
+@_compile
+def _choose_points_beside(
     xi: float, ri: float, x: FloatArray, r: FloatArray, length: float, points: FloatArray, weights: FloatArray
 ) -> int:
-    """Choose points and weights for a panel that comes near the point (xi, ri); return how many.
+    """Choose points and weights for a panel near the point (xi, ri); return their number.
 
-    The panel is cut into pieces, the shorter the nearer they are.
+    The panel is cut into pieces, which are shorter near the point.
     """
     count, start = 0, 0.0
     while start < 1.0:
@@ -175,7 +175,7 @@ def _beside(
         if count + 2 * _EIGHT <= len(points):
             while piece > SHORTEST:
                 middle = start + 0.5 * piece
-                if math.hypot(xi - _at(x, middle), ri - _at(r, middle)) >= NEAR * piece * length:
+                if math.hypot(xi - _evaluate(x, middle), ri - _evaluate(r, middle)) >= NEAR * piece * length:
                     break
                 piece *= 0.5
         for k in range(_EIGHT):
@@ -186,22 +186,24 @@ def _beside(
     return count
 
 
-@_compiled
-def equations(x: FloatArray, r: FloatArray, lengths: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+@_compile
+def assemble_equations(
+    x: FloatArray, r: FloatArray, lengths: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Set up the equations of m = 0 and m = 1 at the collocation points, three on each panel.
 
-    Far panels are integrated by Gauss's rule on the nodes of the potential, whose interpolation drops out; near ones
-    by eight points on pieces; the point's own panel with its logarithm smoothed away (the panel is so nearly straight
-    that D has no stronger singularity there). A potential of 1 everywhere has no flow, so a row of D_0 must add up to
-    -2 pi, and what it misses goes into the diagonal. For m = 1 there is no such row sum: the potential whose flow is
-    known, r cos(theta), is no polynomial in the parameter of a panel. D_1 stays as it was integrated.
+    Far panels are integrated by Gauss's rule at the nodes of the potential, for which the interpolation drops out; near
+    panels by eight points on each piece; the point's own panel with a substitution that removes the logarithm (the panel
+    is so nearly straight that D has no stronger singularity there). A constant potential of 1 has no flow, so a row of
+    D_0 must sum to -2 pi, and the remainder is added to the diagonal. For m = 1 no such row sum exists: the potential
+    whose flow is known, r cos(theta), is not a polynomial in the parameter of a panel. D_1 is not corrected.
 
     Parameters
     ----------
     x, r
         the panels' curves: polynomials in u from 0 to 1, highest power first, (panels, 4).
     lengths
-        of the panels, (panels,).
+        lengths of the panels, (panels,).
 
     Returns
     -------
@@ -210,25 +212,27 @@ def equations(x: FloatArray, r: FloatArray, lengths: FloatArray) -> tuple[FloatA
     sides
         right-hand sides of surge (m = 0), sway, and yaw about x = 0 (m = 1), (n, 3).
     nodes
-        x, r, n_x, n_r at the collocation points, the normal times the weight of quadrature along the arc, (4, n).
+        x, r, n_x, n_r at the collocation points, the normal times the quadrature weight along the arc, (4, n).
     """
     panels = len(lengths)
     n = NODES * panels
     matrices, sides = np.empty((2, n, n)), np.empty((n, 3))
     nodes, far = np.empty((4, n)), np.empty((5, n))
-    size = _EIGHT * _PIECES
+    size = _EIGHT * _MAX_PIECES
     points, weights, source, near = np.empty(size), np.empty(size), np.empty((4, size)), np.empty((5, size))
     for j in range(panels):
         for k in range(NODES):
-            _place(x[j], r[j], POINTS[k], WEIGHTS[k], nodes, NODES * j + k)
+            _place_ring(x[j], r[j], POINTS[k], WEIGHTS[k], nodes, NODES * j + k)
     for i in range(n):
         xi, ri = nodes[0, i], nodes[1, i]
-        rings(xi, ri, nodes, n, far)
+        integrate_rings(xi, ri, nodes, n, far)
         surge, sway, yaw, row = 0.0, 0.0, 0.0, 0.0
         for j in range(panels):
             first = NODES * j
             u = POINTS[i - first] if i // NODES == j else -1.0
-            if u < 0.0 and (math.hypot(xi - _at(x[j], 0.5), ri - _at(r[j], 0.5)) >= FAR * lengths[j]):
+            if u < 0.0 and (
+                math.hypot(xi - _evaluate(x[j], 0.5), ri - _evaluate(r[j], 0.5)) >= FAR * lengths[j]
+            ):
                 for k in range(first, first + NODES):
                     surge += far[0, k]
                     sway += far[1, k]
@@ -238,12 +242,12 @@ def equations(x: FloatArray, r: FloatArray, lengths: FloatArray) -> tuple[FloatA
                     matrices[1, i, k] = -far[4, k]
                 continue
             if u >= 0.0:
-                count = _around(u, points, weights)
+                count = _choose_points_around(u, points, weights)
             else:
-                count = _beside(xi, ri, x[j], r[j], lengths[j], points, weights)
+                count = _choose_points_beside(xi, ri, x[j], r[j], lengths[j], points, weights)
             for k in range(count):
-                _place(x[j], r[j], points[k], weights[k], source, k)
-            rings(xi, ri, source, count, near)
+                _place_ring(x[j], r[j], points[k], weights[k], source, k)
+            integrate_rings(xi, ri, source, count, near)
             for m in range(NODES):
                 matrices[0, i, first + m] = 0.0
                 matrices[1, i, first + m] = 0.0

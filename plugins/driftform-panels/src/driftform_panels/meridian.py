@@ -1,4 +1,4 @@
-"""Contour -> panels: how the meridian is divided."""
+"""Contour -> panels: the division of the meridian."""
 
 from dataclasses import dataclass
 
@@ -8,25 +8,25 @@ import numpy.typing as npt
 from driftform.types import FloatArray, freeze
 
 SMOOTH = np.deg2rad(5)
-"""Turn of a contour at a joint up to which it may be a curve that was drawn with short edges, rad."""
+"""Largest turn of a contour at a joint of a smooth curve that consists of short edges, rad."""
 
 SAGITTA = 5e-4
-"""How far that curve may be from those edges, relative to the contour's largest radius."""
+"""Largest distance of such a curve from its edges, relative to the contour's largest radius."""
 
 SHARP = np.deg2rad(35)
-"""Turn beyond which panels get shorter towards a corner, rad."""
+"""Turn above which panels get shorter towards a corner, rad."""
 
 ARC = np.deg2rad(22.5)
 """Turn of a curve along one panel, rad."""
 
 GROWTH = 1.0
-"""How much longer a panel may be for each unit of its distance from a sharp corner."""
+"""Increase of a panel's length per unit of its distance from a sharp corner."""
 
 CROWDING = 0.8
-"""How much the points of a panel crowd at its corner: 0 not at all, 1 without limit."""
+"""Concentration of the points of a panel at its corner, from 0, uniform, to 1, unlimited."""
 
 _STATIONS = np.concatenate([(np.arange(12) / 12) ** 3, 2 - (np.arange(12, -1, -1) / 12) ** 3]) / 2
-"""Where an edge is looked at, from 0 to 1: densely at its ends."""
+"""Stations along an edge, from 0 to 1, dense at its ends."""
 
 _THIRDS = np.arange(4) / 3
 _CUBIC = np.linalg.inv(np.vander(_THIRDS))
@@ -56,16 +56,16 @@ class Panels:
         object.__setattr__(self, "lengths", freeze(self.lengths, (n,), "Panels.lengths"))
 
     def thinnest_wall(self) -> float:
-        """Return the least distance between panels that are back to back, relative to their length; infinite for none.
+        """Return the least distance between panels that are back to back, relative to their length; infinity without any.
 
-        The equations for the two sides of a wall become one and the same as the wall gets thin, and magnify what the
-        panels cannot resolve.
+        As a wall gets thin, the equations for its two sides become identical and magnify the error of the
+        discretisation.
         """
         middle = np.column_stack([self.x @ _MIDDLE, self.r @ _MIDDLE])
         tangent = np.column_stack([self.x @ _MIDDLE_SLOPE, self.r @ _MIDDLE_SLOPE])
         tangent /= np.linalg.norm(tangent, axis=1)[:, None]
         normal = tangent[:, ::-1] * (-1.0, 1.0)
-        # Of every panel's middle (row) from that of every other (column), in the other's own axes.
+        # The position of the middle of each panel (row) relative to that of each other (column), in the axes of the other.
         ahead = middle @ normal.T - (middle * normal).sum(axis=1)
         beside = np.abs(middle @ tangent.T - (middle * tangent).sum(axis=1))
         facing = (
@@ -74,28 +74,28 @@ class Panels:
         return float(np.where(facing, -ahead / self.lengths, np.inf).min())
 
 
-def panels(contour: npt.ArrayLike, count: int, corner: float) -> Panels:
+def make_panels(contour: npt.ArrayLike, count: int, corner: float) -> Panels:
     """Divide a contour.
 
-    Edges that are short and turn little from one to the next (``SMOOTH``, ``SAGITTA``) are one curve; at all other
-    joints a panel ends. So any other edge has one panel at least, which follows it exactly, and a panel on a curve is
-    the cubic through four points of it. Panels are the shorter, the nearer a sharp corner is and the tighter the
-    curve. The mirrored contour has the mirrored panels.
+    Consecutive edges that are short and turn little (``SMOOTH``, ``SAGITTA``) form one curve; a panel ends at every
+    other joint. Every other edge therefore has at least one panel, which follows it exactly. A panel on a curve is the
+    cubic through four points of the curve. Panels are shorter near a sharp corner and on a tight curve. The mirrored
+    contour has the mirrored panels.
 
-    At a corner the potential has a part that varies as the distance to the power pi / (pi + turn), which is no
-    polynomial. There the points of a panel crowd, which makes the potential smoother in the panel's parameter than it
-    is along the arc.
+    At a corner the potential has a part that varies as the distance to the power pi / (pi + turn), which is not a
+    polynomial. The points of a panel are denser there, which makes the potential smoother in the panel's parameter than
+    along the arc.
 
     Parameters
     ----------
     contour
         x and r, m, (n, 2), from the aft axis point to the fore axis point.
     count
-        how many panels the meridian would have if it were straight and had no corners.
+        number of panels of a straight meridian without corners.
     corner
         length of a panel at a sharp corner, relative to the corner's radius.
     """
-    points, edges, lengths = _sound(np.asarray(contour, dtype=np.float64))
+    points, edges, lengths = _clean_contour(np.asarray(contour, dtype=np.float64))
     along = np.concatenate([[0.0], np.cumsum(lengths)])
 
     # Joints lie between edges; the ends of the contour count as joints without a turn.
@@ -107,7 +107,7 @@ def panels(contour: npt.ArrayLike, count: int, corner: float) -> Panels:
     turn_at = np.concatenate([[0.0], turns, [0.0]])
     bends = np.concatenate([[0.0], np.where(curved, turns, 0.0), [0.0]])
 
-    # How many panels there should be up to each station of each edge, counted from where its curve begins.
+    # The wanted number of panels up to each station of each edge, counted from the start of its curve.
     curve = np.repeat(np.arange(len(ends) - 1), np.diff(ends))
     begin, close = along[ends[:-1]][curve, None], along[ends[1:]][curve, None]
     sizes = np.where(turn_at > SHARP, corner * points[:, 1], np.inf)
@@ -123,7 +123,7 @@ def panels(contour: npt.ArrayLike, count: int, corner: float) -> Panels:
         - np.log1p(GROWTH * (close - station) / size_fore) / GROWTH
     )
 
-    # A whole number for each curve; the last station of an edge is the first of the next.
+    # An integer for each curve; the last station of an edge is the first of the next.
     total = wanted[ends[1:] - 1, -1]
     whole = np.maximum(np.ceil(total - 1e-6), 1).astype(int)
     last = np.cumsum(whole)
@@ -135,25 +135,25 @@ def panels(contour: npt.ArrayLike, count: int, corner: float) -> Panels:
     crowding = np.zeros((2, last[-1]))
     crowding[0, last - whole] = CROWDING * is_corner[:-1]
     crowding[1, last - 1] = CROWDING * is_corner[1:]
-    where = breaks[:-1, None] + np.diff(breaks)[:, None] * _crowded(
+    where = breaks[:-1, None] + np.diff(breaks)[:, None] * _crowd_points(
         crowding[0, :, None], crowding[1, :, None]
     )
     x, r = (np.interp(where, along, points[:, k]) @ _CUBIC.T for k in (0, 1))
     return Panels(x, r, np.diff(breaks))
 
 
-def _sound(points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Points, edges and lengths of a contour, without edges that have no length or lie on the axis at an end.
+def _clean_contour(points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return points, edges and lengths of a contour, without edges of zero length and edges on the axis at an end.
 
     Raises
     ------
     ValueError
-        where the contour does not start and end on the axis, or has no point off it.
+        if the contour does not start and end on the axis, or has no point off the axis.
     """
     radii = points[:, 1]
     on_axis = np.abs(radii) <= 1e-9 * np.abs(radii).max()
     if on_axis.all() or not (on_axis[0] and on_axis[-1]) or (radii[~on_axis] < 0).any():
-        raise ValueError("a contour starts and ends on the axis, and has points at r > 0 between")
+        raise ValueError("a contour must start and end on the axis, with points at r > 0 between")
     inside = np.flatnonzero(~on_axis)
     points = points[inside[0] - 1 : inside[-1] + 2]
     edges = np.diff(points, axis=0)
@@ -163,8 +163,8 @@ def _sound(points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     return points, np.diff(points, axis=0), lengths[keep]
 
 
-def _crowded(aft: FloatArray, fore: FloatArray) -> FloatArray:
-    """Place along a panel, from 0 to 1, at the thirds of its parameter u, (n, 4).
+def _crowd_points(aft: FloatArray, fore: FloatArray) -> FloatArray:
+    """Return the positions along a panel, from 0 to 1, at the thirds of its parameter u, (n, 4).
 
     Its derivative is 1 - aft (1 - u)^2 - fore u^2, scaled to end at 1.
     """

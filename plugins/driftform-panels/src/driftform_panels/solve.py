@@ -1,4 +1,4 @@
-"""Contour -> potential on it -> what it takes to accelerate the body of revolution in the water around it."""
+"""Contour -> potential on its surface -> added mass of the body of revolution."""
 
 import math
 from dataclasses import dataclass
@@ -12,21 +12,21 @@ from driftform.geometry import solid_of_revolution
 from driftform.interfaces import HydrodynamicsOptions
 from driftform.options import option
 from driftform.types import FloatArray
-from driftform_panels.meridian import Panels, panels
+from driftform_panels.meridian import Panels, make_panels
 
 if TYPE_CHECKING:
     from threadpoolctl import ThreadpoolController
 
-THINNEST = 0.02
-"""Thickness of a wall, relative to its panels, below which they cannot resolve it."""
+MIN_WALL = 0.02
+"""Least thickness of a wall relative to the length of its panels: thinner walls are not resolved."""
 
 
 class PanelOptions(HydrodynamicsOptions):
-    """How finely the meridian is divided."""
+    """Resolution of the meridian."""
 
     panels: int = option(
         20,
-        "panels that a straight meridian without corners would have; every edge has one at least",
+        "number of panels of a straight meridian without corners; every edge has at least one",
         ge=4,
         le=400,
     )
@@ -45,18 +45,18 @@ class PanelSolution:
     Attributes
     ----------
     origin
-        x of that point, m.
+        x of this point, m.
     surge
         A11, m3.
     sway
         A22 = A33, m3.
     sway_of_yaw, yaw_of_sway
-        A26 and A62, m4: the sway force of yaw and the yaw moment of sway. They are equal (Green's reciprocity) but
+        A26 and A62, m4: the sway force of yaw and the yaw moment of sway. They are equal (Green's reciprocity) except
         for the error of the discretisation.
     yaw
         A66 = A55, m5.
     unknowns
-        in each of the two systems of equations.
+        number of unknowns in each of the two systems of equations.
     """
 
     origin: float
@@ -69,9 +69,9 @@ class PanelSolution:
 
     @property
     def reciprocity(self) -> float:
-        """How far the error of the discretisation shows: abs(A26 - A62) / sqrt(A22 A66).
+        """Indicator of the discretisation error: abs(A26 - A62) / sqrt(A22 A66), about ``origin``.
 
-        About ``origin``. It means nothing for a sphere about its centre, which turns without moving any water.
+        It is meaningless for a sphere about its centre, which rotates without moving any water.
         """
         size = math.sqrt(max(self.sway * self.yaw, 0.0))
         return abs(self.sway_of_yaw - self.yaw_of_sway) / size if size > 0 else math.inf
@@ -79,8 +79,8 @@ class PanelSolution:
     def matrix(self) -> FloatArray:
         """Return the added mass for density 1, (6, 6): symmetric, and positive semi-definite.
 
-        A26 is the mean of its two values. A sphere that turns moves no water, and the error of the discretisation may
-        make less than none of it: A66 is never less than A26^2 / A22, which it takes for a semi-definite matrix.
+        A26 is the mean of its two values. A rotating sphere moves no water, and the error of the discretisation may
+        make A66 negative: A66 is therefore at least A26^2 / A22, the least value of a semi-definite matrix.
         """
         coupling = (self.sway_of_yaw + self.yaw_of_sway) / 2
         turning = max(self.yaw, coupling * coupling / self.sway)
@@ -99,40 +99,41 @@ def solve(
     ----------
     contour
         x and r of the meridian, m, (n, 2), from the aft axis point to the fore axis point. It may fold back along x,
-        as that of a cup does, but neither cross nor touch itself.
+        like that of a cup, but must not cross or touch itself.
     options
-        how finely the contour is divided.
+        resolution of the contour.
     origin
         x (m) of the point of the axis that the result refers to; ``None`` for the centroid of the volume.
 
     Raises
     ------
     ValueError
-        where the contour does not run from axis to axis, touches itself, or has a wall that is too thin for its panels.
+        if the contour does not run from axis to axis, touches itself, or has a wall that is too thin for its panels.
     """
     points: FloatArray = np.asarray(contour, dtype=np.float64)
     options = options or PanelOptions()
     centre = solid_of_revolution(points).centroid if origin is None else origin
-    return solve_panels(panels(points - (centre, 0.0), options.panels, options.corner), centre)
+    return solve_panels(make_panels(points - (centre, 0.0), options.panels, options.corner), centre)
 
 
 def solve_panels(divided: Panels, origin: float = 0.0) -> PanelSolution:
-    """Compute the added mass about x = 0 of the panels, which is ``origin`` (m) in the solution.
+    """Compute the added mass about x = 0 of the panels; ``origin`` (m) is the x of that point in the body frame.
 
     A_ij = - int phi_i n_j dS with the potential phi_i of motion i, where the integral over the circle is 2 pi r for
     m = 0 and pi r for m = 1 (Newman, Marine Hydrodynamics, section 4.14).
     """
-    # Compiled: here, and not above, or whoever asks for the names of plugins would load a compiler.
-    from driftform_panels.kernels import equations
+    # Imported here, because compiled code loads the compiler, and listing the plugins must not.
+    from driftform_panels.kernels import assemble_equations
 
     wall = divided.thinnest_wall()
-    if wall < THINNEST:
+    if wall < MIN_WALL:
         raise ValueError(
-            f"a wall is {wall:.2g} of its panels thick and would need {THINNEST:g}: raise hydrodynamics.panels"
+            f"a wall is {wall:.2g} times as thick as its panels are long, but must be at least {MIN_WALL:g} times: "
+            "raise hydrodynamics.panels"
         )
-    matrices, sides, (x, r, nx, nr) = equations(divided.x, divided.r, divided.lengths)
-    # More than one thread makes systems of this size slower, by far where cores are busy.
-    with _libraries().limit(limits=1, user_api="blas"):
+    matrices, sides, (x, r, nx, nr) = assemble_equations(divided.x, divided.r, divided.lengths)
+    # More than one thread makes systems of this size slower, and much slower on busy cores.
+    with _find_libraries().limit(limits=1, user_api="blas"):
         surge = np.linalg.solve(matrices[0], sides[:, 0])
         sway, yaw = np.linalg.solve(matrices[1], sides[:, 1:]).T
     across, turning = -np.pi * r * nr, -np.pi * r * (x * nr - r * nx)
@@ -147,14 +148,14 @@ def solve_panels(divided: Panels, origin: float = 0.0) -> PanelSolution:
     )
     if not (math.isfinite(solution.surge + solution.yaw) and solution.surge > 0 and solution.sway > 0):
         raise ValueError(
-            "the flow around this contour has no solution: does the contour cross or touch itself?"
+            "the flow around this contour has no solution: check that the contour does not cross or touch itself"
         )
     return solution
 
 
 @cache
-def _libraries() -> "ThreadpoolController":
-    """The libraries of linear algebra, which take a while to be found."""
+def _find_libraries() -> "ThreadpoolController":
+    """Return the libraries of linear algebra, which takes a while."""
     from threadpoolctl import ThreadpoolController
 
     return ThreadpoolController()

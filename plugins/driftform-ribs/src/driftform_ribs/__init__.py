@@ -1,4 +1,4 @@
-"""Archives of quality diversity by pyribs, as a driftform plugin."""
+"""driftform plugin: quality diversity by pyribs."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 @hookimpl
 def driftform_strategy() -> "type[Strategy[Any]]":
-    """MAP-Elites with an archive of pyribs, which is looked for here and imported where a search begins."""
+    """Return MAP-Elites with an archive of pyribs. Check here that it is installed; import it only to search."""
     from driftform.registry import require_module
     from driftform_ribs.strategy import RibsStrategy
 

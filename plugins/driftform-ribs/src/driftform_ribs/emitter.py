@@ -1,4 +1,4 @@
-"""An emitter for genomes of symbols: pyribs brings those for vectors of numbers."""
+"""An emitter for genomes of symbols; the emitters of pyribs are for vectors of numbers."""
 
 from typing import Any
 
@@ -12,10 +12,10 @@ from driftform.interfaces import Grammar
 from driftform.types import Genome
 
 ObjectArray = npt.NDArray[np.object_]
-"""Solutions as pyribs wants them: an array of genomes, (n,)."""
+"""Solutions of pyribs: an array of genomes, (n,)."""
 
 
-def as_solutions(genomes: list[Genome]) -> ObjectArray:
+def to_solutions(genomes: list[Genome]) -> ObjectArray:
     """Return genomes as an array of objects, (n,)."""
     solutions = np.empty(len(genomes), dtype=object)
     solutions[:] = genomes
@@ -23,15 +23,15 @@ def as_solutions(genomes: list[Genome]) -> ObjectArray:
 
 
 class SymbolEmitter(EmitterBase):
-    """Breeds elites of an archive by the operators of a grammar, which alone knows the structure of its genomes.
+    """Breeds the elites of an archive by the operators of a grammar.
 
-    A solution is a genome as it stands: an archive with ``solution_dim=()`` and ``solution_dtype=object`` keeps it.
-    Nothing turns symbols into numbers, so that genomes of any length and alphabet will do.
+    A solution is a genome itself, in an archive with ``solution_dim=()`` and ``solution_dtype=object``. Symbols are not
+    converted to numbers, so genomes can have any length and alphabet.
 
     Attributes
     ----------
     parents
-        the evaluations that the solutions last asked for descend from, in their order. The archive must have a field
+        for each of the solutions last asked for, the evaluations of its parents. The archive must have a field
         ``evaluation``.
     """
 
@@ -51,11 +51,11 @@ class SymbolEmitter(EmitterBase):
         self._crossover, self._mutation_rate = crossover, mutation_rate
 
     def ask(self) -> ObjectArray:
-        """Return offspring of elites drawn uniformly, or random genomes where there are none yet, (batch,)."""
+        """Return offspring of elites drawn uniformly, or random genomes if the archive is empty, (batch,)."""
         if self.archive.empty:
             self.parents = [()] * self._batch
-            return as_solutions([self._grammar.random(self._rng) for _ in range(self._batch)])
-        # Drawn by our generator and not by the archive's, so that all that happens follows from one seed.
+            return to_solutions([self._grammar.random(self._rng) for _ in range(self._batch)])
+        # Drawn by the search's generator and not by the archive's, so that one seed determines everything.
         elites = self.archive.data(["solution", "evaluation"])
         genomes, evaluations = elites["solution"], elites["evaluation"]
         self.parents, offspring = [], []
@@ -68,7 +68,6 @@ class SymbolEmitter(EmitterBase):
                 crossover=self._crossover,
                 mutation_rate=self._mutation_rate,
             )
-            of = tuple(evaluations[[i, j] if crossed else [i]].tolist())
-            self.parents.append(of)
+            self.parents.append(tuple(evaluations[[i, j] if crossed else [i]].tolist()))
             offspring.append(child)
-        return as_solutions(offspring)
+        return to_solutions(offspring)

@@ -1,4 +1,4 @@
-"""MAP-Elites with an archive of pyribs: flights that differ in the heights at which they pass stations of the pipe."""
+"""MAP-Elites with an archive of pyribs, for flights that pass stations of the pipe at different heights."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from ribs.archives import ArchiveBase
 
 Station = Annotated[float, Field(strict=True, gt=0, le=1)]
-"""A place along the pipe, relative to its length."""
+"""A position along the pipe, relative to its length."""
 
 _SAMPLES = 10_000
-"""Points of the measure space that the centroids of a CVT archive are drawn from."""
+"""Samples of the measure space from which the centroids of a CVT archive are computed."""
 
 
 class RibsOptions(Table):
-    """The archive, what sets its elites apart, and how they breed."""
+    """The archive, the measures of its elites, and how they breed."""
 
     archive: Literal["cvt", "grid"] = option(
         "cvt",
@@ -30,46 +30,46 @@ class RibsOptions(Table):
     )
     cells: int = option(
         1000,
-        "cells of the archive; a grid has as many of them in each measure as this allows",
+        "cells of the archive; a grid has the largest equal number in each measure that this allows",
         "",
         ge=2,
         le=100_000,
     )
     stations: tuple[Station, ...] = option(
         (0.25, 0.5, 1.0),
-        "where the height of a flight is measured, relative to the pipe's length; one measure each",
+        "stations at which the height of a flight is measured, relative to the pipe's length; one measure each",
         min_length=1,
         max_length=6,
     )
     objective: Literal["best", "mean"] = option(
-        "best", "what an elite is better in: its best fitness for any target, or the mean over all"
+        "best", "objective of an elite: its best fitness for any target, or the mean over all targets"
     )
     batch: int = option(50, "candidates asked for at once", "", gt=0)
-    random: int = option(200, "random genomes to begin with", "", gt=0)
+    random: int = option(200, "random genomes at the start", "", gt=0)
     crossover: float = option(0.3, "probability that an offspring has two parents", "", ge=0, le=1)
-    mutation_rate: float = option(0.03, "probability of each symbol to flip", "", ge=0, le=1)
+    mutation_rate: float = option(0.03, "probability that a symbol flips", "", ge=0, le=1)
 
 
 class RibsStrategy(Strategy[RibsOptions]):
     """Quality diversity by pyribs: the archive keeps flights that pass the stations at different heights.
 
-    The measures of a flight are its heights above the pipe's axis where it passes some stations along it; of flights
-    alike in them the archive keeps the fittest. Parents are drawn from the elites with equal chances. Unlike `atlas`, it
-    credits a flight with one cell only, and it minds the targets.
+    The measures of a flight are its heights above the pipe's axis at some stations along it; the archive keeps the
+    fittest of the flights with similar measures. Parents are drawn uniformly from the elites. Unlike `atlas`, this
+    strategy assigns each flight to one cell, and uses the fitness for the targets.
     """
 
     name = "ribs"
     Options = RibsOptions
 
     def __init__(self, options: RibsOptions, space: SearchSpace) -> None:
-        # Here, and not above: every command asks for the names of all strategies, and pyribs takes 2 s to import.
+        # Imported here: every command lists the names of all strategies, and importing pyribs takes 2 s.
         from driftform_ribs.emitter import SymbolEmitter
 
         super().__init__(options, space)
         self._cells = PipeGrid.of_scenario(space.scenario)
         length, height = self._cells.size[:2] * self._cells.shape
         self._stations = length * np.array(options.stations)
-        self._archive = archive_of(options, float(height / 2), int(space.rng.integers(2**31)))
+        self._archive = make_archive(options, float(height / 2), int(space.rng.integers(2**31)))
         self._emitter = SymbolEmitter(
             self._archive,
             space.grammar,
@@ -78,25 +78,25 @@ class RibsStrategy(Strategy[RibsOptions]):
             crossover=options.crossover,
             mutation_rate=options.mutation_rate,
         )
-        self._told = 0
+        self._evaluated = 0
         self._generation = 0
 
     def ask(self, limit: int) -> list[Candidate]:
         """Return the next batch, cut at ``limit``."""
-        to_come = self.options.random - self._told
-        if to_come > 0:
+        remaining = self.options.random - self._evaluated
+        if remaining > 0:
             genomes = [
-                self.space.grammar.random(self.space.rng) for _ in range(min(self.options.batch, to_come))
+                self.space.grammar.random(self.space.rng) for _ in range(min(self.options.batch, remaining))
             ]
             parents: list[tuple[int, ...]] = [()] * len(genomes)
         else:
             genomes, parents = list(self._emitter.ask()), self._emitter.parents
         pairs = zip(genomes, parents, strict=True)
-        return [Candidate(genome, of, self._generation) for genome, of in pairs][:limit]
+        return [Candidate(genome, ancestors, self._generation) for genome, ancestors in pairs][:limit]
 
     def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
-        """Offer the flights to the archive."""
-        from driftform_ribs.emitter import as_solutions
+        """Add the flights to the archive."""
+        from driftform_ribs.emitter import to_solutions
 
         sound = [
             (index, evaluation, evaluation.trajectory)
@@ -106,16 +106,16 @@ class RibsStrategy(Strategy[RibsOptions]):
         if sound:
             score = np.max if self.options.objective == "best" else np.mean
             self._archive.add(
-                as_solutions([evaluation.genome for _, evaluation, _ in sound]),
+                to_solutions([evaluation.genome for _, evaluation, _ in sound]),
                 np.array([score(evaluation.fitness) for _, evaluation, _ in sound]),
-                np.array([heights(self._cells, flight, self._stations) for _, _, flight in sound]),
+                np.array([station_heights(self._cells, flight, self._stations) for _, _, flight in sound]),
                 evaluation=np.array([index for index, _, _ in sound]),
             )
-        self._told += len(evaluations)
+        self._evaluated += len(evaluations)
         self._generation += 1
 
 
-def archive_of(options: RibsOptions, radius: float, seed: int) -> "ArchiveBase":
+def make_archive(options: RibsOptions, radius: float, seed: int) -> "ArchiveBase":
     """Return an empty archive of genomes over heights from ``-radius`` to ``radius`` (m) at every station."""
     from ribs.archives import CVTArchive, GridArchive
     from threadpoolctl import threadpool_limits
@@ -130,19 +130,19 @@ def archive_of(options: RibsOptions, radius: float, seed: int) -> "ArchiveBase":
         "seed": seed,
     }
     if options.archive == "grid":
-        # A little more than the root: that of 1000 is 9.999...
+        # The small term absorbs rounding: the cube root of 1000 is 9.999...
         side = max(2, int(options.cells ** (1 / len(options.stations)) + 1e-9))
         return GridArchive(dims=[side] * len(options.stations), **common)
-    # k-means sums up in another order with another number of threads: one gives the same cells everywhere.
+    # The order of k-means' sums depends on the number of threads: one thread gives the same cells everywhere.
     with threadpool_limits(1):
         return CVTArchive(centroids=options.cells, samples=max(_SAMPLES, 10 * options.cells), **common)
 
 
-def heights(cells: PipeGrid, trajectory: Trajectory, stations: FloatArray) -> FloatArray:
+def station_heights(cells: PipeGrid, trajectory: Trajectory, stations: FloatArray) -> FloatArray:
     """Return the height above the axis (m) at which a flight first passes each station (m along the pipe), (stations,).
 
-    It is interpolated between samples along straight lines. Where a flight ends before a station, the height of its
-    end stands for that at the station.
+    The height is interpolated linearly between samples. If a flight ends before a station, its final height is
+    returned for that station.
     """
     along, up = cells.to_map(trajectory.position)[:, :2].T
     found = np.empty(len(stations))

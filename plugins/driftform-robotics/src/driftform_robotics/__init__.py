@@ -1,4 +1,4 @@
-"""Agents for the simulators of roboticists: Gazebo, the UUV simulator and MuJoCo, as driftform plugins."""
+"""driftform plugins for robotics: models for Gazebo, the UUV simulator and MuJoCo, recordings for ROS 2, plumes of leaks."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 @hookimpl
 def driftform_exporter() -> "list[type[Exporter[Any]]]":
-    """Models, and worlds with the pipe and the current around them."""
+    """Return exporters of models, and of worlds with the pipe and the current."""
     from driftform_robotics.models.mjcf import MjcfExporter
     from driftform_robotics.models.sdf import SdfExporter
     from driftform_robotics.models.urdf import UrdfExporter
@@ -21,7 +21,7 @@ def driftform_exporter() -> "list[type[Exporter[Any]]]":
 
 @hookimpl
 def driftform_fitness() -> "type[Fitness[Any]]":
-    """What a chemical sensor sees of the plume of a leak."""
+    """Return the fitness by the plume of a leak."""
     from driftform_robotics.leak import Leak
 
     return Leak
@@ -29,7 +29,7 @@ def driftform_fitness() -> "type[Fitness[Any]]":
 
 @hookimpl
 def driftform_recorder() -> "list[type[Recorder[Any]]]":
-    """Flights for Foxglove and RViz; what writes them is looked for here and imported where one is written."""
+    """Return recorders for Foxglove and RViz. Check here that rosbags is installed; import it only to write a file."""
     from driftform.registry import require_module
     from driftform_robotics.recording.recorders import McapRecorder, Rosbag2Recorder
 

@@ -1,17 +1,18 @@
 """The plume of a leak: concentration downstream of a point of the pipe's wall, in closed form.
 
-What enters at the wall of a bore of radius R at the rate Q is carried along by the water at the speed U and spread
-across the bore with the turbulent diffusivity K. Along the axis the current outruns all spreading (U x / K is some
-thousands), so that x / U acts as time, and the concentration is that of an instant line source in a disc whose rim
-lets nothing through. With tau = K x / (U R^2), and r and phi the polar coordinates of the bore, phi from the leak:
+A substance enters at the wall of a bore of radius R at the rate Q. The water carries it at the speed U and spreads it
+across the bore with the turbulent diffusivity K. Diffusion along the axis is negligible against the current (U x / K is
+several thousand), so x / U acts as time, and the concentration is that of an instantaneous line source in a disc with
+an impermeable rim. With tau = K x / (U R^2), and r and phi the polar coordinates of the bore, phi from the leak:
 
     C / (Q / (U pi R^2)) = 1 + sum of e_m cos(m phi) J_m(k r / R) / J_m(k) / (1 - m^2 / k^2) exp(-k^2 tau)
 
 over all m and the positive roots k of J_m'(k) = 0, with e_0 = 1 and e_m = 2: Green's function of the disc (Carslaw and
 Jaeger, Conduction of Heat in Solids, second edition, 1959, chapter 14) with the source on its rim. It holds everywhere
-downstream and conserves mass at every cross-section, but near the leak it takes too many terms. There the wall is almost flat, and reflects: the unbounded
-plume Q / (4 pi K x) exp(-U s^2 / (4 K x)) at the distance s across the flow counts twice, and the curvature of the
-wall, of which the first order is known in closed form too, adds a few percent.
+downstream and conserves mass at every cross-section, but near the leak it needs too many terms. There the wall is almost
+flat and reflects the plume: the concentration is twice that of the unbounded plume,
+Q / (4 pi K x) exp(-U s^2 / (4 K x)) at the distance s across the flow, plus a few percent from the curvature of the
+wall, which has a closed form to first order.
 """
 
 from dataclasses import dataclass
@@ -23,38 +24,38 @@ from driftform.dynamics.flow import KARMAN, friction_factor
 from driftform.scenario import LogLawFlow, Scenario, Segment, TurbulentFlow, Vector
 from driftform.types import FloatArray
 
-NEAR = 0.003
-"""The tau up to which the formula for the neighbourhood of the leak is used: both agree there within 0.2 % of the peak."""
+MAX_NEAR_TAU = 0.003
+"""Largest tau for the formula near the leak; there it agrees with the series within 0.2 % of the peak."""
 
-NEGLIGIBLE = 20.0
-"""Terms below exp(-20) are left out."""
+MAX_MODE_EXPONENT = 20.0
+"""Terms of the series below exp(-20) are left out."""
 
-FAR = 25.0
-"""Where the unbounded plume has fallen to exp(-25) of its middle, there is nothing of it."""
+MAX_PLUME_EXPONENT = 25.0
+"""The concentration is 0 where the unbounded plume is below exp(-25) of its peak."""
 
 
 @dataclass(frozen=True, eq=False)
 class Plume:
-    """A leak and what spreads it.
+    """The plume of a leak.
 
     Attributes
     ----------
     leak
-        where it is on the wall, world frame, m, (3,).
+        point of the wall, world frame, m, (3,).
     axis
         unit vector downstream, world frame, (3,).
     outward
         unit vector across the bore, from its axis towards the leak, world frame, (3,).
     radius
-        of the bore, m.
+        radius of the bore, m.
     length
-        from the leak to the end of the pipe downstream, m.
+        distance from the leak to the downstream end of the pipe, m.
     speed
         mean speed of the water, m/s.
     diffusivity
         turbulent diffusivity across the bore, m2/s.
     rate
-        of what enters, kg/s.
+        mass flow that enters, kg/s.
     """
 
     leak: FloatArray
@@ -67,14 +68,14 @@ class Plume:
     rate: float
 
     @property
-    def mixed(self) -> float:
-        """Concentration where it has spread evenly, Q / (U A), kg/m3."""
+    def mixed_concentration(self) -> float:
+        """Concentration of an even mixture, Q / (U A), kg/m3."""
         return float(self.rate / (self.speed * np.pi * self.radius**2))
 
     def concentration(self, points: FloatArray) -> FloatArray:
-        """Return the concentration at points of the world (n, 3), kg/m3, (n,): none upstream of the leak.
+        """Return the concentration at points of the world (n, 3), kg/m3, (n,): 0 upstream of the leak.
 
-        A point in the wall has that of the wall's surface.
+        A point in the wall has the concentration at the wall's surface.
         """
         centre = self.leak - self.radius * self.outward
         off = points - centre
@@ -83,11 +84,11 @@ class Plume:
         z = off @ np.cross(self.axis, self.outward)
         r, phi = np.minimum(np.hypot(y, z) / self.radius, 1.0), np.arctan2(z, y)
         tau = self.diffusivity * x / (self.speed * self.radius**2)
-        return self.mixed * spread(tau, r, phi)
+        return self.mixed_concentration * relative_concentration(tau, r, phi)
 
 
-def spread(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
-    """Return the concentration over that of an even mixture, for a source on the rim of a disc of radius 1, (n,).
+def relative_concentration(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
+    """Return the concentration relative to that of an even mixture, for a source on the rim of a unit disc, (n,).
 
     Parameters
     ----------
@@ -98,21 +99,21 @@ def spread(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
     """
     found = np.zeros(np.shape(tau))
     square = 1 + r * r - 2 * r * np.cos(phi)
-    # At once at the source itself there is no finite answer; that of a moment later is large enough.
+    # The concentration at the source is infinite at tau = 0; its value shortly after is large enough.
     tau = np.where(tau > 0, np.maximum(tau, 1e-9), 0.0)
-    reached = (tau > 0) & (square < 4 * FAR * tau)
-    near, far = reached & (tau < NEAR), reached & (tau >= NEAR)
-    found[near] = near_spread(tau[near], r[near], phi[near])
-    found[far] = far_spread(tau[far], r[far], phi[far])
+    reached = (tau > 0) & (square < 4 * MAX_PLUME_EXPONENT * tau)
+    near, far = reached & (tau < MAX_NEAR_TAU), reached & (tau >= MAX_NEAR_TAU)
+    found[near] = relative_concentration_near(tau[near], r[near], phi[near])
+    found[far] = relative_concentration_far(tau[far], r[far], phi[far])
     return found
 
 
-def near_spread(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
-    """Return the same near the source, to first order in the curvature of the wall.
+def relative_concentration_near(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
+    """Return the relative concentration near the source, to first order in the curvature of the wall.
 
     With the depth d = 1 - r below the wall and the arc phi, z = d / (2 sqrt(tau)) and eta = phi / sqrt(tau), twice the
-    unbounded plume, exp(-s^2 / (4 tau)) / (2 pi tau), solves the equation up to this order but for its slope at the
-    curved wall. What makes up for that, and keeps the mass, is
+    unbounded plume, exp(-s^2 / (4 tau)) / (2 pi tau), solves the equation to this order except for its slope at the
+    curved wall. The following term corrects the slope and conserves the mass:
 
         sqrt(pi tau) / 2 (eta^2 i2erfc(z) + erfc(z) - 2 i2erfc(z)) exp(-eta^2 / 4) / (2 pi tau)
 
@@ -130,33 +131,33 @@ def near_spread(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
     return np.asarray((plane + bent) / (2 * tau), dtype=np.float64)
 
 
-def far_spread(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
-    """Return the same by the series, without the terms that are negligible at each point."""
+def relative_concentration_far(tau: FloatArray, r: FloatArray, phi: FloatArray) -> FloatArray:
+    """Return the relative concentration by the series, without the terms that are negligible at each point."""
     from scipy.special import jv
 
     found = np.ones(np.shape(tau))
     if not len(tau):
         return found
-    order, root, weight = _modes(min(NEAR, float(tau.min())))
-    # From the latest time to the earliest, which needs the most terms.
+    order, root, weight = _compute_modes(min(MAX_NEAR_TAU, float(tau.min())))
+    # In order of decreasing tau: small values need the most terms.
     for i in np.argsort(-tau):
-        count = int(np.searchsorted(root, np.sqrt(NEGLIGIBLE / tau[i])))
+        count = int(np.searchsorted(root, np.sqrt(MAX_MODE_EXPONENT / tau[i])))
         m, k = order[:count], root[:count]
         terms = weight[:count] * np.exp(-k * k * tau[i]) * np.cos(m * phi[i]) * jv(m, k * r[i])
         found[i] += terms.sum()
-    # Where there is almost nothing, rounding may leave less than nothing.
+    # Rounding may make a very small concentration negative.
     return np.maximum(found, 0.0)
 
 
 @lru_cache(maxsize=4)
-def _modes(tau: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Orders m, roots k of J_m'(k) = 0, and factors e_m / (J_m(k) (1 - m^2 / k^2)) that count from ``tau`` on.
+def _compute_modes(tau: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the orders m, the roots k of J_m'(k) = 0, and the factors e_m / (J_m(k) (1 - m^2 / k^2)).
 
-    They are in the order of their roots.
+    They include every mode that is not negligible at ``tau`` or later, in the order of the roots.
     """
     from scipy.special import jnp_zeros, jv
 
-    largest = np.sqrt(NEGLIGIBLE / tau)
+    largest = np.sqrt(MAX_MODE_EXPONENT / tau)
     # The first root of J_m' is larger than m, and two roots are about pi apart.
     found = [(n, jnp_zeros(n, int((largest - n) / np.pi) + 2)) for n in range(int(largest) + 1)]
     orders = np.concatenate([np.full(len(roots), float(n)) for n, roots in found])
@@ -170,37 +171,37 @@ def _modes(tau: float) -> tuple[FloatArray, FloatArray, FloatArray]:
 def eddy_diffusivity(scenario: Scenario) -> float:
     """Return the turbulent diffusivity across a pipe, m2/s: kappa u* R / 6.
 
-    By Reynolds' analogy what mixes momentum mixes all else: shear stress u*^2 r / R over the slope u* / (kappa y) of
-    the logarithmic law is kappa u* y (1 - y / R), and kappa u* R / 6 is its mean over the bore (as kappa u* d / 6 is
-    over the depth d of a channel: Elder, J. Fluid Mech. 5, 1959; Fischer et al., Mixing in Inland and Coastal Waters,
+    By Reynolds' analogy the diffusivities of momentum and mass are equal: the shear stress u*^2 r / R divided by the
+    slope u* / (kappa y) of the logarithmic law is kappa u* y (1 - y / R), and kappa u* R / 6 is its mean over the bore
+    (as kappa u* d / 6 is the mean over the depth d of a channel: Elder, J. Fluid Mech. 5, 1959; Fischer et al., Mixing in Inland and Coastal Waters,
     1979, chapter 5). The friction velocity u* is that of the pipe's friction factor.
     """
     segment, flow = scenario.pipe.segments[0], scenario.flow
     speed, radius = abs(flow.speed), segment.radius
     roughness = flow.roughness if isinstance(flow, LogLawFlow | TurbulentFlow) else 0.0
-    # Below 4000 the flow would be laminar.
+    # The flow is turbulent only at Reynolds numbers above about 4000.
     reynolds = max(4e3, 2 * radius * speed / scenario.fluid.viscosity)
     friction_velocity = speed * np.sqrt(friction_factor(reynolds, roughness / (2 * radius)) / 8)
     return float(KARMAN * friction_velocity * radius / 6)
 
 
-def plume_of(scenario: Scenario, point: Vector, rate: float, diffusivity: float | None = None) -> Plume:
-    """Return the plume of a leak at the place of the wall that is nearest to ``point`` (world frame, m).
+def make_plume(scenario: Scenario, point: Vector, rate: float, diffusivity: float | None = None) -> Plume:
+    """Return the plume of a leak at the point of the wall that is nearest to ``point`` (world frame, m).
 
-    A point on the pipe's axis stands for the wall below it, or beside it where the pipe is upright. The rate is in
-    kg/s, the diffusivity in m2/s; without one it is that of the pipe's turbulence, :func:`eddy_diffusivity`.
+    For a point on the pipe's axis the leak is in the wall below it, or beside it if the pipe is vertical. The rate is in
+    kg/s, the diffusivity in m2/s, by default :func:`eddy_diffusivity`.
 
     Raises
     ------
     ValueError
-        where there is no pipe, or its water stands still.
+        if the scenario has no pipe, or if its water is at rest.
     """
     if not scenario.pipe.segments:
-        raise ValueError("a leak needs a pipe, and open water has none")
+        raise ValueError("a leak needs a pipe, but the scenario is open water")
     if scenario.flow.speed == 0:
-        raise ValueError("the water stands still: it carries no plume")
+        raise ValueError("the water is at rest: it carries no plume")
     segment = scenario.pipe.segments[0]
-    start, axis, length = _frame(segment)
+    start, axis, length = _locate_segment(segment)
     along = float(axis @ (np.array(point) - start))
     outward = np.array(point) - start - along * axis
     if np.linalg.norm(outward) < 1e-9 * segment.radius:
@@ -210,7 +211,7 @@ def plume_of(scenario: Scenario, point: Vector, rate: float, diffusivity: float 
             outward = np.array([0.0, 1.0, 0.0]) - axis[1] * axis
     outward = outward / np.linalg.norm(outward)
     leak = start + along * axis + segment.radius * outward
-    # Water that runs back carries it back.
+    # With a negative speed the water carries the plume towards the inlet.
     forward = scenario.flow.speed > 0
     return Plume(
         leak,
@@ -224,7 +225,7 @@ def plume_of(scenario: Scenario, point: Vector, rate: float, diffusivity: float 
     )
 
 
-def _frame(segment: Segment) -> tuple[FloatArray, FloatArray, float]:
+def _locate_segment(segment: Segment) -> tuple[FloatArray, FloatArray, float]:
     start, end = np.array(segment.start), np.array(segment.end)
     length = float(np.linalg.norm(end - start))
     return start, (end - start) / length, length

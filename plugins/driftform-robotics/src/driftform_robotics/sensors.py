@@ -1,6 +1,6 @@
-"""What sensors on an agent would read along its flight: plain functions of the samples.
+"""Readings of sensors on an agent along its flight, as functions of the samples.
 
-All act at one ``point`` of the body (m, body frame). Noise is none of their business: see :func:`noisy`.
+The sensors are at one ``point`` of the body (m, body frame). The readings have no noise; :func:`add_noise` adds it.
 """
 
 import numpy as np
@@ -10,29 +10,29 @@ from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.scenario import Fluid, Pipe, Scenario
 from driftform.trajectory.forces import acceleration_at
 from driftform.types import Body, FloatArray, Trajectory
-from driftform_robotics.atmosphere import ATMOSPHERE
-from driftform_robotics.models.pipe import bore_of
+from driftform_robotics.models.pipe import make_bore
+from driftform_robotics.options import ATMOSPHERE
 
 
-def places(trajectory: Trajectory, point: FloatArray) -> FloatArray:
-    """Return where a point of the body is at each sample, world frame, m, (k, 3)."""
+def point_positions(trajectory: Trajectory, point: FloatArray) -> FloatArray:
+    """Return the positions of a point of the body, one for each sample, world frame, m, (k, 3)."""
     return np.asarray(
         trajectory.position + matrix_from_quaternion(trajectory.quaternion) @ point, dtype=np.float64
     )
 
 
 def surface_height(scenario: Scenario) -> float:
-    """Return the height where the pressure is that of the atmosphere, world frame, m.
+    """Return the height at which the pressure is that of the atmosphere, world frame, m.
 
-    It is that of the free surface; where the pipe is full, that of its highest point at the inlet, as if a manhole
-    stood open there; in open water without a surface, that of the origin.
+    It is the height of the free surface; in a full pipe, that of the highest point of the inlet, as if a manhole were
+    open there; in open water without a surface, that of the origin.
     """
     if scenario.fluid.water_level is not None:
         return scenario.fluid.water_level
     if not scenario.pipe.segments:
         return 0.0
     segment = scenario.pipe.segments[0]
-    # The end disc is tilted as much as the pipe: its rim rises by the radius times the cosine of the slope.
+    # The inlet's disc is tilted with the pipe: its rim rises by the radius times the cosine of the slope.
     slope = scenario.direction()[2]
     return float(segment.start[2] + segment.radius * np.sqrt(1 - slope**2))
 
@@ -40,8 +40,8 @@ def surface_height(scenario: Scenario) -> float:
 def pressure(heights: FloatArray, surface: float, fluid: Fluid, atmosphere: float = ATMOSPHERE) -> FloatArray:
     """Return the absolute hydrostatic pressure p = p0 + rho g (surface - z), Pa, (k,).
 
-    Above the surface it is that of the air. The pressure that the current's speed or the wall's friction adds is left
-    out: rho U^2 / 2 is as much as 5 cm of water at 1 m/s.
+    Above the surface it is the pressure of the air. The contributions of the current's speed and of the wall's friction
+    are left out: rho U^2 / 2 equals 5 cm of water at 1 m/s.
     """
     return np.asarray(
         atmosphere + fluid.density * fluid.gravity * np.maximum(surface - heights, 0.0), dtype=np.float64
@@ -51,29 +51,29 @@ def pressure(heights: FloatArray, surface: float, fluid: Fluid, atmosphere: floa
 def specific_force(
     trajectory: Trajectory, accelerations: FloatArray, point: FloatArray, gravity: float
 ) -> FloatArray:
-    """Return what an accelerometer at a point of the body reads, R^T (a - g), in body axes, m/s2, (k, 3).
+    """Return the reading of an accelerometer at a point of the body, R^T (a - g), in body axes, m/s2, (k, 3).
 
-    At rest it reads g upward, and in free fall nothing. ``accelerations`` (k, 6) are those of the equations of motion
-    (:func:`driftform.trajectory.forces.accelerations_along`), carried over to the point with the body's turning.
+    It is g upward at rest, and 0 in free fall. ``accelerations`` (k, 6) are those of the equations of motion
+    (:func:`driftform.trajectory.forces.accelerations_along`), transferred to the point with the body's rotation.
     """
     up = matrix_from_quaternion(trajectory.quaternion)[:, 2]
     return np.asarray(acceleration_at(trajectory, accelerations, point) + gravity * up, dtype=np.float64)
 
 
 def wall_distance(points: FloatArray, pipe: Pipe) -> FloatArray:
-    """Return how far points (k, 3) are from the wall of the pipe's bore, m, (k,), negative in the wall."""
-    across = (points - pipe.segments[0].start) @ _across(pipe)
+    """Return the distances of points (k, 3) from the wall of the pipe's bore, m, (k,), negative inside the wall."""
+    across = (points - pipe.segments[0].start) @ _cross_axes(pipe)
     return np.asarray(pipe.segments[0].radius - np.linalg.norm(across, axis=1), dtype=np.float64)
 
 
 def clearance(trajectory: Trajectory, body: Body, pipe: Pipe) -> FloatArray:
-    """Return the smallest distance of the hull from the wall at each sample, m, (k,), negative where it presses in.
+    """Return the smallest distance of the hull from the wall at each sample, m, (k,), negative during contact.
 
-    The bore is convex, so that one of the rims that :func:`driftform.dynamics.model.touching_rims` finds is nearest.
-    Seen along the pipe a rim is an ellipse, c + p cos(a) + q sin(a): its greatest distance from the pipe's axis is
-    sought by Newton's method from the farthest of sixteen of its points.
+    The bore is convex, so the nearest point is on one of the rims of :func:`driftform.dynamics.model.touching_rims`.
+    Seen along the pipe a rim is an ellipse, c + p cos(a) + q sin(a). Newton's method finds its greatest distance from
+    the pipe's axis, starting at the farthest of sixteen points of the rim.
     """
-    across = _across(pipe)
+    across = _cross_axes(pipe)
     R = matrix_from_quaternion(trajectory.quaternion)
     x, r = touching_rims(body).T
     c = ((trajectory.position - pipe.segments[0].start) @ across)[:, None] + x[:, None] * (
@@ -84,7 +84,7 @@ def clearance(trajectory: Trajectory, body: Body, pipe: Pipe) -> FloatArray:
     def dot(a: FloatArray, b: FloatArray) -> FloatArray:
         return np.asarray((a * b).sum(axis=-1), dtype=np.float64)
 
-    # Half of the squared distance is a constant and a cos(t) + b sin(t) + d cos(2 t) + e sin(2 t).
+    # Half of the squared distance is a constant plus a cos(t) + b sin(t) + d cos(2 t) + e sin(2 t).
     a, b, d, e = dot(c, p), dot(c, q), (dot(p, p) - dot(q, q)) / 4, dot(p, q) / 2
     t = np.zeros_like(a)
     best = np.full_like(a, -np.inf)
@@ -101,12 +101,12 @@ def clearance(trajectory: Trajectory, body: Body, pipe: Pipe) -> FloatArray:
     )
 
 
-def _across(pipe: Pipe) -> FloatArray:
-    """Two unit vectors across the pipe, as the columns of a matrix, (3, 2)."""
-    rotation: FloatArray = bore_of(pipe.segments[0]).rotation
+def _cross_axes(pipe: Pipe) -> FloatArray:
+    """Return two unit vectors across the pipe, as the columns of a matrix, (3, 2)."""
+    rotation: FloatArray = make_bore(pipe.segments[0]).rotation
     return rotation[:, 1:]
 
 
-def noisy(values: FloatArray, deviation: float, rng: np.random.Generator) -> FloatArray:
-    """Return readings with white Gaussian noise of a standard deviation; with none they are the same."""
+def add_noise(values: FloatArray, deviation: float, rng: np.random.Generator) -> FloatArray:
+    """Return readings with white Gaussian noise of a standard deviation; 0 leaves them unchanged."""
     return np.asarray(values + deviation * rng.standard_normal(values.shape), dtype=np.float64)

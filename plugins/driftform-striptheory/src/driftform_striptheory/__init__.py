@@ -1,4 +1,4 @@
-"""The paper's analytic added mass, as a driftform plugin."""
+"""driftform plugin: the analytic added mass of the paper."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 @hookimpl
 def driftform_hydrodynamics() -> "type[Hydrodynamics[Any]]":
-    """Equations 1 to 10."""
+    """Return the strip theory of the paper, equations 1 to 10."""
     from driftform_striptheory.coefficients import StripTheory
 
     return StripTheory

@@ -16,16 +16,17 @@ class StripTheoryOptions(HydrodynamicsOptions):
     """Options of the strip-theory model."""
 
     m11: Literal["ellipsoid", "volume"] = option(
-        "ellipsoid", "k11 times the mass of water in the equivalent ellipsoid (eq. 7) or in the true volume"
+        "ellipsoid",
+        "M11 is k11 times the mass of water in the equivalent ellipsoid (eq. 7) or in the true volume",
     )
 
 
 class StripTheory(Hydrodynamics[StripTheoryOptions]):
-    """Equations 1 to 10, about the centre of buoyancy.
+    """Equations 1 to 10 of the paper, about the centre of buoyancy.
 
     The strips are the circular sections of the outer contour, m22 = m33 = rho pi r^2, so that M22, M26 and M66
-    are rho times the integrals of 1, x and x^2 over the displaced volume. About the centre of buoyancy M26
-    therefore vanishes, and M22 = rho V.
+    are rho times the integrals of 1, x and x^2 over the displaced volume. Therefore
+    M26 vanishes about the centre of buoyancy, and M22 = rho V.
     """
 
     name = "striptheory"

@@ -3,7 +3,7 @@
 import math
 
 SERIES_BELOW = 0.06
-"""|1 - d^2/L^2| below which the closed forms, which cancel like eps / beta^3, give way to their series."""
+"""|1 - d^2/L^2| below which the series is used: the closed forms lose precision like eps / beta^3."""
 
 
 def axial_coefficient(slenderness: float) -> float:
@@ -24,7 +24,7 @@ def alpha_0(slenderness: float) -> float:
     With s = d/L:
 
     * prolate (s < 1), beta = sqrt(1 - s^2): eq. 9, 2 (1 - beta^2) / beta^3 (atanh beta - beta);
-    * oblate (s > 1), where eq. 10 has no real root, e = sqrt(1 - 1/s^2):
+    * oblate (s > 1), for which eq. 10 has no real root, e = sqrt(1 - 1/s^2):
       2 (1/e^2 - sqrt(1 - e^2) asin(e) / e^3);
     * near the sphere the series of the prolate form in q = 1 - s^2, which continues into q < 0:
       2/3 - 4 sum q^n / ((2n + 1)(2n + 3)), n = 1, 2, ...
@@ -37,7 +37,7 @@ def alpha_0(slenderness: float) -> float:
     Raises
     ------
     ValueError
-        where ``slenderness`` is not positive and finite.
+        if ``slenderness`` is not positive and finite.
     """
     s = slenderness
     if not (0 < s < math.inf):

@@ -1,5 +1,6 @@
-"""An agent, with the pipe and the water around it, in the files of other simulators.
+"""Models of an agent, the pipe and the water for other simulators.
 
-In all of them the one link of the agent has its origin at the centre of gravity and its axes along the body's:
-inertia, added mass and damping then refer to one point, about which programs disagree where it is another.
+In all of them the agent is one link with its origin at the centre of gravity and its axes along those of the body.
+Inertia, added mass and damping then refer to the same point. Programs disagree about how to read matrices that refer to
+any other point.
 """

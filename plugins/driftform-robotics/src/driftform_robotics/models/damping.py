@@ -1,4 +1,4 @@
-"""Drag -> quadratic damping about the centre of gravity, as other simulators take it."""
+"""Drag -> quadratic damping about the centre of gravity, for other simulators."""
 
 import numpy as np
 
@@ -6,34 +6,34 @@ from driftform.dynamics.inertia import shift_origin
 from driftform.scenario import Fluid
 from driftform.types import Agent, FloatArray
 
-SLOWEST = 0.05
-"""Least speed, m/s, at which drag is taken: of a neutral agent, which would not move through the water at all."""
+MIN_SPEED = 0.05
+"""Least speed, m/s, at which drag is converted: a neutral agent does not move through the water."""
 
 
 def linear_damping(agent: Agent) -> FloatArray:
-    """Return D_1 about the centre of gravity, (6, 6); it is the same damping."""
+    """Return the linear damping D_1 about the centre of gravity, (6, 6)."""
     coefficients = agent.coefficients
     return shift_origin(coefficients.linear_damping, agent.mass.cog - coefficients.origin)
 
 
 def reference_speed(agent: Agent, fluid: Fluid) -> float:
-    """Return the speed, m/s, at which an agent rises or sinks across its axis by its drag by strips."""
+    """Return the speed, m/s, at which an agent with drag by strips rises or sinks across its axis."""
     from driftform.dynamics.terminal import terminal_speeds
 
     drag = agent.coefficients.drag
     if drag is None:
-        return SLOWEST
+        return MIN_SPEED
     _, across = terminal_speeds(drag, agent.mass.net_buoyancy(fluid), True, fluid.density, fluid.viscosity)
-    return max(across, SLOWEST)
+    return max(across, MIN_SPEED)
 
 
 def quadratic_damping(agent: Agent, fluid: Fluid, speed: float) -> FloatArray:
     """Return D_2 about the centre of gravity, (6, 6): force and moment are -D_2 |nu| nu, component by component.
 
-    Column j gives what the agent really feels where it moves along axis j alone at ``speed`` (m/s), or turns about it
-    so fast that its ends, half its length from the middle, move at that speed; the mean of both directions. Motions
-    along several axes at once add up, which those of strips do not: there the lateral speed as a whole counts.
-    Quadratic damping that an agent has about its centre of gravity already comes out as it is.
+    Column j reproduces the force and moment of motion along axis j alone at ``speed`` (m/s), or of rotation about it
+    at the rate at which the ends of the agent, half its length from the middle, move at that speed; both are means over
+    the two directions. The effects of motion along several axes add up here. They do not with strips, whose drag
+    depends on the total lateral speed. Quadratic damping about the centre of gravity is returned unchanged.
     """
     rates = np.repeat([speed, 2 * speed / agent.body.length], 3)
     columns = []
@@ -47,9 +47,10 @@ def quadratic_damping(agent: Agent, fluid: Fluid, speed: float) -> FloatArray:
 
 
 def quadratic_wrench(agent: Agent, fluid: Fluid, nu: FloatArray) -> FloatArray:
-    """Return force and moment about the centre of gravity of all damping but the linear, N and N m, (6,).
+    """Return the force and the moment about the centre of gravity of all but linear damping, N and N m, (6,).
 
-    ``nu`` is the velocity of the centre of gravity relative to the water, and the angular velocity, in body axes, (6,).
+    ``nu`` holds the velocity of the centre of gravity relative to the water, m/s, and the angular velocity, rad/s, both
+    in body axes, (6,).
     """
     from driftform.dynamics.drag import axial_drag, strip_drag
 

@@ -1,4 +1,4 @@
-"""Link -> the ellipsoid that MuJoCo takes a body for in water.
+"""Link -> the ellipsoid by which MuJoCo computes the forces of water on a body.
 
 The forces are those of MuJoCo's documentation, "Computation: fluid forces, ellipsoid model", and of
 ``mj_ellipsoidFluidModel`` in ``src/engine/engine_passive.c``.
@@ -10,8 +10,8 @@ import numpy as np
 
 from driftform_robotics.models.link import Link
 
-_EXTREME = 1e4
-"""Greatest slenderness, and flatness, of the ellipsoid."""
+_MAX_SLENDERNESS = 1e4
+"""Greatest ratio of length to diameter, and of diameter to length, of the ellipsoid."""
 
 
 @dataclass(frozen=True)
@@ -23,9 +23,9 @@ class Ellipsoid:
     along, across
         half axes, m.
     x
-        its centre, from the centre of gravity, m.
+        position of its centre along the axis, relative to the centre of gravity, m.
     blunt, slender, angular
-        MuJoCo's coefficients of drag.
+        MuJoCo's drag coefficients.
     """
 
     along: float
@@ -35,10 +35,10 @@ class Ellipsoid:
     slender: float
     angular: float
 
-    def turning(self, density: float) -> float:
-        """Added mass moment of inertia about a transverse axis through its centre, kg m2 (Lamb, section 115)."""
+    def added_inertia(self, density: float) -> float:
+        """Return the added moment of inertia about a transverse axis through the centre, kg m2 (Lamb, section 115)."""
         a, b = self.along, self.across
-        alpha, beta = _lamb(b / a)
+        alpha, beta = _lamb_coefficients(b / a)
         S, D = a * a + b * b, a * a - b * b
         if abs(D) < 1e-9 * S:
             return 0.0
@@ -46,8 +46,8 @@ class Ellipsoid:
         return float(displaced / 5 * D * D * (beta - alpha) / (2 * D - S * (beta - alpha)))
 
 
-def _lamb(ratio: float) -> tuple[float, float]:
-    """Return alpha_0 and beta_0 of a spheroid whose radius is ``ratio`` of its half axis.
+def _lamb_coefficients(ratio: float) -> tuple[float, float]:
+    """Return alpha_0 and beta_0 of a spheroid whose radius is ``ratio`` times its half length.
 
     Lamb, Hydrodynamics (6th ed.), section 114: alpha_0 = a b^2 int_0^inf dl / ((a^2 + l)^(3/2) (b^2 + l)), which is
     2/3 a b^2 R_D(b^2, b^2, a^2) by Carlson's integral (DLMF 19.16.5); the three sum to 2.
@@ -60,19 +60,21 @@ def _lamb(ratio: float) -> tuple[float, float]:
 
 
 def added_mass_factors(ratio: float) -> tuple[float, float]:
-    """Return added over displaced mass of a spheroid along and across its axis; ``ratio`` is radius over half axis.
+    """Return the ratios of added to displaced mass of a spheroid along and across its axis.
+
+    ``ratio`` is its radius over its half length.
 
     >>> [round(k, 4) for k in added_mass_factors(0.5)]
     [0.21, 0.7042]
     """
-    alpha, beta = _lamb(ratio)
+    alpha, beta = _lamb_coefficients(ratio)
     return alpha / (2 - alpha), beta / (2 - beta)
 
 
-def ellipsoid_of(link: Link, density: float) -> Ellipsoid:
-    """Return the spheroid whose added mass along and across, and centre, are those of the link.
+def fit_ellipsoid(link: Link, density: float) -> Ellipsoid:
+    """Return the spheroid that has the link's added mass along and across its axis, at the same centre.
 
-    Its drag is that of the link along each axis alone, as far as positive coefficients can give it.
+    Its drag equals that of the link for motion along each axis alone, as far as positive coefficients allow.
     """
     from scipy.optimize import brentq
 
@@ -82,19 +84,20 @@ def ellipsoid_of(link: Link, density: float) -> Ellipsoid:
         k1, k2 = added_mass_factors(float(np.exp(log_ratio)))
         return float(np.log(k1 / k2) - np.log(along / across))
 
-    bound = float(np.log(_EXTREME))
+    bound = float(np.log(_MAX_SLENDERNESS))
     ratio = float(np.exp(brentq(excess, -bound, bound, xtol=1e-12)))
     k1, _ = added_mass_factors(ratio)
     a = float(np.cbrt(along / k1 / (density * 4 / 3 * np.pi * ratio**2)))
     b = ratio * a
-    return Ellipsoid(a, b, float(link.added_mass[1, 5]) / across, *_drag(link, density, a, b))
+    return Ellipsoid(a, b, float(link.added_mass[1, 5]) / across, *_fit_drag(link, density, a, b))
 
 
-def _drag(link: Link, density: float, a: float, b: float) -> tuple[float, float, float]:
-    """Return blunt, slender and angular drag.
+def _fit_drag(link: Link, density: float, a: float, b: float) -> tuple[float, float, float]:
+    """Return the blunt, slender and angular drag coefficients.
 
-    At a speed along an axis that shows the area A, MuJoCo's force is rho (blunt A + slender (A_max - A)) v^2; turning
-    across the axis its moment is rho angular 8/15 pi b max(a, b)^4 w^2.
+    For motion at the speed v along an axis with the projected area A, MuJoCo's force is
+    rho (blunt A + slender (A_max - A)) v^2; for rotation across the axis its moment is
+    rho angular 8/15 pi b max(a, b)^4 w^2.
     """
     ends, side = np.pi * b * b, np.pi * a * b
     surge, sway, pitch = (float(link.quadratic_damping[i, i]) / density for i in (0, 1, 4))

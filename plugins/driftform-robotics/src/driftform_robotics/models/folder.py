@@ -1,4 +1,4 @@
-"""A folder of files for one agent, written whole, with the hull's meshes in it."""
+"""The folder of files of one agent: the meshes of its hull, the facts, and writing it in one step."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,46 +11,46 @@ from driftform_robotics.models.link import Link
 from driftform_robotics.models.meshes import Piece, convex_pieces, obj_text, revolve_contour
 
 HULL = "meshes/hull.obj"
-"""The outside of the hull, about the centre of gravity."""
+"""File of the outer surface of the hull, about the centre of gravity."""
 
 PIPE = "meshes/pipe.obj"
-"""The pipe's wall, about its middle."""
+"""File of the pipe's wall, about its middle."""
 
 
 def piece_path(index: int) -> str:
-    """Return the file of one of the pieces that collide, about its own centroid."""
+    """Return the path of one convex piece, whose mesh is about its own centroid."""
     return f"meshes/piece_{index:02d}.obj"
 
 
 def hull_files(body: Body, cog: FloatArray, pieces: list[Piece]) -> dict[str, str]:
-    """Return the hull's meshes, by their paths in the folder."""
+    """Return the meshes of the hull by their paths in the folder."""
     files = {HULL: obj_text(revolve_contour(body.outer).translate(-cog))}
     return files | {piece_path(i): obj_text(piece.mesh) for i, piece in enumerate(pieces)}
 
 
-def pieces_of(body: Body) -> list[Piece]:
-    """Return the convex pieces of the outside of the hull.
+def cut_hull(body: Body) -> list[Piece]:
+    """Return the convex pieces of the outer hull.
 
     Raises
     ------
     WorkFailedError
-        where the contour has no solid.
+        if the contour does not enclose a solid.
     """
     contour = body.outer
     if len(contour) < 3 or contour[0, 1] or contour[-1, 1] or not (contour[1:-1, 1] > 0).any():
-        raise WorkFailedError(
-            "the hull has no solid: its outer contour does not go from the axis to the axis"
-        )
+        raise WorkFailedError("the hull is not a solid: its outer contour does not start and end on the axis")
     return convex_pieces(contour)
 
 
-def save(name: str, folder: Path, files: Mapping[str, str], facts: dict[str, Any]) -> tuple[WrittenFile, ...]:
-    """Write texts by their paths in the folder; the first is the one to open, and has the facts.
+def save_folder(
+    name: str, folder: Path, files: Mapping[str, str], facts: dict[str, Any]
+) -> tuple[WrittenFile, ...]:
+    """Write texts by their paths in the folder; the facts belong to the first file, which is the file to open.
 
     Raises
     ------
     WorkFailedError
-        where they cannot be written.
+        if they cannot be written.
     """
     try:
         with write_folder(folder) as part:
@@ -63,10 +63,8 @@ def save(name: str, folder: Path, files: Mapping[str, str], facts: dict[str, Any
     return tuple(WrittenFile(name, str(folder / path), facts if path == first else {}) for path in files)
 
 
-def facts_of(link: Link, beware: list[str]) -> dict[str, Any]:
-    """Facts of a model: ``mass_kg``, ``cog_mm`` and ``cob_mm`` along the axis from the core's centre,
-    ``volume_mm3``, ``added_over_own_mass``, and what to ``beware`` of, if anything.
-    """
+def model_facts(link: Link, warnings: list[str]) -> dict[str, Any]:
+    """Return the facts of a model, see :meth:`driftform_robotics.models.exporter.ModelExporter.write`."""
     facts = {
         "mass_kg": link.mass,
         "cog_mm": -1e3 * float(link.core[0]),
@@ -74,4 +72,4 @@ def facts_of(link: Link, beware: list[str]) -> dict[str, Any]:
         "volume_mm3": 1e9 * link.volume,
         "added_over_own_mass": link.added_mass_ratio,
     }
-    return facts | ({"beware": " ".join(beware)} if beware else {})
+    return facts | ({"warnings": " ".join(warnings)} if warnings else {})

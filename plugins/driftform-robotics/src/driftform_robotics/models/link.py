@@ -1,4 +1,4 @@
-"""ExportJob -> the one link that all formats write: everything about the centre of gravity, along the body's axes."""
+"""ExportJob -> the link that all formats write, about the centre of gravity and along the body's axes."""
 
 from dataclasses import dataclass
 
@@ -6,24 +6,10 @@ import numpy as np
 
 from driftform.dynamics.inertia import added_mass_at, largest_added_mass_ratio
 from driftform.interfaces import ExportJob
-from driftform.options import Table, option
 from driftform.scenario import Scenario, UniformFlow
 from driftform.types import Body, FloatArray
 from driftform_robotics.models.damping import linear_damping, quadratic_damping, reference_speed
 from driftform_robotics.models.meshes import folds_back
-
-
-class ModelOptions(Table):
-    """What every format offers that knows the water; its own options inherit from these."""
-
-    drag_speed: float | None = option(
-        None,
-        "speed through the water at which drag by strips is turned into quadratic damping; "
-        "without one that at which the agent rises or sinks",
-        "m/s",
-        gt=0,
-        strict=True,
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,19 +21,19 @@ class Link:
     mass, inertia
         kg; kg m2, (3, 3).
     volume, buoyancy
-        displaced, m3; its centre, m, (3,).
+        displaced volume, m3; the centre of buoyancy, m, (3,).
     core
-        the core's centre, m, (3,).
+        centre of the core, m, (3,).
     added_mass, linear_damping, quadratic_damping
-        (6, 6), all positive where they resist, see :class:`driftform.types.Coefficients`.
+        (6, 6), positive if they resist motion, see :class:`driftform.types.Coefficients`.
     added_mass_ratio
         largest eigenvalue of M_RB^-1 M_A.
     drag_speed
-        at which drag by strips became quadratic damping, m/s; 0 where there is none.
+        speed at which drag by strips was converted to quadratic damping, m/s; 0 without drag by strips.
     position, quaternion
-        of the centre of gravity at the release, m, and body to world, (3,) and (4,).
+        position of the centre of gravity at the release, m, (3,); attitude, body to world, (4,).
     velocity
-        of the release, world frame, m/s, (3,).
+        velocity at the release, world frame, m/s, (3,).
     """
 
     mass: float
@@ -73,13 +59,13 @@ class Link:
 
     @property
     def momentum(self) -> FloatArray:
-        """Impulse that brings body and water around it from rest to the release's velocity, world frame, (6,)."""
+        """Impulse that accelerates the body and its added mass from rest to the release velocity, world frame, (6,)."""
         total = self.added_mass + np.diag([self.mass] * 3 + [0.0] * 3)
         along = total @ np.concatenate((self.rotation.T @ self.velocity, np.zeros(3)))
         return np.concatenate((self.rotation @ along[:3], self.rotation @ along[3:]))
 
 
-def link_of(job: ExportJob, drag_speed: float | None = None) -> Link:
+def make_link(job: ExportJob, drag_speed: float | None = None) -> Link:
     """Return the link of a job, at its release."""
     from driftform.dynamics.rotations import matrix_from_quaternion
 
@@ -100,23 +86,23 @@ def link_of(job: ExportJob, drag_speed: float | None = None) -> Link:
         drag_speed=speed if agent.coefficients.drag is not None else 0.0,
         position=np.array(scenario.release.position) + matrix_from_quaternion(quaternion) @ mass.cog,
         quaternion=quaternion,
-        velocity=_released(scenario),
+        velocity=_release_velocity(scenario),
     )
 
 
-def _released(scenario: Scenario) -> FloatArray:
+def _release_velocity(scenario: Scenario) -> FloatArray:
     velocity = scenario.release.velocity
     if velocity == "current":
         return scenario.current()
     return np.zeros(3) if velocity == "rest" else np.array(velocity, dtype=np.float64)
 
 
-def lost_by_a_uniform_current(scenario: Scenario) -> list[str]:
-    """Tell what of a scenario's flow a current that is the same everywhere and always cannot hold."""
+def warn_of_flow(scenario: Scenario) -> list[str]:
+    """Warn if a uniform, steady current cannot represent the scenario's flow."""
     flow = scenario.flow
     if not isinstance(flow, UniformFlow):
         return [
-            f"The flow '{flow.kind}' is not the same everywhere: the current here is its mean, "
+            f"The flow '{flow.kind}' varies in space or time: the current in this file is its mean, "
             f"{flow.speed:g} m/s along the pipe."
         ]
     if flow.acceleration:
@@ -124,36 +110,37 @@ def lost_by_a_uniform_current(scenario: Scenario) -> list[str]:
     return []
 
 
-def lost_by_folding(body: Body) -> list[str]:
-    """Tell of an outline that cannot be cut into convex pieces."""
+def warn_of_folding(body: Body) -> list[str]:
+    """Warn if the outline cannot be cut into convex pieces."""
     if not folds_back(body.outer):
         return []
     return [
-        "The outline folds back along the axis: the hull collides in one piece, which most programs take for its "
+        "The outline folds back along the axis: the hull collides as one piece, which most programs replace by its "
         "convex hull."
     ]
 
 
-def lost_by_damping(link: Link) -> list[str]:
-    """Tell how drag by strips became quadratic damping."""
+def warn_of_damping(link: Link) -> list[str]:
+    """Warn if drag by strips was converted to quadratic damping."""
     if not link.drag_speed:
         return []
     return [
-        f"Drag by strips is here quadratic damping: the same for motion along one axis at {link.drag_speed:.3g} m/s, "
-        "less for motion along several at once."
+        "Quadratic damping replaces drag by strips: it is equal for motion along one axis at "
+        f"{link.drag_speed:.3g} m/s, and smaller for motion along several axes at once."
     ]
 
 
-def lagged(link: Link, smoothing: float) -> list[str]:
-    """Warn where added mass times the acceleration of the step before diverges.
+def warn_of_divergence(link: Link, smoothing: float) -> list[str]:
+    """Warn if added mass times the acceleration of the previous step diverges.
 
-    With accelerations smoothed by a <- (1 - s) a + s da, s being ``smoothing``, a mode of added over own mass
-    lambda multiplies a by 1 - s - s lambda in every step: it diverges from lambda = 2/s - 1 on.
+    If accelerations are smoothed by a <- (1 - s) a + s da, with s = ``smoothing``, a mode whose ratio of added to own
+    mass is lambda multiplies a by 1 - s - s lambda in every step: it diverges for lambda >= 2/s - 1.
     """
     limit = 2 / smoothing - 1
     if link.added_mass_ratio < limit:
         return []
     return [
-        f"UNSTABLE: this simulator takes the added mass times the acceleration of the step before, which diverges "
-        f"from {limit:.2f} times the own mass on, whatever the step; this agent has {link.added_mass_ratio:.2f}."
+        "UNSTABLE: this simulator multiplies the added mass by the acceleration of the previous step, which diverges "
+        f"for any step if the added mass is {limit:.2f} times the agent's own mass or more; "
+        f"here it is {link.added_mass_ratio:.2f} times."
     ]

@@ -1,4 +1,4 @@
-"""What SDF worlds have around the agent: light, the pipe and its targets."""
+"""The surroundings of the agent in SDF worlds: light, the pipe and the targets."""
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
@@ -7,14 +7,18 @@ import numpy as np
 
 from driftform.scenario import Scenario
 from driftform.types import FloatArray
-from driftform_robotics.models.pipe import bore_of
-from driftform_robotics.models.xml import add, note, number, numbers, pose
+from driftform_robotics.models.pipe import make_bore
+from driftform_robotics.models.xml import add, add_comment, format_number, format_numbers, format_pose
 
 _GLASS, _RED = "0.6 0.8 0.9 1", "0.9 0.2 0.1 1"
 
 
-def add_light(world: ET.Element) -> None:
-    """Append a light from above, so that the world needs none from elsewhere."""
+def add_scene(world: ET.Element) -> None:
+    """Append the colours of the scene and a light from above, so that the world includes no other files."""
+    scene = add(world, "scene")
+    add(scene, "ambient", "0.6 0.6 0.6 1")
+    add(scene, "background", "0.7 0.8 0.9 1")
+    add(scene, "shadows", "false")
     light = add(world, "light", type="directional", name="sun")
     add(light, "pose", "0 0 10 0 0 0")
     add(light, "cast_shadows", "false")
@@ -26,8 +30,8 @@ def add_light(world: ET.Element) -> None:
 def add_friction(collision: ET.Element, coefficient: float) -> None:
     """Append a surface with Coulomb friction to a collision."""
     ode = add(add(add(collision, "surface"), "friction"), "ode")
-    add(ode, "mu", number(coefficient))
-    add(ode, "mu2", number(coefficient))
+    add(ode, "mu", format_number(coefficient))
+    add(ode, "mu2", format_number(coefficient))
 
 
 def add_mesh(parent: ET.Element, uri: str) -> None:
@@ -35,7 +39,7 @@ def add_mesh(parent: ET.Element, uri: str) -> None:
     add(add(add(parent, "geometry"), "mesh"), "uri", uri)
 
 
-def _material(visual: ET.Element, colour: str) -> None:
+def _add_material(visual: ET.Element, colour: str) -> None:
     material = add(visual, "material")
     add(material, "ambient", colour)
     add(material, "diffuse", colour)
@@ -44,46 +48,46 @@ def _material(visual: ET.Element, colour: str) -> None:
 def add_pipe(
     world: ET.Element, scenario: Scenario, offset: FloatArray, meshes: list[str]
 ) -> ET.Element | None:
-    """Append the pipe, moved by ``offset`` (m), and return its model; none in open water.
+    """Append the pipe, moved by ``offset`` (m), and return its model, or ``None`` in open water.
 
-    Its wall collides as planks. It looks like ``meshes``, one for each segment, or without any like the planks.
+    The wall collides as planks. It is displayed as ``meshes``, one for each segment, or, without meshes, as the planks.
     """
     if not scenario.pipe.segments:
         return None
     model = add(world, "model", name="pipe")
     link = add(model, "link", name="wall")
-    note(
+    add_comment(
         link,
-        ["The wall is a ring of planks: a mesh of it would be taken for its convex hull, which is solid."],
+        ["The wall is a ring of planks: simulators replace a mesh by its convex hull, which is solid."],
     )
     for index, segment in enumerate(scenario.pipe.segments):
-        bore = bore_of(segment)
+        bore = make_bore(segment)
         if meshes:
             visual = add(link, "visual", name=f"segment_{index}")
-            add(visual, "pose", pose(bore.position + offset, bore.rotation))
-            _glassy(visual)
+            add(visual, "pose", format_pose(bore.position + offset, bore.rotation))
+            _add_glass(visual)
             add_mesh(visual, meshes[index])
-        for k, plank in enumerate(bore.planks()):
+        for k, plank in enumerate(bore.make_planks()):
             shapes = [add(link, "collision", name=f"plank_{index}_{k}")]
             add_friction(shapes[0], scenario.contact.friction)
             if not meshes:
                 shapes.append(add(link, "visual", name=f"segment_{index}_{k}"))
-                _glassy(shapes[1])
+                _add_glass(shapes[1])
             for shape in shapes:
                 place = bore.position + offset + bore.rotation @ plank.position
-                add(shape, "pose", pose(place, bore.rotation @ plank.rotation))
-                add(add(add(shape, "geometry"), "box"), "size", numbers(plank.size))
+                add(shape, "pose", format_pose(place, bore.rotation @ plank.rotation))
+                add(add(add(shape, "geometry"), "box"), "size", format_numbers(plank.size))
     return model
 
 
-def _glassy(visual: ET.Element) -> None:
+def _add_glass(visual: ET.Element) -> None:
     add(visual, "cast_shadows", "false")
     add(visual, "transparency", "0.75")
-    _material(visual, _GLASS)
+    _add_material(visual, _GLASS)
 
 
 def add_targets(world: ET.Element, scenario: Scenario, offset: FloatArray) -> ET.Element | None:
-    """Append the targets as marks that nothing collides with, moved by ``offset`` (m), and return their model."""
+    """Append the targets as marks without collision, moved by ``offset`` (m); return their model, ``None`` without targets."""
     if not scenario.targets:
         return None
     radius = 0.02 * min((segment.radius for segment in scenario.pipe.segments), default=1.0)
@@ -91,14 +95,14 @@ def add_targets(world: ET.Element, scenario: Scenario, offset: FloatArray) -> ET
     link = add(model, "link", name="marks")
     for name, place in scenario.targets.items():
         visual = add(link, "visual", name=name)
-        add(visual, "pose", pose(np.array(place) + offset))
-        _material(visual, _RED)
-        add(add(add(visual, "geometry"), "sphere"), "radius", number(radius))
+        add(visual, "pose", format_pose(np.array(place) + offset))
+        _add_material(visual, _RED)
+        add(add(add(visual, "geometry"), "sphere"), "radius", format_number(radius))
     return model
 
 
-def fix(models: Iterable[ET.Element | None]) -> None:
-    """Make models stand still."""
+def make_static(models: Iterable[ET.Element | None]) -> None:
+    """Make models immovable."""
     for model in models:
         if model is not None:
             add(model, "static", "true")

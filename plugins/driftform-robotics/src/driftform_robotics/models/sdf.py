@@ -1,44 +1,42 @@
 """SDF for Gazebo: a model of the agent, and a world with the pipe, the water and the current.
 
-What Gazebo does with these numbers is told by its sources: gz-sim, ``src/systems/hydrodynamics`` and
-``src/systems/buoyancy``; gz-physics, ``dartsim/src/AddedMassFeatures.cc``. Format: http://sdformat.org/spec.
+Gazebo's equations are in its sources: gz-sim, ``src/systems/hydrodynamics`` and ``src/systems/buoyancy``; gz-physics,
+``dartsim/src/AddedMassFeatures.cc``. Format: http://sdformat.org/spec.
 """
 
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass, replace
-from itertools import combinations_with_replacement
-from pathlib import Path
 from typing import ClassVar, Literal
 
 import numpy as np
 
 from driftform.geometry.slices import slice_solid
-from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table, option
 from driftform.scenario import UniformFlow
-from driftform.types import FloatArray, WrittenFile
-from driftform_robotics.models.folder import (
-    HULL,
-    PIPE,
-    facts_of,
-    hull_files,
-    piece_path,
-    pieces_of,
-    save,
+from driftform.types import FloatArray
+from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
+from driftform_robotics.models.folder import HULL, PIPE, piece_path
+from driftform_robotics.models.link import make_link, warn_of_divergence, warn_of_flow
+from driftform_robotics.models.meshes import obj_text
+from driftform_robotics.models.pipe import make_bore
+from driftform_robotics.models.scenery import (
+    add_friction,
+    add_mesh,
+    add_pipe,
+    add_scene,
+    add_targets,
+    make_static,
 )
-from driftform_robotics.models.link import (
-    Link,
-    ModelOptions,
-    lagged,
-    link_of,
-    lost_by_a_uniform_current,
-    lost_by_damping,
-    lost_by_folding,
+from driftform_robotics.models.xml import (
+    add,
+    add_comment,
+    format_document,
+    format_fields,
+    format_number,
+    format_numbers,
+    format_pose,
+    format_symmetric,
 )
-from driftform_robotics.models.meshes import Piece, obj_text
-from driftform_robotics.models.pipe import bore_of
-from driftform_robotics.models.scenery import add_friction, add_light, add_mesh, add_pipe, add_targets, fix
-from driftform_robotics.models.xml import add, document, fields, identifier, note, number, numbers, pose
 
 WORLD = "driftform"
 LINK = "base_link"
@@ -47,23 +45,22 @@ PUSH, PUSH_DRIFT = "push.sh", "push_drift.sh"
 _FORCES, _RATES = "xyzkmn", "UVWPQR"
 _SDF_AXES = "xyzpqr"
 
-_MOST_SPHERES = 40
+_MAX_SPHERES = 40
 
 
 class SdfOptions(ModelOptions):
-    """Options of the exporter."""
+    """Options of the exporter for Gazebo."""
 
     gazebo: Literal["harmonic", "fortress"] = option(
         "harmonic",
-        "'harmonic' and later releases read SDF 1.11; 'fortress' reads SDF 1.9 and takes the added mass "
-        "times the acceleration of the step before",
+        "release of Gazebo: 'harmonic' and later read SDF 1.11; 'fortress' reads SDF 1.9 and multiplies the added mass "
+        "by the acceleration of the previous step",
     )
-    step: float = option(0.001, "time step of the world", "s", gt=0)
 
 
 @dataclass(frozen=True)
 class _Gazebo:
-    """What a release of Gazebo calls its own, and whether it solves the added mass together with the mass."""
+    """The names that a release of Gazebo uses, and whether it solves the added mass together with the mass."""
 
     sdf: str
     system: str
@@ -79,107 +76,89 @@ _GAZEBO = {
 }
 
 
-class SdfExporter(Exporter[SdfOptions]):
-    """A model for Gazebo and a world around it: pipe, water, current and buoyancy, ready for `gz sim world.sdf`.
+class SdfExporter(ModelExporter[SdfOptions]):
+    """A model for Gazebo and a world with pipe, water, current and buoyancy, ready for `gz sim world.sdf`.
 
-    In a current there is `drift.sdf` besides, where the pipe moves past water at rest: what Gazebo does with added
-    mass is exact there, and is not in a current. The link's origin is the centre of gravity. The added mass is
-    `<fluid_added_mass>`, which DART, Gazebo's usual engine, solves together with the mass. The hull collides, and
-    displaces water, as closed convex pieces.
+    The folder holds `world.sdf`, `model.sdf` with its `model.config`, and meshes; also `push.sh` if the agent is
+    released with a velocity, and `drift.sdf` if there is a current: the same world in the frame of the water, where the
+    pipe moves past water at rest. Gazebo's treatment of added mass is exact there, but not in a current.
+
+    The link's origin is the centre of gravity. The added mass is `<fluid_added_mass>`, which DART, Gazebo's default
+    engine, solves together with the mass. The hull collides, and displaces water, as closed convex pieces.
     """
 
     name = "sdf"
     suffix = "-sdf"
     Options: ClassVar[type[Table]] = SdfOptions
 
-    def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
-        """Write ``world.sdf``, ``model.sdf`` with its ``model.config``, and meshes.
-
-        There is ``push.sh`` too for an agent that is released with a speed, and in a current ``drift.sdf``: the
-        same world in the frame of the water, with a pipe that moves.
-
-        Facts: ``mass_kg``, ``cog_mm`` and ``cob_mm`` along the axis from the core's centre, ``volume_mm3``,
-        ``added_over_own_mass``, and what to ``beware`` of, if anything.
-
-        Raises
-        ------
-        WorkFailedError
-            where the body has no solid, or the files cannot be written.
-        """
-        body, scenario = job.agent.body, job.scenario
-        gazebo, title = _GAZEBO[self.options.gazebo], identifier(job.name)
-        pieces = pieces_of(body)
-        link = link_of(job, self.options.drag_speed)
-        beware = _beware(job, link, pieces, gazebo, PUSH)
-
+    def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
+        """Return the worlds, the model, the mesh of the pipe and the scripts of the release, and the warnings."""
+        gazebo, step, scenario = _GAZEBO[self.options.gazebo], self.options.step, model.job.scenario
+        warnings = _list_warnings(model, gazebo, PUSH)
         alone = ET.Element("sdf", version=gazebo.sdf)
-        _add_model(alone, title, job, link, pieces, gazebo, beware)
-        pipes = [bore_of(segment).mesh() for segment in scenario.pipe.segments]
-        step = self.options.step
+        _add_model(alone, model, gazebo, warnings)
+        pipes = [make_bore(segment).make_mesh() for segment in scenario.pipe.segments]
         files = {
-            "world.sdf": document(_world(job, link, pieces, gazebo, step, beware)),
-            "model.sdf": document(alone),
-            "model.config": document(_config(title, job.name, gazebo)),
-            **hull_files(body, job.agent.mass.cog, pieces),
+            "world.sdf": format_document(_make_world(model, gazebo, step, warnings)),
+            "model.sdf": format_document(alone),
+            "model.config": format_document(_make_config(model, gazebo)),
             **({PIPE: obj_text(pipes[0])} if pipes else {}),
         }
-        if link.velocity.any():
-            files[PUSH] = _push(title, link, gazebo, step)
+        if model.link.velocity.any():
+            files[PUSH] = _make_push_script(model, gazebo, step)
         if scenario.current().any():
-            drifting = _seen_from_the_water(job)
-            adrift = link_of(drifting, self.options.drag_speed)
-            told = lost_by_a_uniform_current(scenario) + _beware(drifting, adrift, pieces, gazebo, PUSH_DRIFT)
-            world = _world(drifting, adrift, pieces, gazebo, step, told, -scenario.current())
-            files["drift.sdf"] = document(world)
-            if adrift.velocity.any():
-                files[PUSH_DRIFT] = _push(title, adrift, gazebo, step)
-        return save(self.name, path, files, facts_of(link, beware))
+            drifting = _move_to_water_frame(model, self.options.drag_speed)
+            adrift = warn_of_flow(scenario) + _list_warnings(drifting, gazebo, PUSH_DRIFT)
+            world = _make_world(drifting, gazebo, step, adrift, -scenario.current())
+            files["drift.sdf"] = format_document(world)
+            if drifting.link.velocity.any():
+                files[PUSH_DRIFT] = _make_push_script(drifting, gazebo, step)
+        return files, warnings
 
 
-def _seen_from_the_water(job: ExportJob) -> ExportJob:
-    """The same in the frame of the water, where the pipe moves and the current does not: motion is the same there."""
-    scenario = job.scenario
-    released = link_of(job).velocity - scenario.current()
-    x, y, z = released.tolist()
+def _move_to_water_frame(model: Model, drag_speed: float | None) -> Model:
+    """Return the model in the frame of the water, where the pipe moves and the current does not: motion is the same."""
+    scenario = model.job.scenario
+    x, y, z = (model.link.velocity - scenario.current()).tolist()
     calm = {
         "flow": UniformFlow(speed=0.0),
         "release": scenario.release.model_copy(update={"velocity": (x, y, z)}),
     }
-    return replace(job, scenario=scenario.model_copy(update=calm))
+    job = replace(model.job, scenario=scenario.model_copy(update=calm))
+    return replace(model, job=job, link=make_link(job, drag_speed))
 
 
-def _beware(job: ExportJob, link: Link, pieces: list[Piece], gazebo: _Gazebo, push: str) -> list[str]:
-    scenario = job.scenario
-    found = lost_by_folding(job.agent.body) + lost_by_a_uniform_current(scenario) + lost_by_damping(link)
-    solid = sum(piece.volume for piece in pieces)
+def _list_warnings(model: Model, gazebo: _Gazebo, push: str) -> list[str]:
+    link, found = model.link, model.list_warnings()
+    solid = sum(piece.volume for piece in model.pieces)
     if abs(solid - link.volume) > 1e-6 * link.volume:
         found.append(
-            f"Gazebo takes the displaced volume from the hull, {1e6 * solid:.6g} cm3; "
+            f"Gazebo computes the displaced volume from the hull, {1e6 * solid:.6g} cm3; "
             f"this agent displaces {1e6 * link.volume:.6g} cm3."
         )
     if not gazebo.solves_added_mass:
-        found += lagged(link, 1.0)
-    elif scenario.current().any():
+        found += warn_of_divergence(link, 1.0)
+    elif model.job.scenario.current().any():
         found.append(
-            "In a current Gazebo lacks the force -M_A (w x u) on an agent that turns, u being the current in body "
-            "axes; gz-sim before April 2026 takes the Coriolis forces of added mass with the speed over ground. "
-            "drift.sdf is the same world seen from the water, where neither matters."
+            "In a current Gazebo lacks the force -M_A (w x u) on an agent that rotates at w, where u is the current in "
+            "body axes; gz-sim before April 2026 computes the Coriolis forces of added mass from the speed over ground. "
+            "drift.sdf is the same world in the frame of the water, where neither error occurs."
         )
     if link.velocity.any():
-        found.append(f"Run {push} before you press play: SDF has no place for the speed of the release.")
+        found.append(f"Run {push} before you press play: SDF cannot hold the velocity of the release.")
     return found
 
 
-def _config(title: str, name: str, gazebo: _Gazebo) -> ET.Element:
+def _make_config(model: Model, gazebo: _Gazebo) -> ET.Element:
     root = ET.Element("model")
-    add(root, "name", title)
+    add(root, "name", model.title)
     add(root, "version", "1.0")
     add(root, "sdf", "model.sdf", version=gazebo.sdf)
-    add(root, "description", f"The agent {name} of driftform")
+    add(root, "description", f"The agent {model.job.name} of driftform")
     return root
 
 
-def _plugin(parent: ET.Element, gazebo: _Gazebo, system: str, name: str) -> ET.Element:
+def _add_plugin(parent: ET.Element, gazebo: _Gazebo, system: str, name: str) -> ET.Element:
     return add(
         parent,
         "plugin",
@@ -188,56 +167,50 @@ def _plugin(parent: ET.Element, gazebo: _Gazebo, system: str, name: str) -> ET.E
     )
 
 
-def _world(
-    job: ExportJob,
-    link: Link,
-    pieces: list[Piece],
+def _make_world(
+    model: Model,
     gazebo: _Gazebo,
     step: float,
-    beware: list[str],
+    warnings: list[str],
     passing: FloatArray | None = None,
 ) -> ET.Element:
-    """A world; ``passing`` is the velocity (m/s) with which the pipe moves past the water, none where it stands."""
-    scenario = job.scenario
+    """Return a world; ``passing`` is the velocity (m/s) at which the pipe moves, ``None`` for a pipe at rest."""
+    scenario = model.job.scenario
     fluid = scenario.fluid
     root = ET.Element("sdf", version=gazebo.sdf)
     world = add(root, "world", name=WORLD)
     physics = add(world, "physics", name="step", type="ignored")
-    add(physics, "max_step_size", number(step))
+    add(physics, "max_step_size", format_number(step))
     add(physics, "real_time_factor", "1")
-    add(world, "gravity", numbers([0.0, 0.0, -fluid.gravity]))
-    _plugin(world, gazebo, "physics", "Physics")
-    _plugin(world, gazebo, "user-commands", "UserCommands")
-    _plugin(world, gazebo, "scene-broadcaster", "SceneBroadcaster")
-    _plugin(world, gazebo, "apply-link-wrench", "ApplyLinkWrench")
-    title = identifier(job.name)
-    buoyancy = _plugin(world, gazebo, "buoyancy", "Buoyancy")
+    add(world, "gravity", format_numbers([0.0, 0.0, -fluid.gravity]))
+    _add_plugin(world, gazebo, "physics", "Physics")
+    _add_plugin(world, gazebo, "user-commands", "UserCommands")
+    _add_plugin(world, gazebo, "scene-broadcaster", "SceneBroadcaster")
+    _add_plugin(world, gazebo, "apply-link-wrench", "ApplyLinkWrench")
+    buoyancy = _add_plugin(world, gazebo, "buoyancy", "Buoyancy")
     if fluid.water_level is None:
-        add(buoyancy, "uniform_fluid_density", number(fluid.density))
+        add(buoyancy, "uniform_fluid_density", format_number(fluid.density))
     else:
         graded = add(buoyancy, "graded_buoyancy")
-        add(graded, "default_density", number(fluid.density))
+        add(graded, "default_density", format_number(fluid.density))
         change = add(graded, "density_change")
-        add(change, "above_depth", number(fluid.water_level))
+        add(change, "above_depth", format_number(fluid.water_level))
         add(change, "density", "0")
-    add(buoyancy, "enable", title)
-    scene = add(world, "scene")
-    add(scene, "ambient", "0.6 0.6 0.6 1")
-    add(scene, "background", "0.7 0.8 0.9 1")
-    add(scene, "shadows", "false")
-    add_light(world)
+    add(buoyancy, "enable", model.title)
+    add_scene(world)
     pipe = add_pipe(world, scenario, np.zeros(3), [PIPE] * len(scenario.pipe.segments))
     around = [pipe, add_targets(world, scenario, np.zeros(3))]
     if passing is None:
-        fix(around)
+        make_static(around)
     else:
-        _move(around, passing, gazebo)
-    _add_model(world, title, job, link, pieces, gazebo, beware, pose(link.position, link.rotation))
+        _add_motion(around, passing, gazebo)
+    place = format_pose(model.link.position, model.link.rotation)
+    _add_model(world, model, gazebo, warnings, place)
     return root
 
 
-def _move(models: list[ET.Element | None], velocity: FloatArray, gazebo: _Gazebo) -> None:
-    """Make models move with a velocity that nothing changes: they are heavy, and Gazebo sets it in every step."""
+def _add_motion(models: list[ET.Element | None], velocity: FloatArray, gazebo: _Gazebo) -> None:
+    """Make models move at a constant velocity: they are heavy, and Gazebo sets the velocity in every step."""
     for model in models:
         if model is None:
             continue
@@ -249,111 +222,110 @@ def _move(models: list[ET.Element | None], velocity: FloatArray, gazebo: _Gazebo
         inertia = add(inertial, "inertia")
         for axis in "xyz":
             add(inertia, f"i{axis}{axis}", "1e6")
-        control = _plugin(model, gazebo, "velocity-control", "VelocityControl")
-        add(control, "initial_linear", numbers(velocity))
+        control = _add_plugin(model, gazebo, "velocity-control", "VelocityControl")
+        add(control, "initial_linear", format_numbers(velocity))
 
 
 def _add_model(
-    parent: ET.Element,
-    title: str,
-    job: ExportJob,
-    link: Link,
-    pieces: list[Piece],
-    gazebo: _Gazebo,
-    beware: list[str],
-    place: str = "",
+    parent: ET.Element, model: Model, gazebo: _Gazebo, warnings: list[str], place: str = ""
 ) -> None:
-    scenario, cog = job.scenario, job.agent.mass.cog
-    model = add(parent, "model", name=title)
-    note(model, ["The origin is the centre of gravity; x is the axis, forward; z is up.", *beware])
+    job, link = model.job, model.link
+    root = add(parent, "model", name=model.title)
+    add_comment(
+        root,
+        ["The origin is the centre of gravity; x points forward along the axis; z points up.", *warnings],
+    )
     if place:
-        add(model, "pose", place)
-    element = add(model, "link", name=LINK)
+        add(root, "pose", place)
+    element = add(root, "link", name=LINK)
     inertial = add(element, "inertial")
-    add(inertial, "mass", number(link.mass))
+    add(inertial, "mass", format_number(link.mass))
     inertia = add(inertial, "inertia")
-    for i, j in combinations_with_replacement(range(3), 2):
-        add(inertia, f"i{'xyz'[i]}{'xyz'[j]}", number(link.inertia[i, j]))
+    for tag, value in format_symmetric(link.inertia, "xyz", "i").items():
+        add(inertia, tag, value)
     if gazebo.solves_added_mass:
         added = add(inertial, "fluid_added_mass")
-        for i, j in combinations_with_replacement(range(6), 2):
-            add(added, f"{_SDF_AXES[i]}{_SDF_AXES[j]}", number(link.added_mass[i, j]))
+        for tag, value in format_symmetric(link.added_mass, _SDF_AXES).items():
+            add(added, tag, value)
     add_mesh(add(element, "visual", name="hull"), HULL)
-    note(
+    add_comment(
         element,
         [
-            "Each piece is convex, and its mesh is about its own centroid: Gazebo takes a piece's place for the "
-            "centre of its buoyancy."
+            "Each piece is convex, and its mesh is about its own centroid: Gazebo uses the position of a piece as its "
+            "centre of buoyancy."
         ],
     )
-    for index, piece in enumerate(pieces):
+    for index, piece in enumerate(model.pieces):
         collision = add(element, "collision", name=f"piece_{index}")
-        add(collision, "pose", pose(np.array([piece.x, 0.0, 0.0]) - cog))
+        add(collision, "pose", format_pose(model.axis_point(piece.x)))
         add_mesh(collision, piece_path(index))
-        add_friction(collision, scenario.contact.friction)
-    if scenario.fluid.water_level is not None:
-        _add_spheres(element, job)
-    # After the link, because a frame may be attached only to what is known.
-    core = add(model, "frame", name="core", attached_to=LINK)
-    add(core, "pose", pose(link.core))
-    _add_hydrodynamics(model, job, link, gazebo)
+        add_friction(collision, job.scenario.contact.friction)
+    if job.scenario.fluid.water_level is not None:
+        _add_spheres(element, model)
+    # After the link: a frame can be attached only to a link that is already defined.
+    core = add(root, "frame", name="core", attached_to=LINK)
+    add(core, "pose", format_pose(link.core))
+    _add_hydrodynamics(root, model, gazebo)
 
 
-def _add_spheres(element: ET.Element, job: ExportJob) -> None:
-    """At a free surface Gazebo takes no mesh for buoyancy, and turns no shape but a sphere with the body."""
-    body, cog = job.agent.body, job.agent.mass.cog
-    count = int(np.clip(round(1.5 * body.length / body.max_diameter), 4, _MOST_SPHERES))
-    note(
-        element, ["Buoyancy at a free surface: spheres of the volume of slices, which nothing collides with."]
+def _add_spheres(element: ET.Element, model: Model) -> None:
+    """Append spheres: at a free surface Gazebo computes no buoyancy of meshes, and rotates no shape but spheres correctly."""
+    body = model.job.agent.body
+    count = int(np.clip(round(1.5 * body.length / body.max_diameter), 4, _MAX_SPHERES))
+    add_comment(
+        element,
+        ["Buoyancy at a free surface: spheres with the volumes of slices of the hull, without collision."],
     )
     for index, (x, volume, _) in enumerate(slice_solid(body.outer, count)):
         collision = add(element, "collision", name=f"slice_{index}")
-        add(collision, "pose", pose(np.array([x, 0.0, 0.0]) - cog))
-        add(add(add(collision, "geometry"), "sphere"), "radius", number(np.cbrt(0.75 * volume / np.pi)))
+        add(collision, "pose", format_pose(model.axis_point(x)))
+        add(
+            add(add(collision, "geometry"), "sphere"), "radius", format_number(np.cbrt(0.75 * volume / np.pi))
+        )
         add(add(add(collision, "surface"), "contact"), "collide_bitmask", "0")
 
 
-def _add_hydrodynamics(model: ET.Element, job: ExportJob, link: Link, gazebo: _Gazebo) -> None:
-    plugin = _plugin(model, gazebo, "hydrodynamics", "Hydrodynamics")
+def _add_hydrodynamics(root: ET.Element, model: Model, gazebo: _Gazebo) -> None:
+    link = model.link
+    plugin = _add_plugin(root, gazebo, "hydrodynamics", "Hydrodynamics")
     add(plugin, "link_name", LINK)
-    note(plugin, ["The current, world frame, m/s."])
-    add(plugin, "default_current", numbers(job.scenario.current()))
+    add_comment(plugin, ["The current, world frame, m/s."])
+    add(plugin, "default_current", format_numbers(model.job.scenario.current()))
     lines = {
-        f"{_FORCES[i]}{_RATES[j]}": -link.linear_damping[i, j] for i, j in _entries(link.linear_damping)
+        f"{_FORCES[i]}{_RATES[j]}": -link.linear_damping[i, j] for i, j in _list_entries(link.linear_damping)
     } | {
         f"{_FORCES[i]}{_RATES[j]}abs{_RATES[j]}": -link.quadratic_damping[i, j]
-        for i, j in _entries(link.quadratic_damping)
+        for i, j in _list_entries(link.quadratic_damping)
     }
     if lines:
-        note(plugin, ["Damping, negative where it resists: force and moment by speed and rate."])
+        add_comment(plugin, ["Damping, negative if it resists: force and moment per speed and rate."])
     for tag, value in lines.items():
-        add(plugin, tag, number(value))
+        add(plugin, tag, format_number(value))
     if gazebo.solves_added_mass:
-        note(plugin, ["The added mass is the link's: here it would count twice."])
+        add_comment(plugin, ["The added mass is in the link; here it would count twice."])
         return
-    note(plugin, ["Added mass, negative; of its Coriolis forces Gazebo has those of the diagonal."])
-    for i, j in _entries(link.added_mass):
-        add(plugin, f"{_FORCES[i]}Dot{_RATES[j]}", number(-link.added_mass[i, j]))
+    add_comment(plugin, ["Added mass, negative. Gazebo computes only the Coriolis forces of its diagonal."])
+    for i, j in _list_entries(link.added_mass):
+        add(plugin, f"{_FORCES[i]}Dot{_RATES[j]}", format_number(-link.added_mass[i, j]))
 
 
-def _entries(matrix: FloatArray) -> list[tuple[int, int]]:
-    """Rows and columns of what is not zero, but for rounding."""
+def _list_entries(matrix: FloatArray) -> list[tuple[int, int]]:
+    """Return the rows and columns of the entries that are not zero to rounding."""
     found = np.argwhere(np.abs(matrix) > 1e-12 * np.abs(matrix).max())
     return [(int(i), int(j)) for i, j in found]
 
 
-def _push(title: str, link: Link, gazebo: _Gazebo, step: float) -> str:
-    """A script that gives the agent, and the water it moves, the momentum of the release within one step."""
-    force = link.momentum / step
-
-    speed = numbers(link.velocity)
+def _make_push_script(model: Model, gazebo: _Gazebo, step: float) -> str:
+    """Return a script that gives the agent and its added mass the momentum of the release in one step."""
+    force = model.link.momentum / step
+    velocity = format_numbers(model.link.velocity)
     return f"""#!/bin/sh
-# Releases the agent at {speed} m/s: run it while the world is paused, then press play.
-# The wrench acts for the first step of {number(step)} s, and is the momentum of the agent and its added mass over that.
+# Releases the agent at {velocity} m/s: run this while the world is paused, then press play.
+# The wrench acts for the first step, {format_number(step)} s: it is the momentum of the agent and its added mass over that time.
 exec {gazebo.program} topic -t /world/{WORLD}/wrench -m {gazebo.messages}.EntityWrench -p '
-entity: {{name: "{title}::{LINK}", type: LINK}}
+entity: {{name: "{model.title}::{LINK}", type: LINK}}
 wrench: {{
-  force: {fields(force[:3])}
-  torque: {fields(force[3:])}
+  force: {format_fields(force[:3])}
+  torque: {format_fields(force[3:])}
 }}'
 """

@@ -1,22 +1,23 @@
-"""URDF: the link that ROS, Drake, MuJoCo and many others read. It knows nothing of water.
+"""URDF: the link that ROS, Drake, MuJoCo and many other programs read. URDF cannot describe water.
 
 Format: http://wiki.ros.org/urdf/XML.
 """
 
 import xml.etree.ElementTree as ET
-from itertools import combinations_with_replacement
-from pathlib import Path
 from typing import ClassVar
 
-import numpy as np
-
-from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table, option
-from driftform.types import FloatArray, WrittenFile
-from driftform_robotics.models.folder import HULL, facts_of, hull_files, piece_path, pieces_of, save
-from driftform_robotics.models.link import Link, link_of, lost_by_folding
-from driftform_robotics.models.meshes import Piece
-from driftform_robotics.models.xml import add, document, identifier, note, number, numbers
+from driftform_robotics.models.exporter import Model, ModelExporter
+from driftform_robotics.models.folder import HULL, piece_path
+from driftform_robotics.models.link import warn_of_folding
+from driftform_robotics.models.xml import (
+    add,
+    add_comment,
+    format_document,
+    format_number,
+    format_numbers,
+    format_symmetric,
+)
 
 ZERO = "0 0 0"
 
@@ -26,50 +27,38 @@ class UrdfOptions(Table):
 
     floating: bool = option(
         True,
-        "begin with a link 'world' and a floating joint, without which some programs weld the agent to the world",
+        "start with a link 'world' and a floating joint; without them some programs fix the agent to the world",
     )
 
 
-class UrdfExporter(Exporter[UrdfOptions]):
-    """A plain URDF as a ROS package: mass, inertia, convex pieces to collide and the hull to look at; no water.
+class UrdfExporter(ModelExporter[UrdfOptions]):
+    """A plain URDF as a ROS package: mass, inertia, convex pieces for collisions and the hull for display; no water.
 
-    The link's origin is the centre of gravity.
+    The package holds `agent.urdf`, `package.xml` and `CMakeLists.txt`. The link's origin is the centre of gravity.
     """
 
     name = "urdf"
     suffix = "-urdf"
     Options: ClassVar[type[Table]] = UrdfOptions
 
-    def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
-        """Write ``agent.urdf``, ``package.xml`` and ``CMakeLists.txt``, and meshes.
+    def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
+        """Return ``agent.urdf``, ``package.xml`` and ``CMakeLists.txt``, and the warnings."""
+        files = {"agent.urdf": format_document(self._make_robot(model)), **package_files(model)}
+        return files, warn_of_folding(model.job.agent.body)
 
-        Facts: as those of ``sdf``.
-
-        Raises
-        ------
-        WorkFailedError
-            where the body has no solid, or the files cannot be written.
-        """
-        body, title = job.agent.body, identifier(job.name)
-        pieces, link = pieces_of(body), link_of(job)
-        files = {
-            "agent.urdf": document(self._robot(title, job, link, pieces)),
-            **package_files(title, job.name),
-            **hull_files(body, job.agent.mass.cog, pieces),
-        }
-        return save(self.name, path, files, facts_of(link, lost_by_folding(body)))
-
-    def _robot(self, title: str, job: ExportJob, link: Link, pieces: list[Piece]) -> ET.Element:
-        root = ET.Element("robot", name=title)
-        note(
+    def _make_robot(self, model: Model) -> ET.Element:
+        link = model.link
+        root = ET.Element("robot", name=model.title)
+        add_comment(
             root,
             [
-                "The origin is the centre of gravity; x is the axis, forward; z is up. URDF knows no water:",
-                f"it displaces {number(link.volume)} m3 about {numbers(link.buoyancy)} m, and its added mass is",
-                *(numbers(row) for row in link.added_mass),
+                "The origin is the centre of gravity; x points forward along the axis; z points up.",
+                "URDF cannot describe water. The displaced volume is "
+                f"{format_number(link.volume)} m3, about {format_numbers(link.buoyancy)} m. The added mass is",
+                *(format_numbers(row) for row in link.added_mass),
             ],
         )
-        # For MuJoCo, which drops the folders of meshes in a URDF; other programs pass over it.
+        # For MuJoCo, which drops the folders of meshes in a URDF; other programs ignore it.
         add(
             add(root, "mujoco"),
             "compiler",
@@ -83,44 +72,42 @@ class UrdfExporter(Exporter[UrdfOptions]):
             joint = add(root, "joint", name="floating", type="floating")
             add(joint, "parent", link="world")
             add(joint, "child", link="base_link")
-        add_link(root, "base_link", link, pieces, job.agent.mass.cog, f"package://{title}")
+        add_link(root, "base_link", model, f"package://{model.title}")
         return root
 
 
-def add_link(
-    root: ET.Element, name: str, link: Link, pieces: list[Piece], cog: FloatArray, folder: str
-) -> None:
+def add_link(root: ET.Element, name: str, model: Model, folder: str) -> None:
     """Append the agent's link; ``folder`` is where its meshes are."""
+    link = model.link
     element = add(root, "link", name=name)
     inertial = add(element, "inertial")
     add(inertial, "origin", xyz=ZERO, rpy=ZERO)
-    add(inertial, "mass", value=number(link.mass))
-    pairs = combinations_with_replacement(range(3), 2)
-    add(inertial, "inertia", **{f"i{'xyz'[i]}{'xyz'[j]}": number(link.inertia[i, j]) for i, j in pairs})
+    add(inertial, "mass", value=format_number(link.mass))
+    add(inertial, "inertia", **format_symmetric(link.inertia, "xyz", "i"))
     visual = add(element, "visual", name="hull")
     add(visual, "origin", xyz=ZERO, rpy=ZERO)
     add(add(visual, "geometry"), "mesh", filename=f"{folder}/{HULL}")
-    for index, piece in enumerate(pieces):
+    for index, piece in enumerate(model.pieces):
         collision = add(element, "collision", name=f"piece_{index}")
-        add(collision, "origin", xyz=numbers(np.array([piece.x, 0.0, 0.0]) - cog), rpy=ZERO)
+        add(collision, "origin", xyz=format_numbers(model.axis_point(piece.x)), rpy=ZERO)
         add(add(collision, "geometry"), "mesh", filename=f"{folder}/{piece_path(index)}")
 
 
-def package_files(title: str, name: str, depends: tuple[str, ...] = ()) -> dict[str, str]:
-    """Return what makes a folder a ROS package that catkin finds."""
+def package_files(model: Model, depends: tuple[str, ...] = ()) -> dict[str, str]:
+    """Return the files that make a folder a ROS package for catkin."""
     root = ET.Element("package", format="2")
-    add(root, "name", title)
+    add(root, "name", model.title)
     add(root, "version", "0.1.0")
-    add(root, "description", f"The agent {name} of driftform")
+    add(root, "description", f"The agent {model.job.name} of driftform")
     add(root, "maintainer", "driftform", email="driftform@localhost")
     add(root, "license", "MIT")
     add(root, "buildtool_depend", "catkin")
     for package in depends:
         add(root, "exec_depend", package)
     build = f"""cmake_minimum_required(VERSION 3.0.2)
-project({title})
+project({model.title})
 find_package(catkin REQUIRED)
 catkin_package()
 install(DIRECTORY . DESTINATION ${{CATKIN_PACKAGE_SHARE_DESTINATION}})
 """
-    return {"package.xml": document(root), "CMakeLists.txt": build}
+    return {"package.xml": format_document(root), "CMakeLists.txt": build}

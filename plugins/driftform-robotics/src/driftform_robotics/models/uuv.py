@@ -1,35 +1,32 @@
 """A ROS package for the UUV simulator (Gazebo classic): the agent as xacro, a world with the pipe, launch files.
 
-What that simulator does with these numbers is told by its sources, ``uuv_gazebo_plugins/src/HydrodynamicModel.cc``
-(Fossen's model) and ``BuoyantObject.cc`` (buoyancy): velocities go into a frame with y to starboard and z down, in
-which ``-M_A a - C_A(nu) nu + (D_1 + D_2 |nu|) nu`` is taken with added mass positive and damping negative; a is the
-acceleration of the step before, smoothed. Water is where z < 0.
+The equations of that simulator are in its sources, ``uuv_gazebo_plugins/src/HydrodynamicModel.cc`` (Fossen's model) and
+``BuoyantObject.cc`` (buoyancy): velocities are transformed to a frame with y to starboard and z down, in which the force
+is ``-M_A a - C_A(nu) nu + (D_1 + D_2 |nu|) nu`` with positive added mass and negative damping; a is the smoothed
+acceleration of the previous step. The water fills z < 0.
 """
 
 import xml.etree.ElementTree as ET
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
-from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table, option
 from driftform.scenario import Scenario
-from driftform.types import Body, FloatArray, WrittenFile
-from driftform_robotics.models.folder import facts_of, hull_files, pieces_of, save
-from driftform_robotics.models.link import (
-    Link,
-    ModelOptions,
-    lagged,
-    link_of,
-    lost_by_a_uniform_current,
-    lost_by_damping,
-    lost_by_folding,
-)
-from driftform_robotics.models.meshes import Piece
-from driftform_robotics.models.scenery import add_light, add_pipe, add_targets, fix
+from driftform.types import Body, FloatArray
+from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
+from driftform_robotics.models.link import Link, warn_of_divergence, warn_of_flow
+from driftform_robotics.models.scenery import add_pipe, add_scene, add_targets, make_static
 from driftform_robotics.models.urdf import add_link, package_files
-from driftform_robotics.models.xml import add, angles, document, fields, identifier, note, number, numbers
+from driftform_robotics.models.xml import (
+    add,
+    add_comment,
+    format_document,
+    format_fields,
+    format_number,
+    format_numbers,
+    roll_pitch_yaw,
+)
 
 SMOOTHING = 0.3
 """Weight of the newest acceleration (``ComputeAcc`` in HydrodynamicModel.cc)."""
@@ -41,94 +38,84 @@ _DEPENDS = ("gazebo_ros", "robot_state_publisher", "uuv_gazebo_ros_plugins", "uu
 
 
 class UuvOptions(ModelOptions):
-    """Options of the exporter."""
+    """Options of the exporter for the UUV simulator."""
 
     depth: float = option(
         20.0,
-        "how far below the water's surface, which is at z = 0, the origin of the pipe's frame comes to lie, "
-        "where the scenario has no surface of its own",
+        "depth of the origin of the pipe's frame below the water's surface, which is at z = 0; ignored if the "
+        "scenario has a surface",
         "m",
         gt=0,
     )
-    step: float = option(0.001, "time step of the world", "s", gt=0)
 
 
-class UuvExporter(Exporter[UuvOptions]):
+class UuvExporter(ModelExporter[UuvOptions]):
     """A ROS package for the UUV simulator: xacro with a Fossen model, a world with pipe and current, launch files.
 
-    The link's origin is the centre of gravity. The simulator takes the added mass times the acceleration of the step
-    before, and diverges where the added mass is 17/3 of the own mass or more: the export says so.
+    The package holds `launch/start.launch`, `launch/release.launch`, `urdf/agent.xacro` and `worlds/pipe.world`. The
+    link's origin is the centre of gravity. The simulator multiplies the added mass by the acceleration of the previous
+    step, which diverges if the added mass is 17/3 of the agent's own mass or more: the export then warns.
     """
 
     name = "uuv"
     suffix = "-uuv"
     Options: ClassVar[type[Table]] = UuvOptions
 
-    def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
-        """Write ``urdf/agent.xacro``, ``worlds/pipe.world``, ``launch/start.launch`` and ``release.launch``, and what
-        makes them a package.
-
-        Facts: as those of ``sdf``.
-
-        Raises
-        ------
-        WorkFailedError
-            where the body has no solid, or the files cannot be written.
-        """
-        body, scenario, title = job.agent.body, job.scenario, identifier(job.name)
-        pieces = pieces_of(body)
-        link = link_of(job, self.options.drag_speed)
+    def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
+        """Return the launch files, the xacro, the world and the files of a ROS package, and the warnings."""
+        scenario, title, link = model.job.scenario, model.title, model.link
         level = scenario.fluid.water_level
         offset = np.array([0.0, 0.0, -self.options.depth if level is None else -level])
-        beware = _beware(job, link, offset)
+        warnings = _list_warnings(model, offset)
         files = {
-            "launch/start.launch": document(_start(title, link, offset)),
-            "launch/release.launch": document(_release(title, link, offset)),
-            "urdf/agent.xacro": document(_robot(title, job, link, pieces, beware)),
-            "worlds/pipe.world": document(_world(scenario, offset, self.options.step, beware)),
-            **package_files(title, job.name, _DEPENDS),
-            **hull_files(body, job.agent.mass.cog, pieces),
+            "launch/start.launch": format_document(_make_start_launch(title, link, offset)),
+            "launch/release.launch": format_document(_make_release_launch(title, link, offset)),
+            "urdf/agent.xacro": format_document(_make_robot(model, warnings)),
+            "worlds/pipe.world": format_document(_make_world(scenario, offset, self.options.step)),
+            **package_files(model, _DEPENDS),
         }
-        return save(self.name, path, files, facts_of(link, beware))
+        return files, warnings
 
 
-def _beware(job: ExportJob, link: Link, offset: FloatArray) -> list[str]:
-    scenario = job.scenario
-    found = lagged(link, SMOOTHING) + lost_by_folding(job.agent.body)
-    found += lost_by_a_uniform_current(scenario) + lost_by_damping(link)
+def _list_warnings(model: Model, offset: FloatArray) -> list[str]:
+    scenario = model.job.scenario
+    found = warn_of_divergence(model.link, SMOOTHING) + model.list_warnings()
     top = max((max(s.start[2], s.end[2]) + s.radius for s in scenario.pipe.segments), default=-np.inf)
     if scenario.fluid.water_level is None and top + offset[2] >= 0:
-        found.append(f"The pipe stands {top + offset[2]:.3g} m out of the water: set a larger depth.")
+        found.append(f"The pipe rises {top + offset[2]:.3g} m above the water: set a larger depth.")
     if scenario.fluid.gravity == 0:
         found.append("The simulator does not start without gravity.")
-    if _off_diagonal(link.quadratic_damping):
-        found.append("Of the quadratic damping the simulator takes the diagonal only.")
+    if _is_off_diagonal(model.link.quadratic_damping):
+        found.append("The simulator uses only the diagonal of the quadratic damping.")
     return found
 
 
-def _off_diagonal(matrix: FloatArray) -> bool:
-    apart = matrix - np.diag(np.diag(matrix))
-    return bool(np.abs(apart).max() > 1e-12 * np.abs(matrix).max())
+def _is_off_diagonal(matrix: FloatArray) -> bool:
+    remainder = matrix - np.diag(np.diag(matrix))
+    return bool(np.abs(remainder).max() > 1e-12 * np.abs(matrix).max())
 
 
-def _robot(title: str, job: ExportJob, link: Link, pieces: list[Piece], beware: list[str]) -> ET.Element:
-    scenario = job.scenario
+def _make_robot(model: Model, warnings: list[str]) -> ET.Element:
+    title, scenario = model.title, model.job.scenario
     name = "$(arg namespace)/base_link"
     root = ET.Element("robot", {"name": title, "xmlns:xacro": "http://www.ros.org/wiki/xacro"})
-    note(root, ["The origin is the centre of gravity; x is the axis, forward; z is up.", *beware])
+    add_comment(
+        root,
+        ["The origin is the centre of gravity; x points forward along the axis; z points up.", *warnings],
+    )
     add(root, "xacro:arg", name="debug", default="0")
     add(root, "xacro:arg", name="namespace", default=title)
-    add_link(root, name, link, pieces, job.agent.mass.cog, f"file://$(find {title})")
+    add_link(root, name, model, f"file://$(find {title})")
     surface = add(root, "gazebo", reference=name)
     for tag in ("mu1", "mu2"):
-        add(surface, tag, number(scenario.contact.friction))
+        add(surface, tag, format_number(scenario.contact.friction))
     plugin = add(
         add(root, "gazebo"), "plugin", name="uuv_plugin", filename="libuuv_underwater_object_ros_plugin.so"
     )
-    add(plugin, "fluid_density", number(scenario.fluid.density))
+    add(plugin, "fluid_density", format_number(scenario.fluid.density))
     add(plugin, "flow_velocity_topic", "hydrodynamics/current_velocity")
     add(plugin, "debug", "$(arg debug)")
-    _add_hydrodynamics(add(plugin, "link", name=name), link, job.agent.body)
+    _add_hydrodynamics(add(plugin, "link", name=name), model.link, model.job.agent.body)
     truth = add(add(root, "gazebo"), "plugin", name="pose_gt", filename="libgazebo_ros_p3d.so")
     add(truth, "robotNamespace", "$(arg namespace)")
     add(truth, "bodyName", name)
@@ -139,56 +126,54 @@ def _robot(title: str, job: ExportJob, link: Link, pieces: list[Piece], beware: 
 
 
 def _add_hydrodynamics(element: ET.Element, link: Link, body: Body) -> None:
-    def turned(matrix: FloatArray) -> FloatArray:
+    def to_ned(matrix: FloatArray) -> FloatArray:
         return np.asarray(TO_NED[:, None] * matrix * TO_NED, dtype=np.float64)
 
     add(element, "neutrally_buoyant", "0")
-    add(element, "volume", number(link.volume))
+    add(element, "volume", format_number(link.volume))
     box = add(element, "box")
     for side, extent in (
         ("width", body.max_diameter),
         ("length", body.length),
         ("height", body.max_diameter),
     ):
-        add(box, side, number(extent))
-    note(element, ["From the centre of gravity, z up."])
-    add(element, "center_of_buoyancy", numbers(link.buoyancy))
+        add(box, side, format_number(extent))
+    add_comment(element, ["Relative to the centre of gravity, z up."])
+    add(element, "center_of_buoyancy", format_numbers(link.buoyancy))
     model = add(element, "hydrodynamic_model")
     add(model, "type", "fossen")
-    note(
+    add_comment(
         model,
-        ["About the centre of gravity, y to starboard and z down: added mass positive, damping negative."],
+        [
+            "About the centre of gravity, with y to starboard and z down: positive added mass, negative damping."
+        ],
     )
-    add(model, "added_mass", _rows(turned(link.added_mass)))
-    add(model, "linear_damping", _rows(-turned(link.linear_damping)))
-    add(model, "quadratic_damping", numbers(-np.diag(link.quadratic_damping)))
+    add(model, "added_mass", _format_rows(to_ned(link.added_mass)))
+    add(model, "linear_damping", _format_rows(-to_ned(link.linear_damping)))
+    add(model, "quadratic_damping", format_numbers(-np.diag(link.quadratic_damping)))
 
 
-def _rows(matrix: FloatArray) -> str:
-    return "".join(f"\n            {numbers(row)}" for row in matrix) + "\n          "
+def _format_rows(matrix: FloatArray) -> str:
+    return "".join(f"\n            {format_numbers(row)}" for row in matrix) + "\n          "
 
 
-def _world(scenario: Scenario, offset: FloatArray, step: float, beware: list[str]) -> ET.Element:
+def _make_world(scenario: Scenario, offset: FloatArray, step: float) -> ET.Element:
     root = ET.Element("sdf", version="1.5")
     world = add(root, "world", name="driftform")
-    note(
+    add_comment(
         world,
         [
-            f"The simulator's water begins at z = 0: z here is that of the scenario {offset[2]:+g} m.",
-            *lost_by_a_uniform_current(scenario),
+            f"The water's surface is at z = 0: z in this file is that of the scenario {offset[2]:+g} m.",
+            *warn_of_flow(scenario),
         ],
     )
     physics = add(world, "physics", name="step", default="true", type="ode")
-    add(physics, "max_step_size", number(step))
+    add(physics, "max_step_size", format_number(step))
     add(physics, "real_time_factor", "1")
-    add(physics, "real_time_update_rate", number(1 / step))
-    add(world, "gravity", numbers([0.0, 0.0, -scenario.fluid.gravity]))
-    scene = add(world, "scene")
-    add(scene, "ambient", "0.6 0.6 0.6 1")
-    add(scene, "background", "0.7 0.8 0.9 1")
-    add(scene, "shadows", "false")
-    add_light(world)
-    fix([add_pipe(world, scenario, offset, []), add_targets(world, scenario, offset)])
+    add(physics, "real_time_update_rate", format_number(1 / step))
+    add(world, "gravity", format_numbers([0.0, 0.0, -scenario.fluid.gravity]))
+    add_scene(world)
+    make_static([add_pipe(world, scenario, offset, []), add_targets(world, scenario, offset)])
     _add_current(world, scenario.current())
     return root
 
@@ -213,12 +198,15 @@ def _add_current(world: ET.Element, current: FloatArray) -> None:
     for tag, (mean, least, most) in means.items():
         element = add(constant, tag)
         for key, value in (("mean", mean), ("min", least), ("max", most), ("mu", 0.0), ("noiseAmp", 0.0)):
-            add(element, key, number(value))
+            add(element, key, format_number(value))
 
 
-def _start(title: str, link: Link, offset: FloatArray) -> ET.Element:
+def _make_start_launch(title: str, link: Link, offset: FloatArray) -> ET.Element:
     root = ET.Element("launch")
-    note(root, [f"roslaunch {title} start.launch; then release.launch; then press play."])
+    add_comment(
+        root,
+        [f"Run 'roslaunch {title} start.launch', then 'roslaunch {title} release.launch', then press play."],
+    )
     add(root, "arg", name="namespace", default=title)
     add(root, "arg", name="debug", default="0")
     add(root, "arg", name="gui", default="true")
@@ -238,8 +226,8 @@ def _start(title: str, link: Link, offset: FloatArray) -> ET.Element:
         command=f"$(find xacro)/xacro '$(find {title})/urdf/agent.xacro' "
         "debug:=$(arg debug) namespace:=$(arg namespace)",
     )
-    x, y, z = (number(value) for value in link.position + offset)
-    roll, pitch, yaw = (number(value) for value in angles(link.rotation))
+    x, y, z = (format_number(value) for value in link.position + offset)
+    roll, pitch, yaw = (format_number(value) for value in roll_pitch_yaw(link.rotation))
     add(
         group,
         "node",
@@ -256,16 +244,16 @@ def _start(title: str, link: Link, offset: FloatArray) -> ET.Element:
     return root
 
 
-def _release(title: str, link: Link, offset: FloatArray) -> ET.Element:
-    """Neither URDF nor the spawner knows a speed: Gazebo is asked to set it, while it is paused."""
+def _make_release_launch(title: str, link: Link, offset: FloatArray) -> ET.Element:
+    """Return the launch file that sets the release velocity in the paused Gazebo: URDF and the spawner cannot."""
     root = ET.Element("launch")
     add(root, "arg", name="namespace", default=title)
 
-    turn = fields(np.roll(link.quaternion, -1), "xyzw")
+    turn = format_fields(np.roll(link.quaternion, -1), "xyzw")
     state = (
         f"{{model_state: {{model_name: $(arg namespace), reference_frame: world, "
-        f"pose: {{position: {fields(link.position + offset)}, orientation: {turn}}}, "
-        f"twist: {{linear: {fields(link.velocity)}}}}}}}"
+        f"pose: {{position: {format_fields(link.position + offset)}, orientation: {turn}}}, "
+        f"twist: {{linear: {format_fields(link.velocity)}}}}}}}"
     )
     add(
         root,

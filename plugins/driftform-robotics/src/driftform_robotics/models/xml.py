@@ -1,8 +1,9 @@
-"""Small things for XML files: elements, comments that cannot break them, numbers and poses."""
+"""XML: elements, comments, numbers and poses as text."""
 
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
+from itertools import combinations_with_replacement
 
 import numpy as np
 import numpy.typing as npt
@@ -13,59 +14,69 @@ _RESERVED = ("pipe", "targets", "world")
 
 
 def add(parent: ET.Element, tag: str, text: str = "", **attributes: str) -> ET.Element:
-    """Append an element and return it; a trailing underscore keeps an attribute from being a keyword."""
+    """Append an element and return it; a trailing underscore of an attribute's name is removed (``class_``)."""
     found = ET.SubElement(parent, tag, {key.rstrip("_"): value for key, value in attributes.items()})
     found.text = text or None
     return found
 
 
-def note(parent: ET.Element, lines: Iterable[str]) -> None:
-    """Append a comment, if there is anything to say; two dashes would end it."""
+def add_comment(parent: ET.Element, lines: Iterable[str]) -> None:
+    """Append a comment unless it is empty; two dashes, which XML does not allow in a comment, are separated."""
     text = "\n".join(line.replace("--", "- -") for line in lines)
     if text:
         parent.append(ET.Comment(f" {text} "))
 
 
-def document(root: ET.Element) -> str:
+def format_document(root: ET.Element) -> str:
     """Return the text of an XML file."""
     ET.indent(root)
     return '<?xml version="1.0" encoding="utf-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
 
-def number(value: float) -> str:
-    """Return a number with all the digits that matter, and no minus before a zero."""
+def format_number(value: float) -> str:
+    """Return a number with 12 significant digits, and zero without a minus sign."""
     return f"{value + 0.0:.12g}"
 
 
-def numbers(values: npt.ArrayLike) -> str:
-    """Return an array's numbers in one line, row by row."""
-    return " ".join(number(value) for value in np.ravel(values).tolist())
+def format_numbers(values: npt.ArrayLike) -> str:
+    """Return the numbers of an array in one line, row by row."""
+    return " ".join(format_number(value) for value in np.ravel(values).tolist())
 
 
-def angles(rotation: FloatArray) -> FloatArray:
+def format_symmetric(matrix: FloatArray, axes: str, prefix: str = "") -> dict[str, str]:
+    """Return the upper triangle of a symmetric matrix, by names such as ``ixy``.
+
+    >>> format_symmetric(np.eye(2), "xy", "i")
+    {'ixx': '1', 'ixy': '0', 'iyy': '1'}
+    """
+    pairs = combinations_with_replacement(range(len(axes)), 2)
+    return {f"{prefix}{axes[i]}{axes[j]}": format_number(matrix[i, j]) for i, j in pairs}
+
+
+def roll_pitch_yaw(rotation: FloatArray) -> FloatArray:
     """Return roll, pitch and yaw (rad) of a rotation (3, 3): turns about the fixed x, y, z axes, in this order."""
     R = rotation
     pitch = np.arctan2(-R[2, 0], np.hypot(R[2, 1], R[2, 2]))
     if np.hypot(R[2, 1], R[2, 2]) < 1e-9:
-        # Straight up or down only the difference of roll and yaw counts.
+        # For a vertical axis only the difference of roll and yaw is defined.
         return np.array([0.0, pitch, np.arctan2(-R[0, 1], R[1, 1])])
     return np.array([np.arctan2(R[2, 1], R[2, 2]), pitch, np.arctan2(R[1, 0], R[0, 0])])
 
 
-def fields(values: FloatArray, names: str = "xyz") -> str:
-    """Return ``{x: 1, y: 2, z: 3}``, as YAML and messages of Gazebo have it."""
+def format_fields(values: FloatArray, names: str = "xyz") -> str:
+    """Return ``{x: 1, y: 2, z: 3}``, the syntax of YAML and of Gazebo's messages."""
     pairs = zip(names, values.tolist(), strict=True)
-    return "{" + ", ".join(f"{name}: {number(value)}" for name, value in pairs) + "}"
+    return "{" + ", ".join(f"{name}: {format_number(value)}" for name, value in pairs) + "}"
 
 
-def pose(position: FloatArray, rotation: FloatArray | None = None) -> str:
-    """Return ``x y z roll pitch yaw``, m and rad, as SDF takes it."""
-    turned = np.zeros(3) if rotation is None else angles(rotation)
-    return numbers(np.concatenate((position, turned)))
+def format_pose(position: FloatArray, rotation: FloatArray | None = None) -> str:
+    """Return ``x y z roll pitch yaw``, m and rad, the syntax of SDF."""
+    attitude = np.zeros(3) if rotation is None else roll_pitch_yaw(rotation)
+    return format_numbers(np.concatenate((position, attitude)))
 
 
-def identifier(name: str) -> str:
-    """Return a name that every format and ROS take: small letters, digits and underscores, a letter first.
+def make_identifier(name: str) -> str:
+    """Return a name that every format and ROS accept: lower-case letters, digits and underscores, a letter first.
 
     >>> identifier("r1-TP3"), identifier("2 fast"), identifier("world")
     ('r1_tp3', 'agent_2_fast', 'agent_world')

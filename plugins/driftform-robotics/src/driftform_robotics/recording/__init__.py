@@ -1,1 +1,1 @@
-"""Flights as messages of ROS 2, in files that need no ROS."""
+"""Flights as messages of ROS 2, written without ROS."""

@@ -13,15 +13,15 @@ from driftform_robotics.recording.options import Storage
 from driftform_robotics.recording.topics import Topic
 
 VERSION: Literal[8] = 8
-"""Of the metadata: what Humble and all later releases read."""
+"""Version of the metadata that Humble and all later releases read."""
 
 
 def write_bag(
     folder: Path, topics: Sequence[Topic], ros: Messages, storage: Storage, notes: Mapping[str, str]
 ) -> dict[str, int]:
-    """Write a bag into a folder that is not there yet; return how many messages each topic has.
+    """Write a bag into a folder that does not exist yet; return the number of messages of each topic.
 
-    Messages are in the order of their times, and where these are the same in that of ``topics``.
+    Messages are sorted by time; messages with the same time are in the order of ``topics``.
     """
     counts = dict.fromkeys((topic.name for topic in topics), 0)
     writer = Writer(folder, version=VERSION, storage_plugin=StoragePlugin[storage.upper()])
@@ -35,26 +35,26 @@ def write_bag(
                 topic.name,
                 full_name(topic.kind),
                 typestore=ros.store,
-                offered_qos_profiles=[_quality(topic.latched)],
+                offered_qos_profiles=[_make_qos(topic.latched)],
             )
             for topic in topics
         ]
-        streams = [_numbered(place, topic) for place, topic in enumerate(topics)]
+        streams = [_number_messages(place, topic) for place, topic in enumerate(topics)]
         for stamp, place, message in merge(*streams, key=lambda item: item[:2]):
             topic = topics[place]
-            writer.write(connections[place], stamp, ros.encoded(topic.kind, message))
+            writer.write(connections[place], stamp, ros.encode(topic.kind, message))
             counts[topic.name] += 1
     return counts
 
 
-def _numbered(place: int, topic: Topic) -> Iterator[tuple[int, int, Any]]:
-    """Time, place of the topic, and message."""
+def _number_messages(place: int, topic: Topic) -> Iterator[tuple[int, int, Any]]:
+    """Yield the time, the index of the topic, and the message."""
     for stamp, message in topic.messages():
         yield stamp, place, message
 
 
-def _quality(latched: bool) -> Qos:
-    """Reliable; a latched topic keeps its last message for whoever comes later."""
+def _make_qos(latched: bool) -> Qos:
+    """Return a reliable quality of service; a latched topic keeps its last message for later subscribers."""
     forever = QosTime(2_147_483_647, 4_294_967_295)
     return Qos(
         QosHistory.KEEP_LAST,

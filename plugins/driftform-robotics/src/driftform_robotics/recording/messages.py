@@ -11,67 +11,67 @@ from driftform.types import FloatArray
 from driftform_robotics.recording.options import Release
 
 SECOND = 1_000_000_000
-"""Nanoseconds."""
+"""Nanoseconds in a second."""
 
 
 class Messages:
-    """Makes messages of a release, and their bytes; fields that are not given are zero or empty."""
+    """Makes messages of a release and encodes them; fields without a value are zero or empty."""
 
     def __init__(self, release: Release) -> None:
         self.store = get_typestore(Stores[f"ROS2_{release.upper()}"])
         self._zeros: dict[str, Mapping[str, Any]] = {}
 
-    def new(self, kind: str, **fields: Any) -> Any:
-        """Return a message, such as ``new("geometry_msgs/Vector3", x=1.0)``; a field that it has not is left out."""
+    def make(self, kind: str, **fields: Any) -> Any:
+        """Return a message, such as ``make("geometry_msgs/Vector3", x=1.0)``; fields that the type lacks are left out."""
         name = full_name(kind)
-        zeros = self._zeros_of(name)
+        zeros = self._list_zeros(name)
         return self.store.types[name](**{key: fields.get(key, zero) for key, zero in zeros.items()})
 
-    def encoded(self, kind: str, message: Any) -> bytes:
+    def encode(self, kind: str, message: Any) -> bytes:
         """Return a message in CDR."""
         return bytes(self.store.serialize_cdr(message, full_name(kind)))
 
-    def header(self, stamp: int, frame: str) -> Any:
-        """A header with a time in ns."""
-        time = self.new("builtin_interfaces/Time", sec=stamp // SECOND, nanosec=stamp % SECOND)
-        return self.new("std_msgs/Header", stamp=time, frame_id=frame)
+    def make_header(self, stamp: int, frame: str) -> Any:
+        """Return a header; ``stamp`` is in ns."""
+        time = self.make("builtin_interfaces/Time", sec=stamp // SECOND, nanosec=stamp % SECOND)
+        return self.make("std_msgs/Header", stamp=time, frame_id=frame)
 
-    def vector(self, values: FloatArray, kind: str = "geometry_msgs/Vector3") -> Any:
-        """A vector, or a point."""
+    def make_vector(self, values: FloatArray, kind: str = "geometry_msgs/Vector3") -> Any:
+        """Return a vector or a point."""
         x, y, z = map(float, values)
-        return self.new(kind, x=x, y=y, z=z)
+        return self.make(kind, x=x, y=y, z=z)
 
-    def quaternion(self, values: FloatArray) -> Any:
-        """A quaternion of ours (w, x, y, z), which ROS writes x, y, z, w."""
+    def make_quaternion(self, values: FloatArray) -> Any:
+        """Return a quaternion of driftform (w, x, y, z) in the order of ROS: x, y, z, w."""
         w, x, y, z = map(float, values)
-        return self.new("geometry_msgs/Quaternion", x=x, y=y, z=z, w=w)
+        return self.make("geometry_msgs/Quaternion", x=x, y=y, z=z, w=w)
 
-    def pose(self, position: FloatArray, quaternion: FloatArray) -> Any:
-        """A position with an attitude."""
-        point = self.vector(position, "geometry_msgs/Point")
-        return self.new("geometry_msgs/Pose", position=point, orientation=self.quaternion(quaternion))
+    def make_pose(self, position: FloatArray, quaternion: FloatArray) -> Any:
+        """Return a position with an attitude."""
+        point = self.make_vector(position, "geometry_msgs/Point")
+        return self.make("geometry_msgs/Pose", position=point, orientation=self.make_quaternion(quaternion))
 
-    def _zeros_of(self, name: str) -> Mapping[str, Any]:
+    def _list_zeros(self, name: str) -> Mapping[str, Any]:
         if name not in self._zeros:
             _, fields = self.store.fielddefs[name]
-            self._zeros[name] = {key: self._zero(node) for key, node in fields}
+            self._zeros[name] = {key: self._make_zero(node) for key, node in fields}
         return self._zeros[name]
 
-    def _zero(self, node: Any) -> Any:
+    def _make_zero(self, node: Any) -> Any:
         kind, detail = node
         if kind == Nodetype.BASE:
             base = detail[0]
             return "" if base == "string" else False if base == "bool" else 0.0 if "float" in base else 0
         if kind == Nodetype.NAME:
-            return self.new(detail)
+            return self.make(detail)
         (inner, what), count = detail
         if inner == Nodetype.BASE and what[0] != "string":
             return np.zeros(count if kind == Nodetype.ARRAY else 0, dtype=what[0])
-        return [self._zero((inner, what)) for _ in range(count if kind == Nodetype.ARRAY else 0)]
+        return [self._make_zero((inner, what)) for _ in range(count if kind == Nodetype.ARRAY else 0)]
 
 
 def full_name(kind: str) -> str:
-    """The name of a message's type with ``/msg/`` in it.
+    """Return the full name of a message type, with ``/msg/``.
 
     >>> full_name("nav_msgs/Path")
     'nav_msgs/msg/Path'

@@ -11,10 +11,10 @@ from driftform_robotics.recording.options import FlightOptions, Rosbag2Options, 
 
 
 class McapRecorder(Recorder[FlightOptions]):
-    """A flight as one MCAP file with messages of ROS 2, for Foxglove and whatever reads MCAP.
+    """A flight as one MCAP file with messages of ROS 2, for Foxglove and other programs that read MCAP.
 
-    Transforms, odometry, the net force and torque, markers of the pipe, the targets and the agent, and what sensors on
-    the agent would read. No ROS is needed to write it.
+    It holds transforms, odometry, the net force and torque, markers of the pipe, the targets and the agent, and the
+    readings of sensors on the agent. Writing it does not need ROS.
     """
 
     name = "mcap"
@@ -26,11 +26,11 @@ class McapRecorder(Recorder[FlightOptions]):
         facts: dict[str, object] = {}
 
         def write(part: Path) -> None:
-            # An MCAP file is what a bag with that storage has in its folder; it holds the folder's name.
+            # A bag with this storage is a folder with one MCAP file, which contains the name of the folder.
             scratch = part.with_name(f"{part.name}.bag")
             bag = scratch / path.stem
             try:
-                facts.update(_write(bag, job, trajectory, self.options, "mcap"))
+                facts.update(_write_bag(bag, job, trajectory, self.options, "mcap"))
                 (bag / f"{bag.name}.mcap").replace(part)
             finally:
                 shutil.rmtree(scratch, ignore_errors=True)
@@ -42,7 +42,7 @@ class McapRecorder(Recorder[FlightOptions]):
 class Rosbag2Recorder(Recorder[Rosbag2Options]):
     """A flight as a bag of ROS 2, for ``ros2 bag play``, RViz and Foxglove: a folder with its metadata.
 
-    It holds the messages that ``mcap`` has, too. No ROS is needed to write it.
+    It holds the same messages as ``mcap``. Writing it does not need ROS.
     """
 
     name = "rosbag2"
@@ -52,9 +52,9 @@ class Rosbag2Recorder(Recorder[Rosbag2Options]):
     def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         """Write the folder."""
         with write_folder(path) as part:
-            # The writer makes a folder of its own, and names the file with the messages after it.
+            # The writer makes a new folder, and names the file with the messages after it.
             bag = part / path.name
-            facts = _write(bag, job, trajectory, self.options, self.options.storage)
+            facts = _write_bag(bag, job, trajectory, self.options, self.options.storage)
             for file in bag.iterdir():
                 file.replace(part / file.name)
             bag.rmdir()
@@ -65,7 +65,7 @@ class Rosbag2Recorder(Recorder[Rosbag2Options]):
         )
 
 
-def _write(
+def _write_bag(
     folder: Path, job: ExportJob, trajectory: Trajectory, options: FlightOptions, storage: Storage
 ) -> dict[str, object]:
     from driftform_robotics.recording.bag import write_bag
@@ -73,7 +73,7 @@ def _write(
 
     found = FlightTopics(job, trajectory, options)
     notes = {"agent": job.name, "end": str(trajectory.end), "document": json.dumps(job.document)}
-    counts = write_bag(folder, found.topics(), found.ros, storage, notes)
+    counts = write_bag(folder, found.list_topics(), found.ros, storage, notes)
     return {
         "messages": sum(counts.values()),
         "duration": float(trajectory.t[-1]),

@@ -1,4 +1,4 @@
-"""A flight as topics: which messages there are, in which frames, and when."""
+"""A flight as topics: the messages, their frames and their times."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -13,26 +13,26 @@ from driftform.trajectory.forces import accelerations_along, net_wrench
 from driftform.types import FloatArray, Trajectory
 from driftform_robotics import sensors
 from driftform_robotics.models.meshes import revolve_contour
-from driftform_robotics.plume import Plume, plume_of
+from driftform_robotics.plume import Plume, make_plume
 from driftform_robotics.recording.messages import SECOND, Messages
 from driftform_robotics.recording.options import FlightOptions
 
 WORLD = "world"
 
 ON_WALL = 0.01
-"""A target that is so near to the wall, relative to the bore's radius, is a leak."""
+"""Largest distance of a leak from the wall, relative to the bore's radius: such targets are leaks."""
 
 SEGMENTS = 24
-"""Corners of the agent's circles in its marker."""
+"""Corners of the circles of the agent's marker."""
 
 GREY, ORANGE, VERMILLION = (0.6, 0.65, 0.7, 0.15), (0.9, 0.6, 0.0, 1.0), (0.84, 0.37, 0.0, 0.9)
 
 
 @dataclass(frozen=True, eq=False)
 class Topic:
-    """A topic: its ``name``, the ``kind`` of its messages, and what gives them with their times in ns.
+    """A topic: its ``name``, the ``kind`` of its messages, and a function that yields times in ns and ``messages``.
 
-    Messages of a ``latched`` topic are told to whoever comes later, too.
+    Later subscribers also receive the last message of a ``latched`` topic.
     """
 
     name: str
@@ -45,186 +45,192 @@ class FlightTopics:
     """All topics of one flight."""
 
     def __init__(self, job: ExportJob, trajectory: Trajectory, options: FlightOptions) -> None:
-        self.job, self.flight, self.options = job, trajectory, options
+        self.job, self.trajectory, self.options = job, trajectory, options
         self.ros = Messages(options.release)
         self.stamps = [round(options.start * SECOND) + round(float(t) * SECOND) for t in trajectory.t]
         self.base = f"{options.namespace}/base_link"
 
-    def topics(self) -> list[Topic]:
-        """The topics that there is anything to tell on."""
+    def list_topics(self) -> list[Topic]:
+        """Return the topics that have messages."""
         name = self.options.namespace
         found = [
-            Topic("/tf_static", "tf2_msgs/TFMessage", self._tf_static, latched=True),
-            Topic("/tf", "tf2_msgs/TFMessage", self._tf),
-            Topic("/markers", "visualization_msgs/MarkerArray", self._markers, latched=True),
-            Topic(f"/{name}/path", "nav_msgs/Path", self._path, latched=True),
-            Topic(f"/{name}/odom", "nav_msgs/Odometry", self._odometry),
-            Topic(f"/{name}/wrench", "geometry_msgs/WrenchStamped", self._wrenches),
-            Topic(f"/{name}/imu", "sensor_msgs/Imu", self._imu),
-            Topic(f"/{name}/pressure", "sensor_msgs/FluidPressure", self._pressures),
+            Topic("/tf_static", "tf2_msgs/TFMessage", self._make_static_tf, latched=True),
+            Topic("/tf", "tf2_msgs/TFMessage", self._make_tf),
+            Topic("/markers", "visualization_msgs/MarkerArray", self._make_markers, latched=True),
+            Topic(f"/{name}/path", "nav_msgs/Path", self._make_path, latched=True),
+            Topic(f"/{name}/odom", "nav_msgs/Odometry", self._make_odometry),
+            Topic(f"/{name}/wrench", "geometry_msgs/WrenchStamped", self._make_wrenches),
+            Topic(f"/{name}/imu", "sensor_msgs/Imu", self._make_imu),
+            Topic(f"/{name}/pressure", "sensor_msgs/FluidPressure", self._make_pressures),
         ]
         if self.job.scenario.pipe.segments:
             found += [
-                Topic(f"/{name}/range", "sensor_msgs/Range", self._ranges),
-                Topic(f"/{name}/clearance", "std_msgs/Float64", self._clearances),
+                Topic(f"/{name}/range", "sensor_msgs/Range", self._make_ranges),
+                Topic(f"/{name}/clearance", "std_msgs/Float64", self._make_clearances),
             ]
         if self.plumes:
-            found.append(Topic(f"/{name}/concentration", "std_msgs/Float64", self._concentrations))
+            found.append(Topic(f"/{name}/concentration", "std_msgs/Float64", self._make_concentrations))
         return found
 
     @cached_property
     def accelerations(self) -> FloatArray:
-        """Those of the equations of motion, (k, 6)."""
-        return accelerations_along(self.flight, self.job.agent, self.job.scenario)
+        """Accelerations by the equations of motion, (k, 6)."""
+        return accelerations_along(self.trajectory, self.job.agent, self.job.scenario)
 
     @cached_property
-    def places(self) -> FloatArray:
-        """Where the sensors are, world frame, m, (k, 3)."""
-        return sensors.places(self.flight, np.array(self.options.sensor))
+    def sensor_positions(self) -> FloatArray:
+        """Positions of the sensors, world frame, m, (k, 3)."""
+        return sensors.point_positions(self.trajectory, np.array(self.options.sensor))
 
     @cached_property
     def plumes(self) -> list[Plume]:
-        """Those of the targets on the wall; none where the water stands still."""
+        """Plumes of the targets on the wall; empty if the water is at rest."""
         scenario = self.job.scenario
         if not scenario.targets or scenario.flow.speed == 0:
             return []
         gaps = sensors.wall_distance(scenario.target_array(), scenario.pipe)
         on_wall = gaps < ON_WALL * scenario.pipe.segments[0].radius
         return [
-            plume_of(scenario, point, self.options.leak_rate, self.options.diffusivity)
+            make_plume(scenario, point, self.options.leak_rate, self.options.diffusivity)
             for point, leaks in zip(scenario.targets.values(), on_wall, strict=True)
             if leaks
         ]
 
-    def _noise(self, sensor: int) -> np.random.Generator:
-        # Each sensor has its own noise, whichever others there are.
+    def _make_rng(self, sensor: int) -> np.random.Generator:
+        # The noise of a sensor does not depend on the other sensors.
         return np.random.default_rng((self.options.seed, sensor))
 
-    def _transform(self, stamp: int, parent: str, child: str, place: FloatArray, turned: FloatArray) -> Any:
-        transform = self.ros.new(
+    def _make_transform(
+        self, stamp: int, parent: str, child: str, place: FloatArray, turned: FloatArray
+    ) -> Any:
+        transform = self.ros.make(
             "geometry_msgs/Transform",
-            translation=self.ros.vector(place),
-            rotation=self.ros.quaternion(turned),
+            translation=self.ros.make_vector(place),
+            rotation=self.ros.make_quaternion(turned),
         )
-        return self.ros.new(
+        return self.ros.make(
             "geometry_msgs/TransformStamped",
-            header=self.ros.header(stamp, parent),
+            header=self.ros.make_header(stamp, parent),
             child_frame_id=child,
             transform=transform,
         )
 
-    def _tf(self) -> Iterator[tuple[int, Any]]:
-        samples = zip(self.stamps, self.flight.position, self.flight.quaternion, strict=True)
+    def _make_tf(self) -> Iterator[tuple[int, Any]]:
+        samples = zip(self.stamps, self.trajectory.position, self.trajectory.quaternion, strict=True)
         for stamp, place, turned in samples:
-            moved = self._transform(stamp, WORLD, self.base, place, turned)
-            yield stamp, self.ros.new("tf2_msgs/TFMessage", transforms=[moved])
+            moved = self._make_transform(stamp, WORLD, self.base, place, turned)
+            yield stamp, self.ros.make("tf2_msgs/TFMessage", transforms=[moved])
 
-    def _tf_static(self) -> Iterator[tuple[int, Any]]:
+    def _make_static_tf(self) -> Iterator[tuple[int, Any]]:
         mass, straight = self.job.agent.mass, np.array([1.0, 0.0, 0.0, 0.0])
         points = {"cog": mass.cog, "cob": mass.cob, "sensors": np.array(self.options.sensor)}
         fixed = [
-            self._transform(self.stamps[0], self.base, f"{self.options.namespace}/{name}", point, straight)
+            self._make_transform(
+                self.stamps[0], self.base, f"{self.options.namespace}/{name}", point, straight
+            )
             for name, point in points.items()
         ]
-        yield self.stamps[0], self.ros.new("tf2_msgs/TFMessage", transforms=fixed)
+        yield self.stamps[0], self.ros.make("tf2_msgs/TFMessage", transforms=fixed)
 
-    def _odometry(self) -> Iterator[tuple[int, Any]]:
-        flight = self.flight
+    def _make_odometry(self) -> Iterator[tuple[int, Any]]:
+        flight = self.trajectory
         samples = zip(self.stamps, flight.position, flight.quaternion, flight.velocity, strict=True)
         for stamp, place, turned, velocity in samples:
-            twist = self.ros.new(
+            twist = self.ros.make(
                 "geometry_msgs/Twist",
-                linear=self.ros.vector(velocity[:3]),
-                angular=self.ros.vector(velocity[3:]),
+                linear=self.ros.make_vector(velocity[:3]),
+                angular=self.ros.make_vector(velocity[3:]),
             )
             yield (
                 stamp,
-                self.ros.new(
+                self.ros.make(
                     "nav_msgs/Odometry",
-                    header=self.ros.header(stamp, WORLD),
+                    header=self.ros.make_header(stamp, WORLD),
                     child_frame_id=self.base,
-                    pose=self.ros.new("geometry_msgs/PoseWithCovariance", pose=self.ros.pose(place, turned)),
-                    twist=self.ros.new("geometry_msgs/TwistWithCovariance", twist=twist),
+                    pose=self.ros.make(
+                        "geometry_msgs/PoseWithCovariance", pose=self.ros.make_pose(place, turned)
+                    ),
+                    twist=self.ros.make("geometry_msgs/TwistWithCovariance", twist=twist),
                 ),
             )
 
-    def _path(self) -> Iterator[tuple[int, Any]]:
+    def _make_path(self) -> Iterator[tuple[int, Any]]:
         poses = [
-            self.ros.new(
+            self.ros.make(
                 "geometry_msgs/PoseStamped",
-                header=self.ros.header(stamp, WORLD),
-                pose=self.ros.pose(place, turned),
+                header=self.ros.make_header(stamp, WORLD),
+                pose=self.ros.make_pose(place, turned),
             )
             for stamp, place, turned in zip(
-                self.stamps, self.flight.position, self.flight.quaternion, strict=True
+                self.stamps, self.trajectory.position, self.trajectory.quaternion, strict=True
             )
         ]
-        header = self.ros.header(self.stamps[0], WORLD)
-        yield self.stamps[0], self.ros.new("nav_msgs/Path", header=header, poses=poses)
+        header = self.ros.make_header(self.stamps[0], WORLD)
+        yield self.stamps[0], self.ros.make("nav_msgs/Path", header=header, poses=poses)
 
-    def _wrenches(self) -> Iterator[tuple[int, Any]]:
-        found = net_wrench(self.flight, self.accelerations, self.job.agent.mass)
+    def _make_wrenches(self) -> Iterator[tuple[int, Any]]:
+        found = net_wrench(self.trajectory, self.accelerations, self.job.agent.mass)
         for stamp, values in zip(self.stamps, found, strict=True):
-            wrench = self.ros.new(
+            wrench = self.ros.make(
                 "geometry_msgs/Wrench",
-                force=self.ros.vector(values[:3]),
-                torque=self.ros.vector(values[3:]),
+                force=self.ros.make_vector(values[:3]),
+                torque=self.ros.make_vector(values[3:]),
             )
-            header = self.ros.header(stamp, f"{self.options.namespace}/cog")
-            yield stamp, self.ros.new("geometry_msgs/WrenchStamped", header=header, wrench=wrench)
+            header = self.ros.make_header(stamp, f"{self.options.namespace}/cog")
+            yield stamp, self.ros.make("geometry_msgs/WrenchStamped", header=header, wrench=wrench)
 
-    def _imu(self) -> Iterator[tuple[int, Any]]:
-        options, rng = self.options, self._noise(0)
+    def _make_imu(self) -> Iterator[tuple[int, Any]]:
+        options, rng = self.options, self._make_rng(0)
         gravity = self.job.scenario.fluid.gravity
-        force = sensors.specific_force(self.flight, self.accelerations, np.array(options.sensor), gravity)
-        force = sensors.noisy(force, options.acceleration_noise, rng)
-        rates = sensors.noisy(self.flight.velocity[:, 3:], options.rate_noise, rng)
+        force = sensors.specific_force(self.trajectory, self.accelerations, np.array(options.sensor), gravity)
+        force = sensors.add_noise(force, options.acceleration_noise, rng)
+        rates = sensors.add_noise(self.trajectory.velocity[:, 3:], options.rate_noise, rng)
         covariances = {
             "linear_acceleration_covariance": (options.acceleration_noise**2 * np.eye(3)).ravel(),
             "angular_velocity_covariance": (options.rate_noise**2 * np.eye(3)).ravel(),
         }
-        for stamp, turned, f, w in zip(self.stamps, self.flight.quaternion, force, rates, strict=True):
+        for stamp, turned, f, w in zip(self.stamps, self.trajectory.quaternion, force, rates, strict=True):
             yield (
                 stamp,
-                self.ros.new(
+                self.ros.make(
                     "sensor_msgs/Imu",
-                    header=self._at_sensors(stamp),
-                    orientation=self.ros.quaternion(turned),
-                    angular_velocity=self.ros.vector(w),
-                    linear_acceleration=self.ros.vector(f),
+                    header=self._make_sensor_header(stamp),
+                    orientation=self.ros.make_quaternion(turned),
+                    angular_velocity=self.ros.make_vector(w),
+                    linear_acceleration=self.ros.make_vector(f),
                     **covariances,
                 ),
             )
 
-    def _pressures(self) -> Iterator[tuple[int, Any]]:
+    def _make_pressures(self) -> Iterator[tuple[int, Any]]:
         scenario, options = self.job.scenario, self.options
         surface = sensors.surface_height(scenario)
-        found = sensors.pressure(self.places[:, 2], surface, scenario.fluid, options.atmosphere)
+        found = sensors.pressure(self.sensor_positions[:, 2], surface, scenario.fluid, options.atmosphere)
         for stamp, value in zip(
-            self.stamps, sensors.noisy(found, options.pressure_noise, self._noise(1)), strict=True
+            self.stamps, sensors.add_noise(found, options.pressure_noise, self._make_rng(1)), strict=True
         ):
             yield (
                 stamp,
-                self.ros.new(
+                self.ros.make(
                     "sensor_msgs/FluidPressure",
-                    header=self._at_sensors(stamp),
+                    header=self._make_sensor_header(stamp),
                     fluid_pressure=float(value),
                     variance=options.pressure_noise**2,
                 ),
             )
 
-    def _ranges(self) -> Iterator[tuple[int, Any]]:
+    def _make_ranges(self) -> Iterator[tuple[int, Any]]:
         pipe, options = self.job.scenario.pipe, self.options
-        found = np.maximum(sensors.wall_distance(self.places, pipe), 0.0)
+        found = np.maximum(sensors.wall_distance(self.sensor_positions, pipe), 0.0)
         for stamp, value in zip(
-            self.stamps, sensors.noisy(found, options.distance_noise, self._noise(2)), strict=True
+            self.stamps, sensors.add_noise(found, options.distance_noise, self._make_rng(2)), strict=True
         ):
             yield (
                 stamp,
-                self.ros.new(
+                self.ros.make(
                     "sensor_msgs/Range",
-                    header=self._at_sensors(stamp),
-                    # In all directions: the distance of the nearest point of the wall.
+                    header=self._make_sensor_header(stamp),
+                    # All directions: the distance is that of the nearest point of the wall.
                     field_of_view=2 * np.pi,
                     max_range=pipe.segments[0].radius,
                     range=float(value),
@@ -232,50 +238,58 @@ class FlightTopics:
                 ),
             )
 
-    def _clearances(self) -> Iterator[tuple[int, Any]]:
+    def _make_clearances(self) -> Iterator[tuple[int, Any]]:
         body, pipe = self.job.agent.body, self.job.scenario.pipe
-        return self._numbers(sensors.clearance(self.flight, body, pipe), self.options.distance_noise, 3)
+        return self._make_readings(
+            sensors.clearance(self.trajectory, body, pipe), self.options.distance_noise, 3
+        )
 
-    def _concentrations(self) -> Iterator[tuple[int, Any]]:
-        found = sum((p.concentration(self.places) for p in self.plumes), np.zeros(len(self.places)))
-        return self._numbers(found, self.options.concentration_noise, 4)
+    def _make_concentrations(self) -> Iterator[tuple[int, Any]]:
+        found = sum(
+            (p.concentration(self.sensor_positions) for p in self.plumes),
+            np.zeros(len(self.sensor_positions)),
+        )
+        return self._make_readings(found, self.options.concentration_noise, 4)
 
-    def _numbers(self, values: FloatArray, noise: float, sensor: int) -> Iterator[tuple[int, Any]]:
-        readings = sensors.noisy(values, noise, self._noise(sensor))
+    def _make_readings(self, values: FloatArray, noise: float, sensor: int) -> Iterator[tuple[int, Any]]:
+        readings = sensors.add_noise(values, noise, self._make_rng(sensor))
         for stamp, value in zip(self.stamps, readings, strict=True):
-            yield stamp, self.ros.new("std_msgs/Float64", data=float(value))
+            yield stamp, self.ros.make("std_msgs/Float64", data=float(value))
 
-    def _at_sensors(self, stamp: int) -> Any:
-        return self.ros.header(stamp, f"{self.options.namespace}/sensors")
+    def _make_sensor_header(self, stamp: int) -> Any:
+        return self.ros.make_header(stamp, f"{self.options.namespace}/sensors")
 
-    def _markers(self) -> Iterator[tuple[int, Any]]:
+    def _make_markers(self) -> Iterator[tuple[int, Any]]:
         scenario, stamp = self.job.scenario, self.stamps[0]
         found = []
         for segment in scenario.pipe.segments:
             start, end = np.array(segment.start), np.array(segment.end)
-            pose = self.ros.pose((start + end) / 2, _from_z(end - start))
+            pose = self.ros.make_pose((start + end) / 2, _turn_z_to(end - start))
             size = np.array([2 * segment.radius, 2 * segment.radius, np.linalg.norm(end - start)])
-            found.append(self._marker(stamp, "pipe", "CYLINDER", GREY, pose=pose, size=size))
+            found.append(self._make_marker(stamp, "pipe", "CYLINDER", GREY, pose=pose, size=size))
         straight = np.array([1.0, 0.0, 0.0, 0.0])
         for name, point in scenario.targets.items():
             size = np.full(3, 0.05 * scenario.pipe.segments[0].radius)
-            pose = self.ros.pose(np.array(point), straight)
-            found.append(self._marker(stamp, "targets", "SPHERE", VERMILLION, pose=pose, size=size))
-            above = self.ros.pose(np.add(point, [0.0, 0.0, 1.2 * size[2]]), straight)
+            pose = self.ros.make_pose(np.array(point), straight)
+            found.append(self._make_marker(stamp, "targets", "SPHERE", VERMILLION, pose=pose, size=size))
+            above = self.ros.make_pose(np.add(point, [0.0, 0.0, 1.2 * size[2]]), straight)
             found.append(
-                self._marker(stamp, "names", "TEXT_VIEW_FACING", VERMILLION, pose=above, size=size, text=name)
+                self._make_marker(
+                    stamp, "names", "TEXT_VIEW_FACING", VERMILLION, pose=above, size=size, text=name
+                )
             )
         mesh = revolve_contour(self.job.agent.body.outer, SEGMENTS)
         corners = [
-            self.ros.vector(corner, "geometry_msgs/Point") for corner in mesh.vertices[mesh.triangles.ravel()]
+            self.ros.make_vector(corner, "geometry_msgs/Point")
+            for corner in mesh.vertices[mesh.triangles.ravel()]
         ]
         found.append(
-            self._marker(
+            self._make_marker(
                 stamp,
                 "agent",
                 "TRIANGLE_LIST",
                 ORANGE,
-                pose=self.ros.pose(np.zeros(3), straight),
+                pose=self.ros.make_pose(np.zeros(3), straight),
                 size=np.ones(3),
                 frame=self.base,
                 points=corners,
@@ -283,9 +297,9 @@ class FlightTopics:
         )
         for number, marker in enumerate(found):
             marker.id = number
-        yield stamp, self.ros.new("visualization_msgs/MarkerArray", markers=found)
+        yield stamp, self.ros.make("visualization_msgs/MarkerArray", markers=found)
 
-    def _marker(
+    def _make_marker(
         self,
         stamp: int,
         group: str,
@@ -299,22 +313,22 @@ class FlightTopics:
     ) -> Any:
         r, g, b, a = colour
         kind: Any = self.ros.store.types["visualization_msgs/msg/Marker"]
-        return self.ros.new(
+        return self.ros.make(
             "visualization_msgs/Marker",
-            header=self.ros.header(stamp, frame),
+            header=self.ros.make_header(stamp, frame),
             ns=group,
             type=getattr(kind, shape),
             action=kind.ADD,
             pose=pose,
-            scale=self.ros.vector(size),
-            color=self.ros.new("std_msgs/ColorRGBA", r=r, g=g, b=b, a=a),
+            scale=self.ros.make_vector(size),
+            color=self.ros.make("std_msgs/ColorRGBA", r=r, g=g, b=b, a=a),
             frame_locked=True,
             **more,
         )
 
 
-def _from_z(direction: FloatArray) -> FloatArray:
-    """The quaternion that turns z, the axis of a cylinder, into a direction, (4,)."""
+def _turn_z_to(direction: FloatArray) -> FloatArray:
+    """Return the quaternion that rotates z, the axis of a cylinder, to a direction, (4,)."""
     axis = direction / np.linalg.norm(direction)
     across = np.array([-axis[1], axis[0], 0.0])
     sine = np.linalg.norm(across)

@@ -1,1 +1,1 @@
-"""Scenarios that need this plugin: TOML files, addressed by their name."""
+"""Scenarios that need this plugin: TOML files, addressed by name."""
