@@ -33,7 +33,13 @@ TOLERANCE_RATIO = 10.0
 """Ratio of the tolerances of the two flights that are compared."""
 
 SAFETY_FACTOR = 2.0
-"""Error of a flight over its distance from the second one, which errs alike at times: after the same collision."""
+"""Estimated error of a flight over its distance from the second one.
+
+The two flights err alike at times, after the same collision, so the estimate is not a bound. Of 2000 random agents in
+`pipe-inspection` it is at least the true error for 99.3 %, 17 times that in the median (18 if errors were proportional
+to the tolerance), and at most 100 times for 88 %; 0.2 % are off by more than the millimetre that is asked for, by
+2.1 mm at most.
+"""
 
 GROWTH = 0.5
 """Rate (1/s) at which the tolerance grows along a flight: about that at which small differences do.
