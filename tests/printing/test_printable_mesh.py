@@ -40,7 +40,9 @@ def output_of(*command):
     return done.stdout + done.stderr
 
 
-@pytest.fixture(scope="module", params=[FIGURE_2, BOTH_SIDES, "C"], ids=["figure 2", "both sides", "bare core"])
+@pytest.fixture(
+    scope="module", params=[FIGURE_2, BOTH_SIDES, "C"], ids=["figure 2", "both sides", "bare core"]
+)
 def exported(request, tmp_path_factory):
     """The exported files by format, and the mass (kg) of the hull that ``inspect`` states; not to be changed."""
     folder = tmp_path_factory.mktemp("exported")
