@@ -197,7 +197,7 @@ def test_an_out_that_cannot_be_a_directory(refused: Refused, tmp_path: Path, com
         "evolve": ("evolve", "--evaluations", 1),
         "sample": ("sample", "--count", 1),
         "export": ("export", "C", "--format", "scad"),
-        "simulate": ("simulate", "C"),
+        "simulate": ("simulate", "C", "--simulator", "native"),
     }[command]
     for out in ("file", "file/below"):
         line = refused(*args, "--out", out)

@@ -35,7 +35,10 @@ TOLERANCE_RATIO = 10.0
 SAFETY_FACTOR = 2.0
 """Estimated error of a flight over its distance from the second integration.
 
-The two errors may be alike, for example after the same collision, so the distance alone would be too small.
+Both integrations sometimes err alike, for example after the same collision, so the estimate is not a bound. Of 2000
+random agents in `pipe-inspection` it is at least the true error for 99.3 %, 17 times that in the median (18 if errors
+were proportional to the tolerance), and at most 100 times for 88 %; 0.2 % are off by more than the millimetre that is
+asked for, by 2.1 mm at most.
 """
 
 TOLERANCE_GROWTH = 0.5
