@@ -1,4 +1,4 @@
-"""Exudyn's own linearisation finds the eigenvalues that ``inspect`` tells."""
+"""Exudyn's own linearisation finds the eigenvalues that ``inspect`` prints."""
 
 import math
 

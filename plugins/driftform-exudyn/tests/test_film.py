@@ -214,7 +214,7 @@ def test_seen_from_close_by_the_whole_agent_is_in_a_picture_of_any_shape(agent, 
         assert (found > 2).all() and (found < np.array(size) - 3).all()
 
 
-def test_modules_are_told_apart(agent):
+def test_modules_can_be_distinguished(agent):
     joints = np.linspace(-0.03, 0.03, 5)
     banded = replace(agent, body=replace(agent.body, joints=joints))
     images = [FollowView(scene(a), (240, 160), rays=1).render(0) for a in (agent, banded)]
@@ -292,7 +292,7 @@ def test_a_name_that_looks_like_a_protocol_or_an_option_is_only_a_name(agent, tm
         assert Path(name).stat().st_size > 0
 
 
-def test_without_ffmpeg_the_user_is_told_what_to_install(monkeypatch, tmp_path):
+def test_without_ffmpeg_the_error_names_what_to_install(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     with pytest.raises(WorkFailedError, match=r'pip install "driftform-exudyn\[film\]"') as caught:
         ExudynRenderer(FilmOptions()).check(tmp_path / "film.mp4")
@@ -301,9 +301,9 @@ def test_without_ffmpeg_the_user_is_told_what_to_install(monkeypatch, tmp_path):
         ExudynRenderer(FilmOptions()).check(tmp_path / "film.avi")
 
 
-def test_where_ffmpeg_fails_its_last_words_are_told_and_nothing_is_left(agent, monkeypatch, tmp_path):
-    # An interpreter knows none of ffmpeg's options.
-    monkeypatch.setattr(encoder, "ffmpeg", lambda: sys.executable)
+def test_if_ffmpeg_fails_its_last_line_is_reported_and_no_file_is_left(agent, monkeypatch, tmp_path):
+    # The Python interpreter rejects ffmpeg's options.
+    monkeypatch.setattr(encoder, "find_ffmpeg", lambda: sys.executable)
     for suffix in (".mp4", ".gif"):
         with pytest.raises(WorkFailedError, match=r"^ffmpeg failed: \S"):
             film(agent, tmp_path / f"film{suffix}")

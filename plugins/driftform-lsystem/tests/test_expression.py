@@ -24,8 +24,8 @@ def express(word: str, **options: object) -> Morphology:
     return LSystemGrammar(LSystemOptions.model_validate(options)).express(genome)
 
 
-def told(side: tuple[Module, ...]) -> list[tuple[str, int]]:
-    """Tell modules by letter and whole degrees, for comparison with what is worked out by hand."""
+def describe(side: tuple[Module, ...]) -> list[tuple[str, int]]:
+    """Return modules as letters and whole degrees, for comparison with results computed by hand."""
     letters = {length: letter for letter, length in LENGTHS.items()}
     return [(letters[module.length], round(math.degrees(module.tilt), 6)) for module in side]
 
@@ -82,7 +82,7 @@ def test_two_iterations_build_what_the_rules_say():
     # M fore of it, back:             [C] n m n s n m n s s m
     # M aft of it, back:              [n] C ...
     # M aft of it, back:              [n] n C ...
-    assert told(morphology.fore) == [
+    assert describe(morphology.fore) == [
         ("M", -10),
         ("M", 0),
         ("M", -10),
@@ -94,7 +94,7 @@ def test_two_iterations_build_what_the_rules_say():
         ("S", 0),
         ("M", 0),
     ]
-    assert told(morphology.aft) == [("M", -10), ("M", -10)]
+    assert describe(morphology.aft) == [("M", -10), ("M", -10)]
 
 
 @pytest.mark.parametrize(("iterations", "modules"), [(1, 3), (2, 12), (3, 39)])
@@ -156,20 +156,20 @@ RUNS = [
 def test_the_first_of_a_run_counts():
     # S fore of the core at 10 degrees, on to S, L fore of S.
     morphology = interpret(RUNS, LSystemOptions())
-    assert told(morphology.fore) == [("S", 10), ("L", 0)]
+    assert describe(morphology.fore) == [("S", 10), ("L", 0)]
     assert morphology.aft == ()
 
 
 def test_the_last_of_a_run_counts_where_asked_for():
     # S aft of the core at -20 degrees, back to S, L fore of S: between S and the core.
     morphology = interpret(RUNS, LSystemOptions(repetition="last"))
-    assert told(morphology.aft) == [("L", 0), ("S", -20)]
+    assert describe(morphology.aft) == [("L", 0), ("S", -20)]
     assert morphology.fore == ()
 
 
 def test_the_place_next_to_the_core_counts_as_occupied_by_it():
     morphology = interpret(RUNS, LSystemOptions(repetition="last", occupied="skip"))
-    assert told(morphology.aft) == [("S", -20)]
+    assert describe(morphology.aft) == [("S", -20)]
     assert morphology.fore == ()
 
 
@@ -189,21 +189,21 @@ def test_a_module_is_inserted_next_to_the_reference():
         "addF tiltp 0 S moveN addB tiltp 0 S moveN addF tiltp 1 M moveN "
         "addB tiltn 1 M moveN addF tiltp 2 L moveN"
     )
-    assert told(morphology.fore) == [("L", 20), ("M", 10), ("S", 0)]
-    assert told(morphology.aft) == [("M", -10), ("S", 0)]
+    assert describe(morphology.fore) == [("L", 20), ("M", 10), ("S", 0)]
+    assert describe(morphology.aft) == [("M", -10), ("S", 0)]
 
 
 def test_a_skipped_module_still_moves_the_reference():
     # S fore of the core; M has no place, but moves on to S; L goes fore of S.
     morphology = express("addF tiltp 0 S moveN addF tiltp 1 M moveF addF tiltp 2 L moveN", occupied="skip")
-    assert told(morphology.fore) == [("S", 0), ("L", 20)]
+    assert describe(morphology.fore) == [("S", 0), ("L", 20)]
     assert morphology.aft == ()
 
 
 def test_a_module_is_on_the_side_where_it_ends_up_whatever_added_it():
     # S aft, on to S; L is added forward of S, yet is aft of the core, and widens away from it.
     morphology = express("addB tiltp 0 S moveB addF tiltp 1 L moveN")
-    assert told(morphology.aft) == [("L", 10), ("S", 0)]
+    assert describe(morphology.aft) == [("L", 10), ("S", 0)]
 
 
 def test_a_reference_passes_over_the_core():
@@ -213,8 +213,8 @@ def test_a_reference_passes_over_the_core():
         "addF tiltp 0 S moveN addB tiltp 0 L moveF addF tiltp 1 S moveB "
         "addF tiltp 2 S moveB addB tiltp 1 M moveN"
     )
-    assert told(morphology.fore) == [("S", 20), ("S", 0), ("S", 10)]
-    assert told(morphology.aft) == [("L", 0), ("M", 10)]
+    assert describe(morphology.fore) == [("S", 20), ("S", 0), ("S", 10)]
+    assert describe(morphology.aft) == [("L", 0), ("M", 10)]
 
 
 @pytest.mark.parametrize(("ahead", "behind"), [("F", "B"), ("B", "F")])
@@ -226,13 +226,13 @@ def test_a_move_past_the_end_of_the_chain_stays_there_and_is_not_remembered(ahea
         f"add{behind} tiltp 0 L move{behind} add{ahead} tiltp 2 S moveN"
     )
     side, other = (morphology.fore, morphology.aft) if ahead == "F" else (morphology.aft, morphology.fore)
-    assert told(side) == [("M", 0), ("L", 0), ("S", 20), ("S", 0)]
+    assert describe(side) == [("M", 0), ("L", 0), ("S", 20), ("S", 0)]
     assert other == ()
 
 
 def test_a_move_from_the_bare_end_of_the_core_stays_at_the_core():
     # Nothing is aft of the core, so the reference stays; M goes between the core and S.
-    assert told(express("addF tiltp 0 S moveB addF tiltp 1 M moveN").fore) == [("M", 10), ("S", 0)]
+    assert describe(express("addF tiltp 0 S moveB addF tiltp 1 M moveN").fore) == [("M", 10), ("S", 0)]
 
 
 def test_tilts_against_the_neighbour_add_up_outward_once_all_modules_are_placed():
@@ -241,14 +241,14 @@ def test_tilts_against_the_neighbour_add_up_outward_once_all_modules_are_placed(
         "addF tiltp 2 S moveN addF tiltn 1 M moveN addB tiltp 1 L moveB addB tiltp 2 L moveB",
         tilt_reference="neighbour",
     )
-    assert told(morphology.fore) == [("M", -10), ("S", 10)]
-    assert told(morphology.aft) == [("L", 10), ("L", 30)]
+    assert describe(morphology.fore) == [("M", -10), ("S", 10)]
+    assert describe(morphology.aft) == [("L", 10), ("L", 30)]
 
 
 @pytest.mark.parametrize(("tilt", "back", "sign"), [("tiltp", "tiltn", 1), ("tiltn", "tiltp", -1)])
 def test_walls_that_lean_on_each_other_stop_at_80_degrees(tilt, back, sign):
     word = f"addB {tilt} 2 S moveB " * 5 + f"addB {back} 1 S moveB"
-    tilts = [degrees for _, degrees in told(express(word, tilt_reference="neighbour").aft)]
+    tilts = [degrees for _, degrees in describe(express(word, tilt_reference="neighbour").aft)]
     assert tilts == [sign * degrees for degrees in (20, 40, 60, 80, 80, 70)]
 
 

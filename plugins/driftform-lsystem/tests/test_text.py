@@ -84,7 +84,7 @@ def test_the_rules_stand_in_one_order_whatever_the_order_of_the_text():
         (f"C: | S: {RULE} | M: {RULE} | L: {RULE}", "rule C: quintuples: 0, expected 3"),
     ],
 )
-def test_a_bad_text_is_told_in_one_line_by_symbol_and_position(text, message):
+def test_an_error_in_a_text_is_one_line_with_symbol_and_position(text, message):
     with pytest.raises(InputError) as caught:
         GRAMMAR.parse(text)
     assert str(caught.value).startswith(message)
@@ -152,7 +152,7 @@ def test_options_out_of_range_are_refused(table):
         LSystemOptions.model_validate(table)
 
 
-def test_every_option_tells_what_it_does_and_every_measure_its_unit():
+def test_every_option_has_help_and_every_measure_a_unit():
     for name, field in LSystemOptions.model_fields.items():
         assert field.description
         unit = "deg" if name.endswith("_deg") else "m" if name in {"small", "medium", "large"} else ""

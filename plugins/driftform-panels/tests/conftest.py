@@ -10,7 +10,7 @@ import pytest
 from driftform.study import load_study
 from driftform.types import Body
 
-# Fixtures of driftform's own tests: with the import mode "importlib" one folder's conftest is no module of another's.
+# Fixtures of driftform's tests: with the import mode "importlib" a conftest is not importable from another folder.
 _TESTS = run_path(str(Path(__file__).parents[3] / "tests" / "conftest.py"))
 publish, published = _TESTS["publish"], _TESTS["published"]
 

@@ -33,8 +33,8 @@ MESHES = ((4e-3, 12), (2e-3, 24), (1e-3, 48))
 class Case:
     """A body, and what Capytaine found for it in water of density 1, about the centre of its volume.
 
-    ``found`` has a row for each mesh: A11, A22, A66 (m3, m5), and the mean of A26 and A62 (m4). ``panels`` tells how
-    many panels each mesh has.
+    ``found`` has a row for each mesh: A11, A22, A66 (m3, m5), and the mean of A26 and A62 (m4). ``panels`` holds the
+    number of panels of each mesh.
     """
 
     name: str
@@ -44,7 +44,7 @@ class Case:
 
     @property
     def limit(self) -> FloatArray:
-        """Where the three meshes tend to: their errors taken for a geometric series."""
+        """The limit of the three meshes, if their errors form a geometric series."""
         first, second, third = self.found
         step, before = third - second, second - first
         ratio = np.clip(np.divide(step, before, out=np.full(4, 0.25), where=before != 0), 1 / 8, 1 / 2)
@@ -52,7 +52,7 @@ class Case:
 
     @property
     def unit(self) -> FloatArray:
-        """What errors are relative to: the values, and sqrt(A22 A66) for the coupling."""
+        """The scale of the errors: the values, and sqrt(A22 A66) for the coupling."""
         unit = self.limit.copy()
         unit[3] = np.sqrt(unit[1] * unit[2])
         return unit
@@ -95,7 +95,7 @@ def test_capytaine_has_converged_well_enough_to_judge():
 
 
 def test_strip_theory_is_far_off_for_the_same_bodies():
-    """Were it not, the table could not tell a good model from a bad one."""
+    """Otherwise the table could not separate a good model from a bad one."""
     assert len(agents()) == AGENTS
     errors = np.mean([np.abs(case.by_strips() - case.limit) / case.unit for case in agents()], axis=0)
     assert (errors[:3] > 0.1).all()
@@ -188,7 +188,7 @@ def lines_of(cases: Sequence[Case], version: str) -> list[str]:
     return lines
 
 
-def test_the_page_tells_of_the_stored_table(published):
+def test_the_page_shows_the_stored_table(published):
     published("coefficients", lines_of(agents(), json.loads(TABLE.read_text(encoding="utf-8"))["capytaine"]))
 
 

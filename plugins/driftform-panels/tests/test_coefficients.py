@@ -129,7 +129,7 @@ def test_thousands_of_bodies_have_physical_coefficients(model, morphology):
 
 
 def test_a_nearly_straight_body_is_not_smoothed():
-    """Kinks of six degrees and of four are no different in kind: A11 and A22 vary evenly with the tilt."""
+    """Kinks of six degrees and of four are treated alike: A11 and A22 vary evenly with the tilt."""
     found = []
     for tilt in (1.8, 2.2, 2.4, 2.6, 2.8, 3.2):
         body = BUILDER.build(Morphology(fore=tilts(*[tilt, -tilt] * 10)))
@@ -141,7 +141,7 @@ def test_a_nearly_straight_body_is_not_smoothed():
 @pytest.mark.parametrize(
     "options", [{"panels": 3}, {"panels": 401}, {"corner": 0.0}, {"corner": 1.5}, {"panel": 10}]
 )
-def test_options_that_make_no_panels_are_refused(options):
+def test_options_without_panels_are_refused(options):
     with pytest.raises(ValidationError):
         PanelOptions(**options)
 

@@ -1,4 +1,4 @@
-"""Panels keep every promise of a model of hydrodynamics, to the accuracy of their own arithmetic."""
+"""Panels satisfy the contract of a model of hydrodynamics, to the accuracy of their arithmetic."""
 
 from driftform.testing import HydrodynamicsContract
 from driftform_panels.coefficients import PanelMethod

@@ -55,7 +55,7 @@ def test_random_bodies_keep_their_volume(random_bodies):
         assert volume(divided) == pytest.approx(solid_of_revolution(body.outer).volume, rel=3e-4)
 
 
-def test_a_zigzag_is_no_curve():
+def test_a_zigzag_is_not_a_curve():
     x = np.linspace(0, 0.3, 61)
     r = 0.01 + 0.0001 * (np.arange(61) % 2)
     contour = make_body([(0, 0), *zip(x, r, strict=True), (0.3, 0)]).outer
@@ -65,7 +65,7 @@ def test_a_zigzag_is_no_curve():
     assert volume(divided) == pytest.approx(solid_of_revolution(contour).volume, rel=1e-12)
 
 
-def test_points_on_a_straight_edge_make_no_panels():
+def test_points_on_a_straight_edge_add_no_panels():
     contour = cylinder_body(3.0, 1.0).outer
     x = np.linspace(-1.5, 1.5, 1000)
     dotted = np.array([(-1.5, 0), *zip(x, np.ones(1000), strict=True), (1.5, 0)])
@@ -110,7 +110,7 @@ def test_edges_without_length_or_on_the_axis_do_not_count():
     ],
     ids=["nothing", "open aft", "open fore", "beyond the axis"],
 )
-def test_a_contour_that_bounds_no_body_is_refused(contour):
+def test_a_contour_without_a_body_is_refused(contour):
     with pytest.raises(ValueError, match="must start and end on the axis"):
         make_panels(contour, 15, 0.2)
 
@@ -125,6 +125,6 @@ def test_walls_are_known_by_their_thickness():
     assert thin == pytest.approx(thick / 10, rel=0.3)
 
 
-def test_a_narrow_slot_is_no_wall():
+def test_a_narrow_slot_is_not_a_wall():
     slot = [(0, 0), (0, 1), (1, 1), (1, 0.1), (1.001, 0.1), (1.001, 1), (2, 1), (2, 0)]
     assert make_panels(slot, 15, 0.2).thinnest_wall() > 0.3

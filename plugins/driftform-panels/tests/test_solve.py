@@ -82,7 +82,7 @@ def test_spheroids_agree_with_lamb(a, b):
     assert solution.yaw == pytest.approx(expected[2], rel=2e-3, abs=1e-6 * expected[1])
 
 
-def test_the_page_tells_how_well_spheroids_agree_with_lamb(published):
+def test_the_page_shows_how_well_spheroids_agree_with_lamb(published):
     def off(found, expected):
         # A sphere that turns moves nothing, and nothing has no errors in percent.
         if expected == 0:
@@ -110,7 +110,7 @@ def test_the_page_tells_how_well_spheroids_agree_with_lamb(published):
 
 
 @pytest.mark.parametrize(("a", "b"), [(6, 1), (1, 1), (1, 5)], ids=str)
-def test_what_is_left_of_that_error_is_the_polyline(a, b):
+def test_the_rest_of_that_error_is_from_the_polyline(a, b):
     solution = solve(spheroid_body(a, b, edges=2048).outer)
     np.testing.assert_allclose([solution.surge, solution.sway], lamb(a, b)[:2], rtol=2e-5)
 
@@ -128,7 +128,7 @@ def test_cylinders_have_the_added_mass_that_another_code_finds(ratio, motion, k)
     assert added_over_displaced(ratio, motion) == pytest.approx(k, rel=3e-3)
 
 
-def test_the_page_tells_how_well_cylinders_agree_with_another_code(published):
+def test_the_page_shows_how_well_cylinders_agree_with_another_code(published):
     lines = ["| L/d | motion | other code | panels | off by | strip theory |", "|---|---|---|---|---|---|"]
     for ratio, motion, k in CYLINDERS:
         body = cylinder_body(2 * ratio, 1.0)
@@ -173,7 +173,7 @@ def test_about_another_origin_the_matrix_is_shifted(contour, offset):
 
 
 @pytest.mark.parametrize("offset", [0.7, -20.0])
-def test_where_a_body_is_makes_no_difference(offset):
+def test_the_position_of_a_body_makes_no_difference(offset):
     here, there = solve(CUP), solve(np.add(CUP, (offset, 0.0)))
     np.testing.assert_allclose(values(there), values(here), rtol=1e-6, atol=1e-6)
     assert there.origin == pytest.approx(here.origin + offset)
@@ -255,7 +255,7 @@ def test_a_contour_that_touches_itself_is_refused():
 
 def test_it_solves_with_one_thread_and_leaves_the_others_alone(monkeypatch):
     def threads():
-        # Not those of a library that came later: scipy brings one of its own, which numpy does not use.
+        # Libraries loaded later are left out: scipy includes another one, which numpy does not use.
         return [pool["num_threads"] for pool in module._find_libraries().info() if pool["user_api"] == "blas"]
 
     before, during = threads(), []

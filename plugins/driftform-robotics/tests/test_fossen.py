@@ -1,4 +1,4 @@
-"""The UUV simulator and gz-sim as their sources tell them, fed with the exported files, against our accelerations.
+"""The UUV simulator and gz-sim, reimplemented from their sources and fed with the exported files, against driftform.
 
 Both are written here from the simulators' own code, in their frames and signs, and share nothing with driftform.
 """
@@ -42,7 +42,7 @@ def numbers(text: str | None) -> np.ndarray:
 class UuvSimulator:
     """``HMFossen::ApplyHydrodynamicForces`` and ``BuoyantObject::ApplyBuoyancyForce`` with the newest acceleration.
 
-    The simulator takes the acceleration of the step before, smoothed; where it converges, this is what it goes to.
+    The simulator uses the smoothed acceleration of the previous step; this is the limit if it converges.
     """
 
     def __init__(self, folder: Path, inertia_of: Callable) -> None:

@@ -96,7 +96,7 @@ def test_the_result_hardly_depends_on_how_often_the_sensor_is_read() -> None:
     assert often == pytest.approx(seldom, rel=2e-3)
 
 
-def test_still_water_is_a_reason_and_no_score() -> None:
+def test_still_water_raises_an_error_instead_of_a_score() -> None:
     with pytest.raises(ValueError, match="is at rest"):
         Leak(LeakOptions()).score(along(0.0, 0.0), scenario((2.0, 0.5, 0.0), speed=0.0))
 

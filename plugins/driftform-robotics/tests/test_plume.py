@@ -22,7 +22,7 @@ RATE = 0.002
 
 
 def crossing(x: float, radius: float) -> tuple[np.ndarray, np.ndarray]:
-    """Points of half a cross-section of a pipe along x, and the area that each stands for in the whole.
+    """Points of half a cross-section of a pipe along x, and the area that each represents in the whole.
 
     Gauss's rule, with its nodes crowded towards the wall and towards the side of the leak, as the plume is.
     """
@@ -57,7 +57,7 @@ def test_the_cross_sections_of_the_flux_lie_on_both_sides_of_the_change_of_formu
 
 
 def test_nothing_goes_through_the_wall() -> None:
-    """The slope of the concentration towards the wall vanishes there, relative to what it is deeper inside."""
+    """The slope of the concentration vanishes at the wall, relative to the slope farther inside."""
     for tau in (0.0005, 0.002, 0.004, 0.02, 0.1):
         for phi in (0.0, np.sqrt(2 * tau), 2 * np.sqrt(2 * tau)):
             step = 1e-3 * np.sqrt(tau)
@@ -135,7 +135,7 @@ def test_a_concentration_is_finite_never_negative_and_the_same_on_both_sides(
     assert found[0] == pytest.approx(found[1], rel=1e-9, abs=1e-9)
 
 
-def test_there_is_nothing_upstream_and_the_wall_has_no_more_than_its_surface() -> None:
+def test_the_concentration_is_0_upstream_and_constant_into_the_wall() -> None:
     plume = make_plume(SCENARIO, (0.5, 0.5, 0.0), RATE)
     before = np.array([[0.49, 0.5, 0.0], [0.5, 0.5, 0.0], [-3.0, 0.0, 0.0]])
     assert not plume.concentration(before).any()

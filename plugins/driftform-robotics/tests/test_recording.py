@@ -244,7 +244,7 @@ def test_a_database_holds_the_same_bytes_as_the_mcap_file(
             for _, channel, message in make_reader(stream).iter_messages()
         )
     assert Counter((topics[topic][0], stamp, data) for topic, stamp, data in rows) == other
-    # And what is in them is decoded by the definitions of the database itself.
+    # The messages are decoded by the definitions in the database itself.
     odometry = [(stamp, data) for topic, stamp, data in rows if topics[topic][0] == "/agent/odom"]
     text = definitions["nav_msgs/msg/Odometry"].encode()
     decode = DecoderFactory().decoder_for("cdr", Schema(1, text, "ros2msg", "nav_msgs/msg/Odometry"))
@@ -278,7 +278,7 @@ def test_the_metadata_of_a_bag_describes_its_contents(
     assert [fact["messages"] for fact in facts] == [metadata["message_count"]]
 
 
-def test_what_is_not_there_has_no_topic(job: ExportJob, flight: Trajectory, tmp_path: Path) -> None:
+def test_topics_without_data_are_left_out(job: ExportJob, flight: Trajectory, tmp_path: Path) -> None:
     path = tmp_path / "agent.mcap"
     McapRecorder(FlightOptions()).write(replace(job, scenario=Scenario()), flight, path)
     missing = {"/agent/range", "/agent/clearance", "/agent/concentration"}

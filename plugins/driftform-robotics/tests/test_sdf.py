@@ -27,7 +27,7 @@ def run_ign(program: str, path: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
-@pytest.mark.skipif(os.name == "nt", reason="a shell script stands in for the program")
+@pytest.mark.skipif(os.name == "nt", reason="a shell script replaces the program")
 def test_output_that_is_not_utf_8_does_not_stop_a_check(tmp_path: Path) -> None:
     program = tmp_path / "ign"
     program.write_bytes(b"#!/bin/sh\nprintf 'Valid. \\377'\n")
@@ -53,7 +53,7 @@ def test_ignition_accepts_files_for_fortress(
         assert "Valid." in done.stdout
 
 
-def test_ignition_refuses_an_inertia_that_no_body_has(
+def test_ignition_rejects_an_impossible_inertia(
     jobs: dict[str, ExportJob],
     export: Callable,
     requires_program: Callable[[str], str],
@@ -102,7 +102,7 @@ def test_the_release_gives_body_and_water_the_momentum_of_their_speed(
     np.testing.assert_allclose(gained[3:], 0, atol=1e-8)
 
 
-def test_an_agent_that_is_released_at_rest_needs_no_release(
+def test_an_agent_released_at_rest_has_no_push_script(
     jobs: dict[str, ExportJob], export: Callable, still: Callable
 ) -> None:
     folder = export("sdf", still(jobs["random"]))

@@ -69,6 +69,6 @@ def test_the_sphere_has_half_its_water():
 
 
 @pytest.mark.parametrize("slenderness", [0.0, -1.0, math.nan, math.inf])
-def test_a_slenderness_that_is_none_is_refused(slenderness):
+def test_an_invalid_slenderness_is_refused(slenderness):
     with pytest.raises(ValueError, match="expected a positive number"):
         alpha_0(slenderness)

@@ -27,7 +27,7 @@ PUBLISHED = {"X_u'": -0.930, "Y_v'": -35.5, "N_v'": 1.93, "M_q'": -4.88}
 
 
 def finned() -> Body:
-    """The hull, and where its fins are a hull that moves as much water as the real one with them.
+    """The hull; along its fins, a hull that moves as much water as the real one with fins.
 
     A circle of radius r with four fins up to s moves per length as much as a circle of radius
     sqrt(s^2 - r^2 + r^4 / s^2) (Prestero, eq. 4.19, after Blevins).
@@ -73,7 +73,7 @@ def test_the_hull_is_that_of_the_thesis():
     volume = StripTheory(StripTheoryOptions()).coefficients(hull, Fluid(density=1.0)).added_mass[1, 1]
     assert hull.length == pytest.approx(1.33, abs=0.005)
     assert volume == pytest.approx(3.15e-2, rel=0.01), "table A.1"
-    # Table A.2: where the tail ends, and the middle body.
+    # Table A.2: the ends of the tail and of the middle body.
     middle = hull.outer[hull.outer[:, 1] > 0.0955 * (1 - 1e-9), 0]
     assert hull.outer[0, 0] == pytest.approx(-0.721, abs=1e-3)
     assert (middle.min(), middle.max()) == pytest.approx((-0.218, 0.437), abs=1e-3)
@@ -87,7 +87,7 @@ def test_the_published_surge_is_that_of_the_spheroid_of_its_length_and_thickness
     assert surges[0] == pytest.approx(surges[1], rel=1e-12)
 
 
-def test_the_page_tells_how_well_it_agrees(published):
+def test_the_page_shows_how_well_it_agrees(published):
     found = derivatives()
     published(
         "REMUS",

@@ -206,15 +206,13 @@ class FlightTopics:
         scenario, options = self.job.scenario, self.options
         surface = sensors.surface_height(scenario)
         found = sensors.pressure(self.sensor_positions[:, 2], surface, scenario.fluid, options.atmosphere)
-        for stamp, value in zip(
-            self.stamps, sensors.add_noise(found, options.pressure_noise, self._make_rng(1)), strict=True
-        ):
+        for stamp, value in self._add_noise(found, options.pressure_noise, 1):
             yield (
                 stamp,
                 self.ros.make(
                     "sensor_msgs/FluidPressure",
                     header=self._make_sensor_header(stamp),
-                    fluid_pressure=float(value),
+                    fluid_pressure=value,
                     variance=options.pressure_noise**2,
                 ),
             )
@@ -222,9 +220,7 @@ class FlightTopics:
     def _make_ranges(self) -> Iterator[tuple[int, Any]]:
         pipe, options = self.job.scenario.pipe, self.options
         found = np.maximum(sensors.wall_distance(self.sensor_positions, pipe), 0.0)
-        for stamp, value in zip(
-            self.stamps, sensors.add_noise(found, options.distance_noise, self._make_rng(2)), strict=True
-        ):
+        for stamp, value in self._add_noise(found, options.distance_noise, 2):
             yield (
                 stamp,
                 self.ros.make(
@@ -233,7 +229,7 @@ class FlightTopics:
                     # All directions: the distance is that of the nearest point of the wall.
                     field_of_view=2 * np.pi,
                     max_range=pipe.segments[0].radius,
-                    range=float(value),
+                    range=value,
                     variance=options.distance_noise**2,
                 ),
             )
@@ -252,9 +248,12 @@ class FlightTopics:
         return self._make_readings(found, self.options.concentration_noise, 4)
 
     def _make_readings(self, values: FloatArray, noise: float, sensor: int) -> Iterator[tuple[int, Any]]:
+        for stamp, value in self._add_noise(values, noise, sensor):
+            yield stamp, self.ros.make("std_msgs/Float64", data=value)
+
+    def _add_noise(self, values: FloatArray, noise: float, sensor: int) -> Iterator[tuple[int, float]]:
         readings = sensors.add_noise(values, noise, self._make_rng(sensor))
-        for stamp, value in zip(self.stamps, readings, strict=True):
-            yield stamp, self.ros.make("std_msgs/Float64", data=float(value))
+        return zip(self.stamps, readings.tolist(), strict=True)
 
     def _make_sensor_header(self, stamp: int) -> Any:
         return self.ros.make_header(stamp, f"{self.options.namespace}/sensors")
