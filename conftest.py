@@ -13,14 +13,14 @@ KERNELS = """
 import numpy as np
 
 from driftform.study import load_study
-from driftform.testing.textbook import distance_from_textbook, random_flight
+from driftform.testing.textbook import distance_from_textbook, random_case
 
 for simulator in ("native", "exudyn"):
     for name in ("pipe-inspection", "water-main"):
         pipeline = load_study(name, use={"simulator": simulator}, run={"seed": 0}).make_pipeline()
         genome = pipeline.grammar.random(np.random.default_rng(0))
         pipeline.simulator.simulate(pipeline.make_agent(genome), pipeline.scenario)
-    agent, scenario = random_flight(0, 0.1)
+    agent, scenario = random_case(0, 0.1)
     distance_from_textbook(pipeline.simulator.simulate(agent, scenario), agent, scenario, 0.1)
 """
 

@@ -60,6 +60,50 @@ def test_agents_are_flown_and_written(printed: tuple[Path, dict[str, str]]) -> N
     assert (folder / "parts" / "by_hand.scad").is_file()
 
 
+def test_a_run_gives_the_agent_near_a_point_its_page_and_its_tables(
+    printed: tuple[Path, dict[str, str]],
+) -> None:
+    folder, out = printed
+    assert "passes by" in out["run.py"]
+    assert (folder / "first.html").read_text(encoding="utf-8").startswith("<!doctype html>")
+    assert (folder / "tables" / "evaluations.csv").is_file()
+
+
+def test_a_flight_becomes_samples_and_a_picture(printed: tuple[Path, dict[str, str]]) -> None:
+    folder, out = printed
+    assert (folder / "flights" / "tp3.csv").read_text(encoding="utf-8").count("\n") > 50
+    assert (folder / "flights" / "tp3.png").read_bytes().startswith(b"\x89PNG")
+    assert "mean error under disturbed conditions" in out["flights.py"]
+
+
+def test_a_print_is_checked_and_trimmed(printed: tuple[Path, dict[str, str]]) -> None:
+    out = printed[1]["print.py"]
+    assert "failed checks of the file: []" in out and "ballast: 2.00 g at x" in out
+
+
+def test_each_method_of_a_design_and_of_a_run_is_on_the_page(pages: dict[str, str]) -> None:
+    from driftform.agents.design import Design
+    from driftform.api import Run
+
+    wanted = {
+        Design: (
+            "inspect",
+            "simulate",
+            "disturb",
+            "export",
+            "record",
+            "still",
+            "film",
+            "check",
+            "trim",
+            "under",
+        ),
+        Run: ("pick", "report", "export_data", "evaluations", "best"),
+    }
+    for cls, names in wanted.items():
+        assert [name for name in names if not hasattr(cls, name) or f".{name}(" not in pages[PAGE]] == []
+
+
 def test_the_notebook_is_stored_without_outputs() -> None:
     notebook = nbformat.read(NOTEBOOK, as_version=4)
     assert all(c.outputs == [] and c.execution_count is None for c in notebook.cells if c.cell_type == "code")
