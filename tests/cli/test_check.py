@@ -112,7 +112,7 @@ def test_openscad_renders_the_source_of_an_agent(call: Call) -> None:
     if shutil.which("openscad") is None:
         pytest.skip("openscad is not installed")
     found = lines(call("check", WORD, "--set", "checker.prusa-slicer.timeout=0.001", "--json"))
-    assert found["openscad"]["state"] == "pass" and "its source renders to" in found["openscad"]["detail"]
+    assert found["openscad"]["state"] == "pass" and "the source renders to" in found["openscad"]["detail"]
     # Options of a checker are those of its table: this one gave up at once, and says so.
     assert any("did not end within 0.001 s" in line["detail"] for line in found.values()) or (
         found["prusa-slicer mesh"]["detail"] == "prusa-slicer is not on PATH"

@@ -127,8 +127,8 @@ def test_components_are_placed_within_their_object(block: trimesh.Trimesh, tmp_p
 @pytest.mark.parametrize(
     ("resources", "build", "told"),
     [
-        ("", '<item objectid="7"/>', "object 7, which is not there"),
-        ("", "", "holds no triangle"),
+        ("", '<item objectid="7"/>', "object 7, which is missing"),
+        ("", "", "has no triangle"),
         ('<object id="1"/>', "<item/>", "lacks 'objectid'"),
         ('<object id="1"/>', '<item objectid="1" transform="1 0 0"/>', "3 numbers"),
         (
@@ -139,9 +139,9 @@ def test_components_are_placed_within_their_object(block: trimesh.Trimesh, tmp_p
         (
             '<object id="1"><mesh><triangles><triangle v1="0" v2="1" v3="2"/></triangles></mesh></object>',
             '<item objectid="1"/>',
-            "vertices that are not there",
+            "missing vertices",
         ),
-        ("<object", "", "no XML"),
+        ("<object", "", "not XML"),
     ],
 )
 def test_a_3mf_that_is_wrong_is_told_in_one_line(

@@ -1,4 +1,4 @@
-"""Areas on the bed and hanging over, of solids for which they are known."""
+"""Contact and overhang of solids for which they are known."""
 
 import numpy as np
 import pytest
@@ -36,8 +36,8 @@ def test_a_funnel_hangs_over_where_it_widens_by_more_than_45_degrees(slope_deg: 
     funnel = frustum(5, top, height)
     found = ways(funnel)
     slant = np.pi * (5 + top) * np.hypot(top - 5, height)
-    assert found["as it stands"].overhang == pytest.approx(slant if hangs else 0, rel=1e-3, abs=1e-9)
-    assert found["as it stands"].contact == pytest.approx(np.pi * 25, rel=1e-3)
+    assert found["as placed"].overhang == pytest.approx(slant if hangs else 0, rel=1e-3, abs=1e-9)
+    assert found["as placed"].contact == pytest.approx(np.pi * 25, rel=1e-3)
     assert found["upside down"].overhang == 0
     assert found["upside down"].contact == pytest.approx(np.pi * top**2, rel=1e-3)
 
@@ -54,7 +54,7 @@ def test_a_sphere_hangs_over_below_45_degrees() -> None:
 def test_the_ceiling_of_a_closed_hollow_is_told_apart() -> None:
     outer, inner = trimesh.creation.box((20, 20, 20)), trimesh.creation.box((10, 12, 14))
     inner.invert()
-    found = ways(trimesh.util.concatenate([outer, inner]), hollow=len(inner.faces))["as it stands"]
+    found = ways(trimesh.util.concatenate([outer, inner]), hollow=len(inner.faces))["as placed"]
     assert found.overhang == found.enclosed == pytest.approx(120)
 
 
@@ -62,9 +62,9 @@ def test_the_better_way_is_chosen_and_the_present_one_kept_where_none_is() -> No
     funnel = frustum(5, 30, 10)
     assert choose_orientation(tuple(ways(funnel).values()), BED).name == "upside down"
     funnel.apply_transform(np.diag([1.0, -1.0, -1.0, 1.0]))
-    assert choose_orientation(tuple(ways(funnel).values()), BED).name == "as it stands"
+    assert choose_orientation(tuple(ways(funnel).values()), BED).name == "as placed"
     cube = tuple(ways(trimesh.creation.box((20, 20, 20))).values())
-    assert choose_orientation(cube, BED).name == "as it stands"
+    assert choose_orientation(cube, BED).name == "as placed"
 
 
 def test_a_way_that_does_not_fit_the_bed_is_not_the_better_one() -> None:

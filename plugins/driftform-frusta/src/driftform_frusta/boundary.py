@@ -12,7 +12,7 @@ from driftform.types import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """A solid that holds something.
+    """A solid of positive volume.
 
     Attributes
     ----------
@@ -26,7 +26,7 @@ class Solid:
     Raises
     ------
     WorkFailedError
-        where it holds nothing, or is inside out.
+        if it is empty or inside out.
     """
 
     vertices: FloatArray
@@ -34,13 +34,13 @@ class Solid:
     shells: FloatArray
 
     def __post_init__(self) -> None:
-        """Refuse what holds nothing."""
+        """Raise ``WorkFailedError`` for an empty solid."""
         if not self.volume > 0:
             raise WorkFailedError(f"the solid is empty or inside out: its volume is {self.volume:g} mm3")
 
     @classmethod
     def from_manifold(cls, solid: Manifold) -> "Solid":
-        """What bounds a solid of manifold3d."""
+        """Return the boundary of a solid of manifold3d."""
         mesh = solid.to_mesh64()
         return cls(
             np.asarray(mesh.vert_properties)[:, :3],
@@ -50,12 +50,12 @@ class Solid:
 
     @property
     def volume(self) -> float:
-        """Volume of what is solid, mm3."""
+        """Volume of the material, mm3."""
         return float(self.shells.sum())
 
     @property
     def pieces(self) -> int:
-        """Number of solids that do not hang together: each has an outside, and any number of hollows."""
+        """Number of disconnected solids: each has an outside, and any number of hollows."""
         return int((self.shells > 0).sum())
 
     @property
@@ -64,20 +64,20 @@ class Solid:
         return np.stack((self.vertices.min(axis=0), self.vertices.max(axis=0)))
 
     def translate(self, offset: npt.ArrayLike) -> "Solid":
-        """The solid moved by ``offset``, mm."""
+        """Return the solid moved by ``offset``, mm."""
         return Solid(self.vertices + np.asarray(offset), self.triangles, self.shells)
 
     def turn_over(self) -> "Solid":
-        """The solid turned by half a turn about the x axis."""
+        """Return the solid turned by half a turn about the x axis."""
         return Solid(self.vertices * np.array([1.0, -1.0, -1.0]), self.triangles, self.shells)
 
     def to_manifold(self) -> Manifold:
-        """The solid for manifold3d, which unites, cuts and measures solids.
+        """Return the solid for manifold3d, which unites, cuts and measures solids.
 
         Raises
         ------
         WorkFailedError
-            where its surfaces are not closed.
+            if its surfaces are not closed.
         """
         solid = Manifold(Mesh64(vert_properties=self.vertices, tri_verts=self.triangles.astype(np.uint64)))
         if solid.status() != Error.NoError:

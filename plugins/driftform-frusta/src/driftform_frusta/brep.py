@@ -1,6 +1,6 @@
 """CSG tree -> boundary representation by Open CASCADE: true circles, cones and spheres instead of facets.
 
-Needs the extra ``step``; everything of Open CASCADE is imported where it is used, because that takes seconds.
+Needs the extra ``step``; Open CASCADE is imported inside functions, because that takes seconds.
 """
 
 from collections.abc import Sequence
@@ -31,22 +31,22 @@ _SIMPLIFY = 1e-6
 """mm: clipping leaves vertices some 1e-8 mm apart, between which no face can be."""
 
 _NONE = 1e-9
-"""A radius below this, mm, is none."""
+"""mm: a radius below this is on the axis."""
 
 
 def require_opencascade() -> None:
-    """Make sure that Open CASCADE is there.
+    """Check that Open CASCADE is installed.
 
     Raises
     ------
     WorkFailedError
-        where it is not; the message says how to get it.
+        if it is not; the message has the command that installs it.
     """
     try:
         import OCP.gp  # noqa: F401
     except ImportError:
         raise WorkFailedError(
-            'STEP files need Open CASCADE, which is not installed; get it by: pip install "driftform-frusta[step]"'
+            'STEP files need Open CASCADE, which is not installed; run: pip install "driftform-frusta[step]"'
         ) from None
 
 
@@ -56,7 +56,7 @@ def to_brep(node: Node) -> Any:
     Raises
     ------
     WorkFailedError
-        where the result is not valid.
+        if the result is not valid.
     """
     from OCP.BRepCheck import BRepCheck_Analyzer
 
@@ -67,7 +67,7 @@ def to_brep(node: Node) -> Any:
 
 
 def volume_of(shape: Any) -> float:
-    """Return the volume of a shape, mm3; negative where it is inside out."""
+    """Return the volume of a shape, mm3; negative if it is inside out."""
     from OCP.BRepGProp import BRepGProp
     from OCP.GProp import GProp_GProps
 

@@ -12,7 +12,7 @@ from driftform_frusta.section import Chain, build_chain, hull_section, open_sect
 
 
 class FrustaOptions(Table):
-    """What an agent is made of; the defaults are the paper's."""
+    """Dimensions and materials of an agent; the defaults are the paper's."""
 
     core_radius: float = option(0.01, "radius of the core", "m", ge=1e-4, le=1)
     core_mass: float = option(0.05, "mass of the core", "kg", ge=0, le=1e4)
@@ -39,7 +39,7 @@ class FrustaOptions(Table):
 
 
 class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
-    """The outline is the union of the chains and of a dome over the core; the cavity is what the wall leaves.
+    """The outline is the union of the chains and of a dome over the core; the cavity is its inward offset by the wall.
 
     The dome has the radius core + clearance + wall, and both chains start tangent to it at the core's equator.
     """

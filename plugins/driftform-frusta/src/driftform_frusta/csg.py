@@ -1,6 +1,6 @@
 """Solids as trees of plain values, in the manner of OpenSCAD.
 
-A tree says what a solid is; :mod:`driftform_frusta.solid` makes a mesh of it, and
+A tree describes a solid; :mod:`driftform_frusta.solid` makes a mesh of it, and
 :mod:`driftform_frusta.scad` prints it as OpenSCAD source. All lengths are millimetres, because a tree
 describes what a printable file holds; angles are degrees, in fields that end in ``_deg``. A tree knows
 nothing of facets: radii are those of true circles, and it is the interpreters that approximate them.
@@ -35,7 +35,7 @@ class Frustum:
     top_radius: float
 
     def __post_init__(self) -> None:
-        """Refuse what is no solid."""
+        """Raise ``ValueError`` for numbers that describe no solid."""
         _check(0 < self.height < math.inf, f"a frustum's height must be positive, not {self.height}")
         for radius in (self.bottom_radius, self.top_radius):
             _check(0 <= radius < math.inf, f"a frustum's radius must be zero or more, not {radius}")
@@ -49,7 +49,7 @@ class Sphere:
     radius: float
 
     def __post_init__(self) -> None:
-        """Refuse what is no solid."""
+        """Raise ``ValueError`` for numbers that describe no solid."""
         _check(0 < self.radius < math.inf, f"a sphere's radius must be positive, not {self.radius}")
 
 
@@ -60,7 +60,7 @@ class Box:
     size: Vector
 
     def __post_init__(self) -> None:
-        """Refuse what is no solid."""
+        """Raise ``ValueError`` for numbers that describe no solid."""
         _check(all(0 < s < math.inf for s in self.size), f"a box's sides must be positive, not {self.size}")
 
 
@@ -77,7 +77,7 @@ class Revolve:
     holes: tuple[tuple[Point, ...], ...] = ()
 
     def __post_init__(self) -> None:
-        """Refuse what is no solid."""
+        """Raise ``ValueError`` for numbers that describe no solid."""
         for polygon in (self.outline, *self.holes):
             _check(len(polygon) >= 3, f"a polygon needs three points or more, not {len(polygon)}")
             _check(
@@ -98,12 +98,12 @@ class Text:
     height: float
 
     def __post_init__(self) -> None:
-        """Refuse what is no solid."""
+        """Raise ``ValueError`` for numbers that describe no solid."""
         _check(0 < self.size < math.inf, f"a text's size must be positive, not {self.size}")
         _check(0 < self.height < math.inf, f"a text's height must be positive, not {self.height}")
         _check(bool(self.text.strip()), "a text needs a letter")
         unknown = missing_letters(self.text)
-        _check(not unknown, f"there is no letter for {unknown!r}")
+        _check(not unknown, f"cannot draw {unknown!r}: no letter is known for it")
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ class Union:
     children: "tuple[Node, ...]"
 
     def __post_init__(self) -> None:
-        """Refuse what is no solid."""
+        """Raise ``ValueError`` for numbers that describe no solid."""
         _check(len(self.children) > 0, "a union needs a child")
 
 
@@ -132,7 +132,7 @@ class Intersection:
     children: "tuple[Node, ...]"
 
     def __post_init__(self) -> None:
-        """Refuse what is no solid."""
+        """Raise ``ValueError`` for numbers that describe no solid."""
         _check(len(self.children) > 0, "an intersection needs a child")
 
 
@@ -144,7 +144,7 @@ class Translate:
     child: "Node"
 
     def __post_init__(self) -> None:
-        """Refuse what is no solid."""
+        """Raise ``ValueError`` for numbers that describe no solid."""
         _check(all(map(math.isfinite, self.offset)), f"an offset must be finite, not {self.offset}")
 
 
@@ -156,7 +156,7 @@ class Rotate:
     child: "Node"
 
     def __post_init__(self) -> None:
-        """Refuse what is no solid."""
+        """Raise ``ValueError`` for numbers that describe no solid."""
         _check(all(map(math.isfinite, self.angles_deg)), f"angles must be finite, not {self.angles_deg}")
 
 

@@ -1,7 +1,7 @@
 """Body -> CSG tree of its hull, in the printed frame.
 
 Printed frame: millimetres, the body's axis along z, the fore end up, the lowest point at z = 0. The core lies
-loose in the cavity and is no part of the hull.
+loose in the cavity and is not part of the hull.
 
 Both functions read the same vertices of the section, so they describe the same solid.
 """
@@ -27,7 +27,7 @@ def build_hull(body: Body) -> Node:
     Raises
     ------
     WorkFailedError
-        where a contour does not run from the axis to the axis.
+        if a contour does not run from the axis to the axis.
     """
     outer, cavity = _read_contours(body)
     holes = (_points(cavity),) if len(cavity) else ()
@@ -37,12 +37,12 @@ def build_hull(body: Body) -> Node:
 def build_hull_of_frustums(body: Body) -> Node:
     """Return the hull as frustums: the union of those of the outer contour less the union of the cavity's.
 
-    Edges of the section that stand normal to the axis have no height and need no frustum.
+    Edges of the section normal to the axis have no height and need no frustum.
 
     Raises
     ------
     WorkFailedError
-        where a contour does not run from the axis to the axis, or folds back along it.
+        if a contour does not run from the axis to the axis, or folds back along it.
     """
     outer, cavity = _read_contours(body)
     outside = Named("outside", _stack_frustums(outer, "outer contour"))
@@ -85,9 +85,9 @@ def _stack_frustums(contour: FloatArray, what: str) -> Node:
     frustums: list[Node] = []
     for (z0, r0), (z1, r1) in zip(contour[:-1].tolist(), contour[1:].tolist(), strict=True):
         if z1 < z0:
-            raise WorkFailedError(f"the {what} folds back along the axis: it is no chain of frustums")
+            raise WorkFailedError(f"the {what} folds back along the axis: it is not a chain of frustums")
         if z1 > z0 and r0 + r1 > 0:
             frustums.append(Translate((0.0, 0.0, z0), Frustum(z1 - z0, r0, r1)))
     if not frustums:
-        raise WorkFailedError(f"the {what} has no length: it is no chain of frustums")
+        raise WorkFailedError(f"the {what} has no length: it is not a chain of frustums")
     return Union(tuple(frustums))

@@ -1,6 +1,6 @@
 """Letters of straight strokes, for engraving: the same on every machine, whatever its fonts.
 
-Each letter stands on a grid of 4 by 6 units; small letters are drawn as capitals.
+Each letter is drawn on a grid of 4 by 6 units; small letters are drawn as capitals.
 """
 
 from itertools import pairwise
@@ -69,15 +69,15 @@ def missing_letters(text: str) -> str:
 
 
 def draw_strokes(text: str, size: float) -> tuple[Stroke, ...]:
-    """Return the strokes of a text whose capitals are ``size`` high; it begins at the origin and goes along x.
+    """Return the strokes of a text whose capitals are ``size`` high; it begins at the origin and runs along x.
 
     Raises
     ------
     ValueError
-        where there is no such letter.
+        if a letter is not known.
     """
     if letters := missing_letters(text):
-        raise ValueError(f"there is no letter for {letters!r}")
+        raise ValueError(f"cannot draw {letters!r}: no letter is known for it")
     unit = size / _HEIGHT
     found: list[Stroke] = []
     for place, letter in enumerate(text):

@@ -40,16 +40,16 @@ def make_mesh(solid: Solid, what: str = "hull", frame: FloatArray | None = None)
     Parameters
     ----------
     solid
-        what to take the mesh of, in mm.
+        in mm.
     what
-        what a message calls it.
+        its name in messages.
     frame
-        takes its points to those of the mesh, (3, 3); none leaves them as they are.
+        matrix from its points to those of the mesh, (3, 3); the identity by default.
 
     Raises
     ------
     WorkFailedError
-        where the rounded mesh is not closed, or its volume differs from the solid's by more than rounding explains.
+        if the rounded mesh is not closed, or its volume differs from the solid's by more than rounding explains.
     """
     points, expected = solid.vertices, solid.volume
     if frame is not None:

@@ -1,8 +1,8 @@
-"""Agent -> OpenSCAD source of its sealed hull that a person can edit: a table of modules, a wall, a core.
+"""Agent -> OpenSCAD source of its sealed hull, to edit: a table of modules, a wall, a core.
 
-The source says what the builder of ``frusta`` does: the chains of modules and a dome over the core are united, and the
-cavity is their inward offset by the wall, with the room of the core. What it renders to is worked out here, too, by
-the same steps, and compared with the body. A body that was made in another way is written as its two contours instead.
+The source follows the builder of ``frusta``: the chains of modules and a dome over the core are united, and the
+cavity is their inward offset by the wall, with the room of the core. The solid that it renders to is computed here by
+the same steps, and compared with the body. A body made in another way is written as its two contours instead.
 """
 
 import math
@@ -35,7 +35,7 @@ class Row:
 
 
 def hull_source(agent: Agent, segments: int, title: str) -> str:
-    """Return OpenSCAD source that renders to the sealed hull of an agent, mm, fore end up, standing on z = 0.
+    """Return OpenSCAD source that renders to the sealed hull of an agent, mm, fore end up, its lowest point at z = 0.
 
     ``segments`` is the number of corners of every circle. Its volume is that of the closed form within 1e-4.
     """
@@ -156,12 +156,12 @@ module cavity() {{
 
 
 def _clearance(body: Body) -> float:
-    """What the dome leaves between core and wall, mm: both chains start from the dome at the core's equator."""
+    """Gap between core and dome, mm: both chains start from the dome at the core's equator."""
     return MM * (radius_at(body.outer, 0.0) - body.core.radius - body.wall)
 
 
 def _tabulate_modules(agent: Agent) -> tuple[list[Row] | None, int]:
-    """The modules as the builder would lay them, and how many lie aft; ``None`` for a body without any."""
+    """The modules as the builder would lay them, and how many lie aft; ``None`` for a body without modules."""
     body, morphology = agent.body, agent.morphology
     if morphology is None:
         return None, 0
@@ -198,7 +198,7 @@ def _round_mm(*metres: float) -> tuple[float, ...]:
 
 
 def _renders_to_hull(body: Body, rows: Sequence[Row], aft: int, clearance: float) -> bool:
-    """Tell whether the table renders to the hull of the body: the same volume, length and diameter."""
+    """Return whether the table renders to the hull of the body: the same volume, length and diameter."""
     wall, dome = MM * body.wall, MM * (body.core.radius + body.wall) + clearance
     if min(dome, clearance + 1e-6, wall) <= 0:
         return False

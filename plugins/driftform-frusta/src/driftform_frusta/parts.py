@@ -36,7 +36,7 @@ class Part:
     fore_down: bool = False
 
     def on_bed(self) -> Solid:
-        """The solid as it is printed: upright, standing on z = 0 about the z axis, mm."""
+        """The solid as it is printed: upright, its lowest point at z = 0, mm."""
         turned = self.solid.turn_over() if self.fore_down else self.solid
         return turned.translate((0.0, 0.0, -turned.bounds[0, 2]))
 
@@ -47,7 +47,7 @@ def make_parts(body: Body, options: PartOptions) -> tuple[Part, ...]:
     Raises
     ------
     WorkFailedError
-        where it cannot be printed this way; the message gives the reason.
+        if it cannot be printed this way; the message has the reason.
     """
     if not options.kit:
         return (Part("hull", *build_printable_hull(body, options.segments)),)

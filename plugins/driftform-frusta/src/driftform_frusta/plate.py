@@ -1,19 +1,19 @@
 """Parts laid out on the bed of a printer: in rows, the deepest first, so that the same parts give the same plate.
 
 Shelf packing: rows fill the bed from the front, and a part goes into the first row that has room for it (first fit,
-decreasing). What does not fit on one plate goes on further ones.
+decreasing). Parts that do not fit on one plate are put on further ones.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 GAP = 5.0
-"""Room between two parts, mm: a skirt and a nozzle pass."""
+"""Room between two parts, mm: a skirt and a nozzle pass through it."""
 
 
 @dataclass(frozen=True)
 class Spot:
-    """Where a part stands: the number of its plate, and the middle of its rectangle, mm from the bed's middle."""
+    """The place of a part: the number of its plate, and the middle of its rectangle, mm from the bed's middle."""
 
     plate: int
     x: float
@@ -36,7 +36,7 @@ class _Plate:
 def arrange(
     sizes: Sequence[tuple[float, float]], bed: tuple[float, float], gap: float = GAP
 ) -> tuple[Spot, ...]:
-    """Return where rectangles stand on plates of the size of ``bed``, in the order of ``sizes``; all in mm.
+    """Return the places of rectangles on plates of the size of ``bed``, in the order of ``sizes``; all in mm.
 
     Rows, and the parts in them, are centred. A part that is larger than the bed has a plate to itself.
     """
@@ -56,7 +56,7 @@ def arrange(
 
 
 def fits(size: tuple[float, float, float], bed: tuple[float, float, float]) -> bool:
-    """Tell whether a part that stands as it is has room in the printer; both in mm."""
+    """Return whether a part, without turning it, fits the printer; both in mm."""
     return all(s <= b + 1e-6 for s, b in zip(size, bed, strict=True))
 
 

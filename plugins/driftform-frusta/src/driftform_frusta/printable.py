@@ -1,6 +1,6 @@
 """Body -> its hull as a printable solid, compared with the closed form of its section.
 
-A mesh with its cavity turned inside out is closed and manifold too: only its volume tells.
+A mesh whose cavity is turned inside out is closed and manifold too: only its volume shows the fault.
 """
 
 import numpy as np
@@ -18,7 +18,7 @@ MM3_PER_M3 = 1e9
 # Relative, between the mesh in double precision and the closed form.
 _VOLUME_TOLERANCE = 1e-6
 
-# m: a wall thinner than this is none.
+# m: contours nearer than this touch.
 _NO_WALL = 1e-6
 
 
@@ -31,7 +31,7 @@ def build_printable_hull(body: Body, segments: int) -> tuple[Node, Solid]:
     Raises
     ------
     WorkFailedError
-        where the body has no such solid; the message tells why.
+        if the body has no such solid; the message has the reason.
     """
     tree = build_printable_section(body)
     solid = to_solid(tree, segments)
@@ -47,7 +47,7 @@ def build_printable_section(body: Body) -> Node:
     Raises
     ------
     WorkFailedError
-        where there is no such hull; the message tells why.
+        if the contours have no wall between them, or touch the axis; the message has the reason.
     """
     tree = build_hull(body)
     _refuse_without_wall(body)
@@ -61,7 +61,7 @@ def refuse_other_volume(volume: float, expected: float, what: str) -> None:
     Raises
     ------
     WorkFailedError
-        where they differ.
+        if they differ.
     """
     closed_form = expected * MM3_PER_M3
     if not abs(volume - closed_form) <= _VOLUME_TOLERANCE * closed_form:
@@ -96,5 +96,5 @@ def _refuse_pinched(body: Body) -> None:
     if len(gaps):
         x = body.outer[off_axis[gaps[0]] + 1, 0]
         raise WorkFailedError(
-            f"the hull is no one printable part: its outer contour touches the axis at x = {x:.6f} m"
+            f"the hull is not one printable part: its outer contour touches the axis at x = {x:.6f} m"
         )

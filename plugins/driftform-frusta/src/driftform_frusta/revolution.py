@@ -7,7 +7,7 @@ vertex is where the profile has it to the last bit, and two profiles that share 
 Circles become regular polygons, the first corner on the x axis. A regular N-gon in a circle of radius r has the area
 ``N/2 sin(2 pi/N) r^2``, less than the circle's; every radius is therefore scaled by :func:`area_factor`, so that each
 cross-section normal to the axis has the circle's area and a mesh has the volume, and the mass, that the closed forms
-give. The price is corners that stand out of the circle, by 0.08 % of the radius at 64 segments.
+give. The corners then lie outside the circle, by 0.08 % of the radius at 64 segments.
 """
 
 from collections.abc import Iterable, Iterator
@@ -21,7 +21,7 @@ from driftform_frusta.boundary import Solid
 
 
 def revolve_profiles(profiles: Iterable[FloatArray], segments: int) -> Solid:
-    """Return what closed profiles sweep about the z axis.
+    """Return the solid that closed profiles sweep about the z axis.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def revolve_profiles(profiles: Iterable[FloatArray], segments: int) -> Solid:
     Raises
     ------
     WorkFailedError
-        where they hold nothing, or are inside out.
+        if the solid is empty or inside out.
     """
     vertices, triangles, shells, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], [], 0
     for profile in profiles:

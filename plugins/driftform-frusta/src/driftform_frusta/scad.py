@@ -1,7 +1,7 @@
 """CSG tree -> readable OpenSCAD source.
 
 The source renders to the same volume as :func:`driftform_frusta.solid.to_manifold` gives: it scales radii by
-the same factors, which stand in it as formulas of ``$fn``, so that a reader may change that number.
+the same factors, which are written as formulas of ``$fn``, so that a reader may change that number.
 """
 
 from collections.abc import Iterator, Sequence
@@ -67,7 +67,7 @@ def to_scad(node: Node, segments: int = 64) -> str:
 
 
 def write_definitions(nodes: Sequence[Node], segments: int) -> str:
-    """Return what the source of trees refers to: the number of corners, factors on radii, and modules."""
+    """Return the definitions that the source of trees uses: the number of corners, factors on radii, and modules."""
     if segments < 3:
         raise ValueError(f"a circle needs three segments or more, not {segments}")
     kinds = {type(n) for node in nodes for n in _walk(node)}
@@ -127,7 +127,7 @@ def _lines(node: Node) -> list[str]:
         case Rotate():
             lines = _put_above(f"rotate({_vector(node.angles_deg)})", _lines(node.child))
         case Named():
-            # A line break in a label would end the comment that it stands in.
+            # A line break in a label would end the comment.
             lines = [f"// {' '.join(node.label.split())}".rstrip(), *_lines(node.child)]
         case _:
             assert_never(node)

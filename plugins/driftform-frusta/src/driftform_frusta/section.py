@@ -18,7 +18,7 @@ MM = 1e3
 """Clipping works in millimetres, with a resolution of 1e-8 mm."""
 
 ON_AXIS = 1e-7
-"""What is nearer to the axis than this (mm) is on it: an offset leaves vertices a grid step beside it."""
+"""A point nearer to the axis than this (mm) is on it: an offset leaves vertices a grid step beside it."""
 
 SIMPLIFY = 1e-4
 """Vertices nearer than this (mm) to the line through their neighbours carry no shape, only slivers of a mesh."""
@@ -41,7 +41,7 @@ class Chain:
 def build_chain(modules: Sequence[Module], start_radius: float, least_radius: float) -> Chain:
     """Lay modules end to end from the equator outward.
 
-    Lengths run along the slant. Where the radius would fall below ``least_radius`` it stays there, and the
+    Lengths run along the slant. If the radius would fall below ``least_radius`` it stays at that, and the
     module keeps its axial length.
     """
     x, r = [0.0], [start_radius]
@@ -55,11 +55,11 @@ def hull_section(fore: Chain, aft: Chain, dome: float, wall: float) -> tuple[Flo
     """Return outer contour and cavity of a closed hull, (n, 2) and (m, 2), m.
 
     The cavity is the mitred inward offset of the outline by ``wall``: the wall is nowhere thinner than that,
-    and flat ends become caps of the same thickness. Where a mitre would reach down into the room of the core,
-    the room stays.
+    and flat ends become caps of the same thickness. If a mitre would reach into the room of the core,
+    the room is kept.
 
-    The section goes on below the axis, so that the offset knows no edge along it; what lies deeper than the
-    longest mitre is of no effect above. No chain may be thinner than that.
+    The section continues below the axis, so that the offset finds no edge along it; parts deeper than the
+    longest mitre have no effect above. No chain may be thinner than that.
     """
     depth = MITRE_LIMIT * wall
     outline = _unite_outline(fore, aft, dome, depth)
@@ -74,7 +74,7 @@ def open_section(fore: Chain, aft: Chain, dome: float, wall: float) -> tuple[Flo
     """Return outer contour and cavity by the paper's wall, (n, 2) and (m, 2), m.
 
     Each frustum's wall has the constant radial thickness wall/cos(tilt) that eq. 18 assumes, and the ends have
-    none: the cavity reaches through them.
+    no wall: the cavity reaches through them.
     """
     hollow = [_make_disc(dome - wall)]
     for side, sign in ((fore, 1), (aft, -1)):

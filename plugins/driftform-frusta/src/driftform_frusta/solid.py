@@ -62,7 +62,7 @@ def to_solid(node: Node, segments: int = 64) -> Solid:
     Raises
     ------
     WorkFailedError
-        where the tree has no solid: the result is empty, inside out, or not manifold.
+        if the tree has no solid: the result is empty, inside out, or not manifold.
     """
     _refuse_too_few(segments)
     match node:

@@ -32,7 +32,7 @@ _DATE = (1980, 1, 1, 0, 0, 0)
 
 @dataclass(frozen=True, eq=False)
 class Item:
-    """One part: its name, colour (``#rrggbb``), mesh in mm, and where on the plate its origin goes, mm."""
+    """One part: its name, colour (``#rrggbb``), mesh in mm, and the place of its origin on the plate, mm."""
 
     name: str
     colour: str
@@ -42,14 +42,14 @@ class Item:
 
 @dataclass(frozen=True, eq=False)
 class Package:
-    """What a file holds.
+    """The contents of a file.
 
     Attributes
     ----------
     title
-        what people call it.
+        shown by slicers.
     items
-        the parts, standing on the plate; its corner is the origin.
+        the parts on the plate, whose corner is the origin.
     facts
         metadata by the names of the specification, such as ``Description``.
     hints

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 @hookimpl
 def driftform_checker() -> "list[type[Checker[Any]]]":
-    """What the meshes are, and what OpenSCAD, PrusaSlicer and admesh say of them."""
+    """Checks of the meshes, by their triangles and by OpenSCAD, PrusaSlicer and admesh."""
     from driftform_printability.admesh import AdmeshChecker
     from driftform_printability.mesh import MeshChecker
     from driftform_printability.openscad import OpenScadChecker

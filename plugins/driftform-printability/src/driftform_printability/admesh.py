@@ -1,4 +1,4 @@
-"""What admesh finds to mend."""
+"""Faults that admesh finds."""
 
 import re
 from collections.abc import Iterator
@@ -20,24 +20,24 @@ _FAULTS = {
     "Facets added": "added",
     "Edges fixed": "edges fixed",
 }
-"""What it prints a count of, by what a line has room for; the count is 0 for a mesh that needs no mending."""
+"""Counts that admesh prints, and their short names; each is 0 for a mesh without faults."""
 
 
 class AdmeshOptions(Table):
-    """How admesh is asked."""
+    """Options of admesh."""
 
-    timeout: float = option(60.0, "longest time that it may take for a file", "s", gt=0)
+    timeout: float = option(60.0, "time limit for each file", "s", gt=0)
 
 
 class AdmeshChecker(Checker[AdmeshOptions]):
-    """What admesh would mend before it trusts a mesh: disconnected, degenerate and reversed facets."""
+    """Faults that admesh would repair: disconnected, degenerate and reversed facets."""
 
     name = "admesh"
     program = "admesh"
     Options: ClassVar[type[Table]] = AdmeshOptions
 
     def check(self, job: PrintJob) -> Iterator[Finding]:
-        """Tell what it counts in all files."""
+        """Report its counts, summed over all files."""
         if reason := explain_missing(self.program):
             yield Finding(self.name, State.SKIPPED, reason)
             return
@@ -50,7 +50,7 @@ class AdmeshChecker(Checker[AdmeshOptions]):
                     yield Finding(self.name, State.SKIPPED, str(error))
                     return
                 for title, name in _FAULTS.items():
-                    # It prints two columns for some: before and after mending.
+                    # It prints two columns for some: before and after the repair.
                     found = re.search(rf"{title}\s*:\s*(\d+)", said)
                     if found is None:
                         yield Finding(self.name, State.FAIL, f"{path.name}: {last_line(said)}")
@@ -58,6 +58,6 @@ class AdmeshChecker(Checker[AdmeshOptions]):
                     counts[name] += int(found[1])
         faults = [f"{count} {name}" for name, count in counts.items() if count]
         if faults:
-            yield Finding(self.name, State.FAIL, f"facets it would mend: {', '.join(faults)}")
+            yield Finding(self.name, State.FAIL, f"facets that it would repair: {', '.join(faults)}")
         else:
-            yield Finding(self.name, State.PASS, "nothing to mend")
+            yield Finding(self.name, State.PASS, "nothing to repair")

@@ -1,4 +1,4 @@
-"""The report on the meshes themselves: from whether they are closed to how they had better stand."""
+"""Checks of the meshes themselves: from closedness to the best orientation on the bed."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -18,25 +18,25 @@ from driftform_printability.topology import Topology, analyse_topology
 from driftform_printability.walls import REACH, Wall, find_thinnest_wall
 
 _SMALLEST, _LARGEST = 1.0, 10_000.0
-"""mm: what is smaller was written in metres, what is larger in micrometres."""
+"""mm: a smaller part was written in metres, a larger one in micrometres."""
 
 _LINES = 2
-"""Lines of the nozzle side by side that a watertight wall takes."""
+"""Least thickness of a watertight wall, in lines of the nozzle."""
 
 
 class MeshOptions(Table):
-    """What passes."""
+    """The limits that pass."""
 
     tolerance: float = option(
         1e-4, "largest relative difference of volume from the closed form that passes", gt=0, lt=1
     )
-    coarse: float = option(1e-2, "largest such difference that is no more than a warning", gt=0, lt=1)
-    overhang: float = option(1e-5, "largest area hanging over by more than 45 deg that passes", "m2", ge=0)
+    coarse: float = option(1e-2, "largest such difference that is only a warning", gt=0, lt=1)
+    overhang: float = option(1e-5, "largest area that overhangs by more than 45 deg and passes", "m2", ge=0)
 
 
 @dataclass(frozen=True, eq=False)
 class AnalysedPart:
-    """A part, and what is known of it; ``shells`` are empty where it is not closed or not oriented."""
+    """A part, its topology and its shells, which are empty if it is not closed or not oriented."""
 
     part: Part
     topology: Topology
@@ -44,29 +44,29 @@ class AnalysedPart:
 
     @property
     def sound(self) -> bool:
-        """True where it is a solid: closed, and every shell faces as it should."""
+        """True if it is a solid: closed, and every shell faces as it should."""
         return bool(self.shells) and not any(shell.inside_out or shell.cut for shell in self.shells)
 
     @property
     def volume(self) -> float:
-        """Of its material, mm3."""
+        """Volume of the material, mm3."""
         return sum(shell.volume for shell in self.shells)
 
 
 def analyse_part(part: Part) -> AnalysedPart:
-    """Look at how a part's triangles hang together."""
+    """Return a part with its topology and its shells."""
     found = analyse_topology(part.triangles)
     return AnalysedPart(part, found, find_shells(part, found) if found.closed and found.oriented else ())
 
 
 class MeshChecker(Checker[MeshOptions]):
-    """What the meshes are, by their triangles alone; no other program is needed."""
+    """Checks of the triangles: unit, closedness, shells, mass, walls, size and orientation. Needs no other program."""
 
     name = "mesh"
     Options: ClassVar[type[Table]] = MeshOptions
 
     def check(self, job: PrintJob) -> Iterator[Finding]:
-        """Tell of unit, closedness, orientation, shells, mass, walls, size, and the way to stand."""
+        """Report unit, closedness, orientation of faces, shells, mass, walls, size, and orientation on the bed."""
         parts = [part for path in job.files for part in read_parts(path)]
         studied = [analyse_part(part) for part in parts]
         unit = _check_unit(parts)
@@ -77,7 +77,7 @@ class MeshChecker(Checker[MeshOptions]):
         yield _check_shells(studied, job)
         if unit.state is State.FAIL:
             for check in ("mass", "wall", "bed", "standing"):
-                yield Finding(check, State.SKIPPED, "the unit has to be mended first")
+                yield Finding(check, State.SKIPPED, "correct the unit first")
             return
         yield self._check_mass(studied, job)
         yield _check_walls(studied, job)
@@ -87,53 +87,59 @@ class MeshChecker(Checker[MeshOptions]):
 
     def _check_mass(self, studied: Sequence[AnalysedPart], job: PrintJob) -> Finding:
         if not all(one.sound for one in studied):
-            return Finding("mass", State.SKIPPED, "what is no solid has no volume")
+            return Finding("mass", State.SKIPPED, "a mesh that is not a solid has no volume")
         volume = sum(one.volume for one in studied)
         density = None if job.export is None else job.export.agent.body.hull_density
         amount = f"{volume / 1000:.4f} cm3"
         if density is not None:
             amount += f", {volume / MM3_PER_M3 * density * 1000:.3f} g at {density:g} kg/m3"
         if job.volume is None:
-            reason = "no agent is known that it is of: name one by --agent"
+            reason = "the agent is unknown: name it with --agent"
             return Finding("mass", State.SKIPPED, f"{amount}; {reason}")
         difference = volume / (job.volume * MM3_PER_M3) - 1
-        told = f"{amount}; {difference:+.1e} of the closed form"
+        message = f"{amount}; {difference:+.1e} of the closed form"
         if abs(difference) <= self.options.tolerance:
-            return Finding("mass", State.PASS, told)
+            return Finding("mass", State.PASS, message)
         if abs(difference) <= self.options.coarse:
-            return Finding("mass", State.WARN, f"{told}: a coarse mesh? export it with more segments")
+            return Finding("mass", State.WARN, f"{message}: a coarse mesh? export it with more segments")
         if len(studied) > 1 and difference > 0 and job.export is not None and _is_whole(job):
             return Finding(
-                "mass", State.WARN, f"{told}, in {len(studied)} parts: of a kit? check it with --kit"
+                "mass", State.WARN, f"{message}, in {len(studied)} parts: a kit? check it with --kit"
             )
         return Finding(
             "mass",
             State.FAIL,
-            f"{amount}, where the closed form has {job.volume * 1e6:.4f} cm3: another agent, or a wall that is not its own",
+            f"{amount}, but the closed form has {job.volume * 1e6:.4f} cm3: another agent, or another wall?",
         )
 
     def _check_standing(self, one: AnalysedPart, job: PrintJob, count: int) -> Finding:
         name = one.part.name if count > 1 else ""
         if not one.shells:
-            return Finding("standing", State.SKIPPED, "what is not closed has no underside", name)
+            return Finding("standing", State.SKIPPED, "a mesh that is not closed has no underside", name)
         hollow = sum(len(shell.triangles) for shell in one.shells if shell.hollow)
         bed = _bed_size(job)
         ways = list_orientations(one.part.vertices, orient_outward(one.shells), hollow)
         best, now = choose_orientation(ways, bed), ways[0]
-        # The files of an agent in one piece stand on its aft end.
+        # The file of an agent in one piece has its aft end on the bed.
         upright = job.export is not None and count == 1
-        words = {"as it stands": "fore end up", "upside down": "fore end down"} if upright else {}
+        words = {"as placed": "fore end up", "upside down": "fore end down"} if upright else {}
         shown = [
             way for way in ways if way is not ways[-1] or not np.isclose(way.overhang, ways[-2].overhang)
         ]
-        told = f"cm2 on the bed and hanging over: {', '.join(_describe_orientation(way, words) for way in shown)}"
+        message = (
+            f"contact and overhang in cm2: {', '.join(_describe_orientation(way, words) for way in shown)}"
+        )
         if best.name != now.name:
-            return Finding("standing", State.WARN, f"{told}; better {words.get(best.name, best.name)}", name)
+            return Finding(
+                "standing", State.WARN, f"{message}; better {words.get(best.name, best.name)}", name
+            )
         if not now.steady:
-            return Finding("standing", State.WARN, f"{told}; no way is better, give it a brim", name)
+            return Finding(
+                "standing", State.WARN, f"{message}; no orientation is better, print it with a brim", name
+            )
         support = "" if now.overhang <= self.options.overhang * MM_PER_M**2 else ", with support"
         state = State.WARN if support else State.PASS
-        return Finding("standing", state, f"{told}; best {words.get(best.name, best.name)}{support}", name)
+        return Finding("standing", state, f"{message}; best {words.get(best.name, best.name)}{support}", name)
 
 
 def _bed_size(job: PrintJob) -> FloatArray:
@@ -163,7 +169,7 @@ def _check_unit(parts: Sequence[Part]) -> Finding:
 
 
 def _join_faults(studied: Sequence[AnalysedPart], faults: Sequence[str]) -> str:
-    """The faults of the parts, each with the name of its part where there are several."""
+    """Return the faults of the parts in one line, each with the name of its part if there are several."""
     named = zip(studied, faults, strict=True)
     return "; ".join(
         f"{one.part.name}: {fault}" if len(studied) > 1 else fault for one, fault in named if fault
@@ -178,26 +184,26 @@ def _check_copies(studied: Sequence[AnalysedPart]) -> Finding:
     faults = [
         f"{_count(one.topology.copies, 'triangle')} twice" if one.topology.copies else "" for one in studied
     ]
-    if told := _join_faults(studied, faults):
-        return Finding("duplicate faces", State.FAIL, f"{told}: leave the copies out")
+    if message := _join_faults(studied, faults):
+        return Finding("duplicate faces", State.FAIL, f"{message}: remove the copies")
     count = sum(len(one.part.triangles) for one in studied)
-    return Finding("duplicate faces", State.PASS, f"none among {count} triangles")
+    return Finding("duplicate faces", State.PASS, f"no copies among {count} triangles")
 
 
 def _check_closed(studied: Sequence[AnalysedPart]) -> Finding:
     faults = []
     for one in studied:
         t = one.topology
-        told = []
+        found = []
         if t.open_edges:
-            told.append(
+            found.append(
                 f"{_count(t.open_edges, 'open edge')} round {_count(t.holes, 'hole')}: faces are missing"
             )
         if t.crowded_edges:
-            told.append(f"{_count(t.crowded_edges, 'edge')} of three faces or more")
-        faults.append(", ".join(told))
-    if told_of := _join_faults(studied, faults):
-        return Finding("closed", State.FAIL, told_of)
+            found.append(f"{_count(t.crowded_edges, 'edge')} of three faces or more")
+        faults.append(", ".join(found))
+    if message := _join_faults(studied, faults):
+        return Finding("closed", State.FAIL, message)
     return Finding("closed", State.PASS, "every edge has two faces")
 
 
@@ -206,57 +212,61 @@ def _check_oriented(studied: Sequence[AnalysedPart]) -> Finding:
         f"{_count(one.topology.flipped, 'face')} turned against the rest" if one.topology.flipped else ""
         for one in studied
     ]
-    if told := _join_faults(studied, faults):
-        return Finding("oriented", State.FAIL, told)
+    if message := _join_faults(studied, faults):
+        return Finding("oriented", State.FAIL, message)
     return Finding("oriented", State.PASS, "neighbours face the same way")
 
 
 def _check_shells(studied: Sequence[AnalysedPart], job: PrintJob) -> Finding:
     if not all(one.shells for one in studied):
-        return Finding("shells", State.SKIPPED, "what is not closed and oriented has no inside")
+        return Finding("shells", State.SKIPPED, "a mesh that is not closed and oriented has no inside")
     faults = [_describe_turned(one.shells) for one in studied]
-    if told := _join_faults(studied, faults):
-        return Finding("shells", State.FAIL, told)
+    if message := _join_faults(studied, faults):
+        return Finding("shells", State.FAIL, message)
     if job.export is not None and len(studied) == 1 and _is_whole(job):
         expected = 1 + bool(len(job.export.agent.body.cavity))
         count = len(studied[0].shells)
         if count != expected:
             return Finding(
-                "shells", State.FAIL, f"{_count(count, 'shell')}, where the hull of the agent has {expected}"
+                "shells", State.FAIL, f"{_count(count, 'shell')}, but the hull of the agent has {expected}"
             )
     loose = [sum(not shell.hollow for shell in one.shells) - 1 for one in studied]
-    told = _join_faults(studied, [f"{_count(n + 1, 'piece')} that do not touch" if n else "" for n in loose])
-    if told:
-        return Finding("shells", State.WARN, told)
+    message = _join_faults(
+        studied, [f"{_count(n + 1, 'piece')} that do not touch" if n else "" for n in loose]
+    )
+    if message:
+        return Finding("shells", State.WARN, message)
     hollows = sum(shell.hollow for one in studied for shell in one.shells)
     outside = "an outside" if len(studied) == 1 else f"{len(studied)} outsides"
-    return Finding("shells", State.PASS, f"{outside} and {_count(hollows, 'hollow')}, each facing its way")
+    return Finding(
+        "shells", State.PASS, f"{outside} and {_count(hollows, 'hollow')}, each facing the right way"
+    )
 
 
 def _is_whole(job: PrintJob) -> bool:
-    """Tell whether the files are of the agent's hull in one piece, and not of a kit."""
+    """Return whether the files hold the agent's hull in one piece, and not a kit."""
     assert job.export is not None
     return job.volume is not None and bool(np.isclose(job.volume, hull_volume(job.export.agent.body)))
 
 
 def _describe_turned(shells: Sequence[Shell]) -> str:
     if any(shell.cut for shell in shells):
-        return "shells pass through one another"
+        return "shells intersect"
     wrong = [shell for shell in shells if shell.inside_out]
     if not wrong:
         return ""
     if len(wrong) == len(shells):
         return "everything is inside out: its volume is negative; turn all faces"
     hollows = sum(shell.hollow for shell in wrong)
-    told = [f"{_count(hollows, 'hollow')} inside out: printed as material, not as air"] if hollows else []
+    message = [f"{_count(hollows, 'hollow')} inside out: printed as material, not as air"] if hollows else []
     if len(wrong) > hollows:
-        told.append(f"{_count(len(wrong) - hollows, 'outside')} inside out")
-    return ", ".join(told)
+        message.append(f"{_count(len(wrong) - hollows, 'outside')} inside out")
+    return ", ".join(message)
 
 
 def _check_walls(studied: Sequence[AnalysedPart], job: PrintJob) -> Finding:
     if not all(one.shells for one in studied):
-        return Finding("wall", State.SKIPPED, "what is not closed and oriented has no wall to measure")
+        return Finding("wall", State.SKIPPED, "a mesh that is not closed and oriented has no wall to measure")
     nozzle = MM_PER_M * job.printer.nozzle
     thin: Wall | None = None
     where = ""
@@ -265,16 +275,18 @@ def _check_walls(studied: Sequence[AnalysedPart], job: PrintJob) -> Finding:
         if wall is not None and (thin is None or wall.thickness < thin.thickness):
             thin, where = wall, f"{one.part.name}, " if len(studied) > 1 else ""
     if thin is None:
-        return Finding("wall", State.PASS, f"none thinner than {REACH:g} mm")
+        return Finding("wall", State.PASS, f"no wall thinner than {REACH:g} mm")
     x, y, z = thin.where
-    told = f"{thin.thickness:.3f} mm at its thinnest ({where}x {x:.1f}, y {y:.1f}, z {z:.1f})"
+    message = f"{thin.thickness:.3f} mm at its thinnest ({where}x {x:.1f}, y {y:.1f}, z {z:.1f})"
     if thin.thickness < nozzle:
-        return Finding("wall", State.FAIL, f"{told}: less than the nozzle's {nozzle:g} mm")
+        return Finding("wall", State.FAIL, f"{message}: less than the nozzle's {nozzle:g} mm")
     if thin.thickness < _LINES * nozzle:
         return Finding(
-            "wall", State.WARN, f"{told}: less than {_LINES} lines of the {nozzle:g} mm nozzle; it may leak"
+            "wall",
+            State.WARN,
+            f"{message}: less than {_LINES} lines of the {nozzle:g} mm nozzle; it may leak",
         )
-    return Finding("wall", State.PASS, f"{told}: {thin.thickness / nozzle:.1f} lines of {nozzle:g} mm")
+    return Finding("wall", State.PASS, f"{message}: {thin.thickness / nozzle:.1f} lines of {nozzle:g} mm")
 
 
 def _check_bed(parts: Sequence[Part], job: PrintJob) -> Finding:
@@ -301,7 +313,7 @@ def _check_bed(parts: Sequence[Part], job: PrintJob) -> Finding:
         return Finding(
             "bed",
             State.WARN,
-            f"each part fits {room} mm, together they lie on {plate[1]:.0f} x {plate[0]:.0f} mm: arrange them anew",
+            f"each part fits {room} mm, together they take {plate[1]:.0f} x {plate[0]:.0f} mm: arrange them again",
         )
     size = " x ".join(f"{side:.1f}" for side in (highest - lowest))
     return Finding("bed", State.PASS, f"{size} mm fits {room} mm")

@@ -1,4 +1,4 @@
-"""What OpenSCAD makes of the source."""
+"""The volume of the source, rendered by OpenSCAD."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,28 +15,28 @@ from driftform_printability.rendering import TIMEOUT, render
 
 
 class OpenScadOptions(Table):
-    """How OpenSCAD is asked."""
+    """Options of OpenSCAD."""
 
-    timeout: float = option(TIMEOUT, "longest time that it may take", "s", gt=0)
+    timeout: float = option(TIMEOUT, "time limit", "s", gt=0)
     tolerance: float = option(1e-4, "largest relative difference of volume that passes", gt=0, lt=1)
 
 
 class OpenScadChecker(Checker[OpenScadOptions]):
-    """The OpenSCAD source that belongs to the files, rendered: its volume beside theirs."""
+    """The OpenSCAD source that belongs to the files, rendered: its volume compared with theirs."""
 
     name = "openscad"
     program = "openscad"
     Options: ClassVar[type[Table]] = OpenScadOptions
 
     def check(self, job: PrintJob) -> Iterator[Finding]:
-        """Tell the volume of the source, and whether it is that of the meshes."""
+        """Report the volume of the source, and whether it equals that of the meshes."""
         yield self._check_source(job)
 
     def _check_source(self, job: PrintJob) -> Finding:
         from driftform_printability.reading import read_parts
 
         if job.source is None:
-            return Finding(self.name, State.SKIPPED, "there is no OpenSCAD source of it to render")
+            return Finding(self.name, State.SKIPPED, "no OpenSCAD source to render")
         if reason := explain_missing(self.program):
             return Finding(self.name, State.SKIPPED, reason)
         with TemporaryDirectory() as folder:
@@ -50,7 +50,7 @@ class OpenScadChecker(Checker[OpenScadOptions]):
         parts = [part for path in job.files for part in read_parts(path)]
         others = {"the mesh": sum(part.volume for part in parts)}
         if job.volume is not None:
-            # A broken mesh says nothing of the source.
+            # A broken mesh does not show whether the source is right.
             others["the closed form"] = job.volume * MM3_PER_M3
         differences = {what: volume / other - 1 if other else float("inf") for what, other in others.items()}
         what = min(differences, key=lambda name: abs(differences[name]))
@@ -58,5 +58,5 @@ class OpenScadChecker(Checker[OpenScadOptions]):
         return Finding(
             self.name,
             State.PASS if sound else State.FAIL,
-            f"its source renders to {volume / 1000:.4f} cm3, {differences[what]:+.1e} of {what}",
+            f"the source renders to {volume / 1000:.4f} cm3, {differences[what]:+.1e} of {what}",
         )

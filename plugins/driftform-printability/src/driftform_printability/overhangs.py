@@ -1,4 +1,4 @@
-"""How a part may stand on the bed: what it would stand on, and what would hang over."""
+"""Orientations of a part on the bed: its contact with the bed and its overhangs."""
 
 from dataclasses import dataclass
 
@@ -11,36 +11,36 @@ STEEPEST = np.radians(45)
 """Overhang, from the vertical, that prints without support."""
 
 _FIRST_LAYER = 0.05
-"""mm: what is no higher above the bed is pressed onto it with the first layer."""
+"""mm: surfaces up to this height above the bed belong to the first layer."""
 
 _STEADY = 1 / 10
-"""Least side of the square of contact, as a share of the height, that holds a part without a brim."""
+"""Least square root of the contact area, over the height, that holds a part without a brim."""
 
 TURNS: dict[str, FloatArray] = {
-    "as it stands": np.eye(3),
+    "as placed": np.eye(3),
     "upside down": np.diag([1.0, -1.0, -1.0]),
     "lying": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
     "on its other side": np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]),
 }
-"""Rotations, by what they make of a part whose axis is along z."""
+"""Rotations by name, for a part whose axis is along z."""
 
 
 @dataclass(frozen=True, eq=False)
 class Orientation:
-    """One way for a part to stand.
+    """One orientation of a part on the bed.
 
     Attributes
     ----------
     name
-        that of :data:`TURNS`.
+        as in :data:`TURNS`.
     size
         width, depth and height, mm, (3,).
     contact
         area on the bed, mm2.
     overhang
-        area that hangs over too far, mm2.
+        area that overhangs by more than :data:`STEEPEST`, mm2.
     enclosed
-        of it in closed hollows, where no support can be taken out again, mm2.
+        the part of it in closed hollows, from which support cannot be removed, mm2.
     """
 
     name: str
@@ -51,18 +51,18 @@ class Orientation:
 
     @property
     def steady(self) -> bool:
-        """True where its contact holds it without a brim."""
+        """True if the contact with the bed holds it without a brim."""
         return bool(np.sqrt(self.contact) >= _STEADY * self.size[2])
 
     def fits(self, bed: FloatArray) -> bool:
-        """Tell whether it fits a bed (mm, (3,)), turned about the vertical by a right angle if need be."""
+        """Return whether it fits a bed (mm, (3,)), turned about the vertical by a right angle if necessary."""
         across, along = sorted(self.size[:2]), sorted(bed[:2])
         room = 1e-6 * float(bed.max())
         return bool((np.array([*across, self.size[2]]) <= np.array([*along, bed[2]]) + room).all())
 
 
 def list_orientations(vertices: FloatArray, triangles: IntArray, hollow: int) -> tuple[Orientation, ...]:
-    """Return the ways of :data:`TURNS`.
+    """Return the orientations of :data:`TURNS`.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def list_orientations(vertices: FloatArray, triangles: IntArray, hollow: int) ->
     triangles
         facing outward, (m, 3); the last ``hollow`` of them are the walls of closed hollows.
     hollow
-        how many those are.
+        the number of those triangles.
     """
     normals = area_vectors(vertices, triangles)
     area = np.linalg.norm(normals, axis=1)
@@ -84,7 +84,7 @@ def list_orientations(vertices: FloatArray, triangles: IntArray, hollow: int) ->
         lowest, highest = turned.min(axis=0), turned.max(axis=0)
         down = -(normals @ turn.T)[:, 2]
         on_bed = (turned[corners, 2] <= lowest[2] + _FIRST_LAYER).all(axis=1)
-        # A hundredth of a degree more, so that a slope of just that overhang is none for its rounding.
+        # A hundredth of a degree more, so that rounding does not make a slope of exactly 45 degrees an overhang.
         hanging = (down > np.sin(STEEPEST + 2e-4)) & ~on_bed
         found.append(
             Orientation(
@@ -99,7 +99,7 @@ def list_orientations(vertices: FloatArray, triangles: IntArray, hollow: int) ->
 
 
 def choose_orientation(ways: tuple[Orientation, ...], bed: FloatArray) -> Orientation:
-    """The way that fits the bed, is steady, and hangs over least; the first of those that are as good, to 1 %."""
+    """Return the orientation that fits the bed, is steady, and overhangs least; the first of those equal within 1 %."""
     least = min(way.overhang for way in ways)
 
     def rank(way: Orientation) -> tuple[bool, bool, float]:

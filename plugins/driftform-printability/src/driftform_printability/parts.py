@@ -1,4 +1,4 @@
-"""The parts of a printable file: welded meshes in mm, as they stand on the bed."""
+"""The parts of a printable file: meshes with shared vertices in mm, as they lie on the bed."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ class Part:
     Attributes
     ----------
     name
-        what the file calls it, or the file's own name.
+        its name in the file, or the file's own name.
     vertices
         mm, z up, (n, 3); no two are the same.
     triangles
@@ -49,9 +49,9 @@ class Part:
 
 
 def make_part(name: str, vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> Part:
-    """Return a part whose vertices of equal coordinates are joined; triangles that collapse by it are left out.
+    """Return a part with vertices of equal coordinates merged; triangles that collapse are left out.
 
-    Files of loose triangles hold each vertex several times, and others do where normals or colours differ.
+    Files of loose triangles hold each vertex several times, and others do if normals or colours differ.
     """
     points = np.asarray(vertices, dtype=np.float64).reshape(-1, 3)
     return Part(name, *merge_vertices(points, np.asarray(triangles, dtype=np.int64).reshape(-1, 3)))

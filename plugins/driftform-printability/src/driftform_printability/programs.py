@@ -1,6 +1,6 @@
-"""Running the programs of a maker: in a folder of their own, for a limited time, and read by what they print.
+"""Running other programs: in a separate folder, for a limited time; the result is their output.
 
-Their exit codes prove little: admesh always says 0, OpenSCAD says 0 with an ERROR line, PrusaSlicer nearly always.
+Their exit codes prove little: admesh always returns 0, OpenSCAD 0 with an ERROR line, PrusaSlicer nearly always 0.
 """
 
 import shutil
@@ -12,17 +12,17 @@ from driftform.errors import WorkFailedError
 
 
 def explain_missing(program: str) -> str:
-    """The reason why a program cannot be asked, ``""`` where it can."""
+    """Return the reason why a program cannot be run, ``""`` if it can."""
     return "" if shutil.which(program) else f"{program} is not on PATH"
 
 
 def run_program(command: Sequence[str], folder: Path, timeout: float) -> str:
-    """Run a program in ``folder`` and return what it printed, its errors too.
+    """Run a program in ``folder`` and return its output, standard error included.
 
     Raises
     ------
     WorkFailedError
-        where it does not end within ``timeout`` seconds, or cannot be started.
+        if it does not end within ``timeout`` seconds, or cannot be started.
     """
     try:
         done = subprocess.run(
@@ -42,7 +42,7 @@ def run_program(command: Sequence[str], folder: Path, timeout: float) -> str:
 
 
 def last_line(output: str) -> str:
-    """The last line that is not empty: where programs say what went wrong."""
+    """Return the last line that is not empty: programs print the reason of a failure there."""
     return next(
         (line.strip() for line in reversed(output.splitlines()) if line.strip()), "it printed nothing"
     )

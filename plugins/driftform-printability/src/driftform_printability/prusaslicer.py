@@ -1,4 +1,4 @@
-"""What PrusaSlicer says of the meshes, and what it makes of them."""
+"""PrusaSlicer's report on the meshes, and the g-code that it makes of them."""
 
 import math
 import re
@@ -24,28 +24,28 @@ _SECONDS = {"d": 86400, "h": 3600, "m": 60, "s": 1}
 
 
 class PrusaSlicerOptions(Table):
-    """What PrusaSlicer is asked to print with, and what of its answer passes."""
+    """Print settings for PrusaSlicer, and the limits that pass."""
 
     layer_height: float = option(0.0002, "height of a layer", "m", gt=0, le=0.01)
-    perimeters: int = option(3, "lines that a wall is printed with at most", ge=1, le=100)
-    infill: float = option(0.15, "share of what is left between them that is filled", ge=0, le=1)
-    least: float = option(0.95, "least volume of filament over that of the mesh that passes", gt=0)
-    most: float = option(1.03, "largest volume of filament over that of the mesh that passes", gt=0)
-    timeout: float = option(300.0, "longest time that it may take for a part", "s", gt=0)
+    perimeters: int = option(3, "most perimeters of a wall", ge=1, le=100)
+    infill: float = option(0.15, "filled share of the room between the perimeters", ge=0, le=1)
+    least: float = option(0.95, "least ratio of filament to mesh volume that passes", gt=0)
+    most: float = option(1.03, "largest ratio of filament to mesh volume that passes", gt=0)
+    timeout: float = option(300.0, "time limit for each part", "s", gt=0)
 
 
 @dataclass(frozen=True)
 class Sliced:
-    """What a part takes: filament (mm3) and time (s)."""
+    """Filament (mm3) and time (s) to print a part."""
 
     filament: float
     seconds: float
 
 
 class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
-    """What PrusaSlicer finds amiss with each mesh, and the filament and the time that its g-code takes.
+    """Faults that PrusaSlicer finds in each mesh, and the filament and the time of its g-code.
 
-    Filament is compared with the mesh: a slicer mends what is open or turned, and prints something, but not that.
+    Filament is compared with the mesh: a slicer repairs open or inverted meshes, and then prints another solid.
     """
 
     name = "prusa-slicer"
@@ -53,7 +53,7 @@ class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
     Options: ClassVar[type[Table]] = PrusaSlicerOptions
 
     def check(self, job: PrintJob) -> Iterator[Finding]:
-        """Tell whether it takes the meshes as they are, and what their g-code comes to."""
+        """Report faults of the meshes, and the filament and the time of their g-code."""
         mesh, gcode = f"{self.name} mesh", f"{self.name} g-code"
         if reason := explain_missing(self.program):
             yield Finding(mesh, State.SKIPPED, reason)
@@ -66,7 +66,7 @@ class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
                 faults = [fault for path in paths if (fault := self._find_fault(path, folder))]
                 if faults:
                     yield Finding(mesh, State.FAIL, "; ".join(faults))
-                    yield Finding(gcode, State.SKIPPED, "the mesh has to be mended first")
+                    yield Finding(gcode, State.SKIPPED, "repair the mesh first")
                     return
                 yield Finding(mesh, State.PASS, "manifold, nothing reversed")
                 yield self._compare_filament(gcode, paths, folder, job.printer)
@@ -112,11 +112,11 @@ class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
             State.PASS if sound else State.FAIL,
             f"filament {filament / 1000:.2f} cm3, {ratio:.3f} of the mesh; prints in {hours} h {minutes} min"
             + ("" if sound else f"; expected {self.options.least:g} to {self.options.most:g}")
-            + ("; thick places are not filled: raise infill" if ratio < self.options.least else ""),
+            + ("; thick walls are not filled: raise infill" if ratio < self.options.least else ""),
         )
 
     def _slice(self, path: Path, folder: Path, printer: Printer) -> Sliced | str:
-        """What the g-code of a part says of itself, or why there is none."""
+        """Return the filament and the time of a part by its g-code, or the reason why there is no g-code."""
         o = self.options
         width, depth, height = (MM_PER_M * side for side in printer.bed)
         gcode = folder / "part.gcode"
@@ -128,13 +128,13 @@ class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
                 f"--layer-height={MM_PER_M * o.layer_height:g}",
                 f"--perimeters={o.perimeters}",
                 f"--fill-density={100 * o.infill:g}%",
-                # Its default pattern, made for sparse filling, is refused where all is filled.
+                # Its default pattern, made for sparse filling, is refused if all is filled.
                 f"--fill-pattern={'rectilinear' if o.infill == 1 else 'gyroid'}",
                 f"--filament-diameter={_FILAMENT:g}",
                 f"--nozzle-diameter={MM_PER_M * printer.nozzle:g}",
                 f"--bed-shape=0x0,{width:g}x0,{width:g}x{depth:g},0x{depth:g}",
                 f"--max-print-height={height:g}",
-                # What is printed round a part is not of it.
+                # A skirt is not part of the print.
                 "--skirts=0",
                 f"--output={gcode}",
                 str(path),

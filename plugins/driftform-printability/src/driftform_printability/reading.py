@@ -13,7 +13,7 @@ from driftform_printability.parts import MM_PER_M, Part, make_part
 from driftform_printability.rendering import render
 from driftform_printability.threemf import read_3mf
 
-# glTF is in metres and y up: here z is up, and the axis that came towards the viewer points along -y.
+# glTF is in metres with y up: here z is up, and the axis towards the viewer points along -y.
 _FROM_GLTF = MM_PER_M * np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
 
@@ -23,15 +23,15 @@ _LONGEST_NAME = 40
 def read_parts(path: Path) -> tuple[Part, ...]:
     """Return the parts of a file, one at least.
 
-    STL, OBJ and PLY have no unit and are taken to be in mm; 3MF says its unit, GLB is in metres with y up. OpenSCAD
+    STL, OBJ and PLY have no unit and are taken to be in mm; 3MF states its unit, GLB is in metres with y up. OpenSCAD
     source is rendered.
 
     Raises
     ------
     InputError
-        where it is no file of its format, or holds no triangle.
+        if it is not a file of its format, or has no triangle.
     WorkFailedError
-        where OpenSCAD is needed and not there.
+        if OpenSCAD is needed and not installed.
     """
     try:
         status = path.stat()
@@ -44,18 +44,20 @@ def read_parts(path: Path) -> tuple[Part, ...]:
 def _read(path: Path, _changed: int, _size: int) -> tuple[Part, ...]:
     suffix = path.suffix.lower()
     if suffix not in _READERS:
-        raise InputError(f"{path}: is no printable file by its suffix; known: {', '.join(sorted(_READERS))}")
+        raise InputError(
+            f"{path}: is not a printable file by its suffix; known: {', '.join(sorted(_READERS))}"
+        )
     try:
         parts = _READERS[suffix](path)
     except (InputError, WorkFailedError):
         raise
     except Exception as error:
-        # A reader of strangers' files fails in whatever way it likes.
+        # A reader of unknown files may fail in any way.
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(f"{path}: cannot be read as {suffix[1:].upper()}: {reason}") from None
     parts = tuple(part for part in parts if len(part.triangles))
     if not parts:
-        raise InputError(f"{path}: holds no triangle")
+        raise InputError(f"{path}: has no triangle")
     for part in parts:
         if not np.isfinite(part.vertices).all():
             raise InputError(f"{path}: {part.name} has coordinates that are not finite")
@@ -63,7 +65,7 @@ def _read(path: Path, _changed: int, _size: int) -> tuple[Part, ...]:
 
 
 def _clean_name(name: str) -> str:
-    """A name as a line of a report can hold it: a stranger's file neither breaks it nor moves the cursor."""
+    """Return a name that is safe in a line of a report: without control characters, and not too long."""
     return "".join(c for c in name if c.isprintable())[:_LONGEST_NAME] or "part"
 
 

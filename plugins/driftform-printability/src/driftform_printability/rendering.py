@@ -14,16 +14,16 @@ def render(source: Path, folder: Path, timeout: float = TIMEOUT) -> Path:
     Raises
     ------
     WorkFailedError
-        where OpenSCAD is not there or does not come to an end.
+        if OpenSCAD is not installed or does not end in time.
     InputError
-        where it makes no solid of the source, or leaves out a part of it; the message has its reason.
+        if the source has no solid, or a part of it is left out; the message has OpenSCAD's reason.
     """
     if reason := explain_missing("openscad"):
-        raise WorkFailedError(f"{source}: can be read by OpenSCAD only: {reason}")
+        raise WorkFailedError(f"{source}: only OpenSCAD can read it: {reason}")
     mesh = folder / "rendered.stl"
     said = run_program(["openscad", "-o", str(mesh), str(source.resolve())], folder, timeout)
-    # A part that could not be made is left out with no more than such a line.
+    # OpenSCAD leaves out a part that it cannot make, and prints such a line only.
     faults = [line.strip() for line in said.splitlines() if "ERROR" in line or "WARNING" in line]
     if faults or not mesh.is_file():
-        raise InputError(f"{source}: OpenSCAD: {faults[0] if faults else 'it makes no solid of it'}")
+        raise InputError(f"{source}: OpenSCAD: {faults[0] if faults else 'no solid in the source'}")
     return mesh

@@ -2,7 +2,7 @@
 
 A solid's outside faces outward and its volume is positive; a hollow within faces into the hollow and its volume is
 negative; a loose piece within a hollow is positive again. A mesh whose hollow is inside out is closed and manifold
-all the same, so it is the nesting that has to be asked.
+all the same, so the nesting must be checked.
 """
 
 from dataclasses import dataclass
@@ -15,14 +15,14 @@ from driftform_printability.parts import Part
 from driftform_printability.topology import Topology, winding_numbers
 
 _PROBES = 32
-"""Vertices of a surface that are asked whether they lie within another."""
+"""Vertices of a surface that are tested for lying within another."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shell:
     """One closed surface: its triangles, signed volume (mm3), and the number of shells that it lies within.
 
-    ``cut`` tells that it lies partly within another: they pass through one another.
+    ``cut`` is true if it lies partly within another: they intersect.
     """
 
     triangles: IntArray
@@ -37,7 +37,7 @@ class Shell:
 
     @property
     def inside_out(self) -> bool:
-        """True where it faces the wrong way for its place."""
+        """True if it faces the wrong way for its depth."""
         return (self.volume < 0) != self.hollow
 
 
@@ -71,6 +71,6 @@ def _share_within(points: FloatArray, corners: FloatArray) -> float:
 
 
 def orient_outward(shells: tuple[Shell, ...]) -> IntArray:
-    """The triangles of all shells, each turned to face as its place demands, (m, 3)."""
+    """Return the triangles of all shells, each turned to face as its depth demands, (m, 3)."""
     turned = [s.triangles[:, ::-1] if s.inside_out else s.triangles for s in shells]
     return np.concatenate(turned)

@@ -1,4 +1,4 @@
-"""Files as the programs of a maker read them: one STL for each part, whatever the format was."""
+"""Files for other programs: one STL for each part, whatever the format."""
 
 from collections.abc import Sequence
 from pathlib import Path

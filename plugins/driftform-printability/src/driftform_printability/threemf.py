@@ -34,21 +34,21 @@ def read_3mf(path: Path) -> tuple[Part, ...]:
     Raises
     ------
     ValueError
-        where it is no 3MF file; the message says what is amiss.
+        if it is not a 3MF file; the message has the reason.
     """
     try:
         with zipfile.ZipFile(path) as archive:
             return _Package(archive).parts()
     except (zipfile.BadZipFile, NotImplementedError, RuntimeError) as error:
-        raise ValueError(f"is no archive as 3MF has it: {error}") from None
+        raise ValueError(f"is not a 3MF archive: {error}") from None
     except ElementTree.ParseError as error:
-        raise ValueError(f"its model is no XML: {error}") from None
+        raise ValueError(f"its model is not XML: {error}") from None
     except KeyError as error:
         raise ValueError(f"lacks {error}") from None
 
 
 class _Package:
-    """An open archive, and the models that were read of it."""
+    """An open archive, and the models read from it."""
 
     def __init__(self, archive: zipfile.ZipFile) -> None:
         self._archive = archive
@@ -95,9 +95,9 @@ class _Package:
             points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
             triangles = np.array(corners, dtype=np.int64).reshape(-1, 3)
             if triangles.size and not 0 <= triangles.min() <= triangles.max() < len(points):
-                raise ValueError(f"object {identifier} has triangles on vertices that are not there")
+                raise ValueError(f"object {identifier} has triangles on missing vertices")
             if np.linalg.det(transform[:3]) < 0:
-                # What a mirror does to a mesh is undone, as the specification has it (3.4.1).
+                # A mirror turns a mesh inside out: undone, as in the specification (3.4.1).
                 triangles = triangles[:, ::-1]
             yield points @ transform[:3] + transform[3], triangles
         for component in item.iterfind("{*}components/{*}component"):
@@ -111,7 +111,7 @@ class _Package:
         for item in self._model(path).iterfind("{*}resources/{*}object"):
             if item.get("id") == identifier:
                 return item
-        raise ValueError(f"places object {identifier}, which is not there")
+        raise ValueError(f"places object {identifier}, which is missing")
 
     def _model(self, path: str) -> ElementTree.Element:
         if path not in self._models:
@@ -133,7 +133,7 @@ class _Package:
     def _unit(model: ElementTree.Element) -> float:
         unit = model.get("unit", "millimeter")
         if unit not in _UNITS:
-            raise ValueError(f"is in a unit '{unit}' that 3MF does not have")
+            raise ValueError(f"is in the unit '{unit}', which 3MF does not have")
         return _UNITS[unit]
 
 

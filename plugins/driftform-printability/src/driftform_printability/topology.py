@@ -1,4 +1,4 @@
-"""How the triangles of a mesh hang together: copies, open edges, neighbours that disagree, connected surfaces."""
+"""Topology of a mesh: copies, open edges, neighbours of opposite orientation, connected surfaces."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from driftform.types import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Topology:
-    """What there is to say of a mesh without looking at where its vertices are.
+    """Properties of a mesh that do not depend on the coordinates of its vertices.
 
     Attributes
     ----------
@@ -25,9 +25,9 @@ class Topology:
     crowded_edges
         edges of three triangles or more.
     flipped
-        triangles that face the other way than most of the surface they belong to.
+        triangles that face opposite to most of their surface.
     surface
-        of each triangle, the number of the connected surface that it belongs to, (m,).
+        number of the connected surface of each triangle, (m,).
     """
 
     triangles: IntArray
@@ -40,17 +40,17 @@ class Topology:
 
     @property
     def closed(self) -> bool:
-        """True where every edge has two triangles."""
+        """True if every edge has two triangles."""
         return len(self.triangles) > 0 and not self.open_edges and not self.crowded_edges
 
     @property
     def oriented(self) -> bool:
-        """True where no two neighbours face opposite ways."""
+        """True if no two neighbours face opposite ways."""
         return not self.flipped
 
 
 def analyse_topology(triangles: IntArray) -> Topology:
-    """Study the triangles (m, 3) of a welded mesh."""
+    """Return the topology of triangles (m, 3) that share vertices."""
     _, first = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
     kept = triangles[np.sort(first)]
     start = kept.reshape(-1)
@@ -99,7 +99,7 @@ def _count_groups(rim: IntArray) -> int:
 
 
 def _count_minority(surface: IntArray, patch: IntArray) -> int:
-    """Triangles outside the largest patch of their surface; a patch is what agrees without a break."""
+    """Return the number of triangles outside the largest patch of their surface; in a patch, neighbours agree."""
     if not len(patch):
         return 0
     size = np.bincount(patch)
@@ -109,7 +109,7 @@ def _count_minority(surface: IntArray, patch: IntArray) -> int:
 
 
 def winding_numbers(points: FloatArray, corners: FloatArray) -> FloatArray:
-    """How often a closed surface winds round each point: 0 outside, 1 inside, -1 inside where it is inside out.
+    """Return how often a closed surface winds round each point: 0 outside, 1 inside, -1 inside if it is inside out.
 
     The sum of the solid angles of its triangles over 4 pi (van Oosterom and Strackee, "The solid angle of a plane
     triangle", IEEE Trans. Biomed. Eng. 30, 1983, eq. 8).

@@ -1,4 +1,4 @@
-"""How thin a part gets: rays from its surface through its material to the other side."""
+"""Wall thickness of a part: rays from its surface through its material to the other side."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from driftform.geometry.meshes import IntArray, area_vectors
 from driftform.types import FloatArray
 
 REACH = 5.0
-"""mm: thicker walls are not looked for."""
+"""mm: thicker walls are not searched for."""
 
 _OPPOSITE = np.cos(np.radians(30))
 """Surfaces at less than this to one another, back to back, are two sides of a wall; others meet in an edge."""
@@ -23,14 +23,14 @@ _STATIONS = np.array(
 
 @dataclass(frozen=True)
 class Wall:
-    """The thinnest wall of a part: ``thickness`` in mm and the point of its surface, mm, where it is."""
+    """The thinnest wall of a part: ``thickness`` in mm and its place, a point of the surface, mm."""
 
     thickness: float
     where: tuple[float, float, float]
 
 
 def find_thinnest_wall(vertices: FloatArray, triangles: IntArray) -> Wall | None:
-    """Return the thinnest wall of a solid, ``None`` where none is thinner than :data:`REACH` or it has no inside.
+    """Return the thinnest wall of a solid, ``None`` if it is thicker than :data:`REACH` or has no inside.
 
     From four points of each triangle a ray goes into the material, normal to the surface, until it comes out. Only
     where it comes out through a surface that faces the other way within 30 degrees is there a wall between the two:

@@ -1,4 +1,4 @@
-"""What exporters of hulls share: how files are saved and named, and the facts that are told of solids."""
+"""Shared by exporters of hulls: saving and naming files, and the facts of solids."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,7 +20,7 @@ def save(path: Path, data: bytes | str) -> None:
     Raises
     ------
     WorkFailedError
-        where it cannot be written.
+        if it cannot be written.
     """
     raw = data.encode() if isinstance(data, str) else data
     try:

@@ -24,7 +24,7 @@ _JSON_CHUNK, _BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 
 
 class GlbExporter(JoinedFile):
-    """The hull as GLB (glTF 2.0) in metres with y up, a named node for each part, where it is in the hull."""
+    """The hull as GLB (glTF 2.0) in metres with y up, a named node for each part at its place in the hull."""
 
     name = "glb"
     suffix = ".glb"
@@ -44,12 +44,12 @@ def glb_bytes(title: str, meshes: Mapping[str, Mesh]) -> bytes:
     accessors: list[dict[str, Any]] = []
     binary = b""
 
-    def accessor(data: bytes, target: int, **told: Any) -> int:
+    def accessor(data: bytes, target: int, **fields: Any) -> int:
         nonlocal binary
         views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(data), "target": target})
         # Every number here takes four bytes, so each view begins where it must.
         binary += data
-        accessors.append({"bufferView": len(views) - 1, **told})
+        accessors.append({"bufferView": len(views) - 1, **fields})
         return len(accessors) - 1
 
     primitives = []

@@ -1,4 +1,4 @@
-"""What exporters of meshes have in common: only how a mesh becomes bytes is a format's own."""
+"""Shared by exporters of meshes: a format adds only the encoding of a mesh."""
 
 from abc import abstractmethod
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ from driftform_frusta.mesh import Mesh, make_mesh
 
 
 class PartFiles(Exporter[PartOptions]):
-    """A format that holds one solid: of several parts each has a file, and stands as it is printed."""
+    """A format that holds one solid: several parts are several files, each oriented as it is printed."""
 
     Options: ClassVar[type[Table]] = PartOptions
 
@@ -31,14 +31,14 @@ class PartFiles(Exporter[PartOptions]):
         Raises
         ------
         WorkFailedError
-            where the body has no closed printable solid, or a file cannot be written.
+            if the body has no closed printable solid, or a file cannot be written.
         """
         from driftform_frusta.kit.accounting import kit_facts
         from driftform_frusta.parts import make_parts
 
         body = job.agent.body
         parts = make_parts(body, self.options)
-        # All are made before the first is written: what cannot be printed leaves no files.
+        # All are made before the first is written: a kit that cannot be printed leaves no files.
         meshes = [make_mesh(part.on_bed(), part.name) for part in parts]
         written = []
         for part, mesh in zip(parts, meshes, strict=True):
@@ -51,7 +51,7 @@ class PartFiles(Exporter[PartOptions]):
 
 
 class JoinedFile(Exporter[PartOptions]):
-    """A format that holds all parts, where they are in the hull; ``frame`` takes points in mm to its own."""
+    """A format that holds all parts at their places in the hull; ``frame`` is the matrix from mm to its own frame."""
 
     Options: ClassVar[type[Table]] = PartOptions
     frame: ClassVar[FloatArray | None] = None
@@ -66,7 +66,7 @@ class JoinedFile(Exporter[PartOptions]):
         Raises
         ------
         WorkFailedError
-            where the body has no closed printable solid, or the file cannot be written.
+            if the body has no closed printable solid, or the file cannot be written.
         """
         from driftform_frusta.kit.accounting import kit_facts
         from driftform_frusta.parts import make_parts

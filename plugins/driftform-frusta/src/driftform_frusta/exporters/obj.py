@@ -11,7 +11,7 @@ from driftform_frusta.mesh import Mesh
 
 
 class ObjExporter(JoinedFile):
-    """The hull as an OBJ mesh in mm, a group for each part, where it is in the assembled hull; without colours."""
+    """The hull as an OBJ mesh in mm, a group for each part at its place in the assembled hull; without colours."""
 
     name = "obj"
     suffix = ".obj"

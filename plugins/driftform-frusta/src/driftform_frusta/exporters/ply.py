@@ -12,7 +12,7 @@ _FACE = np.dtype([("count", "u1"), ("corners", "<i4", (3,))])
 
 
 class PlyExporter(PartFiles):
-    """The hull as a binary PLY mesh, in mm, standing as STL does; of several parts each has a file."""
+    """The hull as a binary PLY mesh, in mm, oriented as in STL; several parts are several files."""
 
     name = "ply"
     suffix = ".ply"

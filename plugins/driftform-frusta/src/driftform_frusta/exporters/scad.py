@@ -1,4 +1,4 @@
-"""OpenSCAD source: for people who want to change something."""
+"""OpenSCAD source, to edit."""
 
 from pathlib import Path
 from typing import ClassVar
@@ -11,7 +11,7 @@ from driftform_frusta.kit.options import PartOptions
 
 
 class ScadExporter(Exporter[PartOptions]):
-    """The hull as OpenSCAD source to edit: a table of modules, a wall, a core; of a kit, its parts."""
+    """The hull as OpenSCAD source to edit: a table of modules, a wall, a core; or the parts of a kit."""
 
     name = "scad"
     suffix = ".scad"
@@ -26,7 +26,7 @@ class ScadExporter(Exporter[PartOptions]):
         Raises
         ------
         WorkFailedError
-            where the body has no closed printable solid, or the file cannot be written.
+            if the body has no closed printable solid, or the file cannot be written.
         """
         from driftform_frusta.kit.accounting import kit_facts
         from driftform_frusta.parts import make_parts

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from driftform_frusta.parts import Part
 
 _TOLERANCE = 1e-3
-"""Between the exact solid and its mesh, relative, where letters are engraved: they are cut out of true circles here."""
+"""Between the exact solid and its mesh, relative, if letters are engraved: they are cut out of true circles here."""
 
 
 class StepExporter(Exporter[PartOptions]):
@@ -40,7 +40,7 @@ class StepExporter(Exporter[PartOptions]):
         Raises
         ------
         WorkFailedError
-            where Open CASCADE is missing, the body has no closed printable solid, or the file cannot be written.
+            if Open CASCADE is missing, the body has no closed printable solid, or the file cannot be written.
         """
         from driftform_frusta.brep import require_opencascade, to_brep, volume_of
         from driftform_frusta.kit.accounting import kit_facts
@@ -83,7 +83,7 @@ def step_text(title: str, parts: "Sequence[Part]", shapes: Sequence[Any]) -> str
     from OCP.TDocStd import TDocStd_Document
     from OCP.XCAFDoc import XCAFDoc_ColorSurf, XCAFDoc_DocumentTool
 
-    # It tells of its work on standard output, which is ours.
+    # It prints messages on standard output, which is ours.
     messenger = Message.DefaultMessenger_s()
     for printer in list(messenger.Printers()):
         messenger.RemovePrinter(printer)
@@ -104,7 +104,7 @@ def step_text(title: str, parts: "Sequence[Part]", shapes: Sequence[Any]) -> str
         if not writer.Transfer(document, STEPControl_AsIs) or writer.Write(str(path)) != IFSelect_RetDone:
             raise WorkFailedError("Open CASCADE cannot write the STEP file")
         text = path.read_text(encoding="utf-8")
-    # Its header has the path and the time: the same parts are to give the same bytes.
+    # Its header has the path and the time: the same parts must give the same bytes.
     name = re.sub(r"[^A-Za-z0-9 ._-]", "_", title)
     return re.sub(r"FILE_NAME\('[^']*','[^']*'", f"FILE_NAME('{name}','1970-01-01T00:00:00'", text, count=1)
 

@@ -6,7 +6,7 @@ from driftform_frusta.mesh import Mesh
 
 
 class StlExporter(PartFiles):
-    """The hull as a binary STL mesh, for slicers, in mm; of several parts each has a file and stands upright."""
+    """The hull as a binary STL mesh, for slicers, in mm; several parts are several files, each upright."""
 
     name = "stl"
     suffix = ".stl"

@@ -9,18 +9,18 @@ from driftform_frusta.exporters.common import save
 
 
 class SvgExporter(Exporter[Table]):
-    """A dimensioned drawing of the agent to scale: half outside view, half section, and where it floats."""
+    """A dimensioned drawing of the agent to scale: half outside view, half section, and its water line."""
 
     name = "svg"
     suffix = ".svg"
 
     def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
-        """Write the drawing; it tells no facts that are not in it.
+        """Write the drawing; it has no facts beside those it shows.
 
         Raises
         ------
         WorkFailedError
-            where the file cannot be written.
+            if the file cannot be written.
         """
         from driftform.figures.section import section_svg
 

@@ -1,4 +1,4 @@
-"""3MF: what slicers open as a plate, with names, colours, a picture, and the agent itself."""
+"""3MF: a plate for slicers, with names, colours, a picture, and the agent itself."""
 
 import json
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ _MM = 1000.0
 
 
 class ThreeMfOptions(PartOptions):
-    """How the parts are laid out, and what the file recommends for printing them."""
+    """Options of the parts, and the print settings that the file recommends."""
 
     layer_height: float = option(0.0002, "layer height that the file recommends", "m", gt=0, le=0.01)
     perimeters: int = option(3, "perimeters that the file recommends", ge=1, le=100)
@@ -38,7 +38,7 @@ class ThreeMfOptions(PartOptions):
 
 @dataclass(frozen=True, eq=False)
 class _Placed:
-    """A part, its mesh as it stands on the bed, and where that goes, mm from the middle of its plate."""
+    """A part, its mesh as printed, and the mesh's place, mm from the middle of its plate."""
 
     part: "Part"
     mesh: Mesh
@@ -55,8 +55,8 @@ class _Placed:
 class ThreeMfExporter(Exporter[ThreeMfOptions]):
     """The parts as they are printed, upright on a plate, with names, colours, a picture and the agent's own files.
 
-    Parts that do not fit on one plate are spread over several files. What the file recommends for printing is
-    metadata that no slicer obeys. A part that is larger than the bed is told of and written all the same: beds differ.
+    Parts that do not fit on one plate are spread over several files. The recommended print settings are
+    metadata that slicers ignore. A part larger than the bed is reported and written all the same: beds differ.
     """
 
     name = "3mf"
@@ -71,7 +71,7 @@ class ThreeMfExporter(Exporter[ThreeMfOptions]):
         Raises
         ------
         WorkFailedError
-            where the body has no closed printable solid, or a file cannot be written.
+            if the body has no closed printable solid, or a file cannot be written.
         """
         from driftform_frusta.parts import make_parts
         from driftform_frusta.source import write_source

@@ -1,4 +1,4 @@
-"""What a kit weighs and displaces, against what was simulated: sleeves, seats and fillings weigh something too."""
+"""Mass and volume of a kit beside those that were simulated: sleeves, seats and fillings add mass."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -23,7 +23,7 @@ _MM3_PER_M3 = MM**3
 
 @dataclass(frozen=True, eq=False)
 class EngravedVolume:
-    """What a text takes away: volume (m3), and its centroid in the body frame (m, (3,))."""
+    """The material that a text removes: volume (m3), and centroid in the body frame (m, (3,))."""
 
     volume: float
     centroid: FloatArray
@@ -39,7 +39,7 @@ def kit_mass(body: Body, options: KitOptions) -> MassProperties:
     Raises
     ------
     WorkFailedError
-        where the body has no such kit.
+        if the body has no such kit.
     """
     kit = make_kit(body, options)
     printed = sum((moments(p.rings) for p in kit.pieces[1:]), moments(kit.pieces[0].rings))
@@ -53,7 +53,7 @@ def kit_mass(body: Body, options: KitOptions) -> MassProperties:
 
 @lru_cache(maxsize=64)
 def measure_engraving(text: Engraving) -> EngravedVolume:
-    """Return what an engraving takes from its part."""
+    """Return the volume and the centroid of the material that an engraving removes."""
     volume, first = _mesh_moments(to_manifold(text.gone))
     x, y, z = first / volume / MM
     # Printed: the axis along z. In the body frame it is x.
@@ -93,19 +93,19 @@ def _point_inertia(at: FloatArray) -> FloatArray:
 
 
 def kit_facts(job: ExportJob, options: KitOptions) -> dict[str, Any]:
-    """Return what is worth telling of a job's kit, under the key ``kit``; nothing where none is asked for.
+    """Return the facts of a job's kit, under the key ``kit``; an empty dictionary without a kit.
 
     ``joint``: its ``kind``, where it cuts (``x_mm``), and ``why``. ``parts``: of each its ``name``, ``mass_kg``,
     ``height_mm`` and ``bed_end``. ``balance``: mass (kg), x of the centres of gravity and of buoyancy (mm) and net
-    buoyancy (N) of what was simulated and of what is printed. With holes also ``flooded_kg``, the water that an open
-    hole lets in.
+    buoyancy (N) of the simulated agent and of the printed one. With holes also ``flooded_kg``, the mass of the
+    water that enters through an open hole.
     """
     if not options.kit:
         return {}
     body, fluid = job.agent.body, job.scenario.fluid
     kit = make_kit(body, options)
     first = kit.core_joint.joint
-    told: dict[str, Any] = {
+    facts: dict[str, Any] = {
         "joint": {"kind": first.kind, "x_mm": first.z, "why": kit.core_joint.reason},
         "parts": [_facts_of_piece(piece, body.hull_density) for piece in kit.pieces],
         "balance": [
@@ -114,8 +114,8 @@ def kit_facts(job: ExportJob, options: KitOptions) -> dict[str, Any]:
         ],
     }
     if options.drain:
-        told["flooded_kg"] = fluid.density * _free_volume(kit, body)
-    return {"kit": told}
+        facts["flooded_kg"] = fluid.density * _free_volume(kit, body)
+    return {"kit": facts}
 
 
 def _facts_of_piece(piece: Piece, density: float) -> dict[str, Any]:

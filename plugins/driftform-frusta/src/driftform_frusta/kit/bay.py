@@ -1,6 +1,6 @@
-"""The bay: what holds the core at the origin where the hull itself does not.
+"""The bay: seats that hold the core at the origin if the hull itself does not.
 
-A hull that narrows on both sides of the core holds it. Where one side is wide, the core could move along the axis: a
+A hull that narrows on both sides of the core holds it. If one side is wide, the core could move along the axis: a
 seat is added there, a cone that runs from the wall to the core, normal to the core's surface. Its slope is at most 45
 degrees, so that it prints without support with the closed end of its part on the bed.
 """
@@ -22,13 +22,13 @@ PLAY = 0.5
 """mm that the core may move along the axis without a seat."""
 
 PLAY_OF_SEATS = 2.0
-"""Clearances that it may move in any case: a seat at 45 degrees leaves it 1.4."""
+"""Least play along the axis, in clearances: a seat at 45 degrees leaves 1.4."""
 
 _LATITUDES_DEG = (45.0, 50.0, 55.0, 60.0, 65.0, 70.0)
-"""Where a seat may touch the core, from its equator; the first that has room."""
+"""Latitudes at which a seat may touch the core; the first that has room is taken."""
 
 _TOUCHING = 0.01
-"""mm: sections nearer than this are one."""
+"""mm: sections nearer than this touch."""
 
 _AREA = 1e-3
 """mm2: sections that share less than this do not meet."""
@@ -43,13 +43,13 @@ class Seat:
 
 
 def is_held(parts: Sequence[CrossSection], core: float, side: int, gap: float) -> bool:
-    """Tell whether a core of that radius strikes a part as soon as it moves along the axis to one side."""
+    """Return whether a core of radius ``core`` touches a part as soon as it moves along the axis to one side."""
     moved = make_disc(core).translate((0.0, side * max(PLAY, PLAY_OF_SEATS * gap)))
     return any((moved ^ part).area() > _AREA for part in parts)
 
 
 def place_seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: tuple[int, int]) -> list[Seat]:
-    """Return the seats that a core needs to stay where it was simulated.
+    """Return the seats that keep the core at its simulated place.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def place_seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: t
     Raises
     ------
     WorkFailedError
-        where a seat is needed and has no room.
+        if a seat is needed and has no room.
     """
     found = []
     for side in (-1, 1):
@@ -83,7 +83,7 @@ def _place_seat(hull: Hull, parts: Sequence[CrossSection], side: int, gap: float
         if held and clear:
             return Seat(section, part)
     raise WorkFailedError(
-        f"no kit can be made: the core is not held on its {'fore' if side > 0 else 'aft'} side, and a seat for it has "
+        f"no kit can be made: the core is not held on its {'fore' if side > 0 else 'aft'} side, and a seat has "
         "no room beside the joint; set joint to 'rabbet', or lap to less"
     )
 

@@ -1,4 +1,4 @@
-"""Where a hull is cut: once for the core, and at joints of modules where a part is too long for the bed."""
+"""Choosing the cuts of a hull: one for the core, and others at joints of modules if a part is too long for the bed."""
 
 import math
 from collections.abc import Sequence
@@ -13,13 +13,13 @@ from driftform_frusta.kit.meridian import MM, Hull
 from driftform_frusta.kit.options import KitOptions
 
 STEP = 0.25
-"""mm between places that are tried for the joint beside the core."""
+"""mm between the places that are tried for the joint beside the core."""
 
 LEAST_BORE = 0.35
-"""mm: radius inside a plug below which it is no ring any more."""
+"""mm: least radius of the bore of a plug."""
 
 SLIM_BORE = 4.0
-"""mm: a plug with a narrower bore is a weak joint, made only where no other is."""
+"""mm: a plug with a narrower bore is a weak joint, made only if there is no other."""
 
 _ROUNDING = 0.01
 """mm: chords of the dome lie inside its circle by less than this."""
@@ -27,19 +27,19 @@ _ROUNDING = 0.01
 
 @dataclass(frozen=True)
 class CoreJoint:
-    """The joint that the core goes in by, and why it is this one."""
+    """The joint through which the core is inserted, and the reason for the choice."""
 
     joint: Joint
     reason: str
 
 
 def choose_core_joint(hull: Hull, options: KitOptions) -> CoreJoint:
-    """Return the joint of the two shells: a sleeve as near to the core's equator as there is room, or a rabbet on it.
+    """Return the joint of the two shells: a sleeve as near to the core's equator as possible, or a rabbet at the equator.
 
     Raises
     ------
     WorkFailedError
-        where the joint that was asked for, or any, has no room; the message tells why.
+        if the requested joint, or any joint, has no room; the message has the reason.
     """
     sleeve = None if options.joint == "rabbet" else _find_sleeve(hull, options)
     if sleeve is not None:
@@ -61,7 +61,7 @@ def choose_core_joint(hull: Hull, options: KitOptions) -> CoreJoint:
             f"{no_sleeve}, and without a sleeve there is no groove for an O-ring: set o_ring to 0"
         )
     rabbet = _make_rabbet(hull, options)
-    return CoreJoint(rabbet, "a rabbet was asked for" if options.joint == "rabbet" else no_sleeve)
+    return CoreJoint(rabbet, "joint is set to 'rabbet'" if options.joint == "rabbet" else no_sleeve)
 
 
 def _find_sleeve(hull: Hull, options: KitOptions) -> Joint | None:
@@ -81,7 +81,7 @@ def _find_sleeve(hull: Hull, options: KitOptions) -> Joint | None:
 
 
 def _reach(hull: Hull, side: int, need: float) -> float:
-    """How far from its equator the core passes on one side, of what is near enough to be a joint beside it."""
+    """Distance from the core's equator to which the core passes on one side, limited to four radii, mm."""
     away = np.arange(0.0, 4 * hull.core, STEP)
     narrow = np.flatnonzero(hull.bore_radius(side * away) < need)
     return float(away[narrow[0]]) if len(narrow) else float(away[-1])
@@ -102,7 +102,7 @@ def make_sleeve(z: float, side: int, options: KitOptions) -> Joint:
 
 
 def _takes_core(hull: Hull, joint: Joint, need: float) -> bool:
-    """Tell whether the core passes the socket, of that radius at least, and then leaves room for the plug."""
+    """Return whether the core passes the socket, whose radius must be ``need`` or more, and leaves room for the plug."""
     line = trace_mouth(hull, joint)
     if line[:, 1].min() < need or not _is_rooted(hull, joint):
         return False
@@ -113,14 +113,14 @@ def _takes_core(hull: Hull, joint: Joint, need: float) -> bool:
 
 
 def _slant_factor(line: FloatArray) -> float:
-    """Most that a thickness normal to the meeting surface takes across the axis, over that thickness."""
+    """Largest radial extent of a thickness normal to the meeting surface, over that thickness."""
     run = np.diff(line[:, 0])
     slope = np.diff(line[:, 1])[run < 0] / run[run < 0]
     return math.sqrt(1 + float((slope**2).max(initial=0.0)))
 
 
 def _is_rooted(hull: Hull, joint: Joint) -> bool:
-    """Tell whether the cavity goes on where the plug is held, and whether the plug has a bore."""
+    """Return whether the cavity continues behind the plug, and whether the plug has a bore."""
     height = 3 * joint.plug
     held = joint.z + joint.side * np.linspace(0.0, height, 4)
     if hull.bore_radius(held).min() <= 0:
@@ -143,7 +143,7 @@ def _make_rabbet(hull: Hull, options: KitOptions) -> Joint:
 
 
 def _fill_depth(hull: Hull, joint: Joint) -> float:
-    """How much wider than its mouth the cavity is along the socket, mm: what the socket is filled by."""
+    """Depth by which the socket is filled, mm: the cavity's radius along it less that of the mouth."""
     s = np.linspace(0.0, joint.lap, 20)
     line = trace_mouth(hull, joint)
     return float((hull.bore_radius(joint.z - joint.side * s) - np.interp(s, -line[:, 0], line[:, 1])).max())
@@ -164,7 +164,7 @@ def choose_bed_joints(hull: Hull, first: Joint, options: KitOptions) -> tuple[Jo
     Raises
     ------
     WorkFailedError
-        where a part is wider than the bed, or too high with every joint of modules that takes a sleeve.
+        if a part is wider than the bed, or too high even if every joint of modules that takes a sleeve is cut.
     """
     width, depth, height = (MM * side for side in options.bed)
     if 2 * hull.skin[:, 1].max() > min(width, depth):
@@ -178,7 +178,7 @@ def choose_bed_joints(hull: Hull, first: Joint, options: KitOptions) -> tuple[Jo
 
 
 def _seat_end(hull: Hull, side: int) -> float:
-    """How far from the core's equator a seat may stand: a cone of 45 degrees ends where it meets the wall."""
+    """Largest distance of a seat from the core's equator, mm: a cone of 45 degrees ends at the wall."""
     away = np.arange(0.0, side * float(hull.bore[-1 if side > 0 else 0, 0]) + 2 * STEP, STEP)
     return float(away[np.argmax(hull.bore_radius(side * away) <= away)])
 
@@ -186,7 +186,7 @@ def _seat_end(hull: Hull, side: int) -> float:
 def _cut_side(hull: Hull, first: Joint, side: int, height: float, options: KitOptions) -> tuple[Joint, ...]:
     """Cuts on one side, from the core outward, beyond the core's seat."""
     end = float(hull.skin[-1 if side > 0 else 0, 0])
-    # What a part takes on the bed goes from the tip of its plug to where its neighbour begins.
+    # On the bed, a part extends from the tip of its plug to the beginning of its neighbour.
     start = first.tip if first.side == side else first.z
     margin = 2 * (MM * options.lap + 3 * MM * options.sleeve)
     keep = max(_seat_end(hull, side), side * first.z) + margin
@@ -205,7 +205,7 @@ class _Way:
     joints: tuple[Joint, ...]
 
     def rank(self) -> tuple[int, int, float]:
-        """The best way has the least of it."""
+        """Key to sort by: the best way has the least."""
         return self.cuts, self.slim, self.highest
 
 

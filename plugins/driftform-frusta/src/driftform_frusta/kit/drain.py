@@ -18,7 +18,7 @@ def add_drain(hull: Hull, section: CrossSection, side: int, diameter: float) -> 
     Raises
     ------
     WorkFailedError
-        where the end is too slim, or too thick, for the hole.
+        if the end is too slim, or too thick, for the hole.
     """
     r = diameter / 2
     skin, bore = (hull.skin, hull.bore) if side < 0 else (hull.skin[::-1], hull.bore[::-1])
@@ -27,7 +27,7 @@ def add_drain(hull: Hull, section: CrossSection, side: int, diameter: float) -> 
     wide = bore[bore[:, 1] >= r]
     if not len(wide) or abs(float(wide[0, 0]) - end) > DEEPEST:
         raise WorkFailedError(
-            f"{what}: the cavity is no wider than that within {DEEPEST:g} mm; make drain smaller"
+            f"{what}: the cavity is not wider than that within {DEEPEST:g} mm of the end; make drain smaller"
         )
     inner = float(wide[0, 0])
     through = skin[(skin[:, 0] - inner) * side >= 0][1:, 1]

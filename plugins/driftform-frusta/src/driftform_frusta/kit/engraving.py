@@ -1,6 +1,6 @@
 """A text in the wall of a part, along the axis, of the same depth all over.
 
-It is cut where the letters' prism, which stands across the axis, meets a layer of the wall.
+It is the intersection of the letters' prism, which is normal to the axis, and a layer of the wall.
 """
 
 from dataclasses import dataclass
@@ -15,28 +15,28 @@ from driftform_frusta.kit.options import KitOptions
 from driftform_frusta.lettering import STROKE, text_length
 
 MARGIN = 1.0
-"""mm between the text and what is no plain wall."""
+"""mm between the text and any other feature of the wall."""
 
 SPREAD = 1.2
-"""Largest height of letters over the radius that they stand on: beyond, they bend out of sight."""
+"""Largest height of letters over the radius of the wall: larger ones bend out of sight."""
 
 _STEP = 0.5
-"""mm between places that are tried."""
+"""mm between the places that are tried."""
 
 _PROUD = 0.5
-"""mm by which the layer stands out of the wall, so that no skin is left."""
+"""mm by which the layer projects from the wall, so that no skin is left."""
 
 
 @dataclass(frozen=True, eq=False)
 class Engraving:
-    """What a text takes from a part, mm from the core's centre.
+    """The material that a text removes from a part, mm from the core's centre.
 
     Attributes
     ----------
     tool
-        what is cut out; it stands out of the wall, so that no skin is left.
+        the solid to subtract; it projects from the wall, so that no skin is left.
     gone
-        what of it lies in the wall.
+        its part within the wall.
     """
 
     tool: Node
@@ -46,7 +46,7 @@ class Engraving:
 def engrave(
     hull: Hull, low: float, high: float, taken: list[tuple[float, float]], options: KitOptions
 ) -> Engraving | None:
-    """Return the engraving of a part, ``None`` where the text has no room.
+    """Return the engraving of a part, ``None`` if the text has no room.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def engrave(
     low, high
         z between which the part has the hull's wall.
     taken
-        z between which the wall is not plain.
+        ranges of z in which the wall has other features.
     options
         the text, its size, its depth and its side.
     """
@@ -67,14 +67,14 @@ def engrave(
     outside = options.engrave_side == "outside"
     reach = float(hull.skin[:, 1].max()) + 1
     text = Translate((0.0, -size / 2, 0.0), Text(options.engrave, size, reach))
-    # Read from where one looks at the wall: from the side of -x outside, from the axis towards +x inside.
+    # The text faces the reader: seen from -x outside, and from the axis towards +x inside.
     prism = Rotate((0.0, -90.0, 0.0), text)
-    standing = Translate((0.0 if outside else reach, 0.0, begin + size * STROKE / 2), prism)
+    placed = Translate((0.0 if outside else reach, 0.0, begin + size * STROKE / 2), prism)
     window = make_slab(begin - MARGIN / 2, end + MARGIN / 2)
 
     def within(proud: float) -> Node:
         layer = take_half(_draw_layer(hull, depth, proud, outside) ^ window)
-        return Intersection((standing, Union(tuple(Revolve(*rings) for rings in split_pieces(layer)))))
+        return Intersection((placed, Union(tuple(Revolve(*rings) for rings in split_pieces(layer)))))
 
     return Engraving(Named(f"engraved: {options.engrave}", within(_PROUD)), within(0.0))
 
@@ -88,7 +88,7 @@ def _draw_layer(hull: Hull, depth: float, proud: float, outside: bool) -> CrossS
 def _find_place(
     hull: Hull, low: float, high: float, taken: list[tuple[float, float]], options: KitOptions
 ) -> tuple[float, float] | None:
-    """Where the wall is most nearly a cylinder, and wide enough."""
+    """Return the range of z in which the wall is most nearly a cylinder and wide enough."""
     size, long = MM * options.engrave_size, text_length(options.engrave, MM * options.engrave_size)
     z, r = (hull.skin if options.engrave_side == "outside" else hull.bore).T
     best: tuple[float, float] | None = None
@@ -111,9 +111,9 @@ def _find_place(
 def list_occupied(
     joints: tuple[Joint, ...], ends: list[tuple[float, float]], inside: bool
 ) -> list[tuple[float, float]]:
-    """Return the z that joints and seats take of a wall's side.
+    """Return the ranges of z that joints and seats occupy on one side of the wall.
 
-    Outside, it is the thin lip of a rabbet; inside, sockets, plugs with their roots, and seats.
+    Outside, the thin lip of a rabbet; inside, sockets, plugs with their roots, and seats.
     """
     found = []
     for joint in joints:

@@ -1,9 +1,9 @@
 """A joint of two parts: a ring of one, the plug, slides along the axis into the other, the socket.
 
-Both meet in a surface that follows the cavity where that narrows from the mouth inward, and is a cylinder where it
-would widen: such a surface lets the plug in, centres it, and leaves the same gap all along. Where the cavity is
-wider than that, the socket is filled up to it. Outside, the rims of both bear on each other, so that the hull has
-the shape that was simulated.
+They meet in a surface that follows the cavity as long as that narrows from the mouth inward, and is a cylinder if it
+would widen: such a surface admits the plug, centres it, and leaves the same gap all along. If the cavity is
+wider, the socket is filled up to that surface. Outside, both rims bear on each other, so that the hull has
+the simulated shape.
 
 Undersides are sloped by 45 degrees: printed with their closed ends on the bed, parts need no support.
 """
@@ -19,19 +19,19 @@ from driftform_frusta.kit.meridian import FAR, Hull, grow, make_polygon, make_sl
 from driftform_frusta.kit.options import GROOVE_WIDTH
 
 LEAD = 0.3
-"""mm: chamfer of a sleeve's tip, which finds the socket."""
+"""mm: chamfer of a sleeve's tip, which guides it into the socket."""
 
 
 @dataclass(frozen=True)
 class Joint:
-    """Where and how two parts meet; lengths in mm.
+    """The place and the kind of a joint of two parts; lengths in mm.
 
     Attributes
     ----------
     z
-        where the outer surface is cut.
+        of the cut through the outer surface.
     side
-        of the part with the plug: +1 where that is fore of the cut, -1 where it is aft.
+        of the part with the plug: +1 if that is fore of the cut, -1 if it is aft.
     kind
         ``sleeve``: the plug lies inside the cavity. ``rabbet``: plug and socket share the thickness of the wall.
     lap
@@ -41,7 +41,7 @@ class Joint:
     gap
         between plug and socket, also at the plug's tip.
     groove
-        depth of a groove for an O-ring in the plug, 0 for none; the meeting surface is then a cylinder.
+        depth of a groove for an O-ring in the plug, 0 without one; the meeting surface is then a cylinder.
     cord
         diameter of that ring.
     """
@@ -62,21 +62,21 @@ class Joint:
 
     @property
     def recess(self) -> float:
-        """How deep the socket is cut into the wall."""
+        """Depth of the socket in the wall, mm."""
         return self.plug + self.gap if self.kind == "rabbet" else 0.0
 
     def draw_polygon(self, rs: list[tuple[float, float]]) -> CrossSection:
-        """A polygon of (r, s), s from the cut towards the part with the plug."""
+        """Return a polygon of (r, s), s from the cut towards the part with the plug."""
         return make_polygon([(r, self.z + self.side * s) for r, s in rs])
 
     def draw_slab(self, low: float, high: float) -> CrossSection:
-        """What lies between two s."""
+        """Return the slab between two values of s."""
         ends = sorted((self.z + self.side * low, self.z + self.side * high))
         return make_slab(ends[0], ends[1])
 
 
 def trace_mouth(hull: Hull, joint: Joint) -> FloatArray:
-    """Radius of the cavity along the socket, nowhere wider than nearer to the cut: s and r, (n, 2).
+    """Return the radius of the cavity along the socket, decreasing from the cut inward: s and r, mm, (n, 2).
 
     It begins at the cut, s = 0, and ends a gap beyond the tip.
     """
@@ -108,7 +108,7 @@ def plug_bore(hull: Hull, joint: Joint) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """What a joint makes of both sections: the socket gets ``pad`` and loses ``pocket``; the other gets ``plug``."""
+    """The sections of a joint: ``pad`` is added to the socket's part and ``pocket`` removed; ``plug`` is added to the other."""
 
     pad: CrossSection
     pocket: CrossSection
@@ -116,7 +116,7 @@ class Fit:
 
 
 def draw_joint(hull: Hull, joint: Joint) -> Fit:
-    """Draw a joint."""
+    """Return the sections of a joint."""
     line = trace_mouth(hull, joint)
     end, least = line[-1]
     inner = [(0.0, FAR), (float(line[0, 1]), FAR), *((float(r), float(s)) for s, r in line)]
@@ -146,14 +146,14 @@ def _draw_symmetric(joint: Joint, points: list[tuple[float, float]]) -> CrossSec
 
 
 def _draw_root(hull: Hull, joint: Joint) -> CrossSection:
-    """What carries the plug, from the wall inward; its far side slopes by 45 degrees."""
+    """The root of the plug, from the wall inward; its far side slopes by 45 degrees."""
     r, wide = plug_bore(hull, joint), float(hull.skin[:, 1].max()) + 1
     height = joint.plug
     return _draw_symmetric(joint, [(r, 0.0), (r, height), (wide, height + wide - r), (wide, 0.0)])
 
 
 def _draw_relief(joint: Joint, line: FloatArray) -> CrossSection:
-    """What is taken from the plug: the chamfer at the tip, the groove of an O-ring."""
+    """The material removed from the plug: the chamfer at the tip, the groove of an O-ring."""
     if joint.kind == "rabbet":
         return CrossSection()
     surface = float(np.interp(joint.lap, -line[:, 0], line[:, 1])) - joint.gap
@@ -177,7 +177,7 @@ def _draw_relief(joint: Joint, line: FloatArray) -> CrossSection:
                 (surface + 1, near),
                 (bottom, near),
                 (bottom, far),
-                # The side that hangs when the tip is up.
+                # The side that overhangs when the tip is up.
                 (surface + 1, far - joint.groove - 1),
             ],
         )

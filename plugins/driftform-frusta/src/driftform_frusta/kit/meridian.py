@@ -1,6 +1,6 @@
-"""The hull's meridian plane, where a kit is drawn: sections of (r, z) in mm, z from the core's centre towards fore.
+"""The hull's meridian plane, in which a kit is drawn: sections of (r, z) in mm, z from the core's centre towards fore.
 
-A section stands on both sides of the axis, so that an offset knows no edge along it; only :func:`half` cuts it
+A section covers both sides of the axis, so that an offset finds no edge along it; only :func:`take_half` cuts it
 there.
 """
 
@@ -21,7 +21,7 @@ from driftform_frusta.csg import Point
 MM = 1e3
 
 OVERLAP = 0.05
-"""mm that what is added reaches into the wall."""
+"""mm by which added material reaches into the wall."""
 
 FAR = 1e4
 """mm: beyond everything."""
@@ -40,7 +40,7 @@ class Hull:
     Attributes
     ----------
     outer, cavity
-        what lies inside the outer contour, and inside the cavity's.
+        the areas inside the outer contour, and inside the cavity's.
     bore
         the cavity's contour as z and r, (n, 2), from aft to fore.
     skin
@@ -69,7 +69,7 @@ class Hull:
         return radius
 
     def room(self, gap: float) -> float:
-        """Radius that the core needs: with a gap all round, where the hull itself leaves one."""
+        """Radius that the core needs, mm: with a gap all round if the hull itself leaves one."""
         return min(self.core + gap, float(self.bore_radius(0.0)))
 
     @cached_property
@@ -79,7 +79,7 @@ class Hull:
 
     @cached_property
     def inside(self) -> CrossSection:
-        """Where parts may be added: the cavity and a little of the wall, so that they grow together with it."""
+        """The room for added parts: the cavity and a little of the wall, so that they merge with it."""
         return grow(self.cavity, OVERLAP) ^ self.outer
 
 
@@ -89,10 +89,10 @@ def draw_hull(body: Body) -> Hull:
     Raises
     ------
     WorkFailedError
-        where it has no cavity, or one that no core fits in, or a contour folds back along the axis.
+        if it has no cavity, or one too small for the core, or if a contour folds back along the axis.
     """
     if not len(body.cavity):
-        raise WorkFailedError("no kit can be made: the hull has no cavity that the core could lie in")
+        raise WorkFailedError("no kit can be made: the hull has no cavity for the core")
     contours = []
     for what, contour in (("outer contour", body.outer), ("cavity", body.cavity)):
         if (np.diff(contour[:, 0]) < 0).any():
@@ -101,8 +101,8 @@ def draw_hull(body: Body) -> Hull:
     room = float(distance_from(np.zeros((1, 2)), body.cavity)[0])
     if room < body.core.radius or not body.cavity[0, 0] < 0 < body.cavity[-1, 0]:
         raise WorkFailedError(
-            f"no kit can be made: a core of {MM * body.core.radius:g} mm radius does not fit into the hull's cavity, which "
-            f"comes as near as {MM * room:.2f} mm to its centre"
+            f"no kit can be made: a core of {MM * body.core.radius:g} mm radius does not fit into the hull's cavity, whose "
+            f"wall is {MM * room:.2f} mm from its centre"
         )
     skin, bore = contours
     return Hull(
@@ -122,48 +122,48 @@ def _mirror_contour(contour: FloatArray) -> CrossSection:
 
 
 def make_polygon(points: npt.ArrayLike) -> CrossSection:
-    """What lies inside a polygon of (r, z), in either sense."""
+    """Return the area inside a polygon of (r, z), in either sense of rotation."""
     return CrossSection([np.asarray(points, dtype=np.float64)], FillRule.NonZero)
 
 
 def make_slab(low: float, high: float) -> CrossSection:
-    """What lies between two heights."""
+    """Return the area between two heights."""
     return CrossSection.square((2 * FAR, high - low)).translate((-FAR, low))
 
 
 def make_disc(radius: float) -> CrossSection:
-    """A ball about the origin; the polygon stands around the circle, so that no chord is nearer than it."""
+    """Return a disc about the origin; the polygon encloses the circle, so that no chord is nearer than the radius."""
     n = 240
     return CrossSection.circle(radius / np.cos(np.pi / n), n)
 
 
 def grow(section: CrossSection, by: float) -> CrossSection:
-    """A section with its edges moved outward; a negative distance moves them inward."""
+    """Return a section with its edges moved outward; a negative distance moves them inward."""
     return section.offset(by, JoinType.Miter, 2.0) if by else section
 
 
 def take_right(section: CrossSection) -> CrossSection:
-    """The side of positive radii."""
+    """Return the side of positive radii."""
     return section ^ CrossSection.square((FAR, 2 * FAR)).translate((0.0, -FAR))
 
 
 def take_half(section: CrossSection) -> CrossSection:
-    """The side of positive radii, without what no mesh needs."""
+    """Return the side of positive radii, simplified for a mesh."""
     return take_right(section).simplify(SIMPLIFY)
 
 
 def list_rings(section: CrossSection) -> tuple[Ring, ...]:
-    """The polygons of a section."""
+    """Return the polygons of a section."""
     return tuple(np.asarray(ring, dtype=np.float64) for ring in section.to_polygons())
 
 
 def split_pieces(section: CrossSection) -> list[tuple[tuple[Point, ...], tuple[tuple[Point, ...], ...]]]:
-    """The pieces of a section as a tree of solids takes them."""
+    """Return the outline and the holes of each piece of a section."""
     return [split_rings(list_rings(piece)) for piece in section.decompose()]
 
 
 def split_rings(polygons: Sequence[Ring]) -> tuple[tuple[Point, ...], tuple[tuple[Point, ...], ...]]:
-    """The outline of one piece, and its holes."""
+    """Return the outline of one piece, and its holes."""
     points = [tuple((float(r), float(z)) for r, z in ring) for ring in polygons]
     areas = [signed_area(ring) for ring in polygons]
     outline = areas.index(max(areas))
@@ -171,12 +171,12 @@ def split_rings(polygons: Sequence[Ring]) -> tuple[tuple[Point, ...], tuple[tupl
 
 
 def signed_area(ring: Ring) -> float:
-    """Area inside a ring, mm2; negative for a hole."""
+    """Return the area inside a ring, mm2; negative for a hole."""
     r, z = ring.T
     return float(np.dot(r, np.roll(z, -1)) - np.dot(np.roll(r, -1), z)) / 2
 
 
 def moments(polygons: Sequence[Ring]) -> Moments:
-    """Volume integrals of a revolved half section, in m, about the core's centre."""
+    """Return the volume integrals of a revolved half section, in m, about the core's centre."""
     closed = [solid_of_revolution(np.concatenate((ring, ring[:1]))[:, ::-1] / MM) for ring in polygons]
     return sum(closed[1:], closed[0])

@@ -1,4 +1,4 @@
-"""What a maker may ask of a kit."""
+"""The options of a kit."""
 
 from typing import Annotated, Literal
 
@@ -21,9 +21,9 @@ _Length = Annotated[float, Field(gt=0, le=10, strict=True)]
 
 
 class KitOptions(Table):
-    """A hull in parts that take the core; the other options say how, where ``kit`` is true."""
+    """A hull in parts that enclose the core; the other options apply if ``kit`` is true."""
 
-    kit: bool = option(False, "cut the hull into parts that take the core and are joined again")
+    kit: bool = option(False, "cut the hull into parts that are joined around the core")
     clearance: float = option(
         0.0002,
         "gap between parts that fit into each other, and between seat and core",
@@ -33,42 +33,42 @@ class KitOptions(Table):
     )
     joint: Literal["auto", "sleeve", "rabbet"] = option(
         "auto",
-        "how the shells meet around the core: 'sleeve', a ring inside that slides into the other shell, beside "
-        "the core's equator where the core leaves no room for it; 'rabbet', a step in the thickness of the wall, at "
-        "the equator; 'auto': a sleeve where there is room for one",
+        "joint of the shells around the core: 'sleeve', a ring inside that slides into the other shell, at "
+        "the core's equator or as near to it as the core leaves room; 'rabbet', a step in the thickness of the wall, at "
+        "the equator; 'auto', a sleeve if there is room for one",
     )
     sleeve: float = option(0.0012, "thickness of a sleeve", "m", ge=0.0004, le=0.01)
     lap: float = option(
-        0.006, "length of a sleeve in the other part; a rabbet has half of it", "m", ge=0.002, le=0.05
+        0.006, "length of a sleeve within the other part; a rabbet has half of it", "m", ge=0.002, le=0.05
     )
     o_ring: float = option(
         0.0,
-        "cord of O-rings to cut grooves for, in each sleeve; 0: none, the joints are glued",
+        "cord diameter of the O-ring in each sleeve, for which a groove is cut; 0: no O-rings, the joints are glued",
         "m",
         ge=0,
         le=0.01,
     )
     nozzle: float = option(
         Printer().nozzle,
-        "diameter of the printer's nozzle, the thinnest step of a joint",
+        "diameter of the printer's nozzle, which is the thinnest step of a joint",
         "m",
         gt=0,
         le=0.005,
     )
     bed: tuple[_Length, _Length, _Length] = option(
         Printer().bed,
-        "largest part of a kit: width, depth and height; longer ones are cut at joints of modules",
+        "largest size of a part: width, depth and height; longer parts are cut at joints of modules",
         "m",
     )
     drain: float = option(
         0.0,
-        "diameter of holes on the axis through both ends, to fill and to drain; 0: none",
+        "diameter of holes on the axis through both ends, to fill and to drain the hull; 0: no holes",
         "m",
         ge=0,
         le=0.02,
     )
-    engrave: str = option("", "text to engrave in each part of a kit that has room for it", max_length=40)
-    engrave_side: Literal["outside", "inside"] = option("outside", "side of the wall that is engraved")
+    engrave: str = option("", "text to engrave in each part of a kit that has enough room", max_length=40)
+    engrave_side: Literal["outside", "inside"] = option("outside", "side of the wall to engrave")
     engrave_depth: float = option(0.0004, "depth of the engraving", "m", gt=0, le=0.005)
     engrave_size: float = option(0.005, "height of its capital letters", "m", ge=0.001, le=0.1)
 
@@ -81,14 +81,12 @@ class KitOptions(Table):
     @classmethod
     def _can_be_engraved(cls, value: str) -> str:
         if letters := missing_letters(value):
-            raise ValueError(
-                f"there is no letter for {letters!r}; digits, A to Z and - . _ / : + # can be engraved"
-            )
+            raise ValueError(f"cannot engrave {letters!r}; use digits, A to Z and - . _ / : + #")
         return value
 
     @property
     def groove(self) -> float:
-        """Depth of the O-ring's groove, m; 0 for none."""
+        """Depth of the O-ring's groove, m; 0 without an O-ring."""
         return max(0.0, GROOVE_SHARE * self.o_ring - self.clearance)
 
     @model_validator(mode="after")
@@ -97,10 +95,10 @@ class KitOptions(Table):
             return self
         if self.joint == "rabbet":
             raise ValueError(
-                "a rabbet has no room for an O-ring: set joint to 'sleeve', or o_ring to 0 for glue"
+                "a rabbet has no room for an O-ring: set joint to 'sleeve', or o_ring to 0 and glue the joint"
             )
         needed = self.groove + self.nozzle
-        # Lengths of a tenth of a micrometre mean nothing to a printer.
+        # A printer cannot resolve a tenth of a micrometre.
         if self.sleeve < needed - 1e-7:
             raise ValueError(
                 f"the groove for an O-ring of {1e3 * self.o_ring:g} mm needs a sleeve of {needed:.4g} m or more, "
@@ -116,6 +114,6 @@ class KitOptions(Table):
 
 
 class PartOptions(KitOptions):
-    """What every exporter of meshes is asked for."""
+    """The options of every exporter of meshes."""
 
     segments: int = option(64, "corners of every circle of the mesh", ge=12, le=1024)

@@ -46,7 +46,7 @@ class Piece:
     fore_down
         whether it is printed with its fore end on the bed.
     engraved
-        its text, in the same frame; ``None`` where there is none.
+        its text, in the same frame; ``None`` without one.
     """
 
     name: str
@@ -62,15 +62,15 @@ class Kit:
     Attributes
     ----------
     hull
-        what was cut.
+        the hull that was cut.
     pieces
         from aft to fore.
     joints
         between them, in the same order.
     core_joint
-        the one that the core goes in by.
+        the joint through which the core is inserted.
     seats
-        what was added to hold the core.
+        added to hold the core.
     """
 
     hull: Hull
@@ -87,9 +87,9 @@ def make_kit(body: Body, options: KitOptions) -> Kit:
     Raises
     ------
     WorkFailedError
-        where it cannot be; the message tells why.
+        if it cannot be cut; the message has the reason.
     """
-    # What cannot be printed whole cannot be cut either.
+    # A hull that cannot be printed whole cannot be cut either.
     build_printable_section(body)
     hull, gap = draw_hull(body), MM * options.clearance
     refuse_other_volume(
@@ -144,19 +144,19 @@ def _take_rings(section: CrossSection, name: str) -> tuple[Ring, ...]:
     right = take_half(section)
     if len(right.decompose()) != 1:
         raise WorkFailedError(f"no kit can be made: its {name} falls into {len(right.decompose())} pieces")
-    # A pocket between a plug and a seat would be closed for ever: it is filled.
+    # A pocket between a plug and a seat would be sealed: it is filled.
     return tuple(ring for ring in list_rings(right) if signed_area(ring) > 0)
 
 
 def _engrave_parts(
     hull: Hull, joints: tuple[Joint, ...], found: tuple[Seat, ...], options: KitOptions
 ) -> list[Engraving | None]:
-    """What the text takes from each part.
+    """Return the engraving of each part, ``None`` if it has no room for one.
 
     Raises
     ------
     WorkFailedError
-        where it has room in none.
+        if no part has room for it.
     """
     bounds = [float(hull.skin[0, 0]), *(joint.z for joint in joints), float(hull.skin[-1, 0])]
     if not options.engrave:

@@ -1,4 +1,4 @@
-"""Which way up a part is printed: with the least that hangs in the air, on the larger foot."""
+"""Which end of a part is printed on the bed: the one with less overhang, then the larger contact area."""
 
 import math
 from collections.abc import Sequence
@@ -9,25 +9,25 @@ from driftform.types import FloatArray
 from driftform_frusta.kit.meridian import Ring
 
 STEEPEST = math.radians(45.0) + 1e-3
-"""What leans out of the vertical by more than this needs support."""
+"""A surface that leans out of the vertical by more than this needs support."""
 
 FOOT = 10.0
 """mm2 of contact with the bed below which a part falls over."""
 
 _LINE = 1.2
-"""mm of overhang that an edge which begins in the air is counted as."""
+"""mm of overhang that an edge counts as which begins in the air."""
 
 _LEVEL = 1e-3
-"""mm: what is lower than this stands on the bed."""
+"""mm: a surface lower than this is on the bed."""
 
 
 def prints_fore_down(polygons: Sequence[Ring]) -> bool:
-    """Tell whether a part is printed with its fore end on the bed, by the rings of its half section."""
+    """Return whether a part is printed with its fore end on the bed, by the rings of its half section."""
     return _burden(polygons, -1) < _burden(polygons, 1)
 
 
 def _burden(polygons: Sequence[Ring], up: int) -> tuple[bool, float, float]:
-    """What speaks against printing with ``up`` (the sign of z) upward, the gravest first."""
+    """Key to sort orientations by, with ``up`` (the sign of z) upward: unstable, overhang (mm2), less contact (mm2)."""
     lowest = min(float((up * ring[:, 1]).min()) for ring in polygons)
     areas = np.sum([_areas(ring, up, lowest) for ring in polygons], axis=0)
     foot, overhang = areas.tolist()
@@ -35,7 +35,7 @@ def _burden(polygons: Sequence[Ring], up: int) -> tuple[bool, float, float]:
 
 
 def overhang_area(polygons: Sequence[Ring], fore_down: bool) -> float:
-    """Area that hangs over by more than 45 degrees, mm2, in a part that is printed this way up."""
+    """Return the area that overhangs by more than 45 degrees, mm2, in a part printed this way up."""
     up = -1 if fore_down else 1
     lowest = min(float((up * ring[:, 1]).min()) for ring in polygons)
     return float(sum(_areas(ring, up, lowest)[1] for ring in polygons))
