@@ -1,13 +1,11 @@
-"""Executors: a crash of a worker costs only the genome to blame, in local processes and on a cluster."""
+"""Evaluations in this process, in local processes and on a cluster: the same result, whatever dies."""
 
 import multiprocessing
 import os
 import signal
 import sys
 import time
-from collections import deque
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import Future
 from contextlib import closing
 from itertools import chain
 from pathlib import Path
@@ -15,16 +13,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from driftform.errors import InputError
-from driftform.execution import ATTEMPTS, MAX_BATCH, InProcess, Job, LocalProcesses, Outcome
+from driftform.execution import ATTEMPTS, InProcess, Job, LocalProcesses, Outcome
 from driftform.execution.cluster import Cluster
-from driftform.execution.jobs import MAX_TASK_S, MIN_TASK_S, task_size
-from driftform.execution.pool import PoolExecutor, WorkerGroup
+from driftform.execution.pool import PoolExecutor
 from driftform.study import Study, load_study
-from driftform.types import Evaluation, Genome
+from driftform.types import Evaluation
 
 Make = Callable[[Study], PoolExecutor]
 
@@ -175,122 +170,3 @@ def test_an_error_in_a_study_is_raised_and_no_genome_is_blamed(jobs: list[Job], 
     broken = Study({**study.document, "simulator": {"use": "fake", "pause": -1.0}}, study.scenario, study.run)
     with closing(make(broken)) as executor, pytest.raises(InputError, match=r"simulator\.pause = -1\.0"):
         list(executor.evaluate(jobs))
-
-
-# Tasks, and the worker groups that they are submitted to.
-
-
-class FakeGroup(WorkerGroup):
-    """A worker group whose tasks end when the test calls for it."""
-
-    processes = 1
-
-    def __init__(self) -> None:
-        super().__init__(targets=1)
-        self._tasks: list[tuple[Future[list[Outcome]], Sequence[Job]]] = []
-
-    def submit(self, batch: Sequence[Job]) -> "Future[list[Outcome]]":
-        self._tasks.append((Future(), batch))
-        return self._tasks[-1][0]
-
-    def count_deaths(self, error: BaseException) -> int:
-        return int(isinstance(error, ChildProcessError))
-
-    def close(self) -> None: ...
-
-    def list_running(self) -> list[list[int]]:
-        """The indices of the jobs of each unfinished task."""
-        return [[job.index for job in batch] for future, batch in self._tasks if not future.done()]
-
-    def finish(self) -> None:
-        future, batch = next((f, b) for f, b in self._tasks if not f.done())
-        future.set_result([(job.index, Evaluation(job.genome, np.zeros(1))) for job in batch])
-
-    def die(self) -> None:
-        for future in self.running:
-            future.set_exception(ChildProcessError())
-
-
-def numbered(count: int) -> deque[Job]:
-    return deque(Job(index, Genome("g", (str(index),))) for index in range(count))
-
-
-def test_a_process_has_a_task_ready_beside_the_running_one() -> None:
-    group, waiting = FakeGroup(), numbered(6)
-    assert [group.take(waiting, 2) for _ in range(3)] == [True, True, False]
-    assert group.list_running() == [[0, 1], [2, 3]]
-    group.finish()
-    assert [index for index, _ in group.collect()] == [0, 1]
-    assert group.take(waiting, 3)
-    assert group.list_running() == [[2, 3], [4, 5]]
-
-
-def test_genomes_that_a_death_interrupted_are_evaluated_again_one_by_one() -> None:
-    group, waiting = FakeGroup(), numbered(6)
-    while group.take(waiting, 2):
-        pass
-    group.die()
-    assert group.collect() == []
-    for index in range(4):
-        for _ in range(2):
-            group.take(waiting, 2)
-        assert group.list_running() == [[index]]
-        group.finish()
-        assert [found for found, _ in group.collect()] == [index]
-    assert group.take(waiting, 2)
-    assert group.list_running() == [[4, 5]]
-
-
-def test_a_genome_whose_process_dies_too_often_while_alone_fails() -> None:
-    group, waiting = FakeGroup(), numbered(2)
-    group.take(waiting, 2)
-    group.die()
-    for _ in range(ATTEMPTS):
-        assert group.collect() == []
-        group.take(waiting, 2)
-        assert group.list_running() == [[0]]
-        group.die()
-    [(index, evaluation)] = group.collect()
-    assert (index, evaluation.failure) == (0, "its process died 2 times")
-    # The next genome starts with no deaths, and so does a genome of another run with the same index.
-    for found in ([], [(1, None)]):
-        group.take(waiting, 2)
-        assert group.list_running() == [[1]]
-        group.finish() if found else group.die()
-        assert [(index, evaluation.failure) for index, evaluation in group.collect()] == found
-    group.take(numbered(2), 2)
-    group.die()
-    assert group.collect() == []
-    group.take(waiting, 2)
-    group.die()
-    assert group.collect() == []
-
-
-def test_an_error_that_is_not_a_death_is_raised() -> None:
-    group = FakeGroup()
-    group.take(numbered(1), 1)
-    group.running[0].set_exception(InputError("no such plugin"))
-    with pytest.raises(InputError, match="no such plugin"):
-        group.collect()
-
-
-@given(st.integers(1, 10**6), st.integers(1, 500), st.none() | st.floats(0, 1e4))
-def test_tasks_are_short_enough_to_be_lost_and_long_enough_to_be_worth_it(
-    waiting: int, processes: int, seconds: float | None
-) -> None:
-    size = task_size(waiting, processes, seconds)
-    assert 1 <= size <= min(MAX_BATCH, waiting)
-    if seconds is not None:
-        assert size == 1 or size * seconds <= MAX_TASK_S
-        assert size == min(MAX_BATCH, waiting) or (size + 1) * seconds >= min(MIN_TASK_S, MAX_TASK_S)
-
-
-@pytest.mark.parametrize("seconds", [0.005, 0.03, 0.2])
-def test_the_tasks_of_a_generation_let_two_processes_finish_together(seconds: float) -> None:
-    waiting, busy, tasks = 100, [0.0, 0.0], 0
-    while waiting:
-        size = task_size(waiting, 2, seconds)
-        busy[busy.index(min(busy))] += size * seconds
-        waiting, tasks = waiting - size, tasks + 1
-    assert abs(busy[0] - busy[1]) <= max(seconds, 1.5 * MIN_TASK_S)
-    assert tasks <= 30

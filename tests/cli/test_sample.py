@@ -1,0 +1,32 @@
+"""``sample``: random agents, the same for the same seed."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+Call = Callable[..., Any]
+
+
+def test_samples_are_those_of_their_seed(call: Call) -> None:
+    for out, seed in (("a", 3), ("b", 3), ("c", 4)):
+        document = json.loads(call("sample", "--count", 3, "--seed", seed, "--out", out, "--json").stdout)
+        assert document["agents"] == [str(Path(out, f"agent-000{n}.json")) for n in (1, 2, 3)]
+    texts = {out: [Path(out, f"agent-000{n}.json").read_text() for n in (1, 2, 3)] for out in ("a", "b", "c")}
+    assert texts["a"] == texts["b"]
+    assert len({*texts["a"], *texts["c"]}) == 6
+
+
+def test_more_samples_begin_with_the_same_ones(call: Call) -> None:
+    call("sample", "--count", 2, "--out", "few")
+    call("sample", "--count", 5, "--out", "many")
+    for name in ("agent-0001.json", "agent-0002.json"):
+        assert Path("few", name).read_text() == Path("many", name).read_text()
+
+
+def test_a_sample_can_be_inspected_and_exported(call: Call) -> None:
+    call("sample", "--count", 1, "--out", "out")
+    assert call("inspect", "out/agent-0001.json").exit_code == 0
+    result = call("export", "out/agent-0001.json", "--out", "parts")
+    assert result.exit_code == 0
+    assert result.stdout.startswith(str(Path("parts", "agent-0001.stl")))

@@ -1,0 +1,67 @@
+"""``simulate``: one flight, printed and written."""
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+FIGURE_2 = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
+"""The word of the paper's Figure 2."""
+
+Call = Callable[..., Any]
+
+
+def test_simulate_has_the_fields_of_the_contract_and_writes_the_flight(call: Call) -> None:
+    result = call("simulate", FIGURE_2, "--json", "--out", "flight", "--set", "flight.horizon=1.5")
+    assert result.exit_code == 0, result.stderr
+    document = json.loads(result.stdout)
+    assert list(document["fitness"]) == [f"TP{n}" for n in range(1, 11)]
+    assert document["end"]["reason"] == "horizon"
+    assert document["end"]["t"] == pytest.approx(1.5)
+    assert document["simulator"] == "exudyn"
+    table = np.loadtxt(document["trajectory"], delimiter=",", skiprows=1)
+    assert document["trajectory"] == str(Path("flight", "trajectory.csv"))
+    assert table[-1, 0] == pytest.approx(document["end"]["t"], rel=1e-6)
+    assert table[-1, 1:4] == pytest.approx(document["end"]["position"], rel=1e-6)
+    assert Path("flight", "flight.svg").is_file()
+
+
+def test_simulate_without_targets_flies_all_the_same(call: Call) -> None:
+    settings = ("--set", "targets={}", "--set", "flight.horizon=0.5")
+    result = call("simulate", FIGURE_2, "--json", *settings)
+    assert result.exit_code == 0, result.stderr
+    assert json.loads(result.stdout)["fitness"] == {}
+    assert call("simulate", FIGURE_2, *settings).exit_code == 0
+
+
+def test_a_simulator_that_raises_is_told_in_one_line(call: Call, fakes: None) -> None:
+    result = call("simulate", FIGURE_2, "--simulator", "fake", "--set", "simulator.fail=1")
+    assert result.exit_code == 1
+    [line] = result.stderr.splitlines()
+    assert re.fullmatch(r"error: word-\w+: cannot be flown: RuntimeError: genome .* not to my taste", line)
+
+
+def test_simulate_prints_where_and_why_the_flight_ended(call: Call) -> None:
+    text = call("simulate", FIGURE_2, "--set", "flight.horizon=0.5").stdout
+    assert re.search(r"ended at the horizon after 0\.500 s at x 0\.\d+, y .*, z .* m", text)
+
+
+def test_a_plugin_of_the_command_line_takes_the_place_of_that_of_the_agent(
+    finished_run: tuple[Path, Any], call: Call, fakes: None
+) -> None:
+    document = json.loads(call("simulate", f"{finished_run[0]}:TP1", "--simulator", "fake", "--json").stdout)
+    assert document["simulator"] == "fake"
+    assert document["end"]["reason"] == "outlet"
+
+
+def test_inspect_warns_of_added_mass_that_lagging_simulators_cannot_take(call: Call) -> None:
+    light = call(
+        "inspect", FIGURE_2, "--json", "--set", "builder.core_mass=0.001", "--set", "builder.hull_density=20"
+    )
+    facts = json.loads(light.stdout)
+    assert facts["lambda_max"] > 17 / 3
+    assert any("diverge" in warning for warning in facts["warnings"])

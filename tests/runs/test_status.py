@@ -1,0 +1,157 @@
+"""The state of a run, counted in any order, and how fast it advances."""
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from driftform.cli.display import (
+    format_throughput,
+    progress_line,
+)
+from driftform.runs.status import STEPS, RunStatus, TargetStatus, Throughput
+
+Evaluated = tuple[int, int, str, bool, list[float]]
+
+fitness = st.floats(0, 100)
+
+
+@st.composite
+def runs(draw: st.DrawFn) -> list[Evaluated]:
+    """Evaluations of a run for the targets A and B, in order: index, generation, population, failed, fitness."""
+    size = draw(st.integers(1, 6))
+    count = draw(st.integers(1, 40))
+    return [
+        (
+            index,
+            index // size,
+            draw(st.sampled_from(["A", "B", ""])),
+            draw(st.booleans()),
+            [draw(fitness), draw(fitness)],
+        )
+        for index in range(count)
+    ]
+
+
+def standing_of(evaluations: list[Evaluated]) -> RunStatus:
+    standing = RunStatus(("A", "B"), 100)
+    for evaluation in evaluations:
+        standing.add(*evaluation)
+    return standing
+
+
+def summary(standing: RunStatus) -> list[Any]:
+    return [
+        (
+            t.best,
+            t.index,
+            t.generation,
+            t.failed,
+            t.mean and pytest.approx(t.mean),
+            t.errors(7, standing.extent),
+        )
+        for t in standing.targets.values()
+    ]
+
+
+@given(runs(), st.randoms(use_true_random=False))
+def test_the_order_in_which_evaluations_come_does_not_matter(run: list[Evaluated], random: Any) -> None:
+    shuffled = list(run)
+    random.shuffle(shuffled)
+    assert summary(standing_of(shuffled)) == summary(standing_of(run))
+
+
+@given(runs())
+def test_a_standing_is_what_a_look_at_all_evaluations_finds(run: list[Evaluated]) -> None:
+    standing = standing_of(run)
+    assert standing.done == len(run) == standing.extent
+    assert standing.failed == sum(failed for *_, failed, _ in run)
+    for place, (name, target) in enumerate(standing.targets.items()):
+        sound = [(row[-1][place], -row[0]) for row in run if not row[3]]
+        assert (target.best, -target.index) == max(sound, default=(0.0, 1))
+        own = [row for row in run if row[2] in (name, "")]
+        assert target.failed == sum(row[3] for row in own)
+        assert target.generation == max((row[1] for row in own), default=-1)
+        newest = [row[-1][place] for row in own if row[1] == target.generation and not row[3]]
+        assert target.mean == (pytest.approx(sum(newest) / len(newest)) if newest else None)
+
+
+@given(runs(), st.integers(1, 60))
+def test_a_curve_is_the_best_error_so_far_at_the_end_of_each_part(run: list[Evaluated], columns: int) -> None:
+    standing = standing_of(run)
+    for place, target in enumerate(standing.targets.values()):
+        expected = []
+        for column in range(1, columns + 1):
+            last = -(-column * len(run) // columns)
+            errors = [100 - row[-1][place] for row in run[:last] if not row[3]]
+            expected.append(min(errors, default=None))
+        assert target.errors(columns, len(run)) == expected
+
+
+def test_a_long_run_of_small_improvements_takes_little_memory_and_keeps_its_shape() -> None:
+    target = TargetStatus()
+    count = 20_000
+    for index in range(count):
+        target.score(index, 100 * (index + 1) / count)
+    assert len(target._steps) <= STEPS
+    for column, error in enumerate(target.errors(40, count), start=1):
+        # Improvements that lie close together were joined: a curve is late by less than half a column.
+        assert error == pytest.approx(100 - 100 * column / 40, abs=100 / 80)
+    assert target.errors(40, count)[-1] == 0
+
+
+class Clock:
+    """A clock that goes when it is told to."""
+
+    def __init__(self) -> None:
+        self.now = 1000.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+def test_the_pace_of_now_forgets_how_slow_the_beginning_was() -> None:
+    clock = Clock()
+    pace = Throughput(0, clock)
+    assert pace.recent(0) is None
+    clock.now += 100  # The equations of motion are compiled.
+    for done in range(1, 601):
+        clock.now += 0.1
+        pace.mark(done)
+    assert pace.overall(600) == pytest.approx(600 / 160)
+    assert pace.recent(600) == pytest.approx(10, rel=0.05)
+    assert pace.elapsed == pytest.approx(160)
+
+
+def test_what_was_stored_before_says_nothing_of_the_pace() -> None:
+    clock = Clock()
+    pace = Throughput(500, clock)
+    clock.now += 2
+    for done in (100, 500):
+        pace.mark(done)
+        assert pace.overall(done) is pace.recent(done) is None
+    clock.now += 2
+    pace.mark(510)
+    assert pace.overall(510) == pytest.approx(2.5)
+
+
+def test_a_rate_of_now_needs_more_than_a_few_evaluations() -> None:
+    clock = Clock()
+    pace = Throughput(0, clock)
+    for done in (1, 2, 3, 4):
+        clock.now += 60
+        pace.mark(done)
+    assert pace.recent(4) == pace.overall(4) == pytest.approx(1 / 60)
+
+
+def test_time_left_is_that_of_the_present_pace() -> None:
+    clock = Clock()
+    standing, pace = RunStatus(("A",), 1000), Throughput(0, clock)
+    assert format_throughput(standing, pace) == ""
+    for index in range(400):
+        standing.add(index, 0, "", False, [50.0])
+    clock.now += 40
+    pace.mark(400)
+    assert format_throughput(standing, pace) == "10/s, 1 min 00 s left"
+    assert progress_line(standing, pace) == "400/1000 evaluations, 10/s, 1 min 00 s left: A 50.00"

@@ -1,0 +1,22 @@
+"""The options of a plugin, as the command line and the docs describe them."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from driftform.options import Table, describe, option
+
+
+def test_types_are_written_as_people_write_them_and_a_default_that_is_missing_is_told() -> None:
+    class Needy(Table):
+        genome: str = option(..., "the genome to try")
+        box: tuple[Annotated[float, Field(gt=0)], float] = option((1.0, 2.0), "width and height", "m")
+        names: tuple[str, ...] = option((), "names of all")
+        way: Literal["up", "down"] | None = option(None, "where to")
+
+    assert [(row["option"], row["type"], row["default"]) for row in describe(Needy)] == [
+        ("genome", "str", "required"),
+        ("box", "[float, float]", (1.0, 2.0)),
+        ("names", "list of str", ()),
+        ("way", "'up' or 'down' or none", None),
+    ]
