@@ -73,7 +73,7 @@ DAMAGE = "is damaged"
         (sql("DELETE FROM meta"), DAMAGE),
         (sql("UPDATE meta SET value = '{'"), DAMAGE),
         (sql("UPDATE meta SET value = '[]'"), DAMAGE),
-        (sql("UPDATE meta SET value = '{}'"), "no plugin is chosen"),
+        (sql("UPDATE meta SET value = '{}'"), "no plugin is selected"),
         (sql("UPDATE evaluation SET symbols = '{'"), DAMAGE),
         (sql("UPDATE evaluation SET symbols = '3'"), DAMAGE),
         (sql("UPDATE evaluation SET parents = 'x'"), DAMAGE),

@@ -1,6 +1,7 @@
 """Open an agent by what names it: the path of an agent.json, RUN:TARGET, or the text of a genome."""
 
 import hashlib
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -62,7 +63,7 @@ def open_best(run: Run, target: str) -> StoredAgent:
 
 
 def check_file(
-    path: Path,
+    path: str | os.PathLike[str],
     agent: str | None = None,
     settings: Sequence[str] = (),
     *,
@@ -91,7 +92,7 @@ def check_file(
     WorkFailedError
         if nothing could be checked.
     """
-    printer = printer or Printer()
+    path, printer = Path(path), printer or Printer()
     with TemporaryDirectory() as name:
         folder = Path(name)
         known = agent or extract_attachment(path, "agent.json", folder) or path.with_name("agent.json")
