@@ -288,16 +288,18 @@ class Design:
         samples = resample(trajectory, rate_hz) if rate_hz else trajectory
         return recorder.write(self.export_job(), samples, file)
 
-    def check_film(self, path: Path, renderer: str = "exudyn") -> None:
-        """Refuse a film that cannot be made, before anything is flown for it.
+    def check_picture(self, path: Path, renderer: str = "exudyn", *, film: bool) -> None:
+        """Refuse a film, or else a still, that cannot be made, before anything is flown for it.
 
         Raises
         ------
         InputError, WorkFailedError
-            if there is no such renderer, or it cannot make such a film.
+            if there is no such renderer, or it cannot make such a picture.
         """
-        self.study.make_renderer(renderer).check(path)
-        _refuse_directory(path)
+        camera: Renderer[Any] = self.study.make_renderer(renderer)
+        (camera.check if film else camera.check_still)(path)
+        if is_directory(path):
+            raise InputError(f"{path}: is a directory")
 
     def film(
         self,
@@ -323,25 +325,14 @@ class Design:
         Raises
         ------
         InputError, WorkFailedError
-            as :meth:`check_film`, or if the flight fails.
+            as :meth:`check_picture`, or if the flight fails.
         """
         file = Path(path)
-        self.check_film(file, renderer)
+        self.check_picture(file, renderer, film=True)
         flight = flight or self.simulate()
         camera: Renderer[Any] = self.study.make_renderer(renderer)
         camera.film(self.agent, flight.trajectory, self.scenario, make_parent(file), progress)
         return file
-
-    def check_still(self, path: Path, renderer: str = "exudyn") -> None:
-        """Refuse a still that cannot be made, before anything is flown for it.
-
-        Raises
-        ------
-        InputError, WorkFailedError
-            if there is no such renderer, or it cannot make such a still.
-        """
-        self.study.make_renderer(renderer).check_still(path)
-        _refuse_directory(path)
 
     def still(
         self,
@@ -367,10 +358,10 @@ class Design:
         Raises
         ------
         InputError, WorkFailedError
-            as :meth:`check_still`, if the flight fails, or if it does not last until ``at``.
+            as :meth:`check_picture`, if the flight fails, or if it does not last until ``at``.
         """
         file = Path(path)
-        self.check_still(file, renderer)
+        self.check_picture(file, renderer, film=False)
         flight = flight or self.simulate()
         check_moment(flight, at)
         camera: Renderer[Any] = self.study.make_renderer(renderer)
@@ -482,8 +473,3 @@ def make_parent(path: Path) -> Path:
     """Make the directory of a file, and return the file's path."""
     make_directory(path.parent, "path")
     return path
-
-
-def _refuse_directory(path: Path) -> None:
-    if is_directory(path):
-        raise InputError(f"{path}: is a directory")

@@ -42,7 +42,7 @@ class Commands(Group):
     """
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Read what stands before the name of a command."""
+        """Read the options before the name of a command."""
         with _one_line_for_each_error():
             return super().parse_args(ctx, args)
 

@@ -46,7 +46,7 @@ def format_duration(seconds: float) -> str:
 
 
 def draw_sparkline(errors: Sequence[float | None], lowest: float, highest: float, bars: str = BARS) -> str:
-    """Errors as bars on a logarithmic scale from ``lowest`` to ``highest``; spaces where there is none.
+    """Errors as bars on a logarithmic scale from ``lowest`` to ``highest``; spaces where an error is missing.
 
     >>> sparkline([None, 100, 30, 10, 3, 1], 1, 100)
     ' █▆▅▃▁'
@@ -70,7 +70,7 @@ def format_throughput(status: RunStatus, throughput: Throughput) -> str:
 
 
 def progress_line(status: RunStatus, throughput: Throughput) -> str:
-    """Where a run stands, in one line."""
+    """The state of a run, in one line."""
     best = "  ".join(f"{name} {target.best:.2f}" for name, target in status.targets.items())
     facts = ", ".join(filter(None, (format_throughput(status, throughput), format_failures(status.failed))))
     return f"{status.done}/{status.budget} evaluations{f', {facts}' if facts else ''}: {best}"
@@ -85,7 +85,7 @@ def format_failures(count: int) -> str:
 class View:
     """A run's status as a table of its targets, a bar, and lines below, for a console of any size.
 
-    ``facts`` are told in one line, those that are empty left out; ``footer`` is the last line. With ``fits`` it is no
+    ``facts`` are shown in one line, without those that are empty; ``footer`` is the last line. With ``fits`` it is no
     higher than the terminal: targets that find no room take turns.
     """
 

@@ -1,21 +1,46 @@
-"""Help pages: plain text, which appears at once, with the first sentence of each command whole."""
+"""Help pages: plain text, which appears at once, with the whole first sentence of each command."""
 
+from collections.abc import Callable
 from typing import Any
 
+from typer import Context, Typer
 from typer.core import TyperCommand, TyperGroup
 
+from driftform.cli.options import Json
+
 _LONGEST = 1000
-"""Letters after which a command's first sentence would be cut."""
+"""Characters after which a command's first sentence would be cut."""
 
 
 class Group(TyperGroup):
-    """Commands that are listed with all of their first sentences."""
+    """A group that lists its commands with their whole first sentences."""
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write the name of each command, and what it does."""
+        """Write the name of each command and its first sentence."""
         rows = [(name, command.get_short_help_str(_LONGEST)) for name, command in self.commands.items()]
         with formatter.section("Commands"):
             formatter.write_dl(rows)
+
+
+def make_group(help: str, list_all: Callable[[bool], None]) -> Typer:
+    """Return a group of commands that lists what there is if no command is named.
+
+    Parameters
+    ----------
+    help
+        of the group.
+    list_all
+        its command ``list``, a function of ``--json``.
+    """
+    group = Typer(cls=Group, help=help, invoke_without_command=True)
+
+    @group.callback()
+    def _default(ctx: Context, json: Json = False) -> None:
+        if ctx.invoked_subcommand is None:
+            list_all(json)
+
+    group.command("list", cls=Command)(list_all)
+    return group
 
 
 class Command(TyperCommand):

@@ -42,7 +42,7 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]], right: Seq
 def print_states(rows: Iterable[tuple[str, str, str]], styles: Mapping[str, str]) -> None:
     """Print lines of a state, a subject and a detail, aligned; on a terminal coloured by state and folded to fit.
 
-    The state ``fail`` is shouted, so that it stands out where there are no colours.
+    The state ``fail`` is in capitals, so that it is seen without colours.
     """
     rows = list(rows)
     states = max((len(state) for state, _, _ in rows), default=0)

@@ -5,23 +5,10 @@ from typing import Annotated, Any
 
 import typer
 
-from driftform.cli.help import Command, Group
+from driftform.cli.help import Command, make_group
 from driftform.cli.options import Json
 
-app = typer.Typer(
-    cls=Group,
-    help="What is installed, its options, and a start for your own.",
-    invoke_without_command=True,
-)
 
-
-@app.callback()
-def _default(ctx: typer.Context, json: Json = False) -> None:
-    if ctx.invoked_subcommand is None:
-        list_(json)
-
-
-@app.command("list", cls=Command)
 def list_(json: Json = False) -> None:
     """List the plugins by seam, also those that cannot be used, with the reason."""
     from driftform.cli.output import print_json, print_table
@@ -33,6 +20,9 @@ def list_(json: Json = False) -> None:
         print_json({"plugins": rows})
     else:
         print_table(columns, ([row[c] for c in columns] for row in rows))
+
+
+app = make_group("List the installed plugins, show their options, and create a new one.", list_)
 
 
 @app.command("show", cls=Command)

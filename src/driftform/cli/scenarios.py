@@ -4,23 +4,10 @@ from typing import Annotated
 
 import typer
 
-from driftform.cli.help import Command, Group
+from driftform.cli.help import Command, make_group
 from driftform.cli.options import Json
 
-app = typer.Typer(
-    cls=Group,
-    help="The built-in scenarios, as TOML to copy, and a look at your own.",
-    invoke_without_command=True,
-)
 
-
-@app.callback()
-def _default(ctx: typer.Context, json: Json = False) -> None:
-    if ctx.invoked_subcommand is None:
-        list_(json)
-
-
-@app.command("list", cls=Command)
 def list_(json: Json = False) -> None:
     """List the built-in scenarios."""
     import tomllib
@@ -40,6 +27,9 @@ def list_(json: Json = False) -> None:
             ((r["name"], str(r["targets"]), r["title"]) for r in rows),
             right=(1,),
         )
+
+
+app = make_group("List and show the built-in scenarios as TOML to copy, and check your own.", list_)
 
 
 @app.command("show", cls=Command)
@@ -75,7 +65,7 @@ def check(
     ],
     json: Json = False,
 ) -> None:
-    """Check a study without running it: tell all that is wrong with it, or else what it holds."""
+    """Check a study without running it: list its errors, or show its contents."""
     from driftform.cli.output import print_json
     from driftform.study import NAMED, SELECTED, load_study
 

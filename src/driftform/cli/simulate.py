@@ -123,10 +123,10 @@ def _check_pictures(design: "Design", film: Path | None, still: Path | None, ren
             design.study.make_renderer(renderer)
         except InputError as error:
             raise InputError(f"--renderer {renderer}: {error}") from None
-    for option, path, check in (("--film", film, design.check_film), ("--still", still, design.check_still)):
+    for option, path in (("--film", film), ("--still", still)):
         if path is not None:
             try:
-                check(path, renderer)
+                design.check_picture(path, renderer, film=option == "--film")
             except InputError as error:
                 raise InputError(f"{option} {error}") from None
 

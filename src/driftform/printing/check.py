@@ -14,7 +14,7 @@ from driftform.types import Finding, State, WrittenFile
 MM_PER_M = 1000.0
 
 _LARGEST_ATTACHMENT = 1 << 26
-"""Bytes of a file in an archive that is looked at."""
+"""Largest file in an archive that is read, bytes."""
 
 
 def list_formats(format: str) -> tuple[str, ...]:

@@ -1,6 +1,6 @@
 """The paper's experiment: its search repeated over seeds, beside random search with the same budget.
 
-Each repeat is a run of its own, in a directory of its own, so that what is interrupted goes on where it stopped.
+Each repeat is a separate run in a separate directory, so that an interrupted repeat continues where it stopped.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -29,8 +29,8 @@ TIMES = 10
 COMPARABLE = """\
 The paper's percentages and these are of the same quantity (distance of closest approach over the farthest distance
 in the pipe, eq. 25), in the same pipe, with the same budget. They are not of the same targets: the paper's Figure 4
-does not tell the coordinates of its own, so these ten were chosen to cover the pipe. Its simulator is another one
-too, and lags behind with the added mass. That the worst case stays below 5 % is therefore a claim that can be
+does not give the coordinates of its own, so these ten were chosen to cover the pipe. Its simulator is another one
+too, in which the added mass lags behind. That the worst case stays below 5 % is therefore a claim that can be
 repeated; which target is the worst cannot."""
 
 

@@ -36,7 +36,7 @@ LOCK_TIMEOUT_S = 0.2
 
 
 def resume_command(directory: Path) -> str:
-    """What to type to go on with a run."""
+    """Return the command that continues a run."""
     return f"driftform resume {quote(str(directory))}"
 
 
@@ -65,7 +65,7 @@ def lock_run(directory: Path) -> Iterator[None]:
 
 
 def is_worked_on(directory: Path) -> bool:
-    """Tell whether a process holds the run, and leave the run to whoever wants to begin: nothing is written."""
+    """Return whether a process holds the run; nothing is written, and another process may begin."""
     path = directory / _LOCK
     if not path.exists():
         return False
@@ -116,7 +116,7 @@ def check_run(directory: Path) -> Path:
     Raises
     ------
     InputError
-        where the directory is none.
+        if the directory is not a run.
     """
     if not directory.is_dir():
         where = "is a file, expected a run directory" if directory.exists() else "no such run directory"

@@ -242,7 +242,7 @@ class Run:
             return store.count(), store.count_failed()
 
     def refuse_unsound(self) -> InputError:
-        """Return the error for what needs an evaluation that did not fail, while there is none."""
+        """Return the error for a request that needs a successful evaluation, before there is one."""
         return InputError(
             f"{self.path} has no evaluation yet that did not fail; wait, or resume it with: {self.resume_command}"
         )

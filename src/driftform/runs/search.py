@@ -22,7 +22,7 @@ def run_search(
 ) -> None:
     """Ask, evaluate, tell, until the budget is spent.
 
-    A strategy is a function of the seed and of what it was told, so an interrupted run is resumed by running it
+    A strategy is a function of the seed and of the outcomes it received, so an interrupted run is resumed by running it
     again: what is stored already is not flown a second time.
 
     Parameters
@@ -30,7 +30,7 @@ def run_search(
     on_record
         called with each evaluation, stored or new.
     on_generation
-        called with the number of evaluations so far, whenever the strategy has been told.
+        called with the number of evaluations so far, whenever the strategy has received their outcomes.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def run_search(
 
 
 def check_fitness(evaluation: Evaluation, targets: Sequence[str]) -> Evaluation:
-    """The evaluation, as a failure where its fitness is none that selection can work with."""
+    """Return the evaluation, as a failure if its fitness is not one number from 0 to 100 for each target."""
     fitness = evaluation.fitness
     if len(fitness) == len(targets) and bool(np.all((fitness >= 0) & (fitness <= 100))):
         return evaluation

@@ -1,4 +1,4 @@
-"""Where a run stands, in numbers: counted evaluation by evaluation, in little memory, in whatever order they come."""
+"""The state of a run in numbers, counted evaluation by evaluation, in any order and in little memory."""
 
 import time
 from bisect import bisect_right
@@ -10,7 +10,7 @@ STEPS = 512
 
 
 class TargetStatus:
-    """Where a run stands for one target.
+    """The state of a run for one target.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class TargetStatus:
 
     @property
     def mean(self) -> float | None:
-        """Mean fitness of the newest generation, without those that failed; ``None`` where there is none."""
+        """Mean fitness of the newest generation, without those that failed; ``None`` if all of them failed."""
         return self._sum / self._count if self._count else None
 
     @property
@@ -88,7 +88,7 @@ def _thin(steps: tuple[tuple[int, float], ...]) -> tuple[tuple[int, float], ...]
 
 
 class RunStatus:
-    """Where a run stands.
+    """The state of a run.
 
     Attributes
     ----------

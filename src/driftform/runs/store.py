@@ -186,15 +186,15 @@ class Store:
 
     @classmethod
     def open(cls, path: Path, *, read_only: bool = False, check: bool = True) -> "Store":
-        """Open the file of an earlier run, to go on with it or to read it.
+        """Open the file of an earlier run, to continue it or to read it.
 
         With ``read_only`` the file and its log are left as they are, and a writer is neither held up nor disturbed.
-        Without ``check`` not every page is looked at first, which takes time: damage shows where it is read.
+        Without ``check`` the pages are not checked first, which takes time: damage is reported where it is read.
 
         Raises
         ------
         InputError
-            where there is none, or it is damaged or not a run of driftform.
+            if it is missing, damaged, or not a run of driftform.
         """
         if not path.is_file():
             raise InputError(f"{path}: no such file; a run directory holds one")
@@ -376,7 +376,7 @@ class Store:
 
     def read_records(self, targets: Sequence[str], first: int = 0, count: int = -1) -> Iterator[Record]:
         """Yield ``count`` evaluations from index ``first`` on, in their order; ``-1`` for all."""
-        # An end in any case: without one, all that follows would be looked at to be left out.
+        # An end in any case: without one, SQLite would read all that follows, to leave it out.
         end = first + count if count >= 0 else _LARGEST
         query = "SELECT * FROM evaluation WHERE id >= ? AND id < ? ORDER BY id"
         with self._reading(), closing(self._connection.execute(query, (first, end))) as rows:
@@ -429,7 +429,7 @@ class Store:
     def _record(self, row: tuple[Any, ...], targets: Sequence[str]) -> Record:
         index, generation, population, parents, grammar, symbols, seed, failure, ended, _, *rest = row
         contact, drift, error, seconds, blob = rest
-        # By target first, as the key has it: without them every row of the table would be looked at.
+        # By target first, as the key has it: otherwise SQLite would read every row of the table.
         among = f"target IN ({','.join('?' * len(targets))})"
         scores = dict(
             self._connection.execute(

@@ -214,8 +214,8 @@ def _join(flights: Sequence[tuple[int, npt.NDArray[np.float32]]]) -> Batch:
 
 def describe_tables(tables: Mapping[str, Sequence[Column]], facts: Mapping[str, Any]) -> str:
     """What the columns of some tables mean, with ``facts`` of where they come from, as JSON."""
-    told = {
+    columns = {
         name: {c.name: {"unit": c.unit, "meaning": c.meaning} for c in columns}
         for name, columns in tables.items()
     }
-    return json.dumps({**facts, "tables": told}, indent=1) + "\n"
+    return json.dumps({**facts, "tables": columns}, indent=1) + "\n"

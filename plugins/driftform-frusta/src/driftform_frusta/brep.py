@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import Any, assert_never
 
 import numpy as np
-from manifold3d import CrossSection, FillRule
 
 from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
@@ -25,7 +24,7 @@ from driftform_frusta.csg import (
     Translate,
     Union,
 )
-from driftform_frusta.solid import to_manifold
+from driftform_frusta.solid import half_section, to_manifold
 
 _SIMPLIFY = 1e-6
 """mm: clipping leaves vertices some 1e-8 mm apart, between which no face can be."""
@@ -93,7 +92,7 @@ def _interpret(node: Node) -> Any:
         case Box():
             shape = BRepPrimAPI_MakeBox(*node.size).Shape()
         case Revolve():
-            shape = _revolve(_half_section(node))
+            shape = _revolve(half_section(node))
         case Text():
             shape = _make_letters(node)
         case Union():
@@ -136,18 +135,6 @@ def _move(node: Translate | Rotate) -> Any:
             turn.SetRotation(gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(*axis)), angle)
             transform.PreMultiply(turn)
     return BRepBuilderAPI_Transform(_interpret(node.child), transform, True).Shape()
-
-
-def _half_section(node: Revolve) -> list[FloatArray]:
-    """Polygons of (r, z) at r >= 0; outlines run counter-clockwise, holes clockwise."""
-    section = CrossSection([np.array(node.outline)], FillRule.EvenOdd)
-    for hole in node.holes:
-        section -= CrossSection([np.array(hole)], FillRule.EvenOdd)
-    (r_min, z_min, r_max, z_max) = section.bounds()
-    if r_min < 0:
-        section ^= CrossSection.square((r_max, z_max - z_min)).translate((0.0, z_min))
-    polygons: list[FloatArray] = section.simplify(_SIMPLIFY).to_polygons()
-    return [np.where(np.abs(p) < _NONE, 0.0, p) for p in polygons]
 
 
 def _revolve(polygons: Sequence[FloatArray]) -> Any:

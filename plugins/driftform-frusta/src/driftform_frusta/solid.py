@@ -71,7 +71,7 @@ def to_solid(node: Node, segments: int = 64) -> Solid:
         case Translate():
             return to_solid(node.child, segments).translate(node.offset)
         case Revolve():
-            return revolve_profiles(_profiles(node), segments)
+            return revolve_profiles(half_section(node), segments)
         case _:
             return Solid.from_manifold(to_manifold(node, segments))
 
@@ -104,7 +104,7 @@ def _interpret(node: Node, segments: int) -> Manifold:
         case Box():
             solid = Manifold.cube(node.size)
         case Revolve():
-            solid = revolve_profiles(_profiles(node), segments).to_manifold()
+            solid = revolve_profiles(half_section(node), segments).to_manifold()
         case Text():
             solid = _letters(node).extrude(node.height)
         case Union():
@@ -152,8 +152,11 @@ def _sphere_meridian(radius: float, segments: int) -> FloatArray:
     return meridian
 
 
-def _profiles(node: Revolve) -> list[FloatArray]:
-    """The section less its holes, as polygons that do not cross: around matter counterclockwise, around holes not."""
+def half_section(node: Revolve) -> list[FloatArray]:
+    """Return the section less its holes at r >= 0, as polygons of (r, z) in mm that do not cross.
+
+    Polygons around matter run counterclockwise, those around holes clockwise.
+    """
 
     def section(polygon: tuple[Point, ...]) -> CrossSection:
         # Even-odd, as OpenSCAD does, so that the sense of rotation does not matter.

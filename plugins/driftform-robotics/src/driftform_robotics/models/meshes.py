@@ -77,7 +77,7 @@ def convex_pieces(contour: FloatArray, segments: int = SEGMENTS) -> list[Piece]:
 
 
 def folds_back(contour: FloatArray) -> bool:
-    """Tell whether a meridian (n, 2) goes back along the axis anywhere."""
+    """Return whether a meridian (n, 2) goes back along the axis anywhere."""
     return bool(np.diff(contour[:, 0]).min() < -_SAME * np.abs(contour).max())
 
 
