@@ -11,7 +11,7 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture
 def hooks() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("root_conftest", ROOT / "conftest.py")
+    spec = importlib.util.spec_from_file_location("session_hooks", ROOT / "tests" / "conftest.py")
     assert spec and spec.loader
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
