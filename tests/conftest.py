@@ -276,7 +276,7 @@ def finished_run(
     result = run(
         "evolve",
         *("--evaluations", 20, "--target", "TP1", "--target", "TP7", "--seed", 1, "--workers", 1),
-        *("--out", "run", "--json"),
+        *("--strategy", "paper", "--out", "run", "--json"),
         cwd=cwd,
     )
     assert result.returncode == 0, result.stderr

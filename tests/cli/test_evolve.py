@@ -101,7 +101,7 @@ def test_two_workers_find_what_one_finds_to_the_last_digit(
     finished_run: Finished, run: Program, rows: Callable[[Path], Any], tmp_path: Path
 ) -> None:
     result = run(
-        *("evolve", "--evaluations", 20, "--target", "TP1", "--target", "TP7", "--seed", 1, "--workers", 2),
+        *("evolve", "--strategy", "paper", "--evaluations", 20, "--target", "TP1", "--target", "TP7", "--seed", 1, "--workers", 2),
         *("--out", "run"),
         cwd=tmp_path,
     )
@@ -132,7 +132,19 @@ def test_a_seed_that_was_drawn_is_recorded(call: Callable[..., Any], fakes: None
 
 def test_one_generation_after_the_other_is_reported(call: Callable[..., Any], fakes: None) -> None:
     result = call(
-        *("evolve", "--target", "TP1", "--evaluations", 25, "--seed", 1, "--workers", 1),
+        *(
+            "evolve",
+            "--strategy",
+            "paper",
+            "--target",
+            "TP1",
+            "--evaluations",
+            25,
+            "--seed",
+            1,
+            "--workers",
+            1,
+        ),
         *("--simulator", "fake", "--out", "run"),
     )
     starts = [line.split()[0] for line in result.stderr.splitlines()]

@@ -21,6 +21,8 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX sig
 
 EVALUATIONS = 60
 STUDY = (
+    "--strategy",
+    "paper",
     "--target",
     "TP1",
     "--target",

@@ -19,7 +19,20 @@ from driftform.study import load_study
 Program = Callable[..., subprocess.CompletedProcess[str]]
 Rows = Callable[[Path], list[tuple[Any, ...]]]
 
-STUDY = ("--target", "TP1", "--target", "TP8", "--seed", 5, "--simulator", "fake", "--workers", 1)
+STUDY = (
+    "--strategy",
+    "paper",
+    "--target",
+    "TP1",
+    "--target",
+    "TP8",
+    "--seed",
+    5,
+    "--simulator",
+    "fake",
+    "--workers",
+    1,
+)
 
 
 def budgets(directory: Path) -> tuple[int, int]:

@@ -28,6 +28,8 @@ Program = Callable[..., subprocess.CompletedProcess[str]]
 
 EVALUATIONS = 36
 STUDY = (
+    "--strategy",
+    "paper",
     "--target",
     "TP1",
     "--target",

@@ -162,11 +162,14 @@ def test_python_is_runnable_or_a_file(blocks: list[Any]) -> None:
 
 def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
     """``grammar.occupied`` and the like, in inline code, with their value if one is given."""
+    from driftform.registry import registry
     from driftform.study import load_study
 
     study = load_study(run={"seed": 0})
     tables = {name: set(table) for name, table in study.document.items() if isinstance(table, dict)}
     tables["run"] |= {"seed"}
+    strategies = [row.cls for row in registry().seam("strategy") if row.cls is not None]
+    tables["strategy"] |= {key for cls in strategies for key in cls.Options.model_fields}
     tables["fluid"] |= set(Fluid.model_fields)
     tables["flow"] = {key for profile in FLOWS.values() for key in profile.model_fields}
     wrong = []
@@ -183,7 +186,9 @@ def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
             if found[2] not in tables[found[1]] and found[2] != "use":
                 wrong.append(f"{name}: {span}: no such key")
             elif found[3] is not None:
-                load_study(settings=[f"{found[1]}.{found[2]}={found[3]}"], run={"seed": 0})
+                chosen = [cls.name for cls in strategies if found[2] in cls.Options.model_fields]
+                use = {"strategy": chosen[0]} if found[1] == "strategy" and found[2] != "use" else {}
+                load_study(settings=[f"{found[1]}.{found[2]}={found[3]}"], use=use, run={"seed": 0})
     assert wrong == []
 
 

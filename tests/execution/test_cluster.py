@@ -25,7 +25,7 @@ Scheduler = Callable[[], AbstractContextManager[tuple[str, subprocess.Popen[byte
 Start = Callable[..., subprocess.Popen[str]]
 
 STUDY = (
-    *("evolve", "--simulator", "fake", "--target", "TP1", "--target", "TP8"),
+    *("evolve", "--strategy", "paper", "--simulator", "fake", "--target", "TP1", "--target", "TP8"),
     *("--evaluations", 60, "--seed", 5, "--out", "run"),
 )
 
