@@ -36,7 +36,8 @@ def freeze(values: npt.ArrayLike, shape: tuple[int | None, ...], what: str) -> F
     """
     array = np.array(values, dtype=np.float64, order="C")
     fits = array.shape == shape or (
-        array.ndim == len(shape) and all(n in (None, m) for n, m in zip(shape, array.shape, strict=True))
+        array.ndim == len(shape)
+        and array.shape == tuple([m if n is None else n for n, m in zip(shape, array.shape, strict=True)])
     )
     if not fits:
         wanted = ", ".join("n" if n is None else str(n) for n in shape)

@@ -17,6 +17,7 @@ from driftform.dynamics.integrator import Accuracy, fill_rate_in_space, integrat
 from driftform.dynamics.model import flight_model, pack, unpack
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
+from driftform.trajectory.compression import encode
 from driftform.trajectory.interpolation import interpolate_positions
 
 pytestmark = pytest.mark.slow
@@ -142,16 +143,21 @@ def trimmed(agents, pipeline):
             yield light
 
 
+def make_courses(pipeline, kind, count):
+    rng = np.random.default_rng(4)
+    agents = (pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(100 * count))
+    if kind == "without contact":
+        agents = trimmed(agents, pipeline)
+    courses = [Course(agent, pipeline.scenario) for _, agent in zip(range(count), agents, strict=False)]
+    assert len(courses) == count
+    runge_kutta(courses[0].values, courses[0].start, 0.1, 1)
+    return courses
+
+
 @pytest.mark.parametrize("kind", ["without contact", "with contact"])
 def test_what_a_flight_costs_and_how_exact_it_is(kind, pipelines, publish, count_of, milliseconds):
     native, count = pipelines["native"], count_of("AGENTS", 60)
-    scenario, rng = native.scenario, np.random.default_rng(4)
-    agents = (native.agent(native.grammar.random(rng)) for _ in range(100 * count))
-    if kind == "without contact":
-        agents = trimmed(agents, native)
-    courses = [Course(agent, scenario) for _, agent in zip(range(count), agents, strict=False)]
-    assert len(courses) == count
-    runge_kutta(courses[0].values, courses[0].start, 0.1, 1)
+    scenario, courses = native.scenario, make_courses(native, kind, count)
 
     def by(use: str):
         return lambda course: pipelines[use].simulator.simulate(course.agent, scenario)
@@ -191,3 +197,31 @@ def test_what_a_flight_costs_and_how_exact_it_is(kind, pipelines, publish, count
         f"for 9 s.",
     ]
     publish(f"flights {kind}", lines)
+
+
+@pytest.mark.parametrize("kind", ["without contact", "with contact"])
+def test_what_an_evaluation_costs_over_plain_steps(kind, pipelines, publish, count_of, milliseconds):
+    native, count = pipelines["native"], count_of("AGENTS", 60)
+    scenario, courses = native.scenario, make_courses(native, kind, count)
+    agents = [course.agent for course in courses]
+    flights = native.fly(agents)
+    genome_to_agent = milliseconds(native.make_agent, [agent.genome for agent in agents])
+    model = milliseconds(lambda agent: flight_model(agent, scenario), agents)
+    flight = milliseconds(lambda agent: native.fly([agent]), agents)
+    score = milliseconds(lambda trajectory: native.fitness.score(trajectory, scenario), flights)
+    code = milliseconds(encode, flights)
+    plain = milliseconds(Course.by_runge_kutta, courses)
+    rows = {
+        "300 steps of Runge-Kutta": [plain],
+        "genome to agent": [genome_to_agent],
+        "flight model": [model],
+        "encode for the store": [code],
+        "these three: all that is neither flight nor score": [genome_to_agent, model, code],
+        "genome to ten fitnesses": [genome_to_agent, flight, score],
+    }
+    lines = ["| part | median ms | over 300 plain steps |", "|---|---|---|"]
+    for name, parts in rows.items():
+        taken = np.sum(parts, axis=0)
+        lines.append(f"| {name} | {np.median(taken):.3g} | {np.median(taken / plain):.3g} |")
+    lines += ["", f"{count} agents {kind}, each the best of three; a flight includes its model."]
+    publish(f"evaluation {kind}", lines)

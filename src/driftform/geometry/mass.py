@@ -1,5 +1,7 @@
 """Body -> mass, centre of gravity, inertia, displaced volume, centre of buoyancy (eq. 11 to 24, corrected)."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from driftform.geometry.solids import Moments, solid_of_revolution
@@ -16,6 +18,15 @@ def hull_mass(body: Body) -> float:
     return hull_volume(body) * body.hull_density
 
 
+@lru_cache(maxsize=4)
+def displaced_moments(body: Body) -> Moments:
+    """Return the volume integrals of the space that a body displaces: the inside of its outer contour.
+
+    Those of the latest bodies are kept, because the added mass of an agent and its mass properties share them.
+    """
+    return solid_of_revolution(body.outer)
+
+
 def mass_properties(body: Body) -> MassProperties:
     """Return the mass properties of a body with its core, and the volume that it displaces.
 
@@ -23,7 +34,7 @@ def mass_properties(body: Body) -> MassProperties:
     origin and enters eq. 20 with its mass and the inertia with 2/5 m R^2. Buoyancy acts on the outer contour
     (eq. 19, 21): the hull is watertight, so it displaces the volume that it encloses.
     """
-    displaced = solid_of_revolution(body.outer)
+    displaced = displaced_moments(body)
     hull = displaced - solid_of_revolution(body.cavity)
     return assemble(hull, displaced, body.hull_density, body.core)
 
@@ -38,7 +49,7 @@ def assemble(hull: Moments, displaced: Moments, hull_density: float, core: Core)
     return MassProperties(
         mass=mass,
         cog=np.array([cog, 0.0, 0.0]),
-        inertia=np.diag([axial, transverse, transverse]),
+        inertia=np.array([[axial, 0.0, 0.0], [0.0, transverse, 0.0], [0.0, 0.0, transverse]]),
         volume=displaced.volume,
         cob=np.array([displaced.centroid, 0.0, 0.0]),
     )

@@ -8,8 +8,8 @@ import numpy.typing as npt
 from driftform.types import FloatArray
 
 _STATIONS = 0.5 + np.sqrt(0.15) * np.array([[-1.0], [0.0], [1.0]])
-_WEIGHTS = np.array([[5.0], [8.0], [5.0]]) / 18
-"""Gaussian quadrature over (0, 1) with three points, exact for polynomials up to degree five."""
+_AREA_WEIGHTS = np.pi * (np.array([[5.0], [8.0], [5.0]]) / 18)
+"""Gaussian quadrature over (0, 1) with three points, exact for polynomials up to degree five; weights times pi."""
 
 
 @dataclass(frozen=True)
@@ -82,12 +82,11 @@ def solid_of_revolution(contour: npt.ArrayLike) -> Moments:
         x and r, m, (n, 2), from the aft axis point to the fore axis point; fewer than two points are an empty
         solid.
     """
-    points: FloatArray = np.asarray(contour, dtype=np.float64).reshape(-1, 2)
-    x, r = points[:, 0], points[:, 1]
-    h = x[1:] - x[:-1]
-    station = x[:-1] + _STATIONS * h
-    square = (r[:-1] + _STATIONS * (r[1:] - r[:-1])) ** 2
-    slice_volume = np.pi * _WEIGHTS * h * square
+    points: FloatArray = np.ascontiguousarray(np.asarray(contour, dtype=np.float64).reshape(-1, 2).T)
+    steps = points[:, 1:] - points[:, :-1]
+    station, radius = points[:, None, :-1] + _STATIONS * steps[:, None]
+    square = radius**2
+    slice_volume = _AREA_WEIGHTS * steps[0] * square
     slice_first = slice_volume * station
     return Moments(
         volume=float(slice_volume.sum()),

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.dynamics.cubic import cubic_point, nearest_on_cubic
-from driftform.dynamics.vectors import add, distance_between, scale, subtract
+from driftform.dynamics.vectors import add, distance_between, norm, scale, subtract
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.trajectory.path import row_vector, stretch_cubic, world_velocity
 from driftform.types import FloatArray, Trajectory
@@ -105,10 +105,13 @@ def _longest_lengths(t: FloatArray, position: FloatArray, velocity: FloatArray) 
     A stretch is no longer than the polygon of its Bezier points p, p + h v / 3, q - h w / 3, q.
     """
     longest = np.zeros(t.shape[0])
+    q, w = row_vector(position, 0), row_vector(velocity, 0)
+    end = norm(w)
     for i in range(t.shape[0] - 1):
         third = (t[i + 1] - t[i]) / 3
-        p, q = row_vector(position, i), row_vector(position, i + 1)
-        a = add(p, scale(third, row_vector(velocity, i)))
-        b = subtract(q, scale(third, row_vector(velocity, i + 1)))
-        longest[i + 1] = longest[i] + distance_between(p, a) + distance_between(a, b) + distance_between(b, q)
+        p, v, start = q, w, end
+        q, w = row_vector(position, i + 1), row_vector(velocity, i + 1)
+        end = norm(w)
+        middle = distance_between(add(p, scale(third, v)), subtract(q, scale(third, w)))
+        longest[i + 1] = longest[i] + third * (start + end) + middle
     return longest

@@ -5,7 +5,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from driftform.types import End, Evaluation, Trajectory
 
@@ -67,7 +66,12 @@ def encode(trajectory: Trajectory) -> bytes:
     Bytes of equal significance are stored side by side: zlib then takes a third of the time and returns three quarters
     of the size.
     """
-    return zlib.compress(_thin_columns(trajectory).view(np.uint8).reshape(-1, 4).T.tobytes(), 1)
+    from driftform.trajectory.resampling import byte_planes
+
+    planes = byte_planes(
+        trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, SAMPLE_GAP
+    )
+    return zlib.compress(planes.data, 1)
 
 
 def decode(blob: bytes, end: End, **fields: float | None) -> Trajectory:
@@ -75,13 +79,3 @@ def decode(blob: bytes, end: End, **fields: float | None) -> Trajectory:
     planes = np.frombuffer(zlib.decompress(blob), dtype=np.uint8).reshape(4, -1)
     wide = np.ascontiguousarray(planes.T).view("<f4").reshape(14, -1).astype(np.float64)
     return Trajectory(wide[0], wide[1:4].T, wide[4:8].T, wide[8:14].T, end, **fields)
-
-
-def _thin_columns(trajectory: Trajectory) -> npt.NDArray[np.float32]:
-    """Return t, position, quaternion and velocity of the samples to be stored, (14, k)."""
-    from driftform.trajectory.resampling import select_spaced
-
-    # Thin by the rounded times, so that a trajectory that was thinned before keeps all its samples.
-    kept = select_spaced(trajectory.t.astype("<f4").astype(np.float64), SAMPLE_GAP)
-    columns = (trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity)
-    return np.column_stack([samples.take(kept, axis=0) for samples in columns]).T.astype("<f4", order="C")

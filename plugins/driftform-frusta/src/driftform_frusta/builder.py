@@ -2,13 +2,12 @@
 
 from typing import Literal
 
-import numpy as np
 from pydantic import model_validator
 
 from driftform.interfaces import PhenotypeBuilder
 from driftform.options import Table, option
 from driftform.types import Body, Core, Morphology
-from driftform_frusta.section import Chain, build_chain, hull_section, open_section
+from driftform_frusta.section import build_chain, hull_section, join_chains, open_section
 
 
 class FrustaOptions(Table):
@@ -59,12 +58,8 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
         return Body(
             outer=outer,
             cavity=cavity,
-            joints=_joint_positions(fore, aft),
+            joints=join_chains(fore, aft)[:, 0],
             core=Core(o.core_radius, o.core_mass),
             wall=o.wall,
             hull_density=o.hull_density,
         )
-
-
-def _joint_positions(fore: Chain, aft: Chain) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    return np.concatenate([-aft.x[:0:-1], fore.x])

@@ -31,11 +31,11 @@ MITRE_LIMIT = 2.0
 class Chain:
     """One side of the agent, from the core outward: distance from the core's equator and outer radius.
 
-    Both are (k + 1,) in m for k modules.
+    Both have k + 1 numbers in m for k modules.
     """
 
-    x: FloatArray
-    r: FloatArray
+    x: Sequence[float]
+    r: Sequence[float]
 
 
 def build_chain(modules: Sequence[Module], start_radius: float, least_radius: float) -> Chain:
@@ -48,7 +48,12 @@ def build_chain(modules: Sequence[Module], start_radius: float, least_radius: fl
     for module in modules:
         x.append(x[-1] + module.length * math.cos(module.tilt))
         r.append(max(least_radius, r[-1] + module.length * math.sin(module.tilt)))
-    return Chain(np.array(x), np.array(r))
+    return Chain(x, r)
+
+
+def join_chains(fore: Chain, aft: Chain) -> FloatArray:
+    """Return the contour of both chains from aft to fore, (n, 2), m."""
+    return np.array([[*(-x for x in aft.x[:0:-1]), *fore.x], [*aft.r[:0:-1], *fore.r]]).T
 
 
 def hull_section(fore: Chain, aft: Chain, dome: float, wall: float) -> tuple[FloatArray, FloatArray]:
@@ -64,10 +69,8 @@ def hull_section(fore: Chain, aft: Chain, dome: float, wall: float) -> tuple[Flo
     depth = MITRE_LIMIT * wall
     outline = _unite_outline(fore, aft, dome, depth)
     hollow = outline.offset(-wall * MM, manifold3d.JoinType.Miter, MITRE_LIMIT)
-    room = _make_disc(dome - wall / math.cos(DOME_STEP / 2), depth)
-    return _extract_contour(outline), _extract_contour(
-        _unite([*hollow.to_polygons(), room]).simplify(SIMPLIFY)
-    )
+    room = _unite_disc(dome - wall / math.cos(DOME_STEP / 2), depth)
+    return _extract_contour(outline), _extract_contour((hollow + room).simplify(SIMPLIFY))
 
 
 def open_section(fore: Chain, aft: Chain, dome: float, wall: float) -> tuple[FloatArray, FloatArray]:
@@ -87,8 +90,7 @@ def open_section(fore: Chain, aft: Chain, dome: float, wall: float) -> tuple[Flo
 
 def _unite_outline(fore: Chain, aft: Chain, dome: float, depth: float = 0.0) -> manifold3d.CrossSection:
     """The chains and the dome united, down to at least ``depth`` (m) below the axis; mm."""
-    x, r = np.concatenate([-aft.x[:0:-1], fore.x]), np.concatenate([aft.r[:0:-1], fore.r])
-    chains = _close(np.column_stack([x, r]), depth)
+    chains = _close(join_chains(fore, aft), depth)
     return _unite([chains, _make_disc(dome, depth)]).simplify(SIMPLIFY)
 
 
@@ -98,6 +100,12 @@ def _make_disc(radius: float, depth: float = 0.0) -> FloatArray:
     below = math.ceil(math.asin(depth / max(radius, depth)) / DOME_STEP)
     angles = DOME_STEP * np.arange(-below, round(np.pi / DOME_STEP) + below + 1)
     return MM * radius * np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+@lru_cache(maxsize=16)
+def _unite_disc(radius: float, depth: float) -> manifold3d.CrossSection:
+    """The same disc as a section."""
+    return _unite([_make_disc(radius, depth)])
 
 
 def _close(contour: FloatArray, depth: float = 0.0) -> FloatArray:
@@ -119,15 +127,14 @@ def _extract_contour(section: manifold3d.CrossSection) -> FloatArray:
         above = points[:, 1] > ON_AXIS
         for rise, fall in np.flatnonzero(above[1:] != above[:-1]).reshape(-1, 2):
             path = points[rise : fall + 2] / MM
-            path[0] = _meet_axis(path[0], path[1])
-            path[-1] = _meet_axis(path[-1], path[-2])
+            path[0] = _meet_axis(*path[0].tolist(), *path[1].tolist())
+            path[-1] = _meet_axis(*path[-1].tolist(), *path[-2].tolist())
             # A cavity of several parts would leave some without the core: the one around the core is the cavity.
             if path[0, 0] <= 0.0 <= path[-1, 0]:
                 return path
     raise ValueError("the section does not contain the core")
 
 
-def _meet_axis(below: FloatArray, above: FloatArray) -> tuple[float, float]:
+def _meet_axis(x0: float, r0: float, x1: float, r1: float) -> tuple[float, float]:
     """Where the line through two points meets the axis."""
-    (x0, r0), (x1, r1) = below, above
     return x0 - r0 * (x1 - x0) / (r1 - r0), 0.0

@@ -4,7 +4,7 @@ from typing import Literal
 
 import numpy as np
 
-from driftform.geometry import solid_of_revolution
+from driftform.geometry import displaced_moments
 from driftform.interfaces import Hydrodynamics, HydrodynamicsOptions
 from driftform.options import option
 from driftform.scenario import Fluid
@@ -34,9 +34,9 @@ class StripTheory(Hydrodynamics[StripTheoryOptions]):
 
     def coefficients(self, body: Body, fluid: Fluid) -> Coefficients:
         """Return the added mass about the centre of buoyancy, as in the paper."""
-        displaced = solid_of_revolution(body.outer)
-        k11 = axial_coefficient(body.max_diameter / body.length)
-        a, b = body.length / 2, body.max_diameter / 2
+        displaced, length, diameter = displaced_moments(body), body.length, body.max_diameter
+        k11 = axial_coefficient(diameter / length)
+        a, b = length / 2, diameter / 2
         volume = displaced.volume if self.options.m11 == "volume" else 4 / 3 * np.pi * a * b**2
         lateral = fluid.density * displaced.volume
         turning = fluid.density * (displaced.second - displaced.volume * displaced.centroid**2)
