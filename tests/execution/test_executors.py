@@ -4,9 +4,11 @@ import multiprocessing
 import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
+from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -20,6 +22,7 @@ from driftform.execution.cluster import Cluster
 from driftform.execution.pool import PoolExecutor
 from driftform.study import Study, load_study
 from driftform.types import Evaluation
+from driftform.util.files import remove_parts, write_whole
 
 Make = Callable[[Study], PoolExecutor]
 
@@ -170,3 +173,41 @@ def test_an_error_in_a_study_is_raised_and_no_genome_is_blamed(jobs: list[Job], 
     broken = Study({**study.document, "simulator": {"use": "fake", "pause": -1.0}}, study.scenario, study.run)
     with closing(make(broken)) as executor, pytest.raises(InputError, match=r"simulator\.pause = -1\.0"):
         list(executor.evaluate(jobs))
+
+
+def _die_elsewhere(home: int) -> str:
+    if os.getpid() != home:
+        os.kill(os.getpid(), getattr(signal, "SIGKILL", signal.SIGTERM))
+    return "home"
+
+
+def _refuse() -> None:
+    raise InputError("no")
+
+
+def _write_slowly(path: Path) -> None:
+    write_whole(path, lambda part: (part.write_text("half"), time.sleep(60)))
+
+
+def test_functions_are_called_in_processes_that_run_already(jobs: list[Job]) -> None:
+    with closing(LocalProcesses(study_of().document, 2)) as executor:
+        assert executor.call([os.getpid, os.getpid]) == [os.getpid()] * 2
+        list(executor.evaluate(jobs))
+        workers = set(workers_of(executor))
+        assert set(executor.call([os.getpid] * 4)) == workers
+        # A process that dies is to blame for nothing but itself.
+        assert executor.call([partial(_die_elsewhere, os.getpid())]) == ["home"]
+        with pytest.raises(InputError, match="no"):
+            executor.call([_refuse, os.getpid])
+        assert workers_of(executor) == []
+
+
+def test_an_interruption_of_functions_leaves_nothing_half_written(jobs: list[Job], tmp_path: Path) -> None:
+    with closing(LocalProcesses(study_of().document, 1)) as executor:
+        list(executor.evaluate(jobs[:2]))
+        interrupt = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
+        interrupt.start()
+        with pytest.raises(KeyboardInterrupt):
+            executor.call([partial(_write_slowly, tmp_path / "file")])
+        remove_parts(tmp_path)
+    assert list(tmp_path.iterdir()) == []

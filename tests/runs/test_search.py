@@ -11,7 +11,7 @@ import pytest
 
 from driftform.errors import InputError, WorkFailedError
 from driftform.execution import InProcess, Job, Outcome
-from driftform.runs.results import write_best
+from driftform.runs.results import write_results
 from driftform.runs.search import check_fitness, run_search
 from driftform.runs.store import Record, Store
 from driftform.study import Study, load_study
@@ -126,7 +126,7 @@ def test_a_fitness_that_no_selection_can_work_with_is_a_failure(
     run_search(study, store, Counting(study))
     assert store.count_failed() == 25
     with pytest.raises(WorkFailedError, match="all 25 evaluations failed, the first: its fitness is"):
-        write_best(tmp_path, study, store)
+        write_results(tmp_path, study, InProcess(study.make_pipeline()))
 
 
 def test_a_sound_fitness_is_left_alone() -> None:
@@ -140,7 +140,7 @@ def test_a_sound_fitness_is_left_alone() -> None:
 def test_the_best_of_each_target_is_written(store: Store, tmp_path: Path) -> None:
     study = study_of(formats=["scad"])
     run_search(study, store, Counting(study))
-    results = write_best(tmp_path, study, store)
+    results = write_results(tmp_path, study, InProcess(study.make_pipeline()))
     overview = tmp_path / "figures" / "overview.svg"
     assert overview.is_file()
     for number, best in enumerate(results):
@@ -162,7 +162,7 @@ def test_the_best_of_each_target_is_written(store: Store, tmp_path: Path) -> Non
 def test_writing_the_best_again_gives_the_same_files(store: Store, tmp_path: Path) -> None:
     study = study_of()
     run_search(study, store, Counting(study))
-    write_best(tmp_path, study, store)
+    write_results(tmp_path, study, InProcess(study.make_pipeline()))
     files = {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file() and "run.db" not in p.name}
-    write_best(tmp_path, study, store)
+    write_results(tmp_path, study, InProcess(study.make_pipeline()))
     assert {p: p.read_bytes() for p in files} == files

@@ -1,8 +1,8 @@
 """Evaluations in this process."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
-from driftform.execution.jobs import Job, Outcome, evaluate_batch, task_size
+from driftform.execution.jobs import Job, Outcome, T, evaluate_batch, task_size
 from driftform.pipeline import Pipeline
 
 
@@ -22,6 +22,10 @@ class InProcess:
             self._seconds = outcomes[0][1].seconds
             start += size
             yield outcomes
+
+    def call(self, functions: Sequence[Callable[[], T]]) -> list[T]:
+        """Call functions one after the other, and return what they return."""
+        return [function() for function in functions]
 
     def close(self) -> None:
         """Do nothing: there are no workers to stop."""

@@ -1,14 +1,16 @@
 """The jobs and outcomes of an executor, and the number of genomes in one task."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 from driftform.errors import WorkFailedError
 from driftform.pipeline import Pipeline
 from driftform.trajectory.compression import compress_evaluation
 from driftform.types import Evaluation, Genome
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +44,9 @@ class Executor(Protocol):
 
     def evaluate(self, jobs: Sequence[Job]) -> Iterable[Sequence[Outcome]]:
         """Yield one outcome for each job, in any order, in batches of any size."""
+
+    def call(self, functions: Sequence[Callable[[], T]]) -> list[T]:
+        """Call functions on this machine, at the same time if possible; return what they return, in their order."""
 
 
 ATTEMPTS = 2

@@ -5,15 +5,16 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, partial
+from itertools import cycle
 from multiprocessing.connection import wait as wait_for_any
 from typing import TYPE_CHECKING, Any
 
-from driftform.execution.jobs import Job, Outcome, evaluate_batch
+from driftform.execution.jobs import Job, Outcome, T, evaluate_batch
 from driftform.execution.pool import PoolExecutor, WorkerGroup
 from driftform.pipeline import Pipeline
 from driftform.study import Document, load_study
@@ -26,7 +27,27 @@ class LocalProcesses(PoolExecutor):
     """Evaluates in worker processes on this machine, each a worker group."""
 
     def __init__(self, document: Mapping[str, Any], workers: int) -> None:
-        super().__init__([_Process(document) for _ in range(workers)])
+        self._processes = [_Process(document) for _ in range(workers)]
+        super().__init__(self._processes)
+
+    def call(self, functions: "Sequence[Callable[[], T]]") -> list[T]:
+        """Call functions in the processes that run already, in turn, and return what they return, in their order.
+
+        Functions and results must be picklable. A function whose process dies is called again in this process.
+        """
+        running = [process for process in self._processes if process.is_running]
+        if not running:
+            return super().call(functions)
+        started = [process.start(function) for process, function in zip(cycle(running), functions)]
+        try:
+            return [
+                function() if isinstance(future.exception(), BrokenProcessPool) else future.result()
+                for future, function in zip(started, functions, strict=True)
+            ]
+        except BaseException:
+            # Nothing may be written any more once the caller knows of the error.
+            self.close()
+            raise
 
 
 class _Process(WorkerGroup):
@@ -39,15 +60,24 @@ class _Process(WorkerGroup):
         self._document = dict(document)
         self._pool: _Pool | None = None
 
+    @property
+    def is_running(self) -> bool:
+        """True if the process was started and not closed."""
+        return self._pool is not None
+
     def submit(self, batch: Sequence[Job]) -> "Future[list[Outcome]]":
+        return self.start(partial(_work, batch))
+
+    def start(self, function: Callable[[], T]) -> "Future[T]":
+        """Call a function in the process, which is started if necessary."""
         if self._pool is None:
             self._pool = _Pool(self._document)
         try:
-            return self._pool.submit(batch)
+            return self._pool.submit(function)
         except BrokenProcessPool:
             # The process died while it waited for work.
             self.close()
-            return self.submit(batch)
+            return self.start(function)
 
     def count_deaths(self, error: BaseException) -> int:
         if not isinstance(error, BrokenProcessPool):
@@ -74,9 +104,9 @@ class _Pool:
             1, mp_context=context, initializer=_start, initargs=(dict(document), ended)
         )
 
-    def submit(self, batch: Sequence[Job]) -> "Future[list[Outcome]]":
+    def submit(self, function: Callable[[], T]) -> "Future[T]":
         with hold_back_interrupts(), leave_out_script():
-            return self._executor.submit(_work, batch)
+            return self._executor.submit(function)
 
     def close(self) -> None:
         self._end.close()

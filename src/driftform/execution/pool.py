@@ -6,10 +6,10 @@ tasks, or a whole cluster. A death in one group does not affect the others.
 
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 
-from driftform.execution.jobs import ATTEMPTS, Job, Outcome, task_size
+from driftform.execution.jobs import ATTEMPTS, Job, Outcome, T, task_size
 from driftform.types import Evaluation
 
 TASKS_PER_PROCESS = 2
@@ -140,6 +140,10 @@ class PoolExecutor:
             if outcomes:
                 self._seconds = outcomes[-1][1].seconds or self._seconds
                 yield outcomes
+
+    def call(self, functions: Sequence[Callable[[], T]]) -> list[T]:
+        """Call functions in this process, because the workers may be on other machines; return what they return."""
+        return [function() for function in functions]
 
     def close(self) -> None:
         """Stop the workers; their running tasks are lost."""

@@ -1,27 +1,29 @@
 """What a run leaves behind: the best agents with their files, and pictures of all flights."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from driftform.errors import DriftformError, InputError, WorkFailedError
-from driftform.figures.gallery import GalleryEntry
-from driftform.figures.overview import overview_svg
-from driftform.figures.reach import reach_svg
-from driftform.figures.section import section_svg
+from driftform.execution import Executor
 from driftform.interfaces import ExportJob
-from driftform.runs.agent_file import agent_document, write_agent
+from driftform.runs.agent_file import StoredAgent, agent_document, write_agent
+from driftform.runs.directory import DATABASE
 from driftform.runs.finalists import find_best_agent
 from driftform.runs.store import Store
 from driftform.study import Study
-from driftform.tables.files import write_trajectory
-from driftform.trajectory.approach import closest_approach
-from driftform.trajectory.coverage import PipeGrid, map_coverage
-from driftform.util.files import write_text
+from driftform.types import Trajectory
+from driftform.util.files import remove_parts, write_text
 from driftform.util.progress import track_progress
+
+# Drawing needs the compiled kernels, which take half a second to load. They are imported only inside the functions that
+# draw: worker processes, which have loaded them already, call these, and the coordinator starts its workers earlier.
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -63,8 +65,10 @@ class Best:
         return 100 - self.fitness
 
 
-def write_best(directory: Path, study: Study, store: Store) -> list[Best]:
-    """Write ``best/<target>/`` for every target, and the overview; return the best agents.
+def write_results(directory: Path, study: Study, executor: Executor) -> list[Best]:
+    """Write the best agent of each target, the overview and the map of a run's directory; return the best agents.
+
+    The executor writes them at the same time, each file completely or not at all.
 
     Raises
     ------
@@ -73,68 +77,96 @@ def write_best(directory: Path, study: Study, store: Store) -> list[Best]:
     InputError
         where a stored evaluation is damaged.
     """
-    targets, pipeline = study.scenario.target_names, study.make_pipeline()
-    results: list[Best] = []
-    flights: list[GalleryEntry] = []
-    for target in targets:
-        stored = find_best_agent(study, store, target)
-        if stored is None:
-            first = store.read_record(0, targets).evaluation
-            raise WorkFailedError(f"all {store.count()} evaluations failed, the first: {first.failure}")
-        index, fitness = stored.result["evaluation"], stored.result["fitness"]
-        flight = store.read_record(index, targets).evaluation.trajectory
-        if flight is None:
-            raise InputError(f"{directory}: is damaged: the flight of evaluation {index} is missing")
-        agent = pipeline.make_agent(stored.genome)
-        point = np.array([study.scenario.targets[target]])
-        distance, _ = closest_approach(flight, point)
-        job = ExportJob("agent", agent, study.scenario, agent_document(stored))
-        folder = directory / "best" / target
-        write_agent(folder / "agent.json", stored)
-        write_trajectory(folder / "trajectory.csv", flight)
-        write_text(folder / "section.svg", section_svg(agent, target, study.scenario))
-        files = [folder / "agent.json", folder / "trajectory.csv", folder / "section.svg"]
-        problems: list[str] = []
-        for name in study.run.formats:
-            exporter = study.make_exporter(name)
-            path = folder / f"agent{exporter.suffix}"
-            try:
-                written = exporter.write(job, path)
-            except DriftformError as error:
-                # An agent that one format cannot hold is no reason to keep back the others.
-                problems.append(f"{path}: not written: {error}")
-            else:
-                files.extend(Path(file.path) for file in written)
-        results.append(
-            Best(
-                target,
-                index,
-                fitness,
-                float(distance[0]),
-                files[0],
-                tuple(files),
-                tuple(problems),
-                stored.result.get("robust", {}),
-            )
-        )
-        flights.append(GalleryEntry(target, agent, flight, results[-1].error_percent))
-    overview = directory / "figures" / "overview.svg"
-    write_text(overview, overview_svg(flights, study.scenario, str(study.document.get("title", ""))))
+    write_targets = [partial(_write_target, target=target) for target in study.scenario.targets]
+    # What takes longest first.
+    pieces: list[Callable[[Path, Study, Store], Any]] = [_write_overview, _write_reach, *write_targets]
+    tasks = [partial(_call_with_store, write, directory, study) for write in pieces]
+    try:
+        _, _, *results = executor.call(tasks)
+    except BaseException:
+        for folder in ("best", "figures"):
+            remove_parts(directory / folder)
+        raise
     return results
 
 
-def write_reach(directory: Path, study: Study, store: Store) -> Path:
-    """Write the map of what the flights of a run reach, and return its path; flights are read one after the other.
+def _call_with_store(write: Callable[[Path, Study, Store], T], directory: Path, study: Study) -> T:
+    with Store.open(directory / DATABASE, read_only=True, check=False) as store:
+        return write(directory, study, store)
 
-    Raises
-    ------
-    InputError
-        where a stored flight is damaged.
-    """
-    path = directory / "figures" / "reach.svg"
+
+def _read_best(directory: Path, study: Study, store: Store, target: str) -> tuple[StoredAgent, Trajectory]:
+    stored = find_best_agent(study, store, target)
+    targets = study.scenario.target_names
+    if stored is None:
+        first = store.read_record(0, targets).evaluation
+        raise WorkFailedError(f"all {store.count()} evaluations failed, the first: {first.failure}")
+    index = stored.result["evaluation"]
+    flight = store.read_record(index, targets).evaluation.trajectory
+    if flight is None:
+        raise InputError(f"{directory}: is damaged: the flight of evaluation {index} is missing")
+    return stored, flight
+
+
+def _write_target(directory: Path, study: Study, store: Store, target: str) -> Best:
+    """Write ``best/<target>/``."""
+    from driftform.figures.section import section_svg
+    from driftform.tables.files import write_trajectory
+    from driftform.trajectory.approach import closest_approach
+
+    stored, flight = _read_best(directory, study, store, target)
+    agent = study.make_pipeline().make_agent(stored.genome)
+    [distance], _ = closest_approach(flight, np.array([study.scenario.targets[target]]))
+    job = ExportJob("agent", agent, study.scenario, agent_document(stored))
+    folder = directory / "best" / target
+    files = [folder / "agent.json", folder / "trajectory.csv", folder / "section.svg"]
+    write_agent(files[0], stored)
+    write_trajectory(files[1], flight)
+    write_text(files[2], section_svg(agent, target, study.scenario))
+    problems: list[str] = []
+    for name in study.run.formats:
+        exporter = study.make_exporter(name)
+        path = folder / f"agent{exporter.suffix}"
+        try:
+            written = exporter.write(job, path)
+        except DriftformError as error:
+            # An agent that one format cannot hold is no reason to keep back the others.
+            problems.append(f"{path}: not written: {error}")
+        else:
+            files.extend(Path(file.path) for file in written)
+    return Best(
+        target,
+        stored.result["evaluation"],
+        stored.result["fitness"],
+        float(distance),
+        files[0],
+        tuple(files),
+        tuple(problems),
+        stored.result.get("robust", {}),
+    )
+
+
+def _write_overview(directory: Path, study: Study, store: Store) -> None:
+    from driftform.figures.gallery import GalleryEntry
+    from driftform.figures.overview import overview_svg
+
+    pipeline = study.make_pipeline()
+    flights: list[GalleryEntry] = []
+    for target in study.scenario.targets:
+        stored, flight = _read_best(directory, study, store, target)
+        agent = pipeline.make_agent(stored.genome)
+        flights.append(GalleryEntry(target, agent, flight, 100 - stored.result["fitness"]))
+    title = str(study.document.get("title", ""))
+    write_text(directory / "figures" / "overview.svg", overview_svg(flights, study.scenario, title))
+
+
+def _write_reach(directory: Path, study: Study, store: Store) -> None:
+    from driftform.figures.reach import reach_svg
+    from driftform.trajectory.coverage import PipeGrid, map_coverage
+
     reach = map_coverage(
         track_progress(store.read_trajectories(), store.count_sound(), "flights"),
         PipeGrid.of_scenario(study.scenario),
     )
-    write_text(path, reach_svg(reach, study.scenario, str(study.document.get("title", ""))))
-    return path
+    title = str(study.document.get("title", ""))
+    write_text(directory / "figures" / "reach.svg", reach_svg(reach, study.scenario, title))

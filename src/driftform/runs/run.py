@@ -18,7 +18,7 @@ from driftform.runs.directory import (
     write_resolved,
 )
 from driftform.runs.finalists import find_best_agent, fly_finalists
-from driftform.runs.results import Best, write_best, write_reach
+from driftform.runs.results import Best, write_results
 from driftform.runs.search import run_search
 from driftform.runs.store import Record, Store
 from driftform.study import Document, Study, load_study
@@ -215,9 +215,7 @@ class Run:
             self._search(store, executor, observer)
             with observer.open_finalists() as progress:
                 fly_finalists(self.study, store, executor, progress)
-            results = write_best(self.path, self.study, store)
-            write_reach(self.path, self.study, store)
-        return results
+            return write_results(self.path, self.study, executor)
 
     def _search(self, store: Store, executor: Executor, observer: Observer) -> None:
         with observer.open_search(store.count()):
