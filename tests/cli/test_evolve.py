@@ -101,7 +101,21 @@ def test_two_workers_find_what_one_finds_to_the_last_digit(
     finished_run: Finished, run: Program, rows: Callable[[Path], Any], tmp_path: Path
 ) -> None:
     result = run(
-        *("evolve", "--strategy", "paper", "--evaluations", 20, "--target", "TP1", "--target", "TP7", "--seed", 1, "--workers", 2),
+        *(
+            "evolve",
+            "--strategy",
+            "paper",
+            "--evaluations",
+            20,
+            "--target",
+            "TP1",
+            "--target",
+            "TP7",
+            "--seed",
+            1,
+            "--workers",
+            2,
+        ),
         *("--out", "run"),
         cwd=tmp_path,
     )

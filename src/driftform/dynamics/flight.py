@@ -7,7 +7,7 @@ import numpy as np
 from driftform.dynamics.buoyancy import buoyant_energy
 from driftform.dynamics.contact import deepest_rim_depth
 from driftform.dynamics.cubic import Cubic, cubic_between, cubic_point, cubic_slope
-from driftform.dynamics.flow import water_motion
+from driftform.dynamics.flow import SPEED, water_motion
 from driftform.dynamics.model import (
     BODY_MASS,
     COB,
@@ -41,12 +41,20 @@ def release_state(model: FlightModel, scenario: Scenario) -> FloatArray:
     velocity: Vector | tuple[float, ...]
     match scenario.release.velocity:
         case "current":
-            velocity = water_motion((x, y, z), 0.0, model.pipe, model.flow, model.gusts)[0]
+            velocity = _water_velocity((x, y, z), model)
         case "rest":
             velocity = (0.0, 0.0, 0.0)
         case given:
             velocity = given
     return np.array([x, y, z, *scenario.release_quaternion(), *velocity, 0.0, 0.0, 0.0])
+
+
+def _water_velocity(point: Vector, model: FlightModel) -> tuple[float, ...]:
+    """Return the water's velocity (m/s, world frame) at the release."""
+    if model.table[STEADY] == 0.0 or len(model.pipe) == 0:
+        return water_motion(point, 0.0, model.pipe, model.flow, model.gusts)[0]
+    # The same in uniform water, whose kernel need not be compiled then. Adding zero turns -0 into 0, as the kernel does.
+    return tuple((model.flow[SPEED] * model.pipe[0, 3:6] + 0.0).tolist())
 
 
 @compiled
@@ -97,8 +105,8 @@ def finish_trajectory(
     if not end.failed and error is not None and not error <= accepted:
         end = End.NOT_CONVERGED
     values = pack(model)
-    touched = _find_touching_sample(rows, values)
-    contact, drift = _first_contact(rows, values, touched), _energy_drift(rows, values, touched)
+    touched, time = _find_contact(rows, values)
+    contact, drift = time if touched < len(rows) else None, _energy_drift(rows, values, touched)
     if len(rows) > 1 and len(model.pipe) > 0:
         _cut_at_outlet(rows[-2], rows[-1], model.pipe)
         contact = None if contact is not None and contact > rows[-1, 0] else contact
@@ -197,21 +205,14 @@ def _body_velocity(rows: FloatArray) -> FloatArray:
     return out
 
 
-def _first_contact(rows: FloatArray, values: FloatArray, touched: int) -> float | None:
-    """Return the time (s) of the first contact; ``touched`` is the first sample that touches, or their number if none does."""
-    if touched == len(rows):
-        return None
-    return float(rows[0, 0]) if touched == 0 else _locate_contact(rows[touched - 1], rows[touched], values)
-
-
 @compiled
-def _find_touching_sample(rows: FloatArray, values: FloatArray) -> int:
-    """Return the first sample at which a rim touches; the number of samples if none does."""
+def _find_contact(rows: FloatArray, values: FloatArray) -> tuple[int, float]:
+    """Return the first sample at which a rim touches, and the time (s) of the contact; the number of samples without one."""
     model = unpack(values)
     for k in range(rows.shape[0]):
         if _contact_depth(rows[k], model) > 0.0:
-            return k
-    return int(rows.shape[0])
+            return k, rows[0, 0] if k == 0 else _locate_contact(rows[k - 1], rows[k], model)
+    return rows.shape[0], math.inf
 
 
 @compiled
@@ -292,9 +293,8 @@ def _rotation(row: FloatArray) -> tuple[Vector, Vector, Vector]:
 
 
 @compiled
-def _locate_contact(before: FloatArray, after: FloatArray, values: FloatArray) -> float:
+def _locate_contact(before: FloatArray, after: FloatArray, model: FlightModel) -> float:
     """Return the time (s) between two samples at which a rim first touches, by bisection on the path between them."""
-    model = unpack(values)
     low, high, h = 0.0, 1.0, after[0] - before[0]
     between, sign = np.empty(SAMPLE), 1.0
     if before[4] * after[4] + before[5] * after[5] + before[6] * after[6] + before[7] * after[7] < 0.0:

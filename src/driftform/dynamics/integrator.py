@@ -24,7 +24,7 @@ from driftform.dynamics.rotations import quaternion_rate, rotation_from_quaterni
 from driftform.dynamics.tableaus import DOP853, DOPRI5, RungeKuttaPair
 from driftform.dynamics.vectors import dot, subtract
 from driftform.types import FloatArray
-from driftform.util.compiled import borrow, compiled
+from driftform.util.compiled import compiled
 
 STATE = SAMPLE - 1
 """Numbers in a state: position (3) and velocity (3) in the world, quaternion between them, body rates (3) at the end."""
@@ -55,6 +55,8 @@ SMOOTH_SHARE = 1e-2
 
 FIRST_STEP = 1e-3
 """Length of the first step, s."""
+
+_ALL_PLACES, _PLACES_IN_PLANE = np.arange(STATE), np.array(STATE_INDICES)
 
 LOG_MIN_ERROR = math.log(1e-4)
 """Lower bound of the logarithm of a step's error over tolerance, as used for the length of the next step."""
@@ -100,8 +102,11 @@ def integrate(model: FlightModel, start: FloatArray, horizon: float, accuracy: A
     If no tolerance makes the error small enough, the result has the last error: infinite if the two integrations do
     not end alike.
     """
+    in_plane = stays_in_plane(start, model)
     samples, error, tolerance = _integrate_to_accuracy(
         pack(model),
+        plane_model(model) if in_plane else None,
+        None if in_plane else True,
         start,
         horizon,
         accuracy.position,
@@ -109,8 +114,6 @@ def integrate(model: FlightModel, start: FloatArray, horizon: float, accuracy: A
         accuracy.tightest,
         accuracy.max_step,
         accuracy.step_limit,
-        DOP853,
-        DOPRI5,
     )
     return IntegrationResult(samples, error, tolerance)
 
@@ -118,6 +121,8 @@ def integrate(model: FlightModel, start: FloatArray, horizon: float, accuracy: A
 @compiled
 def _integrate_to_accuracy(
     values: FloatArray,
+    plane: FloatArray | None,
+    in_space: bool | None,
     start: FloatArray,
     horizon: float,
     accepted: float,
@@ -125,17 +130,17 @@ def _integrate_to_accuracy(
     tightest: float,
     max_step: float,
     step_limit: int,
-    smooth: RungeKuttaPair,
-    stiff: RungeKuttaPair,
 ) -> tuple[FloatArray, float, float]:
-    model, work = unpack(values), np.empty((smooth.b.shape[0] + 3) * STATE)
-    pairs = _borrow_arrays(smooth), _borrow_arrays(stiff)
+    """Return what :func:`integrate` does; either ``plane`` or ``in_space`` is None, and its motion is not compiled."""
+    model = unpack(values)
     coarse = _integrate_at_tolerance(
-        model, start, horizon, TOLERANCE_RATIO * tolerance, max_step, step_limit, pairs, work
+        model, plane, in_space, start, horizon, TOLERANCE_RATIO * tolerance, max_step, step_limit
     )
     least = 0.0
     while True:
-        fine = _integrate_at_tolerance(model, start, horizon, tolerance, max_step, step_limit, pairs, work)
+        fine = _integrate_at_tolerance(
+            model, plane, in_space, start, horizon, tolerance, max_step, step_limit
+        )
         distance = greatest_distance(coarse, fine)
         # A distance that falls faster than the tolerance does so by chance.
         error = SAFETY_FACTOR * max(distance, least)
@@ -177,43 +182,26 @@ def greatest_distance(a: FloatArray, b: FloatArray) -> float:
 
 
 @compiled
-def _borrow_arrays(pair: RungeKuttaPair) -> RungeKuttaPair:
-    return RungeKuttaPair(
-        borrow(pair.a),
-        borrow(pair.b),
-        borrow(pair.c),
-        borrow(pair.error),
-        borrow(pair.second),
-        pair.power,
-    )
-
-
-@compiled
 def _integrate_at_tolerance(
     model: FlightModel,
+    plane: FloatArray | None,
+    in_space: bool | None,
     start: FloatArray,
     horizon: float,
     tolerance: float,
     max_step: float,
     step_limit: int,
-    pairs: tuple[RungeKuttaPair, RungeKuttaPair],
-    work: FloatArray,
 ) -> FloatArray:
-    """Return raw samples (k, 14) of the release and the end of every step, up to the first one past the outlet.
-
-    ``pairs`` holds the methods for smooth and for stiff motion, ``work`` the memory for two states and the slopes.
-    """
-    samples = np.empty((256, SAMPLE))
-    plane, places = np.empty(0), np.arange(STATE)
-    if stays_in_plane(start, model):
-        plane, places = plane_model(model), np.array(STATE_INDICES)
+    """Return raw samples (k, 14) of the release and the end of every step, up to the first one past the outlet."""
+    samples, places = np.empty((256, SAMPLE)), _ALL_PLACES
+    if plane is not None:
+        places = _PLACES_IN_PLANE
     size = places.shape[0]
-    room = borrow(work)[: (pairs[0].b.shape[0] + 3) * size]
-    y, new, slopes = room[:size], room[size : 2 * size], room[2 * size :].reshape(-1, size)
+    y, new, slopes = np.empty(size), np.empty(size), np.empty((DOP853.b.shape[0] + 1, size))
     for i in range(size):
         y[i] = start[places[i]]
     t, h, earlier, count = 0.0, min(FIRST_STEP, horizon), LOG_MIN_ERROR, 0
-    _fill_rate(t, y, model, plane, slopes[0])
+    _fill_rate(t, y, model, plane, in_space, slopes[0])
     while True:
         if count == samples.shape[0]:
             longer = np.empty((2 * count, SAMPLE))
@@ -228,13 +216,13 @@ def _integrate_at_tolerance(
         count += 1
         if not is_finite(y) or t >= horizon or count > step_limit or has_left_pipe(position, model.pipe):
             break
-        pair, sharp = pairs[1], tolerance * min(LOOSEST_RATIO, math.exp(TOLERANCE_GROWTH * t))
+        pair, sharp = DOPRI5, tolerance * min(LOOSEST_RATIO, math.exp(TOLERANCE_GROWTH * t))
         if is_far_from_wall(position, model.table[REACH], model.pipe):
-            pair, sharp = pairs[0], SMOOTH_SHARE * sharp
+            pair, sharp = DOP853, SMOOTH_SHARE * sharp
         h = min(h, max_step)
         while True:
             h = min(h, horizon - t)
-            error = _take_step(t, h, y, new, slopes, pair, model, plane, sharp)
+            error = _take_step(t, h, y, new, slopes, pair, model, plane, in_space, sharp)
             if error <= 1.0:
                 break
             h *= max(0.2, 0.9 * error ** (-1.0 / pair.power)) if math.isfinite(error) else 0.2
@@ -267,7 +255,8 @@ def _take_step(
     slopes: FloatArray,
     pair: RungeKuttaPair,
     model: FlightModel,
-    plane: FloatArray,
+    plane: FloatArray | None,
+    in_space: bool | None,
     tolerance: float,
 ) -> float:
     """Fill ``new`` with the state after ``h`` (s) and ``slopes`` with those of all stages; return error over tolerance."""
@@ -279,11 +268,11 @@ def _take_step(
             share = h * (pair.b[k] if last else pair.a[s, k])
             for j in range(y.shape[0]):
                 new[j] += share * slopes[k, j]
-        _fill_rate(t + (1.0 if last else pair.c[s]) * h, new, model, plane, slopes[s])
+        _fill_rate(t + (1.0 if last else pair.c[s]) * h, new, model, plane, in_space, slopes[s])
     first = _squared_error(pair.error, slopes, y, new, tolerance)
     second = _squared_error(pair.second, slopes, y, new, tolerance) if pair.second.shape[0] > 0 else 0.0
     # Normalise the quaternion: its length is not part of the motion.
-    begin, end = (2, 4) if plane.shape[0] > 0 else (3, 7)
+    begin, end = (2, 4) if y.shape[0] < STATE else (3, 7)
     square = 0.0
     for j in range(begin, end):
         square += new[j] * new[j]
@@ -310,11 +299,19 @@ def _squared_error(
 
 
 @compiled
-def _fill_rate(t: float, y: FloatArray, model: FlightModel, plane: FloatArray, out: FloatArray) -> None:
-    """Fill ``out`` with the rate of a state in space (13,), or in the plane (7,) unless ``plane`` is empty."""
-    if plane.shape[0] > 0:
+def _fill_rate(
+    t: float,
+    y: FloatArray,
+    model: FlightModel,
+    plane: FloatArray | None,
+    in_space: bool | None,
+    out: FloatArray,
+) -> None:
+    """Fill ``out`` with the rate of a state in the plane (7,) or in space (13,), whichever of the two is not None."""
+    # numba compiles no branch for an argument that is None. Motion in space takes most of the time to compile.
+    if plane is not None:
         fill_rate_in_plane(y, plane, model.rims, out)
-    else:
+    if in_space is not None:
         fill_rate_in_space(t, y, model, out)
 
 

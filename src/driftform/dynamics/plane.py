@@ -25,7 +25,6 @@ from driftform.dynamics.model import (
     DISPLACED_MASS,
     FRICTION,
     GRAVITY,
-    INVERSE,
     LINEAR,
     MASS,
     REACH,
@@ -44,6 +43,7 @@ STATE_INDICES = (0, 2, 3, 5, 7, 9, 11)
 
 # Indices in the array of a plane's model. Symmetric 3x3 matrices of surge, heave and pitch: rows from the diagonal on.
 INERTIA, RESPONSE = 0, 6
+_UPPER = 2 * np.array(np.triu_indices(3))
 NET_WEIGHT, HANGING, TRIM = 12, 13, 14
 STREAM = 15
 RADIUS, NEAR = 17, 18
@@ -51,7 +51,6 @@ ACROSS, INLET, LENGTH = 19, 21, 23
 MODEL_SIZE = 24
 
 
-@compiled
 def stays_in_plane(start: FloatArray, model: FlightModel) -> bool:
     """Return True if :func:`fill_rate_in_plane` describes the whole motion from the state ``start`` (13,).
 
@@ -62,22 +61,17 @@ def stays_in_plane(start: FloatArray, model: FlightModel) -> bool:
     table, pipe = model.table, model.pipe
     if table[STEADY] == 0.0 or table[WATER_LEVEL] < np.inf or table[DAMPED] != 0.0 or table[FRICTION] != 0.0:
         return False
-    if model.strips.shape[0] > 0 or pipe.shape[0] > 1:
+    if len(model.strips) > 0 or len(pipe) > 1:
         return False
-    across = abs(start[4]) + abs(start[6]) + abs(start[8]) + abs(start[10]) + abs(start[12])
-    across += abs(table[COG, 1]) + abs(table[COB, 1]) + abs(table[CURRENT, 1])
-    for first in range(MASS, LINEAR, 6):
-        for i in range(0, 6, 2):
-            for j in range(1, 6, 2):
-                across += abs(table[first + i, j]) + abs(table[first + j, i])
-    if pipe.shape[0] == 1:
+    coupling = table[MASS:LINEAR].reshape(2, 6, 6)
+    across = [*start[4:13:2], table[COG, 1], table[COB, 1], table[CURRENT, 1]]
+    if len(pipe) == 1:
         if pipe[0, 7] < 2.0 * table[REACH]:
             return False
-        across += abs(pipe[0, 1] - start[1]) + abs(pipe[0, 4])
-    return bool(across == 0.0)
+        across += [pipe[0, 1] - start[1], pipe[0, 4]]
+    return not (any(across) or coupling[:, ::2, 1::2].any() or coupling[:, 1::2, ::2].any())
 
 
-@compiled
 def plane_model(model: FlightModel) -> FloatArray:
     """Return the input of :func:`accelerations_in_plane` except the rims, (24,).
 
@@ -87,19 +81,14 @@ def plane_model(model: FlightModel) -> FloatArray:
     length (m).
     """
     table, out = model.table, np.zeros(MODEL_SIZE)
-    place = INERTIA
-    for first in (MASS, INVERSE):
-        for i in range(0, 6, 2):
-            for j in range(i, 6, 2):
-                out[place] = table[first + i, j]
-                place += 1
+    out[INERTIA:NET_WEIGHT] = table[MASS:LINEAR].reshape(2, 6, 6)[:, _UPPER[0], _UPPER[1]].ravel()
     weight, lift = table[BODY_MASS] * table[GRAVITY], table[DISPLACED_MASS] * table[GRAVITY]
     out[NET_WEIGHT] = weight - lift
     out[HANGING] = weight * table[COG, 2] - lift * table[COB, 2]
     out[TRIM] = weight * table[COG, 0] - lift * table[COB, 0]
     out[STREAM], out[STREAM + 1] = table[CURRENT, 0], table[CURRENT, 2]
     out[NEAR] = out[LENGTH] = math.inf
-    if model.pipe.shape[0] == 1:
+    if len(model.pipe) == 1:
         pipe = model.pipe[0]
         out[RADIUS], out[NEAR] = pipe[7], pipe[7] - table[REACH]
         out[ACROSS], out[ACROSS + 1] = -pipe[5], pipe[3]

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -42,13 +43,18 @@ class Rest:
     height
         of the body's origin above the surface (negative below), m; ``None`` if the body does not float: then only its
         attitude is at rest, and a body that is not neutral rises or sinks.
-    eigenvalues
-        of the motion about the rest, 1/s, (12,), largest first: of position and attitude, and their rates.
+    model
+        of the body in still water without walls.
     """
 
     pitch: float
     height: float | None
-    eigenvalues: npt.NDArray[np.complex128]
+    model: FlightModel
+
+    @cached_property
+    def eigenvalues(self) -> npt.NDArray[np.complex128]:
+        """Eigenvalues of the motion about the rest, 1/s, (12,), largest first: of position and attitude, and their rates."""
+        return eigenvalues(self.model, self.height or 0.0, self.pitch)
 
     @property
     def slowest_period(self) -> float | None:
@@ -74,7 +80,7 @@ def stable_rest(model: FlightModel) -> Rest:
         # couples heave with pitch; with the fore end down, their opposites do.
         back = table[INVERSE + 4, 4] * lever - table[INVERSE + 4, 2] * net
         pitch = -math.copysign(math.pi / 2, back) if back else 0.0
-        return Rest(pitch, None, eigenvalues(still, 0.0, pitch))
+        return Rest(pitch, None, still)
     table[WATER_LEVEL] = 0.0
     energies = [_potential_energy(still, _floating_height(still, pitch), pitch) for pitch in _PITCHES]
     best = int(np.argmin(energies))
@@ -90,7 +96,7 @@ def stable_rest(model: FlightModel) -> Rest:
             low = a
     pitch = float(low + high) / 2
     height = _floating_height(still, pitch)
-    return Rest(pitch, height, eigenvalues(still, height, pitch))
+    return Rest(pitch, height, still)
 
 
 def eigenvalues(model: FlightModel, height: float, pitch: float) -> npt.NDArray[np.complex128]:

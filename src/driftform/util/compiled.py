@@ -1,11 +1,24 @@
-"""Compilation of kernels with numba; the machine code is cached on disk until any of their sources changes."""
+"""Compilation of kernels with numba; the machine code is cached on disk until any of their sources changes.
+
+A kernel that is called from Python is an entry: it has a Python wrapper, and its machine code is cached, with that of
+all kernels that it calls. A kernel that is called from another kernel is a part of it, and has neither: wrappers and
+files for all parts took a third of the compilation.
+"""
 
 import hashlib
+import multiprocessing
+import sys
+import time
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext, suppress
+from functools import cache
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar, cast
 
-from numba import njit
+from filelock import FileLock
+from numba.core.caching import FunctionCache
+from numba.core.registry import CPUDispatcher
+from numba.core.runtime.nrt import rtsys
 from numba.extending import intrinsic
 
 from driftform.types import FloatArray
@@ -16,6 +29,14 @@ R = TypeVar("R")
 
 KERNELS = ("hydrodynamics", "dynamics", "trajectory")
 """The packages of the core that contain kernels."""
+
+COMPILATION_S = 10
+"""Typical duration of the compilation for flights in the vertical plane, s."""
+
+ANNOUNCED_S = 60.0
+"""Time for which one announcement of the compilation serves all processes, s."""
+
+_OPTIONS = {"nopython": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 
 
 def _hash_sources() -> str:
@@ -28,19 +49,75 @@ _DIGEST = _hash_sources()
 
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a function in numba's nopython mode, with its machine code cached on disk.
+    """Compile a function in numba's nopython mode, with its machine code cached on disk if Python calls it.
 
     numba's cache of a function depends only on the file of that function. After an upgrade, a kernel that calls a
     function of another file, or uses its constants, would silently keep their old code. Therefore the stamp of every
     cache file here covers all files of the packages with kernels. A version of numba without this stamp caches nothing.
     """
-    dispatcher = njit(cache=True, nogil=True, error_model="numpy")(function)
-    cache_file: Any = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
-    if not hasattr(cache_file, "_source_stamp"):
-        dispatcher = njit(nogil=True, error_model="numpy")(function)
-    else:
-        cache_file._source_stamp = (cache_file._source_stamp, _DIGEST)
-    return dispatcher
+    return cast(Callable[P, R], _Entry(function))
+
+
+class _Cache(FunctionCache):
+    """A cache whose files are valid for one state of all sources."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)  # type: ignore[no-untyped-call]
+        self._cache_file._source_stamp = (self._cache_file._source_stamp, _DIGEST)
+
+    def load_overload(self, sig: Any, context: Any) -> Any:
+        """Load machine code, if there is any; numba's own method also prepares the compiler, for 0.4 s."""
+        rtsys.initialize(context)
+        found = self._load_overload(sig, context)  # type: ignore[no-untyped-call]
+        if found is None:
+            _announce(Path(self.cache_path))
+        return found
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Save machine code; a disk that refuses it is no error."""
+        with suppress(OSError):
+            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+
+
+class _Entry(CPUDispatcher):
+    """A kernel as Python calls it; kernels that call it are compiled with its part."""
+
+    def __init__(self, function: Callable[..., Any], *_: object) -> None:
+        super().__init__(function, targetoptions=_OPTIONS)
+        self._part = CPUDispatcher(function, targetoptions={**_OPTIONS, "no_cpython_wrapper": True})
+        self._lock: AbstractContextManager[object] = nullcontext()
+        # numba raises RuntimeError if it finds no directory that it can write to.
+        with suppress(RuntimeError, AttributeError):
+            self._cache = _Cache(function)
+            self._lock = FileLock(Path(self._cache.cache_path) / "kernels.lock")
+
+    @property
+    def _numba_type_(self) -> Any:
+        return self._part._numba_type_
+
+    def compile(self, sig: Any) -> Any:
+        """Load or compile the kernel, one process at a time: the others wait, and load what that one compiled."""
+        with suppress(OSError), self._lock:
+            return super().compile(sig)
+        return super().compile(sig)
+
+
+@cache
+def _announce(folder: Path) -> None:
+    """Print once that the compilation begins, unless the display of a run on a terminal shows it.
+
+    A file in the folder of the machine code keeps the other workers of the same run silent.
+    """
+    marker = folder / "kernels.announced"
+    with suppress(OSError):
+        if time.time() - marker.stat().st_mtime < ANNOUNCED_S:
+            return
+    with suppress(OSError):
+        marker.touch()
+    is_worker = multiprocessing.parent_process() is not None
+    if not (is_worker and sys.stdout.isatty() and sys.stderr.isatty()):
+        text = f"compiling the equations of motion, about {COMPILATION_S} s, once per machine"
+        print(text, file=sys.stderr, flush=True)
 
 
 def _borrow(_: Any, array: Any) -> Any:
