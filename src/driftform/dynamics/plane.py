@@ -83,9 +83,11 @@ def plane_model(model: FlightModel) -> FloatArray:
     table, out = model.table, np.zeros(MODEL_SIZE)
     out[INERTIA:NET_WEIGHT] = table[MASS:LINEAR].reshape(2, 6, 6)[:, _UPPER[0], _UPPER[1]].ravel()
     weight, lift = table[BODY_MASS] * table[GRAVITY], table[DISPLACED_MASS] * table[GRAVITY]
-    out[NET_WEIGHT] = weight - lift
-    out[HANGING] = weight * table[COG, 2] - lift * table[COB, 2]
-    out[TRIM] = weight * table[COG, 0] - lift * table[COB, 0]
+    # The flight of an agent of infinite mass or volume fails later, as not finite.
+    with np.errstate(invalid="ignore"):
+        out[NET_WEIGHT] = weight - lift
+        out[HANGING] = weight * table[COG, 2] - lift * table[COB, 2]
+        out[TRIM] = weight * table[COG, 0] - lift * table[COB, 0]
     out[STREAM], out[STREAM + 1] = table[CURRENT, 0], table[CURRENT, 2]
     out[NEAR] = out[LENGTH] = math.inf
     if len(model.pipe) == 1:
