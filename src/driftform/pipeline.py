@@ -3,14 +3,13 @@
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 from driftform.errors import WorkFailedError, describe_error
 from driftform.geometry import mass_properties
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
 from driftform.scenario import Scenario
-from driftform.scenario.disturbances import Condition, disturb_body, disturb_scenario, draw_conditions
+from driftform.scenario.disturbances import Condition, disturb_body, disturb_scenario
 from driftform.types import Agent, Evaluation, FloatArray, Genome, Morphology, Trajectory
 
 
@@ -24,7 +23,7 @@ class ScoredFlight:
 
 @dataclass(frozen=True, eq=False)
 class Pipeline:
-    """One plugin for each step, the scenario of the flights, and the seed of their randomness.
+    """One plugin for each step, and the scenario of the flights.
 
     Attributes
     ----------
@@ -40,8 +39,6 @@ class Pipeline:
         agent, scenario -> trajectory.
     fitness
         trajectory -> fitness for each target.
-    seed
-        seed of the disturbed conditions.
     """
 
     scenario: Scenario
@@ -50,7 +47,6 @@ class Pipeline:
     hydrodynamics: Hydrodynamics[Any]
     simulator: Simulator[Any]
     fitness: Fitness[Any]
-    seed: int = 0
 
     def express(self, genome: Genome) -> Morphology:
         """Genome -> morphology."""
@@ -73,11 +69,6 @@ class Pipeline:
     def make_agent(self, genome: Genome, condition: Condition | None = None) -> Agent:
         """Genome -> agent."""
         return self.realise(self.express(genome), genome, condition)
-
-    @cached_property
-    def conditions(self) -> tuple[Condition, ...]:
-        """The disturbed conditions of the finalists' flights."""
-        return draw_conditions(self.scenario.robustness, self.seed)
 
     def fly(self, agents: Sequence[Agent], scenarios: Sequence[Scenario] | None = None) -> list[Trajectory]:
         """Agents -> trajectories, each in the pipeline's scenario or in its own of ``scenarios``."""
@@ -113,7 +104,7 @@ class Pipeline:
         self,
         genomes: Sequence[Genome],
         seeds: Sequence[int | None] | None = None,
-        disturbed: Sequence[int | None] | None = None,
+        conditions: Sequence[Condition | None] | None = None,
     ) -> list[Evaluation]:
         """Genomes -> evaluations, in their order; one flight scores every target.
 
@@ -125,22 +116,22 @@ class Pipeline:
             the genomes to evaluate.
         seeds
             seed of the gusts for each genome, ``None`` for that of the scenario.
-        disturbed
-            index into :attr:`conditions` for each genome, ``None`` for undisturbed.
+        conditions
+            disturbed conditions of each genome's flight, ``None`` for undisturbed.
         """
         started = time.perf_counter()
         targets = len(self.scenario.targets)
-        under = [None if c is None else self.conditions[c] for c in disturbed or [None] * len(genomes)]
+        conditions = conditions or [None] * len(genomes)
         scenarios = [self.scenario.with_gusts(seed) for seed in seeds or [None] * len(genomes)]
         scenarios = [
             usual if condition is None else disturb_scenario(condition, usual)
-            for usual, condition in zip(scenarios, under, strict=True)
+            for usual, condition in zip(scenarios, conditions, strict=True)
         ]
         outcomes: dict[int, Evaluation] = {}
         agents: dict[int, Agent] = {}
         for index, genome in enumerate(genomes):
             try:
-                agents[index] = self.make_agent(genome, under[index])
+                agents[index] = self.make_agent(genome, conditions[index])
             except Exception as error:
                 outcomes[index] = Evaluation.failed(genome, targets, describe_error(error, with_place=True))
         flights = self._fly_each(list(agents.values()), [scenarios[index] for index in agents])

@@ -9,17 +9,15 @@ from driftform.geometry import hull_mass
 from driftform.scenario import Robustness, Scenario
 from driftform.scenario.disturbances import (
     Condition,
-    choose_finalists,
     disturb_body,
     disturb_scenario,
     draw_conditions,
     draw_normals,
-    robust_fitness,
 )
 from driftform.study import load_study
 from driftform.testing.bodies import hollow_body
 
-CALM = Condition((0.0, 0.0), 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 7)
+CALM = Condition((0.0, 0.0), 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0, 7)
 
 
 def changed(**values):
@@ -33,9 +31,9 @@ def pipe(**tables):
 
 def test_the_conditions_follow_the_distributions_that_the_scenario_gives():
     asked = Robustness(
-        conditions=2000, position=0.05, angle_deg=4.0, current=0.1, density=0.02, mass=0.03, wall=1e-4
+        position=0.05, angle_deg=4.0, current=0.1, density=0.02, mass=0.03, wall=1e-4, drag=0.15
     )
-    drawn = draw_conditions(asked, seed=1)
+    drawn = draw_conditions(asked, 2000, (1,))
     deviation = 0.98658  # of a standard normal cut off at three: sqrt(1 - 6 phi(3) / (2 Phi(3) - 1))
     for found, wanted in (
         ([c.across[0] for c in drawn], 0.05),
@@ -46,6 +44,7 @@ def test_the_conditions_follow_the_distributions_that_the_scenario_gives():
         ([c.density - 1 for c in drawn], 0.02),
         ([c.mass - 1 for c in drawn], 0.03),
         ([c.wall for c in drawn], 1e-4),
+        ([c.drag - 1 for c in drawn], 0.15),
     ):
         # A Latin hypercube of n has its mean right to about 1/n of a deviation, not 1/sqrt(n).
         assert np.mean(found) == pytest.approx(0, abs=0.003 * wanted)
@@ -62,9 +61,11 @@ def test_the_conditions_follow_the_distributions_that_the_scenario_gives():
 
 
 def test_the_same_seed_draws_the_same_conditions_and_another_one_others():
-    asked = Robustness(conditions=5)
-    assert draw_conditions(asked, 3) == draw_conditions(asked, 3) != draw_conditions(asked, 4)
-    assert draw_conditions(Robustness(), 3) == ()
+    asked = Robustness()
+    assert (
+        draw_conditions(asked, 5, (3,)) == draw_conditions(asked, 5, (3,)) != draw_conditions(asked, 5, (4,))
+    )
+    assert draw_conditions(asked, 0, (3,)) == ()
 
 
 def test_a_condition_without_deviations_changes_nothing():
@@ -84,6 +85,15 @@ def test_every_disturbance_changes_its_quantity():
     assert there.flow.speed == pytest.approx(3.0)
     assert there.flow.seed == 7
     assert there.fluid.density == pytest.approx(0.9 * scenario.fluid.density)
+
+
+def test_disturbed_flights_meet_gusts_in_a_flow_that_has_their_mean():
+    steady = pipe(flow={"kind": "log_law", "speed": 1.5, "roughness": 0.001})
+    gusty = disturb_scenario(changed(current=1.1), steady).flow
+    assert (gusty.kind, gusty.seed, gusty.roughness) == ("turbulent", 7, 0.001)
+    assert gusty.speed == pytest.approx(1.65)
+    assert disturb_scenario(changed(gusts=None), steady).flow.kind == "log_law"
+    assert all(c.gusts is None for c in draw_conditions(Robustness(gusts=False), 3, (1,)))
 
 
 def test_a_disturbed_wall_weighs_as_much_as_a_hull_with_a_thicker_wall():
@@ -119,30 +129,14 @@ def test_the_normals_of_a_direction_are_square_to_it_and_to_each_other(direction
     assert level[2] == pytest.approx(0)
 
 
-def test_a_robust_fitness_is_the_mean_the_quantile_or_the_worst():
-    fitness = np.array([[90.0, 10.0], [100.0, 20.0], [80.0, 30.0]])
-    assert robust_fitness(fitness, Robustness(score="mean")) == pytest.approx([90, 20])
-    assert robust_fitness(fitness, Robustness(score="worst")) == pytest.approx([80, 10])
-    assert robust_fitness(fitness, Robustness(score="quantile", quantile=0.5)) == pytest.approx([90, 20])
-
-
-def test_finalists_are_the_best_for_any_target_and_the_earlier_of_equals():
-    fitness = np.array([[5.0, 9.0], [7.0, 1.0], [7.0, 2.0], [1.0, 8.0]])
-    assert choose_finalists(fitness, 1) == [0, 1]
-    assert choose_finalists(fitness, 2) == [0, 1, 2, 3]
-
-
 def test_disturbed_flights_do_not_depend_on_the_rest_of_their_batch():
-    pipeline = load_study(
-        settings=["robustness.conditions=3"], use={"simulator": "native"}, run={"seed": 5}
-    ).make_pipeline()
+    pipeline = load_study(use={"simulator": "native"}).make_pipeline()
+    conditions = draw_conditions(Robustness(), 3, (5,))
     rng = np.random.default_rng(1)
     first, second = pipeline.grammar.random(rng), pipeline.grammar.random(rng)
-    together = pipeline.evaluate([first, second, first, first], disturbed=[0, 1, 2, None])
-    alone = [
-        pipeline.evaluate([g], disturbed=[c])[0]
-        for g, c in ((first, 0), (second, 1), (first, 2), (first, None))
-    ]
+    genomes, under = [first, second, first, first], [*conditions, None]
+    together = pipeline.evaluate(genomes, conditions=under)
+    alone = [pipeline.evaluate([g], conditions=[c])[0] for g, c in zip(genomes, under, strict=True)]
     for a, b in zip(together, alone, strict=True):
         assert a.failure is None
         assert a.fitness.tolist() == b.fitness.tolist()

@@ -19,14 +19,14 @@ from driftform.printing.check import check_print_job, list_formats, require_find
 from driftform.printing.exporter_settings import list_kit_settings
 from driftform.printing.trim import LEAD, measure_kit, trim_agent, weigh_print
 from driftform.runs.agent_file import StoredAgent, agent_document
+from driftform.runs.finalists import measure_distances
 from driftform.scenario import Scenario
-from driftform.scenario.disturbances import Spread, measure_spread
+from driftform.scenario.disturbances import draw_conditions
 from driftform.study import Document, Study, load_study
 from driftform.trajectory.resampling import check_rate, resample
 from driftform.types import (
     Agent,
     Coefficients,
-    Evaluation,
     Finding,
     MassProperties,
     Trajectory,
@@ -209,17 +209,19 @@ class Design:
         fitness = dict(zip(self.scenario.target_names, found.fitness.tolist(), strict=True))
         return Flight(self.name, found.trajectory, self.scenario, self.agent, fitness)
 
-    def disturb(self, progress: Progress = ignore) -> Spread | None:
-        """Fly it under the disturbed conditions of its scenario; ``None`` if ``robustness.conditions`` is 0."""
-        count = len(self.pipeline.conditions)
-        if not count:
-            return None
-        evaluations: list[Evaluation] = []
-        for number in range(count):
-            evaluations += self.pipeline.evaluate([self.stored.genome], disturbed=[number])
-            progress(len(evaluations), count)
-        fitness = np.array([evaluation.fitness for evaluation in evaluations])
-        return measure_spread(fitness, sum(evaluation.failure is not None for evaluation in evaluations))
+    def disturb(self, flights: int, seed: int = 0, progress: Progress = ignore) -> Misses:
+        """Fly it under disturbed conditions, drawn from ``seed``, and return how far it misses each target.
+
+        ``[robustness]`` of its scenario says what varies.
+        """
+        conditions = draw_conditions(self.scenario.robustness, flights, (seed, flights))
+        points = self.scenario.target_array()
+        distances: list[FloatArray] = []
+        for condition in conditions:
+            [evaluation] = self.pipeline.evaluate([self.stored.genome], conditions=[condition])
+            distances.append(measure_distances(evaluation, points))
+            progress(len(distances), flights)
+        return Misses(np.array(distances).reshape(flights, len(points)))
 
     def export(self, format: str, path: str | os.PathLike[str] | None = None) -> list[Path]:
         """Write it as a file for printers and other programs, and return the paths of what was written.

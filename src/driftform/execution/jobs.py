@@ -7,6 +7,7 @@ from typing import Protocol, TypeVar
 
 from driftform.errors import WorkFailedError
 from driftform.pipeline import Pipeline
+from driftform.scenario.disturbances import Condition
 from driftform.trajectory.compression import compress_evaluation
 from driftform.types import Evaluation, Genome
 
@@ -26,13 +27,13 @@ class Job:
     seed
         seed of the gusts, ``None`` for that of the scenario.
     condition
-        number of a disturbed condition, ``None`` for undisturbed.
+        disturbed conditions of the flight, ``None`` for undisturbed.
     """
 
     index: int
     genome: Genome
     seed: int | None = None
-    condition: int | None = None
+    condition: Condition | None = None
 
 
 Outcome = tuple[int, Evaluation]

@@ -1,7 +1,12 @@
-"""The last round of a run: the best agents flown again under disturbed conditions, and who wins then."""
+"""The last round of a run: finalists are judged under disturbed conditions, and the winners' misses are measured.
 
-from collections.abc import Callable
+The conditions of the choice are not those of the promise: whoever wins among many was also lucky, and only conditions
+that the choice never saw show how far the winner misses.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,10 +14,12 @@ import numpy as np
 from driftform.execution import Executor, Job
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.store import DisturbedResult, Store
-from driftform.scenario import evaluation_seed
-from driftform.scenario.disturbances import choose_finalists, measure_spread, robust_fitness
+from driftform.scenario import Robustness, evaluation_seed
+from driftform.scenario.disturbances import Condition, draw_conditions
 from driftform.study import Study
-from driftform.types import FloatArray
+from driftform.trajectory.approach import closest_approach
+from driftform.trajectory.misses import Misses, finite_or_none
+from driftform.types import Evaluation, FloatArray
 
 
 def fly_finalists(
@@ -21,93 +28,172 @@ def fly_finalists(
     executor: Executor,
     on_flights: Callable[[int, int], None] = lambda _, __: None,
 ) -> None:
-    """Fly the best of a run for each target under every disturbed condition, and store what they score.
+    """Fly the finalists of each target under the conditions of the choice, and the winners under those of the promise.
 
-    Where the scenario has no such conditions nothing is flown, and what is stored already is not flown again.
-    ``on_flights`` is called with the number of flights that are done, and of all.
+    Without disturbed conditions nothing is flown, and what is stored already is not flown again. ``on_flights`` is
+    called with the number of flights that are done, and with the total, which is an upper bound during the choice.
     """
     robustness, targets = study.scenario.robustness, study.scenario.target_names
     if not robustness.conditions:
         return
     sound = [brief for brief in store.read_summaries(targets) if not brief.failed]
-    chosen = choose_finalists(
-        np.array([b.fitness for b in sound]).reshape(-1, len(targets)), robustness.finalists
+    fitness = np.array([b.fitness for b in sound]).reshape(-1, len(targets))
+    finalists = [sound[row].index for row in choose_finalists(fitness, robustness.finalists)]
+    conditions = draw_rounds(robustness, study.seed)
+    judged = [(index, number) for index in finalists for number in range(robustness.conditions)]
+    to_come = min(len(finalists), len(targets)) * robustness.checks
+    fly = partial(_fly, study, store, executor, conditions)
+    done = fly(judged, lambda count: on_flights(count, len(judged) + to_come))
+    winners = sorted({won.index for t in targets if (won := find_winner(study, store, t)) is not None})
+    numbers = range(robustness.conditions, robustness.conditions + robustness.checks)
+    checked = [(index, number) for index in winners for number in numbers]
+    fly(checked, lambda count: on_flights(done + count, done + len(checked)))
+
+
+def draw_rounds(robustness: Robustness, seed: int) -> tuple[Condition, ...]:
+    """Return the conditions of the choice, and after them those of the promise, for a run with this seed."""
+    return (
+        *draw_conditions(robustness, robustness.conditions, (seed, 0)),
+        *draw_conditions(robustness, robustness.checks, (seed, 1)),
     )
-    wanted = [(sound[row].index, c) for row in chosen for c in range(robustness.conditions)]
+
+
+def _fly(
+    study: Study,
+    store: Store,
+    executor: Executor,
+    conditions: Sequence[Condition],
+    wanted: Iterable[tuple[int, int]],
+    on_flights: Callable[[int], None],
+) -> int:
+    """Fly each missing pair of an evaluation and a condition, and store it; return the number of all pairs."""
+    targets = study.scenario.target_names
+    points = study.scenario.target_array()
+    pairs = list(wanted)
     done = store.list_disturbed()
-    missing = [pair for pair in wanted if pair not in done]
+    missing = [pair for pair in pairs if pair not in done]
     genomes = {index: store.read_record(index, targets).candidate.genome for index in {i for i, _ in missing}}
     jobs = [
-        Job(number, genomes[index], evaluation_seed(study.seed, index), condition)
+        Job(number, genomes[index], evaluation_seed(study.seed, index), conditions[condition])
         for number, (index, condition) in enumerate(missing)
     ]
-    count = len(wanted) - len(missing)
-    on_flights(count, len(wanted))
+    count = len(pairs) - len(missing)
+    on_flights(count)
     for arrived in executor.evaluate(jobs):
         store.add_disturbed(
             [
-                DisturbedResult(*missing[number], evaluation.fitness, evaluation.failure)
+                DisturbedResult(
+                    *missing[number],
+                    evaluation.fitness,
+                    measure_distances(evaluation, points),
+                    evaluation.failure,
+                )
                 for number, evaluation in arrived
             ],
             targets,
         )
         count += len(arrived)
-        on_flights(count, len(wanted))
+        on_flights(count)
+    return len(pairs)
+
+
+def measure_distances(evaluation: Evaluation, points: FloatArray) -> FloatArray:
+    """Return the distance of the closest approach to each of ``points`` (n, 3), m, (n,); infinite if the flight failed."""
+    if evaluation.failure is not None or evaluation.trajectory is None:
+        return np.full(len(points), np.inf)
+    return closest_approach(evaluation.trajectory, points)[0]
+
+
+def choose_finalists(fitness: FloatArray, count: int) -> list[int]:
+    """Return the rows of fitness (n, targets) that are among the ``count`` best for any target, in ascending order."""
+    # With a stable sort the earlier of equal values is chosen.
+    best = np.argsort(-fitness, axis=0, kind="stable")[:count]
+    return sorted(set(best.ravel().tolist()))
+
+
+def robust_fitness(fitness: FloatArray, robustness: Robustness) -> float:
+    """Return the score of a finalist from its fitness under all conditions of the choice, (conditions,).
+
+    It is the mean, the smallest value, or the quantile ``robustness.quantile``, by ``robustness.score``.
+    """
+    if robustness.score == "mean":
+        return float(fitness.mean())
+    lowest = 0.0 if robustness.score == "worst" else robustness.quantile
+    return float(np.quantile(fitness, lowest))
 
 
 @dataclass(frozen=True, eq=False)
 class Winner:
-    """The best finalist for a target: its evaluation's ``index``, its robust ``fitness``, and its flights' fitness (n,)."""
+    """The best finalist for a target.
+
+    Attributes
+    ----------
+    index
+        of its evaluation.
+    score
+        by which it was chosen, %.
+    misses
+        of its flights under the conditions of the promise, ``None`` before they are flown.
+    """
 
     index: int
-    fitness: float
-    flights: FloatArray
-    failed: int
+    score: float
+    misses: Misses | None
 
     def document(self) -> dict[str, Any]:
-        """What an agent file and a JSON document hold of it."""
-        spread = measure_spread(self.flights[:, None], self.failed)
+        """Return what an agent file and a JSON document hold of it: flights, failures, score; misses in m."""
+        if self.misses is None:
+            return {"score": self.score}
         return {
-            "conditions": spread.count,
-            "failed": spread.failed,
-            "score": self.fitness,
-            "mean": float(spread.mean[0]),
-            "quantile_10": float(spread.tenth[0]),
-            "worst": float(spread.worst[0]),
+            "score": self.score,
+            "flights": self.misses.count,
+            "failed": self.misses.failed,
+            "median": finite_or_none(self.misses.median[0]),
+            "p90": finite_or_none(self.misses.promised[0]),
         }
 
 
 def find_winner(study: Study, store: Store, target: str) -> Winner | None:
-    """Return who won the last round for a target, the earliest of equals; ``None`` where none was flown to its end."""
+    """Return the finalist that was chosen for a target, the earliest of equals; ``None`` before the choice is complete."""
     robustness = study.scenario.robustness
+    judged, checked = range(robustness.conditions), robustness.conditions + robustness.checks
+    if not judged:
+        return None
     found: Winner | None = None
-    for index, flights, failed in store.read_disturbed(target):
-        if len(flights) < robustness.conditions:
+    for index, flights in store.read_disturbed(target).items():
+        if not all(number in flights for number in judged):
             continue
-        fitness = float(robust_fitness(flights[:, None], robustness)[0])
-        if found is None or fitness > found.fitness:
-            found = Winner(index, fitness, flights, failed)
+        score = robust_fitness(np.array([flights[number][0] for number in judged]), robustness)
+        if found is None or score > found.score:
+            rest = [flights[n][1] for n in range(robustness.conditions, checked) if n in flights]
+            complete = len(rest) == robustness.checks
+            found = Winner(index, score, Misses(np.array(rest)[:, None]) if complete else None)
     return found
 
 
 def find_best_agent(study: Study, store: Store, target: str) -> StoredAgent | None:
-    """The best agent of a run for a target, named after it; ``None`` where no evaluation is sound yet.
+    """Return the best agent of a run for a target, named after it; ``None`` before any evaluation succeeded.
 
-    Where finalists were flown under disturbed conditions it is the one that won then.
+    If finalists were flown under disturbed conditions it is the one that was chosen then.
     """
-    best, last_round = store.find_best(target), find_winner(study, store, target)
+    best, winner = store.find_best(target), find_winner(study, store, target)
     if best is None:
         return None
-    index, fitness = best
-    record = store.read_record(index if last_round is None else last_round.index, study.scenario.target_names)
+    targets = study.scenario.target_names
+    index = best[0] if winner is None else winner.index
+    record = store.read_record(index, targets)
+    fitness = float(record.evaluation.fitness[targets.index(target)])
+    point = np.array([study.scenario.targets[target]])
+    promise = {} if winner is None else winner.document()
     result: dict[str, Any] = {
         "target": target,
         "fitness": fitness,
         "error_percent": 100 - fitness,
         "evaluation": index,
+        "nominal": finite_or_none(measure_distances(record.evaluation, point)[0]),
+        "median": promise.pop("median", None),
+        "p90": promise.pop("p90", None),
     }
-    if last_round is not None:
-        fitness = float(record.evaluation.fitness[study.scenario.target_names.index(target)])
-        result |= {"fitness": fitness, "error_percent": 100 - fitness, "evaluation": last_round.index}
-        result["robust"] = last_round.document()
+    if promise:
+        result["robust"] = promise
     return StoredAgent(target, record.candidate.genome, study.environment(record.index), result)

@@ -6,8 +6,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
-import numpy as np
-
 from driftform.errors import DriftformError, InputError, WorkFailedError
 from driftform.execution import Executor
 from driftform.interfaces import ExportJob
@@ -38,8 +36,11 @@ class Best:
         of the evaluation.
     fitness
         for that target, %.
-    distance
-        of its closest approach, m.
+    nominal
+        distance of the closest approach of its undisturbed flight, m.
+    median, p90
+        median of the disturbed flights' misses, and the miss that 9 of 10 of them stay within, m; ``None`` without
+        disturbed flights, or if too many of them failed.
     agent
         path of its ``agent.json``.
     files
@@ -47,13 +48,15 @@ class Best:
     problems
         what could not be written, one line for each.
     robust
-        what it came to under disturbed conditions, empty where there were none.
+        number of disturbed flights and of failures, and the score of the choice; empty without disturbed flights.
     """
 
     target: str
     index: int
     fitness: float
-    distance: float
+    nominal: float
+    median: float | None
+    p90: float | None
     agent: Path
     files: tuple[Path, ...] = ()
     problems: tuple[str, ...] = ()
@@ -112,11 +115,9 @@ def _write_target(directory: Path, study: Study, store: Store, target: str) -> B
     """Write ``best/<target>/``."""
     from driftform.figures.section import section_svg
     from driftform.tables.files import write_trajectory
-    from driftform.trajectory.approach import closest_approach
 
     stored, flight = _read_best(directory, study, store, target)
     agent = study.make_pipeline().make_agent(stored.genome)
-    [distance], _ = closest_approach(flight, np.array([study.scenario.targets[target]]))
     job = ExportJob("agent", agent, study.scenario, agent_document(stored))
     folder = directory / "best" / target
     files = [folder / "agent.json", folder / "trajectory.csv", folder / "section.svg"]
@@ -138,7 +139,9 @@ def _write_target(directory: Path, study: Study, store: Store, target: str) -> B
         target,
         stored.result["evaluation"],
         stored.result["fitness"],
-        float(distance),
+        stored.result["nominal"],
+        stored.result["median"],
+        stored.result["p90"],
         files[0],
         tuple(files),
         tuple(problems),

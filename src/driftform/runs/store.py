@@ -4,6 +4,7 @@ The file holds data only: numbers, text, and trajectories as compressed float32 
 """
 
 import json
+import math
 import re
 import sqlite3
 import zlib
@@ -17,13 +18,14 @@ import numpy as np
 
 from driftform.errors import InputError, WorkFailedError, describe_error
 from driftform.trajectory.compression import compress, decode, diagnostics
+from driftform.trajectory.misses import finite_or_none
 from driftform.types import Candidate, End, Evaluation, FloatArray, Genome, Trajectory
 from driftform.util.files import write_whole
 
 APPLICATION_ID = 0x64726674
 """In the header of a file of SQLite: by it a database is known as one of ours."""
 
-SCHEMA_VERSION = 3
+SCHEMA_VERSION = 4
 """Of the tables; a database of another version is refused."""
 
 _SCHEMA = """
@@ -56,9 +58,10 @@ CREATE TABLE score (
 ) WITHOUT ROWID;
 CREATE TABLE disturbed (
     evaluation INTEGER NOT NULL REFERENCES evaluation (id),
-    condition INTEGER NOT NULL,  -- number of the disturbed condition, see robustness.conditions()
+    condition INTEGER NOT NULL,  -- number of the disturbed condition, see Pipeline.conditions
     target TEXT NOT NULL,
     fitness REAL NOT NULL,
+    distance REAL,               -- of the closest approach, m; NULL for a failed flight
     failure TEXT,
     PRIMARY KEY (target, evaluation, condition)
 ) WITHOUT ROWID;
@@ -143,6 +146,8 @@ class DisturbedResult:
         number of the condition, from 0.
     fitness
         for each target, %, (targets,).
+    distances
+        of the closest approach to each target, m, (targets,); infinite for a failed flight.
     failure
         what went wrong, ``None`` for nothing.
     """
@@ -150,6 +155,7 @@ class DisturbedResult:
     evaluation: int
     condition: int
     fitness: FloatArray
+    distances: FloatArray
     failure: str | None = None
 
 
@@ -310,13 +316,15 @@ class Store:
             where they cannot be written.
         """
         rows = [
-            (flight.evaluation, flight.condition, target, float(value), flight.failure)
+            (flight.evaluation, flight.condition, target, value, finite_or_none(distance), flight.failure)
             for flight in flights
-            for target, value in zip(targets, flight.fitness, strict=True)
+            for target, value, distance in zip(
+                targets, flight.fitness.tolist(), flight.distances.tolist(), strict=True
+            )
         ]
         try:
             with _transaction(self._connection):
-                self._connection.executemany("INSERT INTO disturbed VALUES (?, ?, ?, ?, ?)", rows)
+                self._connection.executemany("INSERT INTO disturbed VALUES (?, ?, ?, ?, ?, ?)", rows)
         except sqlite3.Error as error:
             raise WorkFailedError(f"{self._path}: disturbed flights {_UNWRITTEN.format(error)}") from None
 
@@ -325,17 +333,18 @@ class Store:
         with self._reading():
             return set(self._connection.execute("SELECT DISTINCT evaluation, condition FROM disturbed"))
 
-    def read_disturbed(self, target: str) -> list[tuple[int, FloatArray, int]]:
-        """For each finalist its evaluation, its fitness under every condition flown, (n,), and how many flights failed."""
-        query = "SELECT evaluation, fitness, failure IS NOT NULL FROM disturbed WHERE target = ? ORDER BY evaluation, condition"
-        found: dict[int, list[tuple[float, bool]]] = {}
+    def read_disturbed(self, target: str) -> dict[int, dict[int, tuple[float, float]]]:
+        """Return fitness (%) and miss (m) of every disturbed flight: by evaluation, and by condition.
+
+        The miss of a failed flight is infinite.
+        """
+        query = "SELECT evaluation, condition, fitness, distance FROM disturbed WHERE target = ? ORDER BY evaluation, condition"
+        found: dict[int, dict[int, tuple[float, float]]] = {}
         with self._reading():
-            for index, fitness, failed in self._connection.execute(query, (target,)):
-                found.setdefault(index, []).append((float(fitness), bool(failed)))
-        return [
-            (index, np.array([fitness for fitness, _ in rows]), sum(failed for _, failed in rows))
-            for index, rows in found.items()
-        ]
+            for index, condition, fitness, distance in self._connection.execute(query, (target,)):
+                miss = math.inf if distance is None else float(distance)
+                found.setdefault(index, {})[condition] = (float(fitness), miss)
+        return found
 
     def count(self) -> int:
         """How many evaluations there are."""

@@ -1,16 +1,15 @@
-"""Disturbed conditions of a flight, and the fitness of an agent under them.
+"""Disturbed conditions of a flight: how they are drawn, and what they change.
 
 The conditions of a run are a design of experiments: a Latin hypercube over all disturbed quantities. All agents are
-flown under the same conditions, so that their fitness can be compared.
+flown under the same conditions, so that their misses can be compared.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
-from driftform.scenario import Robustness, Scenario, TurbulentFlow
+from driftform.scenario import LogLawFlow, Robustness, Scenario, TurbulentFlow
 from driftform.types import Body, FloatArray
 
 MAX_DEVIATION = 3.0
@@ -36,8 +35,10 @@ class Condition:
         factor on the density of the hull's material.
     wall
         increase of the thickness of the printed wall, m.
+    drag
+        factor on all forces of drag and damping.
     gusts
-        seed of the gusts.
+        seed of the gusts, ``None`` for steady water.
     """
 
     across: tuple[float, float]
@@ -47,38 +48,46 @@ class Condition:
     density: float
     mass: float
     wall: float
-    gusts: int
+    drag: float
+    gusts: int | None
 
 
-def draw_conditions(robustness: Robustness, seed: int) -> tuple[Condition, ...]:
-    """Return the disturbed conditions of a run with this seed.
+def draw_conditions(robustness: Robustness, count: int, seed: Sequence[int]) -> tuple[Condition, ...]:
+    """Return ``count`` disturbed conditions, drawn from a seed.
 
     Latin hypercube (McKay, Beckman and Conover 1979, Technometrics 21(2)): for every quantity, each of the n conditions
     lies in a different one of n equally likely intervals. All distributions are normal, truncated at
     :data:`MAX_DEVIATION` standard deviations.
     """
-    if not robustness.conditions:
+    if not count:
         return ()
     from scipy.stats import qmc, truncnorm
 
-    rng = np.random.default_rng((seed, robustness.conditions))
-    shares = qmc.LatinHypercube(8, rng=rng).random(robustness.conditions)
-    drawn = truncnorm.ppf(shares, -MAX_DEVIATION, MAX_DEVIATION) * [
+    deviations = [
         *(robustness.position, robustness.position),
         *np.deg2rad([robustness.angle_deg, robustness.angle_deg]),
-        *(robustness.current, robustness.density, robustness.mass, robustness.wall),
+        *(robustness.current, robustness.density, robustness.mass, robustness.wall, robustness.drag),
     ]
-    gusts = rng.integers(2**32, size=robustness.conditions)
+    rng = np.random.default_rng(tuple(seed))
+    shares = qmc.LatinHypercube(len(deviations), rng=rng).random(count)
+    drawn = truncnorm.ppf(shares, -MAX_DEVIATION, MAX_DEVIATION) * deviations
+    gusts: list[int | None] = [None] * count
+    if robustness.gusts:
+        gusts = rng.integers(2**32, size=count).tolist()
     return tuple(
-        Condition((x[0], x[1]), x[2], x[3], 1 + x[4], 1 + x[5], 1 + x[6], x[7], int(seed))
-        for x, seed in zip(drawn.tolist(), gusts, strict=True)
+        Condition((x[0], x[1]), x[2], x[3], 1 + x[4], 1 + x[5], 1 + x[6], x[7], 1 + x[8], gust)
+        for x, gust in zip(drawn.tolist(), gusts, strict=True)
     )
 
 
 def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
     """Return the scenario under a disturbed condition."""
-    flow = scenario.flow.model_copy(update={"speed": scenario.flow.speed * condition.current})
-    if isinstance(flow, TurbulentFlow):
+    flow = scenario.flow
+    if isinstance(flow, LogLawFlow) and condition.gusts is not None:
+        # The mean of the turbulent flow is the logarithmic law.
+        flow = TurbulentFlow(speed=flow.speed, roughness=flow.roughness)
+    flow = flow.model_copy(update={"speed": flow.speed * condition.current})
+    if isinstance(flow, TurbulentFlow) and condition.gusts is not None:
         flow = flow.model_copy(update={"seed": condition.gusts})
     release = scenario.release.model_copy(
         update={
@@ -98,67 +107,6 @@ def disturb_body(condition: Condition, body: Body) -> Body:
     """
     thicker = max(0.0, 1 + condition.wall / body.wall) if body.wall else 1.0
     return replace(body, hull_density=body.hull_density * condition.mass * thicker)
-
-
-def robust_fitness(fitness: FloatArray, robustness: Robustness) -> FloatArray:
-    """Return the robust fitness, (targets,), from the fitness under all conditions, (conditions, targets).
-
-    It is the mean, the smallest value, or the quantile ``robustness.quantile``, by ``robustness.score``.
-    """
-    if robustness.score == "mean":
-        return np.asarray(fitness.mean(axis=0))
-    lowest = 0.0 if robustness.score == "worst" else robustness.quantile
-    return np.asarray(np.quantile(fitness, lowest, axis=0))
-
-
-@dataclass(frozen=True, eq=False)
-class Spread:
-    """Distribution of the fitness of one agent over the disturbed conditions.
-
-    Attributes
-    ----------
-    count, failed
-        number of flights, and of failed flights, whose fitness is zero.
-    mean, tenth, worst
-        mean, 10 % quantile and smallest value, %, (targets,) each.
-    """
-
-    count: int
-    failed: int
-    mean: FloatArray
-    tenth: FloatArray
-    worst: FloatArray
-
-    def document(self, targets: Sequence[str]) -> dict[str, Any]:
-        """Return the spread as a JSON document."""
-        values = zip(targets, self.mean, self.tenth, self.worst, strict=True)
-        return {
-            "conditions": self.count,
-            "failed": self.failed,
-            "targets": {
-                name: {"mean": float(m), "quantile_10": float(q), "worst": float(w)}
-                for name, m, q, w in values
-            },
-        }
-
-    def describe(self) -> str:
-        """Return the number of flights and of failures in one line."""
-        failed = f", {self.failed} of them failed" if self.failed else ""
-        return f"disturbed flights: {self.count}{failed}; [robustness] in the scenario sets what varies"
-
-
-def measure_spread(fitness: FloatArray, failed: int) -> Spread:
-    """Return the spread of an agent's fitness, (conditions, targets), with the number of ``failed`` flights."""
-    return Spread(
-        len(fitness), failed, fitness.mean(axis=0), np.quantile(fitness, 0.1, axis=0), fitness.min(axis=0)
-    )
-
-
-def choose_finalists(fitness: FloatArray, count: int) -> list[int]:
-    """Return the rows of fitness (n, targets) that are among the ``count`` best for any target, in ascending order."""
-    # With a stable sort the earlier of equal values is chosen.
-    best = np.argsort(-fitness, axis=0, kind="stable")[:count]
-    return sorted(set(best.ravel().tolist()))
 
 
 def draw_normals(direction: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -64,31 +64,44 @@ class FlightLimits(Table):
 
 
 class Robustness(Table):
-    """Disturbances of the flights of the finalists, and the score that they give.
+    """Disturbed conditions: how the best agents are chosen, and what is promised of them.
 
     The quantities are standard deviations of normal distributions, truncated at three standard deviations.
     """
 
     conditions: int = option(
-        0, "disturbed flights of each finalist; 0 to rank by the undisturbed flight alone", ge=0, le=10_000
+        20,
+        "disturbed flights of each finalist, by which the best is chosen; 0 to choose by the undisturbed flight alone",
+        ge=0,
+        le=10_000,
     )
     finalists: int = option(
-        5, "finalists for each target: the agents with the best undisturbed flights", gt=0
+        5, "finalists for each target: the agents with the best undisturbed flights", gt=0, le=10_000
     )
     score: Literal["mean", "quantile", "worst"] = option(
-        "mean", "score of a finalist, from its fitness over all conditions"
+        "quantile", "score of a finalist, from its fitness over all conditions"
     )
     quantile: float = option(
         0.1, "share of the conditions with a fitness below the score, if score = 'quantile'", ge=0, le=1
     )
+    checks: int = option(
+        60,
+        "disturbed flights of each best agent under conditions of their own, from which its median and 90 % miss come",
+        ge=1,
+        le=10_000,
+    )
+    gusts: bool = option(
+        True, "gusts of a developed turbulent flow in disturbed flights, if flow.kind is 'log_law'"
+    )
     position: float = option(
-        0.02, "of the release position, along each of two directions across the pipe", "m", ge=0
+        0.02, "of the release position, along each of two directions across the pipe", "m", ge=0, le=10
     )
     angle_deg: float = option(2.0, "of pitch and yaw at the release", "deg", ge=0, le=30)
     current: float = option(0.03, "of the speed of the current, relative to it", ge=0, le=0.3)
     density: float = option(0.001, "of the density of the water, relative to it", ge=0, le=0.3)
     mass: float = option(0.01, "of the mass of the printed hull, relative to it", ge=0, le=0.3)
-    wall: float = option(0.00002, "of the thickness of the printed wall", "m", ge=0)
+    wall: float = option(0.00002, "of the thickness of the printed wall", "m", ge=0, le=0.01)
+    drag: float = option(0.2, "of drag and damping, relative to them", ge=0, le=0.3)
 
 
 def _check_names(targets: dict[str, Vector]) -> dict[str, Vector]:

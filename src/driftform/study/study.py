@@ -91,7 +91,7 @@ class Study:
     def make_pipeline(self) -> Pipeline:
         """Create the pipeline from genome to fitness."""
         steps = {seam: self.make_plugin(seam) for seam in SELECTED if seam != "strategy"}
-        return Pipeline(scenario=self.scenario, seed=self.seed, **steps)
+        return Pipeline(scenario=self.scenario, **steps)
 
     def make_strategy(self) -> Strategy[Any]:
         """Create a strategy in its initial state, with a random generator from the seed."""

@@ -1,0 +1,81 @@
+"""The misses of one agent over many disturbed flights: their median, and the miss that 9 of 10 flights stay within."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from driftform.types import FloatArray
+
+PROMISED = 0.9
+"""Share of the flights that stay within the promised miss."""
+
+
+def estimate_quantile(values: FloatArray, share: float) -> FloatArray:
+    """Return the value that a further draw stays below with probability ``share``, (columns,), of values (n, columns).
+
+    The k-th smallest of n draws has the expected probability k / (n + 1) (Weibull 1939; type 6 of Hyndman and Fan 1996,
+    Sample quantiles in statistical packages, doi:10.2307/2684934), whatever the distribution; between two of them the
+    quantile is linear in k. It is infinite where it lies beyond a value that is infinite.
+
+    >>> estimate_quantile(np.array([[3.0], [1.0], [2.0]]), 0.5)
+    array([2.])
+    """
+    ordered = np.sort(values, axis=0)
+    rank = min(max(share * (len(ordered) + 1), 1.0), float(len(ordered))) - 1
+    low, part = int(rank), rank % 1
+    if not part:
+        return np.asarray(ordered[low])
+    # Not low + part (high - low), which is not a number between two infinite values.
+    return np.asarray((1 - part) * ordered[low] + part * ordered[low + 1])
+
+
+@dataclass(frozen=True, eq=False)
+class Misses:
+    """Distances of closest approach of an agent's disturbed flights.
+
+    Attributes
+    ----------
+    distances
+        of each flight to each target, m, (flights, targets); infinite for a failed flight.
+    """
+
+    distances: FloatArray
+
+    @property
+    def count(self) -> int:
+        """Number of flights."""
+        return len(self.distances)
+
+    @property
+    def failed(self) -> int:
+        """Number of flights that failed."""
+        return int(np.isinf(self.distances).any(axis=1).sum())
+
+    @property
+    def median(self) -> FloatArray:
+        """Median miss, m, (targets,)."""
+        return estimate_quantile(self.distances, 0.5)
+
+    @property
+    def promised(self) -> FloatArray:
+        """Miss that 9 of 10 flights stay within, m, (targets,)."""
+        return estimate_quantile(self.distances, PROMISED)
+
+    def document(self, targets: Sequence[str]) -> dict[str, dict[str, Any]]:
+        """Return what a JSON document holds for each target: distances, median and p90, m; ``None`` for a failure."""
+        columns = zip(targets, self.distances.T, self.median, self.promised, strict=True)
+        return {
+            name: {
+                "distances": [finite_or_none(d) for d in distances],
+                "median": finite_or_none(median),
+                "p90": finite_or_none(promised),
+            }
+            for name, distances, median, promised in columns
+        }
+
+
+def finite_or_none(value: float) -> float | None:
+    """Return a number, or ``None`` if it is infinite, which JSON cannot hold."""
+    return float(value) if np.isfinite(value) else None

@@ -1,0 +1,38 @@
+"""The misses of disturbed flights: the median, and what 9 of 10 flights stay within."""
+
+import numpy as np
+import pytest
+
+from driftform.trajectory.misses import Misses, estimate_quantile
+
+
+def test_a_further_draw_stays_within_the_promise_nine_times_of_ten():
+    rng = np.random.default_rng(1)
+    for count in (19, 60):
+        drawn = rng.gamma(1.5, size=(count, 4000))
+        promised = estimate_quantile(drawn, 0.9)
+        assert np.mean(rng.gamma(1.5, size=4000) < promised) == pytest.approx(0.9, abs=0.015)
+
+
+def test_with_few_flights_the_promise_is_the_largest_miss_and_not_beyond():
+    assert estimate_quantile(np.array([[1.0], [4.0], [2.0]]), 0.9) == pytest.approx([4.0])
+    assert estimate_quantile(np.array([[3.0]]), 0.5) == pytest.approx([3.0])
+
+
+def test_a_quantile_lies_between_its_neighbours():
+    values = np.arange(1.0, 21.0)[:, None]
+    assert estimate_quantile(values, 0.5) == pytest.approx([10.5])
+    assert estimate_quantile(values, 0.9) == pytest.approx([18.9])
+
+
+def test_failed_flights_are_misses_without_a_bound():
+    distances = np.full((10, 2), 0.1)
+    distances[:2] = np.inf
+    misses = Misses(distances)
+    assert misses.failed == 2
+    assert misses.median == pytest.approx([0.1, 0.1])
+    assert np.isinf(misses.promised).all()
+    document = misses.document(("TP1", "TP2"))
+    assert document["TP2"]["distances"][:3] == [None, None, 0.1]
+    assert document["TP2"]["median"] == pytest.approx(0.1)
+    assert document["TP2"]["p90"] is None
