@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from driftform.scenario import Robustness
+from driftform.scenario.disturbances import draw_conditions
 from driftform.trajectory.misses import Misses, estimate_quantile
 
 
@@ -26,9 +28,10 @@ def test_a_quantile_lies_between_its_neighbours():
 
 
 def test_failed_flights_are_misses_without_a_bound():
-    distances = np.full((10, 2), 0.1)
-    distances[:2] = np.inf
-    misses = Misses(distances)
+    offsets = np.zeros((10, 2, 3))
+    offsets[..., 1], offsets[..., 2] = 0.06, -0.08
+    offsets[:2] = np.nan
+    misses = Misses(draw_conditions(Robustness(), 10, (1,)), offsets)
     assert misses.failed == 2
     assert misses.median == pytest.approx([0.1, 0.1])
     assert np.isinf(misses.promised).all()

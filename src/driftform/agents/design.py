@@ -19,15 +19,17 @@ from driftform.printing.check import check_print_job, list_formats, require_find
 from driftform.printing.exporter_settings import list_kit_settings
 from driftform.printing.trim import LEAD, measure_kit, trim_agent, weigh_print
 from driftform.runs.agent_file import StoredAgent, agent_document
-from driftform.runs.finalists import measure_distances
+from driftform.runs.finalists import find_offsets
 from driftform.scenario import Scenario
 from driftform.scenario.disturbances import draw_conditions
 from driftform.study import Document, Study, load_study
+from driftform.trajectory.misses import Misses
 from driftform.trajectory.resampling import check_rate, resample
 from driftform.types import (
     Agent,
     Coefficients,
     Finding,
+    FloatArray,
     MassProperties,
     Trajectory,
     WrittenFile,
@@ -216,12 +218,12 @@ class Design:
         """
         conditions = draw_conditions(self.scenario.robustness, flights, (seed, flights))
         points = self.scenario.target_array()
-        distances: list[FloatArray] = []
+        offsets: list[FloatArray] = []
         for condition in conditions:
             [evaluation] = self.pipeline.evaluate([self.stored.genome], conditions=[condition])
-            distances.append(measure_distances(evaluation, points))
-            progress(len(distances), flights)
-        return Misses(np.array(distances).reshape(flights, len(points)))
+            offsets.append(find_offsets(evaluation, points))
+            progress(len(offsets), flights)
+        return Misses(conditions, np.array(offsets).reshape(flights, len(points), 3))
 
     def export(self, format: str, path: str | os.PathLike[str] | None = None) -> list[Path]:
         """Write it as a file for printers and other programs, and return the paths of what was written.

@@ -17,7 +17,7 @@ from driftform.runs.store import DisturbedResult, Store
 from driftform.scenario import Robustness, evaluation_seed
 from driftform.scenario.disturbances import Condition, draw_conditions
 from driftform.study import Study
-from driftform.trajectory.approach import closest_approach
+from driftform.trajectory.approach import find_approaches
 from driftform.trajectory.misses import Misses, finite_or_none
 from driftform.types import Evaluation, FloatArray
 
@@ -85,7 +85,7 @@ def _fly(
                 DisturbedResult(
                     *missing[number],
                     evaluation.fitness,
-                    measure_distances(evaluation, points),
+                    find_offsets(evaluation, points),
                     evaluation.failure,
                 )
                 for number, evaluation in arrived
@@ -97,11 +97,12 @@ def _fly(
     return len(pairs)
 
 
-def measure_distances(evaluation: Evaluation, points: FloatArray) -> FloatArray:
-    """Return the distance of the closest approach to each of ``points`` (n, 3), m, (n,); infinite if the flight failed."""
+def find_offsets(evaluation: Evaluation, points: FloatArray) -> FloatArray:
+    """Return the vector from each of ``points`` (n, 3) to the closest approach, m, (n, 3); NaN if the flight failed."""
     if evaluation.failure is not None or evaluation.trajectory is None:
-        return np.full(len(points), np.inf)
-    return closest_approach(evaluation.trajectory, points)[0]
+        return np.full(points.shape, np.nan)
+    approaches = find_approaches(evaluation.trajectory, points)
+    return np.array([approach.position for approach in approaches]).reshape(points.shape) - points
 
 
 def choose_finalists(fitness: FloatArray, count: int) -> list[int]:
@@ -156,18 +157,23 @@ class Winner:
 def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     """Return the finalist that was chosen for a target, the earliest of equals; ``None`` before the choice is complete."""
     robustness = study.scenario.robustness
-    judged, checked = range(robustness.conditions), robustness.conditions + robustness.checks
-    if not judged:
+    if not robustness.conditions:
         return None
+    conditions = draw_rounds(robustness, study.seed)
+    judged, checked = range(robustness.conditions), range(robustness.conditions, len(conditions))
     found: Winner | None = None
     for index, flights in store.read_disturbed(target).items():
         if not all(number in flights for number in judged):
             continue
         score = robust_fitness(np.array([flights[number][0] for number in judged]), robustness)
         if found is None or score > found.score:
-            rest = [flights[n][1] for n in range(robustness.conditions, checked) if n in flights]
-            complete = len(rest) == robustness.checks
-            found = Winner(index, score, Misses(np.array(rest)[:, None]) if complete else None)
+            rest = [flights[number][1] for number in checked if number in flights]
+            misses = (
+                Misses(conditions[len(judged) :], np.array(rest)[:, None])
+                if len(rest) == len(checked)
+                else None
+            )
+            found = Winner(index, score, misses)
     return found
 
 
@@ -183,14 +189,14 @@ def find_best_agent(study: Study, store: Store, target: str) -> StoredAgent | No
     index = best[0] if winner is None else winner.index
     record = store.read_record(index, targets)
     fitness = float(record.evaluation.fitness[targets.index(target)])
-    point = np.array([study.scenario.targets[target]])
+    offset = find_offsets(record.evaluation, np.array([study.scenario.targets[target]]))
     promise = {} if winner is None else winner.document()
     result: dict[str, Any] = {
         "target": target,
         "fitness": fitness,
         "error_percent": 100 - fitness,
         "evaluation": index,
-        "nominal": finite_or_none(measure_distances(record.evaluation, point)[0]),
+        "nominal": finite_or_none(float(np.linalg.norm(offset))),
         "median": promise.pop("median", None),
         "p90": promise.pop("p90", None),
     }

@@ -4,7 +4,6 @@ The file holds data only: numbers, text, and trajectories as compressed float32 
 """
 
 import json
-import math
 import re
 import sqlite3
 import zlib
@@ -18,7 +17,6 @@ import numpy as np
 
 from driftform.errors import InputError, WorkFailedError, describe_error
 from driftform.trajectory.compression import compress, decode, diagnostics
-from driftform.trajectory.misses import finite_or_none
 from driftform.types import Candidate, End, Evaluation, FloatArray, Genome, Trajectory
 from driftform.util.files import write_whole
 
@@ -61,7 +59,9 @@ CREATE TABLE disturbed (
     condition INTEGER NOT NULL,  -- number of the disturbed condition, see Pipeline.conditions
     target TEXT NOT NULL,
     fitness REAL NOT NULL,
-    distance REAL,               -- of the closest approach, m; NULL for a failed flight
+    x REAL,                      -- from the target to the closest approach, m; NULL for a failed flight
+    y REAL,
+    z REAL,
     failure TEXT,
     PRIMARY KEY (target, evaluation, condition)
 ) WITHOUT ROWID;
@@ -146,8 +146,8 @@ class DisturbedResult:
         number of the condition, from 0.
     fitness
         for each target, %, (targets,).
-    distances
-        of the closest approach to each target, m, (targets,); infinite for a failed flight.
+    offsets
+        vector from each target to the closest approach, world frame, m, (targets, 3); NaN for a failed flight.
     failure
         what went wrong, ``None`` for nothing.
     """
@@ -155,7 +155,7 @@ class DisturbedResult:
     evaluation: int
     condition: int
     fitness: FloatArray
-    distances: FloatArray
+    offsets: FloatArray
     failure: str | None = None
 
 
@@ -316,15 +316,16 @@ class Store:
             where they cannot be written.
         """
         rows = [
-            (flight.evaluation, flight.condition, target, value, finite_or_none(distance), flight.failure)
+            (flight.evaluation, flight.condition, target, value, *offset, flight.failure)
             for flight in flights
-            for target, value, distance in zip(
-                targets, flight.fitness.tolist(), flight.distances.tolist(), strict=True
+            # SQLite stores NaN as NULL.
+            for target, value, offset in zip(
+                targets, flight.fitness.tolist(), flight.offsets.tolist(), strict=True
             )
         ]
         try:
             with _transaction(self._connection):
-                self._connection.executemany("INSERT INTO disturbed VALUES (?, ?, ?, ?, ?, ?)", rows)
+                self._connection.executemany("INSERT INTO disturbed VALUES (?, ?, ?, ?, ?, ?, ?, ?)", rows)
         except sqlite3.Error as error:
             raise WorkFailedError(f"{self._path}: disturbed flights {_UNWRITTEN.format(error)}") from None
 
@@ -333,17 +334,19 @@ class Store:
         with self._reading():
             return set(self._connection.execute("SELECT DISTINCT evaluation, condition FROM disturbed"))
 
-    def read_disturbed(self, target: str) -> dict[int, dict[int, tuple[float, float]]]:
-        """Return fitness (%) and miss (m) of every disturbed flight: by evaluation, and by condition.
+    def read_disturbed(self, target: str) -> dict[int, dict[int, tuple[float, FloatArray]]]:
+        """Return fitness (%) and offset (m, (3,)) of every disturbed flight: by evaluation, and by condition.
 
-        The miss of a failed flight is infinite.
+        The offset is the vector from the target to the closest approach, NaN for a failed flight.
         """
-        query = "SELECT evaluation, condition, fitness, distance FROM disturbed WHERE target = ? ORDER BY evaluation, condition"
-        found: dict[int, dict[int, tuple[float, float]]] = {}
+        query = (
+            "SELECT evaluation, condition, fitness, x, y, z FROM disturbed WHERE target = ? "
+            "ORDER BY evaluation, condition"
+        )
+        found: dict[int, dict[int, tuple[float, FloatArray]]] = {}
         with self._reading():
-            for index, condition, fitness, distance in self._connection.execute(query, (target,)):
-                miss = math.inf if distance is None else float(distance)
-                found.setdefault(index, {})[condition] = (float(fitness), miss)
+            for index, condition, fitness, *offset in self._connection.execute(query, (target,)):
+                found.setdefault(index, {})[condition] = (float(fitness), np.array(offset, dtype=np.float64))
         return found
 
     def count(self) -> int:

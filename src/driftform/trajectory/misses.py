@@ -2,10 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from driftform.scenario.disturbances import Condition
 from driftform.types import FloatArray
 
 PROMISED = 0.9
@@ -33,20 +35,30 @@ def estimate_quantile(values: FloatArray, share: float) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Misses:
-    """Distances of closest approach of an agent's disturbed flights.
+    """How far an agent's disturbed flights miss.
 
     Attributes
     ----------
-    distances
-        of each flight to each target, m, (flights, targets); infinite for a failed flight.
+    conditions
+        of each flight.
+    offsets
+        vector from each target to the closest approach of each flight, world frame, m, (flights, targets, 3); NaN for a
+        failed flight.
     """
 
-    distances: FloatArray
+    conditions: Sequence[Condition]
+    offsets: FloatArray
+
+    @cached_property
+    def distances(self) -> FloatArray:
+        """Distance of each closest approach, m, (flights, targets); infinite for a failed flight."""
+        distances = np.linalg.norm(self.offsets, axis=2)
+        return np.where(np.isnan(distances), np.inf, distances)
 
     @property
     def count(self) -> int:
         """Number of flights."""
-        return len(self.distances)
+        return len(self.offsets)
 
     @property
     def failed(self) -> int:

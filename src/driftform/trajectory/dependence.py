@@ -1,0 +1,125 @@
+"""What a miss depends on: the spread of disturbed flights, divided among the quantities that were disturbed."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from driftform.scenario.disturbances import Condition
+from driftform.trajectory.misses import Misses
+from driftform.types import FloatArray
+
+MIN_FLIGHTS = 20
+"""Fewest flights that a fit of all quantities is made from: about twice their number."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A disturbed quantity.
+
+    Attributes
+    ----------
+    name
+        for people.
+    advice
+        what reduces its effect.
+    read
+        returns its deviations under a condition: one number or several.
+    """
+
+    name: str
+    advice: str
+    read: Callable[[Condition], tuple[float, ...]]
+
+
+QUANTITIES = (
+    Quantity(
+        "release point", "hold the agent in a guide until it is released", lambda condition: condition.across
+    ),
+    Quantity(
+        "release angle",
+        "hold the agent in a guide until it is released",
+        lambda condition: (condition.pitch, condition.yaw),
+    ),
+    Quantity(
+        "current",
+        "measure the current, and evolve for the measured value with --set flow.speed",
+        lambda condition: (condition.current,),
+    ),
+    Quantity(
+        "water density",
+        "measure temperature and salinity, and evolve for that density with --set fluid.density",
+        lambda condition: (condition.density,),
+    ),
+    Quantity(
+        "weight of the print",
+        "weigh the print: 'driftform trim' corrects its mass with ballast",
+        lambda condition: (condition.mass, condition.wall),
+    ),
+    Quantity(
+        "drag",
+        "this is the uncertainty of the drag model: film a test flight and compare",
+        lambda condition: (condition.drag,),
+    ),
+)
+"""The disturbed quantities; what none of them explains is due to gusts, and to effects that are not linear."""
+
+REST = "gusts and the rest"
+"""What no quantity explains."""
+
+
+@dataclass(frozen=True)
+class Effect:
+    """The part of one quantity in the spread of the closest approach: a standard deviation, m, and what reduces it."""
+
+    name: str
+    deviation: float
+    advice: str
+
+
+def divide_spread(misses: Misses, target: int) -> list[Effect] | None:
+    """Return the effect of each disturbed quantity on the closest approach to a target, the largest first.
+
+    The offsets of the flights are fitted as linear functions of the deviations (least squares). The effect of a
+    quantity is the root mean square of its part of the fit, less what chance alone would give it; the last entry is the
+    standard deviation of the residual. For independent deviations the squares add up to the variance (first-order
+    variance decomposition; Saltelli et al. 2008, Global Sensitivity Analysis, section 1.2).
+
+    ``None`` if fewer than :data:`MIN_FLIGHTS` flights succeeded.
+
+    Parameters
+    ----------
+    misses
+        the disturbed flights.
+    target
+        number of the target.
+    """
+    sound = ~np.isnan(misses.offsets[:, target, 0])
+    if sound.sum() < MIN_FLIGHTS:
+        return None
+    columns = [np.array([quantity.read(c) for c in misses.conditions])[sound] for quantity in QUANTITIES]
+    offsets = misses.offsets[sound, target]
+    offsets = offsets - offsets.mean(axis=0)
+    deviations = np.hstack(columns)
+    deviations -= deviations.mean(axis=0)
+    scale = deviations.std(axis=0)
+    used = scale > 0
+    design = np.where(used, deviations / np.where(used, scale, 1.0), 0.0)
+    slopes, *_ = np.linalg.lstsq(design, offsets, rcond=None)
+    residual = offsets - design @ slopes
+    freedom = max(1, len(offsets) - 1 - int(used.sum()))
+    rest = (residual**2).sum(axis=0) / freedom
+    effects, first = [], 0
+    for quantity, column in zip(QUANTITIES, columns, strict=True):
+        rows = slice(first, first + column.shape[1])
+        first = rows.stop
+        effects.append(
+            Effect(quantity.name, _sum_effect(slopes[rows], rest / len(offsets), used[rows]), quantity.advice)
+        )
+    effects.sort(key=lambda effect: -effect.deviation)
+    return [*effects, Effect(REST, float(np.sqrt(rest.sum())), "nothing: these are the water's own")]
+
+
+def _sum_effect(slopes: FloatArray, variance: FloatArray, used: FloatArray) -> float:
+    """Return the root of the sum of squared slopes (n, 3) less their own variance (3,), 0 if that is larger."""
+    return float(np.sqrt(max(0.0, float(((slopes**2 - variance)[used]).sum()))))
