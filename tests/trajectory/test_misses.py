@@ -35,7 +35,3 @@ def test_failed_flights_are_misses_without_a_bound():
     assert misses.failed == 2
     assert misses.median == pytest.approx([0.1, 0.1])
     assert np.isinf(misses.promised).all()
-    document = misses.document(("TP1", "TP2"))
-    assert document["TP2"]["distances"][:3] == [None, None, 0.1]
-    assert document["TP2"]["median"] == pytest.approx(0.1)
-    assert document["TP2"]["p90"] is None

@@ -67,7 +67,7 @@ Robust: TypeAlias = Annotated[
         metavar="N",
         min=0,
         max=10_000,
-        help="Disturbed flights of each agent that is judged; [robustness] in the scenario says what varies.",
+        help="Number of flights under disturbed conditions; [robustness] in the scenario says what varies.",
     ),
 ]
 Workers: TypeAlias = Annotated[

@@ -79,6 +79,11 @@ def _fold_heading(title: str, width: int) -> str:
     )
 
 
+def format_miss(metres: float | None) -> str:
+    """Return a miss in mm; a dash if too many flights failed for one, or none was flown."""
+    return "-" if metres is None or not np.isfinite(metres) else f"{1000 * metres:.0f}"
+
+
 def print_states(rows: Iterable[tuple[str, str, str]], styles: Mapping[str, str]) -> None:
     """Print lines of a state, a subject and a detail, aligned; on a terminal coloured by state and folded to fit.
 

@@ -44,7 +44,10 @@ def advance_run(run: "Run", executor: "Executor", json: bool) -> None:
                     best.target: {
                         "fitness": best.fitness,
                         "error_percent": best.error_percent,
-                        "distance": best.distance,
+                        "distance": best.nominal,
+                        "nominal": best.nominal,
+                        "median": best.median,
+                        "p90": best.p90,
                         "robust": best.robust,
                         "agent": str(best.agent),
                         "files": [str(path) for path in best.files],
@@ -71,25 +74,32 @@ def _describe_stop(run: "Run") -> str:
 
 
 def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path], seconds: float) -> None:
-    from driftform.cli.output import print_table
+    from driftform.cli.output import format_miss, print_table
 
-    has_spread = any(best.robust for best in results)
-    spread = ("disturbed: mean", "worst") if has_spread else ()
+    promised = any(best.robust for best in results)
     print_table(
-        ("target", "x m", "y m", "z m", "fitness %", "error % of d_max", *spread, "closest mm"),
+        (
+            *("target", "x m", "y m", "z m", "fitness %", "error % of d_max", "nominal mm"),
+            *(("median mm", "90 % mm") if promised else ()),
+        ),
         (
             (
                 best.target,
                 *(f"{c:g}" for c in run.study.scenario.targets[best.target]),
                 f"{best.fitness:.3f}",
                 f"{best.error_percent:.3f}",
-                *(f"{100 - best.robust[key]:.3f}" for key in ("mean", "worst") if best.robust),
-                f"{1000 * best.distance:.1f}",
+                f"{1000 * best.nominal:.1f}",
+                *((format_miss(best.median), format_miss(best.p90)) if promised else ()),
             )
             for best in results
         ),
-        right=(1, 2, 3, 4, 5, 6, 7, 8) if has_spread else (1, 2, 3, 4, 5, 6),
+        right=tuple(range(1, 9 if promised else 7)),
     )
+    if promised:
+        print(
+            "nominal: the undisturbed flight; median and 90 %: half, and 9 of 10, of "
+            f"{run.study.scenario.robustness.checks} flights under fresh disturbed conditions miss by less"
+        )
     evaluations, failed = run.count()
     print(f"{evaluations} evaluations ({failed} failed) in {seconds:.1f} s, seed {run.study.seed}")
     print(f"run:  {run.path}/")

@@ -1,7 +1,9 @@
 """``driftform simulate``."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from driftform.cli.options import (
     Agent,
@@ -18,10 +20,15 @@ from driftform.cli.options import (
     StillAt,
 )
 
+BAR = 20
+"""Width of the longest bar, columns."""
+
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from driftform.agents.design import Design
     from driftform.agents.flight import Flight
-    from driftform.scenario.disturbances import Spread
+    from driftform.trajectory.misses import Misses
     from driftform.types import Trajectory
 
 
@@ -36,12 +43,16 @@ def simulate(
     still_at: StillAt = None,
     renderer: Renderer = "exudyn",
     robust: Robust = None,
+    seed: Annotated[
+        int, typer.Option("--seed", metavar="N", min=0, help="Seed of the disturbed conditions of --robust.")
+    ] = 0,
     settings: Settings = None,
     json: Json = False,
 ) -> None:
     """Simulate one flight of an agent; show its closest approaches, its end and a picture.
 
-    With --robust it is flown many more times under disturbed conditions.
+    With --robust it is flown many more times under disturbed conditions, which shows how far it misses, and what the
+    miss depends on.
     """
     from driftform.agents.design import check_moment
     from driftform.agents.opening import open_agent
@@ -52,11 +63,10 @@ def simulate(
     from driftform.util.files import check_directory, make_directory, write_text
     from driftform.util.progress import count_progress
 
-    disturbed = () if robust is None else (f"robustness.conditions={robust}",)
     design = open_agent(
         agent,
         scenario,
-        (*(settings or ()), *disturbed),
+        settings or (),
         {"simulator": simulator, "hydrodynamics": hydrodynamics},
     )
     if still is None and still_at is not None:
@@ -77,8 +87,10 @@ def simulate(
     if film is not None:
         with count_progress("frames") as progress:
             design.film(film, renderer=renderer, flight=flight, progress=progress)
-    with count_progress("disturbed flights") as progress:
-        spread = design.disturb(progress)
+    misses = None
+    if robust:
+        with count_progress("disturbed flights") as progress:
+            misses = design.disturb(robust, seed, progress)
     if json:
         print_json(
             {
@@ -99,11 +111,11 @@ def simulate(
                 "picture": str(svg),
                 "film": None if film is None else str(film),
                 "still": None if still is None else str(still),
-                "robust": spread and spread.document(flight.scenario.target_names),
+                "disturbed": misses and _document(misses, flight.scenario.target_names),
             }
         )
         return
-    _print(design, flight, spread)
+    _print(design, flight, misses)
     for what, made in (
         ("trajectory:", csv),
         ("picture:   ", svg),
@@ -131,7 +143,7 @@ def _check_pictures(design: "Design", film: Path | None, still: Path | None, ren
                 raise InputError(f"{option} {error}") from None
 
 
-def _print(design: "Design", flight: "Flight", spread: "Spread | None") -> None:
+def _print(design: "Design", flight: "Flight", misses: "Misses | None") -> None:
     from driftform.cli.output import print_table
 
     print_table(
@@ -146,18 +158,62 @@ def _print(design: "Design", flight: "Flight", spread: "Spread | None") -> None:
     print(f"{design.name} flown by {pipeline.simulator.name}, {pipeline.hydrodynamics.name} coefficients")
     print(f"ended at the {flight.end} after {flight.duration:.3f} s at x {x:.3f}, y {y:.3f}, z {z:.3f} m")
     print(_describe_accuracy(flight.trajectory))
-    if spread is not None:
-        print_table(
-            ("target", "undisturbed error %", "disturbed: mean", "90 % below", "worst"),
+    if misses is not None:
+        _print_misses(misses, flight)
+
+
+def _document(misses: "Misses", targets: "Sequence[str]") -> dict[str, Any]:
+    """Return for each target the distances of all flights, their median and 90 % quantile, and the causes of the spread."""
+    from driftform.trajectory.dependence import divide_spread
+
+    return {
+        name: {
+            "distances": misses.distances[:, number],
+            "median": misses.median[number],
+            "p90": misses.promised[number],
+            "causes": {effect.name: effect.deviation for effect in divide_spread(misses, number) or ()},
+        }
+        for number, name in enumerate(targets)
+    }
+
+
+def _print_misses(misses: "Misses", flight: "Flight") -> None:
+    """Print the misses for every target, and what the miss of the target that the agent comes closest to depends on."""
+    from driftform.cli.output import format_miss, print_table
+    from driftform.trajectory.dependence import divide_spread
+
+    names = flight.scenario.target_names
+    failed = f", {misses.failed} of them failed" if misses.failed else ""
+    print(f"{misses.count} flights under disturbed conditions{failed}:")
+    print_table(
+        ("target", "nominal mm", "median mm", "90 % mm"),
+        (
+            (name, *map(format_miss, (flight.closest[name], median, promised)))
+            for name, median, promised in zip(names, misses.median, misses.promised, strict=True)
+        ),
+        right=(1, 2, 3),
+    )
+    if not names:
+        return
+    nearest = int(misses.promised.argmin())
+    effects = divide_spread(misses, nearest)
+    if effects is None:
+        return
+    print(f"the miss of {names[nearest]} depends on (standard deviation, mm):")
+    longest = max(effect.deviation for effect in effects)
+    print_table(
+        ("cause", "mm", "", "what helps"),
+        (
             (
-                (name, *(f"{100 - value:.3f}" for value in (f, *values)))
-                for (name, f), *values in zip(
-                    flight.fitness.items(), spread.mean, spread.tenth, spread.worst, strict=True
-                )
-            ),
-            right=(1, 2, 3, 4),
-        )
-        print(spread.describe())
+                effect.name,
+                format_miss(effect.deviation),
+                "#" * round(BAR * effect.deviation / longest) if longest else "",
+                effect.advice,
+            )
+            for effect in effects
+        ),
+        right=(1,),
+    )
 
 
 def _describe_accuracy(trajectory: "Trajectory") -> str:

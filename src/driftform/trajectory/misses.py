@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -74,18 +73,6 @@ class Misses:
     def promised(self) -> FloatArray:
         """Miss that 9 of 10 flights stay within, m, (targets,)."""
         return estimate_quantile(self.distances, PROMISED)
-
-    def document(self, targets: Sequence[str]) -> dict[str, dict[str, Any]]:
-        """Return what a JSON document holds for each target: distances, median and p90, m; ``None`` for a failure."""
-        columns = zip(targets, self.distances.T, self.median, self.promised, strict=True)
-        return {
-            name: {
-                "distances": [finite_or_none(d) for d in distances],
-                "median": finite_or_none(median),
-                "p90": finite_or_none(promised),
-            }
-            for name, distances, median, promised in columns
-        }
 
 
 def finite_or_none(value: float) -> float | None:
