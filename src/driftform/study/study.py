@@ -21,7 +21,7 @@ from driftform.pipeline import Pipeline
 from driftform.registry import registry
 from driftform.scenario import Scenario
 from driftform.study.error_lines import format_errors
-from driftform.study.sources import Source, locate_key, merge, parse_setting, read_sources
+from driftform.study.sources import Source, locate_key, merge_source, parse_setting, read_sources
 
 DEFAULT = "pipe-inspection"
 """The default scenario."""
@@ -203,7 +203,7 @@ def load_study(
             layers.append(Source(f"--{key}", {"run": {key: value}}, is_option=True))
     document: dict[str, Any] = {}
     for layer in layers:
-        document = merge(document, layer.data, layer.replaces)
+        document = merge_source(document, layer)
     # A document may come from an agent file, which needs no strategy to fly.
     required = [seam for seam in SELECTED if seam != "strategy" or not isinstance(source, Document)]
     return replace(_check_document(document, layers, targets, required), name=label, given=given)
