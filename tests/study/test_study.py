@@ -13,6 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from driftform.errors import InputError
+from driftform.options import MAX_SEED
 from driftform.registry import registry
 from driftform.scenario import evaluation_seed
 from driftform.study import Document, load_study
@@ -139,7 +140,7 @@ def test_a_list_is_replaced_as_a_whole(write: Write) -> None:
 
 @given(
     speed=st.floats(0.01, 10),
-    density=st.floats(1, 1e5),
+    density=st.floats(1, 3e4),
     targets=st.dictionaries(
         st.text("abcXYZ019_", min_size=1, max_size=8).map(lambda s: f"t{s}".lower()),
         st.tuples(st.floats(0, 9), st.floats(-0.7, 0.7), st.floats(-0.7, 0.7)),
@@ -147,7 +148,7 @@ def test_a_list_is_replaced_as_a_whole(write: Write) -> None:
         max_size=4,
     ),
     velocity=st.sampled_from(["current", "rest", [0.5, 0.0, 0.0]]),
-    seed=st.integers(0, 2**63),
+    seed=st.integers(0, MAX_SEED),
 )
 @settings(max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_a_resolved_study_is_the_same_study(

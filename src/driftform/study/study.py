@@ -16,7 +16,7 @@ from pydantic import ValidationError
 
 from driftform.errors import InputError, did_you_mean
 from driftform.interfaces import SEAMS, Checker, Exporter, Recorder, Renderer, SearchSpace, Strategy
-from driftform.options import Table, option
+from driftform.options import MAX_SEED, Table, option
 from driftform.pipeline import Pipeline
 from driftform.registry import registry
 from driftform.scenario import Scenario
@@ -32,6 +32,9 @@ NAMED = ("exporter", "recorder", "renderer", "checker")
 SELECTED = tuple(seam for seam in SEAMS if seam not in NAMED)
 """The seams for which a study selects one plugin."""
 
+MAX_EVALUATIONS = 10_000_000
+"""Largest budget of a run: weeks of flights, and a database of 100 GB."""
+
 _MAX_NAME_BYTES = 100
 """Longest name of a target, bytes: with a file suffix it must fit into a file name of 255 bytes."""
 
@@ -40,10 +43,19 @@ class RunOptions(Table):
     """The table ``[run]``: seed, budget, and files for the best agents."""
 
     seed: int | None = option(
-        None, "seed of all randomness; by default drawn at random and recorded", ge=0, strict=True
+        None,
+        "seed of all randomness; by default drawn at random and recorded",
+        ge=0,
+        le=MAX_SEED,
+        strict=True,
     )
     evaluations: int | None = option(
-        None, "evaluations in the whole run; by default 50 for each target", "", gt=0, strict=True
+        None,
+        "evaluations in the whole run; by default 50 for each target",
+        "",
+        gt=0,
+        le=MAX_EVALUATIONS,
+        strict=True,
     )
     formats: tuple[str, ...] = option(("stl",), "formats to export for the best agent of each target")
 
