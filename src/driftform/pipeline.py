@@ -13,6 +13,7 @@ from driftform.geometry import mass_properties
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
 from driftform.scenario import Scenario
 from driftform.scenario.disturbances import Condition, disturb_body, disturb_scenario, draw_conditions
+from driftform.scenario.fit import ease_release, find_misfit
 from driftform.types import Agent, Evaluation, FloatArray, Genome, Morphology, Trajectory
 
 MARGIN = 0.2
@@ -98,8 +99,12 @@ class Pipeline:
         Raises
         ------
         WorkFailedError
-            if the simulator cannot fly one of them. A flight that ended by a failure is returned.
+            if one of them does not fit into the pipe, or the simulator cannot fly it. A flight that ended by a failure
+            is returned.
         """
+        for agent in agents:
+            if (misfit := find_misfit(agent.body, self.scenario)) is not None:
+                raise WorkFailedError(f"{name}: {misfit}")
         try:
             return self.fly(agents)
         except (ArithmeticError, RuntimeError) as error:
@@ -155,9 +160,17 @@ class Pipeline:
         agents: dict[int, Agent] = {}
         for index, genome in enumerate(genomes):
             try:
-                agents[index] = self.make_agent(genome, under[index])
+                agent = self.make_agent(genome, under[index])
             except Exception as error:
                 outcomes[index] = Evaluation.failed(genome, targets, describe_error(error, with_place=True))
+                continue
+            if under[index] is not None:
+                scenarios[index] = ease_release(agent.body, self.scenario, scenarios[index])
+            misfit = find_misfit(agent.body, scenarios[index])
+            if misfit is None:
+                agents[index] = agent
+            else:
+                outcomes[index] = Evaluation.failed(genome, targets, misfit)
         bounds = list(thresholds or [None] * len(genomes))
         flights = self._fly_each(
             list(agents.values()), [scenarios[index] for index in agents], [bounds[index] for index in agents]
