@@ -54,7 +54,14 @@ class Executor(Protocol):
 
 
 ATTEMPTS = 2
-"""A genome fails if its process dies this often while it evaluates this genome alone."""
+"""A genome fails if its process ends itself this often, by a crash or an exit, while it evaluates this genome alone."""
+
+KILLS = 5
+"""A genome fails if its process is killed this often while it evaluates this genome alone: nobody kills so steadily,
+but the kernel does if the genome takes all memory."""
+
+STARTS = 5
+"""A run stops if this many workers in a row die before they can evaluate anything."""
 
 MAX_BATCH = 50
 """Largest number of genomes in one task."""
