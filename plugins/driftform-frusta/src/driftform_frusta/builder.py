@@ -1,20 +1,31 @@
 """Morphology -> body: a chain of conical frustums around the core, with a wall, end caps and a dome."""
 
-from typing import Literal
+from collections.abc import Mapping
+from difflib import get_close_matches
+from typing import Any, Literal
 
-from pydantic import model_validator
+from pydantic import field_validator, model_validator
 
 from driftform.interfaces import PhenotypeBuilder
 from driftform.options import Table, option
 from driftform.types import Body, Core, Morphology
+from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM
 from driftform_frusta.section import build_chain, hull_section, join_chains, open_section
+
+_PAPERS = Core(radius=0.01, mass=0.05)
+"""The paper's core."""
 
 
 class FrustaOptions(Table):
     """Dimensions and materials of an agent; the defaults are the paper's."""
 
-    core_radius: float = option(0.01, "radius of the core", "m", ge=1e-4, le=1)
-    core_mass: float = option(0.05, "mass of the core", "kg", ge=0, le=1e4)
+    core: str = option(
+        CUSTOM,
+        "a ball by material and diameter, such as steel-20mm, or 'custom' for core_radius and core_mass; materials: "
+        f"{', '.join(DENSITIES)}; diameters: {', '.join(map(str, DIAMETERS_MM))} mm",
+    )
+    core_radius: float = option(_PAPERS.radius, "radius of a custom core", "m", ge=1e-4, le=1)
+    core_mass: float = option(_PAPERS.mass, "mass of a custom core", "kg", ge=0, le=1e4)
     wall: float = option(0.00125, "wall thickness of the hull", "m", ge=1e-5, le=1)
     hull_density: float = option(1050.0, "density of the hull's material (ABS)", "kg/m3", gt=0)
     clearance: float = option(0.0002, "gap between core and hull", "m", ge=0, le=1)
@@ -26,6 +37,34 @@ class FrustaOptions(Table):
         "'mitred': the wall is measured normal to itself and the ends are closed by caps; 'paper': radial "
         "thickness wall/cos(tilt) and ends without mass, which no printer can make",
     )
+
+    @field_validator("core")
+    @classmethod
+    def _is_known(cls, name: str) -> str:
+        if name != CUSTOM and name not in CORES:
+            close = get_close_matches(name, CORES, n=1)
+            hint = f"did you mean '{close[0]}'? " if close else ""
+            raise ValueError(
+                f"core '{name}' is not known; {hint}there are '{CUSTOM}', and balls of {', '.join(DENSITIES)} with "
+                f"{', '.join(map(str, DIAMETERS_MM))} mm, such as 'steel-20mm'"
+            )
+        return name
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_size_of_core(cls, values: Any) -> Any:
+        """Fill in radius and mass of a core by name, so that a resolved study states them."""
+        core = CORES.get(values.get("core", CUSTOM)) if isinstance(values, Mapping) else None
+        if core is None:
+            return values
+        given = Core(values.get("core_radius", core.radius), values.get("core_mass", core.mass))
+        # A resolved study, whose core is replaced by this one, has the size of the other core.
+        if given not in (_PAPERS, *CORES.values()):
+            raise ValueError(
+                f"core '{values['core']}' has a radius of {core.radius:g} m and a mass of {core.mass:.5g} kg: leave out "
+                f"core_radius and core_mass, or set core to '{CUSTOM}'"
+            )
+        return {**values, "core_radius": core.radius, "core_mass": core.mass}
 
     @model_validator(mode="after")
     def _leaves_a_bore(self) -> "FrustaOptions":
