@@ -83,19 +83,19 @@ def trace_mouth(hull: Hull, joint: Joint) -> FloatArray:
     end = joint.lap + joint.gap
     depth = joint.side * (joint.z - hull.bore[:, 0])
     inside = np.sort(depth[(depth > 0) & (depth < end)])
-    s = np.concatenate(([0.0], inside, [end]))
-    r = hull.bore_radius(joint.z - joint.side * s)
+    depths = [0.0, *inside.tolist(), end]
+    radii = hull.bore_radius(joint.z - joint.side * np.array(depths)).tolist()
     if joint.groove:
-        return np.array([[0.0, r.min()], [-end, r.min()]])
-    line = [(0.0, float(r[0]))]
-    least = float(r[0])
-    for k in range(1, len(s)):
-        if r[k] < least:
-            if r[k - 1] > least:
-                share = (r[k - 1] - least) / (r[k - 1] - r[k])
-                line.append((-float(s[k - 1] + share * (s[k] - s[k - 1])), least))
-            least = float(r[k])
-            line.append((-float(s[k]), least))
+        return np.array([[0.0, min(radii)], [-end, min(radii)]])
+    least = radii[0]
+    line = [(0.0, least)]
+    for s, before, r, r_before in zip(depths[1:], depths, radii[1:], radii, strict=False):
+        if r < least:
+            if r_before > least:
+                share = (r_before - least) / (r_before - r)
+                line.append((-(before + share * (s - before)), least))
+            least = r
+            line.append((-s, least))
     if line[-1][0] > -end:
         line.append((-end, least))
     return np.array(line)
