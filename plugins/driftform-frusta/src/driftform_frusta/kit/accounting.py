@@ -109,16 +109,20 @@ def kit_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
         ],
     }
     if options.drain:
-        facts["flooded_kg"] = fluid.density * _free_volume(kit, body)
+        facts["flooded_kg"] = measure_flooding(kit, body, fluid.density)
     return {"kit": facts}
+
+
+def piece_mass(piece: Piece, density: float) -> float:
+    """Return the mass of a part of a material of ``density`` (kg/m3), kg."""
+    return density * (moments(piece.rings).volume - (piece.engraved.volume if piece.engraved else 0.0))
 
 
 def _facts_of_piece(piece: Piece, density: float) -> dict[str, Any]:
     z = np.concatenate([ring[:, 1] for ring in piece.rings])
-    volume = moments(piece.rings).volume - (piece.engraved.volume if piece.engraved else 0.0)
     return {
         "name": piece.name,
-        "mass_kg": volume * density,
+        "mass_kg": piece_mass(piece, density),
         "height_mm": float(np.ptp(z)),
         "bed_end": "fore" if piece.fore_down else "aft",
     }
@@ -134,7 +138,7 @@ def _balance(name: str, mass: MassProperties, fluid: Fluid) -> dict[str, Any]:
     }
 
 
-def _free_volume(kit: Kit, body: Body) -> float:
-    """Volume inside the hull that is neither part nor core, m3."""
+def measure_flooding(kit: Kit, body: Body, water: float) -> float:
+    """Return the mass of the water (density in kg/m3) that fills the closed kit through an open hole, kg."""
     inside = solid_of_revolution(body.outer).volume - kit_moments(kit).volume
-    return inside - 4 / 3 * np.pi * body.core.radius**3
+    return water * (inside - 4 / 3 * np.pi * body.core.radius**3)

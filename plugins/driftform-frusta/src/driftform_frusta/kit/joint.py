@@ -106,6 +106,16 @@ def plug_bore(hull: Hull, joint: Joint) -> float:
     return float(trace_mouth(hull, joint)[0, 1]) + joint.recess - joint.gap - joint.plug
 
 
+def groove_diameter(hull: Hull, joint: Joint) -> float:
+    """Return the diameter of the bottom of a joint's groove for an O-ring, mm."""
+    return 2 * (_plug_radius(joint, trace_mouth(hull, joint)) - joint.groove)
+
+
+def _plug_radius(joint: Joint, line: FloatArray) -> float:
+    """Outer radius of the plug at its tip, mm; ``line`` is that of :func:`trace_mouth`."""
+    return float(np.interp(joint.lap, -line[:, 0], line[:, 1])) - joint.gap
+
+
 @dataclass(frozen=True, eq=False)
 class Fit:
     """The sections of a joint: ``pad`` is added to the socket's part and ``pocket`` removed; ``plug`` is added to the other."""
@@ -156,7 +166,7 @@ def _draw_relief(joint: Joint, line: FloatArray) -> CrossSection:
     """The material removed from the plug: the chamfer at the tip, the groove of an O-ring."""
     if joint.kind == "rabbet":
         return CrossSection()
-    surface = float(np.interp(joint.lap, -line[:, 0], line[:, 1])) - joint.gap
+    surface = _plug_radius(joint, line)
     low, beyond = surface - LEAD, 5.0
     cut = _draw_symmetric(
         joint,

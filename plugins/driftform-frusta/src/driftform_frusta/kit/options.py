@@ -117,3 +117,8 @@ class PartOptions(KitOptions):
 
     kit: bool = option(False, "cut the hull into parts that are joined around the core")
     segments: int = option(64, "corners of every circle of the mesh", ge=12, le=1024)
+    layer_height: float = option(
+        0.0002, "layer height that the assembly sheet and 3MF files recommend", "m", gt=0, le=0.01
+    )
+    perimeters: int = option(3, "perimeters that they recommend", ge=1, le=100)
+    infill: float = option(1.0, "share of infill that they recommend: 1 is solid, as simulated", ge=0, le=1)
