@@ -258,7 +258,8 @@ class Exporter(Plugin[OptionsT_co]):
 
     If a format is a folder of files, its suffix has no dot, as in ``-uuv``, and ``path`` is that folder. If one file
     cannot hold everything, such as the parts of a kit in a format for one solid, an exporter may write several files,
-    whose names begin with that of ``path`` without its suffix.
+    whose names begin with that of ``path`` without its suffix. A file that accompanies them, such as a drawing, has
+    another suffix: it is not a part to be checked.
     """
 
     suffix: ClassVar[str]
