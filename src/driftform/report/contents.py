@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from driftform.errors import WorkFailedError
+from driftform.figures.dependence import dependence_svg
 from driftform.figures.gallery import GalleryEntry
 from driftform.figures.overview import overview_svg
 from driftform.figures.reach import reach_svg
@@ -20,6 +21,7 @@ from driftform.scenario import Scenario
 from driftform.study import Study
 from driftform.trajectory.approach import closest_approach
 from driftform.trajectory.coverage import PipeGrid, map_coverage
+from driftform.trajectory.misses import Misses
 from driftform.types import Agent, Trajectory
 from driftform.util.progress import track_progress
 
@@ -51,7 +53,7 @@ class Contents:
     """Contents of the page of a run.
 
     ``seconds`` is the total time of all evaluations on the machines that made them. There is one of the ``sections``
-    for each of the :attr:`agents`.
+    for each of the :attr:`agents`; ``causes`` has a picture for each target of what the miss depends on.
     """
 
     name: str
@@ -62,6 +64,7 @@ class Contents:
     entries: tuple[Entry, ...]
     figures: Mapping[str, str]
     sections: Sequence[str]
+    causes: Mapping[str, str]
 
     @property
     def scenario(self) -> Scenario:
@@ -127,16 +130,22 @@ def collect_contents(run: Run) -> Contents:
                 map_coverage(seen, PipeGrid.of_scenario(study.scenario)), study.scenario, title
             ),
         }
-        strips = [
-            Strip(e.target, e.error_percent, 100 - won.flights)
+        promises = {
+            e.target: won.misses
             for e in entries
-            if (won := find_winner(study, store, e.target)) is not None
+            if (won := find_winner(study, store, e.target)) is not None and won.misses is not None
+        }
+        strips = [
+            Strip(e.target, e.distance, misses.distances[:, 0], float(misses.promised[0]))
+            for e in entries
+            if (misses := promises.get(e.target)) is not None
         ]
         if strips:
+            count = study.scenario.robustness.checks
             subtitle = (
-                f"{len(strips[0].errors)} flights of each best agent under randomly disturbed conditions"
+                f"{count} flights of each best agent under disturbed conditions that the choice never saw."
             )
-            figures["Robustness"] = strip_svg(strips, "Under disturbed conditions", subtitle)
+            figures["Robustness"] = strip_svg(strips, "Misses under disturbed conditions", subtitle)
         contents = Contents(
             run.name,
             study,
@@ -146,12 +155,22 @@ def collect_contents(run: Run) -> Contents:
             tuple(entries),
             figures,
             (),
+            _draw_causes(promises),
         )
         sections = [
             section_svg(group[0].agent, ", ".join(entry.target for entry in group), study.scenario)
             for group in contents.agents
         ]
         return replace(contents, sections=sections)
+
+
+def _draw_causes(promises: Mapping[str, Misses]) -> dict[str, str]:
+    """Return for each target a picture of what the miss depends on, if enough flights succeeded."""
+    return {
+        target: dependence_svg(effects, f"What the miss of {target} depends on")
+        for target, misses in promises.items()
+        if (effects := divide_spread(misses, 0)) is not None
+    }
 
 
 def _strategy_name(study: Study) -> str:

@@ -83,7 +83,9 @@ def _grade_error(error: float) -> tuple[str, str]:
     return ("fair", "near") if error <= FAIR else ("poor", "missed")
 
 
-def _format_length(metres: float) -> str:
+def _format_length(metres: float | None) -> str:
+    if metres is None:
+        return "unknown"
     return f"{1000 * metres:.0f} mm" if metres < 1 else f"{metres:.2f} m"
 
 
