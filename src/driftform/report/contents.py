@@ -21,6 +21,7 @@ from driftform.scenario import Scenario
 from driftform.study import Study
 from driftform.trajectory.approach import closest_approach
 from driftform.trajectory.coverage import PipeGrid, map_coverage
+from driftform.trajectory.dependence import divide_spread
 from driftform.trajectory.misses import Misses
 from driftform.types import Agent, Trajectory
 from driftform.util.progress import track_progress
