@@ -299,7 +299,8 @@ class Trajectory:
         largest change of the energy of body and water before the first contact, relative to the largest kinetic energy;
         ``None`` if energy is not conserved: with drag, or if the velocity of the water varies.
     error
-        largest estimated error of the position along the flight, m; ``None`` if it was not estimated.
+        largest estimated error of the position along the flight, m; ``None`` if it was not estimated: an unchecked
+        flight.
     """
 
     t: FloatArray
@@ -348,12 +349,16 @@ class Candidate:
         number of the generation, from 0.
     target
         the target that its population is bred for, ``""`` if bred for all targets.
+    threshold
+        for each target the fitness (%) that the candidate must exceed to matter to its strategy, (targets,); ``None``
+        if every fitness matters. It is neither stored nor compared.
     """
 
     genome: Genome
     parents: tuple[int, ...] = ()
     generation: int = 0
     target: str = ""
+    threshold: tuple[float, ...] | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, eq=False)
