@@ -1,5 +1,6 @@
 """What ``evolve`` and ``resume`` share: advance a run, and print what it found."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
     from driftform.runs.run import Run
 
 
-def advance_run(run: "Run", executor: "Executor", json: bool) -> None:
+def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence[str] = ()) -> None:
     """Advance a run to the end of its budget and print its results; say how to resume it if it is interrupted."""
     import time
 
@@ -51,6 +52,7 @@ def advance_run(run: "Run", executor: "Executor", json: bool) -> None:
                     }
                     for best in results
                 },
+                "warnings": list(warnings),
                 "overview": str(overview),
                 "reach": str(reach),
             }

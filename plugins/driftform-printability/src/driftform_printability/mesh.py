@@ -31,7 +31,9 @@ class MeshOptions(Table):
         1e-4, "largest relative difference of volume from the closed form that passes", gt=0, lt=1
     )
     coarse: float = option(1e-2, "largest such difference that is only a warning", gt=0, lt=1)
-    overhang: float = option(1e-5, "largest area that overhangs by more than 45 deg and passes", "m2", ge=0)
+    overhang: float = option(
+        1e-5, "largest area that overhangs by more than 45 deg and passes", "m2", ge=0, le=1
+    )
 
 
 @dataclass(frozen=True, eq=False)
