@@ -116,7 +116,7 @@ class MeshChecker(Checker[MeshOptions]):
         message = (
             f"{best.name}: {beam.height:.1f} mm high on {beam.base:.1f} mm ({beam.height / beam.base:.1f} : 1), weakest "
             f"at {beam.neck_height:.1f} mm, {beam.neck:.1f} mm wide; at the top {o.push:.2g} N bend it by {bent:.2f} mm, "
-            f"{beam.lift_force:.2g} N lift it off the bed, {beam.break_force:.2g} N break it"
+            f"{_show_force(beam.lift_force)} lift it off the bed, {_show_force(beam.break_force)} break it"
         )
         faults = []
         if bent > half_line:
@@ -187,6 +187,10 @@ class MeshChecker(Checker[MeshOptions]):
         support = "" if now.overhang <= self.options.overhang * MM_PER_M**2 else ", with support"
         state = State.WARN if support else State.PASS
         return Finding("standing", state, f"{message}; best {words.get(best.name, best.name)}{support}", name)
+
+
+def _show_force(newtons: float) -> str:
+    return f"{newtons:.0f} N" if newtons >= 10 else f"{newtons:.2g} N"
 
 
 def _bed_size(job: PrintJob) -> FloatArray:

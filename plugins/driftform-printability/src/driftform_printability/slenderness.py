@@ -28,6 +28,9 @@ _STATIONS = 160
 _FIRST = 0.1
 """mm: height of the section that sticks to the bed, the middle of the first layer."""
 
+_TIP = 0.05
+"""Share of the height below the top that is no neck: pointed tips are thin, but have no lever."""
+
 
 @dataclass(frozen=True)
 class Slenderness:
@@ -89,7 +92,7 @@ def measure_slenderness(
     modulus = second / (width / 2)
     lever = height - z
     # Pa are N/m2: 1e-6 N/mm2.
-    weakest = int(np.argmax(lever / modulus))
+    weakest = int(np.argmax(np.where(lever > _TIP * height, lever / modulus, 0.0)))
     return Slenderness(
         height=height,
         base=float(width[0]),
