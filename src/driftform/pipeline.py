@@ -77,6 +77,8 @@ class Pipeline:
             factor = wake_factor(coefficients, fluid.density * mass.volume)
             drag = estimate_drag(body, fluid.viscosity, factor, options.drag_without)
             coefficients = replace(coefficients, drag=drag)
+        if condition is not None:
+            coefficients = coefficients.scale_damping(condition.drag)
         return Agent(body, mass, coefficients, morphology, genome)
 
     def make_agent(self, genome: Genome, condition: Condition | None = None) -> Agent:

@@ -13,7 +13,7 @@ Conventions, stated once (``docs/conventions.md`` expands on them):
 Arrays in these values are float64, C-contiguous and read-only.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any, Protocol, TypeAlias
 
@@ -300,6 +300,18 @@ class Drag:
     def __post_init__(self) -> None:
         object.__setattr__(self, "strips", freeze(self.strips, (None, 4), "Drag.strips"))
 
+    def scale(self, factor: float) -> "Drag":
+        """Return the drag with all resistances times ``factor``; lift and carrying speed are unchanged."""
+        return replace(
+            self,
+            strips=self.strips * (1.0, 1.0, 1.0, factor),
+            friction_area=factor * self.friction_area,
+            ahead=factor * self.ahead,
+            astern=factor * self.astern,
+            round_area=factor * self.round_area,
+            spin=factor * self.spin,
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Coefficients:
@@ -333,6 +345,15 @@ class Coefficients:
         object.__setattr__(self, "origin", freeze(self.origin, (3,), "Coefficients.origin"))
         for name in ("added_mass", "linear_damping", "quadratic_damping"):
             object.__setattr__(self, name, freeze(getattr(self, name), (6, 6), f"Coefficients.{name}"))
+
+    def scale_damping(self, factor: float) -> "Coefficients":
+        """Return the coefficients with damping and drag times ``factor``."""
+        return replace(
+            self,
+            linear_damping=factor * self.linear_damping,
+            quadratic_damping=factor * self.quadratic_damping,
+            drag=None if self.drag is None else self.drag.scale(factor),
+        )
 
 
 @dataclass(frozen=True, eq=False)

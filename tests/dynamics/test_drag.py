@@ -356,3 +356,16 @@ def test_the_wrench_in_still_open_water_is_that_of_the_equations(moving, omega):
     assert still_water_wrench(FULL, moving, omega, RHO, NU) == pytest.approx(
         wrench_on(FULL, moving, omega), rel=1e-9, abs=1e-12
     )
+
+
+@pytest.mark.parametrize("factor", [0.6, 1.3])
+@pytest.mark.parametrize(
+    "motion",
+    [((0.4, 0, 0), (0, 0, 0)), ((-0.4, 0, 0), (0, 0, 0)), ((0, 0, 0.3), (0, 0, 0)), ((0, 0, 0), (5.0, 0, 0))],
+)
+def test_scaled_drag_resists_every_motion_by_that_factor(factor, motion):
+    drag = replace(FULL, wake_ahead=(0.0, 0.0), wake_astern=(0.0, 0.0))
+    once = still_water_wrench(drag, *motion, RHO, NU)
+    scaled = still_water_wrench(drag.scale(factor), *motion, RHO, NU)
+    assert np.abs(once).max() > 0
+    assert scaled == pytest.approx(factor * once, rel=1e-12)
