@@ -112,7 +112,10 @@ class Pipeline:
         trajectories = self.fly_named(agents, name)
         for trajectory in trajectories:
             trajectory.require_success(name)
-        return [ScoredFlight(t, self.fitness.score(t, self.scenario)) for t in trajectories]
+        return [
+            ScoredFlight(trajectory, self.fitness.score(trajectory, self.scenario, agent))
+            for trajectory, agent in zip(trajectories, agents, strict=True)
+        ]
 
     def evaluate(
         self,
@@ -158,7 +161,7 @@ class Pipeline:
                 outcomes[index] = Evaluation.failed(genome, targets, misfit)
         flights = self._fly_each(list(agents.values()), [scenarios[index] for index in agents])
         for index, trajectory in zip(agents, flights, strict=True):
-            outcomes[index] = self._score(genomes[index], trajectory)
+            outcomes[index] = self._score(genomes[index], agents[index], trajectory)
         share = (time.perf_counter() - started) / max(1, len(genomes))
         return [replace(outcomes[index], seconds=share) for index in range(len(genomes))]
 
@@ -179,13 +182,13 @@ class Pipeline:
                 for flight in self._fly_each([agent], [scenario])
             ]
 
-    def _score(self, genome: Genome, trajectory: Trajectory | str) -> Evaluation:
+    def _score(self, genome: Genome, agent: Agent, trajectory: Trajectory | str) -> Evaluation:
         targets = len(self.scenario.targets)
         if isinstance(trajectory, str):
             return Evaluation.failed(genome, targets, trajectory)
         if trajectory.failure is not None:
             return Evaluation.failed(genome, targets, trajectory.failure, trajectory)
         try:
-            return Evaluation(genome, self.fitness.score(trajectory, self.scenario), trajectory)
+            return Evaluation(genome, self.fitness.score(trajectory, self.scenario, agent), trajectory)
         except Exception as error:
             return Evaluation.failed(genome, targets, describe_error(error, with_place=True))
