@@ -38,8 +38,11 @@ def option(default: Any, help: str, unit: str = "", **constraints: Any) -> Any:
 
 
 def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
-    """Return rows ``{option, type, default, unit, help}``, one for each field of a model."""
-    rows = []
+    """Return rows ``{option, type, default, unit, help}``, one for each field of a model.
+
+    The fields of a table within the model follow it, with names such as ``kit.joint``.
+    """
+    rows: list[dict[str, Any]] = []
     for name, field in model.model_fields.items():
         extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
         rows.append(
@@ -53,7 +56,15 @@ def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
                 "help": field.description or "",
             }
         )
+        if table := find_table(field.annotation):
+            rows += [row | {"option": f"{name}.{row['option']}"} for row in describe(table)]
     return rows
+
+
+def find_table(annotation: Any) -> type[Table] | None:
+    """Return the model of a field that holds a table, or a table or nothing; ``None`` for other fields."""
+    candidates = (annotation, *(get_args(annotation) if get_origin(annotation) in (Union, UnionType) else ()))
+    return next((c for c in candidates if isinstance(c, type) and issubclass(c, Table)), None)
 
 
 def _format_type(annotation: Any) -> str:
@@ -69,4 +80,4 @@ def _format_type(annotation: Any) -> str:
         return f"list of {_format_type(arguments[0])}"
     if origin is tuple:
         return f"[{', '.join(map(_format_type, arguments))}]"
-    return str(getattr(annotation, "__name__", annotation))
+    return "table" if find_table(annotation) else str(getattr(annotation, "__name__", annotation))

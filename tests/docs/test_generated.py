@@ -16,6 +16,7 @@ from pydantic.fields import FieldInfo
 
 from driftform.cli.app import app
 from driftform.interfaces import SEAMS
+from driftform.options import find_table
 from driftform.registry import Contribution, registry
 from driftform.scenario import FLOWS, Scenario
 from driftform.study import RunOptions
@@ -79,13 +80,25 @@ def toml_text(value: Any) -> str:
 
 
 def keys_table(model: type[BaseModel]) -> list[str]:
-    """One row for each field of a model."""
-    lines = ["| key | type | default | unit | meaning |", "|---|---|---|---|---|"]
+    """One row for each field of a model, and of the tables of options within it."""
+    return ["| key | type | default | unit | meaning |", "|---|---|---|---|---|", *keys_rows(model)]
+
+
+def keys_rows(model: type[BaseModel], within: str = "") -> list[str]:
+    lines = []
     for name, field in model.model_fields.items():
         extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
         kind = ", ".join(part for part in (type_text(field.annotation), bounds_text(field)) if part)
-        cells = (f"`{name}`", kind, default_text(field), str(extra.get("unit", "")), field.description or "")
+        cells = (
+            f"`{within}{name}`",
+            kind,
+            default_text(field),
+            str(extra.get("unit", "")),
+            field.description or "",
+        )
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+        if get_origin(field.annotation) is UnionType and (table := find_table(field.annotation)):
+            lines += keys_rows(table, f"{within}{name}.")
     return lines
 
 

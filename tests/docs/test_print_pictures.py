@@ -40,9 +40,10 @@ def job(name: str) -> ExportJob:
 
 
 def plate(name: str) -> bytes:
-    from driftform_frusta.exporters.threemf import ThreeMfExporter, ThreeMfOptions
+    from driftform_frusta.exporters.threemf import ThreeMfExporter
+    from driftform_frusta.kit.options import PartOptions
 
-    return ThreeMfExporter(ThreeMfOptions(kit=True)).plate_picture(job(name))
+    return ThreeMfExporter(PartOptions(kit=True)).plate_picture(job(name))
 
 
 def pixels(png: bytes) -> FloatArray:

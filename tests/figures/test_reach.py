@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from driftform.figures.layout import MINUS
 from driftform.figures.reach import BOUNDS, RAMP, reach_svg
 from driftform.scenario import Pipe, Scenario, Segment
 from driftform.trajectory.coverage import CoverageMap, PipeGrid, map_coverage
@@ -123,7 +124,7 @@ def test_the_axes_are_the_worlds_where_the_pipe_lies_along_x_and_the_maps_elsewh
     for segment in (along_x, upright):
         scenario = Scenario(pipe=Pipe(segments=(segment,)))
         texts.append(set(read(reach_svg(CoverageMap(PipeGrid.of_scenario(scenario)), scenario, "")).texts))
-    assert {"x (m)", "z (m)", "12", "−5.0"} <= texts[0]
+    assert {"x (m)", "z (m)", "12", f"{MINUS}5.0"} <= texts[0]
     assert {"along the pipe (m)", "up (m)", "9", "0.0"} <= texts[1]
 
 

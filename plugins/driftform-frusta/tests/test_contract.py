@@ -8,7 +8,7 @@ from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.step import StepExporter
 from driftform_frusta.exporters.stl import StlExporter
 from driftform_frusta.exporters.svg import SvgExporter
-from driftform_frusta.exporters.threemf import ThreeMfExporter, ThreeMfOptions
+from driftform_frusta.exporters.threemf import ThreeMfExporter
 from driftform_frusta.parts import PartOptions
 
 
@@ -64,4 +64,4 @@ class TestSvg(ExporterContract):
 
 class TestThreeMf(ExporterContract):
     def plugin(self) -> ThreeMfExporter:
-        return ThreeMfExporter(ThreeMfOptions())
+        return ThreeMfExporter(PartOptions())

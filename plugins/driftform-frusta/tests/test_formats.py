@@ -41,8 +41,10 @@ def jobs(occupied: str, count: int) -> list[ExportJob]:
 
 
 def export(exporter, job, folder, **options):
+    """The files that hold solids; the assembly sheet of a kit has tests of its own."""
     made = exporter(exporter.Options(**options))
-    return made.write(job, folder / f"agent{made.suffix}")
+    written = made.write(job, folder / f"agent{made.suffix}")
+    return [file for file in written if not file.path.endswith("-assembly.svg")]
 
 
 def read_3mf(path):

@@ -6,7 +6,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.gallery import GalleryEntry, arrange_rows, assign_colours, draw_gallery
+from driftform.figures.gallery import GalleryEntry, arrange_rows, assign_colours, draw_gallery, group_shared
 from driftform.figures.layout import WIDTH, start_page
 from driftform.figures.plot import Window, draw_cross, draw_scene, label_points, pipe_ink, pipe_points
 from driftform.figures.projection import SIDE, drawing_times, resample_polyline
@@ -47,7 +47,7 @@ def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str
     root = start_page(
         height,
         title,
-        _describe_flights(len(flights), worst),
+        _describe_flights(len(group_shared(flights)), worst),
         "Above: the pipe in side view with the best flight for each target. Below: the bodies, "
         f"at one scale. Error by target: {best or 'no flights'}.",
     )

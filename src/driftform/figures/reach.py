@@ -82,7 +82,7 @@ def _describe(reach: CoverageMap) -> str:
     share = 100 * reached / reach.cells.cell_count
     return (
         f"{reach.flights} flights cross {reached} of {reach.cells.cell_count} cells of {width:.3g} cm x {height:.3g} cm "
-        f"({share:.1f} %)"
+        f"({share:.1f} %)" + (f"; {reach.unchecked} of the flights are unchecked" if reach.unchecked else "")
     )
 
 

@@ -40,7 +40,7 @@ _MAX_NAME_BYTES = 100
 
 
 class RunOptions(Table):
-    """The table ``[run]``: seed, budget, and files for the best agents."""
+    """The table ``[run]``: seed, budget, time limit, and files for the best agents."""
 
     seed: int | None = option(
         None,
@@ -56,6 +56,13 @@ class RunOptions(Table):
         gt=0,
         le=MAX_EVALUATIONS,
         strict=True,
+    )
+    evaluation_timeout: float = option(
+        60.0,
+        "time after which an evaluation has failed, and its worker process is replaced",
+        "s",
+        gt=0,
+        le=86400,
     )
     formats: tuple[str, ...] = option(("stl",), "formats to export for the best agent of each target")
 

@@ -1,5 +1,6 @@
 """Flights integrated by Exudyn, with driftform's equations of motion as the right-hand side."""
 
+from collections.abc import Callable, Sequence
 from typing import Literal
 
 from driftform.interfaces import Simulator
@@ -64,6 +65,23 @@ class ExudynSimulator(Simulator[ExudynOptions]):
 
     def simulate(self, agent: Agent, scenario: Scenario) -> Trajectory:
         """Return the flight; it ends at the outlet, at the horizon, or when it is no longer finite."""
+        return self._fly(agent, scenario)
+
+    def screen_batch(
+        self,
+        agents: Sequence[Agent],
+        scenarios: Sequence[Scenario],
+        matters: Callable[[int, Trajectory], bool],
+    ) -> list[Trajectory]:
+        """Return the flights of many agents; of one that does not matter, the first by Exudyn, without a reference."""
+        return [
+            self._fly(agent, scenario, lambda flight, index=index: matters(index, flight))  # type: ignore[misc]
+            for index, (agent, scenario) in enumerate(zip(agents, scenarios, strict=True))
+        ]
+
+    def _fly(
+        self, agent: Agent, scenario: Scenario, matters: Callable[[Trajectory], bool] | None = None
+    ) -> Trajectory:
         from driftform.dynamics.coordinates import describe_motion
         from driftform.dynamics.flight import finish_trajectory, release_state
         from driftform.dynamics.integrator import Accuracy, greatest_distance, integrate
@@ -76,10 +94,15 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         motion = describe_motion(model, start)
         tolerance, share = options.tolerance, REFERENCE_SHARE
         while True:
-            accuracy = Accuracy(share * options.accuracy, step_limit=options.step_limit)
-            reference = integrate(model, start, horizon, accuracy)
             settings = make_settings(options.integrator, horizon, tolerance, options.max_step)
             samples = integrate_motion(motion, settings, options.step_limit)
+            if matters is not None:
+                screened = finish_trajectory(samples, model, horizon, options.step_limit)
+                if not matters(screened):
+                    return screened
+                matters = None
+            accuracy = Accuracy(share * options.accuracy, step_limit=options.step_limit)
+            reference = integrate(model, start, horizon, accuracy)
             error = reference.error + greatest_distance(reference.samples, samples)
             tolerance, share = TIGHTENING * tolerance, TIGHTENING * share
             equal_steps = options.integrator != "DOPRI5"
