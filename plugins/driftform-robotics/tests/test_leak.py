@@ -147,3 +147,33 @@ def test_leak_search_does_so_whatever_the_seed(seed: int) -> None:
     evolved, random = searched(seed, 300)
     assert np.median(random) > 0.5
     assert evolved > 4 * np.median(random)
+
+
+def test_a_search_for_a_leak_speaks_of_the_plume_and_not_of_distances(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from typer.testing import CliRunner
+
+    from driftform.cli.app import app
+
+    monkeypatch.chdir(tmp_path)
+    arguments = [
+        "leak-search",
+        "--simulator",
+        "native",
+        "--evaluations",
+        "3",
+        "--workers",
+        "1",
+        "--seed",
+        "1",
+    ]
+    printed = CliRunner().invoke(app, ["evolve", *arguments, "--out", "run"], catch_exceptions=False).stdout
+    CliRunner().invoke(app, ["report", "run"], catch_exceptions=False)
+    page = (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
+    picture = (tmp_path / "run" / "figures" / "overview.svg").read_text(encoding="utf-8")
+    for text in (printed, page, picture):
+        assert "time in the plume %" in text
+        assert "d_max" not in text
+        assert "farthest distance" not in text
+    assert "half of the time that the water spends in the plume" in printed
