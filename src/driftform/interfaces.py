@@ -114,6 +114,12 @@ class HydrodynamicsOptions(Table):
         "none",
         "none, as in the paper, or strips: drag of strips across the axis, with friction and blunt ends along it",
     )
+    drag_without: tuple[Literal["sphere", "ends", "wake", "roll", "lift", "bore"], ...] = option(
+        (),
+        "terms that drag = 'strips' leaves out: sphere (drag of a sphere, for bodies that are nearly spheres), ends (less "
+        "drag across the axis of short bodies), wake (lift of the tail), roll (friction of a spin about the axis), lift (lift "
+        "in a shear flow), bore (what a narrow pipe does to drag and carrying speed)",
+    )
 
 
 HydrodynamicsOptionsT_co = TypeVar("HydrodynamicsOptionsT_co", bound=HydrodynamicsOptions, covariant=True)

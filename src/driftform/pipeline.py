@@ -73,12 +73,15 @@ class Pipeline:
         body, scenario = self.builder.build(morphology), self.scenario
         if condition is not None:
             body, scenario = disturb_body(condition, body), disturb_scenario(condition, scenario)
-        coefficients = self.hydrodynamics.coefficients(body, scenario.fluid)
-        if self.hydrodynamics.options.drag == "strips":
-            from driftform.hydrodynamics.drag import estimate_drag
+        mass, fluid, options = mass_properties(body), scenario.fluid, self.hydrodynamics.options
+        coefficients = self.hydrodynamics.coefficients(body, fluid)
+        if options.drag == "strips":
+            from driftform.hydrodynamics.drag import estimate_drag, wake_factor
 
-            coefficients = replace(coefficients, drag=estimate_drag(body, scenario.fluid.viscosity))
-        return Agent(body, mass_properties(body), coefficients, morphology, genome)
+            factor = wake_factor(coefficients, fluid.density * mass.volume)
+            drag = estimate_drag(body, fluid.viscosity, factor, options.drag_without)
+            coefficients = replace(coefficients, drag=drag)
+        return Agent(body, mass, coefficients, morphology, genome)
 
     def make_agent(self, genome: Genome, condition: Condition | None = None) -> Agent:
         """Genome -> agent."""

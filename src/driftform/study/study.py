@@ -258,6 +258,7 @@ def _check_document(
         run = RunOptions.model_validate(document.get("run", {}))
     except ValidationError as error:
         errors += format_errors(error, ("run",), RunOptions, document, layers)
+    registry().check_seams(SELECTED)
     resolved: dict[str, Any] = {}
     unselected = [seam for seam in required if "use" not in document.get(seam, {})]
     if unselected:
