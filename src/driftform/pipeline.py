@@ -7,11 +7,21 @@ from functools import cached_property
 from typing import Any
 
 from driftform.errors import WorkFailedError, describe_error
+from driftform.faults import describe_fault, require, require_flights
 from driftform.geometry import mass_properties
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
 from driftform.scenario import Scenario
 from driftform.scenario.disturbances import Condition, disturb_body, disturb_scenario, draw_conditions
-from driftform.types import Agent, Evaluation, FloatArray, Genome, Morphology, Trajectory
+from driftform.types import (
+    Agent,
+    Body,
+    Coefficients,
+    Evaluation,
+    FloatArray,
+    Genome,
+    Morphology,
+    Trajectory,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,16 +64,17 @@ class Pipeline:
 
     def express(self, genome: Genome) -> Morphology:
         """Genome -> morphology."""
-        return self.grammar.express(genome)
+        return require(self.grammar.express(genome), Morphology, self.grammar, "express")
 
     def realise(
         self, morphology: Morphology, genome: Genome | None = None, condition: Condition | None = None
     ) -> Agent:
         """Morphology -> agent, as printed under a disturbed condition if one is given."""
-        body, scenario = self.builder.build(morphology), self.scenario
+        body, scenario = require(self.builder.build(morphology), Body, self.builder, "build"), self.scenario
         if condition is not None:
             body, scenario = disturb_body(condition, body), disturb_scenario(condition, scenario)
-        coefficients = self.hydrodynamics.coefficients(body, scenario.fluid)
+        found = self.hydrodynamics.coefficients(body, scenario.fluid)
+        coefficients = require(found, Coefficients, self.hydrodynamics, "coefficients")
         if self.hydrodynamics.options.drag == "strips":
             from driftform.hydrodynamics.drag import estimate_drag
 
@@ -81,7 +92,8 @@ class Pipeline:
 
     def fly(self, agents: Sequence[Agent], scenarios: Sequence[Scenario] | None = None) -> list[Trajectory]:
         """Agents -> trajectories, each in the pipeline's scenario or in its own of ``scenarios``."""
-        return self.simulator.simulate_batch(agents, scenarios or [self.scenario] * len(agents))
+        flights = self.simulator.simulate_batch(agents, scenarios or [self.scenario] * len(agents))
+        return require_flights(flights, len(agents), self.simulator)
 
     def fly_named(self, agents: Sequence[Agent], name: str) -> list[Trajectory]:
         """Agents -> their flights; ``name`` says in errors whose they are.
@@ -141,8 +153,8 @@ class Pipeline:
         for index, genome in enumerate(genomes):
             try:
                 agents[index] = self.make_agent(genome, under[index])
-            except Exception as error:
-                outcomes[index] = Evaluation.failed(genome, targets, describe_error(error, with_place=True))
+            except (Exception, SystemExit) as error:
+                outcomes[index] = Evaluation.failed(genome, targets, describe_fault(error))
         flights = self._fly_each(list(agents.values()), [scenarios[index] for index in agents])
         for index, trajectory in zip(agents, flights, strict=True):
             outcomes[index] = self._score(genomes[index], trajectory)
@@ -153,13 +165,10 @@ class Pipeline:
         if not agents:
             return []
         try:
-            flights: list[Trajectory | str] = list(self.fly(agents, scenarios))
-            if len(flights) != len(agents):
-                raise ValueError(f"the simulator returned {len(flights)} flights for {len(agents)} agents")
-            return flights
-        except Exception as error:
+            return list(self.fly(agents, scenarios))
+        except (Exception, SystemExit) as error:
             if len(agents) == 1:
-                return [describe_error(error, with_place=True)]
+                return [describe_fault(error)]
             return [
                 flight
                 for agent, scenario in zip(agents, scenarios, strict=True)
@@ -174,5 +183,5 @@ class Pipeline:
             return Evaluation.failed(genome, targets, trajectory.failure, trajectory)
         try:
             return Evaluation(genome, self.fitness.score(trajectory, self.scenario), trajectory)
-        except Exception as error:
-            return Evaluation.failed(genome, targets, describe_error(error, with_place=True))
+        except (Exception, SystemExit) as error:
+            return Evaluation.failed(genome, targets, describe_fault(error))

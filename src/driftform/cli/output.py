@@ -1,16 +1,42 @@
 """What a command prints: one JSON document, or text for people."""
 
 import json
+import os
 import sys
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, redirect_stdout, suppress
+from typing import Any, TextIO
 
-import numpy as np
+_reserved: list[TextIO] = []
+
+
+@contextmanager
+def reserve_stdout() -> Iterator[None]:
+    """Keep stdout for the document of :func:`print_json`; whatever else is printed meanwhile goes to stderr.
+
+    That includes plugins, the libraries that they call, and the processes that they start.
+    """
+    sys.stdout.flush()
+    document = sys.stdout
+    if sys.stdout is sys.__stdout__:
+        # Not undone: what libraries keep in buffers of their own is written when the process ends.
+        document = os.fdopen(os.dup(1), "w", encoding=sys.stdout.encoding)
+        os.dup2(2, 1)
+    _reserved.append(document)
+    try:
+        with redirect_stdout(sys.stderr):
+            yield
+    finally:
+        _reserved.pop()
+        if sys.stdout is sys.__stdout__:
+            with suppress(OSError):
+                document.close()
 
 
 def print_json(document: Mapping[str, Any]) -> None:
     """Print one JSON document on stdout; arrays become lists, numbers that are not finite ``null``."""
-    print(json.dumps(_to_plain(document), indent=1, allow_nan=False))
+    text = json.dumps(_to_plain(document), indent=1, allow_nan=False)
+    print(text, file=_reserved[-1] if _reserved else sys.stdout, flush=True)
 
 
 def print_table(header: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[int] = ()) -> None:
@@ -72,6 +98,8 @@ def _escape(cell: str) -> str:
 
 
 def _to_plain(value: Any) -> Any:
+    import numpy as np
+
     match value:
         case Mapping():
             return {str(key): _to_plain(item) for key, item in value.items()}

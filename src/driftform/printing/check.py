@@ -1,10 +1,11 @@
 """Check printable files: whether they can be printed and are what was simulated."""
 
 import zipfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 
-from driftform.errors import WorkFailedError
+from driftform.errors import DriftformError, WorkFailedError
+from driftform.faults import describe_fault, require, require_files
 from driftform.geometry import hull_volume
 from driftform.interfaces import Checker, ExportJob, Printer, PrintJob
 from driftform.registry import registry
@@ -53,7 +54,7 @@ def write_print_job(
 def write_files(study: Study, job: ExportJob, format: str, folder: Path) -> tuple[WrittenFile, ...]:
     """Write an agent in one format into a folder, under its name."""
     exporter = study.make_exporter(format)
-    return exporter.write(job, folder / f"{job.name}{exporter.suffix}")
+    return require_files(exporter.write(job, folder / f"{job.name}{exporter.suffix}"), exporter)
 
 
 def sum_volumes(written: Sequence[WrittenFile]) -> float | None:
@@ -103,7 +104,15 @@ def check_print_job(
         else:
             if cls.program:
                 on_program(cls.program)
-            yield from study.make_checker(row.name).check(job)
+            checker = study.make_checker(row.name)
+            try:
+                for finding in require(checker.check(job), Iterable, checker, "check"):
+                    yield require(finding, Finding, checker, "check")
+            except DriftformError:
+                raise
+            except (Exception, SystemExit) as error:
+                # One checker that fails is no reason to keep back what the others find.
+                yield Finding(row.name, State.SKIPPED, describe_fault(error))
 
 
 def require_findings(findings: Sequence[Finding]) -> None:
