@@ -73,7 +73,9 @@ def require(value: object, expected: type[T], plugin: Plugin[Any], method: str) 
     return value
 
 
-def require_flights(flights: object, count: int, plugin: Plugin[Any]) -> list[Trajectory]:
+def require_flights(
+    flights: object, count: int, plugin: Plugin[Any], method: str = "simulate_batch"
+) -> list[Trajectory]:
     """Return the flights of a simulator, one for each agent.
 
     Raises
@@ -81,7 +83,6 @@ def require_flights(flights: object, count: int, plugin: Plugin[Any]) -> list[Tr
     WorkFailedError
         if one is missing, empty, without an end, or not finite although it did not fail.
     """
-    method = "simulate_batch"
     if not isinstance(flights, list | tuple) or len(flights) != count:
         what = f"{len(flights)} flights" if isinstance(flights, list | tuple) else _describe(flights)
         raise _refuse(plugin, method, what, f"a list of {count}")

@@ -45,7 +45,7 @@ def jobs() -> list[Job]:
     return [Job(10 + index, grammar.random(rng)) for index in range(COUNT)]
 
 
-@pytest.fixture(params=["local", "dask"])
+@pytest.fixture(params=["local", pytest.param("dask", marks=pytest.mark.peers)])
 def make(request: pytest.FixtureRequest) -> Make:
     """Makes an executor with two workers: local processes, or those of a running cluster."""
     if request.param == "local":
@@ -54,14 +54,11 @@ def make(request: pytest.FixtureRequest) -> Make:
     return lambda study: Cluster.join(study.document, address)
 
 
-def workers_of(executor: PoolExecutor, dask_cluster: str | None = None) -> list[int]:
+def workers_of(executor: PoolExecutor) -> list[int]:
     """The processes that evaluate."""
-    if isinstance(executor, LocalProcesses):
-        return [child.pid or 0 for child in multiprocessing.active_children()]
-    from distributed import Client
-
-    with Client(dask_cluster, set_as_default=False) as client:
-        return list(client.run(os.getpid).values())
+    if isinstance(executor, Cluster):
+        return list(executor._client.run(os.getpid).values())
+    return [child.pid or 0 for child in multiprocessing.active_children()]
 
 
 def number(genome: Any) -> float:
@@ -146,19 +143,17 @@ def test_a_process_that_dies_once_is_forgiven(jobs: list[Job], make: Make, tmp_p
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
-def test_a_worker_that_is_killed_from_outside_costs_nothing(
-    jobs: list[Job], make: Make, dask_cluster: str
-) -> None:
+def test_a_worker_that_is_killed_from_outside_costs_nothing(jobs: list[Job], make: Make) -> None:
     study = study_of(pause=0.05)
     found: dict[int, Evaluation] = {}
     with closing(make(study)) as executor:
         for index, evaluation in chain.from_iterable(executor.evaluate(jobs)):
             if not found:
-                os.kill(workers_of(executor, dask_cluster)[0], signal.SIGKILL)
+                os.kill(workers_of(executor)[0], signal.SIGKILL)
             assert index not in found
             found[index] = evaluation
         # A worker that waits for work may be killed as well.
-        os.kill(workers_of(executor, dask_cluster)[0], signal.SIGKILL)
+        os.kill(workers_of(executor)[0], signal.SIGKILL)
         again = collect(executor.evaluate(jobs[:2]))
     sound = collect(InProcess(study.make_pipeline()).evaluate(jobs))
     assert_same(found, sound)

@@ -230,7 +230,9 @@ def _import_distributed(option: str) -> Any:
     try:
         import distributed
     except ImportError as error:
-        raise InputError(f"{option} needs Dask ({error}): pip install 'driftform[dask]'") from None
+        raise InputError(
+            f"{option} needs Dask ({error}): uv sync --extra dask, or pip install 'driftform[dask]'"
+        ) from None
     for name in list(logging.root.manager.loggerDict):
         if name.partition(".")[0] in NOISY_LOGGERS:
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)

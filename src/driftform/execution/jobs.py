@@ -27,12 +27,16 @@ class Job:
         seed of the gusts, ``None`` for that of the scenario.
     condition
         number of a disturbed condition, ``None`` for undisturbed.
+    threshold
+        for each target the fitness (%) that the genome must exceed to matter, ``None`` if every fitness matters; see
+        :meth:`driftform.pipeline.Pipeline.evaluate`.
     """
 
     index: int
     genome: Genome
     seed: int | None = None
     condition: int | None = None
+    threshold: tuple[float, ...] | None = None
 
 
 Outcome = tuple[int, Evaluation]
@@ -79,7 +83,10 @@ class WorkersLostError(WorkFailedError):
 def evaluate_batch(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:
     """Evaluate the genomes of one task; trajectories are compressed as a run stores them."""
     evaluations = pipeline.evaluate(
-        [job.genome for job in batch], [job.seed for job in batch], [job.condition for job in batch]
+        [job.genome for job in batch],
+        [job.seed for job in batch],
+        [job.condition for job in batch],
+        [job.threshold for job in batch],
     )
     return [(job.index, _compress(evaluation)) for job, evaluation in zip(batch, evaluations, strict=True)]
 
