@@ -1,10 +1,10 @@
 """Check printable files: whether they can be printed and are what was simulated."""
 
 import zipfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-from driftform.errors import DriftformError, WorkFailedError
+from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
 from driftform.faults import describe_fault, require, require_files
 from driftform.geometry import hull_volume
 from driftform.interfaces import Checker, ExportJob, Printer, PrintJob
@@ -65,15 +65,25 @@ def sum_volumes(written: Sequence[WrittenFile]) -> float | None:
 
 
 def extract_attachment(path: Path, ending: str, folder: Path) -> Path | None:
-    """Copy the file of an archive, such as a 3MF, whose name ends so into a folder; ``None`` if there is none."""
-    if not zipfile.is_zipfile(path):
-        return None
-    with zipfile.ZipFile(path) as archive:
-        for member in archive.infolist():
-            if member.filename.endswith(ending) and member.file_size < _LARGEST_ATTACHMENT:
-                copy = folder / f"attached{ending}"
-                copy.write_bytes(archive.read(member))
-                return copy
+    """Copy the file of an archive, such as a 3MF, whose name ends so into a folder; ``None`` if there is none.
+
+    Raises
+    ------
+    InputError
+        if the archive, or the file in it, cannot be read.
+    """
+    try:
+        if not zipfile.is_zipfile(path):
+            return None
+        with zipfile.ZipFile(path) as archive:
+            for member in archive.infolist():
+                if member.filename.endswith(ending) and member.file_size < _LARGEST_ATTACHMENT:
+                    copy = folder / f"attached{ending}"
+                    copy.write_bytes(archive.read(member))
+                    return copy
+    except Exception as error:
+        # Of archives made to do harm, zipfile raises a dozen kinds of errors.
+        raise InputError(f"{path}: cannot be read as an archive: {describe_error(error)}") from None
     return None
 
 
@@ -107,7 +117,7 @@ def check_print_job(
                 on_program(cls.program)
             checker = study.make_checker(row.name)
             try:
-                for finding in require(checker.check(job), Iterable, checker, "check"):
+                for finding in checker.check(job):
                     yield require(finding, Finding, checker, "check")
             except DriftformError:
                 raise
