@@ -23,11 +23,12 @@ def reserve_stdout() -> Iterator[None]:
 
     That includes plugins, the libraries that they call, and the processes that they start.
     """
-    sys.stdout.flush()
     document = sys.stdout
-    if sys.stdout is sys.__stdout__:
+    document.flush()
+    has_descriptor = document is sys.__stdout__
+    if has_descriptor:
         # Not undone: what libraries keep in buffers of their own is written when the process ends.
-        document = os.fdopen(os.dup(1), "w", encoding=sys.stdout.encoding)
+        document = os.fdopen(os.dup(1), "w", encoding=document.encoding)
         os.dup2(2, 1)
     _reserved.append(document)
     try:
@@ -35,7 +36,7 @@ def reserve_stdout() -> Iterator[None]:
             yield
     finally:
         _reserved.pop()
-        if sys.stdout is sys.__stdout__:
+        if has_descriptor:
             with suppress(OSError):
                 document.close()
 

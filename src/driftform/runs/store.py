@@ -10,6 +10,7 @@ import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -179,6 +180,7 @@ class Store:
         self._connection = connection
         self._path = path
         self._read_only = read_only
+        self._place = _identify(path)
 
     @classmethod
     def create(cls, path: Path, study: Mapping[str, Any]) -> "Store":
@@ -288,6 +290,20 @@ class Store:
         except sqlite3.Error as error:
             raise WorkFailedError(f"{self._path}: the study cannot be written: {error}") from None
 
+    def check_place(self) -> None:
+        """Refuse to go on if the file is no longer where it was opened: SQLite would write to it, wherever it is.
+
+        Raises
+        ------
+        WorkFailedError
+            if the run was moved or deleted.
+        """
+        if _identify(self._path) != self._place:
+            raise WorkFailedError(
+                f"{self._path}: was moved or deleted while the run was under way; if its directory was moved, "
+                "resume it where it is now, with all evaluations that were shown"
+            )
+
     def add(self, records: Sequence[Record], targets: Sequence[str]) -> None:
         """Write evaluations, all or none; when this returns they survive a crash.
 
@@ -296,6 +312,7 @@ class Store:
         WorkFailedError
             where they cannot be written.
         """
+        self.check_place()
         # One fsync for all of them: on a disk that makes each wait 4 ms it is what a write costs.
         try:
             with self._writing():
@@ -323,6 +340,7 @@ class Store:
         WorkFailedError
             where they cannot be written.
         """
+        self.check_place()
         rows = [
             (flight.evaluation, flight.condition, target, float(value), flight.failure)
             for flight in flights
@@ -436,6 +454,12 @@ class Store:
             row = self._connection.execute(query, (target,)).fetchone()
             return (check_integer(row[0], "an evaluation"), _check_fitness(row[1])) if row else None
 
+    @cached_property
+    def _grammar(self) -> str | None:
+        """Name of the study's grammar, ``None`` if it names none."""
+        table = self.read_study().get("grammar")
+        return table.get("use") if isinstance(table, dict) else None
+
     def _scalar(self, query: str) -> Any:
         with self._reading():
             return self._connection.execute(query).fetchone()[0]
@@ -465,6 +489,8 @@ class Store:
                 f"SELECT target, fitness FROM score WHERE {among} AND evaluation = ?", (*targets, index)
             ).fetchall()
         )
+        if self._grammar not in (None, grammar):
+            raise ValueError(f"a genome is of the grammar {grammar!r}, expected {self._grammar!r}")
         genome = Genome(check_text(grammar, "a grammar"), read_texts(symbols, "the symbols"))
         evaluation = Evaluation(
             genome,
@@ -518,6 +544,15 @@ def _find_broken_tables(connection: sqlite3.Connection) -> list[str]:
     found = {name: _normalise(str(sql)) for kind, name, sql in rows if kind == "table"}
     acting = [str(name) for kind, name, _ in rows if kind in ("view", "trigger")]
     return [table for table in _TABLES if found.get(table) != _TABLES[table]] + acting
+
+
+def _identify(path: Path) -> tuple[int, int] | None:
+    """Return what a file is, whatever its name; ``None`` if there is no file."""
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_dev, status.st_ino
 
 
 def _write_empty(path: Path, study: Mapping[str, Any]) -> None:

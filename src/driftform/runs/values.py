@@ -56,6 +56,9 @@ def read_study_document(value: object) -> dict[str, Any]:
     targets = document.get("targets")
     if "targets" in document and not (isinstance(targets, Mapping) and targets):
         raise _refuse("the study's targets", targets, "a table that is not empty")
+    for name in targets or ():
+        if not name.isprintable():
+            raise _refuse("the name of a target", name, "printable text")
     return document
 
 
