@@ -156,6 +156,22 @@ class Simulator(Plugin[OptionsT_co]):
         """
         return [self.simulate(agent, scenario) for agent, scenario in zip(agents, scenarios, strict=True)]
 
+    def screen_batch(
+        self,
+        agents: Sequence[Agent],
+        scenarios: Sequence[Scenario],
+        matters: Callable[[int, Trajectory], bool],
+    ) -> list[Trajectory]:
+        """Return the trajectories of many agents; flights that do not matter to a search may be unchecked.
+
+        An unchecked flight costs less: nothing estimates its error, and its ``error`` is ``None``. Override this method
+        if the check of a flight takes much of its time. Make an unchecked flight of each agent, and call
+        ``matters(index, trajectory)`` with its index in the batch. If that is true, return what :meth:`simulate`
+        returns, to the last bit; otherwise return the unchecked trajectory. Each must be independent of the rest of the
+        batch. The base class checks every flight.
+        """
+        return self.simulate_batch(agents, scenarios)
+
 
 class Fitness(Plugin[OptionsT_co]):
     """Trajectory -> one fitness for each target of the scenario, in percent: 100 is best, 0 is worst."""
@@ -208,6 +224,9 @@ class Strategy(Plugin[OptionsT_co]):
 
         The limit may only truncate the candidates that a larger limit would give: a run with a larger budget must
         begin with the same candidates.
+
+        A strategy that ignores low fitness should set ``Candidate.threshold``. Then flights that certainly matter
+        neither to the strategy nor to the results of the run are not checked, which saves most of their time.
         """
 
     @abstractmethod
@@ -245,7 +264,8 @@ class Exporter(Plugin[OptionsT_co]):
 
     If a format is a folder of files, its suffix has no dot, as in ``-uuv``, and ``path`` is that folder. If one file
     cannot hold everything, such as the parts of a kit in a format for one solid, an exporter may write several files,
-    whose names begin with that of ``path`` without its suffix.
+    whose names begin with that of ``path`` without its suffix. A file that accompanies them, such as a drawing, has
+    another suffix: it is not a part to be checked.
     """
 
     suffix: ClassVar[str]

@@ -86,6 +86,71 @@ class Core:
     mass: float
 
 
+@dataclass(frozen=True)
+class Moments:
+    """Volume integrals of a solid of revolution about the x axis, for unit density, about the frame's origin.
+
+    Attributes
+    ----------
+    volume
+        V, m3.
+    first
+        integral of x dV, m4.
+    second
+        integral of x^2 dV, m5.
+    polar
+        integral of (y^2 + z^2) dV: the inertia about the axis, m5.
+    """
+
+    volume: float = 0.0
+    first: float = 0.0
+    second: float = 0.0
+    polar: float = 0.0
+
+    def __add__(self, other: "Moments") -> "Moments":
+        return Moments(
+            self.volume + other.volume,
+            self.first + other.first,
+            self.second + other.second,
+            self.polar + other.polar,
+        )
+
+    def __sub__(self, hole: "Moments") -> "Moments":
+        return Moments(
+            self.volume - hole.volume,
+            self.first - hole.first,
+            self.second - hole.second,
+            self.polar - hole.polar,
+        )
+
+    @property
+    def centroid(self) -> float:
+        """x of the centroid, m."""
+        return self.first / self.volume
+
+    @property
+    def transverse(self) -> float:
+        """Inertia about the y (or z) axis through the origin, for unit density, m5 (eq. 16)."""
+        return self.polar / 2 + self.second
+
+
+@dataclass(frozen=True)
+class Fittings:
+    """What a hull has beside the wall of its section, such as the joints and the engraving of a kit.
+
+    Attributes
+    ----------
+    material
+        volume integrals of the material that is added, less that of material that is removed.
+    displaced
+        the same for the volume that the body displaces more than its outer contour; negative for an engraving, which
+        fills with water.
+    """
+
+    material: Moments = Moments()
+    displaced: Moments = Moments()
+
+
 @dataclass(frozen=True, eq=False)
 class Body:
     """A body of revolution: its meridian section, core and material.
@@ -104,6 +169,8 @@ class Body:
         nominal wall thickness, m.
     hull_density
         density of the hull's material, kg/m3.
+    fittings
+        what the hull has beside the wall between both contours.
     """
 
     outer: FloatArray
@@ -112,6 +179,7 @@ class Body:
     core: Core
     wall: float
     hull_density: float
+    fittings: Fittings = Fittings()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "outer", freeze(self.outer, (None, 2), "Body.outer"))
@@ -326,7 +394,8 @@ class Trajectory:
         largest change of the energy of body and water before the first contact, relative to the largest kinetic energy;
         ``None`` if energy is not conserved: with drag, or if the velocity of the water varies.
     error
-        largest estimated error of the position along the flight, m; ``None`` if it was not estimated.
+        largest estimated error of the position along the flight, m; ``None`` if it was not estimated: an unchecked
+        flight.
     """
 
     t: FloatArray
@@ -375,12 +444,16 @@ class Candidate:
         number of the generation, from 0.
     target
         the target that its population is bred for, ``""`` if bred for all targets.
+    threshold
+        for each target the fitness (%) that the candidate must exceed to matter to its strategy, (targets,); ``None``
+        if every fitness matters. It is neither stored nor compared.
     """
 
     genome: Genome
     parents: tuple[int, ...] = ()
     generation: int = 0
     target: str = ""
+    threshold: tuple[float, ...] | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, eq=False)

@@ -51,9 +51,10 @@ def write_print_job(
 
 
 def write_files(study: Study, job: ExportJob, format: str, folder: Path) -> tuple[WrittenFile, ...]:
-    """Write an agent in one format into a folder, under its name."""
+    """Write an agent in one format into a folder, under its name; return the files that can be printed, not drawings."""
     exporter = study.make_exporter(format)
-    return exporter.write(job, folder / f"{job.name}{exporter.suffix}")
+    written = exporter.write(job, folder / f"{job.name}{exporter.suffix}")
+    return tuple(file for file in written if file.path.endswith(exporter.suffix))
 
 
 def sum_volumes(written: Sequence[WrittenFile]) -> float | None:
