@@ -93,6 +93,7 @@ def new(
     from driftform.cli.output import print_json
     from driftform.errors import InputError
     from driftform.scaffold import list_files, list_uses, make_names
+    from driftform.scaffold.installation import list_installation
     from driftform.util.files import write_folder, write_text
 
     names = make_names(name, seam)
@@ -103,14 +104,14 @@ def new(
     with write_folder(folder) as part:
         for path, text in files.items():
             write_text(part / path, text)
-    following = [
-        f"cd {shlex.quote(str(folder))}",
-        'pip install -e ".[test]"',
-        "pytest",
+    install, test = list_installation()
+    run = "uv run " if install.startswith("uv add ") else ""
+    uses = (
         f"driftform plugins show {names.plugin}",
         "driftform scenarios check study.toml",
         *list_uses(names, seam),
-    ]
+    )
+    following = [f"cd {shlex.quote(str(folder))}", install, test, *(run + line for line in uses)]
     if json:
         print_json(
             {

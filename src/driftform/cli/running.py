@@ -31,6 +31,7 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
     except WorkersLostError as error:
         raise WorkersLostError(f"{error}; {_describe_stop(run)}") from None
     seconds = time.perf_counter() - started
+    fitness = run.study.make_plugin("fitness")
     overview, reach = (run.path / "figures" / f"{name}.svg" for name in ("overview", "reach"))
     if json:
         evaluations, failed = run.count()
@@ -45,6 +46,7 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
                     best.target: {
                         "fitness": best.fitness,
                         "error_percent": best.error_percent,
+                        "verdict": fitness.judge(best.fitness),
                         "distance": best.nominal,
                         "nominal": best.nominal,
                         "median": best.median,
@@ -77,26 +79,28 @@ def _describe_stop(run: "Run") -> str:
 
 def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path], seconds: float) -> None:
     from driftform.cli.output import format_miss, print_table
+    from driftform.runs.wording import list_cells, list_headings, summarise
 
+    fitness = run.study.make_plugin("fitness")
     promised = any(best.robust for best in results)
+    misses = ("nominal mm", "median mm", "90 % mm") if promised else ("nominal mm",)
+    header = ("target", "x m", "y m", "z m", *list_headings(fitness), *misses)
     print_table(
-        (
-            *("target", "x m", "y m", "z m", "fitness %", "error % of d_max", "nominal mm"),
-            *(("median mm", "90 % mm") if promised else ()),
-        ),
+        header,
         (
             (
                 best.target,
                 *(f"{c:g}" for c in run.study.scenario.targets[best.target]),
-                f"{best.fitness:.3f}",
-                f"{best.error_percent:.3f}",
+                *list_cells(fitness, best.fitness),
                 f"{1000 * best.nominal:.1f}",
                 *((format_miss(best.median), format_miss(best.p90)) if promised else ()),
             )
             for best in results
         ),
-        right=tuple(range(1, 9 if promised else 7)),
+        right=range(1, len(header)),
     )
+    if results:
+        print(summarise(fitness, {best.target: best.fitness for best in results}))
     if promised:
         print(
             "nominal: the undisturbed flight; median and 90 %: half, and 9 of 10, of "

@@ -145,14 +145,17 @@ def _check_pictures(design: "Design", film: Path | None, still: Path | None, ren
 
 def _print(design: "Design", flight: "Flight", misses: "Misses | None") -> None:
     from driftform.cli.output import print_table
+    from driftform.runs.wording import list_cells, list_headings
 
+    fitness = design.pipeline.fitness
+    header = ("target", *list_headings(fitness), "closest m", "at s")
     print_table(
-        ("target", "fitness %", "error % of d_max", "closest m", "at s"),
+        header,
         (
-            (name, f"{f:.3f}", f"{100 - f:.3f}", f"{d:.4f}", f"{t:.2f}")
+            (name, *list_cells(fitness, f), f"{d:.4f}", f"{t:.2f}")
             for (name, f), (d, t) in zip(flight.fitness.items(), flight.approaches.values(), strict=True)
         ),
-        right=(1, 2, 3, 4),
+        right=range(1, len(header)),
     )
     pipeline, (x, y, z) = design.pipeline, flight.trajectory.position[-1]
     print(f"{design.name} flown by {pipeline.simulator.name}, {pipeline.hydrodynamics.name} coefficients")

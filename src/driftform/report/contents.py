@@ -17,6 +17,7 @@ from driftform.runs.agent_file import StoredAgent
 from driftform.runs.finalists import find_best_agent, find_winner
 from driftform.runs.run import Run
 from driftform.runs.store import Store
+from driftform.runs.wording import describe_worst
 from driftform.scenario import Scenario
 from driftform.study import Study
 from driftform.trajectory.approach import closest_approach
@@ -42,11 +43,6 @@ class Entry:
     stored: StoredAgent
     agent: Agent
     trajectory: Trajectory
-
-    @property
-    def error_percent(self) -> float:
-        """Error, % of the farthest distance in the pipe."""
-        return 100 - self.fitness
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,10 +118,15 @@ def collect_contents(run: Run) -> Contents:
                 )
             )
         title = str(study.document.get("title", ""))
-        flights = [GalleryEntry(e.target, e.agent, e.trajectory, e.error_percent) for e in entries]
+        fitness = pipeline.fitness
+        flights = [
+            GalleryEntry(e.target, e.agent, e.trajectory, fitness.measure(e.fitness), fitness.unit)
+            for e in entries
+        ]
+        worst = describe_worst(fitness, {entry.target: entry.fitness for entry in entries})
         seen = track_progress(store.read_trajectories(), store.count_sound(), "flights")
         figures = {
-            "Flights and bodies": overview_svg(flights, study.scenario, title),
+            "Flights and bodies": overview_svg(flights, study.scenario, title, worst),
             "Search": trend_svg(_read_trends(store, targets), "Best fitness so far", _strategy_name(study)),
             "Reach": reach_svg(
                 map_coverage(seen, PipeGrid.of_scenario(study.scenario)), study.scenario, title

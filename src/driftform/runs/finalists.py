@@ -13,6 +13,7 @@ import numpy as np
 
 from driftform.execution import Executor, Job
 from driftform.runs.agent_file import StoredAgent
+from driftform.runs.search import check_fitness
 from driftform.runs.store import DisturbedResult, Store
 from driftform.scenario import Robustness, evaluation_seed
 from driftform.scenario.disturbances import Condition, draw_conditions
@@ -83,12 +84,9 @@ def _fly(
         store.add_disturbed(
             [
                 DisturbedResult(
-                    *missing[number],
-                    evaluation.fitness,
-                    find_offsets(evaluation, points),
-                    evaluation.failure,
+                    *missing[number], checked.fitness, find_offsets(checked, points), checked.failure
                 )
-                for number, evaluation in arrived
+                for number, checked in ((n, check_fitness(e, targets)) for n, e in arrived)
             ],
             targets,
         )
