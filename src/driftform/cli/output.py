@@ -1,6 +1,7 @@
 """What a command prints: one JSON document, or text for people."""
 
 import json
+import math
 import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -108,7 +109,7 @@ def _fold_heading(title: str, width: int) -> str:
 
 def format_miss(metres: float | None) -> str:
     """Return a miss in mm; a dash if too many flights failed for one, or none was flown."""
-    return "-" if metres is None or not np.isfinite(metres) else f"{1000 * metres:.0f}"
+    return "-" if metres is None or not math.isfinite(metres) else f"{1000 * metres:.0f}"
 
 
 def print_states(rows: Iterable[tuple[str, str, str]], styles: Mapping[str, str]) -> None:
