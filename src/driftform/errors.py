@@ -1,5 +1,6 @@
 """Errors that are not bugs of driftform: wrong input and failed work; and the text of errors."""
 
+import re
 import traceback
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -50,3 +51,19 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     if close:
         return f"; did you mean '{close[0]}'?"
     return f"; known: {', '.join(names)}" if names else ""
+
+
+def find_commonest(reasons: Iterable[str]) -> tuple[str, int]:
+    """Return the first of the commonest kind of reason, and how many are of that kind; ``("", 0)`` without any.
+
+    Reasons that differ only in their numbers are of one kind.
+
+    >>> find_commonest(["120 mm across", "no genome", "131 mm across"])
+    ('120 mm across', 2)
+    """
+    kinds: dict[str, tuple[str, int]] = {}
+    for reason in reasons:
+        kind = re.sub(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?", "#", reason)
+        first, count = kinds.get(kind, (reason, 0))
+        kinds[kind] = (first, count + 1)
+    return max(kinds.values(), key=lambda found: found[1], default=("", 0))

@@ -113,6 +113,12 @@ class HydrodynamicsOptions(Table):
         "none",
         "none, as in the paper, or strips: drag of strips across the axis, with friction and blunt ends along it",
     )
+    drag_without: tuple[Literal["sphere", "ends", "wake", "roll", "lift", "bore"], ...] = option(
+        (),
+        "terms that drag = 'strips' leaves out: sphere (drag of a sphere, for bodies that are nearly spheres), ends (less "
+        "drag across the axis of short bodies), wake (lift of the tail), roll (friction of a spin about the axis), lift (lift "
+        "in a shear flow), bore (what a narrow pipe does to drag and carrying speed)",
+    )
 
 
 HydrodynamicsOptionsT_co = TypeVar("HydrodynamicsOptionsT_co", bound=HydrodynamicsOptions, covariant=True)
@@ -149,6 +155,22 @@ class Simulator(Plugin[OptionsT_co]):
         Each trajectory must equal that of :meth:`simulate`, whatever the rest of the batch.
         """
         return [self.simulate(agent, scenario) for agent, scenario in zip(agents, scenarios, strict=True)]
+
+    def screen_batch(
+        self,
+        agents: Sequence[Agent],
+        scenarios: Sequence[Scenario],
+        matters: Callable[[int, Trajectory], bool],
+    ) -> list[Trajectory]:
+        """Return the trajectories of many agents; flights that do not matter to a search may be unchecked.
+
+        An unchecked flight costs less: nothing estimates its error, and its ``error`` is ``None``. Override this method
+        if the check of a flight takes much of its time. Make an unchecked flight of each agent, and call
+        ``matters(index, trajectory)`` with its index in the batch. If that is true, return what :meth:`simulate`
+        returns, to the last bit; otherwise return the unchecked trajectory. Each must be independent of the rest of the
+        batch. The base class checks every flight.
+        """
+        return self.simulate_batch(agents, scenarios)
 
 
 class Fitness(Plugin[OptionsT_co]):
@@ -202,6 +224,9 @@ class Strategy(Plugin[OptionsT_co]):
 
         The limit may only truncate the candidates that a larger limit would give: a run with a larger budget must
         begin with the same candidates.
+
+        A strategy that ignores low fitness should set ``Candidate.threshold``. Then flights that certainly matter
+        neither to the strategy nor to the results of the run are not checked, which saves most of their time.
         """
 
     @abstractmethod

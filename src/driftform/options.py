@@ -5,6 +5,9 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field
 
+MAX_SEED = 2**63 - 1
+"""Largest seed, the largest integer of TOML and of a database."""
+
 
 class Table(BaseModel):
     """A table of a study file: unknown keys are errors; values are validated and frozen."""
@@ -25,7 +28,8 @@ def option(default: Any, help: str, unit: str = "", **constraints: Any) -> Any:
     unit
         unit of the value in a study file, ``""`` for a dimensionless one.
     constraints
-        pydantic constraints such as ``gt=0``.
+        pydantic constraints such as ``ge=0, le=1``. Give every number a lower and an upper bound: what lies beyond
+        costs hours, memory or sense.
     """
     if isinstance(default, int | float):
         # Neither true nor "1000" is accepted as a number.

@@ -6,12 +6,22 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from driftform.errors import WorkFailedError, describe_error
 from driftform.geometry import mass_properties
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
 from driftform.scenario import Scenario
 from driftform.scenario.disturbances import Condition, disturb_body, disturb_scenario, draw_conditions
+from driftform.scenario.fit import ease_release, find_misfit
 from driftform.types import Agent, Evaluation, FloatArray, Genome, Morphology, Trajectory
+
+MARGIN = 0.2
+"""Fitness (%) below its threshold down to which an unchecked flight still matters, because its fitness may be too low.
+
+Of 5000 random agents in `pipe-inspection`, 1.2 % have an unchecked flight whose fitness is too low by more than
+that for any target; of 259 agents of a search that matter, none is missed.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,12 +73,15 @@ class Pipeline:
         body, scenario = self.builder.build(morphology), self.scenario
         if condition is not None:
             body, scenario = disturb_body(condition, body), disturb_scenario(condition, scenario)
-        coefficients = self.hydrodynamics.coefficients(body, scenario.fluid)
-        if self.hydrodynamics.options.drag == "strips":
-            from driftform.hydrodynamics.drag import estimate_drag
+        mass, fluid, options = mass_properties(body), scenario.fluid, self.hydrodynamics.options
+        coefficients = self.hydrodynamics.coefficients(body, fluid)
+        if options.drag == "strips":
+            from driftform.hydrodynamics.drag import estimate_drag, wake_factor
 
-            coefficients = replace(coefficients, drag=estimate_drag(body, scenario.fluid.viscosity))
-        return Agent(body, mass_properties(body), coefficients, morphology, genome)
+            factor = wake_factor(coefficients, fluid.density * mass.volume)
+            drag = estimate_drag(body, fluid.viscosity, factor, options.drag_without)
+            coefficients = replace(coefficients, drag=drag)
+        return Agent(body, mass, coefficients, morphology, genome)
 
     def make_agent(self, genome: Genome, condition: Condition | None = None) -> Agent:
         """Genome -> agent."""
@@ -89,8 +102,12 @@ class Pipeline:
         Raises
         ------
         WorkFailedError
-            if the simulator cannot fly one of them. A flight that ended by a failure is returned.
+            if one of them does not fit into the pipe, or the simulator cannot fly it. A flight that ended by a failure
+            is returned.
         """
+        for agent in agents:
+            if (misfit := find_misfit(agent.body, self.scenario)) is not None:
+                raise WorkFailedError(f"{name}: {misfit}")
         try:
             return self.fly(agents)
         except (ArithmeticError, RuntimeError) as error:
@@ -114,10 +131,13 @@ class Pipeline:
         genomes: Sequence[Genome],
         seeds: Sequence[int | None] | None = None,
         disturbed: Sequence[int | None] | None = None,
+        thresholds: Sequence[tuple[float, ...] | None] | None = None,
     ) -> list[Evaluation]:
         """Genomes -> evaluations, in their order; one flight scores every target.
 
         An error in the evaluation of a genome becomes the failure of that evaluation, and does not affect the others.
+        A flight with a threshold may stay unchecked (its ``error`` is ``None``) if its fitness is more than
+        :data:`MARGIN` below that for every target. All other flights are checked.
 
         Parameters
         ----------
@@ -127,6 +147,9 @@ class Pipeline:
             seed of the gusts for each genome, ``None`` for that of the scenario.
         disturbed
             index into :attr:`conditions` for each genome, ``None`` for undisturbed.
+        thresholds
+            for each genome, the fitness for each target (%) that it must exceed to matter; ``None`` if every fitness
+            matters.
         """
         started = time.perf_counter()
         targets = len(self.scenario.targets)
@@ -140,20 +163,36 @@ class Pipeline:
         agents: dict[int, Agent] = {}
         for index, genome in enumerate(genomes):
             try:
-                agents[index] = self.make_agent(genome, under[index])
+                agent = self.make_agent(genome, under[index])
             except Exception as error:
                 outcomes[index] = Evaluation.failed(genome, targets, describe_error(error, with_place=True))
-        flights = self._fly_each(list(agents.values()), [scenarios[index] for index in agents])
+                continue
+            if under[index] is not None:
+                scenarios[index] = ease_release(agent.body, self.scenario, scenarios[index])
+            misfit = find_misfit(agent.body, scenarios[index])
+            if misfit is None:
+                agents[index] = agent
+            else:
+                outcomes[index] = Evaluation.failed(genome, targets, misfit)
+        bounds = list(thresholds or [None] * len(genomes))
+        flights = self._fly_each(
+            list(agents.values()), [scenarios[index] for index in agents], [bounds[index] for index in agents]
+        )
         for index, trajectory in zip(agents, flights, strict=True):
             outcomes[index] = self._score(genomes[index], trajectory)
         share = (time.perf_counter() - started) / max(1, len(genomes))
         return [replace(outcomes[index], seconds=share) for index in range(len(genomes))]
 
-    def _fly_each(self, agents: Sequence[Agent], scenarios: Sequence[Scenario]) -> list[Trajectory | str]:
+    def _fly_each(
+        self,
+        agents: Sequence[Agent],
+        scenarios: Sequence[Scenario],
+        thresholds: Sequence[tuple[float, ...] | None],
+    ) -> list[Trajectory | str]:
         if not agents:
             return []
         try:
-            flights: list[Trajectory | str] = list(self.fly(agents, scenarios))
+            flights: list[Trajectory | str] = list(self._fly_or_screen(agents, scenarios, thresholds))
             if len(flights) != len(agents):
                 raise ValueError(f"the simulator returned {len(flights)} flights for {len(agents)} agents")
             return flights
@@ -162,9 +201,32 @@ class Pipeline:
                 return [describe_error(error, with_place=True)]
             return [
                 flight
-                for agent, scenario in zip(agents, scenarios, strict=True)
-                for flight in self._fly_each([agent], [scenario])
+                for agent, scenario, threshold in zip(agents, scenarios, thresholds, strict=True)
+                for flight in self._fly_each([agent], [scenario], [threshold])
             ]
+
+    def _fly_or_screen(
+        self,
+        agents: Sequence[Agent],
+        scenarios: Sequence[Scenario],
+        thresholds: Sequence[tuple[float, ...] | None],
+    ) -> list[Trajectory]:
+        if all(threshold is None for threshold in thresholds):
+            return self.fly(agents, scenarios)
+        return self.simulator.screen_batch(
+            agents, scenarios, lambda index, trajectory: self._matters(trajectory, thresholds[index])
+        )
+
+    def _matters(self, trajectory: Trajectory, threshold: tuple[float, ...] | None) -> bool:
+        if threshold is None or trajectory.failure is not None:
+            return True
+        try:
+            fitness = self.fitness.score(trajectory, self.scenario)
+            # A fitness that is not a number matters: it is a failure.
+            return not np.all(fitness <= np.array(threshold) - MARGIN)
+        except Exception:
+            # The same error in the score of the checked flight is the failure of the evaluation.
+            return True
 
     def _score(self, genome: Genome, trajectory: Trajectory | str) -> Evaluation:
         targets = len(self.scenario.targets)

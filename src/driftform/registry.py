@@ -3,7 +3,7 @@
 A broken plugin is listed with the reason; only selecting it is an error.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import metadata, util
@@ -128,6 +128,21 @@ class Registry:
             raise InputError(f"{seam} '{name}' ({broken[0].distribution}) is {broken[0].state}")
         known = [row.name for row in self.seam(seam) if row.available]
         raise InputError(f"no {seam} is named '{name}'{did_you_mean(name, known)}")
+
+    def check_seams(self, seams: Iterable[str]) -> None:
+        """Check that for each of some seams a distribution is installed, whether it works or not.
+
+        Raises
+        ------
+        InputError
+            if there is none, as where driftform was installed without its dependencies.
+        """
+        missing = [seam for seam in seams if not self.seam(seam)]
+        if missing and not self._broken:
+            raise InputError(
+                f"no plugin for {', '.join(missing)} is installed: in a clone of driftform run 'uv sync', "
+                "elsewhere 'pip install driftform'"
+            )
 
     def create(self, seam: str, name: str, options: Mapping[str, Any], **more: Any) -> Any:
         """Create an instance of the class with this name from its table of options.

@@ -86,7 +86,8 @@ def test_the_agent_beside_a_file_is_its_own(call: Call) -> None:
 
 
 def test_the_agent_attached_to_a_3mf_comes_before_the_one_beside_it(call: Call, tmp_path: Path) -> None:
-    trimesh = pytest.importorskip("trimesh")
+    import trimesh
+
     mesh = trimesh.load_mesh(exported(call))
     vertices = "".join('<vertex x="{}" y="{}" z="{}"/>'.format(*v) for v in mesh.vertices)
     triangles = "".join('<triangle v1="{}" v2="{}" v3="{}"/>'.format(*f) for f in mesh.faces)
@@ -108,6 +109,7 @@ def test_the_agent_attached_to_a_3mf_comes_before_the_one_beside_it(call: Call, 
     assert lines(call("check", path, "--no-programs", "--json"))["mass"]["state"] == "pass"
 
 
+@pytest.mark.peers
 def test_openscad_renders_the_source_of_an_agent(call: Call) -> None:
     if shutil.which("openscad") is None:
         pytest.skip("openscad is not installed")

@@ -158,6 +158,7 @@ def work_that_breaks(*_: object) -> None:
     """A task of this module, which no worker can import."""
 
 
+@pytest.mark.peers
 @pytest.mark.parametrize(
     ("address", "message"),
     [
@@ -196,6 +197,7 @@ def test_options_that_exclude_each_other(refused: Refused, options: tuple[object
     assert refused("evolve", "--out", "run", *options).startswith(f"error: {message}")
 
 
+@pytest.mark.peers
 def test_a_run_is_unchanged_if_the_cluster_does_not_answer(
     refused: Refused, run_copy: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -210,4 +212,4 @@ def test_without_the_extra_it_prints_how_to_install_it(
     monkeypatch.setitem(sys.modules, "distributed", None)
     line = refused("evolve", "--executor", "dask", "--out", "run")
     assert line.startswith("error: --executor dask needs Dask (")
-    assert line.endswith("): pip install 'driftform[dask]'")
+    assert line.endswith("): uv sync --extra dask, or pip install 'driftform[dask]'")

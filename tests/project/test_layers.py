@@ -12,7 +12,7 @@ PLUGINS = sorted(path.parent for path in ROOT.glob("plugins/*/src/*/__init__.py"
 
 LAYERS = (
     *("errors", "types", "options", "scenarios", "util"),
-    *("scenario", "geometry", "hydrodynamics", "dynamics", "trajectory", "tables"),
+    *("geometry", "scenario", "hydrodynamics", "dynamics", "trajectory", "tables"),
     *("interfaces", "hookspecs", "pipeline", "registry", "study", "execution"),
     *("figures", "runs", "printing", "agents", "report", "reproduction"),
     *("builtin", "testing", "scaffold", "api", "cli"),

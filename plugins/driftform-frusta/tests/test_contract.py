@@ -1,3 +1,5 @@
+import pytest
+
 from driftform.options import Table
 from driftform.testing import BuilderContract, ExporterContract
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
@@ -52,6 +54,7 @@ class TestPly(ExporterContract):
         return PlyExporter(PartOptions())
 
 
+@pytest.mark.peers
 class TestStep(ExporterContract):
     def plugin(self) -> StepExporter:
         return StepExporter(PartOptions())

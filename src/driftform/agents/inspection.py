@@ -12,7 +12,7 @@ from driftform.dynamics.stability import stable_rest
 from driftform.dynamics.terminal import terminal_speeds
 from driftform.errors import WorkFailedError, describe_error
 from driftform.geometry import hull_mass
-from driftform.hydrodynamics.drag import estimate_drag
+from driftform.hydrodynamics.drag import estimate_drag, wake_factor
 from driftform.pipeline import Pipeline
 from driftform.registry import registry
 from driftform.scenario import Fluid, Scenario
@@ -118,7 +118,10 @@ def _righting_moment(agent: Agent, fluid: Fluid) -> float:
 def _terminal_speeds(agent: Agent, fluid: Fluid, net: float, pitch: float) -> dict[str, float]:
     """Speeds (m/s) at which drag by strips carries the net weight, whether the agent flies with that drag or not."""
     fore_first = (net > 0) == (pitch < 0)
-    drag = agent.coefficients.drag or estimate_drag(agent.body, fluid.viscosity)
+    drag = agent.coefficients.drag
+    if drag is None:
+        factor = wake_factor(agent.coefficients, fluid.density * agent.mass.volume)
+        drag = estimate_drag(agent.body, fluid.viscosity, factor)
     along, across = terminal_speeds(drag, net, fore_first, fluid.density, fluid.viscosity)
     return {"along": along, "across": across}
 

@@ -3,9 +3,16 @@
 import json
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from textwrap import wrap
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+MEASURED = 10_000
+"""Columns in which every table finds room, to measure how many it needs."""
 
 
 def print_json(document: Mapping[str, Any]) -> None:
@@ -16,20 +23,23 @@ def print_json(document: Mapping[str, Any]) -> None:
 def print_table(header: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[int] = ()) -> None:
     """Print a table on stdout; the columns ``right`` are flush right.
 
-    On a terminal it is drawn by rich and fits the width; elsewhere the columns are padded, and nothing is cut.
+    On a terminal it is drawn by rich and fits the width: headings are folded first, then text, never a number.
+    Elsewhere the columns are padded, and nothing is folded.
     """
     rows = [list(row) for row in rows]
     if sys.stdout.isatty():
-        from rich import box
         from rich.console import Console
-        from rich.table import Table
+        from rich.measure import Measurement
 
-        table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-        for number, title in enumerate(header):
-            table.add_column(title, justify="right" if number in right else "left", overflow="fold")
-        for row in rows:
-            table.add_row(*(_escape(cell) for cell in row))
-        Console(highlight=False).print(table)
+        console = Console(highlight=False)
+        table, titles = _draw_table(header, rows, right), list(header)
+        measuring = console.options.update(width=MEASURED)
+        for i in sorted(right, key=lambda i: -len(header[i])):
+            if Measurement.get(console, measuring, table).maximum <= console.width:
+                break
+            titles[i] = _fold_heading(header[i], max((len(row[i]) for row in rows), default=0))
+            table = _draw_table(titles, rows, right)
+        console.print(table)
         return
     widths = [max(len(row[i]) for row in [list(header), *rows]) for i in range(len(header))]
     for row in [list(header), *rows]:
@@ -37,6 +47,36 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]], right: Seq
             c.rjust(w) if i in right else c.ljust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True))
         ]
         print("  ".join(cells).rstrip())
+
+
+def _draw_table(header: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[int]) -> "Table":
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
+    depth = max(title.count("\n") for title in header)
+    for number, title in enumerate(header):
+        is_number = number in right
+        table.add_column(
+            Text("\n" * (depth - title.count("\n")) + title),
+            justify="right" if is_number else "left",
+            no_wrap=is_number,
+            overflow="fold",
+        )
+    for row in rows:
+        table.add_row(*map(Text, row))
+    return table
+
+
+def _fold_heading(title: str, width: int) -> str:
+    """Return a heading in at most two lines, as narrow as they can be but no narrower than ``width``."""
+    narrowest = max(width, *(len(word) for word in title.split()), 1)
+    return next(
+        "\n".join(lines)
+        for columns in range(narrowest, narrowest + len(title) + 1)
+        if len(lines := wrap(title, columns)) <= 2
+    )
 
 
 def print_states(rows: Iterable[tuple[str, str, str]], styles: Mapping[str, str]) -> None:
@@ -63,12 +103,6 @@ def print_states(rows: Iterable[tuple[str, str, str]], styles: Mapping[str, str]
     for state, style, subject, detail in shown:
         table.add_row(Text(state, style), Text(subject), Text(detail))
     Console(highlight=False).print(table)
-
-
-def _escape(cell: str) -> str:
-    from rich.markup import escape
-
-    return escape(cell)
 
 
 def _to_plain(value: Any) -> Any:

@@ -1,6 +1,8 @@
 """What ``evolve`` and ``resume`` share: advance a run, and print what it found."""
 
+from collections.abc import Sequence
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING
 
 import typer
@@ -11,7 +13,7 @@ if TYPE_CHECKING:
     from driftform.runs.run import Run
 
 
-def advance_run(run: "Run", executor: "Executor", json: bool) -> None:
+def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence[str] = ()) -> None:
     """Advance a run to the end of its budget and print its results; say how to resume it if it is interrupted."""
     import time
 
@@ -50,6 +52,7 @@ def advance_run(run: "Run", executor: "Executor", json: bool) -> None:
                     }
                     for best in results
                 },
+                "warnings": list(warnings),
                 "overview": str(overview),
                 "reach": str(reach),
             }
@@ -75,7 +78,7 @@ def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path
     has_spread = any(best.robust for best in results)
     spread = ("disturbed: mean", "worst") if has_spread else ()
     print_table(
-        ("target", "x m", "y m", "z m", "fitness %", "error % of d_max", *spread, "closest mm", "agent"),
+        ("target", "x m", "y m", "z m", "fitness %", "error % of d_max", *spread, "closest mm"),
         (
             (
                 best.target,
@@ -84,15 +87,17 @@ def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path
                 f"{best.error_percent:.3f}",
                 *(f"{100 - best.robust[key]:.3f}" for key in ("mean", "worst") if best.robust),
                 f"{1000 * best.distance:.1f}",
-                str(best.agent),
             )
             for best in results
         ),
         right=(1, 2, 3, 4, 5, 6, 7, 8) if has_spread else (1, 2, 3, 4, 5, 6),
     )
-    names = ", ".join(path.name for path in results[0].files) if results else ""
     evaluations, failed = run.count()
     print(f"{evaluations} evaluations ({failed} failed) in {seconds:.1f} s, seed {run.study.seed}")
-    print(f"best agents: {run.path}/best/<target>/ ({names})")
-    print(f"pictures:    {', '.join(map(str, pictures))}")
-    print(f"run:         {run.path}/ (resolved.toml, environment.json, run.db)")
+    print(f"run:  {run.path}/")
+    if results:
+        print(f"      best/<target>/ ({', '.join(path.name for path in results[0].files)})")
+    print(f"      figures/ ({', '.join(path.name for path in pictures)})")
+    if results:
+        print(f"next: driftform inspect {quote(f'{run.path}:{results[0].target}')}")
+    print(f"      driftform report {quote(str(run.path))}")

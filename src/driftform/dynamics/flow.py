@@ -5,6 +5,7 @@ is the bulk velocity, R the bore's radius, y the distance from the wall, x the d
 """
 
 import math
+from typing import TypeAlias
 
 import numpy as np
 
@@ -18,6 +19,11 @@ UNIFORM, POWER_LAW, LOG_LAW, DEVELOPING = 0.0, 1.0, 2.0, 3.0
 
 KIND, SPEED, PARAMETER, GUST_STEP = 0, 1, 2, 3
 """Indices in the array of a flow; the parameter is 1/n (power law), u* / (kappa U) (log law) or nu / U (developing)."""
+
+Spread: TypeAlias = tuple[Vector, float, float]
+"""Where a body is: unit vector along its axis, variance of its volume across the axis and along it (m2)."""
+
+AT_A_POINT: Spread = (ZERO, 0.0, 0.0)
 
 KARMAN = 0.4
 """Von Karman's constant kappa."""
@@ -103,16 +109,24 @@ def gust_array(scenario: Scenario) -> FloatArray:
 
 @compiled
 def water_motion(
-    point: Vector, t: float, pipe: FloatArray, flow: FloatArray, gusts: FloatArray
+    point: Vector,
+    t: float,
+    pipe: FloatArray,
+    flow: FloatArray,
+    gusts: FloatArray,
+    spread: Spread = AT_A_POINT,
 ) -> tuple[Vector, Rotation, Vector]:
     """Return the water's velocity (m/s), its gradient du_i/dx_j (rows i, 1/s) and its rate du/dt in place (m/s2).
+
+    The mean flow is taken at the root mean square distance of ``spread`` from the axis: for a parabolic profile, that
+    is its mean over the body.
 
     In the boundary layer of developing flow the radial velocity is that of continuity; its own change downstream
     is of second order in the layer's slope and left out of the gradient.
     """
     velocity, gradient, rate = (flow[SPEED], 0.0, 0.0), (ZERO, ZERO, ZERO), ZERO
     if pipe.shape[0] > 0:
-        velocity, gradient = _mean_velocity(point, pipe, flow)
+        velocity, gradient = _mean_velocity(point, pipe, flow, spread)
     if gusts.shape[0] > 1:
         place = t / flow[GUST_STEP]
         k = min(max(int(place), 0), gusts.shape[0] - 2)
@@ -123,10 +137,14 @@ def water_motion(
 
 
 @compiled
-def _mean_velocity(point: Vector, pipe: FloatArray, flow: FloatArray) -> tuple[Vector, Rotation]:
+def _mean_velocity(
+    point: Vector, pipe: FloatArray, flow: FloatArray, spread: Spread
+) -> tuple[Vector, Rotation]:
     """Return the velocity of the profile, and its gradient."""
-    axis, outward, radius, x, r = _locate_in_segment(point, pipe)
-    along, shear, stretch, radial = _velocity_profile(radius, x, r, flow)
+    axis, outward, radius, x, r = locate_in_segment(point, pipe)
+    along, shear, stretch, radial = spread_profile(
+        radius, x, r, spread_across(spread, axis), flow[KIND], flow[SPEED], flow[PARAMETER]
+    )
     # On the axis, a radial velocity proportional to r has the same gradient in all transverse directions.
     ring = radial / r if r > 0.0 else -0.5 * stretch
     # The gradient is a (x) v + n (x) w + ring 1, with the axis a and the outward normal n.
@@ -141,7 +159,7 @@ def _mean_velocity(point: Vector, pipe: FloatArray, flow: FloatArray) -> tuple[V
 
 
 @compiled
-def _locate_in_segment(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector, float, float, float]:
+def locate_in_segment(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector, float, float, float]:
     """Return unit vectors along the segment and away from its axis, its radius, x from the inlet, and r (m)."""
     best, radius, x, r, before = -np.inf, 0.0, 0.0, 0.0, 0.0
     along_axis, outward = ZERO, ZERO
@@ -174,8 +192,27 @@ def _interpolate_gust(a: FloatArray, b: FloatArray, step: float, u: float) -> tu
 
 
 @compiled
-def _velocity_profile(
-    radius: float, x: float, r: float, flow: FloatArray
+def spread_across(spread: Spread, axis: Vector) -> float:
+    """Return the mean square distance (m2) of a body from a line along ``axis`` through its centre."""
+    along = dot(axis, spread[0])
+    return 2.0 * spread[1] + (spread[2] - spread[1]) * max(0.0, 1.0 - along * along)
+
+
+@compiled
+def spread_profile(
+    radius: float, x: float, r: float, square: float, kind: float, U: float, parameter: float
+) -> tuple[float, float, float, float]:
+    """Return what :func:`velocity_profile` does at sqrt(r^2 + ``square``), with derivatives with respect to r."""
+    if square == 0.0:
+        return velocity_profile(radius, x, r, kind, U, parameter)
+    distance = math.sqrt(r * r + square)
+    along, shear, stretch, radial = velocity_profile(radius, x, distance, kind, U, parameter)
+    return along, shear * r / distance, stretch, radial * r / distance
+
+
+@compiled
+def velocity_profile(
+    radius: float, x: float, r: float, kind: float, U: float, parameter: float
 ) -> tuple[float, float, float, float]:
     """Return the axial velocity u, du/dr, du/dx, and the radial velocity at r from the axis, x from the inlet.
 
@@ -184,23 +221,22 @@ def _velocity_profile(
     * developing: a layer of thickness d = 0.37 x Re_x^(-1/5) (Schlichting) with u ~ (y/d)^(1/7), and a core whose
       speed U / (1 - d/(4R) + d^2/(15 R^2)) keeps the volume flow.
     """
-    U, kind = flow[SPEED], flow[KIND]
     if kind == UNIFORM:
         return U, 0.0, 0.0, 0.0
     y = max(radius - r, MIN_WALL_DISTANCE * radius)
     moving = 1.0 if radius - r > MIN_WALL_DISTANCE * radius else 0.0
     if kind == POWER_LAW:
-        power = flow[PARAMETER]
+        power = parameter
         n = 1.0 / power
         u = U * (n + 1) * (2 * n + 1) / (2 * n * n) * (y / radius) ** power
         return u, -moving * power * u / y, 0.0, 0.0
     if kind == LOG_LAW:
-        defect = U * flow[PARAMETER]
+        defect = U * parameter
         u = U + defect * (1.5 + math.log(y / radius))
         # Near a very rough wall the law would give a negative velocity.
         return (u, -moving * defect / y, 0.0, 0.0) if u > 0.0 else (0.0, 0.0, 0.0, 0.0)
     x = max(x, MIN_WALL_DISTANCE * radius)
-    layer = 0.37 * x**0.8 * flow[PARAMETER] ** 0.2
+    layer = 0.37 * x**0.8 * parameter**0.2
     growth = 0.8 * layer / x
     if layer > radius:
         layer, growth = radius, 0.0

@@ -2,9 +2,8 @@
 
 from collections.abc import Callable
 
-import numpy as np
-
-from driftform.dynamics.drag import axial_drag, strip_drag
+from driftform.dynamics.drag import still_water_wrench
+from driftform.dynamics.vectors import ZERO
 from driftform.types import Drag
 
 _MAX_SPEED = 100.0
@@ -24,18 +23,13 @@ def terminal_speeds(
     density, viscosity
         of the water, kg/m3 and m2/s.
     """
-    axial = np.array([drag.friction_area, drag.length, drag.ahead, drag.astern])
     sign = 1.0 if fore_first else -1.0
-    rest = (0.0, 0.0, 0.0)
 
     def along(speed: float) -> float:
-        return abs(axial_drag(sign * speed, density, viscosity, axial))
+        return float(abs(still_water_wrench(drag, (sign * speed, 0.0, 0.0), ZERO, density, viscosity)[0]))
 
     def across(speed: float) -> float:
-        fluid = (density, viscosity, 1.0)
-        return sum(
-            abs(strip_drag((0.0, 0.0, speed), rest, rest, 0.0, fluid, strip)[2]) for strip in drag.strips
-        )
+        return float(abs(still_water_wrench(drag, (0.0, 0.0, speed), ZERO, density, viscosity)[2]))
 
     return _balance_speed(along, abs(net)), _balance_speed(across, abs(net))
 

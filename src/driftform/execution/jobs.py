@@ -27,12 +27,16 @@ class Job:
         seed of the gusts, ``None`` for that of the scenario.
     condition
         number of a disturbed condition, ``None`` for undisturbed.
+    threshold
+        for each target the fitness (%) that the genome must exceed to matter, ``None`` if every fitness matters; see
+        :meth:`driftform.pipeline.Pipeline.evaluate`.
     """
 
     index: int
     genome: Genome
     seed: int | None = None
     condition: int | None = None
+    threshold: tuple[float, ...] | None = None
 
 
 Outcome = tuple[int, Evaluation]
@@ -50,7 +54,14 @@ class Executor(Protocol):
 
 
 ATTEMPTS = 2
-"""A genome fails if its process dies this often while it evaluates this genome alone."""
+"""A genome fails if its process ends itself this often, by a crash or an exit, while it evaluates this genome alone."""
+
+KILLS = 5
+"""A genome fails if its process is killed this often while it evaluates this genome alone: nobody kills so steadily,
+but the kernel does if the genome takes all memory."""
+
+STARTS = 5
+"""A run stops if this many workers in a row die before they can evaluate anything."""
 
 MAX_BATCH = 50
 """Largest number of genomes in one task."""
@@ -72,7 +83,10 @@ class WorkersLostError(WorkFailedError):
 def evaluate_batch(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:
     """Evaluate the genomes of one task; trajectories are compressed as a run stores them."""
     evaluations = pipeline.evaluate(
-        [job.genome for job in batch], [job.seed for job in batch], [job.condition for job in batch]
+        [job.genome for job in batch],
+        [job.seed for job in batch],
+        [job.condition for job in batch],
+        [job.threshold for job in batch],
     )
     return [
         (job.index, compress_evaluation(evaluation))

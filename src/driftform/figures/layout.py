@@ -17,6 +17,9 @@ from driftform.types import FloatArray
 WIDTH, MARGIN = 900.0, 22.0
 """Width of a page and of its margins, px."""
 
+MINUS = "\u2013"
+"""An en dash: as wide as a minus sign, which several common fonts lack."""
+
 _NARROW = frozenset(" iljItfr.,:;'|!()[]-")
 _BROAD = frozenset("mwMW%@")
 
@@ -59,20 +62,29 @@ def write(
     halo: bool = False,
     class_: str = "",
 ) -> None:
-    """Write ``content`` with its baseline at ``y``; a ``halo`` keeps it legible on top of lines."""
-    attributes: dict[str, str | float] = {"class_": class_} if class_ else {}
-    if halo:
-        attributes |= {
-            "stroke": "#ffffff",
-            "stroke_width": 3,
-            "stroke_linejoin": "round",
-            "paint_order": "stroke",
-        }
+    """Write ``content`` with its baseline at ``y``; a ``halo`` keeps it legible on top of lines.
+
+    The halo is a text of its own below the other: many readers of SVG do not know ``paint-order``.
+    """
+    attributes: dict[str, str | float] = {"x": x, "y": y, "font_size": size}
     if bold:
         attributes["font_weight"] = "600"
     if anchor != "start":
         attributes["text_anchor"] = anchor
-    svg.add(parent, "text", content, x=x, y=y, font_size=size, fill=fill, **attributes)
+    if halo:
+        outline: dict[str, str | float] = {"stroke": "#ffffff", "stroke_width": 3, "stroke_linejoin": "round"}
+        svg.add(
+            parent,
+            "text",
+            content,
+            class_="halo",
+            aria_hidden="true",
+            fill="#ffffff",
+            **attributes,
+            **outline,
+        )
+    named: dict[str, str | float] = {"class_": class_} if class_ else {}
+    svg.add(parent, "text", content, **named, fill=fill, **attributes)
 
 
 def start_page(height: float, title: str, subtitle: str, description: str) -> ET.Element:
@@ -185,6 +197,6 @@ def tick_values(low: float, high: float, step: float) -> FloatArray:
 
 
 def format_signed(value: float, digits: int) -> str:
-    """Return a number with ``digits`` decimals and a true minus sign, and zero without a sign."""
+    """Return a number with ``digits`` decimals and :data:`MINUS`, and zero without a sign."""
     text = f"{value:.{digits}f}"
-    return (text.lstrip("-") if float(text) == 0 else text).replace("-", "\u2212")
+    return (text.lstrip("-") if float(text) == 0 else text).replace("-", MINUS)

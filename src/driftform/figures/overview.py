@@ -6,7 +6,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.gallery import GalleryEntry, arrange_rows, assign_colours, draw_gallery
+from driftform.figures.gallery import GalleryEntry, arrange_rows, assign_colours, draw_gallery, group_shared
 from driftform.figures.layout import WIDTH, start_page
 from driftform.figures.plot import Window, draw_cross, draw_scene, label_points, pipe_ink, pipe_points
 from driftform.figures.projection import SIDE, drawing_times, resample_polyline
@@ -36,9 +36,7 @@ def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str
     """
     lines = [interpolate_positions(f.trajectory, drawing_times(f.trajectory)) for f in flights]
     targets = scenario.target_array()
-    shown = np.vstack(
-        [targets, pipe_points(scenario.pipe, SIDE), np.array([scenario.release.position]), *lines]
-    )
+    shown = np.vstack([targets, pipe_points(scenario.pipe, SIDE), scenario.release_position()[None], *lines])
     window = Window.around(SIDE, shown, _LEFT, 92, WIDTH - _LEFT - _RIGHT, 460, 14)
     rows, px_per_m = arrange_rows(flights)
     top = window.box.bottom + 84
@@ -49,7 +47,7 @@ def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str
     root = start_page(
         height,
         title,
-        _describe_flights(len(flights), worst),
+        _describe_flights(len(group_shared(flights)), worst),
         "Above: the pipe in side view with the best flight for each target. Below: the bodies, "
         f"at one scale. Error by target: {best or 'no flights'}.",
     )
@@ -94,7 +92,7 @@ def _draw_flights(
     ink = [pipe_ink(window, scenario.pipe), *(resample_polyline(window.to_page(line), 3) for line in firm)]
     # Faint lines count for less: a label may cross one if there is no free place.
     ink += [resample_polyline(window.to_page(line), 9) for line in lines]
-    start = window.to_page(np.array([scenario.release.position]))
+    start = window.to_page(scenario.release_position()[None])
     svg.add(
         root, "circle", cx=start[0, 0], cy=start[0, 1], r=4.5, fill="#ffffff", stroke=INK, stroke_width=1.6
     )

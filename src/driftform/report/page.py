@@ -8,7 +8,8 @@ strangers, and no line of Python has to remember to escape one. It is imported o
 from importlib.resources import files
 
 from driftform.geometry import hull_mass
-from driftform.report.contents import Contents, viewer_data
+from driftform.report.contents import Contents
+from driftform.report.viewer import viewer_data
 
 GOOD, FAIR = 1.0, 5.0
 """Errors (%) up to which a target counts as reached, and as nearly reached: the paper's claim is 5 %."""

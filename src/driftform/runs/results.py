@@ -16,7 +16,7 @@ from driftform.runs.directory import DATABASE
 from driftform.runs.finalists import find_best_agent
 from driftform.runs.store import Store
 from driftform.study import Study
-from driftform.types import Trajectory
+from driftform.types import Agent, Trajectory
 from driftform.util.files import remove_parts, write_text
 from driftform.util.progress import track_progress
 
@@ -152,9 +152,13 @@ def _write_overview(directory: Path, study: Study, store: Store) -> None:
 
     pipeline = study.make_pipeline()
     flights: list[GalleryEntry] = []
+    flown: dict[int, tuple[Agent, Trajectory]] = {}
     for target in study.scenario.targets:
         stored, flight = _read_best(directory, study, store, target)
-        agent = pipeline.make_agent(stored.genome)
+        # Targets that share an agent share its flight, and are drawn once.
+        agent, flight = flown.setdefault(
+            stored.result["evaluation"], (pipeline.make_agent(stored.genome), flight)
+        )
         flights.append(GalleryEntry(target, agent, flight, 100 - stored.result["fitness"]))
     title = str(study.document.get("title", ""))
     write_text(directory / "figures" / "overview.svg", overview_svg(flights, study.scenario, title))

@@ -97,9 +97,25 @@ class _Entry(CPUDispatcher):
 
     def compile(self, sig: Any) -> Any:
         """Load or compile the kernel, one process at a time: the others wait, and load what that one compiled."""
-        with suppress(OSError), self._lock:
+        _report(True)
+        try:
+            with suppress(OSError), self._lock:
+                return super().compile(sig)
             return super().compile(sig)
-        return super().compile(sig)
+        finally:
+            _report(False)
+
+
+def _ignore(_: bool) -> None: ...
+
+
+_report: Callable[[bool], object] = _ignore
+
+
+def observe_compilation(report: Callable[[bool], object]) -> None:
+    """Call ``report(True)`` whenever the compilation of a kernel begins, and ``report(False)`` when it ends."""
+    global _report  # noqa: PLW0603 - a process has one coordinator
+    _report = report
 
 
 @cache

@@ -1,22 +1,57 @@
 """A plugin for tests alone: fast straight flights, and genomes that do harm on purpose."""
 
 import hashlib
+import multiprocessing
 import os
+import signal
 import time
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import numpy as np
 
 from driftform import hookimpl
-from driftform.errors import WorkFailedError
+from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import Exporter, Fitness, Renderer, Simulator
 from driftform.options import Table, option
 from driftform.types import End, Trajectory, WrittenFile
-from driftform.util.files import write_text
+from driftform.util.files import write_text, write_whole
+
+
+def die_elsewhere(home):
+    """Die in any process but one."""
+    if os.getpid() != home:
+        os.kill(os.getpid(), getattr(signal, "SIGKILL", signal.SIGTERM))
+    return "home"
+
+
+def die_while_sending(home):
+    """Send the first half of a result that is larger than a pipe holds, and die, in any process but one."""
+    if os.getpid() == home:
+        return "home"
+
+    def send_half(self, data, write=os.write):
+        write(self.fileno(), bytes(data)[: max(4, len(data) // 2)])
+        if len(data) > 4:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    Connection._send = send_half
+    return bytes(10**6)
+
+
+def refuse():
+    raise InputError("no")
+
+
+def write_slowly(path):
+    write_whole(path, lambda part: (part.write_text("half"), time.sleep(60)))
 
 
 class FakeOptions(Table):
     die: float = option(0.0, "share of the genomes that end their process", "", ge=0, le=1)
+    signal: str = option("", "name of the signal that they end it by, in place of an exit")
+    hang: float = option(0.0, "share of the genomes whose flight never ends", "", ge=0, le=1)
+    stillborn: bool = option(False, "whether a worker process ends before it evaluates anything")
     die_once: str = option("", "directory of markers: with it a genome ends its process only the first time")
     fail: float = option(0.0, "share of the genomes that raise an exception", "", ge=0, le=1)
     pause: float = option(0.0, "duration of an evaluation", "s", ge=0)
@@ -34,10 +69,19 @@ class FakeSimulator(Simulator[FakeOptions]):
     name = "fake"
     Options = FakeOptions
 
+    def __init__(self, options):
+        super().__init__(options)
+        if options.stillborn and multiprocessing.parent_process() is not None:
+            os._exit(3)
+
     def simulate(self, agent, scenario):
         u = number(agent.genome)
         if u < self.options.die and self._marked(u):
+            if self.options.signal:
+                os.kill(os.getpid(), getattr(signal, self.options.signal))
             os._exit(1)
+        if u < self.options.hang:
+            time.sleep(1e6)
         if u > 1 - self.options.fail:
             raise RuntimeError(f"genome {u:.6f} is not to my taste")
         time.sleep(self.options.pause)

@@ -29,10 +29,10 @@ class FrustaOptions(Table):
     core_radius: float = option(_PAPERS.radius, "radius of a custom core", "m", ge=1e-4, le=1)
     core_mass: float = option(_PAPERS.mass, "mass of a custom core", "kg", ge=0, le=1e4)
     wall: float = option(0.00125, "wall thickness of the hull", "m", ge=1e-5, le=1)
-    hull_density: float = option(1050.0, "density of the hull's material (ABS)", "kg/m3", gt=0)
+    hull_density: float = option(1050.0, "density of the hull's material (ABS)", "kg/m3", ge=1, le=30_000)
     clearance: float = option(0.0002, "gap between core and hull", "m", ge=0, le=1)
     min_radius: float = option(
-        0.0025, "least radius of the chain, to the middle of its wall", "m", gt=0, le=1
+        0.0025, "least radius of the chain, to the middle of its wall", "m", ge=1e-5, le=1
     )
     wall_model: Literal["mitred", "paper"] = option(
         "mitred",

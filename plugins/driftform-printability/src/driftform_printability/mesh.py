@@ -32,19 +32,28 @@ class MeshOptions(Table):
         1e-4, "largest relative difference of volume from the closed form that passes", gt=0, lt=1
     )
     coarse: float = option(1e-2, "largest such difference that is only a warning", gt=0, lt=1)
-    overhang: float = option(1e-5, "largest area that overhangs by more than 45 deg and passes", "m2", ge=0)
+    overhang: float = option(
+        1e-5, "largest area that overhangs by more than 45 deg and passes", "m2", ge=0, le=1
+    )
     push: float = option(
         0.098,
         "force with which a nozzle pushes at the top of a part (PrusaSlicer's 10 gram-force)",
         "N",
         gt=0,
+        le=1000,
     )
     catch: float = option(
-        0.735, "force with which it catches on material that has curled up (75 gram-force)", "N", gt=0
+        0.735,
+        "force with which it catches on material that has curled up (75 gram-force)",
+        "N",
+        gt=0,
+        le=1000,
     )
-    stiffness: float = option(2e9, "modulus of elasticity of the material (ABS)", "Pa", gt=0)
-    strength: float = option(33e6, "its yield strength (ABS)", "Pa", gt=0)
-    adhesion: float = option(1e5, "stress at which it comes off the bed (ABS; PLA 2e4, PETG 3e5)", "Pa", gt=0)
+    stiffness: float = option(2e9, "modulus of elasticity of the material (ABS)", "Pa", ge=1e5, le=1e12)
+    strength: float = option(33e6, "its yield strength (ABS)", "Pa", ge=1e3, le=1e10)
+    adhesion: float = option(
+        1e5, "stress at which it comes off the bed (ABS; PLA 2e4, PETG 3e5)", "Pa", ge=1, le=1e9
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,8 +17,8 @@ from driftform_printability.rendering import TIMEOUT, render
 class OpenScadOptions(Table):
     """Options of OpenSCAD."""
 
-    timeout: float = option(TIMEOUT, "time limit", "s", gt=0)
-    tolerance: float = option(1e-4, "largest relative difference of volume that passes", gt=0, lt=1)
+    timeout: float = option(TIMEOUT, "time limit", "s", ge=1e-3, le=86_400)
+    tolerance: float = option(1e-4, "largest relative difference of volume that passes", ge=1e-12, lt=1)
 
 
 class OpenScadChecker(Checker[OpenScadOptions]):

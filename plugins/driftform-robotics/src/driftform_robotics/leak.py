@@ -17,11 +17,15 @@ if TYPE_CHECKING:
 class LeakOptions(SensorOptions):
     """Rate of the leaks, and the sensor."""
 
-    rate: float = option(0.001, "mass flow into the pipe at each leak", "kg/s", gt=0)
+    rate: float = option(0.001, "mass flow into the pipe at each leak", "kg/s", ge=1e-9, le=1000)
     threshold: float = option(
-        2.5e-5, "concentration at which the sensor detects the leak half of the time", "kg/m3", gt=0
+        2.5e-5,
+        "concentration at which the sensor detects the leak half of the time",
+        "kg/m3",
+        ge=1e-15,
+        le=1000,
     )
-    interval: float = option(0.05, "time between two readings of the sensor", "s", gt=0, le=1)
+    interval: float = option(0.05, "time between two readings of the sensor", "s", ge=1e-4, le=1)
 
 
 class Leak(Fitness[LeakOptions]):

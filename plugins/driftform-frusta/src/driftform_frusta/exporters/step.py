@@ -25,7 +25,7 @@ class StepExporter(Exporter[PartOptions]):
     """The hull as a STEP file in mm, with true cones and circles, a named solid for each part; needs Open CASCADE.
 
     The sections and volumes are those of the simulation without any facets, so ``segments`` has no effect. Open CASCADE
-    comes with ``pip install "driftform-frusta[step]"``.
+    comes with the extra ``step``.
     """
 
     name = "step"

@@ -45,7 +45,8 @@ class UuvOptions(ModelOptions):
         "depth of the origin of the pipe's frame below the water's surface, which is at z = 0; ignored if the "
         "scenario has a surface",
         "m",
-        gt=0,
+        ge=0.01,
+        le=1e5,
     )
 
 
