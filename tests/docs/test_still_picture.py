@@ -21,7 +21,7 @@ def commands() -> tuple[list[str], list[str]]:
     """The words of the command that evolves the run, and of the one that makes the picture."""
     text = README.read_text(encoding="utf-8")
     found = []
-    for pattern in (r"driftform (evolve --seed[^\n]+)", r"`driftform (simulate [^`]+ --still [^`]+)`"):
+    for pattern in (r"driftform (evolve --s[^\n]+)", r"`driftform (simulate [^`]+ --still [^`]+)`"):
         match = re.search(pattern, text)
         assert match, pattern
         found.append(shlex.split(match[1]))

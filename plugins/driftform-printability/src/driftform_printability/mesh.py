@@ -40,19 +40,19 @@ class MeshOptions(Table):
         "force with which a nozzle pushes at the top of a part (PrusaSlicer's 10 gram-force)",
         "N",
         gt=0,
-        le=1000,
+        le=100,
     )
     catch: float = option(
         0.735,
         "force with which it catches on material that has curled up (75 gram-force)",
         "N",
         gt=0,
-        le=1000,
+        le=100,
     )
     stiffness: float = option(2e9, "modulus of elasticity of the material (ABS)", "Pa", ge=1e5, le=1e12)
-    strength: float = option(33e6, "its yield strength (ABS)", "Pa", ge=1e3, le=1e10)
+    strength: float = option(33e6, "its yield strength (ABS)", "Pa", ge=1e4, le=1e10)
     adhesion: float = option(
-        1e5, "stress at which it comes off the bed (ABS; PLA 2e4, PETG 3e5)", "Pa", ge=1, le=1e9
+        1e5, "stress at which it comes off the bed (ABS; PLA 2e4, PETG 3e5)", "Pa", gt=0, le=1e9
     )
 
 
