@@ -510,7 +510,9 @@ def test_a_body_with_drag_meets_gusts_that_differ_along_it_and_one_without_does_
         flow = GUSTY.model_copy(update={"crossing": crossing})
         model = flight_model(agent, scenario_of(flow))
         table[crossing] = gust_shear(1.3, model.flow, model.gusts)
-        slip = terminal_speed_across(agent.coefficients.drag, agent.mass.net_buoyancy(Fluid()), 1024.0, 1.05e-6)
+        slip = terminal_speed_across(
+            agent.coefficients.drag, agent.mass.net_buoyancy(Fluid()), 1024.0, 1.05e-6
+        )
         expected = gust_array(scenario_of(flow), slip, agent.body.length)
         assert crossing == 0.0 or np.allclose(model.gusts, expected)
     assert table[0.0] == (0.0, 0.0, 0.0)
