@@ -136,7 +136,10 @@ class Pipeline:
         trajectories = self.fly_named(agents, name)
         for trajectory in trajectories:
             trajectory.require_success(name)
-        return [ScoredFlight(t, self.fitness.score(t, self.scenario)) for t in trajectories]
+        return [
+            ScoredFlight(trajectory, self.fitness.score(trajectory, self.scenario, agent))
+            for trajectory, agent in zip(trajectories, agents, strict=True)
+        ]
 
     def evaluate(
         self,
@@ -191,7 +194,7 @@ class Pipeline:
             list(agents.values()), [scenarios[index] for index in agents], [bounds[index] for index in agents]
         )
         for index, trajectory in zip(agents, flights, strict=True):
-            outcomes[index] = self._score(genomes[index], trajectory)
+            outcomes[index] = self._score(genomes[index], agents[index], trajectory)
         share = (time.perf_counter() - started) / max(1, len(genomes))
         return [replace(outcomes[index], seconds=share) for index in range(len(genomes))]
 
@@ -223,28 +226,30 @@ class Pipeline:
         if all(threshold is None for threshold in thresholds):
             return self.fly(agents, scenarios)
         flights = self.simulator.screen_batch(
-            agents, scenarios, lambda index, trajectory: self._matters(trajectory, thresholds[index])
+            agents,
+            scenarios,
+            lambda index, trajectory: self._matters(agents[index], trajectory, thresholds[index]),
         )
         return require_flights(flights, len(agents), self.simulator, "screen_batch")
 
-    def _matters(self, trajectory: Trajectory, threshold: tuple[float, ...] | None) -> bool:
+    def _matters(self, agent: Agent, trajectory: Trajectory, threshold: tuple[float, ...] | None) -> bool:
         if threshold is None or trajectory.failure is not None:
             return True
         try:
-            fitness = self.fitness.score(trajectory, self.scenario)
+            fitness = self.fitness.score(trajectory, self.scenario, agent)
             # A fitness that is not a number matters: it is a failure.
             return not np.all(fitness <= np.array(threshold) - MARGIN)
         except Exception:
             # The same error in the score of the checked flight is the failure of the evaluation.
             return True
 
-    def _score(self, genome: Genome, trajectory: Trajectory | str) -> Evaluation:
+    def _score(self, genome: Genome, agent: Agent, trajectory: Trajectory | str) -> Evaluation:
         targets = len(self.scenario.targets)
         if isinstance(trajectory, str):
             return Evaluation.failed(genome, targets, trajectory)
         if trajectory.failure is not None:
             return Evaluation.failed(genome, targets, trajectory.failure, trajectory)
         try:
-            return Evaluation(genome, self.fitness.score(trajectory, self.scenario), trajectory)
+            return Evaluation(genome, self.fitness.score(trajectory, self.scenario, agent), trajectory)
         except (Exception, SystemExit) as error:
             return Evaluation.failed(genome, targets, describe_fault(error))

