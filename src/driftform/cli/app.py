@@ -78,6 +78,16 @@ def _one_line_for_each_error() -> Iterator[None]:
     except OSError as error:
         _print_errors(str(error))
         raise typer.Exit(1) from None
+    except (typer.Exit, typer.Abort):
+        raise
+    except (Exception, SystemExit) as error:
+        from driftform.faults import trace_fault
+
+        fault = trace_fault(error)
+        if fault is None:
+            raise
+        _print_errors(fault)
+        raise typer.Exit(1) from None
 
 
 def _print_errors(*lines: object) -> None:

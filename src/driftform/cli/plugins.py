@@ -92,11 +92,11 @@ def new(
 ) -> None:
     """Write a plugin of your own to start from: a small distribution that installs, works, and passes its tests."""
     import shlex
-    from importlib.util import find_spec
 
     from driftform.cli.output import print_json
     from driftform.errors import InputError
     from driftform.scaffold import list_files, list_uses, make_names
+    from driftform.scaffold.installation import list_installation
     from driftform.util.files import write_folder, write_text
 
     parts = [make_names(name, one) for one in dict.fromkeys(seam)]
@@ -108,15 +108,14 @@ def new(
     with write_folder(folder) as part:
         for path, text in files.items():
             write_text(part / path, text)
-    following = [
-        f"cd {shlex.quote(str(folder))}",
-        # An environment that uv made has no pip; the pip on the path is then another one's.
-        f'{"" if find_spec("pip") else "uv "}pip install -e ".[test]"',
-        "pytest",
+    install, test = list_installation()
+    run = "uv run " if install.startswith("uv add ") else ""
+    uses = (
         f"driftform plugins show {names.plugin}",
         "driftform scenarios check study.toml",
         *list_uses(parts),
-    ]
+    )
+    following = [f"cd {shlex.quote(str(folder))}", install, test, *(run + line for line in uses)]
     if json:
         print_json(
             {

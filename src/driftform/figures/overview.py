@@ -19,7 +19,7 @@ from driftform.types import FloatArray
 _LEFT, _RIGHT = 58.0, 22.0
 
 
-def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str) -> str:
+def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str, result: str = "") -> str:
     """Return the result of a study as SVG: the pipe with each flight in side view, a gallery of bodies below.
 
     Parameters
@@ -31,6 +31,8 @@ def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str
         pipe, current and targets; x to the right, z upward, to scale.
     title
         a line above the picture.
+    result
+        what the flights come to, in a few words.
 
     The bodies of the gallery share one scale, fore end to the right.
     """
@@ -42,25 +44,26 @@ def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str
     top = window.box.bottom + 84
     height = top + sum(row.height for row in rows) + (2 if rows else -34)
 
-    worst = max((f.error_percent for f in flights), default=0.0)
-    best = ", ".join(f"{f.name} {f.error_percent:.2f} %" for f in flights)
+    best = ", ".join(f"{f.name} {f.value:.2f} {f.unit}" for f in flights)
     root = start_page(
         height,
         title,
-        _describe_flights(len(group_shared(flights)), worst),
+        _describe_flights(len(group_shared(flights)), result),
         "Above: the pipe in side view with the best flight for each target. Below: the bodies, "
-        f"at one scale. Error by target: {best or 'no flights'}.",
+        f"at one scale. By target: {best or 'no flights'}.",
     )
     _draw_flights(root, window, flights, lines, scenario)
     draw_gallery(root, rows, px_per_m, top)
     return svg.render(root)
 
 
-def _describe_flights(count: int, worst: float) -> str:
+def _describe_flights(count: int, result: str) -> str:
     if not count:
         return "No flights"
     flights = "1 flight" if count == 1 else f"{count} flights"
-    return f"{flights}, solid up to the closest approach and faint after it; largest error {worst:.2f} %"
+    return f"{flights}, solid up to the closest approach and faint after it" + (
+        f"; {result}" if result else ""
+    )
 
 
 def _find_approach(flight: GalleryEntry, scenario: Scenario) -> Approach | None:

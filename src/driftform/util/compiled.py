@@ -11,7 +11,7 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext, suppress
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar, cast
 
@@ -84,12 +84,22 @@ class _Entry(CPUDispatcher):
 
     def __init__(self, function: Callable[..., Any], *_: object) -> None:
         super().__init__(function, targetoptions=_OPTIONS)
-        self._part = CPUDispatcher(function, targetoptions={**_OPTIONS, "no_cpython_wrapper": True})
-        self._lock: AbstractContextManager[object] = nullcontext()
+
+    # Most kernels of a process are never called from Python, and their machine code is loaded with that of others: part
+    # and cache are made when they are needed.
+
+    @cached_property
+    def _part(self) -> CPUDispatcher:
+        return CPUDispatcher(self.py_func, targetoptions={**_OPTIONS, "no_cpython_wrapper": True})
+
+    @cached_property
+    def _lock(self) -> AbstractContextManager[object]:
+        """Open the cache, and return the lock of its folder."""
         # numba raises RuntimeError if it finds no directory that it can write to.
         with suppress(RuntimeError, AttributeError):
-            self._cache = _Cache(function)
-            self._lock = FileLock(Path(self._cache.cache_path) / "kernels.lock")
+            self._cache = _Cache(self.py_func)
+            return FileLock(Path(self._cache.cache_path) / "kernels.lock")
+        return nullcontext()
 
     @property
     def _numba_type_(self) -> Any:
