@@ -69,7 +69,13 @@ def test_what_is_stored_is_what_the_pipeline_finds_under_that_condition(store: S
     index, flights = next(iter(store.read_disturbed("TP6").items()))
     genome = store.read_record(index, ("TP2", "TP6")).candidate.genome
     conditions = draw_rounds(study.scenario.robustness, study.seed)
-    evaluations = study.make_pipeline().evaluate([genome] * 4, conditions=conditions[:4])
+    # Flights of the choice are unchecked, and those of the promise are checked.
+    unchecked = [(np.inf, np.inf)] * 4
+    evaluations = study.make_pipeline().evaluate(
+        [genome] * len(flights),
+        conditions=conditions[: len(flights)],
+        thresholds=[*unchecked, None, None, None][: len(flights)],
+    )
     d_max = study.scenario.pipe.farthest_distance(study.scenario.targets["TP6"])
     for number, evaluation in enumerate(evaluations):
         fitness, offset = flights[number]

@@ -7,6 +7,7 @@ that the choice never saw show how far the winner misses.
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -44,7 +45,8 @@ def fly_finalists(
     judged = [(index, number) for index in finalists for number in range(robustness.conditions)]
     to_come = min(len(finalists), len(targets)) * robustness.checks
     fly = partial(_fly, study, store, executor, conditions)
-    done = fly(judged, lambda count: on_flights(count, len(judged) + to_come))
+    # The error of an unchecked flight is far below the differences that decide; what is promised is checked.
+    done = fly(judged, lambda count: on_flights(count, len(judged) + to_come), (inf,) * len(targets))
     winners = sorted({won.index for t in targets if (won := find_winner(study, store, t)) is not None})
     numbers = range(robustness.conditions, robustness.conditions + robustness.checks)
     checked = [(index, number) for index in winners for number in numbers]
@@ -66,8 +68,12 @@ def _fly(
     conditions: Sequence[Condition],
     wanted: Iterable[tuple[int, int]],
     on_flights: Callable[[int], None],
+    threshold: tuple[float, ...] | None = None,
 ) -> int:
-    """Fly each missing pair of an evaluation and a condition, and store it; return the number of all pairs."""
+    """Fly each missing pair of an evaluation and a condition, and store it; return the number of all pairs.
+
+    ``threshold`` is that of :class:`driftform.execution.Job`.
+    """
     targets = study.scenario.target_names
     points = study.scenario.target_array()
     pairs = list(wanted)
@@ -75,7 +81,7 @@ def _fly(
     missing = [pair for pair in pairs if pair not in done]
     genomes = {index: store.read_record(index, targets).candidate.genome for index in {i for i, _ in missing}}
     jobs = [
-        Job(number, genomes[index], evaluation_seed(study.seed, index), conditions[condition])
+        Job(number, genomes[index], evaluation_seed(study.seed, index), conditions[condition], threshold)
         for number, (index, condition) in enumerate(missing)
     ]
     count = len(pairs) - len(missing)
