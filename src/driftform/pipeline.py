@@ -9,12 +9,22 @@ from typing import Any
 import numpy as np
 
 from driftform.errors import WorkFailedError, describe_error
+from driftform.faults import describe_fault, require, require_flights
 from driftform.geometry import mass_properties
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
 from driftform.scenario import Scenario
 from driftform.scenario.disturbances import Condition, disturb_body, disturb_scenario, draw_conditions
 from driftform.scenario.fit import ease_release, find_misfit
-from driftform.types import Agent, Evaluation, FloatArray, Genome, Morphology, Trajectory
+from driftform.types import (
+    Agent,
+    Body,
+    Coefficients,
+    Evaluation,
+    FloatArray,
+    Genome,
+    Morphology,
+    Trajectory,
+)
 
 MARGIN = 0.2
 """Fitness (%) below its threshold down to which an unchecked flight still matters, because its fitness may be too low.
@@ -64,17 +74,18 @@ class Pipeline:
 
     def express(self, genome: Genome) -> Morphology:
         """Genome -> morphology."""
-        return self.grammar.express(genome)
+        return require(self.grammar.express(genome), Morphology, self.grammar, "express")
 
     def realise(
         self, morphology: Morphology, genome: Genome | None = None, condition: Condition | None = None
     ) -> Agent:
         """Morphology -> agent, as printed under a disturbed condition if one is given."""
-        body, scenario = self.builder.build(morphology), self.scenario
+        body, scenario = require(self.builder.build(morphology), Body, self.builder, "build"), self.scenario
         if condition is not None:
             body, scenario = disturb_body(condition, body), disturb_scenario(condition, scenario)
         mass, fluid, options = mass_properties(body), scenario.fluid, self.hydrodynamics.options
-        coefficients = self.hydrodynamics.coefficients(body, fluid)
+        found = self.hydrodynamics.coefficients(body, fluid)
+        coefficients = require(found, Coefficients, self.hydrodynamics, "coefficients")
         if options.drag == "strips":
             from driftform.hydrodynamics.drag import estimate_drag, wake_factor
 
@@ -102,7 +113,8 @@ class Pipeline:
 
     def fly(self, agents: Sequence[Agent], scenarios: Sequence[Scenario] | None = None) -> list[Trajectory]:
         """Agents -> trajectories, each in the pipeline's scenario or in its own of ``scenarios``."""
-        return self.simulator.simulate_batch(agents, scenarios or [self.scenario] * len(agents))
+        flights = self.simulator.simulate_batch(agents, scenarios or [self.scenario] * len(agents))
+        return require_flights(flights, len(agents), self.simulator)
 
     def fly_named(self, agents: Sequence[Agent], name: str) -> list[Trajectory]:
         """Agents -> their flights; ``name`` says in errors whose they are.
@@ -175,8 +187,8 @@ class Pipeline:
         for index, genome in enumerate(genomes):
             try:
                 agent = self.make_agent(genome, under[index])
-            except Exception as error:
-                outcomes[index] = Evaluation.failed(genome, targets, describe_error(error, with_place=True))
+            except (Exception, SystemExit) as error:
+                outcomes[index] = Evaluation.failed(genome, targets, describe_fault(error))
                 continue
             if under[index] is not None:
                 scenarios[index] = ease_release(agent.body, self.scenario, scenarios[index])
@@ -203,13 +215,10 @@ class Pipeline:
         if not agents:
             return []
         try:
-            flights: list[Trajectory | str] = list(self._fly_or_screen(agents, scenarios, thresholds))
-            if len(flights) != len(agents):
-                raise ValueError(f"the simulator returned {len(flights)} flights for {len(agents)} agents")
-            return flights
-        except Exception as error:
+            return list(self._fly_or_screen(agents, scenarios, thresholds))
+        except (Exception, SystemExit) as error:
             if len(agents) == 1:
-                return [describe_error(error, with_place=True)]
+                return [describe_fault(error)]
             return [
                 flight
                 for agent, scenario, threshold in zip(agents, scenarios, thresholds, strict=True)
@@ -224,11 +233,12 @@ class Pipeline:
     ) -> list[Trajectory]:
         if all(threshold is None for threshold in thresholds):
             return self.fly(agents, scenarios)
-        return self.simulator.screen_batch(
+        flights = self.simulator.screen_batch(
             agents,
             scenarios,
             lambda index, trajectory: self._matters(agents[index], trajectory, thresholds[index]),
         )
+        return require_flights(flights, len(agents), self.simulator, "screen_batch")
 
     def _matters(self, agent: Agent, trajectory: Trajectory, threshold: tuple[float, ...] | None) -> bool:
         if threshold is None or trajectory.failure is not None:
@@ -249,5 +259,5 @@ class Pipeline:
             return Evaluation.failed(genome, targets, trajectory.failure, trajectory)
         try:
             return Evaluation(genome, self.fitness.score(trajectory, self.scenario, agent), trajectory)
-        except Exception as error:
-            return Evaluation.failed(genome, targets, describe_error(error, with_place=True))
+        except (Exception, SystemExit) as error:
+            return Evaluation.failed(genome, targets, describe_fault(error))

@@ -57,7 +57,8 @@ def make(request: pytest.FixtureRequest) -> Make:
 def workers_of(executor: PoolExecutor) -> list[int]:
     """The processes that evaluate."""
     if isinstance(executor, Cluster):
-        return list(executor._client.run(os.getpid).values())
+        [group] = executor._groups
+        return list(group._client.run(os.getpid).values())
     return [child.pid or 0 for child in multiprocessing.active_children()]
 
 

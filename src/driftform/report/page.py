@@ -8,6 +8,7 @@ strangers, and no line of Python has to remember to escape one. It is imported o
 from importlib.resources import files
 from typing import Any
 
+from driftform.agents.limits import list_limits
 from driftform.geometry import hull_mass
 from driftform.interfaces import Fitness
 from driftform.report.contents import Contents
@@ -47,6 +48,11 @@ def page_html(contents: Contents) -> str:
         has_spread=any("robust" in entry.stored.result for entry in contents.entries),
         plugins={seam: study[seam]["use"] for seam in SEAMS if seam in study},
         study=tomli_w.dumps(dict(study)),
+        limits=[
+            (", ".join(entry.target for entry in group), line)
+            for group in contents.agents
+            for line in list_limits(group[0].agent, contents.scenario)
+        ],
         hull_mass=hull_mass,
     )
 

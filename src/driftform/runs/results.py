@@ -10,6 +10,7 @@ import numpy as np
 
 from driftform.errors import DriftformError, InputError, WorkFailedError
 from driftform.execution import Executor
+from driftform.faults import report_faults, require_files
 from driftform.interfaces import ExportJob
 from driftform.runs.agent_file import StoredAgent, agent_document, write_agent
 from driftform.runs.directory import DATABASE
@@ -129,7 +130,8 @@ def _write_target(directory: Path, study: Study, store: Store, target: str) -> B
         exporter = study.make_exporter(name)
         path = folder / f"agent{exporter.suffix}"
         try:
-            written = exporter.write(job, path)
+            with report_faults():
+                written = require_files(exporter.write(job, path), exporter)
         except DriftformError as error:
             # An agent that one format cannot hold is no reason to keep back the others.
             problems.append(f"{path}: not written: {error}")
