@@ -184,7 +184,10 @@ def test_failures_are_recorded_with_their_reason_and_the_run_goes_on(store: Stor
     run_search(study, store, Counting(study))
     assert 0 < store.count_failed() < store.count() == 25
     failures = {r.evaluation.failure for r in store.read_records(study.scenario.target_names)} - {None}
-    assert all(str(failure).startswith("RuntimeError: genome 0.") for failure in failures)
+    assert all(
+        "simulator 'fake' failed in simulate(): RuntimeError: genome 0." in str(failure)
+        for failure in failures
+    )
 
 
 @pytest.mark.parametrize(("value", "extra"), [("nan", 0), ("inf", 0), ("-1", 0), ("50", 1), ("50", -1)])

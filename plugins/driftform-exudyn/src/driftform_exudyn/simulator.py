@@ -22,22 +22,30 @@ class ExudynOptions(Table):
         "DOPRI5", "explicit integrator: DOPRI5 controls its error, RK67 and RK44 take equal steps"
     )
     accuracy: float = option(
-        1e-3, "largest estimated error of the position; the tolerance is reduced until this is met", "m", gt=0
+        1e-3,
+        "largest estimated error of the position; the tolerance is reduced until this is met",
+        "m",
+        ge=1e-12,
+        le=1e6,
     )
     tolerance: float = option(
         4e-6,
         "initial relative and absolute tolerance of a step in every coordinate (DOPRI5)",
         "SI",
-        gt=0,
+        ge=1e-15,
+        le=1e-2,
     )
-    tightest: float = option(1e-11, "tolerance below which a flight counts as not converged", "SI", gt=0)
+    tightest: float = option(
+        1e-11, "tolerance below which a flight counts as not converged", "SI", ge=1e-15, le=1e-2
+    )
     max_step: float = option(
         0.05,
         "longest time step and time between samples; RK67 and RK44 take all steps of this length",
         "s",
-        gt=0,
+        ge=1e-5,
+        le=10,
     )
-    step_limit: int = option(200_000, "steps after which a flight counts as failed", "", gt=0)
+    step_limit: int = option(200_000, "steps after which a flight counts as failed", "", gt=0, le=100_000_000)
 
 
 class ExudynSimulator(Simulator[ExudynOptions]):
@@ -76,7 +84,7 @@ class ExudynSimulator(Simulator[ExudynOptions]):
     ) -> Trajectory:
         from driftform.dynamics.coordinates import describe_motion
         from driftform.dynamics.flight import finish_trajectory, release_state
-        from driftform.dynamics.integrator import Accuracy, greatest_distance, integrate
+        from driftform.dynamics.integrator import Accuracy, greatest_distance, has_failed, integrate
         from driftform.dynamics.model import flight_model
         from driftform_exudyn.integration import integrate_motion, make_settings
 
@@ -97,6 +105,7 @@ class ExudynSimulator(Simulator[ExudynOptions]):
             reference = integrate(model, start, horizon, accuracy)
             error = reference.error + greatest_distance(reference.samples, samples)
             tolerance, share = TIGHTENING * tolerance, TIGHTENING * share
-            equal_steps = options.integrator != "DOPRI5"
-            if error <= options.accuracy or equal_steps or tolerance < options.tightest:
+            hopeless = all(has_failed(flown, options.step_limit) for flown in (reference.samples, samples))
+            last = options.integrator != "DOPRI5" or tolerance < options.tightest or hopeless
+            if error <= options.accuracy or last:
                 return finish_trajectory(samples, model, horizon, options.step_limit, error, options.accuracy)

@@ -20,22 +20,26 @@ class NativeOptions(Table):
         1e-3,
         "largest estimated error of the position; the tolerance is reduced until this is met",
         "m",
-        gt=0,
+        ge=1e-12,
+        le=1e6,
     )
     tolerance: float = option(
         1e-6,
         "initial tolerance of a step, relative to 1 + |value| in every coordinate",
         "SI",
-        gt=0,
+        ge=1e-15,
         le=1e-2,
     )
-    tightest: float = option(1e-12, "tolerance below which a flight counts as not converged", "SI", gt=0)
-    max_step: float = option(0.05, "longest time step and time between samples", "s", gt=0)
-    step_limit: int = option(200_000, "steps after which a flight counts as failed", "", gt=0)
+    tightest: float = option(
+        1e-12, "tolerance below which a flight counts as not converged", "SI", ge=1e-15, le=1e-2
+    )
+    max_step: float = option(0.05, "longest time step and time between samples", "s", ge=1e-5, le=10)
+    step_limit: int = option(200_000, "steps after which a flight counts as failed", "", gt=0, le=100_000_000)
     threads: int = option(
         1,
         "flights of a batch that run in parallel; the worker processes of a run already share the machine",
         gt=0,
+        le=1024,
     )
 
 

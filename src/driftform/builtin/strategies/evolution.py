@@ -35,10 +35,14 @@ Position: TypeAlias = tuple[float, float, float]
 class EvolutionOptions(Table):
     """Options of the evolution."""
 
-    random: int = option(30, "random genomes at the start", "", gt=0)
-    batch: int = option(10, "children per batch", "", gt=0)
+    random: int = option(30, "random genomes at the start", "", gt=0, le=10_000_000)
+    batch: int = option(10, "children per batch", "", gt=0, le=100_000)
     elites: int = option(
-        5, "best flights kept for each target; its children descend from them or aim at them", "", gt=0
+        5,
+        "best flights kept for each target; its children descend from them or aim at them",
+        "",
+        gt=0,
+        le=10_000,
     )
     explore: float = option(0.5, "share of the children that try a new change of a symbol", "", ge=0, le=1)
     pressure: float = option(

@@ -11,7 +11,7 @@ from driftform.types import Candidate, Evaluation
 class RandomOptions(Table):
     """Options of random search."""
 
-    batch: int = option(100, "candidates per batch", "", gt=0)
+    batch: int = option(100, "candidates per batch", "", gt=0, le=100_000)
 
 
 class RandomStrategy(Strategy[RandomOptions]):
