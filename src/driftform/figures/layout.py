@@ -127,12 +127,9 @@ class Box:
 
     def overlap_area(self, other: "Box") -> float:
         """Return the area that two boxes share, px2."""
-        # Most boxes lie apart, and labels ask for thousands of pairs.
-        if self.right <= other.left or self.left >= other.right:
-            return 0.0
         w = min(self.right, other.right) - max(self.left, other.left)
         h = min(self.bottom, other.bottom) - max(self.top, other.top)
-        return w * max(h, 0.0)
+        return max(w, 0.0) * max(h, 0.0)
 
 
 def place_labels(
