@@ -53,6 +53,15 @@ def _read_message(error: BaseException) -> str:
     return message if len(message) <= _LONGEST else f"{message[:_LONGEST]} ..."
 
 
+def escape_controls(text: str) -> str:
+    """Return text without characters that move a cursor or recolour a terminal: texts come from files of others.
+
+    >>> escape_controls("\\x1b[2J Ω")
+    '\\\\x1b[2J Ω'
+    """
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+
+
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return ``"; did you mean 'x'?"`` if a known word is similar, else the list of known words.
 

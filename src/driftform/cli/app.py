@@ -29,7 +29,7 @@ from driftform.cli import (
     watch,
 )
 from driftform.cli.help import Command, Group
-from driftform.errors import DriftformError
+from driftform.errors import DriftformError, escape_controls
 
 _UsageError: Any = typer.BadParameter.__mro__[1]
 """The base of what click says of options and arguments: newer typers bring a click of their own, without a name."""
@@ -92,8 +92,7 @@ def _one_line_for_each_error() -> Iterator[None]:
 
 def _print_errors(*lines: object) -> None:
     for line in map(str, lines):
-        # Names come from files of others: none may move the cursor or recolour the terminal.
-        print("error: " + "".join(c if c.isprintable() else repr(c)[1:-1] for c in line), file=sys.stderr)
+        print(f"error: {escape_controls(line)}", file=sys.stderr)
 
 
 app = typer.Typer(

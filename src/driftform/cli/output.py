@@ -8,6 +8,8 @@ from contextlib import contextmanager, redirect_stdout, suppress
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, TextIO
 
+from driftform.errors import escape_controls
+
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -53,7 +55,7 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]], right: Seq
     On a terminal it is drawn by rich and fits the width: headings are folded first, then text, never a number.
     Elsewhere the columns are padded, and nothing is folded.
     """
-    rows = [list(row) for row in rows]
+    rows = [[escape_controls(cell) for cell in row] for row in rows]
     if sys.stdout.isatty():
         from rich.console import Console
         from rich.measure import Measurement
@@ -114,7 +116,10 @@ def print_states(rows: Iterable[tuple[str, str, str]], styles: Mapping[str, str]
     rows = list(rows)
     states = max((len(state) for state, _, _ in rows), default=0)
     subjects = max((len(subject) for _, subject, _ in rows), default=0)
-    shown = [("FAIL" if state == "fail" else state, styles.get(state, ""), *rest) for state, *rest in rows]
+    shown = [
+        ("FAIL" if state == "fail" else state, styles.get(state, ""), *map(escape_controls, rest))
+        for state, *rest in rows
+    ]
     if not sys.stdout.isatty():
         for state, _, subject, detail in shown:
             print(f"{state:{states}}  {subject:{subjects}}  {detail}")

@@ -49,14 +49,6 @@ def group_shared(flights: Sequence[GalleryEntry]) -> list[list[GalleryEntry]]:
     return list(groups.values())
 
 
-def assign_colours(flights: Sequence[GalleryEntry]) -> list[str]:
-    """Return a colour for each entry; those of one flight share it."""
-    colours = {
-        id(group[0].trajectory): SERIES[i % len(SERIES)] for i, group in enumerate(group_shared(flights))
-    }
-    return [colours[id(flight.trajectory)] for flight in flights]
-
-
 @dataclass(frozen=True, eq=False)
 class Row:
     """Bodies side by side: each with its entries, colour and width of its cell; height of the tallest and of the row (px)."""

@@ -68,14 +68,20 @@ class _Cache(FunctionCache):
     def load_overload(self, sig: Any, context: Any) -> Any:
         """Load machine code, if there is any; numba's own method also prepares the compiler, for 0.4 s."""
         rtsys.initialize(context)
-        found = self._load_overload(sig, context)  # type: ignore[no-untyped-call]
+        found = None
+        try:
+            found = self._load_overload(sig, context)  # type: ignore[no-untyped-call]
+        except Exception:
+            # A cache that cannot be read, such as one cut short by a power failure, is begun anew.
+            with suppress(Exception):
+                self.flush()  # type: ignore[no-untyped-call]
         if found is None:
             _announce(Path(self.cache_path))
         return found
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Save machine code; a disk that refuses it is no error."""
-        with suppress(OSError):
+        """Save machine code; a disk that refuses it, or an index that cannot be read, is no error."""
+        with suppress(Exception):
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
 
 
@@ -109,7 +115,8 @@ class _Entry(CPUDispatcher):
         """Load or compile the kernel, one process at a time: the others wait, and load what that one compiled."""
         _report(True)
         try:
-            with suppress(OSError), self._lock:
+            # Without a directory to write to, or on a file system without locks, every process compiles for itself.
+            with suppress(OSError, NotImplementedError), self._lock:
                 return super().compile(sig)
             return super().compile(sig)
         finally:
