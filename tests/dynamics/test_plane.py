@@ -60,7 +60,7 @@ def test_the_rate_of_a_state_is_what_it_is_in_space(end, seed, along, off, attit
     assert stays_in_plane(start, model)
     whole, part, places = np.empty(13), np.empty(7), list(STATE_INDICES)
     fill_rate_in_space(0.0, start, model, whole)
-    fill_rate_in_plane(start[places], plane_model(model), model.rims, part)
+    fill_rate_in_plane(start[places], plane_model(model), model.surfaces, part)
     # Rounding, of a weight and a lift that cancel each other all but a thousandth.
     assert part == pytest.approx(whole[places], rel=1e-9, abs=1e-9)
     assert np.delete(whole, places) == pytest.approx(np.zeros(6), abs=0)

@@ -25,6 +25,13 @@ from driftform.dynamics.rotations import rotation_from_vector, rotation_vector_f
 from driftform.types import FloatArray
 from driftform.util.compiled import borrow, compiled
 
+GREATEST = 1e9
+"""Acceleration (m/s2, rad/s2) to which those of trial steps are limited.
+
+A long trial step ends deep in the wall, whose force throws the body so far that the later stages of the step overflow.
+Exudyn rejects a step with a large error, but gives up after one that is not finite.
+"""
+
 
 @dataclass(frozen=True, eq=False)
 class Motion:
@@ -58,7 +65,7 @@ def describe_motion(model: FlightModel, start: FloatArray) -> Motion:
         return Motion(
             np.array([start[0], start[2], pitch]),
             start[[7, 9, 11]],
-            np.concatenate([plane_model(model), model.rims.ravel()]),
+            np.concatenate([plane_model(model), model.surfaces.ravel()]),
             _accelerations_in_plane,
             _fill_sample_in_plane,
         )
@@ -84,7 +91,15 @@ def _accelerations_in_space(
         (rates[3], rates[4], rates[5]),
         unpack(values),
     )
-    return a[0], a[1], a[2], alpha[0], alpha[1], alpha[2]
+    return _bound(a[0]), _bound(a[1]), _bound(a[2]), _bound(alpha[0]), _bound(alpha[1]), _bound(alpha[2])
+
+
+@compiled
+def _bound(acceleration: float) -> float:
+    """Return the acceleration within +-GREATEST; NaN remains NaN."""
+    if acceleration > GREATEST:
+        return GREATEST
+    return -GREATEST if acceleration < -GREATEST else acceleration
 
 
 @compiled
@@ -110,8 +125,10 @@ def _accelerations_in_plane(
 ) -> tuple[float, float, float]:
     plane = borrow(values)
     attitude = math.cos(coordinates[2]), math.sin(coordinates[2])
-    velocity, rims = (rates[0], rates[1]), plane[MODEL_SIZE:].reshape(-1, 6)
-    return accelerations_in_plane((coordinates[0], coordinates[1]), attitude, velocity, rates[2], plane, rims)
+    velocity, surfaces = (rates[0], rates[1]), plane[MODEL_SIZE:].reshape(-1, 7)
+    position = (coordinates[0], coordinates[1])
+    a_x, a_z, alpha = accelerations_in_plane(position, attitude, velocity, rates[2], plane, surfaces)
+    return _bound(a_x), _bound(a_z), _bound(alpha)
 
 
 @compiled

@@ -310,7 +310,7 @@ def _fill_rate(
     """Fill ``out`` with the rate of a state in the plane (7,) or in space (13,), whichever of the two is not None."""
     # numba compiles no branch for an argument that is None. Motion in space takes most of the time to compile.
     if plane is not None:
-        fill_rate_in_plane(y, plane, model.rims, out)
+        fill_rate_in_plane(y, plane, model.surfaces, out)
     if in_space is not None:
         fill_rate_in_space(t, y, model, out)
 

@@ -15,7 +15,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from driftform.dynamics.contact import coplanar_force
+from driftform.dynamics.bore import end_of_dome, smoothed_sine
+from driftform.dynamics.impact import common_mass, damper, spring
 from driftform.dynamics.model import (
     BODY_MASS,
     COB,
@@ -48,14 +49,14 @@ NET_WEIGHT, HANGING, TRIM = 12, 13, 14
 STREAM = 15
 RADIUS, NEAR = 17, 18
 ACROSS, INLET, LENGTH = 19, 21, 23
-MODEL_SIZE = 24
+LAW, MODEL_SIZE = 24, 32
 
 
 def stays_in_plane(start: FloatArray, model: FlightModel) -> bool:
     """Return True if :func:`fill_rate_in_plane` describes the whole motion from the state ``start`` (13,).
 
     The conditions: all components across the plane are exactly zero; the water is uniform and steady; the pipe is full
-    and straight, and its radius is at least twice the greatest distance of a rim from the origin (the near wall is then
+    and straight, and its radius is at least twice the greatest distance of a surface from the origin (the near wall is then
     the same all along the body); and only weight, buoyancy, added mass and the frictionless wall act.
     """
     table, pipe = model.table, model.pipe
@@ -73,12 +74,12 @@ def stays_in_plane(start: FloatArray, model: FlightModel) -> bool:
 
 
 def plane_model(model: FlightModel) -> FloatArray:
-    """Return the input of :func:`accelerations_in_plane` except the rims, (24,).
+    """Return the input of :func:`accelerations_in_plane` except the surfaces, (32,).
 
     Total mass and its inverse; weight less buoyancy (N), their moments about the origin from heights and from lengths along
-    the body (N m); the water's velocity (x, z); the bore's radius, and the distance from its axis beyond which a rim may
+    the body (N m); the water's velocity (x, z); the bore's radius, and the distance from its axis beyond which a surface may
     touch (m); in the world frame, the unit vector across the bore and a point on its axis (x, z each); the bore's
-    length (m).
+    length (m); the law of the contacts.
     """
     table, out = model.table, np.zeros(MODEL_SIZE)
     out[INERTIA:NET_WEIGHT] = table[MASS:LINEAR].reshape(2, 6, 6)[:, _UPPER[0], _UPPER[1]].ravel()
@@ -88,6 +89,7 @@ def plane_model(model: FlightModel) -> FloatArray:
         out[NET_WEIGHT] = weight - lift
         out[HANGING] = weight * table[COG, 2] - lift * table[COB, 2]
         out[TRIM] = weight * table[COG, 0] - lift * table[COB, 0]
+    out[LAW:] = model.law
     out[STREAM], out[STREAM + 1] = table[CURRENT, 0], table[CURRENT, 2]
     out[NEAR] = out[LENGTH] = math.inf
     if len(model.pipe) == 1:
@@ -99,22 +101,22 @@ def plane_model(model: FlightModel) -> FloatArray:
 
 
 @compiled
-def fill_rate_in_plane(y: FloatArray, plane: FloatArray, rims: FloatArray, out: FloatArray) -> None:
+def fill_rate_in_plane(y: FloatArray, plane: FloatArray, surfaces: FloatArray, out: FloatArray) -> None:
     """Fill ``out`` (7,) with the time derivative of ``y`` (7,), the numbers of a state at :data:`STATE_INDICES`.
 
-    ``plane`` is the result of :func:`plane_model`, ``rims`` are those of its :class:`FlightModel`.
+    ``plane`` is the result of :func:`plane_model`, ``surfaces`` are those of its :class:`FlightModel`.
     """
     w, h, q = y[2], y[3], y[6]
     double = 2.0 / (w * w + h * h)
     attitude = 1.0 - double * h * h, double * w * h
     out[0], out[1] = y[4], y[5]
     out[2], out[3] = -0.5 * h * q, 0.5 * w * q
-    out[4], out[5], out[6] = accelerations_in_plane((y[0], y[1]), attitude, (y[4], y[5]), q, plane, rims)
+    out[4], out[5], out[6] = accelerations_in_plane((y[0], y[1]), attitude, (y[4], y[5]), q, plane, surfaces)
 
 
 @compiled
 def accelerations_in_plane(
-    position: Point, attitude: Point, velocity: Point, q: float, plane: FloatArray, rims: FloatArray
+    position: Point, attitude: Point, velocity: Point, q: float, plane: FloatArray, surfaces: FloatArray
 ) -> tuple[float, float, float]:
     """Return the accelerations along x and z of the world (m/s2), and the pitch acceleration (rad/s2).
 
@@ -128,7 +130,7 @@ def accelerations_in_plane(
         pitch rate (rad/s).
     plane
         the result of :func:`plane_model`.
-    rims
+    surfaces
         those of its :class:`FlightModel`.
     """
     c, s = attitude
@@ -143,8 +145,8 @@ def accelerations_in_plane(
         tilt, upright = c * n_x - s * n_z, s * n_x + c * n_z
         gap, speed = plane[RADIUS] - side * off, n_x * velocity[0] + n_z * velocity[1]
         # The cross product of axis and normal is -upright along y.
-        force, torque, _ = coplanar_force(rims, tilt, gap, speed, -upright * q)
-        X, Z, N = X - force * tilt, Z - force * upright, N + torque * upright
+        force, torque = press_in_plane(tilt, upright, gap, speed, q, plane, surfaces)
+        X, Z, N = X - force * tilt, Z - force * upright, N + torque
     P_x = plane[INERTIA] * u + plane[INERTIA + 1] * v + plane[INERTIA + 2] * q
     P_z = plane[INERTIA + 1] * u + plane[INERTIA + 3] * v + plane[INERTIA + 4] * q
     X, Z, N = X - P_z * q, Z + P_x * q, N + P_z * u - P_x * v
@@ -152,6 +154,72 @@ def accelerations_in_plane(
     a_z = plane[RESPONSE + 1] * X + plane[RESPONSE + 3] * Z + plane[RESPONSE + 4] * N - q * u
     alpha = plane[RESPONSE + 2] * X + plane[RESPONSE + 4] * Z + plane[RESPONSE + 5] * N
     return c * a_x + s * a_z, c * a_z - s * a_x, alpha
+
+
+@compiled
+def press_in_plane(
+    s: float, upright: float, gap: float, speed: float, q: float, plane: FloatArray, surfaces: FloatArray
+) -> tuple[float, float]:
+    """Return the force along the wall's normal (N) and the moment (N m) of all surfaces on the body.
+
+    Parameters
+    ----------
+    s, upright
+        components of the normal along the body's x and z axes.
+    gap
+        distance from the body's origin to the wall along the normal, m.
+    speed, q
+        velocity of the body's origin along the normal, m/s, and pitch rate, rad/s.
+    """
+    law = plane[LAW:MODEL_SIZE]
+    outward = upright / smoothed_sine(s)
+    total, pressed, moment, mass, last, count = 0.0, 0.0, 0.0, 0.0, 0, 0
+    arm, force, turning = 0.0, 0.0, 0.0
+    for k in range(surfaces.shape[0]):
+        depth, x, r = depth_in_plane(surfaces, k, s, gap)
+        if depth > 0.0:
+            mass, energy, force, turning = spring(s, x, r, depth, law)
+            arm = x * upright - r * outward * s
+            total += energy * energy
+            pressed += energy * force
+            moment += energy * force * arm
+            last, count = k, count + 1
+    if not total > 0.0:
+        return 0.0, 0.0
+    root = math.sqrt(total)
+    if count == 1:
+        force *= damper(root / mass, speed - arm * q, mass, law)
+        return force, force * arm + turning * outward
+    # The wrench of all springs, and the acceleration that it gives to the body.
+    X, Z = pressed * s, pressed * upright
+    a_x = plane[RESPONSE] * X + plane[RESPONSE + 1] * Z - plane[RESPONSE + 2] * moment
+    a_z = plane[RESPONSE + 1] * X + plane[RESPONSE + 3] * Z - plane[RESPONSE + 4] * moment
+    alpha = plane[RESPONSE + 2] * X + plane[RESPONSE + 4] * Z - plane[RESPONSE + 5] * moment
+    mass = common_mass(pressed, X * a_x + Z * a_z - moment * alpha, law)
+    pressed, moment = 0.0, 0.0
+    for k in range(last + 1):
+        depth, x, r = depth_in_plane(surfaces, k, s, gap)
+        if depth > 0.0:
+            arm = x * upright - r * outward * s
+            _, energy, force, turning = spring(s, x, r, depth, law)
+            force *= energy / root * damper(root / mass, speed - arm * q, mass, law)
+            pressed += force
+            moment += force * arm + turning * energy / root * outward
+    return pressed, moment
+
+
+@compiled
+def depth_in_plane(surfaces: FloatArray, k: int, s: float, gap: float) -> tuple[float, float, float]:
+    """Return the depth (m) of a surface in the wall, negative if it is clear, and the rim (x, r) that touches, m.
+
+    Of a dome, that is its centre. ``s`` and ``gap`` are those of :func:`press_in_plane`.
+    """
+    x, r, radius = surfaces[k, 0], surfaces[k, 1], surfaces[k, 2]
+    if radius > 0.0:
+        if surfaces[k, 3] <= s <= surfaces[k, 4]:
+            return x * s + radius - gap, x, r
+        x, r = end_of_dome(surfaces, k, s)
+    return x * s + r * (1.0 - s * s) / smoothed_sine(s) - gap, x, r
 
 
 @compiled
