@@ -18,6 +18,9 @@ import pytest
 
 MOST_WORKERS = 8
 
+PEER_FIXTURES = {"browser", "dask", "requires_program", "site"}
+"""Fixtures that need what the default environment does not have: their tests are of the group ``peers``."""
+
 KERNELS = """
 import numpy as np
 
@@ -33,15 +36,16 @@ for simulator in ("native", "exudyn"):
     distance_from_textbook(pipeline.simulator.simulate(agent, scenario), agent, scenario, 0.1)
 """
 
-DOCS = Path(__file__).parents[1] / "docs"
+ROOT = Path(__file__).parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+DOCS = ROOT / "docs"
 PROGRAM = Path(sysconfig.get_path("scripts")) / ("driftform.exe" if os.name == "nt" else "driftform")
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """Return a worker for each core, or 0 (one process) for single files, ``-m slow``, and tests that write pages."""
+    """Return a worker for each core, or 0 (one process) for single files, slow tests, and tests that write pages."""
     folders = any(Path(name).is_dir() for name in config.args)
-    default = config.option.markexpr in config.getini("addopts")
-    if not folders or not default or os.environ.get("UPDATE_DOCS") == "1":
+    if not folders or "not slow" not in config.option.markexpr or os.environ.get("UPDATE_DOCS") == "1":
         return 0
     return min(MOST_WORKERS, os.cpu_count() or 1)
 
@@ -50,6 +54,58 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 def pytest_xdist_setupnodes() -> None:
     """Compile the kernels before the workers start, each of which would do so itself."""
     subprocess.run([sys.executable, "-c", KERNELS], check=True)
+
+
+class Peers:
+    """What holds for tests of ``peers``, also for those of plugins, which hooks of this file do not reach."""
+
+    def pytest_ignore_collect(self, collection_path: Path, config: pytest.Config) -> bool | None:
+        """Ignore the plugins that are not installed by default, unless their tests are asked for."""
+        return True if "not peers" in config.option.markexpr and is_optional(collection_path) else None
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        """Mark tests by the fixtures that they use, and those of plugins that are not installed by default."""
+        for item in items:
+            if PEER_FIXTURES.intersection(getattr(item, "fixturenames", ())) or is_optional(item.path):
+                item.add_marker("peers")
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_makereport(self, item: pytest.Item) -> Iterator[None]:
+        """In CI, let a test fail that is skipped."""
+        report = yield
+        if report.skipped and "peers" in item.keywords and os.environ.get("CI"):
+            report.outcome, report.longrepr = "failed", f"CI must not skip it: {reason_of(report)}"
+        return report
+
+    def pytest_report_teststatus(self, report: pytest.TestReport) -> tuple[str, str, str] | None:
+        """Count the tests apart that lack their peer, so that they are one line of the summary."""
+        lacks = report.skipped and "peers" in report.keywords
+        return ("without their peer", "s", "SKIPPED") if lacks else None
+
+    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
+        """Say in one line what is not installed."""
+        if lacking := terminalreporter.stats.get("without their peer"):
+            reasons = sorted({reason_of(report) for report in lacking})
+            terminalreporter.write_line(f"{len(lacking)} tests skipped: {'; '.join(reasons)}")
+
+
+def is_optional(path: Path) -> bool:
+    """True in the folder of a plugin that the core does not install."""
+    parts = path.relative_to(ROOT).parts
+    needs = [need.partition("==")[0] for need in PROJECT["dependencies"]]
+    return len(parts) > 1 and parts[0] == "plugins" and parts[1] not in needs
+
+
+def reason_of(report: pytest.TestReport) -> str:
+    """Why a test was skipped."""
+    text = report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr
+    return str(text).removeprefix("Skipped: ")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Let the rules hold in all folders."""
+    config.pluginmanager.register(Peers())
 
 
 @pytest.fixture(scope="session")
@@ -87,8 +143,6 @@ def uv() -> str:
     """The installer that plugins are installed by."""
     # ``uv run`` tells where it is; otherwise it is looked for on the path.
     found = os.environ.get("UV") or shutil.which("uv")
-    if found is None and os.environ.get("CI"):
-        pytest.fail("uv is not installed, and CI must not skip what needs it")
     if found is None:
         pytest.skip("uv is not installed")
     return found
@@ -141,12 +195,21 @@ def new_environment(
     return made
 
 
+class Program(subprocess.Popen[Any]):
+    """A program that ends with its context if that fails, where ``Popen`` would wait for it."""
+
+    def __exit__(self, kind: type[BaseException] | None, *rest: Any) -> None:
+        if kind is not None:
+            self.kill()
+        super().__exit__(kind, *rest)
+
+
 @pytest.fixture(scope="session")
 def start(fake_plugin: Path) -> Callable[..., subprocess.Popen[str]]:
     """Start the installed program."""
 
     def started(*args: object, cwd: Path) -> subprocess.Popen[str]:
-        return subprocess.Popen(
+        return Program(
             [PROGRAM, *map(str, args)],
             cwd=cwd,
             env=os.environ | {"PYTHONPATH": str(fake_plugin)},
@@ -176,7 +239,7 @@ def dask(fake_plugin: Path) -> Callable[..., subprocess.Popen[bytes]]:
 
     def started(*args: object, cwd: Path) -> subprocess.Popen[bytes]:
         environment = {"PYTHONPATH": str(fake_plugin), "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
-        return subprocess.Popen(
+        return Program(
             [PROGRAM.with_stem("dask"), *map(str, args)],
             cwd=cwd,
             env=os.environ | environment,

@@ -27,6 +27,7 @@ from driftform.types import (
     Genome,
     Morphology,
     Trajectory,
+    Verdict,
     WrittenFile,
 )
 
@@ -113,6 +114,12 @@ class HydrodynamicsOptions(Table):
         "none",
         "none, as in the paper, or strips: drag of strips across the axis, with friction and blunt ends along it",
     )
+    drag_without: tuple[Literal["sphere", "ends", "wake", "roll", "lift", "bore"], ...] = option(
+        (),
+        "terms that drag = 'strips' leaves out: sphere (drag of a sphere, for bodies that are nearly spheres), ends (less "
+        "drag across the axis of short bodies), wake (lift of the tail), roll (friction of a spin about the axis), lift (lift "
+        "in a shear flow), bore (what a narrow pipe does to drag and carrying speed)",
+    )
 
 
 HydrodynamicsOptionsT_co = TypeVar("HydrodynamicsOptionsT_co", bound=HydrodynamicsOptions, covariant=True)
@@ -150,13 +157,57 @@ class Simulator(Plugin[OptionsT_co]):
         """
         return [self.simulate(agent, scenario) for agent, scenario in zip(agents, scenarios, strict=True)]
 
+    def screen_batch(
+        self,
+        agents: Sequence[Agent],
+        scenarios: Sequence[Scenario],
+        matters: Callable[[int, Trajectory], bool],
+    ) -> list[Trajectory]:
+        """Return the trajectories of many agents; flights that do not matter to a search may be unchecked.
+
+        An unchecked flight costs less: nothing estimates its error, and its ``error`` is ``None``. Override this method
+        if the check of a flight takes much of its time. Make an unchecked flight of each agent, and call
+        ``matters(index, trajectory)`` with its index in the batch. If that is true, return what :meth:`simulate`
+        returns, to the last bit; otherwise return the unchecked trajectory. Each must be independent of the rest of the
+        batch. The base class checks every flight.
+        """
+        return self.simulate_batch(agents, scenarios)
+
 
 class Fitness(Plugin[OptionsT_co]):
-    """Trajectory -> one fitness for each target of the scenario, in percent: 100 is best, 0 is worst."""
+    """Trajectory -> one fitness for each target of the scenario, in percent: 100 is best, 0 is worst.
+
+    The search knows only this number. People read what :meth:`measure` makes of it, and what :meth:`judge` says of the
+    target. Unless a subclass has better words, that is the fitness itself, and 99 % or more is reached.
+    """
+
+    heading: ClassVar[str] = "fitness %"
+    """What :meth:`measure` returns, with its unit: the heading of a column."""
+    unit: ClassVar[str] = "%"
+    """The unit beside a single value."""
+    goal: ClassVar[str] = "a fitness of at least 99 %"
+    """What a target that is reached has, in words."""
 
     @abstractmethod
-    def score(self, trajectory: Trajectory, scenario: Scenario) -> FloatArray:
-        """Return the fitness for each target, %, in the order of the scenario, (targets,)."""
+    def score(self, trajectory: Trajectory, scenario: Scenario, agent: Agent) -> FloatArray:
+        """Return the fitness for each target, %, in the order of the scenario, (targets,).
+
+        ``agent`` is what flew, for a fitness that also depends on mass or size.
+        """
+
+    def measure(self, fitness: float) -> float:
+        """Return what people read of a fitness (%), in ``unit``."""
+        return fitness
+
+    def judge(self, fitness: float) -> Verdict:
+        """Return whether the target of a fitness (%) is reached; a larger fitness never has a worse verdict."""
+        if fitness >= 99:
+            return Verdict.REACHED
+        return Verdict.NEAR if fitness >= 95 else Verdict.MISSED
+
+    def describe(self, fitness: float) -> str:
+        """Return what people read of a fitness (%), as text with its unit."""
+        return f"{self.measure(fitness):.2f} {self.unit}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,6 +253,9 @@ class Strategy(Plugin[OptionsT_co]):
 
         The limit may only truncate the candidates that a larger limit would give: a run with a larger budget must
         begin with the same candidates.
+
+        A strategy that ignores low fitness should set ``Candidate.threshold``. Then flights that certainly matter
+        neither to the strategy nor to the results of the run are not checked, which saves most of their time.
         """
 
     @abstractmethod
@@ -239,7 +293,8 @@ class Exporter(Plugin[OptionsT_co]):
 
     If a format is a folder of files, its suffix has no dot, as in ``-uuv``, and ``path`` is that folder. If one file
     cannot hold everything, such as the parts of a kit in a format for one solid, an exporter may write several files,
-    whose names begin with that of ``path`` without its suffix.
+    whose names begin with that of ``path`` without its suffix. A file that accompanies them, such as a drawing, has
+    another suffix: it is not a part to be checked.
     """
 
     suffix: ClassVar[str]
@@ -386,6 +441,9 @@ class PrintJob:
         volume of material by the agent's closed-form geometry, m3, ``None`` if unknown.
     source
         OpenSCAD source of the same solid, ``None`` if there is no such file.
+    withheld
+        name of a source that came within a file of unknown origin and was not asked for, so that no program may run
+        it; ``None`` if there is no such source.
     """
 
     files: tuple[Path, ...]
@@ -393,6 +451,7 @@ class PrintJob:
     export: ExportJob | None = None
     volume: float | None = None
     source: Path | None = None
+    withheld: str | None = None
 
 
 class Checker(Plugin[OptionsT_co]):

@@ -5,6 +5,9 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field
 
+MAX_SEED = 2**63 - 1
+"""Largest seed, the largest integer of TOML and of a database."""
+
 
 class Table(BaseModel):
     """A table of a study file: unknown keys are errors; values are validated and frozen."""
@@ -25,7 +28,8 @@ def option(default: Any, help: str, unit: str = "", **constraints: Any) -> Any:
     unit
         unit of the value in a study file, ``""`` for a dimensionless one.
     constraints
-        pydantic constraints such as ``gt=0``.
+        pydantic constraints such as ``ge=0, le=1``. Give every number a lower and an upper bound: what lies beyond
+        costs hours, memory or sense.
     """
     if isinstance(default, int | float):
         # Neither true nor "1000" is accepted as a number.
@@ -34,8 +38,11 @@ def option(default: Any, help: str, unit: str = "", **constraints: Any) -> Any:
 
 
 def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
-    """Return rows ``{option, type, default, unit, help}``, one for each field of a model."""
-    rows = []
+    """Return rows ``{option, type, default, unit, help}``, one for each field of a model.
+
+    The fields of a table within the model follow it, with names such as ``kit.joint``.
+    """
+    rows: list[dict[str, Any]] = []
     for name, field in model.model_fields.items():
         extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
         rows.append(
@@ -49,7 +56,15 @@ def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
                 "help": field.description or "",
             }
         )
+        if table := find_table(field.annotation):
+            rows += [row | {"option": f"{name}.{row['option']}"} for row in describe(table)]
     return rows
+
+
+def find_table(annotation: Any) -> type[Table] | None:
+    """Return the model of a field that holds a table, or a table or nothing; ``None`` for other fields."""
+    candidates = (annotation, *(get_args(annotation) if get_origin(annotation) in (Union, UnionType) else ()))
+    return next((c for c in candidates if isinstance(c, type) and issubclass(c, Table)), None)
 
 
 def _format_type(annotation: Any) -> str:
@@ -65,4 +80,4 @@ def _format_type(annotation: Any) -> str:
         return f"list of {_format_type(arguments[0])}"
     if origin is tuple:
         return f"[{', '.join(map(_format_type, arguments))}]"
-    return str(getattr(annotation, "__name__", annotation))
+    return "table" if find_table(annotation) else str(getattr(annotation, "__name__", annotation))

@@ -3,7 +3,7 @@
 A broken plugin is listed with the reason; only selecting it is an error.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import metadata, util
@@ -13,6 +13,7 @@ import pluggy
 
 from driftform import hookspecs
 from driftform.errors import InputError, describe_error, did_you_mean
+from driftform.faults import report_faults
 from driftform.interfaces import SEAMS, Plugin
 
 GROUP = "driftform"
@@ -69,7 +70,7 @@ class Registry:
                 module = point.load()
                 self._check_hooks(module)
                 self._manager.register(module, name=key)
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 self._broken.append(
                     Contribution(
                         "", point.name, distribution, version, f"unavailable: {describe_error(error)}"
@@ -93,7 +94,7 @@ class Registry:
                 short = implementation.plugin_name.partition(":")[2]
                 try:
                     classes = _check_classes(implementation.function(), SEAMS[seam])
-                except Exception as error:
+                except (Exception, SystemExit) as error:
                     rows.append(
                         Contribution(
                             seam, short, distribution, version, f"unavailable: {describe_error(error)}"
@@ -129,6 +130,21 @@ class Registry:
         known = [row.name for row in self.seam(seam) if row.available]
         raise InputError(f"no {seam} is named '{name}'{did_you_mean(name, known)}")
 
+    def check_seams(self, seams: Iterable[str]) -> None:
+        """Check that for each of some seams a distribution is installed, whether it works or not.
+
+        Raises
+        ------
+        InputError
+            if there is none, as where driftform was installed without its dependencies.
+        """
+        missing = [seam for seam in seams if not self.seam(seam)]
+        if missing and not self._broken:
+            raise InputError(
+                f"no plugin for {', '.join(missing)} is installed: in a clone of driftform run 'uv sync', "
+                "elsewhere 'pip install driftform'"
+            )
+
     def create(self, seam: str, name: str, options: Mapping[str, Any], **more: Any) -> Any:
         """Create an instance of the class with this name from its table of options.
 
@@ -136,11 +152,15 @@ class Registry:
         ------
         InputError
             like :meth:`find`.
+        WorkFailedError
+            if the class fails.
         pydantic.ValidationError
             if the options do not fit the model of the class.
         """
         cls = self.find(seam, name)
-        return cls(cls.Options.model_validate(dict(options)), **more)
+        checked = cls.Options.model_validate(dict(options))
+        with report_faults():
+            return cls(checked, **more)
 
 
 @cache

@@ -86,6 +86,71 @@ class Core:
     mass: float
 
 
+@dataclass(frozen=True)
+class Moments:
+    """Volume integrals of a solid of revolution about the x axis, for unit density, about the frame's origin.
+
+    Attributes
+    ----------
+    volume
+        V, m3.
+    first
+        integral of x dV, m4.
+    second
+        integral of x^2 dV, m5.
+    polar
+        integral of (y^2 + z^2) dV: the inertia about the axis, m5.
+    """
+
+    volume: float = 0.0
+    first: float = 0.0
+    second: float = 0.0
+    polar: float = 0.0
+
+    def __add__(self, other: "Moments") -> "Moments":
+        return Moments(
+            self.volume + other.volume,
+            self.first + other.first,
+            self.second + other.second,
+            self.polar + other.polar,
+        )
+
+    def __sub__(self, hole: "Moments") -> "Moments":
+        return Moments(
+            self.volume - hole.volume,
+            self.first - hole.first,
+            self.second - hole.second,
+            self.polar - hole.polar,
+        )
+
+    @property
+    def centroid(self) -> float:
+        """x of the centroid, m."""
+        return self.first / self.volume
+
+    @property
+    def transverse(self) -> float:
+        """Inertia about the y (or z) axis through the origin, for unit density, m5 (eq. 16)."""
+        return self.polar / 2 + self.second
+
+
+@dataclass(frozen=True)
+class Fittings:
+    """What a hull has beside the wall of its section, such as the joints and the engraving of a kit.
+
+    Attributes
+    ----------
+    material
+        volume integrals of the material that is added, less that of material that is removed.
+    displaced
+        the same for the volume that the body displaces more than its outer contour; negative for an engraving, which
+        fills with water.
+    """
+
+    material: Moments = Moments()
+    displaced: Moments = Moments()
+
+
 @dataclass(frozen=True, eq=False)
 class Body:
     """A body of revolution: its meridian section, core and material.
@@ -104,6 +169,8 @@ class Body:
         nominal wall thickness, m.
     hull_density
         density of the hull's material, kg/m3.
+    fittings
+        what the hull has beside the wall between both contours.
     """
 
     outer: FloatArray
@@ -112,6 +179,7 @@ class Body:
     core: Core
     wall: float
     hull_density: float
+    fittings: Fittings = Fittings()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "outer", freeze(self.outer, (None, 2), "Body.outer"))
@@ -177,12 +245,13 @@ class MassProperties:
 
 @dataclass(frozen=True, eq=False)
 class Drag:
-    """Drag of a slender body: crossflow drag of strips, and one resistance along the axis.
+    """What the water's viscosity does to a body of revolution; with C_d and C_f see :mod:`driftform.dynamics.drag`.
 
     A strip's force is ``-1/2 rho C_d(Re) factor d dx |v| v`` with the velocity v across the axis at the
-    strip, relative to the water there; ``C_d`` is that of a long cylinder
-    (:func:`driftform.hydrodynamics.drag_coefficients.crossflow_coefficient`). Along the axis it is ``-1/2 rho (C_f(Re_L)
-    friction_area + A) |u| u``, with A = ``ahead`` for motion towards +x and A = ``astern`` for motion towards -x.
+    strip, relative to the water there; C_d is that of a long cylinder. Along the axis it is
+    ``-1/2 rho (C_f(Re_L) friction_area + A) |u| u``, with A = ``ahead`` for motion towards +x and A = ``astern`` for
+    motion towards -x. The part of the body that counts as a sphere has the force ``-1/2 rho C_d(Re) round_area |v| v`` of
+    a sphere at ``centre``.
 
     Attributes
     ----------
@@ -194,6 +263,23 @@ class Drag:
         length in the Reynolds number Re_L of skin friction, m.
     ahead, astern
         drag areas of the ends (coefficient times area), m2.
+    round_area
+        frontal area times the share to which the body is a sphere, m2.
+    diameter
+        greatest diameter, in the Reynolds numbers of sphere and spin, m.
+    centre
+        x of the centre of the displaced volume, m.
+    wake_ahead, wake_astern
+        x (m) and lift area (m2) of the tail, for motion towards +x and towards -x.
+    spin
+        integral of 2 pi r^4 dx, for the friction of a spin about the axis, m5.
+    shear_volume
+        volume times lift coefficient in a shear flow, m3.
+    spread
+        variance of the displaced volume across the axis (in each direction) and along it, m2: the water's velocity is
+        a mean over the body.
+    blocking
+        diameter that narrows the bore, m; 0 if the drag is that in open water.
     """
 
     strips: FloatArray
@@ -201,6 +287,15 @@ class Drag:
     length: float = 1.0
     ahead: float = 0.0
     astern: float = 0.0
+    round_area: float = 0.0
+    diameter: float = 0.0
+    centre: float = 0.0
+    wake_ahead: tuple[float, float] = (0.0, 0.0)
+    wake_astern: tuple[float, float] = (0.0, 0.0)
+    spin: float = 0.0
+    shear_volume: float = 0.0
+    spread: tuple[float, float] = (0.0, 0.0)
+    blocking: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "strips", freeze(self.strips, (None, 4), "Drag.strips"))
@@ -299,7 +394,8 @@ class Trajectory:
         largest change of the energy of body and water before the first contact, relative to the largest kinetic energy;
         ``None`` if energy is not conserved: with drag, or if the velocity of the water varies.
     error
-        largest estimated error of the position along the flight, m; ``None`` if it was not estimated.
+        largest estimated error of the position along the flight, m; ``None`` if it was not estimated: an unchecked
+        flight.
     """
 
     t: FloatArray
@@ -348,12 +444,16 @@ class Candidate:
         number of the generation, from 0.
     target
         the target that its population is bred for, ``""`` if bred for all targets.
+    threshold
+        for each target the fitness (%) that the candidate must exceed to matter to its strategy, (targets,); ``None``
+        if every fitness matters. It is neither stored nor compared.
     """
 
     genome: Genome
     parents: tuple[int, ...] = ()
     generation: int = 0
     target: str = ""
+    threshold: tuple[float, ...] | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -389,6 +489,17 @@ class Evaluation:
     ) -> "Evaluation":
         """Return a failed evaluation: zero fitness for every target, and the reason."""
         return cls(genome, np.zeros(targets), trajectory, failure)
+
+
+class Verdict(StrEnum):
+    """What a fitness says of its target."""
+
+    REACHED = "reached"
+    """The agent does what it is for."""
+    NEAR = "near"
+    """The agent almost does."""
+    MISSED = "missed"
+    """The agent does not."""
 
 
 class State(StrEnum):

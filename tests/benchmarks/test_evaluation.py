@@ -6,14 +6,18 @@ Run by hand: ``pytest -m slow -s tests/benchmarks``. With ``UPDATE_DOCS=1`` the 
 import os
 import platform
 import time
+from collections.abc import Iterable, Sequence
 from itertools import chain
 
 import numpy as np
 import pytest
 
 from driftform.dynamics.model import flight_model
-from driftform.execution import InProcess, Job, LocalProcesses
+from driftform.execution import InProcess, Job, LocalProcesses, Outcome
 from driftform.geometry import mass_properties
+from driftform.pipeline import MARGIN
+from driftform.runs.search import run_search
+from driftform.runs.store import Store
 from driftform.study import load_study
 from driftform.trajectory.compression import encode
 
@@ -42,7 +46,7 @@ def test_stages_of_an_evaluation(publish, count_of, milliseconds):
         "simulate (native)": milliseconds(lambda agent: pipeline.fly([agent]), agents),
         "simulate (Exudyn)": milliseconds(lambda agent: pipelines["exudyn"].fly([agent]), agents),
         "score ten targets": milliseconds(
-            lambda trajectory: pipeline.fitness.score(trajectory, scenario), flights
+            lambda trajectory: pipeline.fitness.score(trajectory, scenario, agents[0]), flights
         ),
         "encode for the store": milliseconds(encode, flights),
     }
@@ -61,6 +65,61 @@ def test_stages_of_an_evaluation(publish, count_of, milliseconds):
         f"Python {platform.python_version()}, {os.cpu_count()} cores.",
     ]
     publish("stages", lines)
+
+
+def test_errors_of_unchecked_flights(publish, count_of, tmp_path):
+    count = count_of("EVALUATIONS", 2000)
+    lines = [
+        "| simulator | genomes | CPU time over checked | fitness off by, median % | 99 % | largest "
+        "| flights too low by more than the margin, % | of those that matter, missed |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for use, number in zip(SIMULATORS, (count, count // 10), strict=True):
+        study = load_study(use={"simulator": use}, run={"seed": 1, "evaluations": number})
+        pipeline, rng = study.make_pipeline(), np.random.default_rng(1)
+        search = Recorder(InProcess(pipeline))
+        with Store.create(tmp_path / f"{use}.db", {}) as store:
+            run_search(study, store, search)
+        nowhere = (np.inf,) * len(study.scenario.targets)
+        random = [Job(index, pipeline.grammar.random(rng), threshold=nowhere) for index in range(number)]
+        for name, jobs in (("random", random), ("of a search by `evolution`", search.jobs)):
+            genomes = [job.genome for job in jobs]
+            started = time.process_time()
+            unchecked = pipeline.evaluate(genomes, thresholds=[nowhere] * number)
+            middle = time.process_time()
+            checked = pipeline.evaluate(genomes)
+            ratio = (middle - started) / (time.process_time() - middle)
+            found, true = (np.array([e.fitness for e in some]) for some in (unchecked, checked))
+            sound = [evaluation.failure is None for evaluation in checked]
+            off = np.abs(found - true)[sound]
+            low = 100 * np.mean((true - found > MARGIN).any(axis=1))
+            thresholds = np.array([job.threshold for job in jobs])
+            matter = (true > thresholds).any(axis=1)
+            missed = np.count_nonzero(matter & (found <= thresholds - MARGIN).all(axis=1))
+            lines.append(
+                f"| {use} | {name} | {ratio:.2f} | {np.median(off):.2g} | {np.quantile(off, 0.99):.2g} "
+                f"| {off.max():.2g} | {low:.2g} | {missed} of {matter.sum()} |"
+            )
+            assert missed <= 0.02 * matter.sum()
+    lines += [
+        "",
+        f"{count} genomes with `native`, a tenth of them with Exudyn; ten targets. The margin is {MARGIN:g} %. The "
+        "search is repeated with all of its flights checked: a flight matters if it exceeds its threshold for any "
+        "target, and is missed if it would stay unchecked.",
+    ]
+    publish("unchecked flights", lines)
+
+
+class Recorder:
+    """An executor that keeps its jobs, in their order."""
+
+    def __init__(self, executor: InProcess) -> None:
+        self._executor = executor
+        self.jobs: list[Job] = []
+
+    def evaluate(self, jobs: Sequence[Job]) -> Iterable[Sequence[Outcome]]:
+        self.jobs += jobs
+        return self._executor.evaluate(jobs)
 
 
 def test_evaluations_per_second_with_two_workers(publish, count_of):

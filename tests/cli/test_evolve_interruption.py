@@ -87,7 +87,12 @@ def workers(process: int) -> list[int]:
 
 
 both = pytest.mark.parametrize(
-    "going", [("local", PAUSE), ("dask", PAUSE)], ids=["local", "dask"], indirect=True
+    "going",
+    [
+        pytest.param(("local", PAUSE), id="local"),
+        pytest.param(("dask", PAUSE), id="dask", marks=pytest.mark.peers),
+    ],
+    indirect=True,
 )
 needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
 
@@ -165,8 +170,11 @@ def test_interrupted_it_names_the_command_that_goes_on_and_leaves_the_database_w
 @needs_proc
 @pytest.mark.parametrize(
     ("executor", "delay"),
-    [("local", 0.2), ("local", 2.0), ("dask", 2.0)],
-    ids=["workers import", "workers fly", "workers of Dask fly"],
+    [
+        pytest.param("local", 0.2, id="workers import"),
+        pytest.param("local", 2.0, id="workers fly"),
+        pytest.param("dask", 2.0, id="workers of Dask fly", marks=pytest.mark.peers),
+    ],
 )
 def test_interrupted_it_does_not_wait_for_long_flights(
     start: Start, tmp_path: Path, executor: str, delay: float
@@ -255,5 +263,7 @@ def test_all_evaluations_failing_ends_with_the_reason_of_the_first(
     assert result.exit_code == 1
     assert result.stdout == ""
     last = result.stderr.splitlines()[-1]
-    assert last.startswith("error: all 4 evaluations failed, the first: RuntimeError: genome 0.")
+    assert last.startswith(
+        "error: all 4 evaluations failed, the first: simulator 'fake' failed in simulate(): RuntimeError: genome 0."
+    )
     assert "is not to my taste" in last

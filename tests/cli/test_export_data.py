@@ -1,16 +1,14 @@
 """A run as tables: whole, the same in both formats, and read by pandas and polars."""
 
+import csv
 import json
 import shutil
 import sqlite3
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
-import polars as pl
 import pytest
 
 from driftform.runs import tables
@@ -20,11 +18,6 @@ from driftform.tables import files as table_files
 from driftform.tables.columns import SAMPLE_COLUMNS
 
 FORMATS = ("csv", "parquet")
-READERS = {
-    # By default pandas reads numbers of CSV files fast and inexactly.
-    "csv": {"pandas": partial(pd.read_csv, float_precision="round_trip"), "polars": pl.read_csv},
-    "parquet": {"pandas": pd.read_parquet, "polars": pl.read_parquet},
-}
 TARGETS = ("TP1", "TP7")
 
 
@@ -46,9 +39,24 @@ def exported(
     return folder
 
 
-def read(folder: Path, format: str, table: str = "evaluations") -> tuple[pd.DataFrame, pl.DataFrame]:
-    path = folder / format / f"{table}.{format}"
-    return READERS[format]["pandas"](path), READERS[format]["polars"](path)
+def read_file(path: Path) -> tuple[Any, Any]:
+    """The table as pandas and as polars read it."""
+    import pandas
+    import polars
+
+    if path.suffix == ".csv":
+        # By default pandas reads numbers of CSV files fast and inexactly.
+        return pandas.read_csv(path, float_precision="round_trip"), polars.read_csv(path)
+    return pandas.read_parquet(path), polars.read_parquet(path)
+
+
+def read(folder: Path, format: str, table: str = "evaluations") -> tuple[Any, Any]:
+    return read_file(folder / format / f"{table}.{format}")
+
+
+def column_of(path: Path, name: str) -> list[int]:
+    with path.open(newline="") as file:
+        return [int(row[name]) for row in csv.DictReader(file)]
 
 
 def stored(directory: Path) -> list[Record]:
@@ -56,6 +64,7 @@ def stored(directory: Path) -> list[Record]:
         return list(store.read_records(TARGETS))
 
 
+@pytest.mark.peers
 @pytest.mark.parametrize("format", FORMATS)
 def test_evaluations_are_those_of_the_run(
     exported: Path, finished_run: tuple[Path, object], format: str
@@ -81,6 +90,7 @@ def test_evaluations_are_those_of_the_run(
     assert in_polars["failure"].null_count() == 20
 
 
+@pytest.mark.peers
 def test_a_genome_reads_back_and_its_body_is_as_inspect_tells(
     exported: Path, finished_run: tuple[Path, object], call: Callable[..., Any]
 ) -> None:
@@ -98,6 +108,7 @@ def test_a_genome_reads_back_and_its_body_is_as_inspect_tells(
         assert row[name] == told[name]
 
 
+@pytest.mark.peers
 @pytest.mark.parametrize("format", FORMATS)
 def test_samples_are_those_that_are_stored_bit_by_bit(
     exported: Path, finished_run: tuple[Path, object], format: str
@@ -114,16 +125,18 @@ def test_samples_are_those_that_are_stored_bit_by_bit(
         np.testing.assert_array_equal(found.astype(np.float32), whole.astype(np.float32))
 
 
+@pytest.mark.peers
 def test_both_formats_hold_the_same(exported: Path) -> None:
-    csv, parquet = (read(exported, format)[1] for format in FORMATS)
-    assert csv.columns == parquet.columns
-    for name in csv.columns:
+    text, parquet = (read(exported, format)[1] for format in FORMATS)
+    assert text.columns == parquet.columns
+    for name in text.columns:
         if name == "parents":
-            assert [json.loads(text) for text in csv[name]] == parquet[name].to_list()
+            assert [json.loads(value) for value in text[name]] == parquet[name].to_list()
         else:
-            assert csv[name].to_list() == parquet[name].to_list()
+            assert text[name].to_list() == parquet[name].to_list()
 
 
+@pytest.mark.peers
 def test_every_column_has_a_meaning_and_every_quantity_its_unit(exported: Path) -> None:
     from pyarrow import parquet
 
@@ -155,20 +168,19 @@ def failing(directory: Path, index: int) -> None:
     connection.close()
 
 
+@pytest.mark.peers
 @pytest.mark.parametrize("format", FORMATS)
 def test_a_failure_keeps_its_reason_its_zero_fitness_and_its_body(
     run_copy: Path, call: Callable[..., Any], format: str
 ) -> None:
     failing(run_copy, 7)
     assert call("export-data", "run", "--format", format, "--trajectories").exit_code == 0
-    in_pandas, in_polars = (
-        READERS[format][name](f"run/data/evaluations.{format}") for name in ("pandas", "polars")
-    )
+    in_pandas, in_polars = read_file(Path(f"run/data/evaluations.{format}"))
     row = in_polars.row(7, named=True)
     assert row["failure"] == in_pandas["failure"][7] == 'it said "no",\nand sank; zürich'
     assert row["end"] is row["duration"] is row["contact"] is None
     assert row["fitness_TP1"] == 0 and row["mass"] > 0
-    samples = READERS[format]["polars"](f"run/data/trajectories.{format}")
+    _, samples = read_file(Path(f"run/data/trajectories.{format}"))
     assert set(samples["evaluation"]) == set(range(20)) - {7}
 
 
@@ -196,6 +208,7 @@ def test_a_genome_that_has_no_body_is_a_row_without_one(
     assert batch["fitness_TP1"] == [float(record.evaluation.fitness[0])]
 
 
+@pytest.mark.peers
 @pytest.mark.parametrize("format", FORMATS)
 def test_tables_are_written_in_batches_that_fit_into_memory(
     run_copy: Path, call: Callable[..., Any], exported: Path, monkeypatch: pytest.MonkeyPatch, format: str
@@ -221,12 +234,11 @@ def test_tables_are_written_in_batches_that_fit_into_memory(
     assert all(2000 <= size < 2000 + longest for size in sizes[4:-1])
     for table in ("evaluations", "trajectories"):
         name = f"{table}.{format}"
-        found, expected = (
-            READERS[format]["polars"](f / name) for f in (run_copy / "data", exported / format)
-        )
+        found, expected = (read_file(f / name)[1] for f in (run_copy / "data", exported / format))
         assert found.equals(expected)
 
 
+@pytest.mark.peers
 def test_a_row_group_for_each_batch(
     run_copy: Path, call: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -237,6 +249,7 @@ def test_a_row_group_for_each_batch(
     assert parquet.ParquetFile("run/data/evaluations.parquet").num_row_groups == 4
 
 
+@pytest.mark.peers
 def test_the_folder_of_the_run_is_written_anew_and_holds_nothing_older(
     run_copy: Path, call: Callable[..., Any]
 ) -> None:
@@ -298,8 +311,8 @@ def test_a_run_that_goes_on_gives_what_it_has_and_both_tables_agree(
         assert writer.count() == 19
         assert writer.read_study() == study
     expected = sorted(set(range(19)) - {3})
-    assert list(pl.read_csv("run/data/evaluations.csv")["evaluation"]) == expected
-    assert sorted(set(pl.read_csv("run/data/trajectories.csv")["evaluation"])) == expected
+    assert column_of(Path("run/data/evaluations.csv"), "evaluation") == expected
+    assert sorted(set(column_of(Path("run/data/trajectories.csv"), "evaluation"))) == expected
 
 
 def test_without_pyarrow_parquet_says_what_to_install_before_anything_is_done(

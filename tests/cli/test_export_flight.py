@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import polars
 import pytest
 
 Call = Callable[..., Any]
@@ -17,7 +16,10 @@ WORD = "addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB"
 QUICK = ("--simulator", "native")
 
 
+@pytest.mark.peers
 def test_a_flight_in_four_formats(call: Call) -> None:
+    import polars
+
     result = call(
         "export-flight",
         WORD,
@@ -68,6 +70,7 @@ def test_a_rate_gives_samples_that_are_evenly_apart(call: Call) -> None:
     assert Path(told["files"][0]["path"]).parent.parent == Path("flights")
 
 
+@pytest.mark.peers
 def test_options_of_a_recorder_and_another_scenario(call: Call) -> None:
     result = call(
         *("export-flight", WORD, "--scenario", "leak-search", "--format", "mcap", "--json"),
@@ -78,6 +81,7 @@ def test_options_of_a_recorder_and_another_scenario(call: Call) -> None:
     assert "/diver/concentration" in file["topics"] and "/diver/odom" in file["topics"]
 
 
+@pytest.mark.peers
 def test_people_read_what_was_written(call: Call) -> None:
     result = call("export-flight", WORD, "--format", "mcap", *QUICK, "--rate-hz", "10", "--out", "f")
     assert result.exit_code == 0, result.stderr

@@ -16,9 +16,10 @@ LONG = (
 Call = Callable[..., Any]
 
 
-def files(call: Call, *arguments: str) -> list[dict[str, Any]]:
-    found: list[dict[str, Any]] = json.loads(call("export", LONG, *arguments, "--json").stdout)["files"]
-    return found
+def files(call: Call, *arguments: str, agent: str = LONG) -> list[dict[str, Any]]:
+    """What the command says of files with parts; the last file is the assembly sheet."""
+    found: list[dict[str, Any]] = json.loads(call("export", agent, *arguments, "--json").stdout)["files"]
+    return [file for file in found if not file["path"].endswith("-assembly.svg")]
 
 
 def test_each_part_gets_a_file_and_each_file_tells_of_the_kit(call: Call, tmp_path: Path) -> None:
@@ -49,12 +50,26 @@ def test_the_table_is_printed_once_for_all_files(call: Call, tmp_path: Path) -> 
     assert "aft shell" in out and "net_buoyancy_n" in out and "fore of the core's equator" in out
 
 
+def test_the_assembly_sheet_is_written_once_for_all_formats(call: Call, tmp_path: Path) -> None:
+    out = call("export", LONG, "--kit", "--format", "stl,3mf,glb", "--out", str(tmp_path)).stdout
+    [sheet] = tmp_path.glob("*.svg")
+    assert sheet.name.endswith("-assembly.svg") and out.count(sheet.name) == 1
+    call("export", LONG, "--format", "stl", "--out", str(tmp_path / "whole"))
+    assert not list((tmp_path / "whole").glob("*.svg"))
+
+
+def test_the_sheet_is_no_part_to_be_checked(call: Call, tmp_path: Path) -> None:
+    lines = json.loads(call("check", LONG, "--kit", "--no-programs", "--json").stdout)["lines"]
+    assert {line["part"] for line in lines if line["check"] == "standing"} and all(
+        "assembly" not in line["part"] for line in lines
+    )
+
+
 def test_a_small_bed_makes_more_parts(call: Call, tmp_path: Path) -> None:
     few = files(call, "--kit", "--bed", "220,220,250", "--out", str(tmp_path / "a"))
     assert len(few) == 2
     word = LONG + "-addB-tiltn-0-L-moveB" * 6
-    told = call("export", word, "--kit", "--bed", "220,220,60", "--out", str(tmp_path / "b"), "--json")
-    parts = json.loads(told.stdout)["files"]
+    parts = files(call, "--kit", "--bed", "220,220,60", "--out", str(tmp_path / "b"), agent=word)
     assert len(parts) == 3
     assert all(part["size_mm"][2] <= 60 for part in parts)
 

@@ -2,7 +2,9 @@
 
 import json
 import shutil
+import sqlite3
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -101,6 +103,7 @@ def test_what_a_writer_has_just_stored_is_found(call, run_copy: Path, flights) -
             flight.quaternion,
             flight.velocity,
             flight.end,
+            error=0.0,
         )
         writer.add([Record(20, Candidate(agent), Evaluation(agent, np.zeros(2), aside))], ("TP1", "TP7"))
         x, y, z = (float(value) for value in aside.position[len(aside.t) // 2])
@@ -149,3 +152,29 @@ def test_a_run_without_a_sound_flight_has_nothing_to_pick(
         store.add([Record(0, Candidate(genome), failed)], ("TP1", "TP7"))
     line = refused("pick", run_copy, *ANYWHERE)
     assert "has no evaluation yet that did not fail" in line and "driftform resume" in line
+
+
+def test_an_unchecked_flight_is_flown_again_and_may_turn_out_not_to_be_the_closest(
+    call, run_copy: Path, flights
+) -> None:
+    before = json.loads(call("pick", run_copy, *ANYWHERE, "--json").stdout)
+    worse = next(index for index in flights if index != before["evaluation"])
+    flight, point = flights[worse], np.array([float(value) for value in ANYWHERE])
+    with Store.open(run_copy / "run.db") as writer:
+        # It claims to pass the point exactly, but its genome is that of another flight.
+        claimed = replace(
+            flight, position=flight.position - flight.position[len(flight.t) // 2] + point, error=None
+        )
+        other = writer.read_record(worse, ("TP1", "TP7"))
+        genome = other.candidate.genome
+        record = Record(20, Candidate(genome), Evaluation(genome, np.zeros(2), claimed), other.seed)
+        writer.add([record], ("TP1", "TP7"))
+    assert json.loads(call("pick", run_copy, *ANYWHERE, "--json").stdout) == before
+
+
+def test_an_unchecked_flight_is_picked_with_the_distance_of_its_checked_flight(call, run_copy: Path) -> None:
+    before = json.loads(call("pick", run_copy, *ANYWHERE, "--json").stdout)
+    with sqlite3.connect(run_copy / "run.db") as connection:
+        connection.execute("UPDATE evaluation SET error = NULL")
+    after = json.loads(call("pick", run_copy, *ANYWHERE, "--json").stdout)
+    assert after == before

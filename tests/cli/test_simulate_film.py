@@ -58,6 +58,7 @@ def test_a_film_that_fails_is_one_line_and_leaves_the_other_files(call: Call, tm
     assert (tmp_path / "flight" / "trajectory.csv").exists()
 
 
+@pytest.mark.peers
 def test_a_real_film_is_made_by_default(call: Call, tmp_path: Path) -> None:
     from driftform.testing.renderer import read_film
 
@@ -92,10 +93,11 @@ def test_without_an_encoder_it_says_what_to_install_and_flies_nothing(
     result = call("simulate", WORD, "--film", "film.mp4")
     assert result.exit_code == 1
     [line] = result.stderr.splitlines()
-    assert line.startswith("error: ") and 'pip install "driftform-exudyn[film]"' in line
+    assert line.startswith("error: ") and 'pip install "driftform[film]"' in line
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.peers
 @pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
 def test_an_interrupted_film_leaves_nothing(
     start: Callable[..., subprocess.Popen[str]], tmp_path: Path
@@ -143,6 +145,7 @@ def test_a_still_needs_no_encoder(call: Call, monkeypatch: pytest.MonkeyPatch, t
     still(tmp_path / "flight.png")
 
 
+@pytest.mark.peers
 def test_a_film_and_a_still_can_be_made_of_one_flight(call: Call, tmp_path: Path) -> None:
     told = json.loads(call("simulate", WORD, "--film", "a.gif", "--still", "a.png", *SMALL, "--json").stdout)
     assert (tmp_path / told["film"]).exists() and (tmp_path / told["still"]).exists()

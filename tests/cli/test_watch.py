@@ -107,7 +107,9 @@ def test_a_run_is_followed_to_its_end_while_others_come_and_go(start: Start, tmp
                 add(store, index)
                 assert stays.stdout is not None
                 line = stays.stdout.readline()
-                assert re.match(rf"{store.count()}/8 evaluations, \S+/s(, .* left)?: A 50\.00$", line), line
+                assert re.match(rf"{store.count()}/8 evaluations(, \S+/s)?(, .* left)?: A 50\.00$", line), (
+                    line
+                )
         out, err = stays.communicate(timeout=60)
     assert (stays.returncode, err) == (0, "")
     assert out == "finished: 8 evaluations (0 failed), best agents in run/best/\n"

@@ -158,7 +158,6 @@ def test_the_plugin_scores_a_flight(plugin_folder: Path) -> None:
 
 
 def test_the_plugin_passes_its_contract(plugin_folder: Path) -> None:
-    pytest.importorskip("driftform.testing")
     out = run_python(
         plugin_folder, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-c", "pyproject.toml", "tests"
     )

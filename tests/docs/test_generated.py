@@ -3,8 +3,11 @@
 import ast
 import inspect
 import re
+import subprocess
 import tomllib
 from collections.abc import Callable, Iterator
+from importlib import metadata
+from itertools import chain
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
@@ -16,6 +19,7 @@ from pydantic.fields import FieldInfo
 
 from driftform.cli.app import app
 from driftform.interfaces import SEAMS
+from driftform.options import find_table
 from driftform.registry import Contribution, registry
 from driftform.scenario import FLOWS, Scenario
 from driftform.study import RunOptions
@@ -79,13 +83,25 @@ def toml_text(value: Any) -> str:
 
 
 def keys_table(model: type[BaseModel]) -> list[str]:
-    """One row for each field of a model."""
-    lines = ["| key | type | default | unit | meaning |", "|---|---|---|---|---|"]
+    """One row for each field of a model, and of the tables of options within it."""
+    return ["| key | type | default | unit | meaning |", "|---|---|---|---|---|", *keys_rows(model)]
+
+
+def keys_rows(model: type[BaseModel], within: str = "") -> list[str]:
+    lines = []
     for name, field in model.model_fields.items():
         extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
         kind = ", ".join(part for part in (type_text(field.annotation), bounds_text(field)) if part)
-        cells = (f"`{name}`", kind, default_text(field), str(extra.get("unit", "")), field.description or "")
+        cells = (
+            f"`{within}{name}`",
+            kind,
+            default_text(field),
+            str(extra.get("unit", "")),
+            field.description or "",
+        )
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+        if get_origin(field.annotation) is UnionType and (table := find_table(field.annotation)):
+            lines += keys_rows(table, f"{within}{name}.")
     return lines
 
 
@@ -195,10 +211,37 @@ def shipped() -> dict[str, list[Contribution]]:
     files = [ROOT / "pyproject.toml", *sorted(ROOT.glob("plugins/*/pyproject.toml"))]
     names = {tomllib.loads(path.read_text(encoding="utf-8"))["project"]["name"] for path in files}
     rows = [row for row in registry().contributions() if row.distribution in names]
-    missing = [f"{row.distribution}: {row.state}" for row in rows if row.cls is None]
-    if missing:
-        pytest.skip(f"not installed here: {'; '.join(missing)}")
+    assert {row.distribution for row in rows if row.cls is not None} == names
     return {seam: [row for row in rows if row.seam == seam] for seam in SEAMS}
+
+
+EXTRAS = """\
+## Extras and licences
+
+`pip install driftform` installs the plugins of the default study, and in a clone `uv run` does. The others, and what
+some formats need, are extras: `uv sync --extra robotics --extra film` in a clone of driftform, elsewhere
+`pip install "driftform[robotics,film]"`. In a clone the next `uv sync` removes what it does not name.
+
+| extra | what it adds | packages | their licence |
+|---|---|---|---|
+| `film` | films by `renderer exudyn` | imageio-ffmpeg | BSD-2-Clause; the ffmpeg in it is built with `--enable-gpl --enable-version3` and under the GPL, version 3 or later |
+| `ribs` | `strategy ribs` | driftform-ribs, ribs | MIT |
+| `robotics` | the recorders, exporters and fitness of driftform-robotics | driftform-robotics, rosbags | MIT, Apache-2.0 |
+| `parquet` | tables in Parquet | pyarrow | Apache-2.0 |
+| `dask` | runs on a cluster | distributed | BSD-3-Clause |
+| `step` | `exporter step` | cadquery-ocp-novtk | Apache-2.0; the Open CASCADE in it is under the LGPL 2.1 with an exception |
+| `png` | PNG of every figure | resvg-py | MIT |
+
+driftform and its plugins are under the MIT licence. Exudyn has a licence of its own, the EXUDYN General License 1.0,
+which permits use and redistribution if its notice is kept, and forbids endorsement in the names of its authors. The
+other packages that driftform and these plugins name are under an MIT, BSD or Apache licence; those have needs of their
+own.
+
+Only the tests of the group `peers` compare with Drake, which installs the proprietary solver Mosek; they call no solver
+of it, and nothing that users install depends on it.
+
+## Seams and names
+""".splitlines()
 
 
 def plugins_page() -> str:
@@ -210,6 +253,8 @@ def plugins_page() -> str:
         "in the table of its seam ([study-files.md](study-files.md)); [write-a-plugin.md](write-a-plugin.md) explains",
         "how to write one. Commands select exporters, recorders, renderers and checkers by name; their options are in",
         "tables such as `[exporter.stl]`, `[recorder.mcap]` and `[checker.mesh]`.",
+        "",
+        *EXTRAS,
         "",
         "| seam | name | distribution |",
         "|---|---|---|",
@@ -235,10 +280,46 @@ def plugins_page() -> str:
     return "\n".join(lines) + "\n"
 
 
+@pytest.mark.peers
 def test_plugins_page(docs: Path, up_to_date: Check) -> None:
     up_to_date(docs / "plugins.md", plugins_page())
 
 
+def licence_of(package: str) -> str:
+    """What the metadata of an installed package, or the first lines of its licence, say."""
+    found = metadata.metadata(package)
+    words = [found.get("License-Expression") or found.get("License") or "", *found.get_all("Classifier", [])]
+    files = [file for file in metadata.files(package) or () if file.name.startswith("LICENSE")]
+    words += [Path(str(file.locate())).read_text(encoding="utf-8")[:300] for file in files]
+    return " ".join(words)
+
+
+@pytest.mark.peers
+def test_licences_are_as_told(docs: Path) -> None:
+    page = " ".join((docs / "plugins.md").read_text(encoding="utf-8").split())
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    needs = [project["dependencies"]]
+    for path in ROOT.glob("plugins/*/pyproject.toml"):
+        needs.append(tomllib.loads(path.read_text(encoding="utf-8"))["project"]["dependencies"])
+    names = {re.split("[=<>]", need)[0] for need in chain(*needs)}
+    free = re.compile("MIT|BSD|Apache|Permission is hereby granted, free of charge")
+    others = {name for name in names if not free.search(licence_of(name))}
+    assert others == {"exudyn"} and "EXUDYN-General-License" in licence_of("exudyn")
+    told = {"imageio-ffmpeg": "BSD-2-Clause", "pyarrow": "Apache-2.0", "distributed": "BSD-3-Clause"}
+    for name, licence in {**told, "cadquery-ocp-novtk": "Apache-2.0"}.items():
+        assert licence in licence_of(name) and re.search(rf"{name} \| {licence}", page)
+    ffmpeg = subprocess.run([get_ffmpeg(), "-version"], capture_output=True, text=True, check=True).stdout
+    assert "--enable-gpl --enable-version3" in ffmpeg
+    assert "mosek" in str(metadata.requires("drake")).lower()
+
+
+def get_ffmpeg() -> str:
+    from imageio_ffmpeg import get_ffmpeg_exe
+
+    return str(get_ffmpeg_exe())
+
+
+@pytest.mark.peers
 def test_every_option_of_a_shipped_plugin_has_help_and_a_unit_where_it_is_a_quantity() -> None:
     for contributions in shipped().values():
         for row in contributions:

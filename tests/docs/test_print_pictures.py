@@ -40,9 +40,10 @@ def job(name: str) -> ExportJob:
 
 
 def plate(name: str) -> bytes:
-    from driftform_frusta.exporters.threemf import ThreeMfExporter, ThreeMfOptions
+    from driftform_frusta.exporters.threemf import ThreeMfExporter
+    from driftform_frusta.kit.options import PartOptions
 
-    return ThreeMfExporter(ThreeMfOptions(kit=True)).plate_picture(job(name))
+    return ThreeMfExporter(PartOptions(kit=True)).plate_picture(job(name))
 
 
 def pixels(png: bytes) -> FloatArray:
@@ -52,7 +53,21 @@ def pixels(png: bytes) -> FloatArray:
 
 @pytest.mark.parametrize("name", AGENTS)
 def test_drawings_are_up_to_date(docs: Path, name: str) -> None:
-    path, drawn = docs / "images" / f"section-{name}.svg", section_svg(*_titled(name))
+    compare(docs / "images" / f"section-{name}.svg", section_svg(*_titled(name)))
+
+
+def test_the_assembly_sheet_is_up_to_date(docs: Path) -> None:
+    from driftform_frusta.kit.options import PartOptions
+    from driftform_frusta.sheet.contents import plan_sheet
+    from driftform_frusta.sheet.drawing import sheet_svg
+
+    compare(
+        docs / "images" / "assembly-sheet.svg", sheet_svg(plan_sheet(job("float"), PartOptions(kit=True)))
+    )
+
+
+def compare(path: Path, drawn: str) -> None:
+    """Compare a picture with the one that the page shows, or replace that."""
     if os.environ.get("UPDATE_DOCS") == "1":
         path.write_text(drawn, encoding="utf-8")
     kept = path.read_text(encoding="utf-8")

@@ -95,7 +95,8 @@ def model_of(surfaces, pipe=PIPE, friction=0.0, restitution=0.7, total=INERTIA):
     table[MASS:INVERSE], table[INVERSE:LINEAR] = total, np.linalg.inv(total)
     table[FRICTION], table[REACH] = friction, (np.hypot(rows[:, 0], rows[:, 1]) + rows[:, 2]).max()
     law = contact_law(table[INVERSE:LINEAR], OMEGA, restitution, 1e-3, 0.02)
-    return SPHERE._replace(table=table, surfaces=rows, law=law, pipe=pipe)
+    bristles = np.zeros((2 * len(rows) if friction else 0, 3))
+    return SPHERE._replace(table=table, surfaces=rows, law=law, pipe=pipe, bristles=bristles)
 
 
 def depth_of(position, R, model, k=0):

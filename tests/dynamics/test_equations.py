@@ -323,7 +323,7 @@ def test_the_water_is_that_at_the_centre_of_buoyancy(what, place, velocity, omeg
     for mode in ("full", "paper"):
         model = flight_model(agent, scenario_of(SHEARED[what], mode=mode))
         there = water_motion(tuple(place.tolist()), 0.0, model.pipe, model.flow, model.gusts)
-        stream, change, shear = water_motion_at_cob(
+        stream, change, shear, curl = water_motion_at_cob(
             0.0, where, rows, tuple(velocity.tolist()), tuple(omega.tolist()), model
         )
         path = np.array(there[0]) if mode == "full" else velocity + R @ np.cross(omega, centre)
@@ -333,6 +333,13 @@ def test_the_water_is_that_at_the_centre_of_buoyancy(what, place, velocity, omeg
         slack = 1e-6 + (what == "developing") * 2e-3
         along = change_along(model, place, R[:, 0])
         assert shear == pytest.approx(R.T @ along, abs=slack)
+        gradient = np.column_stack([change_along(model, place, axis) for axis in np.eye(3)])
+        spin = [
+            gradient[2, 1] - gradient[1, 2],
+            gradient[0, 2] - gradient[2, 0],
+            gradient[1, 0] - gradient[0, 1],
+        ]
+        assert curl == pytest.approx(R.T @ spin, abs=2 * slack)
 
 
 # What stays in its plane.

@@ -68,7 +68,7 @@ def test_a_fall_through_a_shaft_ends_when_it_has_fallen_so_far():
         assert trajectory.end == End.OUTLET
         assert trajectory.t[-1] == pytest.approx(math.sqrt(6.0 / acceleration), abs=1e-9)
         assert trajectory.position[-1] == pytest.approx([0, 0, -3.0], abs=1e-9)
-        assert trajectory.velocity[-1, 2] == pytest.approx(-acceleration * trajectory.t[-1], rel=1e-9)
+        assert trajectory.velocity[-1, 0] == pytest.approx(acceleration * trajectory.t[-1], rel=1e-9)
         assert samples[-1, 3] < -3.0 <= samples[-2, 3]
         assert len(trajectory.t) == len(samples)
 

@@ -1,5 +1,6 @@
 """Evaluations in this process, in local processes and on a cluster: the same result, whatever dies."""
 
+import json
 import multiprocessing
 import os
 import signal
@@ -17,12 +18,12 @@ import numpy as np
 import pytest
 
 from driftform.errors import InputError
-from driftform.execution import ATTEMPTS, InProcess, Job, LocalProcesses, Outcome
+from driftform.execution import ATTEMPTS, KILLS, InProcess, Job, LocalProcesses, Outcome, WorkersLostError
 from driftform.execution.cluster import Cluster
 from driftform.execution.pool import PoolExecutor
 from driftform.study import Study, load_study
 from driftform.types import Evaluation
-from driftform.util.files import remove_parts, write_whole
+from driftform.util.files import remove_parts
 
 Make = Callable[[Study], PoolExecutor]
 
@@ -31,8 +32,9 @@ pytestmark = pytest.mark.usefixtures("fakes")
 COUNT = 24
 
 
-def study_of(**options: Any) -> Study:
-    settings = [f"simulator.{key}={value!r}" for key, value in options.items()]
+def study_of(timeout: float = 60.0, **options: Any) -> Study:
+    settings = [f"simulator.{key}={json.dumps(value)}" for key, value in options.items()]
+    settings.append(f"run.evaluation_timeout={timeout}")
     return load_study(None, settings, use={"simulator": "fake"}, targets=["TP1", "TP6"], run={"seed": 1})
 
 
@@ -43,7 +45,7 @@ def jobs() -> list[Job]:
     return [Job(10 + index, grammar.random(rng)) for index in range(COUNT)]
 
 
-@pytest.fixture(params=["local", "dask"])
+@pytest.fixture(params=["local", pytest.param("dask", marks=pytest.mark.peers)])
 def make(request: pytest.FixtureRequest) -> Make:
     """Makes an executor with two workers: local processes, or those of a running cluster."""
     if request.param == "local":
@@ -52,14 +54,12 @@ def make(request: pytest.FixtureRequest) -> Make:
     return lambda study: Cluster.join(study.document, address)
 
 
-def workers_of(executor: PoolExecutor, dask_cluster: str | None = None) -> list[int]:
+def workers_of(executor: PoolExecutor) -> list[int]:
     """The processes that evaluate."""
-    if isinstance(executor, LocalProcesses):
-        return [child.pid or 0 for child in multiprocessing.active_children()]
-    from distributed import Client
-
-    with Client(dask_cluster, set_as_default=False) as client:
-        return list(client.run(os.getpid).values())
+    if isinstance(executor, Cluster):
+        [group] = executor._groups
+        return list(group._client.run(os.getpid).values())
+    return [child.pid or 0 for child in multiprocessing.active_children()]
 
 
 def number(genome: Any) -> float:
@@ -113,17 +113,23 @@ def test_a_genome_that_raises_fails_and_the_others_do_not(jobs: list[Job]) -> No
 
 
 def test_a_genome_that_kills_its_process_fails_and_all_others_are_evaluated(
-    jobs: list[Job], make: Make
+    jobs: list[Job], make: Make, request: pytest.FixtureRequest
 ) -> None:
+    is_local = "local" in request.node.callspec.id
+    reason = (
+        f"its process died {ATTEMPTS} times (exit code 1)"
+        if is_local
+        else f"its process was killed {KILLS} times, from outside or for want of memory"
+    )
     sound = collect(InProcess(study_of().make_pipeline()).evaluate(jobs))
-    guilty = {job.index for job in jobs if number(job.genome) < 0.08}
+    guilty = {job.index for job in jobs if number(job.genome) < 0.04}
     assert 0 < len(guilty) < COUNT / 3
-    with closing(make(study_of(die=0.08))) as executor:
+    with closing(make(study_of(die=0.04))) as executor:
         outcomes = collect(executor.evaluate(jobs))
     assert outcomes.keys() == sound.keys()
     for index, evaluation in outcomes.items():
         if index in guilty:
-            assert evaluation.failure == f"its process died {ATTEMPTS} times"
+            assert evaluation.failure == reason
             assert evaluation.fitness.tolist() == [0.0, 0.0]
         else:
             assert_same({index: evaluation}, {index: sound[index]})
@@ -138,23 +144,84 @@ def test_a_process_that_dies_once_is_forgiven(jobs: list[Job], make: Make, tmp_p
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
-def test_a_worker_that_is_killed_from_outside_costs_nothing(
-    jobs: list[Job], make: Make, dask_cluster: str
-) -> None:
+def test_a_worker_that_is_killed_from_outside_costs_nothing(jobs: list[Job], make: Make) -> None:
     study = study_of(pause=0.05)
     found: dict[int, Evaluation] = {}
     with closing(make(study)) as executor:
         for index, evaluation in chain.from_iterable(executor.evaluate(jobs)):
             if not found:
-                os.kill(workers_of(executor, dask_cluster)[0], signal.SIGKILL)
+                os.kill(workers_of(executor)[0], signal.SIGKILL)
             assert index not in found
             found[index] = evaluation
         # A worker that waits for work may be killed as well.
-        os.kill(workers_of(executor, dask_cluster)[0], signal.SIGKILL)
+        os.kill(workers_of(executor)[0], signal.SIGKILL)
         again = collect(executor.evaluate(jobs[:2]))
     sound = collect(InProcess(study.make_pipeline()).evaluate(jobs))
     assert_same(found, sound)
     assert_same(again, {job.index: sound[job.index] for job in jobs[:2]})
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("SIGSEGV", "its process died 2 times (SIGSEGV)"),
+        ("SIGABRT", "its process died 2 times (SIGABRT)"),
+        ("SIGKILL", "its process was killed 5 times (SIGKILL), from outside or for want of memory"),
+    ],
+)
+def test_a_genome_that_ends_its_process_by_a_signal_fails_with_the_signal(
+    jobs: list[Job], name: str, reason: str
+) -> None:
+    [guilty] = sorted((job for job in jobs if number(job.genome) < 0.08), key=lambda job: job.index)[:1]
+    innocent = next(job for job in jobs if number(job.genome) > 0.5)
+    with closing(LocalProcesses(study_of(die=0.08, signal=name).document, 1)) as executor:
+        outcomes = collect(executor.evaluate([innocent, guilty]))
+    assert outcomes[guilty.index].failure == reason
+    assert outcomes[innocent.index].failure is None
+
+
+def test_workers_that_cannot_start_stop_the_run_and_no_genome_is_blamed(jobs: list[Job]) -> None:
+    with (
+        closing(LocalProcesses(study_of(stillborn=True).document, 2)) as executor,
+        pytest.raises(WorkersLostError, match=r"^workers cannot start here: .*\(exit code 3\)$"),
+    ):
+        list(executor.evaluate(jobs))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
+def test_a_worker_that_is_killed_while_it_starts_costs_nothing(jobs: list[Job]) -> None:
+    with closing(LocalProcesses(study_of().document, 1)) as executor:
+        killed: list[int] = []
+
+        def kill_starting() -> None:
+            while len(killed) < 3:
+                for worker in set(workers_of(executor)) - set(killed):
+                    os.kill(worker, signal.SIGKILL)
+                    killed.append(worker)
+                time.sleep(0.01)
+
+        killer = threading.Thread(target=kill_starting)
+        killer.start()
+        outcomes = collect(executor.evaluate(jobs))
+        killer.join()
+    assert len(killed) == 3
+    assert_same(outcomes, collect(InProcess(study_of().make_pipeline()).evaluate(jobs)))
+
+
+def test_a_genome_whose_flight_never_ends_fails_and_all_others_are_evaluated(
+    jobs: list[Job], make: Make
+) -> None:
+    guilty = {job.index for job in jobs if number(job.genome) < 0.08}
+    sound = collect(InProcess(study_of().make_pipeline()).evaluate(jobs))
+    with closing(make(study_of(hang=0.08, timeout=2.0))) as executor:
+        outcomes = collect(executor.evaluate(jobs))
+    assert outcomes.keys() == sound.keys()
+    for index, evaluation in outcomes.items():
+        if index in guilty:
+            assert evaluation.failure == "its evaluation did not end within 2 s (run.evaluation_timeout)"
+        else:
+            assert_same({index: evaluation}, {index: sound[index]})
 
 
 def test_closing_in_the_middle_does_not_wait_and_leaves_no_process(jobs: list[Job]) -> None:
@@ -175,18 +242,11 @@ def test_an_error_in_a_study_is_raised_and_no_genome_is_blamed(jobs: list[Job], 
         list(executor.evaluate(jobs))
 
 
-def _die_elsewhere(home: int) -> str:
-    if os.getpid() != home:
-        os.kill(os.getpid(), getattr(signal, "SIGKILL", signal.SIGTERM))
-    return "home"
+def harm(name: str) -> Any:
+    """A function that worker processes can import, and that does harm."""
+    import driftform_fake
 
-
-def _refuse() -> None:
-    raise InputError("no")
-
-
-def _write_slowly(path: Path) -> None:
-    write_whole(path, lambda part: (part.write_text("half"), time.sleep(60)))
+    return getattr(driftform_fake, name)
 
 
 def test_functions_are_called_in_processes_that_run_already(jobs: list[Job]) -> None:
@@ -196,18 +256,36 @@ def test_functions_are_called_in_processes_that_run_already(jobs: list[Job]) -> 
         workers = set(workers_of(executor))
         assert set(executor.call([os.getpid] * 4)) == workers
         # A process that dies is to blame for nothing but itself.
-        assert executor.call([partial(_die_elsewhere, os.getpid())]) == ["home"]
+        assert executor.call([partial(harm("die_elsewhere"), os.getpid())]) == ["home"]
         with pytest.raises(InputError, match="no"):
-            executor.call([_refuse, os.getpid])
+            executor.call([harm("refuse"), os.getpid])
         assert workers_of(executor) == []
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
+def test_a_worker_that_dies_while_it_sends_its_result_is_not_waited_for(jobs: list[Job]) -> None:
+    executor = LocalProcesses(study_of().document, 1)
+    list(executor.evaluate(jobs[:1]))
+    found: list[object] = []
+
+    def call() -> None:
+        found.extend(executor.call([partial(harm("die_while_sending"), os.getpid())]))
+
+    caller = threading.Thread(target=call, daemon=True)
+    caller.start()
+    caller.join(30)
+    assert found == ["home"]
+    executor.close()
+    assert multiprocessing.active_children() == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
 def test_an_interruption_of_functions_leaves_nothing_half_written(jobs: list[Job], tmp_path: Path) -> None:
     with closing(LocalProcesses(study_of().document, 1)) as executor:
         list(executor.evaluate(jobs[:2]))
-        interrupt = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
+        interrupt = threading.Timer(2.0, os.kill, [os.getpid(), signal.SIGINT])
         interrupt.start()
         with pytest.raises(KeyboardInterrupt):
-            executor.call([partial(_write_slowly, tmp_path / "file")])
+            executor.call([partial(harm("write_slowly"), tmp_path / "file")])
         remove_parts(tmp_path)
     assert list(tmp_path.iterdir()) == []

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 
-from driftform.figures.layout import text_width
+from driftform.figures.layout import MINUS, text_width
 from driftform.geometry import mass_properties
 from driftform.scenario import Pipe, Scenario, Segment
 from driftform.types import Agent, Body, Coefficients, Core, End, FloatArray, Trajectory
@@ -66,7 +66,11 @@ class Picture:
 
     @property
     def texts(self) -> list[str]:
-        return [e.text or "" for e in self.root.iter(SVG + "text")]
+        return [e.text or "" for e in self._labels()]
+
+    def _labels(self) -> list[ET.Element]:
+        """The texts, without the halos that lie below them."""
+        return [e for e in self.root.iter(SVG + "text") if e.get("class") != "halo"]
 
     def all(self, class_: str) -> list[ET.Element]:
         return [e for e in self.root.iter() if e.get("class") == class_]
@@ -87,7 +91,7 @@ class Picture:
         return found
 
     def overlapping_texts(self) -> list[tuple[str, str]]:
-        boxes = [(e.text or "", points_of(e)) for e in self.root.iter(SVG + "text")]
+        boxes = [(e.text or "", points_of(e)) for e in self._labels()]
         return [
             (a, b)
             for i, (a, p) in enumerate(boxes)
@@ -99,16 +103,58 @@ class Picture:
         """Page to metres, as a reader would do it: along the ticks of the (only) pair of axes."""
         columns = []
         for axis, name in enumerate(("tick-right", "tick-up")):
-            values = [float((e.text or "").replace("\u2212", "-")) for e in self.all(name + "-label")]
+            values = [float((e.text or "").replace(MINUS, "-")) for e in self.all(name + "-label")]
             places = [points_of(e)[0, axis] for e in self.all(name)]
             slope, shift = np.polyfit(places, values, 1)
             columns.append(shift + slope * points[:, axis])
         return np.column_stack(columns)
 
 
+ELEMENTS = {"svg", "title", "desc", "rect", "line", "circle", "path", "text"}
+ATTRIBUTES = {
+    *(
+        "width",
+        "height",
+        "viewBox",
+        "role",
+        "aria-hidden",
+        "class",
+        "d",
+        "x",
+        "y",
+        "x1",
+        "y1",
+        "x2",
+        "y2",
+        "cx",
+        "cy",
+    ),
+    *(
+        "r",
+        "rx",
+        "fill",
+        "fill-rule",
+        "fill-opacity",
+        "stroke",
+        "stroke-width",
+        "stroke-linecap",
+        "stroke-linejoin",
+    ),
+    *("stroke-dasharray", "font-family", "font-size", "font-weight", "font-style", "text-anchor"),
+}
+"""What cairosvg, Inkscape, librsvg and browsers draw alike; it excludes paint-order, style sheets and patterns."""
+
+
 @pytest.fixture(scope="session")
 def read() -> Callable[[str], Picture]:
-    return lambda text: Picture(ET.fromstring(text))
+    def read_as_any_reader_does(text: str) -> Picture:
+        root = ET.fromstring(text)
+        for element in root.iter():
+            assert element.tag.removeprefix(SVG) in ELEMENTS
+            assert set(element.keys()) <= ATTRIBUTES, element.keys()
+        return Picture(root)
+
+    return read_as_any_reader_does
 
 
 @pytest.fixture(scope="session")

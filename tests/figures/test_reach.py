@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from driftform.figures.layout import MINUS
 from driftform.figures.reach import BOUNDS, RAMP, reach_svg
 from driftform.scenario import Pipe, Scenario, Segment
 from driftform.trajectory.coverage import CoverageMap, PipeGrid, map_coverage
@@ -106,9 +107,7 @@ segments = (
 @given(segment=segments, name=st.text("abcW", min_size=1, max_size=20))
 def test_any_pipe_keeps_to_the_page_and_its_labels_apart(read, segment, name):
     middle = tuple(np.add(segment.start, segment.end) / 2)
-    scenario = Scenario(
-        pipe=Pipe(segments=(segment,)), targets={name: middle}, release={"position": segment.start}
-    )
+    scenario = Scenario(pipe=Pipe(segments=(segment,)), targets={name: middle})
     picture = read(
         reach_svg(
             CoverageMap(PipeGrid.of_scenario(scenario)), scenario, "Any pipe there may be, with a title " * 4
@@ -123,9 +122,9 @@ def test_the_axes_are_the_worlds_where_the_pipe_lies_along_x_and_the_maps_elsewh
     upright = Segment(start=(3.0, 0.0, -5.0), end=(3.0, 0.0, 4.0), radius=1.0)
     texts = []
     for segment in (along_x, upright):
-        scenario = Scenario(pipe=Pipe(segments=(segment,)), release={"position": segment.start})
+        scenario = Scenario(pipe=Pipe(segments=(segment,)))
         texts.append(set(read(reach_svg(CoverageMap(PipeGrid.of_scenario(scenario)), scenario, "")).texts))
-    assert {"x (m)", "z (m)", "12", "−5.0"} <= texts[0]
+    assert {"x (m)", "z (m)", "12", f"{MINUS}5.0"} <= texts[0]
     assert {"along the pipe (m)", "up (m)", "9", "0.0"} <= texts[1]
 
 

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from driftform.figures.layout import MINUS
 from driftform.figures.section import hatch, section_svg
 from driftform.types import Agent, Body, Coefficients, Core, MassProperties
 
@@ -114,7 +115,7 @@ def test_the_centres_are_marked_where_they_are_and_their_labels_keep_apart(
     for name, x in (("cog", 0.01), ("cob", 0.01 - distance)):
         marks = [points(e).mean(axis=0) for e in picture.all(name) if e.get("r")]
         assert any(abs(mark[0] - middle - x * px_per_m) < 0.02 for mark in marks)
-        assert f"{name.upper()} x = {1000 * x:.1f} mm".replace("-", "\u2212") in picture.texts
+        assert f"{name.upper()} x = {1000 * x:.1f} mm".replace("-", MINUS) in picture.texts
     assert picture.overlapping_texts() == []
 
 

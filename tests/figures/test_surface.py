@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform.figures.bodies import Placement
+from driftform.figures.layout import MINUS
 from driftform.figures.section import section_svg
 from driftform.figures.surface import find_rest, find_surface
 from driftform.scenario import Fluid, Scenario
@@ -106,7 +107,7 @@ def test_net_buoyancy_is_that_of_the_scenario_s_water(read, tube):
     newtons = 0.5 * DENSITY * agent.mass.volume * 9.81
     assert f"+{newtons:.3g} N" in read(section_svg(agent, "", water())).texts
     assert any(
-        "N" in text and text.startswith("−") for text in read(section_svg(tube(1.2), "", water())).texts
+        "N" in text and text.startswith(MINUS) for text in read(section_svg(tube(1.2), "", water())).texts
     )
     assert not any(text.endswith(" N") for text in read(section_svg(agent)).texts)
 

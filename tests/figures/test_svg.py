@@ -3,6 +3,7 @@ import pytest
 
 from driftform.figures import svg
 from driftform.figures.layout import (
+    MINUS,
     Box,
     floor_to_nice_number,
     format_signed,
@@ -74,4 +75,4 @@ def test_ticks_include_both_ends():
 
 
 def test_zero_has_no_sign():
-    assert (format_signed(-0.01, 1), format_signed(-2.34, 1)) == ("0.0", "\u22122.3")
+    assert (format_signed(-0.01, 1), format_signed(-2.34, 1)) == ("0.0", MINUS + "2.3")

@@ -1,6 +1,10 @@
 """What would be published: every distribution builds, says what it is, and works outside the repository."""
 
 import json
+import os
+import shutil
+import subprocess
+import sys
 import tarfile
 import tomllib
 import zipfile
@@ -8,6 +12,7 @@ from collections.abc import Callable
 from email import message_from_string
 from email.message import Message
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,8 +22,8 @@ PROJECTS = [ROOT, *sorted(path.parent for path in (ROOT / "plugins").glob("*/pyp
 pytestmark = pytest.mark.installs
 
 
-def project(folder: Path) -> dict[str, str]:
-    table: dict[str, str] = tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+def project(folder: Path) -> dict[str, Any]:
+    table: dict[str, Any] = tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     return table
 
 
@@ -26,6 +31,37 @@ def project(folder: Path) -> dict[str, str]:
 def installed(dist: Path, new_environment: Callable[..., Path]) -> Path:
     """The programs of an environment that has the wheels."""
     return new_environment(*dist.glob("*.whl"))
+
+
+@pytest.fixture(scope="module", params=["this", "newest"])
+def evolving(
+    request: pytest.FixtureRequest,
+    dist: Path,
+    outside: Callable[..., str],
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Path:
+    """The programs of an environment where pip installed driftform, on this Python and on the newest at hand."""
+    python = sys.executable if request.param == "this" else newest_python()
+    folder = tmp_path_factory.mktemp("pip")
+    outside(python, "-m", "venv", "env", cwd=folder)
+    programs = folder / "env" / ("Scripts" if os.name == "nt" else "bin")
+    options = ("--quiet", "--only-binary", ":all:", "--find-links", dist)
+    outside(programs / "python", "-m", "pip", "install", *options, "driftform", cwd=folder)
+    return programs
+
+
+def newest_python() -> str:
+    """The newest Python that the classifiers name and this machine has, if it is newer than the running one."""
+    versions = [line.rpartition(" :: ")[2] for line in project(ROOT)["classifiers"] if " :: 3." in line]
+    for version in reversed(versions):
+        if version == "{}.{}".format(*sys.version_info):
+            break
+        # On the path, and beside the running one, where pyenv and uv put them.
+        beside = Path(sys.base_prefix).parent.glob(f"*{version}*/bin/python{version}")
+        for program in filter(None, (shutil.which(f"python{version}"), *beside)):
+            if subprocess.run([program, "--version"], capture_output=True, check=False).returncode == 0:
+                return str(program)
+    return pytest.skip(f"no Python up to {versions[-1]} that is newer than this one is installed here")
 
 
 def file_of(dist: Path, name: str, end: str) -> Path:
@@ -64,11 +100,11 @@ def test_wheels_and_sdists_hold_the_licence_and_say_that_they_are_typed(folder: 
     assert not [n for n in names if n.startswith("tests/") or "__pycache__" in n]
 
 
-def test_it_evolves_outside_the_repository(
-    installed: Path, outside: Callable[..., str], tmp_path: Path
+def test_pip_installs_a_program_that_evolves_outside_the_repository(
+    evolving: Path, outside: Callable[..., str], tmp_path: Path
 ) -> None:
     words = ["evolve", "--simulator", "native", "--evaluations", "4", "--seed", "1", "--workers", "2"]
-    told = json.loads(outside(installed / "driftform", *words, "--out", "run", "--json", cwd=tmp_path))
+    told = json.loads(outside(evolving / "driftform", *words, "--out", "run", "--json", cwd=tmp_path))
     assert told["evaluations"] == 4 and told["failed"] == 0
     assert (tmp_path / "run" / "best" / "TP1" / "agent.stl").stat().st_size > 84
 

@@ -1,6 +1,8 @@
 """What package indexes and code hosts show of the project: authors, links, versions of Python, workflows and forms."""
 
+import re
 import tomllib
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +54,42 @@ def test_every_distribution_names_the_versions_of_python_that_the_workflow_tests
     assert project["requires-python"] == f">={tested[0]}"
 
 
+@pytest.mark.parametrize("folder", PROJECTS, ids=lambda path: path.name)
+def test_every_distribution_needs_the_others_of_its_own_version(folder: Path) -> None:
+    project = read_project(folder)
+    needs = [*project["dependencies"], *chain(*project.get("optional-dependencies", {}).values())]
+    ours = [need for need in needs if need.startswith("driftform")]
+    assert ours and all(need.endswith(f"=={project['version']}") for need in ours)
+    assert project["version"] == read_project(ROOT)["version"]
+
+
+@pytest.mark.parametrize("folder", PROJECTS, ids=lambda path: path.name)
+def test_packages_whose_internals_are_used_have_an_upper_bound(folder: Path) -> None:
+    bounded = {
+        "cadquery-ocp-novtk",
+        "exudyn",
+        "manifold3d",
+        "numba",
+        "pydantic",
+        "resvg-py",
+        "ribs",
+        "rosbags",
+    }
+    project = read_project(folder)
+    needs = [*project["dependencies"], *chain(*project.get("optional-dependencies", {}).values())]
+    assert [
+        n for n in needs if re.match(r"[\w-]+", n)[0] in {*bounded, "trimesh", "typer"} and ",<" not in n
+    ] == []
+
+
+def test_the_core_installs_every_plugin_of_the_default_study() -> None:
+    needs = {need.partition("==")[0] for need in read_project(ROOT)["dependencies"]}
+    optional = {folder.name for folder in PROJECTS[1:]} - needs
+    assert optional == {"driftform-ribs", "driftform-robotics"}
+    for name in optional:
+        assert any(need.startswith(name) for need in read_project(ROOT)["optional-dependencies"][name[10:]])
+
+
 def test_the_citation_names_the_authors_of_the_distributions() -> None:
     assert read_yaml("CITATION.cff")["authors"] == read_project(ROOT)["authors"]
 
@@ -62,6 +100,20 @@ def test_the_workflow_tests_on_three_systems_and_runs_what_ci_runs() -> None:
     assert [system.split("-")[0] for system in systems] == ["ubuntu", "macos", "windows"]
     assert "uv run pytest" in [step.get("run") for step in jobs["tests"]["steps"]]
     assert "bash .ci/run" in [step.get("run") for step in jobs["complete"]["steps"]]
+
+
+def test_ci_runs_every_group_of_tests_that_is_not_slow(pytestconfig: pytest.Config) -> None:
+    script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    assert 'bash -c "$test_command"\n' in script and "uv sync --quiet --all-groups\n" in script
+    [default] = [word for word in pytestconfig.getini("addopts") if word.startswith("not slow")]
+    groups = {
+        line.partition(":")[0]
+        for line in pytestconfig.getini("markers")
+        if f"not {line.partition(':')[0]}" in default
+    }
+    assert groups == {"slow", "installs", "peers"}
+    for group in groups - {"slow"}:
+        assert f"uv run pytest -m {group}" in script or f'uv run pytest -m "{group} and not slow"' in script
 
 
 def test_a_release_is_published_without_a_stored_token() -> None:
@@ -80,9 +132,9 @@ def test_a_commit_is_checked_by_the_lints_of_ci() -> None:
     [local] = read_yaml(".pre-commit-config.yaml")["repos"]
     assert local["repo"] == "local"
     assert {hook["id"] for hook in local["hooks"]} == {"ruff", "ruff-format", "mypy"}
-    for command in ("uv run ruff check", "uv run ruff format", "uv run mypy"):
-        assert any(hook["entry"].startswith(command) for hook in local["hooks"])
-        assert f"\n{command}" in script
+    for command in ("ruff check", "ruff format", "mypy"):
+        assert any(hook["entry"].startswith(f"uv run --group lint {command}") for hook in local["hooks"])
+        assert f"\nuv run {command}" in script
 
 
 @pytest.mark.parametrize("form", ["bug.yml", "feature.yml"])

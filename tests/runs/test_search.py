@@ -11,8 +11,9 @@ import pytest
 
 from driftform.errors import InputError, WorkFailedError
 from driftform.execution import InProcess, Job, Outcome
+from driftform.pipeline import MARGIN
 from driftform.runs.results import write_results
-from driftform.runs.search import check_fitness, run_search
+from driftform.runs.search import BestFitness, check_fitness, run_search
 from driftform.runs.store import Record, Store
 from driftform.study import Study, load_study
 from driftform.types import Evaluation, Genome
@@ -91,6 +92,74 @@ def test_stopped_anywhere_it_goes_on_to_the_same_result_and_flies_nothing_twice(
     assert sorted(first.asked + second.asked) == list(range(25))
 
 
+def screened_study(strategy: str) -> Study:
+    batch = {"random": "strategy.batch=10", "evolution": "strategy.random=10"}[strategy]
+    return load_study(
+        None,
+        [batch],
+        use={"simulator": "native", "strategy": strategy},
+        targets=["TP5", "TP8"],
+        run={"seed": 3, "evaluations": 60},
+    )
+
+
+@pytest.mark.parametrize("strategy", ["random", "evolution"])
+def test_what_a_run_shows_is_checked_and_what_is_not_checked_is_not_among_its_best(
+    store: Store, strategy: str
+) -> None:
+    study = screened_study(strategy)
+    run_search(study, store, InProcess(study.make_pipeline()))
+    records = list(store.read_records(study.scenario.target_names))
+    checked = [error_of(record) is not None for record in records]
+    assert 10 < sum(checked) < 50
+    fitness = np.array([record.evaluation.fitness for record in records])
+    for index in np.flatnonzero(np.logical_not(checked)):
+        assert np.all(fitness[index] < fitness[:index].max(axis=0) - MARGIN)
+    # The same genomes with all flights checked have the same best ones.
+    whole = study.make_pipeline().evaluate([record.candidate.genome for record in records])
+    expected = np.array([evaluation.fitness for evaluation in whole])
+    np.testing.assert_array_equal(expected[checked], fitness[checked])
+    np.testing.assert_array_equal(expected.max(axis=0), fitness.max(axis=0))
+
+
+def test_which_flights_are_checked_depends_neither_on_their_order_nor_on_a_stop(
+    store: Store, tmp_path: Path
+) -> None:
+    study = screened_study("evolution")
+    targets = study.scenario.target_names
+    with Store.create(tmp_path / "whole.db", {}) as whole:
+        run_search(study, whole, InProcess(study.make_pipeline()))
+        expected = rows(whole, study), [error_of(record) for record in whole.read_records(targets)]
+    with pytest.raises(KeyboardInterrupt):
+        run_search(study, store, Counting(study, breaks_after=34))
+    run_search(study, store, Counting(study))
+    assert (rows(store, study), [error_of(record) for record in store.read_records(targets)]) == expected
+
+
+def error_of(record: Record) -> float | None:
+    trajectory = record.evaluation.trajectory
+    assert trajectory is not None
+    return trajectory.error
+
+
+def test_a_strategy_that_uses_every_fitness_has_every_flight_checked(store: Store) -> None:
+    study = load_study(
+        None, use={"simulator": "native", "strategy": "paper"}, targets=["TP1"], run={"evaluations": 20}
+    )
+    run_search(study, store, InProcess(study.make_pipeline()))
+    assert all(flight.error is not None for _, flight in store.read_trajectories())
+
+
+def test_the_best_fitness_lowers_a_threshold_and_failures_do_not_count() -> None:
+    genome, best = Genome("letters", ("A",)), BestFitness(targets=2, count=2)
+    assert best.lower_threshold((50.0, np.inf)) == (-np.inf, -np.inf)
+    best.add([Evaluation(genome, np.array(values)) for values in ([10.0, 20.0], [30.0, 5.0], [20.0, 1.0])])
+    best.add([Evaluation(genome, np.array([99.0, 99.0]), failure="it broke")])
+    assert best.lower_threshold((50.0, np.inf)) == (20.0, 5.0)
+    assert best.lower_threshold((15.0, 2.0)) == (15.0, 2.0)
+    assert best.lower_threshold(None) is None
+
+
 def test_a_finished_run_is_replayed_without_a_flight(store: Store) -> None:
     study = study_of()
     run_search(study, store, Counting(study))
@@ -115,7 +184,10 @@ def test_failures_are_recorded_with_their_reason_and_the_run_goes_on(store: Stor
     run_search(study, store, Counting(study))
     assert 0 < store.count_failed() < store.count() == 25
     failures = {r.evaluation.failure for r in store.read_records(study.scenario.target_names)} - {None}
-    assert all(str(failure).startswith("RuntimeError: genome 0.") for failure in failures)
+    assert all(
+        "simulator 'fake' failed in simulate(): RuntimeError: genome 0." in str(failure)
+        for failure in failures
+    )
 
 
 @pytest.mark.parametrize(("value", "extra"), [("nan", 0), ("inf", 0), ("-1", 0), ("50", 1), ("50", -1)])

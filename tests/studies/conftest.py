@@ -34,7 +34,7 @@ def sensitivity() -> Callable[[Agent, Scenario], float]:
     exact = NativeSimulator(NativeOptions(tolerance=1e-10, accuracy=1e6))
 
     def times_farther(agent: Agent, scenario: Scenario) -> float:
-        x, y, z = scenario.release.position
+        x, y, z = scenario.release_position()
         aside = scenario.release.model_copy(update={"position": (x, y, z + NUDGE)})
         flights = [
             exact.simulate(agent, where)

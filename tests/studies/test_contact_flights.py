@@ -54,7 +54,10 @@ def flown(agents, workers, count_of):
             settings.append("simulator.accuracy=1e3")
         pipeline = load_study(None, settings, use={"simulator": use}).make_pipeline()
         flights = list(workers.map(pipeline.simulator.simulate, drawn, repeat(pipeline.scenario)))
-        fitness = [pipeline.fitness.score(trajectory, pipeline.scenario) for trajectory in flights]
+        fitness = [
+            pipeline.fitness.score(trajectory, pipeline.scenario, agent)
+            for trajectory, agent in zip(flights, drawn, strict=True)
+        ]
         failed = np.array([trajectory.end.failed for trajectory in flights])
         return Flown(flights, np.where(failed[:, None], np.nan, fitness))
 
@@ -155,11 +158,11 @@ def test_both_simulators_find_the_same_fitness(flown, publish, sensitivity):
 def test_the_stiffness_of_the_wall_matters_more_than_the_integrator(flown, publish):
     _, fly = flown
     base, tighter = fly("native"), fly("native", 10)
-    stiffer = fly("native", 1, "contact.frequency=140")
+    stiffer = fly("native", 1, "contact.frequency=600")
     rough = fly("native", 1, "contact.friction=0.3")
     lines = [
         *HEAD,
-        row("native", "contact.frequency from 70 to 140 rad/s", changes(base, stiffer)),
+        row("native", "contact.frequency from 300 to 600 rad/s", changes(base, stiffer)),
         row("native", "contact.friction from 0 to 0.3", changes(base, rough)),
     ]
     publish("wall", lines)

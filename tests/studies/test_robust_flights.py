@@ -105,7 +105,7 @@ def complaints(flown: Flown, pipeline) -> Iterator[str]:
         yield f"passes with an error of {trajectory.error} m"
     if wall_depths(flown.agent, trajectory, pipe.radius).max() > 1.5e-3:
         yield "goes through the wall"
-    fitness = pipeline.fitness.score(trajectory, scenario)
+    fitness = pipeline.fitness.score(trajectory, scenario, flown.agent)
     if not (np.isfinite(fitness).all() and (fitness >= 0).all() and (fitness <= 100).all()):
         yield f"has the fitness {fitness}"
 

@@ -1,6 +1,7 @@
 """How study files, built-in scenarios and options of the command line make one document."""
 
 import tomllib
+import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from driftform.errors import InputError
+from driftform.options import MAX_SEED
+from driftform.registry import registry
 from driftform.scenario import evaluation_seed
 from driftform.study import Document, load_study
 from driftform.study.sources import read_scenarios
@@ -137,7 +140,7 @@ def test_a_list_is_replaced_as_a_whole(write: Write) -> None:
 
 @given(
     speed=st.floats(0.01, 10),
-    density=st.floats(1, 1e5),
+    density=st.floats(1, 3e4),
     targets=st.dictionaries(
         st.text("abcXYZ019_", min_size=1, max_size=8).map(lambda s: f"t{s}".lower()),
         st.tuples(st.floats(0, 9), st.floats(-0.7, 0.7), st.floats(-0.7, 0.7)),
@@ -145,7 +148,7 @@ def test_a_list_is_replaced_as_a_whole(write: Write) -> None:
         max_size=4,
     ),
     velocity=st.sampled_from(["current", "rest", [0.5, 0.0, 0.0]]),
-    seed=st.integers(0, 2**63),
+    seed=st.integers(0, MAX_SEED),
 )
 @settings(max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_a_resolved_study_is_the_same_study(
@@ -211,3 +214,59 @@ def test_the_water_main_is_the_same_pipe_with_the_effects_that_the_paper_neglect
     first, second = pipeline.evaluate([genome, genome], [evaluation_seed(1, 0), evaluation_seed(1, 1)])
     assert first.failure is None and second.failure is None
     assert not np.array_equal(first.fitness, second.fitness)
+
+
+def test_set_reaches_into_a_list() -> None:
+    study = load_study(settings=["pipe.segments.0.radius=0.8", "targets.TP1.2=-0.4"])
+    assert study.scenario.pipe.segments[0].radius == 0.8
+    assert study.scenario.pipe.segments[0].end == (9.0, 0.0, 0.0)
+    assert study.scenario.targets["TP1"] == (1.0, 0.0, -0.4)
+
+
+@pytest.mark.parametrize("item", ["1", "-1", "first"])
+def test_an_item_that_a_list_does_not_have_is_refused(item: str) -> None:
+    with pytest.raises(InputError, match=rf"pipe.segments has no item '{item}'; its items are 0 to 0"):
+        load_study(settings=[f"pipe.segments.{item}.radius=0.8"])
+
+
+def test_a_wrong_item_is_named_with_the_setting() -> None:
+    with pytest.raises(InputError, match=r"--set pipe.segments.0.radius=-1: pipe.segments\[0\].radius = -1"):
+        load_study(settings=["pipe.segments.0.radius=-1"])
+
+
+def test_another_kind_of_flow_drops_what_only_the_former_has() -> None:
+    resolved = Document("agent", load_study(settings=["flow.speed=0.7", "flow.acceleration=0.1"]).document)
+    flow = load_study(resolved, ["flow.kind=turbulent"]).document["flow"]
+    assert flow["speed"] == 0.7
+    assert flow["kind"] == "turbulent"
+    assert "acceleration" not in flow
+    back = load_study(Document("agent", {**resolved.data, "flow": flow}), ["flow.kind=uniform"])
+    assert back.document["flow"] == {"kind": "uniform", "speed": 0.7, "acceleration": 0.0}
+
+
+def test_another_kind_keeps_a_misspelt_key_for_its_error(write: Write) -> None:
+    with pytest.raises(InputError, match="unknown key 'sped'"):
+        load_study(write(BASE + "[flow]\nsped = 1\n"), ["flow.kind=turbulent"])
+
+
+@pytest.mark.parametrize("seam", ["hydrodynamics", "simulator", "strategy"])
+def test_every_other_plugin_can_be_chosen_for_a_resolved_study(seam: str) -> None:
+    resolved = Document("agent", load_study("water-main").document)
+    for row in registry().seam(seam):
+        if row.available:
+            assert load_study(resolved, use={seam: row.name}).document[seam]["use"] == row.name
+
+
+def test_another_model_of_added_mass_keeps_the_drag() -> None:
+    study = load_study("water-main", use={"hydrodynamics": "striptheory"})
+    assert study.document["hydrodynamics"]["drag"] == "strips"
+
+
+def test_a_key_of_twenty_thousand_names_is_refused_at_once(write: Write) -> None:
+    key = ".".join(["a", '"b"'] * 10_000)
+    for load in (lambda: load_study(write(f"{key} = 1\n")), lambda: load_study(settings=[f"{key}=1"])):
+        tracemalloc.start()
+        with pytest.raises(InputError, match="a key of more than 20 names"):
+            load()
+        assert tracemalloc.get_traced_memory()[1] < 50e6
+        tracemalloc.stop()

@@ -1,5 +1,6 @@
 """The contract of strategies is of use only if it refuses strategies that are wrong: each of these has one fault."""
 
+import numpy as np
 import pytest
 
 from driftform.builtin.strategies.random import RandomOptions, RandomStrategy
@@ -45,6 +46,41 @@ class EndingWithAFlourish(Generations):
         return super().ask(limit)[:: -1 if limit <= self.options.batch else 1]
 
 
+class Greedy(Generations):
+    """Breeds the best genome so far, and says truly which fitness matters."""
+
+    def __init__(self, space: SearchSpace) -> None:
+        super().__init__(space)
+        self.best = 0.0
+        self.parent = space.grammar.random(space.rng)
+
+    def ask(self, limit):
+        children = [self.space.grammar.mutate(self.parent, self.space.rng, 0.2) for _ in range(20)]
+        return [Candidate(genome, threshold=self.threshold()) for genome in children][:limit]
+
+    def tell(self, first, evaluations):
+        for evaluation in evaluations:
+            if evaluation.fitness[0] > self.best:
+                self.best, self.parent = evaluation.fitness[0], evaluation.genome
+
+    def threshold(self):
+        return self.best, np.inf
+
+
+class Disdainful(Greedy):
+    """Claims that no fitness matters."""
+
+    def threshold(self):
+        return np.inf, np.inf
+
+
+class OneForAll(Greedy):
+    """Gives one number for two targets."""
+
+    def threshold(self):
+        return (self.best,)
+
+
 class Contract(StrategyContract):
     def __init__(self, strategy: type[Generations]) -> None:
         self.strategy = strategy
@@ -63,3 +99,16 @@ def test_a_strategy_that_looks_at_the_budget_is_refused(fault: type[Generations]
     larger_budgets(Generations)
     with pytest.raises(AssertionError):
         larger_budgets(fault)
+
+
+@pytest.mark.parametrize(
+    ("fault", "test"),
+    [
+        (Disdainful, "test_fitness_up_to_the_threshold_does_not_matter"),
+        (OneForAll, "test_a_threshold_has_one_fitness_for_each_target"),
+    ],
+)
+def test_a_strategy_with_a_false_threshold_is_refused(fault: type[Generations], test: str) -> None:
+    getattr(Contract(Greedy), test)()
+    with pytest.raises(AssertionError):
+        getattr(Contract(fault), test)()

@@ -1,5 +1,7 @@
 """The map of what flights reach."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -8,7 +10,7 @@ from hypothesis import strategies as st
 from driftform.errors import InputError
 from driftform.scenario import Pipe, Scenario, Segment
 from driftform.trajectory.approach import closest_approach
-from driftform.trajectory.coverage import CoverageMap, PipeGrid, find_closest_pass, map_coverage
+from driftform.trajectory.coverage import CoverageMap, PipeGrid, find_passes, map_coverage
 from driftform.trajectory.path import hermite_coefficients, world_velocity
 from driftform.types import End, Trajectory
 
@@ -258,15 +260,21 @@ def test_open_water_has_no_map():
         PipeGrid.of_scenario(Scenario())
 
 
-def test_the_closest_pass_is_that_of_the_earliest_of_equals():
+def test_passes_are_sorted_by_their_distance_the_earliest_of_equals_first():
     level = straight((0.0, 0.0, 0.3), (9.0, 0.0, 0.3), samples=4)
-    flights = [(2, straight((0.0, 0.0, 0.9), (9.0, 0.0, 0.9))), (4, level), (7, level)]
-    found = find_closest_pass(iter(flights), (4.5, 0.0, 0.0))
-    assert found is not None
-    assert found.evaluation == 4
-    assert found.distance == pytest.approx(0.3)
-    assert found.t == pytest.approx(0.5)
+    far = replace(straight((0.0, 0.0, 0.9), (9.0, 0.0, 0.9)), error=1e-4)
+    passes = find_passes(iter([(2, far), (4, level), (7, level)]), (4.5, 0.0, 0.0))
+    assert [found.evaluation for found in passes] == [4, 7, 2]
+    assert [found.distance for found in passes] == pytest.approx([0.3, 0.3, 0.9])
+    assert passes[0].t == pytest.approx(0.5)
+    assert [found.checked for found in passes] == [False, False, True]
 
 
 def test_no_flight_passes_where_there_is_none():
-    assert find_closest_pass([], (0.0, 0.0, 0.0)) is None
+    assert find_passes([], (0.0, 0.0, 0.0)) == []
+
+
+def test_a_map_counts_its_flights_and_those_without_an_estimate_of_their_error():
+    flight = straight((0.0, 0.0, 0.3), (9.0, 0.0, 0.3))
+    reach = map_coverage([(0, flight), (1, replace(flight, error=0.0)), (2, flight)], CELLS)
+    assert (reach.flights, reach.unchecked) == (3, 2)

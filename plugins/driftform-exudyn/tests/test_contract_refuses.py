@@ -169,3 +169,34 @@ def test_a_faulty_simulator_is_refused(fault, test):
     getattr(Contract(sound), test)()
     with pytest.raises(AssertionError):
         getattr(Contract(fault), test)()
+
+
+class NeverChecking(ExudynSimulator):
+    def screen_batch(self, agents, scenarios, matters):
+        return super().screen_batch(agents, scenarios, lambda index, flight: matters(index, flight) and False)
+
+
+class MixingUpTheBatch(ExudynSimulator):
+    def screen_batch(self, agents, scenarios, matters):
+        last = len(agents) - 1
+        return super().screen_batch(agents, scenarios, lambda index, flight: matters(last - index, flight))
+
+
+@pytest.mark.parametrize(
+    ("fault", "test"),
+    [
+        (NeverChecking, "test_a_screened_flight_that_matters_is_the_simulated_one"),
+        (MixingUpTheBatch, "test_a_screened_flight_that_does_not_matter_is_unchecked_or_the_simulated_one"),
+    ],
+)
+def test_a_simulator_that_screens_wrongly_is_refused(fault, test):
+    class Screening(SimulatorContract):
+        def __init__(self, simulator):
+            self.simulator = simulator
+
+        def plugin(self):
+            return self.simulator(ExudynOptions())
+
+    getattr(Screening(ExudynSimulator), test)()
+    with pytest.raises(AssertionError):
+        getattr(Screening(fault), test)()

@@ -255,6 +255,7 @@ def test_samples_are_met_and_the_path_between_them_is_the_one_that_fitness_measu
     assert between.position == pytest.approx([0.4321, 0, 0])
 
 
+@pytest.mark.peers
 def test_slow_motion_has_as_many_more_frames(agent, tmp_path):
     counts = []
     for speed in (1.0, 0.25):
@@ -278,11 +279,13 @@ def film(agent, path):
     )
 
 
+@pytest.mark.peers
 def test_capital_letters_make_no_other_suffix(agent, tmp_path):
     film(agent, tmp_path / "FILM.MP4")
     assert len(read_film(tmp_path / "FILM.MP4")) > 1
 
 
+@pytest.mark.peers
 def test_a_name_that_looks_like_a_protocol_or_an_option_is_only_a_name(agent, tmp_path, monkeypatch):
     from pathlib import Path
 
@@ -294,7 +297,7 @@ def test_a_name_that_looks_like_a_protocol_or_an_option_is_only_a_name(agent, tm
 
 def test_without_ffmpeg_the_error_names_what_to_install(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    with pytest.raises(WorkFailedError, match=r'pip install "driftform-exudyn\[film\]"') as caught:
+    with pytest.raises(WorkFailedError, match=r'pip install "driftform\[film\]"') as caught:
         ExudynRenderer(FilmOptions()).check(tmp_path / "film.mp4")
     assert len(str(caught.value).splitlines()) == 1
     with pytest.raises(InputError, match=r"ends in \.mp4 or \.gif"):
@@ -310,6 +313,7 @@ def test_if_ffmpeg_fails_its_last_line_is_reported_and_no_file_is_left(agent, mo
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.peers
 def test_a_folder_that_cannot_be_is_an_error_that_names_the_film(agent, tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(WorkFailedError, match=r"cannot write .*film\.mp4"):

@@ -1,5 +1,9 @@
+import pytest
+
 from driftform.testing import RendererContract
 from driftform_exudyn.film import ExudynRenderer, FilmOptions
+
+pytestmark = pytest.mark.peers
 
 
 class TestBothViews(RendererContract):

@@ -17,6 +17,8 @@ from driftform.types import WrittenFile
 from driftform.util.files import write_whole
 from driftform_exudyn.encoder import encode
 
+pytestmark = pytest.mark.peers
+
 TICKS = itertools.count()
 
 

@@ -58,10 +58,10 @@ def test_a_wall_without_damping_throws_the_agent_back_as_fast_as_it_came():
         pipe=Pipe(segments=(Segment(start=(0, 0, 0), end=(9, 0, 0), radius=0.2),)),
         release=Release(velocity=(1.0, 0.3, 0.4)),
         # In nearly inviscid water: a film of water takes 2 %.
-        fluid=Fluid(viscosity=1e-12),
+        fluid=Fluid(viscosity=1e-8),
         contact=Contact(restitution=1.0),
         flight=FlightLimits(horizon=0.6),
     )
     flight = ExudynSimulator(ExudynOptions(tolerance=1e-8)).simulate(agent, scenario)
     turn = Rotation.from_quat(flight.quaternion[-1], scalar_first=True)
-    assert turn.apply(flight.velocity[-1, :3].copy()) == pytest.approx([1.0, -0.3, -0.4], abs=1e-5)
+    assert turn.apply(flight.velocity[-1, :3].copy()) == pytest.approx([1.0, -0.3, -0.4], abs=2e-4)

@@ -4,10 +4,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pydantic import ValidationError
 
+from driftform.errors import InputError, WorkFailedError
 from driftform.geometry import mass_properties
+from driftform.geometry.mass_elements import reweigh
 from driftform.interfaces import ExportJob
 from driftform.scenario import Scenario
+from driftform.study import Document, load_study
 from driftform.types import Agent, Coefficients, Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.kit.accounting import kit_facts, kit_mass
@@ -125,3 +129,86 @@ def test_with_holes_facts_tell_how_much_water_an_open_one_lets_in():
     printed = (kit["balance"][1]["mass_kg"] - STRAIGHT.core.mass) / STRAIGHT.hull_density
     core = 4 / 3 * np.pi * STRAIGHT.core.radius**3
     assert kit["flooded_kg"] == pytest.approx(1000 * (was.volume - printed - core), rel=1e-9)
+
+
+KITS = [
+    {},
+    {"joint": "rabbet"},
+    {"sleeve": 0.0016, "lap": 0.008, "o_ring": 0.0015},
+    {"drain": 0.002},
+    {"engrave": "A7", "engrave_size": 0.004},
+    {"engrave": "A7", "engrave_size": 0.004, "engrave_side": "inside"},
+    {"bed": (0.25, 0.21, 0.05)},
+]
+
+
+@pytest.mark.parametrize("options", KITS, ids=[" ".join(map(str, kit.values())) or "usual" for kit in KITS])
+def test_an_agent_made_as_a_kit_is_simulated_with_the_mass_of_the_meshes_of_its_kit(options):
+    morphology = Morphology(
+        tuple(Module(0.01, tilt) for tilt in (0.2, 0.0, 0.0, 0.0, 0.0, -0.2)),
+        tuple(Module(0.01, tilt) for tilt in (0.2, 0.0, 0.0, 0.0)),
+    )
+    body = FrustaBuilder(FrustaOptions(made_as="kit", kit=options)).build(morphology)
+    simulated = mass_properties(body)
+    mass, cog, inertia = of_meshes(body, PartOptions(kit=True, segments=128, **options))
+    plain = mass_properties(FrustaBuilder(FrustaOptions()).build(morphology))
+    assert simulated.mass == pytest.approx(mass, rel=1e-6)
+    assert simulated.cog[0] == pytest.approx(cog[0], abs=1e-8)
+    # An engraving weighs as a point, and on the axis.
+    assert simulated.inertia == pytest.approx(inertia, rel=1e-4, abs=1e-8)
+    assert abs(cog[1]) < 1e-5
+    assert simulated.mass - plain.mass > 2e-4
+    exported = kit_mass(body, PartOptions(kit=True, **options))
+    assert (simulated.mass, simulated.volume) == pytest.approx((exported.mass, exported.volume), rel=1e-12)
+    assert (simulated.cog[0], simulated.cob[0]) == pytest.approx(
+        (exported.cog[0], exported.cob[0]), abs=1e-12
+    )
+
+
+def test_the_balance_of_an_agent_made_as_a_kit_is_the_same_printed_and_simulated():
+    modules = tuple(Module(0.01, 0.0) for _ in range(5))
+    body = FrustaBuilder(FrustaOptions(made_as="kit")).build(Morphology(modules, modules[:2]))
+    simulated, printed = facts(body, kit=True)["kit"]["balance"]
+    numbers = [[v for v in row.values() if isinstance(v, float)] for row in (simulated, printed)]
+    assert numbers[0] == pytest.approx(numbers[1], rel=1e-9)
+
+
+def test_a_gram_more_of_an_agent_made_as_a_kit_is_spread_as_its_parts_are():
+    modules = tuple(Module(0.01, 0.0) for _ in range(5))
+    body = FrustaBuilder(FrustaOptions(made_as="kit")).build(Morphology(modules, modules[:2]))
+    agent = Agent(body, mass_properties(body), Coefficients(np.eye(6)))
+    same = reweigh(agent, agent.mass.mass).mass
+    assert same.cog == pytest.approx(agent.mass.cog, rel=1e-12)
+    assert same.inertia == pytest.approx(agent.mass.inertia, rel=1e-12)
+
+
+def test_a_hull_of_which_no_kit_can_be_made_is_not_built_as_one():
+    thin = FrustaOptions(made_as="kit", wall=0.0008, kit={"joint": "rabbet"})
+    with pytest.raises(WorkFailedError, match=r"no kit can be made: a rabbet in a wall of 0\.8 mm"):
+        FrustaBuilder(thin).build(Morphology())
+
+
+@pytest.mark.parametrize(
+    "options, reason",
+    [
+        ({"kit": {"joint": "sleeve"}}, "made_as is 'hull': set made_as to 'kit'"),
+        ({"made_as": "kit", "wall_model": "paper"}, "open ends of wall_model 'paper'"),
+    ],
+)
+def test_a_builder_refuses_kits_that_it_could_not_make(options, reason):
+    with pytest.raises(ValidationError, match=reason):
+        FrustaOptions(**options)
+
+
+def test_a_study_of_kits_states_how_they_are_cut_and_its_agents_weigh_more():
+    settings = ["builder.made_as=kit", "builder.kit.joint=rabbet"]
+    study = load_study(settings=settings, run={"seed": 0})
+    again = load_study(Document("stored", study.document), run={"seed": 0})
+    assert again.document["builder"]["kit"]["lap"] == 0.006
+    assert again.document["builder"]["kit"]["joint"] == "rabbet"
+    pipeline, plain = again.make_pipeline(), load_study(run={"seed": 0}).make_pipeline()
+    genome = plain.grammar.random(np.random.default_rng(5))
+    added = pipeline.make_agent(genome).mass.mass - plain.make_agent(genome).mass.mass
+    assert 2e-4 < added < 5e-3
+    with pytest.raises(InputError, match=r"--set builder.kit.lapp=1: unknown key 'lapp' in \[builder.kit\]"):
+        load_study(settings=[*settings, "builder.kit.lapp=1"])

@@ -1,3 +1,5 @@
+import pytest
+
 from driftform.options import Table
 from driftform.testing import BuilderContract, ExporterContract
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
@@ -8,7 +10,7 @@ from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.step import StepExporter
 from driftform_frusta.exporters.stl import StlExporter
 from driftform_frusta.exporters.svg import SvgExporter
-from driftform_frusta.exporters.threemf import ThreeMfExporter, ThreeMfOptions
+from driftform_frusta.exporters.threemf import ThreeMfExporter
 from driftform_frusta.parts import PartOptions
 
 
@@ -52,6 +54,7 @@ class TestPly(ExporterContract):
         return PlyExporter(PartOptions())
 
 
+@pytest.mark.peers
 class TestStep(ExporterContract):
     def plugin(self) -> StepExporter:
         return StepExporter(PartOptions())
@@ -64,4 +67,4 @@ class TestSvg(ExporterContract):
 
 class TestThreeMf(ExporterContract):
     def plugin(self) -> ThreeMfExporter:
-        return ThreeMfExporter(ThreeMfOptions())
+        return ThreeMfExporter(PartOptions())

@@ -9,7 +9,6 @@ from pydantic import ValidationError
 from driftform.types import Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.csg import Revolve, Text
-from driftform_frusta.kit.accounting import measure_engraving
 from driftform_frusta.kit.meridian import split_rings
 from driftform_frusta.kit.pieces import make_kit
 from driftform_frusta.lettering import STROKE, draw_strokes, text_length
@@ -25,6 +24,11 @@ def body():
     """Straight modules on both sides: walls of one radius, 11.45 mm outside."""
     straight = tuple(Module(0.01, 0.0) for _ in range(5))
     return FrustaBuilder(FrustaOptions()).build(Morphology(straight, straight))
+
+
+def cut_out(piece):
+    """The material that a text removes from a part."""
+    return to_manifold(Revolve(*split_rings(piece.rings))) ^ to_manifold(piece.engraved.tool)
 
 
 def engraved(body, text="A-7", **options):
@@ -87,7 +91,8 @@ def test_a_text_takes_its_strokes_times_its_depth_from_the_wall(side, body):
             continue
         # Letters keep their height across the axis, and so cover more of a round wall than of a flat one.
         assert 0.4 * flat * 0.95 < taken < 0.4 * flat * 1.1
-        assert measure_engraving(piece.engraved).volume * 1e9 == pytest.approx(taken, rel=1e-6)
+        # It is integrated on a grid of 60 points to the height of a letter.
+        assert piece.engraved.volume * 1e9 == pytest.approx(taken, rel=2e-3)
         assert len(part.solid.shells) == 1
     assert pen > 0.6
     assert any(piece.engraved for piece in kit.pieces)
@@ -100,8 +105,7 @@ def test_no_engraving_goes_deeper_than_was_asked_for(side, body):
     for piece in kit.pieces:
         if piece.engraved is None:
             continue
-        cut = to_manifold(Revolve(*split_rings(piece.rings))) ^ to_manifold(piece.engraved.tool)
-        vertices = np.asarray(cut.to_mesh64().vert_properties)[:, :3]
+        vertices = np.asarray(cut_out(piece).to_mesh64().vert_properties)[:, :3]
         radius = np.hypot(vertices[:, 0], vertices[:, 1])
         facet = 11.45 * (1 - math.cos(math.pi / 64)) + 0.02
         low, high = (10.95, 11.45) if side == "outside" else (10.2, 10.7)
@@ -112,8 +116,7 @@ def test_a_text_reads_from_outside_and_not_in_a_mirror(body):
     """An L seen from outside, fore to the right: its stem at its left end, its foot below."""
     kit = make_kit(body, engraved(body, "L"))
     [piece] = [p for p in kit.pieces if p.engraved is not None][:1]
-    solid = to_manifold(piece.engraved.gone)
-    vertices = np.asarray(solid.to_mesh64().vert_properties)[:, :3]
+    vertices = np.asarray(cut_out(piece).to_mesh64().vert_properties)[:, :3]
     outward = vertices.mean(axis=0) * (1, 1, 0)
     outward /= np.linalg.norm(outward)
     right = np.array([0.0, 0.0, 1.0])
@@ -132,5 +135,5 @@ def test_a_text_stays_away_from_the_thin_lip_of_a_rabbet(body):
     for piece in kit.pieces:
         if piece.engraved is None:
             continue
-        low, high = np.array(to_manifold(piece.engraved.gone).bounding_box())[[2, 5]]
+        low, high = np.array(cut_out(piece).bounding_box())[[2, 5]]
         assert high < min(joint.z, joint.tip) or low > max(joint.z, joint.tip)

@@ -7,7 +7,6 @@ import zipfile
 from itertools import pairwise
 from pathlib import Path
 
-import lib3mf
 import numpy as np
 import pytest
 import trimesh
@@ -41,12 +40,16 @@ def jobs(occupied: str, count: int) -> list[ExportJob]:
 
 
 def export(exporter, job, folder, **options):
+    """The files that hold solids; the assembly sheet of a kit has tests of its own."""
     made = exporter(exporter.Options(**options))
-    return made.write(job, folder / f"agent{made.suffix}")
+    written = made.write(job, folder / f"agent{made.suffix}")
+    return [file for file in written if not file.path.endswith("-assembly.svg")]
 
 
 def read_3mf(path):
     """Objects of a 3MF file as name, vertices and triangles in build order, read by lib3mf in its strict mode."""
+    import lib3mf
+
     model = lib3mf.get_wrapper().CreateModel()
     reader = model.QueryReader("3mf")
     reader.SetStrictModeActive(True)
@@ -116,6 +119,7 @@ def check_all_formats(job, folder, **options):
             assert signed_volume(*found[0][1:]) == pytest.approx(1e9 * hull_volume(body), rel=1e-4)
 
 
+@pytest.mark.peers
 @pytest.mark.parametrize("occupied", ["insert", "skip"])
 @pytest.mark.parametrize("kit", [False, True], ids=["sealed", "kit"])
 def test_every_mesh_format_holds_the_solids_that_were_simulated(occupied, kit, tmp_path):
@@ -123,6 +127,7 @@ def test_every_mesh_format_holds_the_solids_that_were_simulated(occupied, kit, t
         check_all_formats(job, tmp_path, kit=kit)
 
 
+@pytest.mark.peers
 @pytest.mark.slow
 @pytest.mark.parametrize("occupied", ["insert", "skip"])
 @pytest.mark.parametrize("kit", [False, True], ids=["sealed", "kit"])
@@ -184,6 +189,7 @@ def test_a_glb_file_is_laid_out_as_gltf_says(kit, tmp_path):
     assert len({tuple(colour) for colour in colours}) == len(document["nodes"]) >= 2
 
 
+@pytest.mark.peers
 def test_a_3mf_plate_stands_on_the_bed_with_its_parts_apart(kit, tmp_path):
     options = {"kit": True, "bed": (0.2, 0.15, 0.21)}
     [file] = export(ThreeMfExporter, kit, tmp_path, **options)
@@ -198,6 +204,7 @@ def test_a_3mf_plate_stands_on_the_bed_with_its_parts_apart(kit, tmp_path):
         assert apart >= 4.99
 
 
+@pytest.mark.peers
 def test_what_does_not_fit_on_one_plate_goes_into_several_files(kit, tmp_path):
     files = export(ThreeMfExporter, kit, tmp_path, kit=True, bed=(0.05, 0.04, 0.25))
     assert [Path(f.path).name for f in files] == [f"agent-plate-{i + 1}.3mf" for i in range(len(files))]
@@ -205,13 +212,17 @@ def test_what_does_not_fit_on_one_plate_goes_into_several_files(kit, tmp_path):
     assert all(len(read_3mf(f.path)) == 1 for f in files)
 
 
+@pytest.mark.peers
 def test_a_part_that_is_too_tall_for_the_bed_is_written_and_told_of(kit, tmp_path):
     [file] = export(ThreeMfExporter, kit, tmp_path, bed=(0.25, 0.21, 0.02))
     assert file.facts["fits_bed"] is False
     assert len(read_3mf(file.path)) == 1
 
 
+@pytest.mark.peers
 def test_a_3mf_package_carries_its_agent_its_source_its_picture_and_hints(kit, tmp_path):
+    import lib3mf
+
     [file] = export(ThreeMfExporter, kit, tmp_path, layer_height=0.00015, infill=0.15)
     model = lib3mf.get_wrapper().CreateModel()
     reader = model.QueryReader("3mf")

@@ -192,9 +192,11 @@ def test_the_page_shows_the_stored_table(published):
     published("coefficients", lines_of(agents(), json.loads(TABLE.read_text(encoding="utf-8"))["capytaine"]))
 
 
+@pytest.mark.peers
 @pytest.mark.slow
 def test_what_capytaine_finds(random_bodies, publish):
-    capytaine = pytest.importorskip("capytaine")
+    import capytaine
+
     cases = []
     for name, contour, scale in shapes(random_bodies):
         found = [by_capytaine(contour, scale * longest, around) for longest, around in MESHES]

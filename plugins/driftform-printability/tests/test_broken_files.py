@@ -26,6 +26,7 @@ LINES = [
     "wall",
     "bed",
     "standing",
+    "slender",
 ]
 
 
@@ -61,7 +62,9 @@ def test_missing_faces(
     other = int(np.flatnonzero(~np.isin(mesh.faces, mesh.faces[first]).any(axis=1))[-1])
     path = written(mesh.vertices, np.delete(mesh.faces, [first, other], axis=0))
     found = check_mesh(path, **known(opened))
-    assert states(found) == alone("closed", skipped=("shells", "mass", "wall", "standing"), warned=())
+    assert states(found) == alone(
+        "closed", skipped=("shells", "mass", "wall", "standing", "slender"), warned=()
+    )
     assert "6 open edges round 2 holes" in found["closed"].detail
 
 
@@ -71,7 +74,9 @@ def test_flipped_faces(
     faces = mesh.faces.copy()
     faces[[10, 500, 3000]] = faces[[10, 500, 3000], ::-1]
     found = check_mesh(written(mesh.vertices, faces), **known(opened))
-    assert states(found) == alone("oriented", skipped=("shells", "mass", "wall", "standing"), warned=())
+    assert states(found) == alone(
+        "oriented", skipped=("shells", "mass", "wall", "standing", "slender"), warned=()
+    )
     assert found["oriented"].detail.startswith("3 faces ")
 
 
@@ -123,7 +128,7 @@ def test_metres_instead_of_millimetres(
 ) -> None:
     path = written(mesh.vertices / 1000, mesh.faces)
     found = check_mesh(path, **(known(opened) if agent_known else {}))
-    assert states(found) == alone("unit", skipped=("mass", "wall", "bed", "standing"), warned=())
+    assert states(found) == alone("unit", skipped=("mass", "wall", "bed", "standing", "slender"), warned=())
     assert "in metres" in found["unit"].detail and "1000" in found["unit"].detail
 
 
@@ -158,7 +163,7 @@ def test_duplicate_faces(
 
 def test_too_tall_for_the_bed(check_mesh: CheckMesh, sound: Path, opened: Design) -> None:
     found = check_mesh(sound, Printer(bed=(0.25, 0.21, 0.05)), **known(opened))
-    assert states(found) == alone("bed")
+    assert states(found) == alone("bed", warned=("standing", "slender"))
     assert "too tall" in found["bed"].detail and "it would fit lying" in found["bed"].detail
     small = check_mesh(sound, Printer(bed=(0.03, 0.03, 0.21)))["bed"]
     assert small.state is State.FAIL and "too wide" in small.detail and "--kit" in small.detail

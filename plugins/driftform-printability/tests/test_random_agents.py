@@ -21,7 +21,7 @@ def look_at(folder: Path, occupied: str, seed: int, kit: bool) -> None:
     pipeline, rng = study.make_pipeline(), np.random.default_rng(seed)
     agent = pipeline.make_agent(pipeline.grammar.random(rng))
     job = ExportJob(f"agent-{seed}", agent, study.scenario)
-    [written] = study.make_exporter("3mf").write(job, folder / f"agent-{seed}.3mf")
+    written, *_ = study.make_exporter("3mf").write(job, folder / f"agent-{seed}.3mf")
     volume = written.facts["volume_mm3"] * 1e-9 if kit else hull_volume(agent.body)
     job = PrintJob((Path(written.path),), export=job, volume=volume)
     found = list(MeshChecker(MeshOptions()).check(job))

@@ -185,8 +185,8 @@ def test_names_from_files_cannot_steer_a_terminal(block: trimesh.Trimesh, tmp_pa
     assert part.name.isprintable() and len(part.name) <= 40 and part.name.startswith("evil")
 
 
-def test_openscad_source_is_rendered(tmp_path: Path, program: Callable[[str], str]) -> None:
-    program("openscad")
+def test_openscad_source_is_rendered(tmp_path: Path, requires_program: Callable[[str], str]) -> None:
+    requires_program("openscad")
     path = tmp_path / "cube.scad"
     path.write_text("translate([1, 2, 3]) cube([10, 20, 30]);")
     [part] = read_parts(path)

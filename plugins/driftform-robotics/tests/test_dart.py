@@ -1,6 +1,6 @@
 """DART, the engine of Gazebo, with the numbers of the SDF file, against our own flights."""
 
-import os
+import sys
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from dataclasses import replace
@@ -17,8 +17,8 @@ from driftform.study import Study
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Coefficients
 
-if not os.environ.get("CI"):
-    pytest.importorskip("dartpy", reason="DART has no wheel for this machine")
+if sys.platform == "win32":
+    pytest.skip("DART has no wheel for Windows", allow_module_level=True)
 dart = import_module("dartpy")
 
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from driftform.agents.limits import list_limits
 from driftform.agents.sensitivity import measure_gram_sensitivity
 from driftform.dynamics.inertia import added_mass_at, largest_added_mass_ratio, rigid_body_mass
 from driftform.dynamics.model import flight_model
@@ -12,7 +13,7 @@ from driftform.dynamics.stability import stable_rest
 from driftform.dynamics.terminal import terminal_speeds
 from driftform.errors import WorkFailedError, describe_error
 from driftform.geometry import hull_mass
-from driftform.hydrodynamics.drag import estimate_drag
+from driftform.hydrodynamics.drag import estimate_drag, wake_factor
 from driftform.pipeline import Pipeline
 from driftform.registry import registry
 from driftform.scenario import Fluid, Scenario
@@ -118,7 +119,10 @@ def _righting_moment(agent: Agent, fluid: Fluid) -> float:
 def _terminal_speeds(agent: Agent, fluid: Fluid, net: float, pitch: float) -> dict[str, float]:
     """Speeds (m/s) at which drag by strips carries the net weight, whether the agent flies with that drag or not."""
     fore_first = (net > 0) == (pitch < 0)
-    drag = agent.coefficients.drag or estimate_drag(agent.body, fluid.viscosity)
+    drag = agent.coefficients.drag
+    if drag is None:
+        factor = wake_factor(agent.coefficients, fluid.density * agent.mass.volume)
+        drag = estimate_drag(agent.body, fluid.viscosity, factor)
     along, across = terminal_speeds(drag, net, fore_first, fluid.density, fluid.viscosity)
     return {"along": along, "across": across}
 
@@ -168,4 +172,4 @@ def _list_warnings(agent: Agent, scenario: Scenario, heaving: float, lambda_max:
             f"{1000 * body.length:.0f} mm long and {1000 * body.max_diameter:.0f} mm wide: "
             f"larger than the bed of a common printer ({1000 * BED:.0f} mm)"
         )
-    return warnings
+    return warnings + list_limits(agent, scenario)

@@ -66,7 +66,7 @@ class CsvRecorder(TableRecorder):
 
 
 class ParquetRecorder(TableRecorder):
-    """A flight as Parquet, with the unit and the meaning of each column; needs ``driftform[parquet]``."""
+    """A flight as Parquet, with the unit and the meaning of each column; needs the extra ``parquet``."""
 
     name = "parquet"
     suffix = ".parquet"

@@ -67,6 +67,7 @@ def evolve(
     from driftform.runs.directory import check_new
     from driftform.runs.run import Run, check_targets
     from driftform.study import load_study
+    from driftform.study.advice import list_warnings
 
     disturbed = () if robust is None else (f"robustness.conditions={robust}",)
     checked = load_study(
@@ -79,11 +80,14 @@ def evolve(
     check_targets(checked)
     if out is not None:
         check_new(out)
+    warnings = list_warnings(checked)
+    for warning in warnings:
+        typer.echo(f"warning: {warning}", err=True)
     with (
         open_executor(checked, executor, scheduler, workers) as place,
         Run.create(out or _next_directory(study), checked) as run,
     ):
-        advance_run(run, place, json)
+        advance_run(run, place, json, warnings)
 
 
 def _next_directory(study: str) -> Path:

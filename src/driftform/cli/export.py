@@ -55,7 +55,10 @@ def export(
         raise InputError(*(_name_option(line, names, asked) for line in error.args)) from None
     make_directory(out)
     paths = {name: out / f"{design.name}{design.study.make_exporter(name).suffix}" for name in names}
-    written = [file for name, path in paths.items() for file in design.export_files(name, path)]
+    # Several formats of a kit have the same assembly sheet.
+    written = list(
+        {file.path: file for name, path in paths.items() for file in design.export_files(name, path)}.values()
+    )
     if json:
         print_json({"files": [{"format": w.format, "path": w.path, **w.facts} for w in written]})
         return

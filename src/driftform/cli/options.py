@@ -70,10 +70,17 @@ Robust: TypeAlias = Annotated[
         help="Disturbed flights of each agent that is judged; [robustness] in the scenario says what varies.",
     ),
 ]
+MAX_WORKERS = 1024
+"""Most worker processes that one machine starts."""
+
 Workers: TypeAlias = Annotated[
     int | None,
     typer.Option(
-        "--workers", metavar="N", min=1, help="Worker processes; by default one for each processor."
+        "--workers",
+        metavar="N",
+        min=1,
+        max=MAX_WORKERS,
+        help="Worker processes; by default one for each processor.",
     ),
 ]
 ExecutorName: TypeAlias = Annotated[

@@ -1,35 +1,74 @@
 """What a command prints: one JSON document, or text for people."""
 
 import json
+import os
 import sys
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, redirect_stdout, suppress
+from textwrap import wrap
+from typing import TYPE_CHECKING, Any, TextIO
 
-import numpy as np
+from driftform.errors import escape_controls
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+MEASURED = 10_000
+"""Columns in which every table finds room, to measure how many it needs."""
+
+_reserved: list[TextIO] = []
+
+
+@contextmanager
+def reserve_stdout() -> Iterator[None]:
+    """Keep stdout for the document of :func:`print_json`; whatever else is printed meanwhile goes to stderr.
+
+    That includes plugins, the libraries that they call, and the processes that they start.
+    """
+    document = sys.stdout
+    document.flush()
+    has_descriptor = document is sys.__stdout__
+    if has_descriptor:
+        # Not undone: what libraries keep in buffers of their own is written when the process ends.
+        document = os.fdopen(os.dup(1), "w", encoding=document.encoding)
+        os.dup2(2, 1)
+    _reserved.append(document)
+    try:
+        with redirect_stdout(sys.stderr):
+            yield
+    finally:
+        _reserved.pop()
+        if has_descriptor:
+            with suppress(OSError):
+                document.close()
 
 
 def print_json(document: Mapping[str, Any]) -> None:
     """Print one JSON document on stdout; arrays become lists, numbers that are not finite ``null``."""
-    print(json.dumps(_to_plain(document), indent=1, allow_nan=False))
+    text = json.dumps(_to_plain(document), indent=1, allow_nan=False)
+    print(text, file=_reserved[-1] if _reserved else sys.stdout, flush=True)
 
 
 def print_table(header: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[int] = ()) -> None:
     """Print a table on stdout; the columns ``right`` are flush right.
 
-    On a terminal it is drawn by rich and fits the width; elsewhere the columns are padded, and nothing is cut.
+    On a terminal it is drawn by rich and fits the width: headings are folded first, then text, never a number.
+    Elsewhere the columns are padded, and nothing is folded.
     """
-    rows = [list(row) for row in rows]
+    rows = [[escape_controls(cell) for cell in row] for row in rows]
     if sys.stdout.isatty():
-        from rich import box
         from rich.console import Console
-        from rich.table import Table
+        from rich.measure import Measurement
 
-        table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-        for number, title in enumerate(header):
-            table.add_column(title, justify="right" if number in right else "left", overflow="fold")
-        for row in rows:
-            table.add_row(*(_escape(cell) for cell in row))
-        Console(highlight=False).print(table)
+        console = Console(highlight=False)
+        table, titles = _draw_table(header, rows, right), list(header)
+        measuring = console.options.update(width=MEASURED)
+        for i in sorted(right, key=lambda i: -len(header[i])):
+            if Measurement.get(console, measuring, table).maximum <= console.width:
+                break
+            titles[i] = _fold_heading(header[i], max((len(row[i]) for row in rows), default=0))
+            table = _draw_table(titles, rows, right)
+        console.print(table)
         return
     widths = [max(len(row[i]) for row in [list(header), *rows]) for i in range(len(header))]
     for row in [list(header), *rows]:
@@ -37,6 +76,36 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]], right: Seq
             c.rjust(w) if i in right else c.ljust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True))
         ]
         print("  ".join(cells).rstrip())
+
+
+def _draw_table(header: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[int]) -> "Table":
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
+    depth = max(title.count("\n") for title in header)
+    for number, title in enumerate(header):
+        is_number = number in right
+        table.add_column(
+            Text("\n" * (depth - title.count("\n")) + title),
+            justify="right" if is_number else "left",
+            no_wrap=is_number,
+            overflow="fold",
+        )
+    for row in rows:
+        table.add_row(*map(Text, row))
+    return table
+
+
+def _fold_heading(title: str, width: int) -> str:
+    """Return a heading in at most two lines, as narrow as they can be but no narrower than ``width``."""
+    narrowest = max(width, *(len(word) for word in title.split()), 1)
+    return next(
+        "\n".join(lines)
+        for columns in range(narrowest, narrowest + len(title) + 1)
+        if len(lines := wrap(title, columns)) <= 2
+    )
 
 
 def print_states(rows: Iterable[tuple[str, str, str]], styles: Mapping[str, str]) -> None:
@@ -47,7 +116,10 @@ def print_states(rows: Iterable[tuple[str, str, str]], styles: Mapping[str, str]
     rows = list(rows)
     states = max((len(state) for state, _, _ in rows), default=0)
     subjects = max((len(subject) for _, subject, _ in rows), default=0)
-    shown = [("FAIL" if state == "fail" else state, styles.get(state, ""), *rest) for state, *rest in rows]
+    shown = [
+        ("FAIL" if state == "fail" else state, styles.get(state, ""), *map(escape_controls, rest))
+        for state, *rest in rows
+    ]
     if not sys.stdout.isatty():
         for state, _, subject, detail in shown:
             print(f"{state:{states}}  {subject:{subjects}}  {detail}")
@@ -65,13 +137,9 @@ def print_states(rows: Iterable[tuple[str, str, str]], styles: Mapping[str, str]
     Console(highlight=False).print(table)
 
 
-def _escape(cell: str) -> str:
-    from rich.markup import escape
-
-    return escape(cell)
-
-
 def _to_plain(value: Any) -> Any:
+    import numpy as np
+
     match value:
         case Mapping():
             return {str(key): _to_plain(item) for key, item in value.items()}

@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from contextlib import AbstractContextManager, contextmanager
 
 from driftform.cli.display import View, format_duration, format_failures, format_throughput, progress_line
 from driftform.runs.run import Observer, Run
@@ -19,26 +19,25 @@ class Progress(Observer):
         self._throughput = Throughput(0)
         self._stored = 0
         self._live = sys.stdout.isatty() and sys.stderr.isatty()
+        self._flies_finalists = run.study.scenario.robustness.conditions > 0
         self._footer = f"{run.path}: Ctrl-C stops, 'driftform resume' continues"
 
     @contextmanager
     def open_search(self, stored: int) -> Iterator[None]:
         """Show the search; ``stored`` evaluations were there before, and do not count for the speed."""
         self._stored, self._throughput = stored, Throughput(stored)
-        with ExitStack() as shown:
-            if self._live:
-                from rich.console import Console
-                from rich.live import Live
-
-                shown.enter_context(
-                    Live(
-                        console=Console(stderr=True),
-                        refresh_per_second=REFRESH,
-                        get_renderable=self._view,
-                        transient=True,
-                    )
-                )
+        if not self._live:
             yield
+            return
+        from rich.console import Console
+        from rich.live import Live
+
+        with Live(
+            console=Console(stderr=True), refresh_per_second=REFRESH, get_renderable=self._view
+        ) as shown:
+            yield
+            # The results take the place of the table. It stays if the search is interrupted, or not yet the end.
+            shown.transient = not self._flies_finalists
 
     def open_finalists(self) -> AbstractContextManager[Callable[[int, int], None]]:
         """Show the disturbed flights."""

@@ -1,6 +1,8 @@
 """What ``evolve`` and ``resume`` share: advance a run, and print what it found."""
 
+from collections.abc import Sequence
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING
 
 import typer
@@ -11,7 +13,7 @@ if TYPE_CHECKING:
     from driftform.runs.run import Run
 
 
-def advance_run(run: "Run", executor: "Executor", json: bool) -> None:
+def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence[str] = ()) -> None:
     """Advance a run to the end of its budget and print its results; say how to resume it if it is interrupted."""
     import time
 
@@ -29,6 +31,7 @@ def advance_run(run: "Run", executor: "Executor", json: bool) -> None:
     except WorkersLostError as error:
         raise WorkersLostError(f"{error}; {_describe_stop(run)}") from None
     seconds = time.perf_counter() - started
+    fitness = run.study.make_plugin("fitness")
     overview, reach = (run.path / "figures" / f"{name}.svg" for name in ("overview", "reach"))
     if json:
         evaluations, failed = run.count()
@@ -43,6 +46,7 @@ def advance_run(run: "Run", executor: "Executor", json: bool) -> None:
                     best.target: {
                         "fitness": best.fitness,
                         "error_percent": best.error_percent,
+                        "verdict": fitness.judge(best.fitness),
                         "distance": best.distance,
                         "robust": best.robust,
                         "agent": str(best.agent),
@@ -50,6 +54,7 @@ def advance_run(run: "Run", executor: "Executor", json: bool) -> None:
                     }
                     for best in results
                 },
+                "warnings": list(warnings),
                 "overview": str(overview),
                 "reach": str(reach),
             }
@@ -71,28 +76,34 @@ def _describe_stop(run: "Run") -> str:
 
 def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path], seconds: float) -> None:
     from driftform.cli.output import print_table
+    from driftform.runs.wording import list_cells, list_headings, summarise
 
+    fitness = run.study.make_plugin("fitness")
     has_spread = any(best.robust for best in results)
     spread = ("disturbed: mean", "worst") if has_spread else ()
+    header = ("target", "x m", "y m", "z m", *list_headings(fitness), *spread, "closest mm")
     print_table(
-        ("target", "x m", "y m", "z m", "fitness %", "error % of d_max", *spread, "closest mm", "agent"),
+        header,
         (
             (
                 best.target,
                 *(f"{c:g}" for c in run.study.scenario.targets[best.target]),
-                f"{best.fitness:.3f}",
-                f"{best.error_percent:.3f}",
-                *(f"{100 - best.robust[key]:.3f}" for key in ("mean", "worst") if best.robust),
+                *list_cells(fitness, best.fitness),
+                *(f"{fitness.measure(best.robust[key]):.3f}" for key in ("mean", "worst") if best.robust),
                 f"{1000 * best.distance:.1f}",
-                str(best.agent),
             )
             for best in results
         ),
-        right=(1, 2, 3, 4, 5, 6, 7, 8) if has_spread else (1, 2, 3, 4, 5, 6),
+        right=range(1, len(header)),
     )
-    names = ", ".join(path.name for path in results[0].files) if results else ""
+    if results:
+        print(summarise(fitness, {best.target: best.fitness for best in results}))
     evaluations, failed = run.count()
     print(f"{evaluations} evaluations ({failed} failed) in {seconds:.1f} s, seed {run.study.seed}")
-    print(f"best agents: {run.path}/best/<target>/ ({names})")
-    print(f"pictures:    {', '.join(map(str, pictures))}")
-    print(f"run:         {run.path}/ (resolved.toml, environment.json, run.db)")
+    print(f"run:  {run.path}/")
+    if results:
+        print(f"      best/<target>/ ({', '.join(path.name for path in results[0].files)})")
+    print(f"      figures/ ({', '.join(path.name for path in pictures)})")
+    if results:
+        print(f"next: driftform inspect {quote(f'{run.path}:{results[0].target}')}")
+    print(f"      driftform report {quote(str(run.path))}")

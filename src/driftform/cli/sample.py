@@ -12,7 +12,9 @@ def sample(
     out: Annotated[
         Path, typer.Option("--out", metavar="DIR", help="Directory for the agents.", show_default=False)
     ],
-    count: Annotated[int, typer.Option("--count", metavar="N", min=1, help="How many agents.")] = 10,
+    count: Annotated[
+        int, typer.Option("--count", metavar="N", min=1, max=1_000_000, help="How many agents.")
+    ] = 10,
     seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the randomness.")] = 0,
     scenario: Annotated[
         str | None,

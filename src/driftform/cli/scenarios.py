@@ -65,11 +65,14 @@ def check(
     ],
     json: Json = False,
 ) -> None:
-    """Check a study without running it: list its errors, or show its contents."""
+    """Check a study without running it: list its errors, or show its contents and what no flight can do."""
     from driftform.cli.output import print_json
+    from driftform.errors import escape_controls
     from driftform.study import NAMED, SELECTED, load_study
+    from driftform.study.advice import list_warnings
 
     study = load_study(file)
+    warnings = list_warnings(study)
     document, scenario = study.document, study.scenario
     found = {
         "file": file,
@@ -81,11 +84,15 @@ def check(
         "options": {seam: list(document[seam]) for seam in NAMED},
         "evaluations": study.evaluations,
         "formats": list(study.run.formats),
+        "warnings": warnings,
     }
     if json:
         print_json(found)
         return
-    print(f"{file} is sound" + (f": {found['title']}" if found["title"] else ""))
+    verdict = (
+        f"is valid, with {len(warnings)} warning{'s' * (len(warnings) != 1)}" if warnings else "is sound"
+    )
+    print(f"{file} {verdict}" + (f": {escape_controls(found['title'])}" if found["title"] else ""))
     targets = f"{len(scenario.targets)}: {', '.join(scenario.targets)}" if scenario.targets else "none"
     segments = f"{found['pipe']} segment{'s' * (found['pipe'] != 1)}" if found["pipe"] else "none: open water"
     rows = {
@@ -100,3 +107,5 @@ def check(
     width = max(map(len, rows))
     for name, value in rows.items():
         print(f"  {name:{width}}  {value}")
+    for warning in warnings:
+        print(f"warning: {warning}")

@@ -1,10 +1,13 @@
 """``driftform trim``."""
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from driftform.cli.options import Agent, Hydrodynamics, Json, ScenarioOption, Settings, Simulator
+
+if TYPE_CHECKING:
+    from driftform.interfaces import Fitness
 
 
 def trim(
@@ -56,10 +59,10 @@ def trim(
     if json:
         print_json(facts)
     else:
-        _print(facts, ballast_density)
+        _print(facts, ballast_density, design.pipeline.fitness)
 
 
-def _print(facts: dict[str, Any], density: float) -> None:
+def _print(facts: dict[str, Any], density: float, fitness: "Fitness[Any]") -> None:
     from driftform.cli.output import print_table
 
     aft = facts["aft_end"]
@@ -83,11 +86,14 @@ def _print(facts: dict[str, Any], density: float) -> None:
     print()
     for line in _remedy(facts, density, place):
         print(line)
-    print("\nerror, % of d_max")
+    print(f"\n{fitness.heading}")
     names = [name for name in ("simulated", "untrimmed", "trimmed") if facts[name] is not None]
     print_table(
         ("target", *names),
-        ((target, *(f"{100 - facts[name][target]:.3f}" for name in names)) for target in facts["simulated"]),
+        (
+            (target, *(f"{fitness.measure(facts[name][target]):.3f}" for name in names))
+            for target in facts["simulated"]
+        ),
         right=range(1, 1 + len(names)),
     )
     for name in names:

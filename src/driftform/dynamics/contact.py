@@ -38,10 +38,6 @@ from driftform.dynamics.vectors import (
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 
-SLIP_SPEED = 1e-2
-"""Sliding speed (m/s) below which friction grows with the speed instead of being constant."""
-
-
 Touch: TypeAlias = tuple[float, Vector, Vector, float, float]
 """Depth in the wall (m, 0 if clear), lever from the body's origin (m) and the wall's normal in the world frame, and the
 rim (x, r) that touches, m; of a dome, its centre."""
@@ -150,10 +146,19 @@ def wall_wrench(position: Vector, R: Rotation, velocity: Vector, omega: Vector, 
     ``position`` (m) and ``velocity`` (m/s) of the body's origin are in the world frame, ``omega`` (rad/s) is in the
     body frame. The wall never pulls.
 
-    Friction opposes the velocity v along the wall with mu N v / sqrt(|v|^2 + s^2): Coulomb's law, smoothed below the
-    speed s. This speed is :data:`SLIP_SPEED`, unless the effective mass m of the surface is so small (as in a roll) that
-    friction would act faster than ``rate`` (1/s): then s = mu N / (m rate).
+    Friction is that of a bristle at each surface: a spring k and a damper c in parallel, in series with a slider that slips
+    where the force exceeds mu N (Coulomb). With the velocity v along the wall and the bristle's deflection z,::
+
+        y = k z + c v        f = y min(1, mu N / |y|)        z' = (f - k z) / c
+
+    and -f acts on the body: it sticks without creeping, and where it slides, f tends to mu N against the motion. With the
+    mass m that a push along the wall moves, k = m omega^2 and c = m omega. ``model.bristles`` holds omega z of every surface;
+    its second half is filled with the rates of these. Without friction it is empty.
     """
+    bristles = model.bristles.shape[0] // 2
+    for k in range(bristles):
+        for j in range(3):
+            model.bristles[bristles + k, j] = -model.law[FREQUENCY] * model.bristles[k, j]
     if is_far_from_wall(position, model.table[REACH], model.pipe):
         return ZERO, ZERO
     axis, w = body_axis(R), to_world(R, omega)
@@ -185,10 +190,23 @@ def wall_wrench(position: Vector, R: Rotation, velocity: Vector, omega: Vector, 
             wrench = add_wrenches(wrench, force_wrench(lever, scale(-force, normal)))
             turn = scale(-turning * energy / (root * smoothed_sine(s)), cross(axis, normal))
             wrench = add_wrenches(wrench, (ZERO, turn))
-            if model.table[FRICTION] > 0.0:
+            if bristles > 0:
                 sliding = subtract(moving, scale(speed, normal))
-                grip = model.table[FRICTION] * force
-                smooth = max(SLIP_SPEED, grip / (model.surfaces[k, 6] * 2.0 * model.law[FREQUENCY]))
-                drag = grip / math.sqrt(dot(sliding, sliding) + smooth * smooth)
-                wrench = add_wrenches(wrench, force_wrench(lever, scale(-drag, sliding)))
+                rub = bristle_force(sliding, normal, model.table[FRICTION] * force, k, model)
+                wrench = add_wrenches(wrench, force_wrench(lever, scale(-1.0, rub)))
     return to_body(R, wrench[0]), to_body(R, wrench[1])
+
+
+@compiled
+def bristle_force(sliding: Vector, normal: Vector, most: float, k: int, model: FlightModel) -> Vector:
+    """Return the force (N) of surface ``k`` on the wall by friction, at most ``most``, and add it to the bristle's rate.
+
+    ``sliding`` is the velocity along the wall, m/s; see :func:`wall_wrench`.
+    """
+    bent, mass = (model.bristles[k, 0], model.bristles[k, 1], model.bristles[k, 2]), model.surfaces[k, 6]
+    trial = scale(mass * model.law[FREQUENCY], add(sliding, subtract(bent, scale(dot(normal, bent), normal))))
+    size = math.sqrt(dot(trial, trial))
+    force = trial if size <= most else scale(most / size, trial)
+    for j in range(3):
+        model.bristles[model.bristles.shape[0] // 2 + k, j] += force[j] / mass
+    return force

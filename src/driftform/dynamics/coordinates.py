@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from driftform.dynamics.contact import is_far_from_wall
 from driftform.dynamics.equations import accelerations
 from driftform.dynamics.flight import has_left_pipe, is_finite
-from driftform.dynamics.model import FlightModel, pack, unpack
+from driftform.dynamics.model import REACH, FlightModel, pack, unpack
 from driftform.dynamics.plane import (
     MODEL_SIZE,
     accelerations_in_plane,
@@ -43,6 +44,10 @@ class Motion:
         at the release, (6,) in space, (3,) in the vertical plane: SI units and radians.
     values
         numbers of the model; pass them to both functions.
+    bristles
+        numbers b of the bristles of friction, all zero at the release; 0 without friction. Write them to
+        ``values[-2 * b:-b]`` before ``accelerations`` is called; it writes their rates to ``values[-b:]``. Where
+        ``touches(coordinates, values)`` is False they are zero.
     accelerations
         ``accelerations(t, coordinates, rates, values)`` returns the derivatives of the rates, a tuple as long as they.
     fill_sample
@@ -56,6 +61,8 @@ class Motion:
     values: FloatArray
     accelerations: Callable[[float, FloatArray, FloatArray, FloatArray], tuple[float, ...]]
     fill_sample: Callable[[FloatArray, float, FloatArray, FloatArray, FloatArray], bool]
+    bristles: int = 0
+    touches: Callable[[FloatArray, FloatArray], bool] | None = None
 
 
 def describe_motion(model: FlightModel, start: FloatArray) -> Motion:
@@ -75,7 +82,17 @@ def describe_motion(model: FlightModel, start: FloatArray) -> Motion:
         pack(model),
         _accelerations_in_space,
         _fill_sample_in_space,
+        model.bristles.size // 2,
+        _can_touch,
     )
+
+
+@compiled
+def _can_touch(coordinates: FloatArray, values: FloatArray) -> bool:
+    """Return True if a surface may touch a wall."""
+    model = unpack(values)
+    position = (coordinates[0], coordinates[1], coordinates[2])
+    return not is_far_from_wall(position, model.table[REACH], model.pipe)
 
 
 @compiled

@@ -17,25 +17,41 @@ import numpy as np
 
 from driftform.dynamics.buoyancy import buoyancy, half_height, slice_depth, submerged_share
 from driftform.dynamics.contact import wall_wrench
-from driftform.dynamics.drag import axial_drag, strip_drag
-from driftform.dynamics.flow import water_motion
+from driftform.dynamics.drag import (
+    axial_drag,
+    shear_lift,
+    sphere_drag,
+    spin_drag,
+    strip_drag,
+    wake_drag,
+)
+from driftform.dynamics.flow import gust_shear, locate_in_segment, water_motion
 from driftform.dynamics.model import (
+    ACROSS,
     AXIAL_DRAG,
+    BLOCKING,
     BODY_MASS,
+    CENTRE,
     COB,
     COG,
     CURRENT,
     DAMPED,
     DAMPING_POINT,
     DENSITY,
+    DIAMETER,
     DISPLACED_MASS,
     FROUDE_KRYLOV,
     GRAVITY,
     INVERSE,
+    LENGTHWISE,
     LINEAR,
     MASS,
     QUADRATIC,
+    ROUND_AREA,
+    SHEAR_VOLUME,
+    SPIN,
     STEADY,
+    TAILS,
     VISCOSITY,
     WATER_LEVEL,
     FlightModel,
@@ -56,6 +72,7 @@ from driftform.dynamics.vectors import (
     to_body,
     to_world,
 )
+from driftform.hydrodynamics.drag_coefficients import blockage_factor
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 
@@ -81,47 +98,95 @@ def damping_wrench(moving: Vector, omega: Vector, table: FloatArray) -> Wrench:
 
 @compiled
 def drag_wrench(
-    height: float, R: Rotation, moving: Vector, omega: Vector, shear: Vector, model: FlightModel
+    height: float,
+    R: Rotation,
+    moving: Vector,
+    omega: Vector,
+    shear: Vector,
+    model: FlightModel,
+    bore: float = np.inf,
 ) -> Wrench:
-    """Return strip and axial drag of the part under water, about the body's origin.
+    """Return drag and the lift of the tail, of the part under water, about the body's origin.
 
-    ``height`` is that of the body's origin, m; see :func:`driftform.dynamics.drag.strip_drag` for the other arguments.
+    ``height`` is that of the body's origin, ``bore`` the radius of the pipe around it, m; see
+    :func:`driftform.dynamics.drag.strip_drag` for the other arguments.
     """
     table, strips = model.table, model.strips
     level, centre = table[WATER_LEVEL], _read_vector(table[COB])
-    wrench, under, area = (ZERO, ZERO), 0.0, 0.0
-    for k in range(strips.shape[0]):
-        wet = 1.0
-        if level < np.inf:
+    density, viscosity = table[DENSITY], table[VISCOSITY]
+    wrench, share = (ZERO, ZERO), 1.0
+    if level < np.inf:
+        under, area = 0.0, 0.0
+        for k in range(strips.shape[0]):
             a = half_height(0.5 * strips[k, 1], strips[k, 2], R[2][0])
             wet = submerged_share(slice_depth(height, R, strips[k, 0], centre, level), a)
-        area += strips[k, 1] * strips[k, 2]
-        under += strips[k, 1] * strips[k, 2] * wet
-        fluid = (table[DENSITY], table[VISCOSITY], wet)
-        force = strip_drag(moving, omega, shear, centre[0], fluid, strips[k])
-        wrench = add_wrenches(wrench, force_wrench((strips[k, 0], 0.0, 0.0), force))
-    along = axial_drag(moving[0], table[DENSITY], table[VISCOSITY], table[AXIAL_DRAG]) * under / area
-    return add_wrenches(wrench, ((along, 0.0, 0.0), ZERO))
+            area += strips[k, 1] * strips[k, 2]
+            under += strips[k, 1] * strips[k, 2] * wet
+            force = strip_drag(moving, omega, shear, centre[0], (density, viscosity, wet), strips[k])
+            wrench = add_wrenches(wrench, force_wrench((strips[k, 0], 0.0, 0.0), force))
+        share = under / area
+    else:
+        for k in range(strips.shape[0]):
+            x = strips[k, 0]
+            force = strip_drag(moving, omega, shear, centre[0], (density, viscosity, 1.0), strips[k])
+            wrench = (
+                (0.0, wrench[0][1] + force[1], wrench[0][2] + force[2]),
+                (0.0, wrench[1][1] - x * force[2], wrench[1][2] + x * force[1]),
+            )
+    along = axial_drag(moving[0], density, viscosity, table[AXIAL_DRAG]) * share
+    wrench = add_wrenches(wrench, ((along, 0.0, 0.0), ZERO))
+    if table[ROUND_AREA] > 0.0:
+        there = _velocity_at(table[CENTRE], moving, omega, shear, centre[0])
+        force = sphere_drag(there, density, viscosity, table[ROUND_AREA] * share, table[DIAMETER])
+        wrench = add_wrenches(wrench, force_wrench((table[CENTRE], 0.0, 0.0), force))
+    if table[BLOCKING] > 0.0:
+        factor = blockage_factor(0.5 * table[BLOCKING] / bore)
+        wrench = scale(factor, wrench[0]), scale(factor, wrench[1])
+    tail = 0 if moving[0] > 0.0 else 2
+    x = table[TAILS, tail]
+    there = _velocity_at(x, moving, omega, shear, centre[0])
+    force = wake_drag(moving[0], there[1], there[2], density, table[TAILS, tail + 1] * share)
+    spinning = spin_drag(omega[0], density, viscosity, table[SPIN], table[DIAMETER]) * share
+    wrench = add_wrenches(wrench, force_wrench((x, 0.0, 0.0), force))
+    return add_wrenches(wrench, (ZERO, (spinning, 0.0, 0.0)))
+
+
+@compiled
+def _velocity_at(x: float, moving: Vector, omega: Vector, shear: Vector, middle: float) -> Vector:
+    """Return the velocity relative to the water of the point at ``x`` of the axis; see :func:`drag_wrench`."""
+    along = x - middle
+    return (
+        moving[0],
+        moving[1] + x * omega[2] - along * shear[1],
+        moving[2] - x * omega[1] - along * shear[2],
+    )
 
 
 @compiled
 def water_motion_at_cob(
     t: float, position: Vector, R: Rotation, velocity: Vector, omega: Vector, model: FlightModel
-) -> tuple[Vector, Vector, Vector]:
-    """Return the water's velocity (m/s) and acceleration (m/s2) at the COB, world frame, and its shear, body frame.
+) -> tuple[Vector, Vector, Vector, Vector]:
+    """Return the water's velocity (m/s) and acceleration (m/s2) at the COB, world frame; shear and curl, body frame.
 
     The shear is the derivative of the water's velocity along the body's axis, 1/s.
     """
-    centre = _read_vector(model.table[COB])
+    table, centre = model.table, _read_vector(model.table[COB])
     place = add(position, to_world(R, centre))
-    speed, gradient, rate = water_motion(place, t, model.pipe, model.flow, model.gusts)
+    spread = (body_axis(R), table[ACROSS], table[LENGTHWISE])
+    speed, gradient, rate = water_motion(place, t, model.pipe, model.flow, model.gusts, spread)
     # The velocity of the path along which the water's velocity changes: the water's own, or the body's. A gust is
     # given along the path already, so its rate is all of its acceleration: the mean shear on top would drag a body along the
     # wall.
     path = speed if model.gusts.shape[0] == 0 else ZERO
-    if model.table[FROUDE_KRYLOV] == 0.0:
+    if table[FROUDE_KRYLOV] == 0.0:
         path = add(velocity, to_world(R, cross(omega, centre)))
-    return speed, add(rate, to_world(gradient, path)), to_body(R, to_world(gradient, body_axis(R)))
+    shear = to_body(R, add(to_world(gradient, body_axis(R)), gust_shear(t, model.flow, model.gusts)))
+    curl = (
+        gradient[2][1] - gradient[1][2],
+        gradient[0][2] - gradient[2][0],
+        gradient[1][0] - gradient[0][1],
+    )
+    return speed, add(rate, to_world(gradient, path)), shear, to_body(R, curl)
 
 
 @compiled
@@ -142,9 +207,9 @@ def accelerations(
         angular velocity in the body frame, rad/s.
     """
     table = model.table
-    stream, change, shear = _read_vector(table[CURRENT]), ZERO, ZERO
+    stream, change, shear, curl = _read_vector(table[CURRENT]), ZERO, ZERO, ZERO
     if table[STEADY] == 0.0:
-        stream, change, shear = water_motion_at_cob(t, position, R, velocity, omega, model)
+        stream, change, shear, curl = water_motion_at_cob(t, position, R, velocity, omega, model)
     moving = to_body(R, subtract(velocity, stream))
     pull = to_body(R, change)
     cog, centre = _read_vector(table[COG]), _read_vector(table[COB])
@@ -161,7 +226,16 @@ def accelerations(
     if table[DAMPED] != 0.0:
         wrench = add_wrenches(wrench, damping_wrench(moving, omega, table))
     if model.strips.shape[0] > 0:
-        wrench = add_wrenches(wrench, drag_wrench(position[2], R, moving, omega, shear, model))
+        bore = np.inf
+        if model.pipe.shape[0] > 0:
+            bore = model.pipe[0, 7]
+        if model.pipe.shape[0] > 1:
+            bore = locate_in_segment(position, model.pipe)[2]
+        wrench = add_wrenches(wrench, drag_wrench(position[2], R, moving, omega, shear, model, bore))
+        if table[STEADY] == 0.0 and table[SHEAR_VOLUME] > 0.0:
+            there = add(moving, cross(omega, centre))
+            mass = table[DENSITY] * table[SHEAR_VOLUME] * displaced / table[DISPLACED_MASS]
+            wrench = add_wrenches(wrench, force_wrench(centre, shear_lift(there, curl, mass)))
     wrench = add_wrenches(
         wrench,
         wall_wrench(position, R, velocity, omega, model),

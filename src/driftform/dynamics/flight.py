@@ -36,15 +36,9 @@ SAMPLE = 14
 
 def release_state(model: FlightModel, scenario: Scenario) -> FloatArray:
     """Return the state of the agent at the release: a raw sample without its time, (13,)."""
-    x, y, z = scenario.release.position
-    velocity: Vector | tuple[float, ...]
-    match scenario.release.velocity:
-        case "current":
-            velocity = _water_velocity((x, y, z), model)
-        case "rest":
-            velocity = (0.0, 0.0, 0.0)
-        case given:
-            velocity = given
+    x, y, z = scenario.release_position().tolist()
+    given = scenario.release_velocity()
+    velocity = _water_velocity((x, y, z), model) if given is None else given.tolist()
     return np.array([x, y, z, *scenario.release_quaternion(), *velocity, 0.0, 0.0, 0.0])
 
 

@@ -5,6 +5,7 @@ is the bulk velocity, R the bore's radius, y the distance from the wall, x the d
 """
 
 import math
+from typing import TypeAlias
 
 import numpy as np
 
@@ -18,6 +19,11 @@ UNIFORM, POWER_LAW, LOG_LAW, DEVELOPING = 0.0, 1.0, 2.0, 3.0
 
 KIND, SPEED, PARAMETER, GUST_STEP = 0, 1, 2, 3
 """Indices in the array of a flow; the parameter is 1/n (power law), u* / (kappa U) (log law) or nu / U (developing)."""
+
+Spread: TypeAlias = tuple[Vector, float, float]
+"""Where a body is: unit vector along its axis, variance of its volume across the axis and along it (m2)."""
+
+AT_A_POINT: Spread = (ZERO, 0.0, 0.0)
 
 KARMAN = 0.4
 """Von Karman's constant kappa."""
@@ -73,60 +79,125 @@ def _friction_velocity(scenario: Scenario) -> float:
     return flow.speed * math.sqrt(friction_factor(reynolds, roughness / (2 * radius)) / 8)
 
 
-def gust_array(scenario: Scenario) -> FloatArray:
-    """Return the unsteady part of the velocity and its derivative at equal steps of time, (k, 6); (0, 6) for none.
+def gust_array(scenario: Scenario, slip: float = 0.0, length: float = 0.0) -> FloatArray:
+    """Return gusts at equal steps of time, (k, 12); (0, 12) for none.
+
+    The columns are the velocity (m/s), its derivative, the change of the velocity along the body's axis (1/s), and its
+    derivative, in the world frame.
 
     A uniform current with an acceleration gives two rows. In turbulent flow the seed decides the rows: each component
     is an Ornstein-Uhlenbeck process dv = -v dt / T + sqrt(2 s^2 / T) dW that is stationary from the start, sampled
     exactly every ``smoothing`` seconds and interpolated by a cubic spline: the process itself has no derivative, and
     eddies smaller than the agent do not move it.
+
+    Two such processes, with the correlation exp(-distance / size), are the gusts at the Gauss points of a body of
+    ``length``: what they have in common is the velocity, and their difference turns the body.
+
+    Parameters
+    ----------
+    slip
+        speed of the body through the water, m/s: see :func:`gust_memory`.
+    length
+        of the body, m; 0 for gusts that are uniform along it.
     """
     flow = scenario.flow
     if isinstance(flow, UniformFlow) and flow.acceleration:
         slope = flow.acceleration * scenario.direction()
-        return np.array([[0.0, 0.0, 0.0, *slope], [*(scenario.flight.horizon * slope), *slope]])
+        rows = np.zeros((2, 12))
+        rows[:, 3:6], rows[1, :3] = slope, scenario.flight.horizon * slope
+        return rows
     if not isinstance(flow, TurbulentFlow) or flow.intensity == 0:
-        return np.empty((0, 6))
+        return np.empty((0, 12))
     from scipy.interpolate import CubicSpline
 
-    rng = np.random.default_rng(flow.seed)
+    deviation = flow.intensity * _friction_velocity(scenario)
     times = flow.smoothing * np.arange(math.ceil(scenario.flight.horizon / flow.smoothing) + 3)
-    kept = math.exp(-flow.smoothing / flow.memory)
-    noise = rng.standard_normal((len(times), 3))
+    kept = math.exp(-flow.smoothing / gust_memory(flow.memory, flow.crossing, slip, deviation))
+    rng = np.random.default_rng(flow.seed)
+    common, own = (_walk(rng.standard_normal((len(times), 3)), kept) for _ in range(2))
+    apart = length / math.sqrt(3)
+    correlation = math.exp(-apart * flow.crossing / (deviation * flow.memory))
+    common *= deviation * math.sqrt((1 + correlation) / 2)
+    own *= deviation * math.sqrt(2 * (1 - correlation)) / apart if apart > 0 else 0.0
+    slopes = (CubicSpline(times, walk)(times, 1) for walk in (common, own))
+    rates = list(slopes)
+    return np.column_stack([common, rates[0], own, rates[1]])
+
+
+def gust_memory(memory: float, crossing: float, slip: float, deviation: float) -> float:
+    """Return the integral time (s) of the gusts that a body meets: T / sqrt(1 + (beta w / u')^2).
+
+    Csanady, J. Atmos. Sci. 20 (1963), 201: a body that moves through the water leaves eddies before they decay.
+
+    Parameters
+    ----------
+    memory
+        T, of the water itself, s.
+    crossing
+        beta = u' T over the integral length of the gusts.
+    slip
+        w, speed of the body relative to the water, m/s.
+    deviation
+        u', standard deviation of a gust's component, m/s.
+
+    >>> gust_memory(3.0, 0.5, 0.0, 0.03), round(gust_memory(3.0, 0.5, 3.0, 0.03), 3)
+    (3.0, 0.06)
+    """
+    return memory / math.hypot(1.0, crossing * slip / deviation)
+
+
+def _walk(noise: FloatArray, kept: float) -> FloatArray:
+    """Return the stationary process of which each step keeps the share ``kept``, from normal numbers (n, 3)."""
     walk = np.empty_like(noise)
     walk[0] = noise[0]
-    for k in range(1, len(times)):
+    for k in range(1, len(noise)):
         walk[k] = kept * walk[k - 1] + math.sqrt(1 - kept**2) * noise[k]
-    walk *= flow.intensity * _friction_velocity(scenario)
-    return np.column_stack([walk, CubicSpline(times, walk)(times, 1)])
+    return walk
 
 
 @compiled
 def water_motion(
-    point: Vector, t: float, pipe: FloatArray, flow: FloatArray, gusts: FloatArray
+    point: Vector,
+    t: float,
+    pipe: FloatArray,
+    flow: FloatArray,
+    gusts: FloatArray,
+    spread: Spread = AT_A_POINT,
 ) -> tuple[Vector, Rotation, Vector]:
     """Return the water's velocity (m/s), its gradient du_i/dx_j (rows i, 1/s) and its rate du/dt in place (m/s2).
+
+    The mean flow is taken at the root mean square distance of ``spread`` from the axis: for a parabolic profile, that
+    is its mean over the body.
 
     In the boundary layer of developing flow the radial velocity is that of continuity; its own change downstream
     is of second order in the layer's slope and left out of the gradient.
     """
     velocity, gradient, rate = (flow[SPEED], 0.0, 0.0), (ZERO, ZERO, ZERO), ZERO
     if pipe.shape[0] > 0:
-        velocity, gradient = _mean_velocity(point, pipe, flow)
+        velocity, gradient = _mean_velocity(point, pipe, flow, spread)
     if gusts.shape[0] > 1:
-        place = t / flow[GUST_STEP]
-        k = min(max(int(place), 0), gusts.shape[0] - 2)
-        u = min(max(place - k, 0.0), 1.0)
-        gust, rate = _interpolate_gust(gusts[k], gusts[k + 1], flow[GUST_STEP], u)
+        gust, rate = _interpolate_gust(t, gusts, flow[GUST_STEP], 0)
         velocity = add(velocity, gust)
     return velocity, gradient, rate
 
 
 @compiled
-def _mean_velocity(point: Vector, pipe: FloatArray, flow: FloatArray) -> tuple[Vector, Rotation]:
+def gust_shear(t: float, flow: FloatArray, gusts: FloatArray) -> Vector:
+    """Return the change of a gust along the body's axis, world frame, 1/s; see :func:`gust_array`."""
+    if gusts.shape[0] < 2:
+        return ZERO
+    return _interpolate_gust(t, gusts, flow[GUST_STEP], 6)[0]
+
+
+@compiled
+def _mean_velocity(
+    point: Vector, pipe: FloatArray, flow: FloatArray, spread: Spread
+) -> tuple[Vector, Rotation]:
     """Return the velocity of the profile, and its gradient."""
-    axis, outward, radius, x, r = _locate_in_segment(point, pipe)
-    along, shear, stretch, radial = _velocity_profile(radius, x, r, flow)
+    axis, outward, radius, x, r = locate_in_segment(point, pipe)
+    along, shear, stretch, radial = spread_profile(
+        radius, x, r, spread_across(spread, axis), flow[KIND], flow[SPEED], flow[PARAMETER]
+    )
     # On the axis, a radial velocity proportional to r has the same gradient in all transverse directions.
     ring = radial / r if r > 0.0 else -0.5 * stretch
     # The gradient is a (x) v + n (x) w + ring 1, with the axis a and the outward normal n.
@@ -141,7 +212,7 @@ def _mean_velocity(point: Vector, pipe: FloatArray, flow: FloatArray) -> tuple[V
 
 
 @compiled
-def _locate_in_segment(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector, float, float, float]:
+def locate_in_segment(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector, float, float, float]:
     """Return unit vectors along the segment and away from its axis, its radius, x from the inlet, and r (m)."""
     best, radius, x, r, before = -np.inf, 0.0, 0.0, 0.0, 0.0
     along_axis, outward = ZERO, ZERO
@@ -166,16 +237,40 @@ def _locate_in_segment(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector,
 
 
 @compiled
-def _interpolate_gust(a: FloatArray, b: FloatArray, step: float, u: float) -> tuple[Vector, Vector]:
-    """Return a gust's velocity and derivative at the share ``u`` of the time ``step`` (s) from row ``a`` to row ``b``."""
-    p, v, q, w = (a[0], a[1], a[2]), (a[3], a[4], a[5]), (b[0], b[1], b[2]), (b[3], b[4], b[5])
+def _interpolate_gust(t: float, gusts: FloatArray, step: float, column: int) -> tuple[Vector, Vector]:
+    """Return the three numbers from ``column`` on of the gusts at the time ``t`` (s), and their derivatives."""
+    place = t / step
+    k = min(max(int(place), 0), gusts.shape[0] - 2)
+    u = min(max(place - k, 0.0), 1.0)
+    a, b, c = gusts[k], gusts[k + 1], column
+    p, v = (a[c], a[c + 1], a[c + 2]), (a[c + 3], a[c + 4], a[c + 5])
+    q, w = (b[c], b[c + 1], b[c + 2]), (b[c + 3], b[c + 4], b[c + 5])
     curve = cubic_between(p, v, q, w, step)
     return cubic_point(curve, u), scale(1.0 / step, cubic_slope(curve, u))
 
 
 @compiled
-def _velocity_profile(
-    radius: float, x: float, r: float, flow: FloatArray
+def spread_across(spread: Spread, axis: Vector) -> float:
+    """Return the mean square distance (m2) of a body from a line along ``axis`` through its centre."""
+    along = dot(axis, spread[0])
+    return 2.0 * spread[1] + (spread[2] - spread[1]) * max(0.0, 1.0 - along * along)
+
+
+@compiled
+def spread_profile(
+    radius: float, x: float, r: float, square: float, kind: float, U: float, parameter: float
+) -> tuple[float, float, float, float]:
+    """Return what :func:`velocity_profile` does at sqrt(r^2 + ``square``), with derivatives with respect to r."""
+    if square == 0.0:
+        return velocity_profile(radius, x, r, kind, U, parameter)
+    distance = math.sqrt(r * r + square)
+    along, shear, stretch, radial = velocity_profile(radius, x, distance, kind, U, parameter)
+    return along, shear * r / distance, stretch, radial * r / distance
+
+
+@compiled
+def velocity_profile(
+    radius: float, x: float, r: float, kind: float, U: float, parameter: float
 ) -> tuple[float, float, float, float]:
     """Return the axial velocity u, du/dr, du/dx, and the radial velocity at r from the axis, x from the inlet.
 
@@ -184,23 +279,22 @@ def _velocity_profile(
     * developing: a layer of thickness d = 0.37 x Re_x^(-1/5) (Schlichting) with u ~ (y/d)^(1/7), and a core whose
       speed U / (1 - d/(4R) + d^2/(15 R^2)) keeps the volume flow.
     """
-    U, kind = flow[SPEED], flow[KIND]
     if kind == UNIFORM:
         return U, 0.0, 0.0, 0.0
     y = max(radius - r, MIN_WALL_DISTANCE * radius)
     moving = 1.0 if radius - r > MIN_WALL_DISTANCE * radius else 0.0
     if kind == POWER_LAW:
-        power = flow[PARAMETER]
+        power = parameter
         n = 1.0 / power
         u = U * (n + 1) * (2 * n + 1) / (2 * n * n) * (y / radius) ** power
         return u, -moving * power * u / y, 0.0, 0.0
     if kind == LOG_LAW:
-        defect = U * flow[PARAMETER]
+        defect = U * parameter
         u = U + defect * (1.5 + math.log(y / radius))
         # Near a very rough wall the law would give a negative velocity.
         return (u, -moving * defect / y, 0.0, 0.0) if u > 0.0 else (0.0, 0.0, 0.0, 0.0)
     x = max(x, MIN_WALL_DISTANCE * radius)
-    layer = 0.37 * x**0.8 * flow[PARAMETER] ** 0.2
+    layer = 0.37 * x**0.8 * parameter**0.2
     growth = 0.8 * layer / x
     if layer > radius:
         layer, growth = radius, 0.0

@@ -8,8 +8,9 @@ from driftform.dynamics.flow import UNIFORM, flow_array, gust_array
 from driftform.dynamics.impact import contact_law
 from driftform.dynamics.inertia import added_mass_at, rigid_body_mass
 from driftform.dynamics.surfaces import touching_surfaces
+from driftform.dynamics.terminal import terminal_speed_across
 from driftform.geometry.slices import slice_solid
-from driftform.scenario import Scenario
+from driftform.scenario import Scenario, TurbulentFlow
 from driftform.types import Agent, Body, Drag, FloatArray
 from driftform.util.compiled import borrow, compiled
 
@@ -19,7 +20,8 @@ COG, COB = 24, 25
 DAMPING_POINT = 26
 CURRENT = 27
 AXIAL_DRAG = 28
-ROWS = 31
+TAILS = 31
+ROWS = 33
 
 # Indices of single numbers in it.
 DAMPED = (DAMPING_POINT, 3)
@@ -27,6 +29,9 @@ STEADY = (CURRENT, 3)
 BODY_MASS, DISPLACED_MASS = (29, 0), (29, 1)
 GRAVITY, DENSITY, VISCOSITY, WATER_LEVEL = (29, 2), (29, 3), (29, 4), (29, 5)
 FROUDE_KRYLOV, FRICTION, REACH = (30, 0), (30, 1), (30, 2)
+ROUND_AREA, DIAMETER = (AXIAL_DRAG, 4), (AXIAL_DRAG, 5)
+SPIN, SHEAR_VOLUME = (TAILS, 4), (TAILS, 5)
+ACROSS, LENGTHWISE, BLOCKING, CENTRE = (32, 0), (32, 1), (32, 2), (32, 3)
 
 _FEWEST, _MOST_SLICES = 16, 64
 
@@ -37,12 +42,15 @@ class FlightModel(NamedTuple):
     Attributes
     ----------
     table
-        (31, 6): total mass M_RB + M_A, its inverse, linear damping, quadratic damping; then one row each of COG,
+        (33, 6): total mass M_RB + M_A, its inverse, linear damping, quadratic damping; then one row each of COG,
         COB, (point that the damping refers to, 1 if the body is damped), (the water's velocity in the world frame,
-        1 if it is uniform and steady), axial drag (see :func:`driftform.dynamics.drag.axial_drag`);
+        1 if it is uniform and steady), axial drag (see :func:`driftform.dynamics.drag.axial_drag`) with round area and
+        diameter;
         (mass, mass of the displaced water, gravity, density, viscosity, height of the free surface, infinite
         without one); (1 if the pressure gradient of accelerating water acts on the body, coefficient of friction,
-        greatest distance of a surface from the origin).
+        greatest distance of a surface from the origin); (x and lift area of the tail for
+        motion ahead, the same for motion astern, spin, shear volume); (spread across and along, blocking diameter,
+        centre of the drag of a sphere): see :class:`driftform.types.Drag`.
     surfaces
         rims and domes of the body that can touch a wall: the five numbers of
         :func:`driftform.dynamics.surfaces.touching_surfaces`, greatest fall of the bore from its tangent within the
@@ -57,6 +65,10 @@ class FlightModel(NamedTuple):
         of the displaced volume: x, radius (m), volume (m3), width (m), (n, 4); (0, 4) if the pipe is full.
     strips
         of drag: see :class:`driftform.types.Drag`, (n, 4); (0, 4) without any.
+    bristles
+        of the surfaces, if there is friction: their deflections times the contact's frequency, world frame, m/s (rows
+        of the first half), and room for the rates of these, m/s2 (second half); (2 surfaces, 3) or (0, 3). See
+        :func:`driftform.dynamics.contact.wall_wrench`.
     """
 
     table: FloatArray
@@ -67,6 +79,7 @@ class FlightModel(NamedTuple):
     gusts: FloatArray
     slices: FloatArray
     strips: FloatArray
+    bristles: FloatArray
 
 
 def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
@@ -75,7 +88,7 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     total = rigid_body_mass(mass) + added_mass_at(coefficients, np.zeros(3))
     inverse = invert_mass(total, max(agent.body.length, agent.body.max_diameter))
     surfaces = _surface_rows(agent.body, inverse, scenario)
-    flow, gusts = flow_array(scenario), gust_array(scenario)
+    flow, gusts = flow_array(scenario), _gusts(agent, scenario)
     drag = coefficients.drag or Drag(np.empty((0, 4)))
     table = np.zeros((ROWS, 6))
     table[MASS : MASS + 6], table[INVERSE : INVERSE + 6] = total, inverse
@@ -86,7 +99,17 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     table[DAMPED] = np.any(table[LINEAR:COG])
     table[CURRENT, :3] = scenario.current()
     table[STEADY] = flow[0] == UNIFORM and not len(gusts) and len(scenario.pipe.segments) <= 1
-    table[AXIAL_DRAG, :4] = drag.friction_area, drag.length, drag.ahead, drag.astern
+    table[AXIAL_DRAG] = (
+        drag.friction_area,
+        drag.length,
+        drag.ahead,
+        drag.astern,
+        drag.round_area,
+        drag.diameter,
+    )
+    table[TAILS] = *drag.wake_ahead, *drag.wake_astern, drag.spin, drag.shear_volume
+    table[ACROSS], table[LENGTHWISE] = drag.spread
+    table[BLOCKING], table[CENTRE] = drag.blocking, drag.centre
     table[BODY_MASS], table[DISPLACED_MASS] = mass.mass, fluid.density * mass.volume
     table[GRAVITY], table[DENSITY], table[VISCOSITY] = fluid.gravity, fluid.density, fluid.viscosity
     table[WATER_LEVEL] = np.inf if fluid.water_level is None else fluid.water_level
@@ -105,6 +128,7 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
         gusts,
         np.empty((0, 4)) if fluid.water_level is None else _buoyancy_slices(agent),
         _drag_strips(agent),
+        np.zeros((2 * len(surfaces) if contact.friction > 0.0 else 0, 3)),
     )
 
 
@@ -119,22 +143,24 @@ def pack(model: FlightModel) -> FloatArray:
 def unpack(values: FloatArray) -> FlightModel:
     """Return the model that :func:`pack` put into one array; its arrays share that memory."""
     values = borrow(values)
-    surfaces = 8 + 6 * int(values[0])
+    surfaces = 9 + 6 * int(values[0])
     law = surfaces + 7 * int(values[1])
     pipe = law + int(values[2])
     flow = pipe + 8 * int(values[3])
     gusts = flow + int(values[4])
-    cuts = gusts + 6 * int(values[5])
+    cuts = gusts + 12 * int(values[5])
     strips = cuts + 4 * int(values[6])
+    bristles = strips + 4 * int(values[7])
     return FlightModel(
-        values[8:surfaces].reshape(-1, 6),
+        values[9:surfaces].reshape(-1, 6),
         values[surfaces:law].reshape(-1, 7),
         values[law:pipe],
         values[pipe:flow].reshape(-1, 8),
         values[flow:gusts],
-        values[gusts:cuts].reshape(-1, 6),
+        values[gusts:cuts].reshape(-1, 12),
         values[cuts:strips].reshape(-1, 4),
-        values[strips:].reshape(-1, 4),
+        values[strips:bristles].reshape(-1, 4),
+        values[bristles:].reshape(-1, 3),
     )
 
 
@@ -175,6 +201,16 @@ def _pipe_rows(scenario: Scenario) -> FloatArray:
     axis = rows[:, 3:6] - rows[:, :3]
     length = np.linalg.norm(axis, axis=1, keepdims=True)
     return np.column_stack([rows[:, :3], axis / length, length, rows[:, 6]])
+
+
+def _gusts(agent: Agent, scenario: Scenario) -> FloatArray:
+    """Return the gusts that an agent meets: with drag, they know its terminal speed and its length."""
+    drag, flow = agent.coefficients.drag, scenario.flow
+    if drag is None or not isinstance(flow, TurbulentFlow) or flow.crossing == 0:
+        return gust_array(scenario)
+    net = agent.mass.net_buoyancy(scenario.fluid)
+    slip = terminal_speed_across(drag, net, scenario.fluid.density, scenario.fluid.viscosity)
+    return gust_array(scenario, slip, agent.body.length)
 
 
 def _drag_strips(agent: Agent) -> FloatArray:

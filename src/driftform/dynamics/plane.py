@@ -1,13 +1,14 @@
 """Motion in the vertical plane: surge, heave and pitch only, for a fraction of the work of motion in space.
 
-A body of revolution that is released without yaw, in a uniform steady flow along a pipe in the vertical plane, never
+A body of revolution that is released without yaw, in a steady flow parallel to a pipe in the vertical plane, never
 leaves the plane of its axis and the pipe's: sway, roll and yaw are always zero, and so are their forces. The remaining
 terms of :mod:`driftform.dynamics.equations` are written out here. With u, v the velocities relative to the water along the
 body's x and z axes, q the pitch rate, and (P_x, P_z, H) = M (u, v, q) the momentum,::
 
     P_x' = X - P_z q        P_z' = Z + P_x q        H' = N + P_z u - P_x v
 
-X, Z and N are the forces and the moment of weight, buoyancy and the wall.
+X, Z and N are the forces and the moment of weight, buoyancy, drag and the wall. Water that flows parallel to the pipe
+does not accelerate, so the relative velocity is all that a velocity profile changes.
 """
 
 import math
@@ -16,22 +17,44 @@ from typing import TypeAlias
 import numpy as np
 
 from driftform.dynamics.bore import end_of_dome, smoothed_sine
+from driftform.dynamics.drag import SLOWEST
+from driftform.dynamics.flow import KIND, LOG_LAW, PARAMETER, POWER_LAW, SPEED, UNIFORM, spread_profile
 from driftform.dynamics.impact import common_mass, damper, spring
 from driftform.dynamics.model import (
+    ACROSS as SPREAD_ACROSS,
+)
+from driftform.dynamics.model import (
+    AXIAL_DRAG,
+    BLOCKING,
     BODY_MASS,
+    CENTRE,
     COB,
     COG,
     CURRENT,
     DAMPED,
+    DENSITY,
+    DIAMETER,
     DISPLACED_MASS,
     FRICTION,
+    FROUDE_KRYLOV,
     GRAVITY,
+    LENGTHWISE,
     LINEAR,
     MASS,
     REACH,
+    ROUND_AREA,
+    SHEAR_VOLUME,
     STEADY,
+    TAILS,
+    VISCOSITY,
     WATER_LEVEL,
     FlightModel,
+)
+from driftform.hydrodynamics.drag_coefficients import (
+    blockage_factor,
+    crossflow_coefficient,
+    friction_coefficient,
+    sphere_coefficient,
 )
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
@@ -49,20 +72,33 @@ NET_WEIGHT, HANGING, TRIM = 12, 13, 14
 STREAM = 15
 RADIUS, NEAR = 17, 18
 ACROSS, INLET, LENGTH = 19, 21, 23
-LAW, MODEL_SIZE = 24, 32
+PROFILE, CENTRE_X, CENTRE_Z, SPREAD = 24, 27, 28, 29
+IS_DRAGGED, SHEAR_MASS, FRICTION_AREA, FRICTION_RATE, AHEAD, ASTERN = 31, 32, 33, 34, 35, 36
+ROUND, ROUND_RATE, ROUND_X = 37, 38, 39
+TAIL_AHEAD, TAIL_ASTERN = 40, 42
+STRIP, STRIPS = 44, 5
+"""Rows of x, 1/2 rho C dx d (kg/m), d over viscosity; the strips must be as many."""
+LAW = STRIP + 3 * STRIPS
+MODEL_SIZE = LAW + 8
 
 
 def stays_in_plane(start: FloatArray, model: FlightModel) -> bool:
     """Return True if :func:`fill_rate_in_plane` describes the whole motion from the state ``start`` (13,).
 
-    The conditions: all components across the plane are exactly zero; the water is uniform and steady; the pipe is full
-    and straight, and its radius is at least twice the greatest distance of a surface from the origin (the near wall is then
-    the same all along the body); and only weight, buoyancy, added mass and the frictionless wall act.
+    The conditions: all components across the plane are exactly zero; the water is steady, and uniform or parallel to the
+    pipe; the pipe is full and straight, and its radius is at least twice the greatest distance of a surface from the
+    origin (the near wall is then the same all along the body); and only weight, buoyancy, added mass, drag and the
+    frictionless wall act.
     """
     table, pipe = model.table, model.pipe
-    if table[STEADY] == 0.0 or table[WATER_LEVEL] < np.inf or table[DAMPED] != 0.0 or table[FRICTION] != 0.0:
+    parallel = (
+        model.flow[KIND] in (POWER_LAW, LOG_LAW) and len(model.gusts) == 0 and table[FROUDE_KRYLOV] != 0.0
+    )
+    if table[STEADY] == 0.0 and not parallel:
         return False
-    if len(model.strips) > 0 or len(pipe) > 1:
+    if table[WATER_LEVEL] < np.inf or table[DAMPED] != 0.0 or table[FRICTION] != 0.0:
+        return False
+    if len(model.strips) not in (0, STRIPS) or len(pipe) > 1:
         return False
     coupling = table[MASS:LINEAR].reshape(2, 6, 6)
     across = [*start[4:13:2], table[COG, 1], table[COB, 1], table[CURRENT, 1]]
@@ -74,12 +110,13 @@ def stays_in_plane(start: FloatArray, model: FlightModel) -> bool:
 
 
 def plane_model(model: FlightModel) -> FloatArray:
-    """Return the input of :func:`accelerations_in_plane` except the surfaces, (32,).
+    """Return the input of :func:`accelerations_in_plane` except the surfaces, (67,).
 
     Total mass and its inverse; weight less buoyancy (N), their moments about the origin from heights and from lengths along
     the body (N m); the water's velocity (x, z); the bore's radius, and the distance from its axis beyond which a surface may
     touch (m); in the world frame, the unit vector across the bore and a point on its axis (x, z each); the bore's
-    length (m); the law of the contacts.
+    length (m). Then the velocity profile (kind, speed, parameter), the COB in body axes (x, z) and the spread of the body;
+    then its drag, with densities, viscosity and the narrowness of the bore multiplied in; then the law of the contacts.
     """
     table, out = model.table, np.zeros(MODEL_SIZE)
     out[INERTIA:NET_WEIGHT] = table[MASS:LINEAR].reshape(2, 6, 6)[:, _UPPER[0], _UPPER[1]].ravel()
@@ -97,7 +134,31 @@ def plane_model(model: FlightModel) -> FloatArray:
         out[RADIUS], out[NEAR] = pipe[7], pipe[7] - table[REACH]
         out[ACROSS], out[ACROSS + 1] = -pipe[5], pipe[3]
         out[INLET], out[INLET + 1], out[LENGTH] = pipe[0], pipe[2], pipe[6]
+    if table[STEADY] == 0.0:
+        out[PROFILE : PROFILE + 3] = model.flow[[KIND, SPEED, PARAMETER]]
+        out[STREAM : STREAM + 2] = 0.0
+    out[CENTRE_X], out[CENTRE_Z] = table[COB, 0], table[COB, 2]
+    out[SPREAD], out[SPREAD + 1] = table[SPREAD_ACROSS], table[LENGTHWISE]
+    if len(model.strips) == STRIPS:
+        _fill_drag(model, out)
     return out
+
+
+def _fill_drag(model: FlightModel, out: FloatArray) -> None:
+    table, axial = model.table, model.table[AXIAL_DRAG]
+    out[IS_DRAGGED], viscosity = 1.0, table[VISCOSITY]
+    radius = model.pipe[0, 7] if len(model.pipe) == 1 else np.inf
+    half = 0.5 * table[DENSITY] * blockage_factor(0.5 * table[BLOCKING] / radius)
+    out[SHEAR_MASS] = table[DENSITY] * table[SHEAR_VOLUME]
+    out[FRICTION_AREA], out[FRICTION_RATE] = half * axial[0], axial[1] / viscosity
+    out[AHEAD], out[ASTERN] = half * axial[2], half * axial[3]
+    out[ROUND], out[ROUND_RATE] = half * table[ROUND_AREA], table[DIAMETER] / viscosity
+    out[ROUND_X] = table[CENTRE]
+    out[TAIL_AHEAD], out[TAIL_AHEAD + 1] = table[TAILS, 0], table[DENSITY] * table[TAILS, 1]
+    out[TAIL_ASTERN], out[TAIL_ASTERN + 1] = table[TAILS, 2], table[DENSITY] * table[TAILS, 3]
+    x, diameter, width, factor = model.strips.T
+    strips = np.column_stack([x, half * factor * diameter * width, diameter / viscosity])
+    out[STRIP:LAW] = strips.ravel()
 
 
 @compiled
@@ -139,6 +200,16 @@ def accelerations_in_plane(
     X, Z = plane[NET_WEIGHT] * s, -plane[NET_WEIGHT] * c
     N = plane[HANGING] * s + plane[TRIM] * c
     off = plane[ACROSS] * (position[0] - plane[INLET]) + plane[ACROSS + 1] * (position[1] - plane[INLET + 1])
+    # The unit vector across the pipe, in body axes; that along the pipe is (n_b, -n_a).
+    n_a = c * plane[ACROSS] - s * plane[ACROSS + 1]
+    n_b = s * plane[ACROSS] + c * plane[ACROSS + 1]
+    shear = 0.0
+    if plane[PROFILE] != UNIFORM:
+        stream, shear = _stream(off + n_a * plane[CENTRE_X] + n_b * plane[CENTRE_Z], n_a, plane)
+        u, v = u - n_b * stream, v + n_a * stream
+    if plane[IS_DRAGGED] != 0.0:
+        force = _drag(u, v, q, -n_a * n_a * shear, shear, plane)
+        X, Z, N = X + force[0], Z + force[1], N + force[2]
     if abs(off) >= plane[NEAR]:
         side = 1.0 if off > 0.0 else -1.0
         n_x, n_z = side * plane[ACROSS], side * plane[ACROSS + 1]
@@ -220,6 +291,65 @@ def depth_in_plane(surfaces: FloatArray, k: int, s: float, gap: float) -> tuple[
             return x * s + radius - gap, x, r
         x, r = end_of_dome(surfaces, k, s)
     return x * s + r * (1.0 - s * s) / smoothed_sine(s) - gap, x, r
+
+
+@compiled
+def _stream(off: float, n_a: float, plane: FloatArray) -> tuple[float, float]:
+    """Return the water's velocity along the pipe (m/s), ``off`` metres from its axis, and its derivative (1/s)."""
+    square = 2.0 * plane[SPREAD] + (plane[SPREAD + 1] - plane[SPREAD]) * n_a * n_a
+    along, shear, _, _ = spread_profile(
+        plane[RADIUS], 0.0, abs(off), square, plane[PROFILE], plane[PROFILE + 1], plane[PROFILE + 2]
+    )
+    return along, shear if off > 0.0 else -shear
+
+
+@compiled
+def _drag(
+    u: float, v: float, q: float, shear: float, curl: float, plane: FloatArray
+) -> tuple[float, float, float]:
+    """Return the forces (N) along x and z of the body and the moment (N m) of drag and lift.
+
+    The same as :func:`driftform.dynamics.equations.drag_wrench` with shear lift, of motion in the plane: ``u``, ``v`` are
+    relative to the water at the COB (m/s), ``shear`` is the derivative of v along the axis, ``curl`` the water's (1/s).
+    """
+    X, Z, N, centre = 0.0, 0.0, 0.0, plane[CENTRE_X]
+    for k in range(STRIPS):
+        x, mass, rate = plane[STRIP + 3 * k], plane[STRIP + 3 * k + 1], plane[STRIP + 3 * k + 2]
+        across = v - x * q - (x - centre) * shear
+        speed = abs(across)
+        if speed >= SLOWEST:
+            force = mass * crossflow_coefficient(speed * rate) * speed * across
+            Z -= force
+            N += x * force
+    along = abs(u)
+    x, area = plane[TAIL_AHEAD], plane[TAIL_AHEAD + 1]
+    if u <= 0.0:
+        x, area = plane[TAIL_ASTERN], plane[TAIL_ASTERN + 1]
+    if along >= SLOWEST:
+        drag = plane[AHEAD] if u > 0.0 else plane[ASTERN]
+        if plane[FRICTION_AREA] > 0.0:
+            drag += plane[FRICTION_AREA] * friction_coefficient(along * plane[FRICTION_RATE])
+        X -= drag * along * u
+        across = v - x * q - (x - centre) * shear
+        speed = math.sqrt(u * u + across * across)
+        force = area * along * math.sqrt(0.5 * (1.0 + along / speed)) * across
+        Z -= force
+        N += x * force
+    if plane[ROUND] > 0.0:
+        x = plane[ROUND_X]
+        across = v - x * q - (x - centre) * shear
+        speed = math.sqrt(u * u + across * across)
+        if speed >= SLOWEST:
+            force = plane[ROUND] * sphere_coefficient(speed * plane[ROUND_RATE]) * speed
+            X -= force * u
+            Z -= force * across
+            N += x * force * across
+    lift = plane[SHEAR_MASS] * curl
+    if lift != 0.0:
+        F_x = lift * (v - centre * q)
+        F_z = -lift * (u + plane[CENTRE_Z] * q)
+        X, Z, N = X + F_x, Z + F_z, N + plane[CENTRE_Z] * F_x - centre * F_z
+    return X, Z, N
 
 
 @compiled

@@ -21,10 +21,13 @@ from driftform.dynamics.model import (
     STEADY,
     WATER_LEVEL,
     FlightModel,
+    pack,
+    unpack,
 )
 from driftform.dynamics.rotations import rotation_from_vector
-from driftform.dynamics.vectors import Rotation, Vector
+from driftform.dynamics.vectors import Rotation, dot
 from driftform.types import FloatArray
+from driftform.util.compiled import compiled
 
 _DIFFERENCE = 1e-6
 """Step of the central differences for the eigenvalues, m, rad, m/s and rad/s."""
@@ -82,21 +85,7 @@ def stable_rest(model: FlightModel) -> Rest:
         pitch = -math.copysign(math.pi / 2, back) if back else 0.0
         return Rest(pitch, None, still)
     table[WATER_LEVEL] = 0.0
-    energies = [_potential_energy(still, _floating_height(still, pitch), pitch) for pitch in _PITCHES]
-    best = int(np.argmin(energies))
-    low, high = _PITCHES[max(best - 1, 0)], _PITCHES[min(best + 1, len(_PITCHES) - 1)]
-    for _ in range(60):
-        third = (high - low) / 3
-        a, b = low + third, high - third
-        if _potential_energy(still, _floating_height(still, a), a) < _potential_energy(
-            still, _floating_height(still, b), b
-        ):
-            high = b
-        else:
-            low = a
-    pitch = float(low + high) / 2
-    height = _floating_height(still, pitch)
-    return Rest(pitch, height, still)
+    return Rest(*_find_rest_afloat(pack(still), _PITCHES), still)
 
 
 def eigenvalues(model: FlightModel, height: float, pitch: float) -> npt.NDArray[np.complex128]:
@@ -126,36 +115,60 @@ def _still_open_water(model: FlightModel) -> FlightModel:
     return model._replace(table=table, pipe=np.empty((0, 8)))
 
 
+@compiled
 def _rotation(pitch: float) -> Rotation:
     return rotation_from_vector(0.0, pitch, 0.0)
 
 
-def _floating_height(model: FlightModel, pitch: float) -> float:
+@compiled
+def _find_rest_afloat(values: FloatArray, pitches: FloatArray) -> tuple[float, float]:
+    """Return pitch (rad) and height (m) of least potential energy: the best of the pitches, refined."""
+    model = unpack(values)
+    best, least = 0, math.inf
+    for k in range(pitches.shape[0]):
+        energy = _floating_energy(model, pitches[k])
+        if energy < least:
+            best, least = k, energy
+    low, high = pitches[max(best - 1, 0)], pitches[min(best + 1, pitches.shape[0] - 1)]
+    for _ in range(60):
+        third = (high - low) / 3
+        a, b = low + third, high - third
+        if _floating_energy(model, a) < _floating_energy(model, b):
+            high = b
+        else:
+            low = a
+    pitch = (low + high) / 2
+    return pitch, _floating_height(model, _rotation(pitch))
+
+
+@compiled
+def _floating_energy(model: FlightModel, pitch: float) -> float:
+    """Return the potential energy (J) of the body at a pitch (rad), at the height where it floats."""
+    table, R = model.table, _rotation(pitch)
+    height = _floating_height(model, R)
+    centre = (table[COB, 0], table[COB, 1], table[COB, 2])
+    lift = buoyant_energy(height, R, centre, 0.0, table[DENSITY] * table[GRAVITY], model.slices)
+    cog = height + dot(R[2], (table[COG, 0], table[COG, 1], table[COG, 2]))
+    return float(lift + table[BODY_MASS] * table[GRAVITY] * cog)
+
+
+@compiled
+def _floating_height(model: FlightModel, R: Rotation) -> float:
     """Return the height (m) of the origin above the surface at which buoyancy equals the weight, by bisection."""
-    table = model.table
-    weight = table[DENSITY] * table[GRAVITY]
-    reach = float(np.abs(model.slices[:, 0]).max() + model.slices[:, 1].max() + model.slices[:, 3].max())
-    low, high = -2 * reach, 2 * reach
+    table, slices = model.table, model.slices
+    centre = (table[COB, 0], table[COB, 1], table[COB, 2])
+    farthest = widest = thickest = 0.0
+    for k in range(slices.shape[0]):
+        farthest = max(farthest, abs(slices[k, 0]))
+        widest = max(widest, slices[k, 1])
+        thickest = max(thickest, slices[k, 3])
+    high = 2 * (farthest + widest + thickest)
+    low = -high
     for _ in range(60):
         middle = (low + high) / 2
-        _, volume, _ = buoyancy(
-            middle, _rotation(pitch), _centre_of_buoyancy(model), 0.0, weight, model.slices
-        )
+        _, volume, _ = buoyancy(middle, R, centre, 0.0, table[DENSITY] * table[GRAVITY], slices)
         if table[DENSITY] * volume > table[BODY_MASS]:
             low = middle
         else:
             high = middle
     return (low + high) / 2
-
-
-def _potential_energy(model: FlightModel, height: float, pitch: float) -> float:
-    table, R = model.table, _rotation(pitch)
-    lift = buoyant_energy(
-        height, R, _centre_of_buoyancy(model), 0.0, table[DENSITY] * table[GRAVITY], model.slices
-    )
-    return float(lift + table[BODY_MASS] * table[GRAVITY] * (height + np.dot(R[2], table[COG, :3])))
-
-
-def _centre_of_buoyancy(model: FlightModel) -> Vector:
-    x, y, z = model.table[COB, :3].tolist()
-    return x, y, z

@@ -2,9 +2,8 @@
 
 from collections.abc import Callable
 
-import numpy as np
-
-from driftform.dynamics.drag import axial_drag, strip_drag
+from driftform.dynamics.drag import still_water_wrench
+from driftform.dynamics.vectors import ZERO
 from driftform.types import Drag
 
 _MAX_SPEED = 100.0
@@ -24,20 +23,21 @@ def terminal_speeds(
     density, viscosity
         of the water, kg/m3 and m2/s.
     """
-    axial = np.array([drag.friction_area, drag.length, drag.ahead, drag.astern])
     sign = 1.0 if fore_first else -1.0
-    rest = (0.0, 0.0, 0.0)
 
     def along(speed: float) -> float:
-        return abs(axial_drag(sign * speed, density, viscosity, axial))
+        return float(abs(still_water_wrench(drag, (sign * speed, 0.0, 0.0), ZERO, density, viscosity)[0]))
+
+    return _balance_speed(along, abs(net)), terminal_speed_across(drag, net, density, viscosity)
+
+
+def terminal_speed_across(drag: Drag, net: float, density: float, viscosity: float) -> float:
+    """Return the terminal speed (m/s) across the axis; see :func:`terminal_speeds`."""
 
     def across(speed: float) -> float:
-        fluid = (density, viscosity, 1.0)
-        return sum(
-            abs(strip_drag((0.0, 0.0, speed), rest, rest, 0.0, fluid, strip)[2]) for strip in drag.strips
-        )
+        return float(abs(still_water_wrench(drag, (0.0, 0.0, speed), ZERO, density, viscosity)[2]))
 
-    return _balance_speed(along, abs(net)), _balance_speed(across, abs(net))
+    return _balance_speed(across, abs(net))
 
 
 def _balance_speed(drag: Callable[[float], float], force: float) -> float:

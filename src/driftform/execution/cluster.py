@@ -4,6 +4,7 @@ The cluster stores nothing of a run. Every task carries the study, in two kiloby
 """
 
 import asyncio
+import faulthandler
 import json
 import logging
 import os
@@ -12,21 +13,23 @@ import sys
 import threading
 import time
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import lru_cache
 from importlib import metadata
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from driftform import __version__
 from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
 from driftform.execution.jobs import Job, Outcome, WorkersLostError, evaluate_batch
-from driftform.execution.local import hold_back_interrupts
-from driftform.execution.pool import POLL_S, PoolExecutor, WorkerGroup
+from driftform.execution.pool import POLL_S, Cause, Death, PoolExecutor, WorkerGroup
+from driftform.execution.worker import hold_back_interrupts
 from driftform.pipeline import Pipeline
 from driftform.registry import registry
 from driftform.study import SELECTED, Document, load_study
+from driftform.util.compiled import observe_compilation
 
 if TYPE_CHECKING:
     from distributed import LocalCluster
@@ -48,6 +51,9 @@ class Cluster(PoolExecutor):
     def start(cls, document: Mapping[str, Any], workers: int) -> "Cluster":
         """Start a cluster of worker processes on this machine; it ends with this process.
 
+        Whoever can connect to a Dask cluster can run code in it, and every user of a machine can connect to its local
+        ports. The processes therefore talk by TLS, with keys that exist in their memory alone.
+
         Raises
         ------
         InputError
@@ -57,12 +63,17 @@ class Cluster(PoolExecutor):
         """
         distributed = _import_distributed("--executor dask")
         try:
+            security = distributed.Security.temporary()
+        except ImportError as error:
+            raise _make_missing_error("--executor dask", error) from None
+        try:
             with hold_back_interrupts():
                 cluster = distributed.LocalCluster(
                     n_workers=workers,
                     threads_per_worker=1,
                     processes=True,
                     host="127.0.0.1",
+                    security=security,
                     dashboard_address=None,
                     memory_limit=0,
                     silence_logs=logging.CRITICAL,
@@ -120,13 +131,13 @@ class _Workers(WorkerGroup):
         where: str,
         cluster: "LocalCluster | None" = None,
     ) -> None:
-        super().__init__(len(document["targets"]))
+        super().__init__(document)
         self._study = zlib.compress(json.dumps(document).encode(), 9)
         self._versions = find_versions(document)
         self._client, self._cluster, self._where = client, cluster, where
         self._tasks = client.get_executor(pure=False)
         self._count = len(client.nthreads())
-        self._polled_at = self._seen_at = time.monotonic()
+        self._polled_at = self._seen_at = self._submitted_at = time.monotonic()
         self._has_printed = False
 
     @property
@@ -135,7 +146,10 @@ class _Workers(WorkerGroup):
         return max(1, self._count)
 
     def submit(self, batch: Sequence[Job]) -> "Future[list[Outcome]]":
-        future: Future[list[Outcome]] = self._tasks.submit(_work, self._study, self._versions, batch)
+        self._submitted_at = time.monotonic()
+        future: Future[list[Outcome]] = self._tasks.submit(
+            _work, self._study, self._versions, batch, self.timeout
+        )
         return future
 
     def find_error(self, future: "Future[list[Outcome]]") -> BaseException | None:
@@ -151,10 +165,14 @@ class _Workers(WorkerGroup):
             "install the same driftform and plugins for the scheduler and all workers"
         )
 
-    def count_deaths(self, error: BaseException) -> int:
+    def find_death(self, error: BaseException) -> Death | None:
         from distributed.scheduler import KilledWorker
 
-        return error.allowed_failures + 1 if isinstance(error, KilledWorker) else 0
+        if not isinstance(error, KilledWorker):
+            return None
+        # Dask does not say why a worker died; one that took too long ended itself then.
+        is_overdue = time.monotonic() - self._submitted_at >= self.timeout
+        return Death(Cause.TIMEOUT if is_overdue else Cause.KILL, count=error.allowed_failures + 1)
 
     def poll(self) -> None:
         now = time.monotonic()
@@ -220,11 +238,17 @@ def _import_distributed(option: str) -> Any:
     try:
         import distributed
     except ImportError as error:
-        raise InputError(f"{option} needs Dask ({error}): pip install 'driftform[dask]'") from None
+        raise _make_missing_error(option, error) from None
     for name in list(logging.root.manager.loggerDict):
         if name.partition(".")[0] in NOISY_LOGGERS:
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     return distributed
+
+
+def _make_missing_error(option: str, error: ImportError) -> InputError:
+    return InputError(
+        f"{option} needs Dask ({error}): uv sync --extra dask, or pip install 'driftform[dask]'"
+    )
 
 
 async def _identify(distributed: Any, address: str) -> str:
@@ -252,9 +276,42 @@ _one_at_a_time = threading.Lock()
 """A worker may have many threads, and a simulator need not be thread-safe."""
 
 
-def _work(study: bytes, expected: Mapping[str, str], batch: Sequence[Job]) -> list[Outcome]:
+def _work(study: bytes, expected: Mapping[str, str], batch: Sequence[Job], timeout: float) -> list[Outcome]:
     with _one_at_a_time:
-        return evaluate_batch(_load_pipeline(study, tuple(expected.items())), batch)
+        pipeline = _load_pipeline(study, tuple(expected.items()))
+        with _limit_time(timeout):
+            return evaluate_batch(pipeline, batch)
+
+
+@contextmanager
+def _limit_time(seconds: float) -> Iterator[None]:
+    """End this process if the context takes longer, compilation aside; its nanny then starts another.
+
+    The timer of faulthandler needs no Python thread: it ends the process even if a library never returns.
+    """
+    left, since, pauses = seconds, time.monotonic(), 0
+    silence = Path(os.devnull).open("w")  # noqa: SIM115 - closed below
+    lock = threading.Lock()
+
+    def count_compilation(begins: bool) -> None:
+        nonlocal left, since, pauses
+        with lock:
+            pauses += 1 if begins else -1
+            if begins and pauses == 1:
+                faulthandler.cancel_dump_traceback_later()
+                left -= time.monotonic() - since
+            elif not pauses:
+                since = time.monotonic()
+                faulthandler.dump_traceback_later(max(left, 1e-3), exit=True, file=silence)
+
+    observe_compilation(count_compilation)
+    faulthandler.dump_traceback_later(seconds, exit=True, file=silence)
+    try:
+        yield
+    finally:
+        observe_compilation(lambda _: None)
+        faulthandler.cancel_dump_traceback_later()
+        silence.close()
 
 
 @lru_cache(maxsize=8)

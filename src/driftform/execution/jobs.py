@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol, TypeVar
 
-from driftform.errors import WorkFailedError
+from driftform.errors import WorkFailedError, describe_error
 from driftform.pipeline import Pipeline
 from driftform.trajectory.compression import compress_evaluation
 from driftform.types import Evaluation, Genome
@@ -27,12 +27,16 @@ class Job:
         seed of the gusts, ``None`` for that of the scenario.
     condition
         number of a disturbed condition, ``None`` for undisturbed.
+    threshold
+        for each target the fitness (%) that the genome must exceed to matter, ``None`` if every fitness matters; see
+        :meth:`driftform.pipeline.Pipeline.evaluate`.
     """
 
     index: int
     genome: Genome
     seed: int | None = None
     condition: int | None = None
+    threshold: tuple[float, ...] | None = None
 
 
 Outcome = tuple[int, Evaluation]
@@ -50,7 +54,14 @@ class Executor(Protocol):
 
 
 ATTEMPTS = 2
-"""A genome fails if its process dies this often while it evaluates this genome alone."""
+"""A genome fails if its process ends itself this often, by a crash or an exit, while it evaluates this genome alone."""
+
+KILLS = 5
+"""A genome fails if its process is killed this often while it evaluates this genome alone: nobody kills so steadily,
+but the kernel does if the genome takes all memory."""
+
+STARTS = 5
+"""A run stops if this many workers in a row die before they can evaluate anything."""
 
 MAX_BATCH = 50
 """Largest number of genomes in one task."""
@@ -72,12 +83,20 @@ class WorkersLostError(WorkFailedError):
 def evaluate_batch(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:
     """Evaluate the genomes of one task; trajectories are compressed as a run stores them."""
     evaluations = pipeline.evaluate(
-        [job.genome for job in batch], [job.seed for job in batch], [job.condition for job in batch]
+        [job.genome for job in batch],
+        [job.seed for job in batch],
+        [job.condition for job in batch],
+        [job.threshold for job in batch],
     )
-    return [
-        (job.index, compress_evaluation(evaluation))
-        for job, evaluation in zip(batch, evaluations, strict=True)
-    ]
+    return [(job.index, _compress(evaluation)) for job, evaluation in zip(batch, evaluations, strict=True)]
+
+
+def _compress(evaluation: Evaluation) -> Evaluation:
+    try:
+        return compress_evaluation(evaluation)
+    except ValueError as error:
+        failed = Evaluation.failed(evaluation.genome, len(evaluation.fitness), describe_error(error))
+        return replace(failed, seconds=evaluation.seconds)
 
 
 def task_size(waiting: int, processes: int, seconds: float | None) -> int:

@@ -5,11 +5,15 @@ tasks, or a whole cluster. A death in one group does not affect the others.
 """
 
 from abc import ABC, abstractmethod
-from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections import Counter, deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
 
-from driftform.execution.jobs import ATTEMPTS, Job, Outcome, T, task_size
+from driftform.errors import WorkFailedError
+from driftform.execution.jobs import ATTEMPTS, KILLS, STARTS, Job, Outcome, T, WorkersLostError, task_size
 from driftform.types import Evaluation
 
 TASKS_PER_PROCESS = 2
@@ -19,19 +23,60 @@ POLL_S = 2.0
 """Time between two polls of the worker groups while no task finishes, s."""
 
 
+class Cause(Enum):
+    """What ended a task without a result."""
+
+    NONE = "its process died while the task was waiting"
+    START = "its process died before it could evaluate anything"
+    CRASH = "its process ended itself"
+    KILL = "its process was killed, by somebody or by the kernel, or nobody knows why it died"
+    TIMEOUT = "it took longer than allowed"
+
+
+@dataclass(frozen=True)
+class Death:
+    """The death of a worker, as one task saw it: its ``cause``, a few words on it, and how many workers died."""
+
+    cause: Cause
+    detail: str = ""
+    count: int = 1
+
+
+class WorkerDiedError(WorkFailedError):
+    """The worker that had a task died."""
+
+    def __init__(self, death: Death) -> None:
+        super().__init__(f"its process died ({death.detail})")
+        self.death = death
+
+
 class WorkerGroup(ABC):
     """The processes within which a death cannot be traced to one task.
 
-    The genomes of the tasks that a death interrupted are evaluated again one by one. Each then has the group to
-    itself, so that the genome to blame is known for certain. A genome whose process dies :data:`ATTEMPTS` times fails.
+    A task that had not begun is started again: its genomes are not to blame. If workers die :data:`STARTS` times in a
+    row before they begin, the run stops.
+
+    The genomes of a task that had begun are evaluated again one by one. Each then has the group to itself, so that the
+    genome to blame is known for certain. It fails if its process ends itself :data:`ATTEMPTS` times. A process that
+    is killed was not ended by its genome, unless it takes all memory: the genome fails after :data:`KILLS` times. An
+    evaluation that takes longer than ``run.evaluation_timeout`` fails at once.
+
+    Parameters
+    ----------
+    document
+        of the study.
     """
 
-    def __init__(self, targets: int) -> None:
-        self._targets = targets
+    def __init__(self, document: Mapping[str, Any]) -> None:
+        self.timeout = float(document["run"]["evaluation_timeout"])
+        """Time limit of an evaluation, s."""
+        self._targets = len(document["targets"])
         self._running: dict[Future[list[Outcome]], Sequence[Job]] = {}
+        self._returned: deque[Sequence[Job]] = deque()
         self._suspects: deque[Job] = deque()
         self._runs_suspect = False
-        self._deaths = 0  # of the genome that is evaluated alone
+        self._deaths: Counter[Cause] = Counter()  # of the genome that is evaluated alone
+        self._failed_starts = 0
 
     @property
     @abstractmethod
@@ -47,8 +92,8 @@ class WorkerGroup(ABC):
         return future.exception()
 
     @abstractmethod
-    def count_deaths(self, error: BaseException) -> int:
-        """Return how many workers died if this error of a task means deaths, else 0."""
+    def find_death(self, error: BaseException) -> Death | None:
+        """Return the death that an error of a task reports, ``None`` for any other error."""
 
     @abstractmethod
     def close(self) -> None:
@@ -65,7 +110,7 @@ class WorkerGroup(ABC):
     @property
     def is_busy(self) -> bool:
         """True if more outcomes will follow."""
-        return bool(self._running or self._suspects)
+        return bool(self._running or self._returned or self._suspects)
 
     def take(self, waiting: deque[Job], size: int) -> bool:
         """Start one more task, of up to ``size`` waiting genomes, if the group has room; return whether it started one."""
@@ -77,16 +122,21 @@ class WorkerGroup(ABC):
             not (self._runs_suspect and self._running)
             and len(self._running) < TASKS_PER_PROCESS * self.processes
         )
+        if has_room and self._returned:
+            self._start(self._returned.popleft(), is_suspect=False)
+            return True
         if has_room and waiting:
             self._start([waiting.popleft() for _ in range(min(size, len(waiting)))], is_suspect=False)
             return True
         return False
 
     def collect(self) -> list[Outcome]:
-        """Return the outcomes since the last call, with a failure for a genome that killed its process too often.
+        """Return the outcomes since the last call, with a failure for each genome to blame.
 
         Raises
         ------
+        WorkersLostError
+            if workers cannot start.
         Exception
             the error of a task, if it is not the death of a worker.
         """
@@ -96,11 +146,15 @@ class WorkerGroup(ABC):
             error = self.find_error(future)
             if error is None:
                 outcomes += future.result()
-                self._deaths = 0
-            elif not (died := self.count_deaths(error)):
+                self._deaths.clear()
+                self._failed_starts = 0
+            elif (death := self.find_death(error)) is None:
                 raise error
+            elif death.cause in (Cause.NONE, Cause.START):
+                self._count_start(death)
+                self._give_back(batch)
             elif self._runs_suspect:
-                outcomes += self._count_against(batch[0], died)
+                outcomes += self._count_against(batch[0], death)
             else:
                 self._suspects.extend(batch)
         return outcomes
@@ -109,15 +163,36 @@ class WorkerGroup(ABC):
         self._runs_suspect = is_suspect
         self._running[self.submit(batch)] = batch
 
-    def _count_against(self, job: Job, died: int) -> list[Outcome]:
-        self._deaths += died
-        if self._deaths < ATTEMPTS:
+    def _give_back(self, batch: Sequence[Job]) -> None:
+        if self._runs_suspect:
+            self._suspects.extendleft(batch)
+        else:
+            self._returned.append(batch)
+
+    def _count_start(self, death: Death) -> None:
+        self._failed_starts += death.cause is Cause.START
+        if self._failed_starts >= STARTS:
+            raise WorkersLostError(
+                f"workers cannot start here: {STARTS} in a row died before they could evaluate anything "
+                f"({death.detail})"
+            )
+
+    def _count_against(self, job: Job, death: Death) -> list[Outcome]:
+        self._failed_starts = 0
+        self._deaths[death.cause] += death.count
+        crashes, kills = self._deaths[Cause.CRASH], self._deaths[Cause.KILL]
+        if death.cause is Cause.TIMEOUT:
+            failure = f"its evaluation did not end within {self.timeout:g} s (run.evaluation_timeout)"
+        elif crashes >= ATTEMPTS:
+            failure = f"its process died {ATTEMPTS} times ({death.detail})"
+        elif kills >= KILLS:
+            why = f" ({death.detail})" if death.detail else ""
+            failure = f"its process was killed {KILLS} times{why}, from outside or for want of memory"
+        else:
             self._suspects.appendleft(job)
             return []
-        self._deaths = 0
-        return [
-            (job.index, Evaluation.failed(job.genome, self._targets, f"its process died {ATTEMPTS} times"))
-        ]
+        self._deaths.clear()
+        return [(job.index, Evaluation.failed(job.genome, self._targets, failure))]
 
 
 class PoolExecutor:

@@ -8,7 +8,7 @@ from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading
 from driftform.figures.layout import MARGIN, WIDTH, draw_scale_bar, shorten, start_page, text_width, write
 from driftform.figures.style import GRID, INK, MUTED, SERIES, tint
-from driftform.types import Agent, Trajectory
+from driftform.types import Agent, Body, Trajectory
 
 COLUMNS = 5
 TALLEST = 150.0
@@ -17,12 +17,13 @@ GAP, NARROWEST = 24.0, 132.0
 
 @dataclass(frozen=True, eq=False)
 class GalleryEntry:
-    """The best flight for a target: the target's name, the agent, its path, and the error, 100 % less the fitness."""
+    """The best flight for a target: the target's name, the agent, its path, and its result, a ``value`` in ``unit``."""
 
     name: str
     agent: Agent
     trajectory: Trajectory
-    error_percent: float
+    value: float
+    unit: str = "%"
 
 
 def gallery_svg(flights: Sequence[GalleryEntry], title: str, subtitle: str) -> str:
@@ -40,16 +41,19 @@ def gallery_svg(flights: Sequence[GalleryEntry], title: str, subtitle: str) -> s
     return svg.render(root)
 
 
-def assign_colours(flights: Sequence[GalleryEntry]) -> list[str]:
-    """Return a colour for each flight."""
-    return [SERIES[i % len(SERIES)] for i in range(len(flights))]
+def group_shared(flights: Sequence[GalleryEntry]) -> list[list[GalleryEntry]]:
+    """Return the entries in groups of those that are of one flight, which is the best for several targets."""
+    groups: dict[int, list[GalleryEntry]] = {}
+    for flight in flights:
+        groups.setdefault(id(flight.trajectory), []).append(flight)
+    return list(groups.values())
 
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """Bodies side by side: each with its colour and the width of its cell; height of the tallest body and of the row (px)."""
+    """Bodies side by side: each with its entries, colour and width of its cell; height of the tallest and of the row (px)."""
 
-    cells: list[tuple[GalleryEntry, str, float]]
+    cells: list[tuple[list[GalleryEntry], str, float]]
     tallest: float
     height: float
 
@@ -59,12 +63,12 @@ def arrange_rows(flights: Sequence[GalleryEntry]) -> tuple[list[Row], float]:
     if not flights:
         return [], 1.0
     bodies = [flight.agent.body for flight in flights]
-    pairs = list(zip(flights, assign_colours(flights), strict=True))
+    pairs = [(group, SERIES[i % len(SERIES)]) for i, group in enumerate(group_shared(flights))]
     split = [pairs[first : first + COLUMNS] for first in range(0, len(pairs), COLUMNS)]
     inner = WIDTH - 2 * MARGIN
 
-    def cells(row: list[tuple[GalleryEntry, str]], px_per_m: float) -> list[float]:
-        return [max(f.agent.body.length * px_per_m + GAP, NARROWEST) for f, _ in row]
+    def cells(row: list[tuple[list[GalleryEntry], str]], px_per_m: float) -> list[float]:
+        return [max(group[0].agent.body.length * px_per_m + GAP, NARROWEST) for group, _ in row]
 
     # Bisect for the largest scale at which every row fits: widths only grow with the scale.
     low, high = 0.0, TALLEST / max(body.max_diameter for body in bodies)
@@ -77,9 +81,9 @@ def arrange_rows(flights: Sequence[GalleryEntry]) -> tuple[list[Row], float]:
         widths = cells(row, low)
         # A short last row is aligned to the left, in cells as wide as those above.
         spare = (inner - sum(widths)) / len(row) if len(row) == COLUMNS else 0.0
-        tallest = max(f.agent.body.max_diameter for f, _ in row) * low
+        tallest = max(group[0].agent.body.max_diameter for group, _ in row) * low
         rows.append(
-            Row([(f, c, w + spare) for (f, c), w in zip(row, widths, strict=True)], tallest, tallest + 66)
+            Row([(g, c, w + spare) for (g, c), w in zip(row, widths, strict=True)], tallest, tallest + 66)
         )
     return rows, low
 
@@ -94,18 +98,21 @@ def draw_gallery(root: ET.Element, rows: list[Row], px_per_m: float, top: float)
 
     for row in rows:
         x = MARGIN
-        for flight, colour, cell in row.cells:
+        for group, colour, cell in row.cells:
             x += cell / 2
-            body = flight.agent.body
+            body = group[0].agent.body
             _draw_body(
-                root, flight, colour, Placement.centre_body(body, x, top + 12 + row.tallest / 2, px_per_m)
+                root, body, colour, Placement.centre_body(body, x, top + 12 + row.tallest / 2, px_per_m)
             )
             base = top + row.tallest + 36
-            name = shorten(flight.name, 13, cell - 84, bold=True)
-            error = f"{flight.error_percent:.2f} %"
-            # A line in the flight's colour, the name and the error form one centred group.
-            group = [20.0, text_width(name, 13, bold=True) + 4, text_width(error, 12)]
-            left = x - sum(group) / 2
+            single = len(group) == 1
+            error = ", ".join(f"{flight.value:.2f}" for flight in group) + f" {group[0].unit}"
+            error = shorten(error, 12, cell - 12)
+            # A line in the flight's colour, the name and the error form one centred group; several errors have a line.
+            beside = text_width(error, 12) if single else 0.0
+            name = shorten(", ".join(flight.name for flight in group), 13, cell - 40 - beside, bold=True)
+            parts = [20.0, text_width(name, 13, bold=True) + 4, beside]
+            left = x - sum(parts) / 2
             svg.add(
                 root,
                 "line",
@@ -117,14 +124,16 @@ def draw_gallery(root: ET.Element, rows: list[Row], px_per_m: float, top: float)
                 stroke_width=3.5,
                 stroke_linecap="round",
             )
-            write(root, left + group[0], base, name, 13, INK, bold=True)
-            write(root, left + group[0] + group[1], base, error, 12, MUTED)
+            write(root, left + parts[0], base, name, 13, INK, bold=True)
+            if single:
+                write(root, left + parts[0] + parts[1], base, error, 12, MUTED)
+            else:
+                write(root, x, base + 16, error, 12, MUTED, "middle")
             x += cell / 2
         top += row.height
 
 
-def _draw_body(root: ET.Element, flight: GalleryEntry, colour: str, place: Placement) -> None:
-    body = flight.agent.body
+def _draw_body(root: ET.Element, body: Body, colour: str, place: Placement) -> None:
     draw_shading(root, body, place, colour, below=1, bands=6)
     draw_rims(root, body, place, tint(colour, 0.5), 0.5, below=1)
     outline = svg.path_data(place.to_page(closed_outline(body.outer)), closed=True)

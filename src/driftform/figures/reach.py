@@ -82,7 +82,7 @@ def _describe(reach: CoverageMap) -> str:
     share = 100 * reached / reach.cells.cell_count
     return (
         f"{reach.flights} flights cross {reached} of {reach.cells.cell_count} cells of {width:.3g} cm x {height:.3g} cm "
-        f"({share:.1f} %)"
+        f"({share:.1f} %)" + (f"; {reach.unchecked} of the flights are unchecked" if reach.unchecked else "")
     )
 
 
@@ -132,7 +132,7 @@ def _draw_points(
     root: ET.Element, window: Window, scenario: Scenario, cells: PipeGrid, shift: FloatArray, pipe: Pipe
 ) -> None:
     """Draw the release point, and the targets with their names."""
-    release = cells.to_map(np.array([scenario.release.position]))[:, :2] + shift
+    release = cells.to_map(scenario.release_position()[None])[:, :2] + shift
     [(x, y)] = window.to_page(release)
     svg.add(root, "circle", cx=x, cy=y, r=4.5, fill="#ffffff", stroke=INK, stroke_width=1.6)
     anchors = window.to_page(cells.to_map(scenario.target_array())[:, :2] + shift)

@@ -7,7 +7,7 @@ import numpy as np
 
 from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading, inner_joints
-from driftform.figures.layout import MARGIN, draw_scale_bar, format_signed, shorten, text_width, write
+from driftform.figures.layout import MARGIN, MINUS, draw_scale_bar, format_signed, shorten, text_width, write
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, tint
 from driftform.figures.surface import Surface, find_rest, find_surface
 from driftform.figures.svg import PX_PER_MM
@@ -149,7 +149,7 @@ def title_block(agent: Agent, scenario: Scenario | None) -> list[tuple[str, str]
     ]
     if scenario is not None:
         fluid = scenario.fluid
-        block.append(("net buoyancy", f"{mass.net_buoyancy(fluid):+.3g} N".replace("-", "\u2212")))
+        block.append(("net buoyancy", f"{mass.net_buoyancy(fluid):+.3g} N".replace("-", MINUS)))
         block.append(("water", f"{fluid.density:.0f} kg/m³"))
     return block
 

@@ -4,23 +4,28 @@ from functools import lru_cache
 
 import numpy as np
 
-from driftform.geometry.solids import Moments, solid_of_revolution
-from driftform.types import Body, Core, MassProperties
+from driftform.geometry.solids import solid_of_revolution
+from driftform.types import Body, Core, MassProperties, Moments
 
 
 def hull_volume(body: Body) -> float:
-    """Return the volume of the hull's material, m3: outer contour less cavity."""
-    return (solid_of_revolution(body.outer) - solid_of_revolution(body.cavity)).volume
+    """Return the volume of the hull's wall, m3: outer contour less cavity, without fittings."""
+    return (displaced_moments(body) - solid_of_revolution(body.cavity)).volume
+
+
+def hull_moments(body: Body) -> Moments:
+    """Return the volume integrals of the hull's material: its wall and its fittings."""
+    return displaced_moments(body) - solid_of_revolution(body.cavity) + body.fittings.material
 
 
 def hull_mass(body: Body) -> float:
     """Return the mass of the hull's material, kg (eq. 24)."""
-    return hull_volume(body) * body.hull_density
+    return hull_moments(body).volume * body.hull_density
 
 
 @lru_cache(maxsize=4)
 def displaced_moments(body: Body) -> Moments:
-    """Return the volume integrals of the space that a body displaces: the inside of its outer contour.
+    """Return the volume integrals of the inside of a body's outer contour.
 
     Those of the latest bodies are kept, because the added mass of an agent and its mass properties share them.
     """
@@ -30,13 +35,12 @@ def displaced_moments(body: Body) -> Moments:
 def mass_properties(body: Body) -> MassProperties:
     """Return the mass properties of a body with its core, and the volume that it displaces.
 
-    The hull is outer minus cavity at the hull's density (eq. 17, 18, 24). The core is a homogeneous sphere at the
-    origin and enters eq. 20 with its mass and the inertia with 2/5 m R^2. Buoyancy acts on the outer contour
-    (eq. 19, 21): the hull is watertight, so it displaces the volume that it encloses.
+    The hull is outer minus cavity, and its fittings, at the hull's density (eq. 17, 18, 24). The core is a homogeneous
+    sphere at the origin and enters eq. 20 with its mass and the inertia with 2/5 m R^2. Buoyancy acts on the outer
+    contour (eq. 19, 21): the hull is watertight, so it displaces the volume that it encloses.
     """
-    displaced = displaced_moments(body)
-    hull = displaced - solid_of_revolution(body.cavity)
-    return assemble(hull, displaced, body.hull_density, body.core)
+    displaced = displaced_moments(body) + body.fittings.displaced
+    return assemble(hull_moments(body), displaced, body.hull_density, body.core)
 
 
 def assemble(hull: Moments, displaced: Moments, hull_density: float, core: Core) -> MassProperties:

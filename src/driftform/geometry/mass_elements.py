@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from driftform.geometry import solid_of_revolution
+from driftform.geometry import hull_moments
 from driftform.types import Agent, Body, MassProperties
 
 
@@ -34,7 +34,7 @@ def hull_element(body: Body, mass: float | None = None, x: float | None = None) 
 
     Its inertia is proportional to the mass: the distribution of the material is taken to be unchanged.
     """
-    solid = solid_of_revolution(body.outer) - solid_of_revolution(body.cavity)
+    solid = hull_moments(body)
     mass = solid.volume * body.hull_density if mass is None else mass
     share = mass / solid.volume
     return MassElement(

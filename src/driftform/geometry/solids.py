@@ -1,63 +1,13 @@
 """Solids of revolution with a polyline meridian: exact volume integrals, frustum by frustum."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 
-from driftform.types import FloatArray
+from driftform.types import FloatArray, Moments
 
 _STATIONS = 0.5 + np.sqrt(0.15) * np.array([[-1.0], [0.0], [1.0]])
 _AREA_WEIGHTS = np.pi * (np.array([[5.0], [8.0], [5.0]]) / 18)
 """Gaussian quadrature over (0, 1) with three points, exact for polynomials up to degree five; weights times pi."""
-
-
-@dataclass(frozen=True)
-class Moments:
-    """Volume integrals of a solid of revolution about the x axis, for unit density, about the frame's origin.
-
-    Attributes
-    ----------
-    volume
-        V, m3.
-    first
-        integral of x dV, m4.
-    second
-        integral of x^2 dV, m5.
-    polar
-        integral of (y^2 + z^2) dV: the inertia about the axis, m5.
-    """
-
-    volume: float
-    first: float
-    second: float
-    polar: float
-
-    def __add__(self, other: "Moments") -> "Moments":
-        return Moments(
-            self.volume + other.volume,
-            self.first + other.first,
-            self.second + other.second,
-            self.polar + other.polar,
-        )
-
-    def __sub__(self, hole: "Moments") -> "Moments":
-        return Moments(
-            self.volume - hole.volume,
-            self.first - hole.first,
-            self.second - hole.second,
-            self.polar - hole.polar,
-        )
-
-    @property
-    def centroid(self) -> float:
-        """x of the centroid, m."""
-        return self.first / self.volume
-
-    @property
-    def transverse(self) -> float:
-        """Inertia about the y (or z) axis through the origin, for unit density, m5 (eq. 16)."""
-        return self.polar / 2 + self.second
 
 
 def solid_of_revolution(contour: npt.ArrayLike) -> Moments:

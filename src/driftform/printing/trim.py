@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from driftform.errors import InputError, WorkFailedError
+from driftform.faults import require_files
 from driftform.geometry.mass_elements import (
     MassElement,
     combine,
@@ -103,7 +104,8 @@ def measure_kit(exporter: Exporter[Any], job: ExportJob) -> tuple[float, float]:
         if the exporter does not account for them.
     """
     with TemporaryDirectory() as folder:
-        written = exporter.write(job, Path(folder) / f"{job.name}{exporter.suffix}")
+        path = Path(folder) / f"{job.name}{exporter.suffix}"
+        written = require_files(exporter.write(job, path), exporter)
     for file in written:
         for row in file.facts.get("kit", {}).get("balance", ()):
             if row["of"] == "printed":

@@ -1,37 +1,28 @@
 """A run -> the contents of its page: the best agents, their flights, and the pictures."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from driftform.errors import WorkFailedError
 from driftform.figures.gallery import GalleryEntry
 from driftform.figures.overview import overview_svg
-from driftform.figures.projection import simplify_polyline
 from driftform.figures.reach import reach_svg
 from driftform.figures.section import section_svg
 from driftform.figures.strip import Strip, strip_svg
-from driftform.figures.style import SERIES
 from driftform.figures.trend import Trend, trend_svg
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.finalists import find_best_agent, find_winner
 from driftform.runs.run import Run
 from driftform.runs.store import Store
+from driftform.runs.wording import describe_worst
 from driftform.scenario import Scenario
 from driftform.study import Study
 from driftform.trajectory.approach import closest_approach
 from driftform.trajectory.coverage import PipeGrid, map_coverage
-from driftform.trajectory.interpolation import interpolate_positions
-from driftform.types import Agent, FloatArray, Trajectory
+from driftform.types import Agent, Trajectory
 from driftform.util.progress import track_progress
-
-MAX_SAMPLES = 240
-"""Greatest number of samples of a flight on a page."""
-
-CONTOUR_TOLERANCE = 5e-5
-"""Tolerance to which the contours of a page are simplified, m."""
 
 TREND_POINTS = 60
 """Greatest number of points of a trend."""
@@ -50,17 +41,13 @@ class Entry:
     agent: Agent
     trajectory: Trajectory
 
-    @property
-    def error_percent(self) -> float:
-        """Error, % of the farthest distance in the pipe."""
-        return 100 - self.fitness
-
 
 @dataclass(frozen=True, eq=False)
 class Contents:
     """Contents of the page of a run.
 
-    ``seconds`` is the total time of all evaluations on the machines that made them.
+    ``seconds`` is the total time of all evaluations on the machines that made them. There is one of the ``sections``
+    for each of the :attr:`agents`.
     """
 
     name: str
@@ -77,6 +64,14 @@ class Contents:
         """The scenario of the study."""
         return self.study.scenario
 
+    @property
+    def agents(self) -> list[list[Entry]]:
+        """The entries in groups of those that have the same agent."""
+        groups: dict[int, list[Entry]] = {}
+        for entry in self.entries:
+            groups.setdefault(entry.index, []).append(entry)
+        return list(groups.values())
+
 
 def collect_contents(run: Run) -> Contents:
     """Read a run, finished or not.
@@ -92,17 +87,20 @@ def collect_contents(run: Run) -> Contents:
     with run.read() as store:
         targets = study.scenario.target_names
         pipeline = study.make_pipeline()
-        entries = []
+        entries: list[Entry] = []
+        flown: dict[int, tuple[Agent, Trajectory]] = {}
         for target in targets:
             stored = find_best_agent(study, store, target)
             if stored is None:
                 raise WorkFailedError(f"{run.path}: has no successful evaluation to report")
             index = stored.result["evaluation"]
-            flight = store.read_record(index, targets).evaluation.trajectory
-            assert flight is not None
+            if index not in flown:
+                trajectory = store.read_record(index, targets).evaluation.trajectory
+                assert trajectory is not None
+                flown[index] = pipeline.make_agent(stored.genome), trajectory
+            agent, flight = flown[index]
             point = np.array([study.scenario.targets[target]])
             distance, t = closest_approach(flight, point)
-            agent = pipeline.make_agent(stored.genome)
             entries.append(
                 Entry(
                     target,
@@ -116,17 +114,26 @@ def collect_contents(run: Run) -> Contents:
                 )
             )
         title = str(study.document.get("title", ""))
-        flights = [GalleryEntry(e.target, e.agent, e.trajectory, e.error_percent) for e in entries]
+        fitness = pipeline.fitness
+        flights = [
+            GalleryEntry(e.target, e.agent, e.trajectory, fitness.measure(e.fitness), fitness.unit)
+            for e in entries
+        ]
+        worst = describe_worst(fitness, {entry.target: entry.fitness for entry in entries})
         seen = track_progress(store.read_trajectories(), store.count_sound(), "flights")
         figures = {
-            "Flights and bodies": overview_svg(flights, study.scenario, title),
+            "Flights and bodies": overview_svg(flights, study.scenario, title, worst),
             "Search": trend_svg(_read_trends(store, targets), "Best fitness so far", _strategy_name(study)),
             "Reach": reach_svg(
                 map_coverage(seen, PipeGrid.of_scenario(study.scenario)), study.scenario, title
             ),
         }
         strips = [
-            Strip(e.target, e.error_percent, 100 - won.flights)
+            Strip(
+                e.target,
+                fitness.measure(e.fitness),
+                np.array([fitness.measure(f) for f in won.flights.tolist()]),
+            )
             for e in entries
             if (won := find_winner(study, store, e.target)) is not None
         ]
@@ -134,8 +141,8 @@ def collect_contents(run: Run) -> Contents:
             subtitle = (
                 f"{len(strips[0].errors)} flights of each best agent under randomly disturbed conditions"
             )
-            figures["Robustness"] = strip_svg(strips, "Under disturbed conditions", subtitle)
-        return Contents(
+            figures["Robustness"] = strip_svg(strips, "Under disturbed conditions", subtitle, fitness.heading)
+        contents = Contents(
             run.name,
             study,
             store.count(),
@@ -143,8 +150,13 @@ def collect_contents(run: Run) -> Contents:
             store.total_seconds(),
             tuple(entries),
             figures,
-            [section_svg(e.agent, e.target, study.scenario) for e in entries],
+            (),
         )
+        sections = [
+            section_svg(group[0].agent, ", ".join(entry.target for entry in group), study.scenario)
+            for group in contents.agents
+        ]
+        return replace(contents, sections=sections)
 
 
 def _strategy_name(study: Study) -> str:
@@ -161,51 +173,3 @@ def _read_trends(store: Store, targets: Sequence[str]) -> list[Trend]:
         Trend(target, at.astype(np.float64), best[None, at - 1, number], no_baseline)
         for number, target in enumerate(targets)
     ]
-
-
-def viewer_data(contents: Contents) -> dict[str, Any]:
-    """Return the data of the page's viewer: agents, flights, pipe and targets; SI units, rounded to what is visible."""
-    scenario = contents.scenario
-    rows = scenario.pipe.array()
-    ends = np.vstack([rows[:, :3], rows[:, 3:6]])
-    low, high = ends.min(axis=0), ends.max(axis=0)
-    radius = float(rows[:, 6].max())
-    length = float(np.linalg.norm(high - low))
-    longest = max(entry.agent.body.length for entry in contents.entries)
-    return {
-        "agents": [_viewer_agent(entry, SERIES[i % len(SERIES)]) for i, entry in enumerate(contents.entries)],
-        "pipe": [{"start": _round(r[:3]), "end": _round(r[3:6]), "radius": float(r[6])} for r in rows],
-        "targets": [{"name": name, "position": list(point)} for name, point in scenario.targets.items()],
-        "water": scenario.fluid.water_level,
-        "centre": _round((low + high) / 2),
-        "extent": [_round(low[:2] - radius), _round(high[:2] + radius)],
-        "length": length,
-        "size": radius,
-        # Agents are many times smaller than their pipe, so the longest is drawn as long as its radius.
-        "magnification": max(1.0, round(radius / longest, 1)),
-    }
-
-
-def _viewer_agent(entry: Entry, colour: str) -> dict[str, Any]:
-    body, flight = entry.agent.body, entry.trajectory
-    # Evenly in time, and at the closest approach.
-    t = np.unique(np.append(np.linspace(flight.t[0], flight.t[-1], MAX_SAMPLES - 1), entry.t))
-    nearest = np.clip(np.searchsorted(flight.t, t), 0, len(flight.t) - 1)
-    return {
-        "target": entry.target,
-        "colour": colour,
-        "outer": _round(simplify_polyline(body.outer, CONTOUR_TOLERANCE), 6),
-        "cavity": _round(simplify_polyline(body.cavity, CONTOUR_TOLERANCE), 6) if len(body.cavity) else [],
-        "joints": _round(body.joints, 6),
-        "core": body.core.radius,
-        "closest": round(entry.t, 4),
-        "flight": {
-            "t": _round(t, 4),
-            "position": _round(interpolate_positions(flight, t), 4),
-            "quaternion": _round(flight.quaternion[nearest], 4),
-        },
-    }
-
-
-def _round(values: FloatArray, digits: int = 6) -> Any:
-    return np.round(values, digits).tolist()

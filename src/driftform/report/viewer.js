@@ -187,6 +187,61 @@ function bore(segments) {
   return { places };
 }
 
+// Where a magnified body is drawn: at its place, moved off the wall as far as it would pierce it.
+function moveOffWall(profile, attitude, place, size, segments) {
+  let moved = place;
+  for (let pass = 0; pass < 8; pass++) {
+    const pose = poseMatrix(attitude, moved, size);
+    let [deepest, push] = [1e-4, null];
+    for (const { start, end, radius } of segments) {
+      const axis = unit(sub(end, start));
+      const length = Math.hypot(...sub(end, start));
+      for (const [x, r] of profile)
+        for (let k = 0; k < 16; k++) {
+          const [y, z] = [r * Math.cos((Math.PI * k) / 8), r * Math.sin((Math.PI * k) / 8)];
+          const off = [0, 1, 2].map((i) => pose[i] * x + pose[4 + i] * y + pose[8 + i] * z + pose[12 + i] - start[i]);
+          const along = dot(off, axis);
+          if (along < 0 || along > length) continue;
+          const across = sub(off, scale(axis, along));
+          const excess = Math.hypot(...across) - radius;
+          if (excess > deepest) [deepest, push] = [excess, scale(unit(across), -excess)];
+        }
+    }
+    if (!push) break;
+    moved = moved.map((v, i) => v + push[i]);
+  }
+  return moved;
+}
+
+// The current as arrows that drift with it, as long as it is fast there: [places of lines at a time].
+function drift(segments) {
+  let seed = 1;
+  // The same arrows in every browser: the generator of Park and Miller (1988).
+  const random = () => (seed = (16807 * seed) % 2147483647) / 2147483647;
+  const fastest = Math.max(...segments.flatMap(({ speeds }) => speeds.map(Math.abs)), 1e-9);
+  const arrows = segments.flatMap(({ start, end, radius, speeds }) => {
+    const length = Math.hypot(...sub(end, start));
+    const axis = unit(sub(end, start));
+    const aside = unit(cross(axis, Math.abs(axis[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
+    const up = cross(aside, axis);
+    return [...Array(Math.min(600, Math.max(60, Math.round((30 * length) / radius))))].map(() => {
+      const share = 0.97 * Math.sqrt(random());
+      const [cell, angle] = [Math.min(speeds.length - 2, Math.floor(share * (speeds.length - 1))), 2 * Math.PI * random()];
+      const speed = speeds[cell] + (share * (speeds.length - 1) - cell) * (speeds[cell + 1] - speeds[cell]);
+      const out = aside.map((v, i) => Math.cos(angle) * v + Math.sin(angle) * up[i]);
+      const root = start.map((v, i) => v + share * radius * out[i]);
+      return { root, axis, out, length, speed, shaft: (0.22 * radius * speed) / fastest, barb: 0.035 * radius, at: random() * length };
+    });
+  });
+  return (time) => arrows.flatMap(({ root, axis, out, length, speed, shaft, barb, at }) => {
+    const x = (((at + speed * time) % length) + length) % length;
+    const point = (along, across) => root.map((v, i) => v + along * axis[i] + across * out[i]);
+    const back = x - Math.sign(shaft) * barb;
+    const tip = point(x, 0);
+    return [...point(x - shaft, 0), ...tip, ...point(back, 0.5 * barb), ...tip, ...point(back, -0.5 * barb), ...tip];
+  });
+}
+
 // A picture on a canvas that rotates and zooms; `scene` returns the items to draw.
 class View {
   constructor(canvas, scene, camera) {
@@ -224,15 +279,15 @@ class View {
 
   upload(mesh) {
     const gl = this.gl;
-    if (mesh.view === this) return mesh;
-    const load = (values) => {
-      const buffer = gl.createBuffer();
+    if (mesh.uploaded === mesh.places) return mesh;
+    const load = (values, buffer) => {
       gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
       gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(values), gl.STATIC_DRAW);
       return buffer;
     };
-    mesh.buffers = [load(mesh.places), mesh.normals && load(mesh.normals)];
-    mesh.view = this;
+    const [places, normals] = mesh.buffers ?? [gl.createBuffer(), mesh.normals && gl.createBuffer()];
+    mesh.buffers = [load(mesh.places, places), mesh.normals && load(mesh.normals, normals)];
+    mesh.uploaded = mesh.places;
     return mesh;
   }
 
@@ -290,13 +345,21 @@ class View {
       this.canvas.width = width;
       this.canvas.height = height;
     }
-    const { items, centre, size } = this.scene();
+    const { items, centre, size, names = [] } = this.scene();
     const { yaw, pitch, distance } = this.camera;
     const angle = 0.5;
     // The scene is as wide as the picture; in a very wide picture its height limits it.
     const far = (distance * size) / (2 * Math.tan(angle / 2) * Math.min(width / height, 3));
     const eye = centre.map((v, i) => v + far * [Math.sin(yaw) * Math.cos(pitch), -Math.cos(yaw) * Math.cos(pitch), Math.sin(pitch)][i]);
     const camera = product(perspective(angle, width / height, 0.02 * far, 4 * far + 4 * size), lookAt(eye, centre));
+    for (const { label, position } of names) {
+      const [x, y, , w] = [0, 1, 2, 3].map((i) => [...position, 1].reduce((sum, v, j) => sum + v * camera[4 * j + i], 0));
+      label.hidden = w <= 0;
+      const [across, down] = [(0.5 + x / w / 2) * width / dense, (0.5 - y / w / 2) * height / dense - 9];
+      const room = width / dense - label.offsetWidth - 10;
+      const right = across > room && across < width / dense ? across - label.offsetWidth - 10 : across + 10;
+      label.style.transform = `translate(${right.toFixed(1)}px, ${down.toFixed(1)}px)`;
+    }
     gl.viewport(0, 0, width, height);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
@@ -342,7 +405,7 @@ function start() {
   const find = (id) => document.getElementById(id);
   const slider = find("time");
   let chosen = 0;
-  const cut = find("cut");
+  const [cut, follow] = [find("cut"), find("follow")];
   const meshes = new Map();
 
   // The meshes of an agent are made when it is first shown.
@@ -353,7 +416,7 @@ function start() {
       meshes.set(chosen, {
         outer: revolve(agent.outer, false), cavity: revolve(agent.cavity, true), core: ball(agent.core),
         section: section(agent.outer, agent.cavity), joints: rings(agent.outer, agent.joints),
-        flown: { outer: revolve(agent.outer, false) }, tube: tube(path, 0.012 * data.size),
+        flown: revolve(agent.outer, false), tube: tube(path, 0.012 * data.size), thread: tube(path, 0.01 * data.longest),
       });
     }
     return meshes.get(chosen);
@@ -387,23 +450,36 @@ function start() {
   };
 
   const pipe = bore(data.pipe);
-  const mark = ball(0.045 * data.size);
+  const drifting = data.pipe.length ? drift(data.pipe) : () => [];
+  const current = { places: [] };
+  const marks = data.targets.map(({ name, position }) => {
+    const label = find("names").appendChild(Object.assign(document.createElement("span"), { textContent: name }));
+    return { name, position, label, mesh: ball(1) };
+  });
   const surface = data.water === null ? null : surfaceMesh(data);
   const flightScene = () => {
-    const { flown, tube: path } = meshesOfAgent();
-    const { place, attitude } = atTime();
+    const { flown, tube: path, thread } = meshesOfAgent();
+    const { time, place, attitude } = atTime();
     const agent = data.agents[chosen];
+    // Close by, all is to scale; in the whole pipe the agent would be a speck.
+    const near = follow.checked;
+    const size = near ? 1 : data.magnification;
+    const drawn = near ? place : moveOffWall(agent.outer, attitude, place, size, data.pipe);
+    const dot = near ? 0.06 * data.longest : 0.045 * data.size;
+    current.places = drifting(time);
+    for (const { name, label } of marks) label.className = agent.targets.includes(name) ? "own" : "";
     const items = [
-      { mesh: path, colour: hex(agent.colour) },
-      { mesh: flown.outer, pose: poseMatrix(attitude, place, data.magnification), colour: hex(agent.colour) },
-      ...data.targets.map((target) => ({
-        mesh: target.mesh ?? (target.mesh = { ...mark }), pose: poseMatrix([1, 0, 0, 0], target.position, 1),
-        colour: target.name === agent.target ? colourOf("--target") : colourOf("--other"),
+      { mesh: near ? thread : path, colour: hex(agent.colour) },
+      { mesh: flown, pose: poseMatrix(attitude, drawn, size), colour: hex(agent.colour) },
+      ...marks.map(({ name, position, mesh }) => ({
+        mesh, pose: poseMatrix([1, 0, 0, 0], position, dot),
+        colour: agent.targets.includes(name) ? colourOf("--target") : colourOf("--other"),
       })),
       { mesh: pipe, colour: colourOf("--line", 0.4) },
+      { mesh: current, colour: colourOf("--water", 0.7) },
     ];
     if (surface) items.push({ mesh: surface, colour: colourOf("--water", 0.3) });
-    return { items, centre: data.centre, size: data.length };
+    return { items, names: marks, centre: near ? place : data.centre, size: near ? 5 * data.longest : data.length };
   };
 
   const agentView = new View(find("agent-view"), agentScene, { yaw: 0.45, pitch: 0.35, distance: 1.25 });
@@ -412,19 +488,28 @@ function start() {
   const showMoment = () => {
     const { time, place, attitude: [w, x, y, z] } = atTime();
     const agent = data.agents[chosen];
-    const target = data.targets.find(({ name }) => name === agent.target);
-    const gap = Math.hypot(...sub(place, target.position));
+    const gaps = marks.filter(({ name }) => agent.targets.includes(name)).map(({ name, position }) => {
+      const gap = Math.hypot(...sub(place, position));
+      return `${gap < 1 ? `${(1000 * gap).toFixed(0)} mm` : `${gap.toFixed(2)} m`} from ${name}`;
+    });
     const nose = (180 / Math.PI) * Math.asin(Math.max(-1, Math.min(1, 2 * (x * z - w * y))));
     const text = `${time.toFixed(2)} s: x ${place[0].toFixed(2)} m, z ${place[2].toFixed(2)} m, nose ${Math.abs(nose).toFixed(0)}° ` +
-      `${nose < 0 ? "down" : "up"}, ${gap < 1 ? `${(1000 * gap).toFixed(0)} mm` : `${gap.toFixed(2)} m`} from ${agent.target}`;
+      `${nose < 0 ? "down" : "up"}, ${gaps.join(", ")}`;
     find("moment").textContent = text;
     slider.setAttribute("aria-valuetext", text);
   };
   const drawFlight = () => { showMoment(); flightView.draw(); };
+  const showScale = () => {
+    find("flight-scale").textContent = follow.checked ? "to scale" :
+      `with the agent magnified ${data.magnification} times and moved off the wall`;
+    drawFlight();
+  };
 
   const choose = (number) => {
     chosen = number;
-    find("agent-name").textContent = data.agents[chosen].target;
+    find("agent-name").textContent = data.agents[chosen].targets.join(", ");
+    for (const figure of document.querySelectorAll("[data-section]"))
+      figure.hidden = Number(figure.dataset.section) !== chosen;
     for (const button of document.querySelectorAll("[data-agent]"))
       button.setAttribute("aria-pressed", String(Number(button.dataset.agent) === chosen));
     // Start at the closest approach.
@@ -437,6 +522,7 @@ function start() {
     button.addEventListener("click", () => choose(Number(button.dataset.agent)));
   slider.addEventListener("input", drawFlight);
   cut.addEventListener("change", () => agentView.draw());
+  follow.addEventListener("change", showScale);
   for (const [id, view] of [["agent", agentView], ["flight", flightView]])
     for (const [name, act] of [["in", () => view.zoom(0.8)], ["out", () => view.zoom(1.25)], ["home", () => view.reset()]])
       find(`${id}-${name}`).addEventListener("click", act);
@@ -462,6 +548,7 @@ function start() {
     requestAnimationFrame(step);
   });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { agentView.draw(); flightView.draw(); });
+  showScale();
   choose(0);
 }
 

@@ -1,21 +1,27 @@
 """Pick the agent of a run whose flight passes closest to a point, also to a point that was not a target."""
 
+from collections import deque
+from collections.abc import Sequence
 from math import isfinite
 from pathlib import Path
 
 from driftform.errors import InputError
+from driftform.pipeline import Pipeline
 from driftform.runs.agent_file import StoredAgent, write_agent
 from driftform.runs.run import Run
+from driftform.runs.store import Store
 from driftform.scenario import Scenario, Vector
-from driftform.trajectory.coverage import find_closest_pass
+from driftform.trajectory.compression import compress_evaluation
+from driftform.trajectory.coverage import ClosestPass, find_passes
 from driftform.util.files import make_directory
 from driftform.util.progress import track_progress
 
 
 def pick_agent(run: Run, point: Vector) -> StoredAgent:
-    """Return the agent whose stored flight passes closest to a point of the world (m).
+    """Return the agent whose flight passes closest to a point of the world (m).
 
-    Its ``result`` holds the point, the distance (m), when it passes (``t``, s) and its evaluation.
+    Its ``result`` holds the point, the distance (m), when it passes (``t``, s) and its evaluation. If the stored flight
+    is unchecked, the agent is flown again, and the distance is that of its checked flight.
 
     Raises
     ------
@@ -24,12 +30,11 @@ def pick_agent(run: Run, point: Vector) -> StoredAgent:
     """
     check_point(point, run.study.scenario)
     with run.read() as store:
-        found = find_closest_pass(
-            track_progress(store.read_trajectories(), store.count_sound(), "flights"), point
-        )
+        passes = find_passes(track_progress(store.read_trajectories(), store.count_sound(), "flights"), point)
+        found = _check_closest(run, store, passes, point)
         if found is None:
             raise run.refuse_unsound()
-        genome = store.read_record(found.evaluation, run.study.scenario.target_names).evaluation.genome
+        genome = store.read_record(found.evaluation, run.study.scenario.target_names).candidate.genome
     result = {
         "point": list(point),
         "distance": found.distance,
@@ -38,6 +43,27 @@ def pick_agent(run: Run, point: Vector) -> StoredAgent:
     }
     name = f"{run.name}-{name_point(point)}"
     return StoredAgent(name, genome, run.study.environment(found.evaluation), result)
+
+
+def _check_closest(
+    run: Run, store: Store, passes: Sequence[ClosestPass], point: Vector
+) -> ClosestPass | None:
+    """Return the closest of some passes, in ascending order, after unchecked ones that seem closer are flown again."""
+    pipeline: Pipeline | None = None
+    waiting, closest = deque(passes), None
+    while waiting and (closest is None or waiting[0].distance < closest.distance):
+        found = waiting.popleft()
+        if not found.checked:
+            pipeline = pipeline or run.study.make_pipeline()
+            record = store.read_record(found.evaluation, run.study.scenario.target_names)
+            [evaluation] = pipeline.evaluate([record.candidate.genome], [record.seed])
+            flight = compress_evaluation(evaluation).trajectory
+            if evaluation.failure is not None or flight is None:
+                continue
+            [found] = find_passes([(found.evaluation, flight)], point)
+        if closest is None or found.distance < closest.distance:
+            closest = found
+    return closest
 
 
 def write_pick(run: Run, point: Vector, folder: Path | None = None) -> tuple[StoredAgent, Path]:

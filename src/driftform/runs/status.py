@@ -124,19 +124,28 @@ class RunStatus:
 
 
 class Throughput:
-    """How fast evaluations come, now and overall; those that were there at the beginning do not count."""
+    """How fast evaluations come, now and overall.
+
+    Those that were there at the beginning do not count, nor does the time until the first new ones: kernels are
+    compiled in it.
+    """
 
     window = 30.0
     """How far back "now" reaches, s."""
 
+    settling = 1.0
+    """Evaluations that come this soon after the first, s, are as old as it: several are computed at once."""
+
     fewest = 5
-    """Evaluations that a rate of now needs; fewer would make it jump."""
+    """Evaluations that a rate needs; fewer would make it jump."""
 
     def __init__(self, done: int, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
         self._began = clock()
         self._before = done
-        self._marks = deque([(self._began, done)])
+        self._first: float | None = None
+        self._settled = (self._began, done)
+        self._marks = deque([self._settled])
 
     @property
     def elapsed(self) -> float:
@@ -145,19 +154,30 @@ class Throughput:
 
     def mark(self, done: int) -> None:
         """Note how many evaluations there are."""
-        now, done = self._clock(), max(done, self._before)
-        if now - self._marks[-1][0] >= self.window / 30:
+        if done <= self._before:
+            return
+        now = self._clock()
+        if self._first is None:
+            self._first = now
+        if now - self._first < self.settling:
+            self._settled = (now, done)
+            self._marks = deque([self._settled])
+        elif now - self._marks[-1][0] >= self.window / 30:
             self._marks.append((now, done))
-        while len(self._marks) > 1 and self._marks[1][0] < now - self.window:
+        while len(self._marks) > 1 and self._is_enough(*self._marks[1], now, done):
             self._marks.popleft()
 
     def overall(self, done: int) -> float | None:
-        """Evaluations per second since the beginning, ``None`` before the first."""
-        new = done - self._before
-        return new / self.elapsed if new > 0 and self.elapsed > 0 else None
+        """Evaluations per second since the first of them; ``None`` while there are few."""
+        return self._rate(*self._settled, done)
 
     def recent(self, done: int) -> float | None:
-        """Evaluations per second of late, or overall where there were too few; ``None`` before the first."""
-        since, before = self._marks[0]
+        """Evaluations per second of late; ``None`` while there are few."""
+        return self._rate(*self._marks[0], done)
+
+    def _rate(self, since: float, before: int, done: int) -> float | None:
         new, span = done - before, self._clock() - since
-        return new / span if new >= self.fewest and span > 0 else self.overall(done)
+        return new / span if self._first is not None and new >= self.fewest and span > 0 else None
+
+    def _is_enough(self, since: float, before: int, now: float, done: int) -> bool:
+        return since < now - self.window and done - before >= self.fewest

@@ -175,13 +175,13 @@ def draw_normals(direction: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def _shift_release(scenario: Scenario, across: Sequence[float]) -> tuple[float, float, float]:
     """Return the release position with its offset, which is halved until it lies inside the bore."""
-    start = np.array(scenario.release.position)
+    shifted = scenario.release_position()
     level, up = draw_normals(scenario.direction())
     offset = across[0] * level + across[1] * up
-    while scenario.pipe.segments and not scenario.pipe.contains(tuple(start + offset / MAX_RADIUS_SHARE)):
+    while scenario.pipe.segments and not scenario.pipe.contains(tuple(shifted + offset / MAX_RADIUS_SHARE)):
         offset *= 0.5
         if np.linalg.norm(offset) < 1e-6:
             offset = np.zeros(3)
             break
-    x, y, z = (start + offset).tolist()
+    x, y, z = (np.array(scenario.release.position) + scenario.release_frame().T @ offset).tolist()
     return x, y, z

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Discriminator, Tag
 
-from driftform.options import Table, option
+from driftform.options import MAX_SEED, Table, option
 
 
 class UniformFlow(Table):
@@ -19,7 +19,7 @@ class UniformFlow(Table):
 class PipeFlow(Table):
     """A velocity profile over the bore; ``speed`` is the mean over the cross-section."""
 
-    speed: float = option(1.0, "bulk speed: volume flow divided by cross-section", "m/s", gt=0, le=100)
+    speed: float = option(1.0, "bulk speed: volume flow divided by cross-section", "m/s", ge=1e-4, le=100)
 
 
 class PowerLawFlow(PipeFlow):
@@ -33,7 +33,7 @@ class LogLawFlow(PipeFlow):
     """Fully developed flow by the logarithmic law, with the friction of the pipe wall."""
 
     kind: Literal["log_law"] = option("log_law", "name of the flow profile")
-    roughness: float = option(0.0, "equivalent sand roughness of the wall", "m", ge=0)
+    roughness: float = option(0.0, "equivalent sand roughness of the wall", "m", ge=0, le=10)
 
 
 class DevelopingFlow(PipeFlow):
@@ -45,19 +45,30 @@ class DevelopingFlow(PipeFlow):
 class TurbulentFlow(PipeFlow):
     """The logarithmic law with gusts: an Ornstein-Uhlenbeck process along the path of the agent.
 
+    With drag, gusts differ along the agent, and an agent that moves through the water forgets them faster.
+
     Each evaluation of a run has different gusts, drawn from the seed of the run and the index of the evaluation.
     """
 
     kind: Literal["turbulent"] = option("turbulent", "name of the flow profile")
-    roughness: float = option(0.0, "equivalent sand roughness of the wall", "m", ge=0)
+    roughness: float = option(0.0, "equivalent sand roughness of the wall", "m", ge=0, le=10)
     intensity: float = option(
         0.8, "standard deviation of each component of a gust, relative to the friction velocity", ge=0, le=10
     )
-    memory: float = option(3.0, "Lagrangian integral time of the gusts", "s", gt=0)
-    smoothing: float = option(
-        0.1, "time scale of the smallest eddies, within which a gust hardly changes", "s", gt=0
+    memory: float = option(3.0, "Lagrangian integral time of the gusts", "s", ge=1e-3, le=1e4)
+    crossing: float = option(
+        0.5,
+        "length in which a gust carries the water within its memory, relative to the size of the gusts (Csanady's beta); "
+        "0: gusts are uniform along the agent, and its motion through the water does not matter",
+        ge=0,
+        le=10,
     )
-    seed: int = option(0, "seed of the gusts of a single flight; a run draws one for each evaluation", ge=0)
+    smoothing: float = option(
+        0.1, "time scale of the smallest eddies, within which a gust hardly changes", "s", ge=1e-3, le=1e3
+    )
+    seed: int = option(
+        0, "seed of the gusts of a single flight; a run draws one for each evaluation", ge=0, le=MAX_SEED
+    )
 
 
 FLOWS: dict[str, type[Table]] = {

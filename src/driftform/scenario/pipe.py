@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from driftform.options import Table, option
 from driftform.types import FloatArray
 
-Number: TypeAlias = Annotated[float, Field(strict=True)]
+Number: TypeAlias = Annotated[float, Field(strict=True, ge=-1e6, le=1e6)]
 """A number; text such as "1.0" is not accepted."""
 
 Vector: TypeAlias = tuple[Number, Number, Number]
@@ -20,7 +20,7 @@ class Segment(Table):
 
     start: Vector = option(..., "centre of the upstream end", "m")
     end: Vector = option(..., "centre of the downstream end", "m")
-    radius: float = option(..., "inner radius", "m", gt=0, strict=True)
+    radius: float = option(..., "inner radius", "m", ge=1e-3, le=100, strict=True)
 
     @model_validator(mode="after")
     def _check_length(self) -> "Segment":

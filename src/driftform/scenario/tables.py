@@ -10,17 +10,25 @@ from driftform.scenario.flow import Flow, LogLawFlow, PipeFlow, TurbulentFlow, U
 from driftform.scenario.pipe import Pipe, Vector
 from driftform.types import FloatArray
 
+MAX_GUSTS = 1_000_000
+"""Most gusts of a flight: their table takes 50 MB."""
+
 
 class Fluid(Table):
     """The water."""
 
-    density: float = option(1024.0, "density of the water", "kg/m3", gt=0)
-    gravity: float = option(9.81, "acceleration of gravity, along -z", "m/s2", ge=0)
+    density: float = option(1024.0, "density of the water", "kg/m3", ge=0.1, le=30_000)
+    gravity: float = option(9.81, "acceleration of gravity, along -z", "m/s2", ge=0, le=1000)
     viscosity: float = option(
-        1.05e-6, "kinematic viscosity; by default that of seawater at 20 degrees C", "m2/s", gt=0
+        1.05e-6, "kinematic viscosity; by default that of seawater at 20 degrees C", "m2/s", ge=1e-8, le=1
     )
     water_level: float | None = option(
-        None, "height of the free surface in the world frame; by default the pipe is full", "m", strict=True
+        None,
+        "height of the free surface in the world frame; by default the pipe is full",
+        "m",
+        ge=-1e6,
+        le=1e6,
+        strict=True,
     )
     flow_force: Literal["full", "paper"] = option(
         "full",
@@ -29,11 +37,16 @@ class Fluid(Table):
 
 
 class Release(Table):
-    """How the agent enters the water."""
+    """How the agent enters the water: position, attitude and velocity in one ``frame``.
 
-    position: Vector = option(
-        (0.0, 0.0, 0.0), "position of the core's centre at the release, in the world frame", "m"
+    The frame of the inlet has its origin at the inlet's centre, x downstream along the pipe, y level, and z upward, or
+    upstream of a vertical pipe's x for lack of an upward direction.
+    """
+
+    frame: Literal["inlet", "world"] = option(
+        "inlet", "frame of the release: inlet, at its centre with x along the pipe, or world"
     )
+    position: Vector = option((0.0, 0.0, 0.0), "position of the core's centre at the release", "m")
     pitch_deg: float = option(
         0.0, "pitch of the body's axis relative to x, positive nose down", "deg", ge=-90, le=90
     )
@@ -41,7 +54,7 @@ class Release(Table):
         0.0, "yaw of the body's axis relative to x, positive towards +y", "deg", ge=-180, le=180
     )
     velocity: Literal["current", "rest"] | Vector = option(
-        "current", "'current' (moving with the water), 'rest', or a velocity in the world frame", "m/s"
+        "current", "'current' (moving with the water), 'rest', or a velocity", "m/s"
     )
 
 
@@ -63,7 +76,7 @@ class Contact(Table):
 class FlightLimits(Table):
     """Limits of a flight that does not reach the outlet."""
 
-    horizon: float = option(20.0, "longest duration of a flight", "s", gt=0)
+    horizon: float = option(20.0, "longest duration of a flight", "s", ge=1e-3, le=1e5)
 
 
 class Robustness(Table):
@@ -76,7 +89,7 @@ class Robustness(Table):
         0, "disturbed flights of each finalist; 0 to rank by the undisturbed flight alone", ge=0, le=10_000
     )
     finalists: int = option(
-        5, "finalists for each target: the agents with the best undisturbed flights", gt=0
+        5, "finalists for each target: the agents with the best undisturbed flights", gt=0, le=10_000
     )
     score: Literal["mean", "quantile", "worst"] = option(
         "mean", "score of a finalist, from its fitness over all conditions"
@@ -85,13 +98,13 @@ class Robustness(Table):
         0.1, "share of the conditions with a fitness below the score, if score = 'quantile'", ge=0, le=1
     )
     position: float = option(
-        0.02, "of the release position, along each of two directions across the pipe", "m", ge=0
+        0.02, "of the release position, along each of two directions across the pipe", "m", ge=0, le=10
     )
     angle_deg: float = option(2.0, "of pitch and yaw at the release", "deg", ge=0, le=30)
     current: float = option(0.03, "of the speed of the current, relative to it", ge=0, le=0.3)
     density: float = option(0.001, "of the density of the water, relative to it", ge=0, le=0.3)
     mass: float = option(0.01, "of the mass of the printed hull, relative to it", ge=0, le=0.3)
-    wall: float = option(0.00002, "of the thickness of the printed wall", "m", ge=0)
+    wall: float = option(0.00002, "of the thickness of the printed wall", "m", ge=0, le=0.01)
 
 
 def _check_names(targets: dict[str, Vector]) -> dict[str, Vector]:
@@ -136,12 +149,22 @@ class Scenario(Table):
                     f"flow.roughness = {self.flow.roughness} is too large for the logarithmic law in this pipe: "
                     f"it is valid up to a twentieth of the diameter, {most:g} m"
                 )
-        for name, point in (
-            ("release.position", self.release.position),
-            *((f"targets.{name}", point) for name, point in self.targets.items()),
-        ):
-            if self.pipe.segments and not self.pipe.contains(point):
-                raise ValueError(f"{name} = {list(point)} lies outside the pipe")
+        if isinstance(self.flow, TurbulentFlow) and self.flight.horizon > MAX_GUSTS * self.flow.smoothing:
+            raise ValueError(
+                f"flow.smoothing = {self.flow.smoothing:g} s is too short for flight.horizon = {self.flight.horizon:g} s: "
+                f"a flight has at most {MAX_GUSTS} gusts"
+            )
+        if not self.pipe.segments:
+            return self
+        start = self.release_position()
+        if not self.pipe.contains((start[0], start[1], start[2])):
+            where = (
+                "" if self.release.frame == "world" else " (it is relative to the inlet: see release.frame)"
+            )
+            raise ValueError(f"release.position = {list(self.release.position)} lies outside the pipe{where}")
+        for name, point in self.targets.items():
+            if not self.pipe.contains(point):
+                raise ValueError(f"targets.{name} = {list(point)} lies outside the pipe")
         return self
 
     @property
@@ -175,11 +198,71 @@ class Scenario(Table):
             return self
         return self.model_copy(update={"flow": self.flow.model_copy(update={"seed": seed})})
 
+    def release_frame(self) -> FloatArray:
+        """Return the axes of the release's frame in the world frame, as columns, (3, 3)."""
+        c, s, cp, sp = self._frame_angles()
+        return np.array([[c * cp, -s, c * sp], [s * cp, c, s * sp], [-sp, 0.0, cp]])
+
+    def release_position(self) -> FloatArray:
+        """Return the position of the core's centre at the release, in the world frame, m, (3,)."""
+        start = np.zeros(3) if self._released_in_world else np.array(self.pipe.segments[0].start)
+        return np.asarray(start + self.release_frame() @ self.release.position)
+
     def release_quaternion(self) -> FloatArray:
-        """Return the attitude at the release, (4,): rotation about y by the pitch, then about z by the yaw."""
+        """Return the attitude at the release, from body to world, (4,).
+
+        In the frame of the release it is a rotation about y by the pitch, then about z by the yaw.
+        """
         pitch, yaw = np.deg2rad([self.release.pitch_deg, self.release.yaw_deg]) / 2
-        c, s = np.cos(pitch), np.sin(pitch)
-        return np.array([np.cos(yaw) * c, -np.sin(yaw) * s, np.cos(yaw) * s, np.sin(yaw) * c])
+        given = _turn_by(np.cos(yaw), np.sin(yaw), np.cos(pitch), np.sin(pitch))
+        c, s, cp, sp = self._frame_angles()
+        frame = _turn_by(*_halve_angle(c, s), *_halve_angle(cp, sp))
+        return _multiply(frame, given)
+
+    def release_axis(self) -> FloatArray:
+        """Return the unit vector along the body's axis at the release, in the world frame, (3,)."""
+        w, x, y, z = self.release_quaternion()
+        return np.array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)])
+
+    def release_velocity(self) -> FloatArray | None:
+        """Return the velocity at the release, in the world frame, m/s, (3,); ``None`` if it is that of the water."""
+        match self.release.velocity:
+            case "current":
+                return None
+            case "rest":
+                return np.zeros(3)
+            case given:
+                return np.asarray(self.release_frame() @ given)
+
+    @property
+    def _released_in_world(self) -> bool:
+        """True if the release is given in the world frame; in open water there is no other."""
+        return self.release.frame == "world" or not self.pipe.segments
+
+    def _frame_angles(self) -> tuple[float, float, float, float]:
+        """Return cosine and sine of the yaw, then of the pitch, of the release's frame."""
+        if self._released_in_world:
+            return 1.0, 0.0, 1.0, 0.0
+        x, y, z = self.direction().tolist()
+        level = float(np.hypot(x, y))
+        # A vertical pipe has no yaw.
+        return (x / level, y / level, level, -z) if level > 1e-9 else (1.0, 0.0, 0.0, -z)
+
+
+def _halve_angle(c: float, s: float) -> tuple[float, float]:
+    """Return cosine and sine of half an angle of that cosine and sine, exact for multiples of 180 degrees."""
+    return float(np.sqrt(max(0.0, 1 + c) / 2)), float(np.copysign(np.sqrt(max(0.0, 1 - c) / 2), s))
+
+
+def _turn_by(cz: float, sz: float, cy: float, sy: float) -> FloatArray:
+    """Return the quaternion of a rotation about y, then about z, from cosine and sine of half of each angle, (4,)."""
+    return np.array([cz * cy, -sz * sy, cz * sy, sz * cy])
+
+
+def _multiply(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return the product of two quaternions, (4,): the rotation ``b``, then ``a``."""
+    vector = a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:])
+    return np.array([a[0] * b[0] - a[1:] @ b[1:], *vector])
 
 
 def evaluation_seed(seed: int, index: int) -> int:

@@ -63,7 +63,9 @@ def format_errors(
                 f"unknown {path[-1]}{did_you_mean(item['ctx']['tag'], members)}"
             )
         else:
-            wrong.setdefault(path, {})[item["type"]] = _describe_expected(item)
+            wrong.setdefault(path, {})[item["type"]] = _describe_expected(item) + _name_unit(
+                item, table, keys
+            )
     for path, messages in wrong.items():
         key, value = join_path(path), find_value(document, path)
         lines.append(
@@ -94,6 +96,16 @@ def _describe_expected(item: Mapping[str, Any]) -> str:
         most = item["ctx"]["max_length"]
         return f"should have at most {most} value{'s' if most != 1 else ''}"
     return _EXPECTED.get(kind) or str(item["msg"]).replace("Input should be", "should be")
+
+
+def _name_unit(item: Mapping[str, Any], table: type[Table] | None, keys: KeyPath) -> str:
+    """Return the unit of a bound, with a space before it; empty for other faults and dimensionless numbers."""
+    if not item["type"].startswith(("less_than", "greater_than")) or table is None:
+        return ""
+    field = table.model_fields[str(next(key for key in reversed(keys) if isinstance(key, str)))]
+    extra = field.json_schema_extra
+    unit = str(extra.get("unit", "")) if isinstance(extra, dict) else ""
+    return f" {unit}" if unit and unit != "SI" else ""
 
 
 def _name_table(path: KeyPath) -> str:

@@ -11,8 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from driftform.errors import InputError, did_you_mean
+from driftform.interfaces import SEAMS
+from driftform.scenario import FLOWS
 from driftform.study.toml_positions import Path as KeyPath
-from driftform.study.toml_positions import find_key_lines, find_line
+from driftform.study.toml_positions import check_keys, find_key_lines, find_line
 from driftform.util.files import is_directory, is_file
 
 REPLACED = ("targets",)
@@ -50,10 +52,12 @@ NOTHING = object()
 def find_value(node: Any, path: KeyPath) -> Any:
     """Return the value at a path, ``NOTHING`` if the path does not exist."""
     for name in path:
-        listed = isinstance(node, list | tuple) and isinstance(name, int) and name < len(node)
-        if not listed and not (isinstance(node, Mapping) and name in node):
+        # A table may hold an item of a list by its number: see 'merge'.
+        key = str(name) if isinstance(node, Mapping) else name
+        listed = isinstance(node, list | tuple) and isinstance(key, int) and key < len(node)
+        if not listed and not (isinstance(node, Mapping) and key in node):
             return NOTHING
-        node = node[name]
+        node = node[key]
     return node
 
 
@@ -107,6 +111,7 @@ def read_sources(source: str, above: tuple[str, ...] = (), named_by: str = "") -
     if key in above:
         raise InputError(f"{named_by}'base' leads back to {label}")
     try:
+        check_keys(text)
         data = tomllib.loads(text)
     except RecursionError:
         raise InputError(f"{label}: is not valid TOML: nested too deeply") from None
@@ -145,6 +150,10 @@ def parse_setting(text: str) -> Source:
     if not equals or not all(names):
         raise InputError(f"--set {text}: expected key=value, such as flow.speed=0.8")
     try:
+        check_keys(text)
+    except ValueError as error:
+        raise InputError(f"--set {text[:40]}...: {error}") from None
+    try:
         parsed: Any = tomllib.loads(f"value = {value}")["value"]
     except (ValueError, RecursionError):
         parsed = value.strip()
@@ -154,22 +163,76 @@ def parse_setting(text: str) -> Source:
     return Source(f"--set {text}", parsed, is_option=True, replaces=replaces)
 
 
-def merge(below: Mapping[str, Any], above: Mapping[str, Any], replaced: Sequence[str] = ()) -> dict[str, Any]:
+def merge_source(below: Mapping[str, Any], source: Source) -> dict[str, Any]:
+    """Return ``below`` overridden by the keys of a source; see :func:`merge`.
+
+    Raises
+    ------
+    InputError
+        if the source sets an item that its list does not have.
+    """
+    try:
+        return merge(below, source.data, source.replaces)
+    except _NoItemError as error:
+        *path, index = error.path
+        known = f"its items are 0 to {error.count - 1}" if error.count else "it has no items"
+        key = ".".join(map(str, path))
+        raise InputError(f"{source.locate(tuple(path))}: {key} has no item '{index}'; {known}") from None
+
+
+def merge(
+    below: Mapping[str, Any], above: Mapping[str, Any], replaced: Sequence[str] = (), path: KeyPath = ()
+) -> dict[str, Any]:
     """Return ``below`` overridden by ``above``: tables are merged key by key, other values are replaced.
 
-    A table is replaced as a whole if it is one of ``replaced``, or selects another plugin, for which the options of
-    the former one are not valid.
+    A table whose keys are numbers is merged into a list item by item. A table of ``replaced`` is replaced as a whole.
+    So is a table that selects another plugin, but for the options that every plugin of its seam has; a table that
+    selects another ``kind`` loses the keys that only the former kind has.
     """
     result = dict(below)
     for key, value in above.items():
-        old = result.get(key)
-        both = isinstance(old, Mapping) and isinstance(value, Mapping)
-        other_plugin = both and "use" in value and value["use"] != old.get("use")  # type: ignore[union-attr]
-        if both and not other_plugin and key not in replaced:
-            result[key] = merge(old, value)  # type: ignore[arg-type]
-        else:
-            result[key] = value
+        result[key] = _merge_value(result.get(key), value, (*path, key)) if key not in replaced else value
     return result
+
+
+def _merge_value(old: Any, value: Any, path: KeyPath) -> Any:
+    if isinstance(old, list) and isinstance(value, Mapping) and value:
+        return _merge_items(old, value, path)
+    if not (isinstance(old, Mapping) and isinstance(value, Mapping)):
+        return value
+    if len(path) == 1:
+        old = _drop_other_options(str(path[0]), old, value)
+    return merge(old, value, path=path)
+
+
+def _merge_items(old: list[Any], value: Mapping[str, Any], path: KeyPath) -> list[Any]:
+    items = list(old)
+    for name, item in value.items():
+        if not (name.isdecimal() and int(name) < len(items)):
+            raise _NoItemError((*path, name), len(items))
+        items[int(name)] = _merge_value(items[int(name)], item, (*path, int(name)))
+    return items
+
+
+def _drop_other_options(table: str, old: Mapping[str, Any], above: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the keys of a table that are valid for the plugin or the kind that ``above`` selects, too."""
+    if "use" in above and above["use"] != old.get("use"):
+        shared = SEAMS[table].Options.model_fields if table in SEAMS else {}
+        return {key: value for key, value in old.items() if key in shared}
+    kinds = {"flow": FLOWS}.get(table, {})
+    former, chosen = kinds.get(str(old.get("kind", "uniform"))), kinds.get(str(above.get("kind")))
+    if former is None or chosen is None:
+        return old
+    dropped = former.model_fields.keys() - chosen.model_fields.keys()
+    return {key: value for key, value in old.items() if key not in dropped}
+
+
+class _NoItemError(LookupError):
+    """An item that a list does not have, by its ``path``; the list has ``count`` items."""
+
+    def __init__(self, path: KeyPath, count: int) -> None:
+        super().__init__(path)
+        self.path, self.count = path, count
 
 
 def locate_key(layers: Sequence[Source], path: KeyPath) -> str:

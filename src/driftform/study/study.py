@@ -16,12 +16,12 @@ from pydantic import ValidationError
 
 from driftform.errors import InputError, did_you_mean
 from driftform.interfaces import SEAMS, Checker, Exporter, Recorder, Renderer, SearchSpace, Strategy
-from driftform.options import Table, option
+from driftform.options import MAX_SEED, Table, option
 from driftform.pipeline import Pipeline
 from driftform.registry import registry
 from driftform.scenario import Scenario
 from driftform.study.error_lines import format_errors
-from driftform.study.sources import Source, locate_key, merge, parse_setting, read_sources
+from driftform.study.sources import Source, locate_key, merge_source, parse_setting, read_sources
 
 DEFAULT = "pipe-inspection"
 """The default scenario."""
@@ -32,18 +32,37 @@ NAMED = ("exporter", "recorder", "renderer", "checker")
 SELECTED = tuple(seam for seam in SEAMS if seam not in NAMED)
 """The seams for which a study selects one plugin."""
 
+MAX_EVALUATIONS = 10_000_000
+"""Largest budget of a run: weeks of flights, and a database of 100 GB."""
+
 _MAX_NAME_BYTES = 100
 """Longest name of a target, bytes: with a file suffix it must fit into a file name of 255 bytes."""
 
 
 class RunOptions(Table):
-    """The table ``[run]``: seed, budget, and files for the best agents."""
+    """The table ``[run]``: seed, budget, time limit, and files for the best agents."""
 
     seed: int | None = option(
-        None, "seed of all randomness; by default drawn at random and recorded", ge=0, strict=True
+        None,
+        "seed of all randomness; by default drawn at random and recorded",
+        ge=0,
+        le=MAX_SEED,
+        strict=True,
     )
     evaluations: int | None = option(
-        None, "evaluations in the whole run; by default 50 for each target", "", gt=0, strict=True
+        None,
+        "evaluations in the whole run; by default 50 for each target",
+        "",
+        gt=0,
+        le=MAX_EVALUATIONS,
+        strict=True,
+    )
+    evaluation_timeout: float = option(
+        60.0,
+        "time after which an evaluation has failed, and its worker process is replaced",
+        "s",
+        gt=0,
+        le=86400,
     )
     formats: tuple[str, ...] = option(("stl",), "formats to export for the best agent of each target")
 
@@ -203,7 +222,7 @@ def load_study(
             layers.append(Source(f"--{key}", {"run": {key: value}}, is_option=True))
     document: dict[str, Any] = {}
     for layer in layers:
-        document = merge(document, layer.data, layer.replaces)
+        document = merge_source(document, layer)
     # A document may come from an agent file, which needs no strategy to fly.
     required = [seam for seam in SELECTED if seam != "strategy" or not isinstance(source, Document)]
     return replace(_check_document(document, layers, targets, required), name=label, given=given)
@@ -239,6 +258,7 @@ def _check_document(
         run = RunOptions.model_validate(document.get("run", {}))
     except ValidationError as error:
         errors += format_errors(error, ("run",), RunOptions, document, layers)
+    registry().check_seams(SELECTED)
     resolved: dict[str, Any] = {}
     unselected = [seam for seam in required if "use" not in document.get(seam, {})]
     if unselected:

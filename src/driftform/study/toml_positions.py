@@ -8,6 +8,12 @@ from typing import TypeAlias
 Path: TypeAlias = tuple[str | int, ...]
 """A key as its names from the top level; a number is an index into a list, from 0."""
 
+MAX_KEY_NAMES = 20
+"""Most names of a dotted key: no study nests as deep."""
+
+_NAME = r"""(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')"""
+_LONG_KEY = re.compile(rf"(?<![\w-]){_NAME}(?:[ \t]*+\.[ \t]*+{_NAME}){{{MAX_KEY_NAMES},}}+")
+
 # Strings, which may span lines, and comments are single tokens, because their content could be mistaken for structure.
 # A multi-line string may contain up to two quotes before its closing quotes.
 _TOKEN = re.compile(
@@ -15,6 +21,22 @@ _TOKEN = re.compile(
     r"""|[\[\]{}=\n]|[^"'\#\[\]{}=\n]+|.""",
     re.DOTALL,
 )
+
+
+def check_keys(text: str) -> None:
+    """Check that no key of a TOML text has more than :data:`MAX_KEY_NAMES` names.
+
+    tomllib needs memory and time that grow with the square of their number.
+
+    Raises
+    ------
+    ValueError
+        if a key has more; the message says its line.
+    """
+    found = _LONG_KEY.search(text)
+    if found:
+        line = text.count("\n", 0, found.start()) + 1
+        raise ValueError(f"a key of more than {MAX_KEY_NAMES} names at line {line}")
 
 
 def find_key_lines(text: str) -> dict[Path, int]:
@@ -31,6 +53,10 @@ def find_key_lines(text: str) -> dict[Path, int]:
     line = begin = 1
 
     def note(path: Path) -> None:
+        if len(path) > MAX_KEY_NAMES:
+            raise ValueError(
+                f"line {begin}: a key of {len(path)} names; no study has more than {MAX_KEY_NAMES}"
+            )
         for end in range(1, len(path) + 1):
             lines.setdefault(path[:end], begin)
 

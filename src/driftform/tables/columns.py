@@ -33,7 +33,7 @@ _OUTCOME = (
     Column(
         "energy_drift", "float", "", "relative, up to the first contact; none where nothing conserves energy"
     ),
-    Column("error", "float", "m", "estimated, of the position; none where it was not estimated"),
+    Column("error", "float", "m", "estimated, of the position; none where the flight was not checked"),
     Column("seconds", "float", "s", "that the evaluation took"),
     Column("seed", "integer", "", "of what was random about the evaluation, such as its gusts"),
 )

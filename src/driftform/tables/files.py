@@ -81,7 +81,7 @@ def check_format(name: str) -> None:
     """
     if name == "parquet" and find_spec("pyarrow") is None:
         raise WorkFailedError(
-            "parquet files need the package pyarrow: pip install 'driftform[parquet]', or choose --format csv"
+            "parquet files need the package pyarrow: uv sync --extra parquet, or pip install 'driftform[parquet]'; or choose --format csv"
         )
 
 

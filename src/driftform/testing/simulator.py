@@ -625,6 +625,43 @@ class SimulatorContract:
             assert_identical(trajectory, reverse)
         assert simulator.simulate_batch([], []) == []
 
+    def test_a_screened_flight_that_matters_is_the_simulated_one(self) -> None:
+        """Flights that matter equal those of ``simulate`` to the last bit, with their estimated error."""
+        agents, scenario = self._screened()
+        simulator = self.plugin()
+        flights = simulator.screen_batch(agents, [scenario] * len(agents), lambda index, _: index != 1)
+        for index in (0, 2):
+            checked = simulator.simulate(agents[index], scenario)
+            assert_identical(flights[index], checked)
+            assert flights[index].error == checked.error
+
+    def test_a_screened_flight_that_does_not_matter_is_unchecked_or_the_simulated_one(self) -> None:
+        """It is the flight that ``matters`` received with the agent's index, whose error is ``None``; or it is checked."""
+        agents, scenario = self._screened()
+        simulator = self.plugin()
+        seen: dict[int, Trajectory] = {}
+
+        def matters(index: int, trajectory: Trajectory) -> bool:
+            assert trajectory.error is None
+            seen[index] = trajectory
+            return False
+
+        flights = simulator.screen_batch(agents, [scenario] * len(agents), matters)
+        assert len(flights) == len(agents)
+        for index, (agent, flight) in enumerate(zip(agents, flights, strict=True)):
+            checked = simulator.simulate(agent, scenario)
+            assert_identical(flight, seen.get(index, checked))
+            # The same flight, though nothing says how accurate it is.
+            end = min(float(flight.t[-1]), float(checked.t[-1]))
+            times = np.linspace(0.0, end, 101)
+            paths = (interpolate_positions(flight, times), interpolate_positions(checked, times))
+            assert largest_distance(*paths) < 0.05
+        assert simulator.screen_batch([], [], matters) == []
+
+    def _screened(self) -> tuple[list[Agent], Scenario]:
+        agents = [tumbling_agent(), sphere_agent(CORE_RADIUS, 0.05), SPHEROID.agent()]
+        return agents, water_scenario(1.5, (1.0, 0.2, 0.3), speed=1.0, pipe=(2.0, 0.3))
+
     def test_the_same_flight_twice_is_the_same_to_the_last_bit(self) -> None:
         """Earlier flights have no effect, and a pickled copy in a worker process gives the same flight."""
         scenario = water_scenario(1.5, (1.0, 0.2, 0.3), speed=1.0, pitch_deg=10.0, pipe=(9.0, 0.3))

@@ -152,6 +152,28 @@ class StrategyContract:
         replayed = self.play(self.start(5), 100, seconds=17.0)
         assert replayed == whole
 
+    def test_a_threshold_has_one_fitness_for_each_target(self) -> None:
+        """``Candidate.threshold`` is ``None``, or one number for each target."""
+        for candidate in self.play(self.start(), 100):
+            assert candidate.threshold is None or len(candidate.threshold) == len(self.targets)
+            assert not np.isnan(candidate.threshold or 0.0).any()
+
+    def test_fitness_up_to_the_threshold_does_not_matter(self) -> None:
+        """A fitness that exceeds the candidate's threshold for no target can be lower without an effect on the search."""
+        strategy, first = self.start(7), 0
+        asked: list[Candidate] = []
+        while len(asked) < 150:
+            candidates, outcomes = strategy.ask(150 - len(asked)), []
+            for candidate in candidates:
+                fitness = two_target_fitness(candidate.genome)
+                if candidate.threshold is not None and np.all(fitness <= candidate.threshold):
+                    fitness = np.zeros(2)
+                outcomes.append(Evaluation(candidate.genome, fitness, straight_trajectory(candidate.genome)))
+            strategy.tell(first, outcomes)
+            first += len(candidates)
+            asked += candidates
+        assert asked == self.play(self.start(7), 150)
+
     @pytest.mark.parametrize("budget", [1, 13, 60, 99])
     def test_a_larger_budget_begins_with_the_same_candidates(self, budget: int) -> None:
         """The limit shortens a batch without changing its candidates, so that a run can be extended later."""

@@ -148,8 +148,8 @@ class CoverageMap:
         index of that flight's evaluation, -1 if no flight crosses the cell, (cells,); the earliest of equals.
     visits
         number of flights that cross each cell, (cells,).
-    flights
-        number of flights that were added.
+    flights, unchecked
+        number of flights that were added, and of those among them without an estimate of their error.
     """
 
     def __init__(self, cells: PipeGrid) -> None:
@@ -157,12 +157,13 @@ class CoverageMap:
         self.distance = np.full(cells.cell_count, np.inf)
         self.evaluation = np.full(cells.cell_count, -1, dtype=np.int64)
         self.visits = np.zeros(cells.cell_count, dtype=np.int64)
-        self.flights = 0
+        self.flights = self.unchecked = 0
 
     def add(self, evaluation: int, trajectory: Trajectory) -> IntArray:
         """Add a flight to every cell that it crosses; return the cells in which it is now the closest, (k,)."""
         crossed, distance = self.cells.find_crossed(trajectory)
         self.flights += 1
+        self.unchecked += trajectory.error is None
         self.visits[crossed] += 1
         closer = distance < self.distance[crossed]
         taken = crossed[closer]
@@ -186,21 +187,30 @@ def map_coverage(flights: Iterable[tuple[int, Trajectory]], cells: PipeGrid) -> 
 
 @dataclass(frozen=True)
 class ClosestPass:
-    """The closest pass of a flight by a point: index of its ``evaluation``, ``distance`` (m) and time ``t`` (s)."""
+    """The closest pass of a flight by a point.
+
+    Attributes
+    ----------
+    evaluation
+        index of the flight's evaluation.
+    distance, t
+        distance from the point, m, and time, s.
+    checked
+        whether the error of the flight was estimated.
+    """
 
     evaluation: int
     distance: float
     t: float
+    checked: bool
 
 
-def find_closest_pass(flights: Iterable[tuple[int, Trajectory]], point: Vector) -> ClosestPass | None:
-    """Return the closest pass of all flights by a point of the world, the earliest of equals; ``None`` without flights."""
+def find_passes(flights: Iterable[tuple[int, Trajectory]], point: Vector) -> list[ClosestPass]:
+    """Return the closest pass of each flight by a point of the world, closest first, the earlier of equals first."""
     from driftform.trajectory.approach import closest_approach
 
-    best: ClosestPass | None = None
-    points = np.array([point], dtype=np.float64)
+    passes, points = [], np.array([point], dtype=np.float64)
     for evaluation, trajectory in flights:
         [distance], [t] = closest_approach(trajectory, points)
-        if best is None or distance < best.distance:
-            best = ClosestPass(evaluation, float(distance), float(t))
-    return best
+        passes.append(ClosestPass(evaluation, float(distance), float(t), trajectory.error is not None))
+    return sorted(passes, key=lambda found: found.distance)

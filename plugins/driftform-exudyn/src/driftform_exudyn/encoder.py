@@ -38,7 +38,7 @@ def find_ffmpeg() -> str:
         return str(get_ffmpeg_exe())
     except (ImportError, RuntimeError):
         raise WorkFailedError(
-            'a film needs ffmpeg, which is not installed; run: pip install "driftform-exudyn[film]"'
+            'a film needs ffmpeg, which is not installed; run: uv sync --extra film, or pip install "driftform[film]"'
         ) from None
 
 

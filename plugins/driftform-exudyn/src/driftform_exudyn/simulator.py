@@ -1,5 +1,6 @@
 """Flights integrated by Exudyn, with driftform's equations of motion as the right-hand side."""
 
+from collections.abc import Callable, Sequence
 from typing import Literal
 
 from driftform.interfaces import Simulator
@@ -21,22 +22,30 @@ class ExudynOptions(Table):
         "DOPRI5", "explicit integrator: DOPRI5 controls its error, RK67 and RK44 take equal steps"
     )
     accuracy: float = option(
-        1e-3, "largest estimated error of the position; the tolerance is reduced until this is met", "m", gt=0
+        1e-3,
+        "largest estimated error of the position; the tolerance is reduced until this is met",
+        "m",
+        ge=1e-12,
+        le=1e6,
     )
     tolerance: float = option(
         4e-6,
         "initial relative and absolute tolerance of a step in every coordinate (DOPRI5)",
         "SI",
-        gt=0,
+        ge=1e-15,
+        le=1e-2,
     )
-    tightest: float = option(1e-11, "tolerance below which a flight counts as not converged", "SI", gt=0)
+    tightest: float = option(
+        1e-11, "tolerance below which a flight counts as not converged", "SI", ge=1e-15, le=1e-2
+    )
     max_step: float = option(
         0.05,
         "longest time step and time between samples; RK67 and RK44 take all steps of this length",
         "s",
-        gt=0,
+        ge=1e-5,
+        le=10,
     )
-    step_limit: int = option(200_000, "steps after which a flight counts as failed", "", gt=0)
+    step_limit: int = option(200_000, "steps after which a flight counts as failed", "", gt=0, le=100_000_000)
 
 
 class ExudynSimulator(Simulator[ExudynOptions]):
@@ -56,9 +65,26 @@ class ExudynSimulator(Simulator[ExudynOptions]):
 
     def simulate(self, agent: Agent, scenario: Scenario) -> Trajectory:
         """Return the flight; it ends at the outlet, at the horizon, or when it is no longer finite."""
+        return self._fly(agent, scenario)
+
+    def screen_batch(
+        self,
+        agents: Sequence[Agent],
+        scenarios: Sequence[Scenario],
+        matters: Callable[[int, Trajectory], bool],
+    ) -> list[Trajectory]:
+        """Return the flights of many agents; of one that does not matter, the first by Exudyn, without a reference."""
+        return [
+            self._fly(agent, scenario, lambda flight, index=index: matters(index, flight))  # type: ignore[misc]
+            for index, (agent, scenario) in enumerate(zip(agents, scenarios, strict=True))
+        ]
+
+    def _fly(
+        self, agent: Agent, scenario: Scenario, matters: Callable[[Trajectory], bool] | None = None
+    ) -> Trajectory:
         from driftform.dynamics.coordinates import describe_motion
         from driftform.dynamics.flight import finish_trajectory, release_state
-        from driftform.dynamics.integrator import Accuracy, greatest_distance, integrate
+        from driftform.dynamics.integrator import Accuracy, greatest_distance, has_failed, integrate
         from driftform.dynamics.model import flight_model
         from driftform_exudyn.integration import integrate_motion, make_settings
 
@@ -68,12 +94,18 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         motion = describe_motion(model, start)
         tolerance, share = options.tolerance, REFERENCE_SHARE
         while True:
-            accuracy = Accuracy(share * options.accuracy, step_limit=options.step_limit)
-            reference = integrate(model, start, horizon, accuracy)
             settings = make_settings(options.integrator, horizon, tolerance, options.max_step)
             samples = integrate_motion(motion, settings, options.step_limit)
+            if matters is not None:
+                screened = finish_trajectory(samples, model, horizon, options.step_limit)
+                if not matters(screened):
+                    return screened
+                matters = None
+            accuracy = Accuracy(share * options.accuracy, step_limit=options.step_limit)
+            reference = integrate(model, start, horizon, accuracy)
             error = reference.error + greatest_distance(reference.samples, samples)
             tolerance, share = TIGHTENING * tolerance, TIGHTENING * share
-            equal_steps = options.integrator != "DOPRI5"
-            if error <= options.accuracy or equal_steps or tolerance < options.tightest:
+            hopeless = all(has_failed(flown, options.step_limit) for flown in (reference.samples, samples))
+            last = options.integrator != "DOPRI5" or tolerance < options.tightest or hopeless
+            if error <= options.accuracy or last:
                 return finish_trajectory(samples, model, horizon, options.step_limit, error, options.accuracy)

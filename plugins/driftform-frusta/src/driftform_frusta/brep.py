@@ -45,7 +45,7 @@ def require_opencascade() -> None:
         import OCP.gp  # noqa: F401
     except ImportError:
         raise WorkFailedError(
-            'STEP files need Open CASCADE, which is not installed; run: pip install "driftform-frusta[step]"'
+            'STEP files need Open CASCADE, which is not installed; run: uv sync --extra step, or pip install "driftform[step]"'
         ) from None
 
 

@@ -1,31 +1,98 @@
 """Morphology -> body: a chain of conical frustums around the core, with a wall, end caps and a dome."""
 
-from typing import Literal
+from collections.abc import Mapping
+from dataclasses import replace
+from difflib import get_close_matches
+from typing import Any, Literal
 
-from pydantic import model_validator
+from pydantic import field_validator, model_validator
 
 from driftform.interfaces import PhenotypeBuilder
 from driftform.options import Table, option
-from driftform.types import Body, Core, Morphology
+from driftform.types import Body, Core, Fittings, Morphology
+from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM
+from driftform_frusta.kit.options import KitOptions
 from driftform_frusta.section import build_chain, hull_section, join_chains, open_section
+
+_PAPERS = Core(radius=0.01, mass=0.05)
+"""The paper's core."""
 
 
 class FrustaOptions(Table):
     """Dimensions and materials of an agent; the defaults are the paper's."""
 
-    core_radius: float = option(0.01, "radius of the core", "m", ge=1e-4, le=1)
-    core_mass: float = option(0.05, "mass of the core", "kg", ge=0, le=1e4)
+    core: str = option(
+        CUSTOM,
+        "a ball by material and diameter, such as steel-20mm, or 'custom' for core_radius and core_mass; materials: "
+        f"{', '.join(DENSITIES)}; diameters: {', '.join(map(str, DIAMETERS_MM))} mm",
+    )
+    core_radius: float = option(_PAPERS.radius, "radius of a custom core", "m", ge=1e-4, le=1)
+    core_mass: float = option(_PAPERS.mass, "mass of a custom core", "kg", ge=0, le=1e4)
     wall: float = option(0.00125, "wall thickness of the hull", "m", ge=1e-5, le=1)
-    hull_density: float = option(1050.0, "density of the hull's material (ABS)", "kg/m3", gt=0)
+    hull_density: float = option(1050.0, "density of the hull's material (ABS)", "kg/m3", ge=1, le=30_000)
     clearance: float = option(0.0002, "gap between core and hull", "m", ge=0, le=1)
     min_radius: float = option(
-        0.0025, "least radius of the chain, to the middle of its wall", "m", gt=0, le=1
+        0.0025, "least radius of the chain, to the middle of its wall", "m", ge=1e-5, le=1
     )
     wall_model: Literal["mitred", "paper"] = option(
         "mitred",
         "'mitred': the wall is measured normal to itself and the ends are closed by caps; 'paper': radial "
         "thickness wall/cos(tilt) and ends without mass, which no printer can make",
     )
+    made_as: Literal["hull", "kit"] = option(
+        "hull",
+        "what is weighed: 'hull', the sealed hull in one piece; 'kit', the parts of a kit, with their joints, seats and "
+        "engraving, as the exporters cut it with the same options",
+    )
+    kit: KitOptions | None = option(None, "how that kit is cut; its options are those of the exporters")
+
+    @field_validator("core")
+    @classmethod
+    def _is_known(cls, name: str) -> str:
+        if name != CUSTOM and name not in CORES:
+            close = get_close_matches(name, CORES, n=1)
+            hint = f"did you mean '{close[0]}'? " if close else ""
+            raise ValueError(
+                f"core '{name}' is not known; {hint}there are '{CUSTOM}', and balls of {', '.join(DENSITIES)} with "
+                f"{', '.join(map(str, DIAMETERS_MM))} mm, such as 'steel-20mm'"
+            )
+        return name
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_default_kit(cls, values: Any) -> Any:
+        """Fill in the options of the kit that is weighed, so that a resolved study states them."""
+        if isinstance(values, Mapping) and values.get("made_as") == "kit" and values.get("kit") is None:
+            return {**values, "kit": {}}
+        return values
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_size_of_core(cls, values: Any) -> Any:
+        """Fill in radius and mass of a core by name, so that a resolved study states them."""
+        core = CORES.get(values.get("core", CUSTOM)) if isinstance(values, Mapping) else None
+        if core is None:
+            return values
+        given = Core(values.get("core_radius", core.radius), values.get("core_mass", core.mass))
+        # A resolved study, whose core is replaced by this one, has the size of the other core.
+        if given not in (_PAPERS, *CORES.values()):
+            raise ValueError(
+                f"core '{values['core']}' has a radius of {core.radius:g} m and a mass of {core.mass:.5g} kg: leave out "
+                f"core_radius and core_mass, or set core to '{CUSTOM}'"
+            )
+        return {**values, "core_radius": core.radius, "core_mass": core.mass}
+
+    @model_validator(mode="after")
+    def _can_be_a_kit(self) -> "FrustaOptions":
+        if self.made_as == "hull" and self.kit is not None:
+            raise ValueError(
+                "kit has options, but made_as is 'hull': set made_as to 'kit', or leave them out"
+            )
+        if self.made_as == "kit" and self.wall_model == "paper":
+            raise ValueError(
+                "made_as is 'kit', but no kit can be made of the open ends of wall_model 'paper': set it to 'mitred'"
+            )
+        return self
 
     @model_validator(mode="after")
     def _leaves_a_bore(self) -> "FrustaOptions":
@@ -47,7 +114,13 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
     Options = FrustaOptions
 
     def build(self, morphology: Morphology) -> Body:
-        """Return the meridian section of the morphology."""
+        """Return the meridian section of the morphology.
+
+        Raises
+        ------
+        WorkFailedError
+            if the body is weighed as a kit, and no kit can be made of it; the message has the reason.
+        """
         o = self.options
         dome = o.core_radius + o.clearance + o.wall
         least = o.min_radius + o.wall / 2
@@ -55,7 +128,7 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
         aft = build_chain(morphology.aft, dome, least)
         section = hull_section if o.wall_model == "mitred" else open_section
         outer, cavity = section(fore, aft, dome, o.wall)
-        return Body(
+        body = Body(
             outer=outer,
             cavity=cavity,
             joints=join_chains(fore, aft)[:, 0],
@@ -63,3 +136,11 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
             wall=o.wall,
             hull_density=o.hull_density,
         )
+        return body if o.kit is None else replace(body, fittings=_measure_fittings(body, o.kit))
+
+
+def _measure_fittings(body: Body, options: KitOptions) -> Fittings:
+    # The sections of parts take a while to import, and most studies weigh the hull in one piece.
+    from driftform_frusta.kit.accounting import kit_fittings
+
+    return kit_fittings(body, options)

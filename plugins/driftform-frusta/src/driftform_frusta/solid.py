@@ -106,7 +106,7 @@ def _interpret(node: Node, segments: int) -> Manifold:
         case Revolve():
             solid = revolve_profiles(half_section(node), segments).to_manifold()
         case Text():
-            solid = _letters(node).extrude(node.height)
+            solid = draw_letters(node.text, node.size).extrude(node.height)
         case Union():
             solid = Manifold.batch_boolean(solids(node.children), OpType.Add)
         case Difference():
@@ -124,13 +124,13 @@ def _interpret(node: Node, segments: int) -> Manifold:
     return solid
 
 
-def _letters(node: Text) -> CrossSection:
-    """The strokes united, each with a round end of eight corners."""
+def draw_letters(text: str, size: float) -> CrossSection:
+    """Return the strokes of a text united, each with a round end of eight corners, mm."""
     angle = np.arange(8) * (np.pi / 4)
-    pen = node.size * STROKE / 2 * np.column_stack((np.cos(angle), np.sin(angle)))
+    pen = size * STROKE / 2 * np.column_stack((np.cos(angle), np.sin(angle)))
     drawn = [
         CrossSection.hull_points(np.concatenate((pen + start, pen + end)))
-        for start, end in draw_strokes(node.text, node.size)
+        for start, end in draw_strokes(text, size)
     ]
     return CrossSection.batch_boolean(drawn, OpType.Add)
 

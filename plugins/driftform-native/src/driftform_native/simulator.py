@@ -1,6 +1,6 @@
 """Flights by driftform's integrator, optionally in parallel threads."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
@@ -10,8 +10,7 @@ from driftform.scenario import Scenario
 from driftform.types import Agent, Trajectory
 
 if TYPE_CHECKING:
-    from driftform.dynamics.integrator import IntegrationResult
-    from driftform.dynamics.model import FlightModel
+    from driftform.dynamics.integrator import Accuracy
 
 
 class NativeOptions(Table):
@@ -21,22 +20,26 @@ class NativeOptions(Table):
         1e-3,
         "largest estimated error of the position; the tolerance is reduced until this is met",
         "m",
-        gt=0,
+        ge=1e-12,
+        le=1e6,
     )
     tolerance: float = option(
         1e-6,
         "initial tolerance of a step, relative to 1 + |value| in every coordinate",
         "SI",
-        gt=0,
+        ge=1e-15,
         le=1e-2,
     )
-    tightest: float = option(1e-12, "tolerance below which a flight counts as not converged", "SI", gt=0)
-    max_step: float = option(0.05, "longest time step and time between samples", "s", gt=0)
-    step_limit: int = option(200_000, "steps after which a flight counts as failed", "", gt=0)
+    tightest: float = option(
+        1e-12, "tolerance below which a flight counts as not converged", "SI", ge=1e-15, le=1e-2
+    )
+    max_step: float = option(0.05, "longest time step and time between samples", "s", ge=1e-5, le=10)
+    step_limit: int = option(200_000, "steps after which a flight counts as failed", "", gt=0, le=100_000_000)
     threads: int = option(
         1,
         "flights of a batch that run in parallel; the worker processes of a run already share the machine",
         gt=0,
+        le=1024,
     )
 
 
@@ -51,38 +54,56 @@ class NativeSimulator(Simulator[NativeOptions]):
 
     def simulate(self, agent: Agent, scenario: Scenario) -> Trajectory:
         """Return the flight; it ends at the outlet, at the horizon, or when it is no longer finite."""
-        return self._finish(*self._fly(agent, scenario))
+        return self._fly(agent, scenario)
 
     def simulate_batch(self, agents: Sequence[Agent], scenarios: Sequence[Scenario]) -> list[Trajectory]:
         """Return the flights of many agents, each in its own scenario."""
-        if self.options.threads == 1 or len(agents) < 2:
-            return super().simulate_batch(agents, scenarios)
-        with ThreadPoolExecutor(self.options.threads) as pool:
-            flown = list(pool.map(self._fly, agents, scenarios))
-        return [self._finish(*flight) for flight in flown]
+        return self._map(self._fly, agents, scenarios)
 
-    def _fly(self, agent: Agent, scenario: Scenario) -> "tuple[FlightModel, Scenario, IntegrationResult]":
+    def screen_batch(
+        self,
+        agents: Sequence[Agent],
+        scenarios: Sequence[Scenario],
+        matters: Callable[[int, Trajectory], bool],
+    ) -> list[Trajectory]:
+        """Return the flights of many agents; of one that does not matter, the first of those that are compared."""
+
+        def screen(index: int) -> Trajectory:
+            return self._fly(agents[index], scenarios[index], lambda flight: matters(index, flight))
+
+        return self._map(screen, range(len(agents)))
+
+    def _map(self, fly: Callable[..., Trajectory], *arguments: Sequence[object]) -> list[Trajectory]:
+        if self.options.threads == 1 or len(arguments[0]) < 2:
+            return list(map(fly, *arguments))
+        with ThreadPoolExecutor(self.options.threads) as pool:
+            return list(pool.map(fly, *arguments))
+
+    def _fly(
+        self, agent: Agent, scenario: Scenario, matters: Callable[[Trajectory], bool] | None = None
+    ) -> Trajectory:
         # Imported here, because compiled code loads the compiler, and listing the plugins must not.
-        from driftform.dynamics.flight import release_state
-        from driftform.dynamics.integrator import Accuracy, integrate
+        from driftform.dynamics.flight import finish_trajectory, release_state
+        from driftform.dynamics.integrator import integrate, integrate_once
         from driftform.dynamics.model import flight_model
 
-        options = self.options
+        options, horizon, accuracy = self.options, scenario.flight.horizon, self._accuracy()
         model = flight_model(agent, scenario)
-        accuracy = Accuracy(
-            options.accuracy, options.tolerance, options.tightest, options.max_step, options.step_limit
-        )
         start = release_state(model, scenario)
-        return model, scenario, integrate(model, start, scenario.flight.horizon, accuracy)
-
-    def _finish(self, model: "FlightModel", scenario: Scenario, flown: "IntegrationResult") -> Trajectory:
-        from driftform.dynamics.flight import finish_trajectory
-
+        first = integrate_once(model, start, horizon, accuracy)
+        if matters is not None:
+            screened = finish_trajectory(first, model, horizon, options.step_limit)
+            if not matters(screened):
+                return screened
+        flown = integrate(model, start, horizon, accuracy, first)
         return finish_trajectory(
-            flown.samples,
-            model,
-            scenario.flight.horizon,
-            self.options.step_limit,
-            flown.error,
-            self.options.accuracy,
+            flown.samples, model, horizon, options.step_limit, flown.error, options.accuracy
+        )
+
+    def _accuracy(self) -> "Accuracy":
+        from driftform.dynamics.integrator import Accuracy
+
+        options = self.options
+        return Accuracy(
+            options.accuracy, options.tolerance, options.tightest, options.max_step, options.step_limit
         )

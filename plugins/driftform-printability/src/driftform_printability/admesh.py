@@ -26,7 +26,7 @@ _FAULTS = {
 class AdmeshOptions(Table):
     """Options of admesh."""
 
-    timeout: float = option(60.0, "time limit for each file", "s", gt=0)
+    timeout: float = option(60.0, "time limit for each file", "s", ge=1e-3, le=86_400)
 
 
 class AdmeshChecker(Checker[AdmeshOptions]):

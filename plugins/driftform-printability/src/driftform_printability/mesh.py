@@ -10,10 +10,11 @@ from driftform.geometry import hull_volume
 from driftform.interfaces import Checker, PrintJob
 from driftform.options import Table, option
 from driftform.types import Finding, FloatArray, State
-from driftform_printability.overhangs import Orientation, choose_orientation, list_orientations
+from driftform_printability.overhangs import TURNS, Orientation, choose_orientation, list_orientations
 from driftform_printability.parts import MM3_PER_M3, MM_PER_M, Part
 from driftform_printability.reading import read_parts
 from driftform_printability.shells import Shell, find_shells, orient_outward
+from driftform_printability.slenderness import measure_slenderness
 from driftform_printability.topology import Topology, analyse_topology
 from driftform_printability.walls import REACH, Wall, find_thinnest_wall
 
@@ -31,7 +32,28 @@ class MeshOptions(Table):
         1e-4, "largest relative difference of volume from the closed form that passes", gt=0, lt=1
     )
     coarse: float = option(1e-2, "largest such difference that is only a warning", gt=0, lt=1)
-    overhang: float = option(1e-5, "largest area that overhangs by more than 45 deg and passes", "m2", ge=0)
+    overhang: float = option(
+        1e-5, "largest area that overhangs by more than 45 deg and passes", "m2", ge=0, le=1
+    )
+    push: float = option(
+        0.098,
+        "force with which a nozzle pushes at the top of a part (PrusaSlicer's 10 gram-force)",
+        "N",
+        gt=0,
+        le=100,
+    )
+    catch: float = option(
+        0.735,
+        "force with which it catches on material that has curled up (75 gram-force)",
+        "N",
+        gt=0,
+        le=100,
+    )
+    stiffness: float = option(2e9, "modulus of elasticity of the material (ABS)", "Pa", ge=1e5, le=1e12)
+    strength: float = option(33e6, "its yield strength (ABS)", "Pa", ge=1e4, le=1e10)
+    adhesion: float = option(
+        1e5, "stress at which it comes off the bed (ABS; PLA 2e4, PETG 3e5)", "Pa", gt=0, le=1e9
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +88,7 @@ class MeshChecker(Checker[MeshOptions]):
     Options: ClassVar[type[Table]] = MeshOptions
 
     def check(self, job: PrintJob) -> Iterator[Finding]:
-        """Report unit, closedness, orientation of faces, shells, mass, walls, size, and orientation on the bed."""
+        """Report unit, closedness, orientation of faces, shells, mass, walls, size, orientation on the bed, slenderness."""
         parts = [part for path in job.files for part in read_parts(path)]
         studied = [analyse_part(part) for part in parts]
         unit = _check_unit(parts)
@@ -76,7 +98,7 @@ class MeshChecker(Checker[MeshOptions]):
         yield _check_oriented(studied)
         yield _check_shells(studied, job)
         if unit.state is State.FAIL:
-            for check in ("mass", "wall", "bed", "standing"):
+            for check in ("mass", "wall", "bed", "standing", "slender"):
                 yield Finding(check, State.SKIPPED, "correct the unit first")
             return
         yield self._check_mass(studied, job)
@@ -84,6 +106,40 @@ class MeshChecker(Checker[MeshOptions]):
         yield _check_bed(parts, job)
         for one in studied:
             yield self._check_standing(one, job, len(studied))
+        for one in studied:
+            yield self._check_slenderness(one, job, len(studied))
+
+    def _check_slenderness(self, one: AnalysedPart, job: PrintJob, count: int) -> Finding:
+        name = one.part.name if count > 1 else ""
+        if not one.shells:
+            return Finding("slender", State.SKIPPED, "a mesh that is not closed has no sections", name)
+        o = self.options
+        triangles = orient_outward(one.shells)
+        # That another placement is better, or needs a brim, is a fault of 'standing'.
+        best = choose_orientation(list_orientations(one.part.vertices, triangles, 0), _bed_size(job))
+        turned = one.part.vertices @ TURNS[best.name].T
+        beam = measure_slenderness(turned, triangles, o.stiffness, o.strength, o.adhesion)
+        if beam is None:
+            return Finding("slender", State.SKIPPED, "it is no taller than its first layer", name)
+        bent, half_line = o.push * beam.bending, MM_PER_M * job.printer.nozzle / 2
+        message = (
+            f"{best.name}: {beam.height:.1f} mm high on {beam.base:.1f} mm ({beam.height / beam.base:.1f} : 1), weakest "
+            f"at {beam.neck_height:.1f} mm, {beam.neck:.1f} mm wide; at the top {o.push:.2g} N bend it by {bent:.2f} mm, "
+            f"{_show_force(beam.lift_force)} lift it off the bed, {_show_force(beam.break_force)} break it"
+        )
+        faults = []
+        if bent > half_line:
+            faults.append(
+                f"it sways by more than half a line ({half_line:g} mm): print it slowly, or in shorter parts (--kit, --bed)"
+            )
+        if beam.lift_force < o.push and best.steady:
+            faults.append(f"a nozzle pushes with {o.push:.2g} N: print it with a brim")
+        if beam.break_force < o.catch:
+            faults.append(
+                f"a nozzle that catches, with {o.catch:.2g} N, breaks it: make its wall thicker there"
+            )
+        state = State.WARN if faults else State.PASS
+        return Finding("slender", state, ": ".join((message, *(["; ".join(faults)] if faults else []))), name)
 
     def _check_mass(self, studied: Sequence[AnalysedPart], job: PrintJob) -> Finding:
         if not all(one.sound for one in studied):
@@ -140,6 +196,10 @@ class MeshChecker(Checker[MeshOptions]):
         support = "" if now.overhang <= self.options.overhang * MM_PER_M**2 else ", with support"
         state = State.WARN if support else State.PASS
         return Finding("standing", state, f"{message}; best {words.get(best.name, best.name)}{support}", name)
+
+
+def _show_force(newtons: float) -> str:
+    return f"{newtons:.0f} N" if newtons >= 10 else f"{newtons:.2g} N"
 
 
 def _bed_size(job: PrintJob) -> FloatArray:

@@ -17,8 +17,8 @@ from driftform_printability.rendering import TIMEOUT, render
 class OpenScadOptions(Table):
     """Options of OpenSCAD."""
 
-    timeout: float = option(TIMEOUT, "time limit", "s", gt=0)
-    tolerance: float = option(1e-4, "largest relative difference of volume that passes", gt=0, lt=1)
+    timeout: float = option(TIMEOUT, "time limit", "s", ge=1e-3, le=86_400)
+    tolerance: float = option(1e-4, "largest relative difference of volume that passes", ge=1e-12, lt=1)
 
 
 class OpenScadChecker(Checker[OpenScadOptions]):
@@ -35,6 +35,9 @@ class OpenScadChecker(Checker[OpenScadOptions]):
     def _check_source(self, job: PrintJob) -> Finding:
         from driftform_printability.reading import read_parts
 
+        if job.withheld is not None:
+            detail = f"the attached {job.withheld} is not rendered; add --attached if you trust the file"
+            return Finding(self.name, State.SKIPPED, detail)
         if job.source is None:
             return Finding(self.name, State.SKIPPED, "no OpenSCAD source to render")
         if reason := explain_missing(self.program):

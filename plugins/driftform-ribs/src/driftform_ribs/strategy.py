@@ -44,8 +44,8 @@ class RibsOptions(Table):
     objective: Literal["best", "mean"] = option(
         "best", "objective of an elite: its best fitness for any target, or the mean over all targets"
     )
-    batch: int = option(50, "candidates asked for at once", "", gt=0)
-    random: int = option(200, "random genomes at the start", "", gt=0)
+    batch: int = option(50, "candidates asked for at once", "", gt=0, le=100_000)
+    random: int = option(200, "random genomes at the start", "", gt=0, le=10_000_000)
     crossover: float = option(0.3, "probability that an offspring has two parents", "", ge=0, le=1)
     mutation_rate: float = option(0.03, "probability that a symbol flips", "", ge=0, le=1)
 

@@ -7,7 +7,7 @@ import numpy as np
 from driftform.interfaces import Fitness
 from driftform.options import option
 from driftform.scenario import Scenario
-from driftform.types import FloatArray, Trajectory
+from driftform.types import Agent, FloatArray, Trajectory, Verdict
 from driftform_robotics.options import SensorOptions
 
 if TYPE_CHECKING:
@@ -17,11 +17,15 @@ if TYPE_CHECKING:
 class LeakOptions(SensorOptions):
     """Rate of the leaks, and the sensor."""
 
-    rate: float = option(0.001, "mass flow into the pipe at each leak", "kg/s", gt=0)
+    rate: float = option(0.001, "mass flow into the pipe at each leak", "kg/s", ge=1e-9, le=1000)
     threshold: float = option(
-        2.5e-5, "concentration at which the sensor detects the leak half of the time", "kg/m3", gt=0
+        2.5e-5,
+        "concentration at which the sensor detects the leak half of the time",
+        "kg/m3",
+        ge=1e-15,
+        le=1000,
     )
-    interval: float = option(0.05, "time between two readings of the sensor", "s", gt=0, le=1)
+    interval: float = option(0.05, "time between two readings of the sensor", "s", ge=1e-4, le=1)
 
 
 class Leak(Fitness[LeakOptions]):
@@ -35,8 +39,16 @@ class Leak(Fitness[LeakOptions]):
 
     name = "leak"
     Options = LeakOptions
+    heading = "time in the plume %"
+    goal = "half of the time that the water spends in the plume"
 
-    def score(self, trajectory: Trajectory, scenario: Scenario) -> FloatArray:
+    def judge(self, fitness: float) -> Verdict:
+        """Return whether the sensor is in the plume for half of the time of the water; a tenth is nearly reached."""
+        if fitness >= 50:
+            return Verdict.REACHED
+        return Verdict.NEAR if fitness >= 10 else Verdict.MISSED
+
+    def score(self, trajectory: Trajectory, scenario: Scenario, agent: Agent) -> FloatArray:
         """Return the fitness for each target, 0 to 100, (targets,).
 
         Raises

@@ -15,5 +15,6 @@ class SensorOptions(Table):
         None,
         "turbulent diffusivity across the pipe; by default computed from the wall friction",
         "m2/s",
-        gt=0,
+        ge=1e-12,
+        le=1e3,
     )

@@ -19,10 +19,11 @@ class AtlasOptions(Table):
         "side of the cells of the map (default: a tenth of the pipe's radius)",
         "m",
         ge=0.001,
+        le=100,
         strict=True,
     )
-    random: int = option(200, "random genomes at the start", "", gt=0)
-    batch: int = option(50, "candidates per batch", "", gt=0)
+    random: int = option(200, "random genomes at the start", "", gt=0, le=10_000_000)
+    batch: int = option(50, "candidates per batch", "", gt=0, le=100_000)
     novelty: float = option(
         1.0,
         "preference for rarely crossed cells: the probability that a cell breeds is proportional to the number of "

@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import NamedTuple, TypeAlias
 
@@ -35,10 +35,14 @@ Position: TypeAlias = tuple[float, float, float]
 class EvolutionOptions(Table):
     """Options of the evolution."""
 
-    random: int = option(30, "random genomes at the start", "", gt=0)
-    batch: int = option(10, "children per batch", "", gt=0)
+    random: int = option(30, "random genomes at the start", "", gt=0, le=10_000_000)
+    batch: int = option(10, "children per batch", "", gt=0, le=100_000)
     elites: int = option(
-        5, "best flights kept for each target; its children descend from them or aim at them", "", gt=0
+        5,
+        "best flights kept for each target; its children descend from them or aim at them",
+        "",
+        gt=0,
+        le=10_000,
     )
     explore: float = option(0.5, "share of the children that try a new change of a symbol", "", ge=0, le=1)
     pressure: float = option(
@@ -133,7 +137,8 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         else:
             batch = [self._draw_random() for _ in range(self.options.random)]
         self._requests = batch[:limit]
-        return [request.candidate for request in self._requests]
+        threshold = self._find_threshold()
+        return [replace(request.candidate, threshold=threshold) for request in self._requests]
 
     def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
         """Learn the effect of each change, and keep the best flights."""
@@ -159,11 +164,17 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
                 x, y, z = (after - before for after, before in zip(early, parent.early, strict=True))
                 self._moved[request.change] = x, y, z
                 self._moved[request.change.undo()] = -x, -y, -z
-        for elites, fitness in zip(self._elites, evaluation.fitness.tolist(), strict=True):
-            if fitness > (elites[-1][0] if len(elites) == self.options.elites else 0):
+        for elites, fitness, least in zip(
+            self._elites, evaluation.fitness.tolist(), self._find_threshold(), strict=True
+        ):
+            if fitness > least:
                 elites.append((fitness, record))
                 elites.sort(key=lambda elite: -elite[0])
                 del elites[self.options.elites :]
+
+    def _find_threshold(self) -> tuple[float, ...]:
+        """Return the fitness for each target (%) that a flight must exceed to become an elite."""
+        return tuple(elites[-1][0] if len(elites) == self.options.elites else 0.0 for elites in self._elites)
 
     def _choose_targets(self) -> list[int]:
         """Return randomly drawn indices of the targets that the next batch works for."""

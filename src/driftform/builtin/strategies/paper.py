@@ -14,7 +14,7 @@ from driftform.types import Candidate, Evaluation, FloatArray, Genome
 class PaperOptions(Table):
     """The paper's hyper-parameters (section 3)."""
 
-    population: int = option(10, "individuals in the population of each target", "", ge=2)
+    population: int = option(10, "individuals in the population of each target", "", ge=2, le=100_000)
     crossover: float = option(0.9, "probability that two parents exchange rules", "", ge=0, le=1)
     mutation: Literal["per_symbol", "per_offspring"] = option(
         "per_symbol",

@@ -1,6 +1,7 @@
 """Random search: the baseline of every study."""
 
 from collections.abc import Sequence
+from math import inf
 
 from driftform.interfaces import Strategy
 from driftform.options import Table, option
@@ -10,7 +11,7 @@ from driftform.types import Candidate, Evaluation
 class RandomOptions(Table):
     """Options of random search."""
 
-    batch: int = option(100, "candidates per batch", "", gt=0)
+    batch: int = option(100, "candidates per batch", "", gt=0, le=100_000)
 
 
 class RandomStrategy(Strategy[RandomOptions]):
@@ -22,7 +23,11 @@ class RandomStrategy(Strategy[RandomOptions]):
     def ask(self, limit: int) -> list[Candidate]:
         """Return the next batch of random genomes."""
         count = min(limit, self.options.batch)
-        return [Candidate(self.space.grammar.random(self.space.rng)) for _ in range(count)]
+        # No fitness matters here; the run itself wants the best.
+        threshold = (inf,) * len(self.space.targets)
+        return [
+            Candidate(self.space.grammar.random(self.space.rng), threshold=threshold) for _ in range(count)
+        ]
 
     def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
         """Learn nothing."""

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from driftform.errors import WorkFailedError
-from driftform.types import Body
+from driftform.interfaces import ExportJob
+from driftform.types import Body, WrittenFile
 from driftform.util.files import write_whole
 
 if TYPE_CHECKING:
+    from driftform_frusta.kit.options import PartOptions
     from driftform_frusta.parts import Part
 
 
@@ -27,6 +29,24 @@ def save(path: Path, data: bytes | str) -> None:
         write_whole(path, lambda part: part.write_bytes(raw))
     except OSError as error:
         raise WorkFailedError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+def write_sheet(name: str, job: ExportJob, options: "PartOptions", path: Path) -> tuple[WrittenFile, ...]:
+    """Write the assembly sheet of a kit beside the file ``path`` of a format; nothing without a kit.
+
+    Raises
+    ------
+    WorkFailedError
+        if it cannot be written.
+    """
+    if not options.kit:
+        return ()
+    from driftform_frusta.sheet.contents import plan_sheet
+    from driftform_frusta.sheet.drawing import sheet_svg
+
+    target = path.with_name(f"{path.stem}-assembly.svg")
+    save(target, sheet_svg(plan_sheet(job, options)))
+    return (WrittenFile(name, str(target)),)
 
 
 def path_of_part(path: Path, part: "Part", parts: "Sequence[Part]") -> Path:

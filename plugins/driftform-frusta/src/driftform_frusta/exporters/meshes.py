@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table
 from driftform.types import FloatArray, WrittenFile
-from driftform_frusta.exporters.common import facts_of_all, facts_of_part, path_of_part, save
+from driftform_frusta.exporters.common import facts_of_all, facts_of_part, path_of_part, save, write_sheet
 from driftform_frusta.kit.options import PartOptions
 from driftform_frusta.mesh import Mesh, make_mesh
 
@@ -23,7 +23,7 @@ class PartFiles(Exporter[PartOptions]):
         """Return a mesh in mm as a file."""
 
     def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
-        """Write the meshes, checked after rounding to the single precision that files have.
+        """Write the meshes, checked after rounding to the single precision that files have, and a kit's assembly sheet.
 
         Facts: those of every solid (``volume_mm3`` and ``mass_kg``, ``size_mm``, ``shells``), its ``triangles``,
         and ``watertight``.
@@ -47,7 +47,7 @@ class PartFiles(Exporter[PartOptions]):
             facts = facts_of_part(part, body) | {"triangles": len(mesh.triangles), "watertight": True}
             facts |= kit_facts(job, self.options)
             written.append(WrittenFile(self.name, str(target), facts))
-        return tuple(written)
+        return (*written, *write_sheet(self.name, job, self.options, path))
 
 
 class JoinedFile(Exporter[PartOptions]):
@@ -61,7 +61,7 @@ class JoinedFile(Exporter[PartOptions]):
         """Return meshes by the names of their parts as a file."""
 
     def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
-        """Write the file; facts as those of ``stl``, or their sums and the ``parts``.
+        """Write the file, and a kit's assembly sheet; facts as those of ``stl``, or their sums and the ``parts``.
 
         Raises
         ------
@@ -77,8 +77,8 @@ class JoinedFile(Exporter[PartOptions]):
         save(path, self.encode(job.name, meshes))
         triangles = sum(len(mesh.triangles) for mesh in meshes.values())
         facts: dict[str, Any] = {"triangles": triangles, "watertight": True}
+        facts |= facts_of_all(parts, body) | kit_facts(job, self.options)
         return (
-            WrittenFile(
-                self.name, str(path), facts_of_all(parts, body) | facts | kit_facts(job, self.options)
-            ),
+            WrittenFile(self.name, str(path), facts),
+            *write_sheet(self.name, job, self.options, path),
         )

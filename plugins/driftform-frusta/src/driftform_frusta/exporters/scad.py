@@ -6,7 +6,7 @@ from typing import ClassVar
 from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table
 from driftform.types import WrittenFile
-from driftform_frusta.exporters.common import facts_of_all, save
+from driftform_frusta.exporters.common import facts_of_all, save, write_sheet
 from driftform_frusta.kit.options import PartOptions
 
 
@@ -18,7 +18,7 @@ class ScadExporter(Exporter[PartOptions]):
     Options: ClassVar[type[Table]] = PartOptions
 
     def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
-        """Write the source.
+        """Write the source, and a kit's assembly sheet.
 
         Facts of what it renders to: ``volume_mm3``, ``mass_kg``, ``size_mm``, ``shells``; or their sums and the
         ``parts``.
@@ -35,4 +35,4 @@ class ScadExporter(Exporter[PartOptions]):
         parts = make_parts(job.agent.body, self.options)
         save(path, write_source(job, parts, self.options.segments))
         facts = facts_of_all(parts, job.agent.body) | kit_facts(job, self.options)
-        return (WrittenFile(self.name, str(path), facts),)
+        return (WrittenFile(self.name, str(path), facts), *write_sheet(self.name, job, self.options, path))

@@ -11,7 +11,7 @@ from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table
 from driftform.types import WrittenFile
 from driftform_frusta.colours import channels, colour_of
-from driftform_frusta.exporters.common import facts_of_all, save
+from driftform_frusta.exporters.common import facts_of_all, save, write_sheet
 from driftform_frusta.kit.options import PartOptions
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ class StepExporter(Exporter[PartOptions]):
     """The hull as a STEP file in mm, with true cones and circles, a named solid for each part; needs Open CASCADE.
 
     The sections and volumes are those of the simulation without any facets, so ``segments`` has no effect. Open CASCADE
-    comes with ``pip install "driftform-frusta[step]"``.
+    comes with the extra ``step``.
     """
 
     name = "step"
@@ -67,7 +67,7 @@ class StepExporter(Exporter[PartOptions]):
         if len(shapes) == 1:
             facts["size_mm"] = _size(shapes[0])
         facts |= kit_facts(job, self.options)
-        return (WrittenFile(self.name, str(path), facts),)
+        return (WrittenFile(self.name, str(path), facts), *write_sheet(self.name, job, self.options, path))
 
 
 def step_text(title: str, parts: "Sequence[Part]", shapes: Sequence[Any]) -> str:

@@ -10,10 +10,10 @@ import numpy as np
 
 from driftform.figures.files import ZOOM, rasterise
 from driftform.interfaces import Exporter, ExportJob
-from driftform.options import Table, option
+from driftform.options import Table
 from driftform.types import WrittenFile
 from driftform_frusta.colours import colour_of
-from driftform_frusta.exporters.common import facts_of_all, save
+from driftform_frusta.exporters.common import facts_of_all, save, write_sheet
 from driftform_frusta.kit.options import PartOptions
 from driftform_frusta.mesh import Mesh, make_mesh
 from driftform_frusta.picture import Shape, plate_svg
@@ -24,16 +24,6 @@ if TYPE_CHECKING:
     from driftform_frusta.threemf import Package
 
 _MM = 1000.0
-
-
-class ThreeMfOptions(PartOptions):
-    """Options of the parts, and the print settings that the file recommends."""
-
-    layer_height: float = option(0.0002, "layer height that the file recommends", "m", gt=0, le=0.01)
-    perimeters: int = option(3, "perimeters that the file recommends", ge=1, le=100)
-    infill: float = option(
-        1.0, "share of infill that the file recommends: 1 is solid, as simulated", ge=0, le=1
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +42,7 @@ class _Placed:
         return Shape(moved, self.mesh.triangles, self.colour)
 
 
-class ThreeMfExporter(Exporter[ThreeMfOptions]):
+class ThreeMfExporter(Exporter[PartOptions]):
     """The parts as they are printed, upright on a plate, with names, colours, a picture and the agent's own files.
 
     Parts that do not fit on one plate are spread over several files. The recommended print settings are
@@ -61,10 +51,10 @@ class ThreeMfExporter(Exporter[ThreeMfOptions]):
 
     name = "3mf"
     suffix = ".3mf"
-    Options: ClassVar[type[Table]] = ThreeMfOptions
+    Options: ClassVar[type[Table]] = PartOptions
 
     def write(self, job: ExportJob, path: Path) -> tuple[WrittenFile, ...]:
-        """Write the plates.
+        """Write the plates, and a kit's assembly sheet.
 
         Facts: as those of ``obj``, the number of ``triangles``, and whether all parts of a plate ``fit_bed``.
 
@@ -90,7 +80,7 @@ class ThreeMfExporter(Exporter[ThreeMfOptions]):
             target = path if plates == 1 else path.with_name(f"{path.stem}-plate-{number + 1}{path.suffix}")
             save(target, package_bytes(self._package(title, job, here, attachments)))
             written.append(WrittenFile(self.name, str(target), self._facts(job, here)))
-        return tuple(written)
+        return (*written, *write_sheet(self.name, job, self.options, path))
 
     def plate_picture(self, job: ExportJob, width: int = 400, height: int = 300) -> bytes:
         """Return the picture of the first plate, a PNG file."""

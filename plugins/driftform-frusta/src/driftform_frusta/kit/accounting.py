@@ -1,32 +1,18 @@
 """Mass and volume of a kit beside those that were simulated: sleeves, seats and fillings add mass."""
 
-from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from manifold3d import Manifold
 
 from driftform.geometry import mass_properties, solid_of_revolution
 from driftform.geometry.mass import assemble
 from driftform.interfaces import ExportJob
 from driftform.scenario import Fluid
-from driftform.types import Body, FloatArray, MassProperties
+from driftform.types import Body, Fittings, FloatArray, MassProperties, Moments
 from driftform_frusta.kit.engraving import Engraving
 from driftform_frusta.kit.meridian import MM, moments
-from driftform_frusta.kit.options import KitOptions
+from driftform_frusta.kit.options import KitOptions, PartOptions
 from driftform_frusta.kit.pieces import Kit, Piece, make_kit
-from driftform_frusta.solid import to_manifold
-
-_MM3_PER_M3 = MM**3
-
-
-@dataclass(frozen=True, eq=False)
-class EngravedVolume:
-    """The material that a text removes: volume (m3), and centroid in the body frame (m, (3,))."""
-
-    volume: float
-    centroid: FloatArray
 
 
 def kit_mass(body: Body, options: KitOptions) -> MassProperties:
@@ -42,34 +28,43 @@ def kit_mass(body: Body, options: KitOptions) -> MassProperties:
         if the body has no such kit.
     """
     kit = make_kit(body, options)
-    printed = sum((moments(p.rings) for p in kit.pieces[1:]), moments(kit.pieces[0].rings))
-    whole = assemble(printed, solid_of_revolution(body.outer), body.hull_density, body.core)
-    texts = [measure_engraving(piece.engraved) for piece in kit.pieces if piece.engraved is not None]
+    whole = assemble(kit_moments(kit), solid_of_revolution(body.outer), body.hull_density, body.core)
     outside = options.engrave_side == "outside"
-    for text in texts:
+    for text in kit.engravings:
         whole = _subtract(whole, text, body.hull_density, outside)
     return whole
 
 
-@lru_cache(maxsize=64)
-def measure_engraving(text: Engraving) -> EngravedVolume:
-    """Return the volume and the centroid of the material that an engraving removes."""
-    volume, first = _mesh_moments(to_manifold(text.gone))
-    x, y, z = first / volume / MM
-    # Printed: the axis along z. In the body frame it is x.
-    return EngravedVolume(volume / _MM3_PER_M3, np.array([z, x, y]))
+def kit_fittings(body: Body, options: KitOptions) -> Fittings:
+    """Return what a kit has beside the wall of a body: joints, seats and fillings, less holes and engravings.
+
+    With these fittings :func:`driftform.geometry.mass_properties` of the body are :func:`kit_mass`, but for the distance
+    of the centre of gravity from the axis: an engraving on one side moves it by micrometres, and a body of revolution
+    has it on the axis.
+
+    Raises
+    ------
+    WorkFailedError
+        if the body has no such kit.
+    """
+    kit = make_kit(body, options)
+    removed = sum((_point_moments(text) for text in kit.engravings), Moments())
+    wall = solid_of_revolution(body.outer) - solid_of_revolution(body.cavity)
+    flooded = removed if options.engrave_side == "outside" else Moments()
+    return Fittings(kit_moments(kit) - wall - removed, Moments() - flooded)
 
 
-def _mesh_moments(solid: Manifold) -> tuple[float, FloatArray]:
-    """Volume and first moments of a mesh, sums over the tetrahedra from the origin to its triangles; mm."""
-    mesh = solid.to_mesh64()
-    corners = np.asarray(mesh.vert_properties)[:, :3][np.asarray(mesh.tri_verts, dtype=np.int64)]
-    sixfold = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
-    first: FloatArray = (sixfold[:, None] * corners.sum(axis=1)).sum(axis=0) / 24
-    return float(sixfold.sum()) / 6, first
+def kit_moments(kit: Kit) -> Moments:
+    """Return the volume integrals of all parts, without engravings."""
+    return sum((moments(piece.rings) for piece in kit.pieces), Moments())
 
 
-def _subtract(whole: MassProperties, text: EngravedVolume, density: float, floods: bool) -> MassProperties:
+def _point_moments(text: Engraving) -> Moments:
+    x, y, z = text.centroid.tolist()
+    return Moments(text.volume, text.volume * x, text.volume * x**2, text.volume * (y**2 + z**2))
+
+
+def _subtract(whole: MassProperties, text: Engraving, density: float, floods: bool) -> MassProperties:
     lost = text.volume * density
     mass = whole.mass - lost
     cog = (whole.mass * whole.cog - lost * text.centroid) / mass
@@ -92,7 +87,7 @@ def _point_inertia(at: FloatArray) -> FloatArray:
     return square
 
 
-def kit_facts(job: ExportJob, options: KitOptions) -> dict[str, Any]:
+def kit_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
     """Return the facts of a job's kit, under the key ``kit``; an empty dictionary without a kit.
 
     ``joint``: its ``kind``, where it cuts (``x_mm``), and ``why``. ``parts``: of each its ``name``, ``mass_kg``,
@@ -114,18 +109,20 @@ def kit_facts(job: ExportJob, options: KitOptions) -> dict[str, Any]:
         ],
     }
     if options.drain:
-        facts["flooded_kg"] = fluid.density * _free_volume(kit, body)
+        facts["flooded_kg"] = measure_flooding(kit, body, fluid.density)
     return {"kit": facts}
+
+
+def piece_mass(piece: Piece, density: float) -> float:
+    """Return the mass of a part of a material of ``density`` (kg/m3), kg."""
+    return density * (moments(piece.rings).volume - (piece.engraved.volume if piece.engraved else 0.0))
 
 
 def _facts_of_piece(piece: Piece, density: float) -> dict[str, Any]:
     z = np.concatenate([ring[:, 1] for ring in piece.rings])
-    volume = moments(piece.rings).volume - (
-        measure_engraving(piece.engraved).volume if piece.engraved else 0.0
-    )
     return {
         "name": piece.name,
-        "mass_kg": volume * density,
+        "mass_kg": piece_mass(piece, density),
         "height_mm": float(np.ptp(z)),
         "bed_end": "fore" if piece.fore_down else "aft",
     }
@@ -141,7 +138,7 @@ def _balance(name: str, mass: MassProperties, fluid: Fluid) -> dict[str, Any]:
     }
 
 
-def _free_volume(kit: Kit, body: Body) -> float:
-    """Volume inside the hull that is neither part nor core, m3."""
-    inside = solid_of_revolution(body.outer).volume - sum(moments(piece.rings).volume for piece in kit.pieces)
-    return inside - 4 / 3 * np.pi * body.core.radius**3
+def measure_flooding(kit: Kit, body: Body, water: float) -> float:
+    """Return the mass of the water (density in kg/m3) that fills the closed kit through an open hole, kg."""
+    inside = solid_of_revolution(body.outer).volume - kit_moments(kit).volume
+    return water * (inside - 4 / 3 * np.pi * body.core.radius**3)

@@ -66,13 +66,19 @@ def choose_core_joint(hull: Hull, options: KitOptions) -> CoreJoint:
 
 def _find_sleeve(hull: Hull, options: KitOptions) -> Joint | None:
     need = hull.room(MM * options.clearance) - _ROUNDING
-    reach = {side: _reach(hull, side, need) for side in (1, -1)}
-    for away in np.arange(0.0, max(reach.values()), STEP).tolist():
+    gap, plug, lap = MM * options.clearance, MM * options.sleeve, MM * options.lap
+    away = np.arange(0.0, max(_reach(hull, side, need) for side in (1, -1)), STEP)
+    room = {}
+    for side in (1, -1):
+        # A plug is nowhere wider inside than at its mouth: most places need no closer look.
+        widest = np.hypot(hull.bore_radius(side * away) - gap - plug, np.maximum(away - lap, 0.0))
+        room[side] = (widest >= hull.core + gap - _ROUNDING) & (away < _reach(hull, side, need))
+    for place in np.flatnonzero(room[1] | room[-1]).tolist():
         fitting = [
             joint
             for side in (1, -1)
-            if away < reach[side]
-            and _takes_core(hull, joint := make_sleeve(side * away, side, options), need)
+            if room[side][place]
+            and _takes_core(hull, joint := make_sleeve(side * float(away[place]), side, options), need)
         ]
         if fitting:
             # The wider mouth takes a wider plug.
@@ -104,7 +110,7 @@ def make_sleeve(z: float, side: int, options: KitOptions) -> Joint:
 def _takes_core(hull: Hull, joint: Joint, need: float) -> bool:
     """Return whether the core passes the socket, whose radius must be ``need`` or more, and leaves room for the plug."""
     line = trace_mouth(hull, joint)
-    if line[:, 1].min() < need or not _is_rooted(hull, joint):
+    if line[-1, 1] < need or not _is_rooted(hull, joint, line):
         return False
     passage = joint.side * joint.z
     s = np.linspace(-joint.lap, 0.0, 2 + math.ceil(joint.lap / STEP))
@@ -114,19 +120,17 @@ def _takes_core(hull: Hull, joint: Joint, need: float) -> bool:
 
 def _slant_factor(line: FloatArray) -> float:
     """Largest radial extent of a thickness normal to the meeting surface, over that thickness."""
-    run = np.diff(line[:, 0])
-    slope = np.diff(line[:, 1])[run < 0] / run[run < 0]
-    return math.sqrt(1 + float((slope**2).max(initial=0.0)))
+    steps = line[1:] - line[:-1]
+    run = steps[:, 0] < 0
+    return math.sqrt(1 + float(((steps[run, 1] / steps[run, 0]) ** 2).max(initial=0.0)))
 
 
-def _is_rooted(hull: Hull, joint: Joint) -> bool:
-    """Return whether the cavity continues behind the plug, and whether the plug has a bore."""
-    height = 3 * joint.plug
-    held = joint.z + joint.side * np.linspace(0.0, height, 4)
+def _is_rooted(hull: Hull, joint: Joint, line: FloatArray) -> bool:
+    """Return whether the cavity continues behind the plug, and whether the plug, in its mouth ``line``, has a bore."""
+    held = joint.z + joint.side * joint.plug * np.arange(4)
     if hull.bore_radius(held).min() <= 0:
         return False
-    line = trace_mouth(hull, joint)
-    return float(line[:, 1].min()) - _slant_factor(line) * (joint.gap + joint.plug) >= LEAST_BORE
+    return float(line[-1, 1]) - _slant_factor(line) * (joint.gap + joint.plug) >= LEAST_BORE
 
 
 def _make_rabbet(hull: Hull, options: KitOptions) -> Joint:
@@ -188,10 +192,13 @@ def _cut_side(hull: Hull, first: Joint, side: int, height: float, options: KitOp
     end = float(hull.skin[-1 if side > 0 else 0, 0])
     # On the bed, a part extends from the tip of its plug to the beginning of its neighbour.
     start = first.tip if first.side == side else first.z
+    if side * (end - start) <= height:
+        return ()
     margin = 2 * (MM * options.lap + 3 * MM * options.sleeve)
     keep = max(_seat_end(hull, side), side * first.z) + margin
     places = sorted(side * z for z in hull.joints if keep <= side * z <= side * end - 2 * MM * options.sleeve)
-    joints = [j for z in places if _is_rooted(hull, j := make_sleeve(side * z, side, options))]
+    sleeves = [make_sleeve(side * z, side, options) for z in places]
+    joints = [joint for joint in sleeves if _is_rooted(hull, joint, trace_mouth(hull, joint))]
     return _choose_fewest(hull, joints, side * start, side * end, height, margin, _name_side(side))
 
 

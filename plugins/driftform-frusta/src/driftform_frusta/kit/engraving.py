@@ -4,15 +4,18 @@ It is the intersection of the letters' prism, which is normal to the axis, and a
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from manifold3d import CrossSection
 
+from driftform.types import FloatArray
 from driftform_frusta.csg import Intersection, Named, Node, Revolve, Rotate, Text, Translate, Union
 from driftform_frusta.kit.joint import Joint
 from driftform_frusta.kit.meridian import MM, Hull, grow, make_slab, split_pieces, take_half
 from driftform_frusta.kit.options import KitOptions
 from driftform_frusta.lettering import STROKE, text_length
+from driftform_frusta.solid import draw_letters
 
 MARGIN = 1.0
 """mm between the text and any other feature of the wall."""
@@ -26,6 +29,9 @@ _STEP = 0.5
 _PROUD = 0.5
 """mm by which the layer projects from the wall, so that no skin is left."""
 
+_ROWS = 60
+"""Rows of points over the height of a capital, by which the material of a text is integrated: 13 across a stroke."""
+
 
 @dataclass(frozen=True, eq=False)
 class Engraving:
@@ -35,12 +41,15 @@ class Engraving:
     ----------
     tool
         the solid to subtract; it projects from the wall, so that no skin is left.
-    gone
-        its part within the wall.
+    volume
+        of the material within the wall, m3.
+    centroid
+        of that material, in the body frame, m, (3,).
     """
 
     tool: Node
-    gone: Node
+    volume: float
+    centroid: FloatArray
 
 
 def engrave(
@@ -72,17 +81,61 @@ def engrave(
     placed = Translate((0.0 if outside else reach, 0.0, begin + size * STROKE / 2), prism)
     window = make_slab(begin - MARGIN / 2, end + MARGIN / 2)
 
-    def within(proud: float) -> Node:
-        layer = take_half(_draw_layer(hull, depth, proud, outside) ^ window)
-        return Intersection((placed, Union(tuple(Revolve(*rings) for rings in split_pieces(layer)))))
+    layer = take_half(_draw_layer(hull, depth, outside) ^ window)
+    tool = Intersection((placed, Union(tuple(Revolve(*rings) for rings in split_pieces(layer)))))
+    volume, centroid = _integrate_text(hull, begin, options)
+    return Engraving(Named(f"engraved: {options.engrave}", tool), volume, centroid)
 
-    return Engraving(Named(f"engraved: {options.engrave}", within(_PROUD)), within(0.0))
+
+def _integrate_text(hull: Hull, begin: float, options: KitOptions) -> tuple[float, FloatArray]:
+    """Return the volume (m3) and the centroid (body frame, m, (3,)) of a text from ``begin`` (z, mm) on.
+
+    Over each point of the letters the layer is sqrt(R^2 - y^2) - sqrt(R_i^2 - y^2) thick, with the radii R and R_i of
+    its two sides at that height; both are cones of the same slope as the wall.
+    """
+    outside = options.engrave_side == "outside"
+    along, across, area = _sample_letters(options.engrave, MM * options.engrave_size)
+    height = begin + MM * options.engrave_size * STROKE / 2 + along
+    z, r = (hull.skin if outside else hull.bore).T
+    wall = np.interp(height, z, r)
+    run = np.diff(z)
+    edge = np.clip(np.searchsorted(z, height) - 1, 0, len(run) - 1)
+    slant = np.hypot(np.diff(r)[edge], run[edge]) / np.maximum(run[edge], 1e-12)
+    other = wall + (-1 if outside else 1) * MM * options.engrave_depth * slant
+    wall, other = (np.sqrt(np.maximum(radius**2 - across**2, 0.0)) for radius in (wall, other))
+    weight = area * np.abs(wall - other)
+    volume = float(weight.sum())
+    # Outside the letters are seen from -x, inside from +x; the body's axes are z, x, y of the meridian plane.
+    x = (-1 if outside else 1) * (wall + other) / 2
+    centroid = np.array([weight @ height, weight @ x, weight @ across]) / volume
+    return volume / MM**3, centroid / MM
 
 
-def _draw_layer(hull: Hull, depth: float, proud: float, outside: bool) -> CrossSection:
+@lru_cache(maxsize=16)
+def _sample_letters(text: str, size: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return points of a grid in the letters, along the text and across it from its middle (mm), and their areas (mm2)."""
+    letters = draw_letters(text, size)
+    low_x, low_y, high_x, high_y = letters.bounds()
+    step = size / _ROWS
+    x = np.arange(low_x + step / 2, high_x, step)
+    y = np.arange(low_y + step / 2, high_y, step)
+    inside = np.zeros((len(y), len(x)), dtype=bool)
+    for ring in letters.to_polygons():
+        for (x0, y0), (x1, y1) in zip(ring, np.roll(ring, -1, axis=0), strict=True):
+            # Even-odd: an edge turns over all that lies to the right of it in the rows that it crosses.
+            rows = np.flatnonzero((y >= min(y0, y1)) & (y < max(y0, y1)))
+            if len(rows):
+                crossing = x0 + (y[rows] - y0) * (x1 - x0) / (y1 - y0)
+                inside[rows] ^= x >= crossing[:, None]
+    row, column = np.nonzero(inside)
+    area = np.full(len(row), float(letters.area()) / len(row))
+    return x[column], y[row] - size / 2, area
+
+
+def _draw_layer(hull: Hull, depth: float, outside: bool) -> CrossSection:
     if outside:
-        return grow(hull.outer, proud) - grow(hull.outer, -depth)
-    return grow(hull.cavity, depth) - grow(hull.cavity, -proud)
+        return grow(hull.outer, _PROUD) - grow(hull.outer, -depth)
+    return grow(hull.cavity, depth) - grow(hull.cavity, -_PROUD)
 
 
 def _find_place(

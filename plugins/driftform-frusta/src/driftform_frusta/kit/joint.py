@@ -83,19 +83,19 @@ def trace_mouth(hull: Hull, joint: Joint) -> FloatArray:
     end = joint.lap + joint.gap
     depth = joint.side * (joint.z - hull.bore[:, 0])
     inside = np.sort(depth[(depth > 0) & (depth < end)])
-    s = np.concatenate(([0.0], inside, [end]))
-    r = hull.bore_radius(joint.z - joint.side * s)
+    depths = [0.0, *inside.tolist(), end]
+    radii = hull.bore_radius(joint.z - joint.side * np.array(depths)).tolist()
     if joint.groove:
-        return np.array([[0.0, r.min()], [-end, r.min()]])
-    line = [(0.0, float(r[0]))]
-    least = float(r[0])
-    for k in range(1, len(s)):
-        if r[k] < least:
-            if r[k - 1] > least:
-                share = (r[k - 1] - least) / (r[k - 1] - r[k])
-                line.append((-float(s[k - 1] + share * (s[k] - s[k - 1])), least))
-            least = float(r[k])
-            line.append((-float(s[k]), least))
+        return np.array([[0.0, min(radii)], [-end, min(radii)]])
+    least = radii[0]
+    line = [(0.0, least)]
+    for s, before, r, r_before in zip(depths[1:], depths, radii[1:], radii, strict=False):
+        if r < least:
+            if r_before > least:
+                share = (r_before - least) / (r_before - r)
+                line.append((-(before + share * (s - before)), least))
+            least = r
+            line.append((-s, least))
     if line[-1][0] > -end:
         line.append((-end, least))
     return np.array(line)
@@ -104,6 +104,16 @@ def trace_mouth(hull: Hull, joint: Joint) -> FloatArray:
 def plug_bore(hull: Hull, joint: Joint) -> float:
     """Radius inside the plug at the cut."""
     return float(trace_mouth(hull, joint)[0, 1]) + joint.recess - joint.gap - joint.plug
+
+
+def groove_diameter(hull: Hull, joint: Joint) -> float:
+    """Return the diameter of the bottom of a joint's groove for an O-ring, mm."""
+    return 2 * (_plug_radius(joint, trace_mouth(hull, joint)) - joint.groove)
+
+
+def _plug_radius(joint: Joint, line: FloatArray) -> float:
+    """Outer radius of the plug at its tip, mm; ``line`` is that of :func:`trace_mouth`."""
+    return float(np.interp(joint.lap, -line[:, 0], line[:, 1])) - joint.gap
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +166,7 @@ def _draw_relief(joint: Joint, line: FloatArray) -> CrossSection:
     """The material removed from the plug: the chamfer at the tip, the groove of an O-ring."""
     if joint.kind == "rabbet":
         return CrossSection()
-    surface = float(np.interp(joint.lap, -line[:, 0], line[:, 1])) - joint.gap
+    surface = _plug_radius(joint, line)
     low, beyond = surface - LEAD, 5.0
     cut = _draw_symmetric(
         joint,

@@ -14,8 +14,8 @@ import numpy.typing as npt
 from manifold3d import CrossSection, FillRule, JoinType
 
 from driftform.errors import WorkFailedError
-from driftform.geometry import Moments, distance_from, solid_of_revolution
-from driftform.types import Body, FloatArray
+from driftform.geometry import distance_from, solid_of_revolution
+from driftform.types import Body, FloatArray, Moments
 from driftform_frusta.csg import Point
 
 MM = 1e3

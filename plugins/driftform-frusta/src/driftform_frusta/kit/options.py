@@ -21,9 +21,8 @@ _Length = Annotated[float, Field(gt=0, le=10, strict=True)]
 
 
 class KitOptions(Table):
-    """A hull in parts that enclose the core; the other options apply if ``kit`` is true."""
+    """How a hull is cut into parts that enclose the core."""
 
-    kit: bool = option(False, "cut the hull into parts that are joined around the core")
     clearance: float = option(
         0.0002,
         "gap between parts that fit into each other, and between seat and core",
@@ -114,6 +113,12 @@ class KitOptions(Table):
 
 
 class PartOptions(KitOptions):
-    """The options of every exporter of meshes."""
+    """The options of every exporter of meshes; those of a kit apply if ``kit`` is true."""
 
+    kit: bool = option(False, "cut the hull into parts that are joined around the core")
     segments: int = option(64, "corners of every circle of the mesh", ge=12, le=1024)
+    layer_height: float = option(
+        0.0002, "layer height that the assembly sheet and 3MF files recommend", "m", gt=0, le=0.01
+    )
+    perimeters: int = option(3, "perimeters that they recommend", ge=1, le=100)
+    infill: float = option(1.0, "share of infill that they recommend: 1 is solid, as simulated", ge=0, le=1)

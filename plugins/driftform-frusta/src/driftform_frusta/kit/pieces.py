@@ -1,7 +1,7 @@
 """The parts of a kit, drawn in the meridian plane as they are joined, and which way up each is printed."""
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import pairwise
 
 from manifold3d import CrossSection
@@ -43,16 +43,18 @@ class Piece:
         such as ``fore shell``; ``fore shell 2`` is the next one outward.
     rings
         its half section: (r, z) in mm, z from the core's centre towards fore.
-    fore_down
-        whether it is printed with its fore end on the bed.
     engraved
         its text, in the same frame; ``None`` without one.
     """
 
     name: str
     rings: tuple[Ring, ...]
-    fore_down: bool
     engraved: Engraving | None
+
+    @cached_property
+    def fore_down(self) -> bool:
+        """Whether it is printed with its fore end on the bed."""
+        return prints_fore_down(self.rings)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +80,11 @@ class Kit:
     joints: tuple[Joint, ...]
     core_joint: CoreJoint
     seats: tuple[Seat, ...]
+
+    @property
+    def engravings(self) -> tuple[Engraving, ...]:
+        """The engravings of those parts that have one."""
+        return tuple(piece.engraved for piece in self.pieces if piece.engraved is not None)
 
 
 @lru_cache(maxsize=4)
@@ -114,10 +121,7 @@ def make_kit(body: Body, options: KitOptions) -> Kit:
     names = [_name_part(index, inner) for index in range(len(sections))]
     polygons = [_take_rings(section, name) for section, name in zip(sections, names, strict=True)]
     engraved = _engrave_parts(hull, joints, found, options)
-    pieces = [
-        Piece(name, drawn, prints_fore_down(drawn), text)
-        for name, drawn, text in zip(names, polygons, engraved, strict=True)
-    ]
+    pieces = [Piece(name, drawn, text) for name, drawn, text in zip(names, polygons, engraved, strict=True)]
     return Kit(hull, tuple(pieces), joints, chosen, found)
 
 

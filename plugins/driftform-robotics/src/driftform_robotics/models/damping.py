@@ -52,7 +52,7 @@ def quadratic_wrench(agent: Agent, fluid: Fluid, nu: FloatArray) -> FloatArray:
     ``nu`` holds the velocity of the centre of gravity relative to the water, m/s, and the angular velocity, rad/s, both
     in body axes, (6,).
     """
-    from driftform.dynamics.drag import axial_drag, strip_drag
+    from driftform.dynamics.drag import still_water_wrench
 
     coefficients, cog = agent.coefficients, agent.mass.cog
     velocity, omega = nu[:3], nu[3:]
@@ -68,13 +68,9 @@ def quadratic_wrench(agent: Agent, fluid: Fluid, nu: FloatArray) -> FloatArray:
     add(damping[:3], coefficients.origin)
     drag = coefficients.drag
     if drag is not None:
-        still = (0.0, 0.0, 0.0)
         x, y, z = (velocity - np.cross(omega, cog)).tolist()
         p, q, r = omega.tolist()
-        for strip in drag.strips:
-            force = strip_drag((x, y, z), (p, q, r), still, 0.0, (fluid.density, fluid.viscosity, 1.0), strip)
-            add(np.array(force), np.array([strip[0], 0.0, 0.0]))
-        axial = np.array([drag.friction_area, drag.length, drag.ahead, drag.astern])
-        along = axial_drag(x, fluid.density, fluid.viscosity, axial)
-        add(np.array([along, 0.0, 0.0]), np.zeros(3))
+        own = still_water_wrench(drag, (x, y, z), (p, q, r), fluid.density, fluid.viscosity)
+        wrench[3:] += own[3:]
+        add(own[:3], np.zeros(3))
     return wrench

@@ -23,10 +23,11 @@ class ModelOptions(Table):
         "speed through the water at which drag by strips is converted to quadratic damping; "
         "by default the speed at which the agent rises or sinks",
         "m/s",
-        gt=0,
+        ge=1e-6,
+        le=100,
         strict=True,
     )
-    step: float = option(0.001, "time step of the simulation", "s", gt=0)
+    step: float = option(0.001, "time step of the simulation", "s", ge=1e-6, le=1)
 
 
 @dataclass(frozen=True, eq=False)

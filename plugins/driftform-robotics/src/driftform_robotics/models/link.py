@@ -84,17 +84,15 @@ def make_link(job: ExportJob, drag_speed: float | None = None) -> Link:
         quadratic_damping=quadratic_damping(agent, scenario.fluid, speed),
         added_mass_ratio=largest_added_mass_ratio(mass, agent.coefficients),
         drag_speed=speed if agent.coefficients.drag is not None else 0.0,
-        position=np.array(scenario.release.position) + matrix_from_quaternion(quaternion) @ mass.cog,
+        position=scenario.release_position() + matrix_from_quaternion(quaternion) @ mass.cog,
         quaternion=quaternion,
         velocity=_release_velocity(scenario),
     )
 
 
 def _release_velocity(scenario: Scenario) -> FloatArray:
-    velocity = scenario.release.velocity
-    if velocity == "current":
-        return scenario.current()
-    return np.zeros(3) if velocity == "rest" else np.array(velocity, dtype=np.float64)
+    velocity = scenario.release_velocity()
+    return scenario.current() if velocity is None else velocity
 
 
 def warn_of_flow(scenario: Scenario) -> list[str]:

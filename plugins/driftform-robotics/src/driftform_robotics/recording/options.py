@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from driftform.options import option
+from driftform.options import MAX_SEED, option
 from driftform_robotics.options import ATMOSPHERE, SensorOptions
 
 Release = Literal["humble", "iron", "jazzy", "kilted", "lyrical"]
@@ -24,14 +24,16 @@ class FlightOptions(SensorOptions):
         ge=0,
         le=4e9,
     )
-    leak_rate: float = option(0.001, "mass flow into the pipe at each target on the wall", "kg/s", gt=0)
-    atmosphere: float = option(ATMOSPHERE, "pressure at the surface of the water", "Pa", ge=0)
-    acceleration_noise: float = option(0.0, "standard deviation of the accelerometer", "m/s2", ge=0)
-    rate_noise: float = option(0.0, "standard deviation of the gyroscope", "rad/s", ge=0)
-    pressure_noise: float = option(0.0, "standard deviation of the pressure", "Pa", ge=0)
-    distance_noise: float = option(0.0, "standard deviation of the distances", "m", ge=0)
-    concentration_noise: float = option(0.0, "standard deviation of the concentration", "kg/m3", ge=0)
-    seed: int = option(0, "seed of the noise", ge=0)
+    leak_rate: float = option(
+        0.001, "mass flow into the pipe at each target on the wall", "kg/s", ge=1e-9, le=1000
+    )
+    atmosphere: float = option(ATMOSPHERE, "pressure at the surface of the water", "Pa", ge=0, le=1e9)
+    acceleration_noise: float = option(0.0, "standard deviation of the accelerometer", "m/s2", ge=0, le=1e3)
+    rate_noise: float = option(0.0, "standard deviation of the gyroscope", "rad/s", ge=0, le=1e3)
+    pressure_noise: float = option(0.0, "standard deviation of the pressure", "Pa", ge=0, le=1e9)
+    distance_noise: float = option(0.0, "standard deviation of the distances", "m", ge=0, le=1e3)
+    concentration_noise: float = option(0.0, "standard deviation of the concentration", "kg/m3", ge=0, le=1e3)
+    seed: int = option(0, "seed of the noise", ge=0, le=MAX_SEED)
 
 
 class Rosbag2Options(FlightOptions):

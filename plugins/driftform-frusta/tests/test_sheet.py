@@ -1,0 +1,202 @@
+"""The assembly sheet of a kit: its numbers, its order, its scale and its page."""
+
+import re
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from driftform.errors import WorkFailedError
+from driftform.figures.layout import text_width
+from driftform.geometry import mass_properties
+from driftform.interfaces import ExportJob
+from driftform.scenario import Scenario
+from driftform.types import Agent, Coefficients, Core, Module, Morphology
+from driftform_frusta.builder import FrustaBuilder, FrustaOptions
+from driftform_frusta.exporters.obj import ObjExporter
+from driftform_frusta.exporters.scad import ScadExporter
+from driftform_frusta.exporters.stl import StlExporter
+from driftform_frusta.exporters.threemf import ThreeMfExporter
+from driftform_frusta.parts import PartOptions, make_parts
+from driftform_frusta.sheet.contents import plan_sheet
+from driftform_frusta.sheet.drawing import sheet_svg, wrap
+
+NAMESPACE = "{http://www.w3.org/2000/svg}"
+A4 = (210.0, 297.0)
+TILTS = st.sampled_from([-0.3, 0.0, 0.3])
+SIDES = st.lists(st.builds(Module, st.sampled_from([0.005, 0.01]), TILTS), max_size=30).map(tuple)
+BODIES = st.builds(
+    lambda fore, aft: FrustaBuilder(FrustaOptions()).build(Morphology(fore, aft)), SIDES, SIDES
+)
+
+
+def straight(fore, aft, **options):
+    modules = [tuple(Module(0.01, 0.0) for _ in range(n)) for n in (fore, aft)]
+    return FrustaBuilder(FrustaOptions(**options)).build(Morphology(*modules))
+
+
+def job_of(body):
+    agent = Agent(body, mass_properties(body), Coefficients(np.eye(6)))
+    return ExportJob("r1-TP5", agent, Scenario(fluid={"density": 1000.0}))
+
+
+def sheet_of(body, **options):
+    return plan_sheet(job_of(body), PartOptions(kit=True, **options))
+
+
+def numbers(path):
+    """The points of path data of straight lines, (n, 2)."""
+    return np.array(re.findall(r"-?[\d.]+", path), dtype=float).reshape(-1, 2)
+
+
+def find(root, kind, tag="path"):
+    return [element for element in root.iter(NAMESPACE + tag) if element.get("class") == kind]
+
+
+@pytest.mark.parametrize("options", [{}, {"engrave": "A7", "engrave_size": 0.004}, {"joint": "rabbet"}])
+def test_the_parts_of_the_sheet_weigh_what_their_meshes_weigh(options):
+    body = straight(6, 4)
+    parts = make_parts(body, PartOptions(kit=True, **options))
+    grams = {part.name: 1e-6 * part.solid.volume * body.hull_density for part in parts}
+    sheet = sheet_of(body, **options)
+    assert {part.piece.name: 1e3 * part.mass for part in sheet.parts} == pytest.approx(grams, rel=1e-4)
+    table = dict(sheet.weights)
+    assert table["core"] == 0.05
+    assert table["closed kit"] == pytest.approx(1e-3 * sum(grams.values()) + 0.05, rel=1e-6)
+    assert table["target, as simulated"] == mass_properties(body).mass
+
+
+@settings(max_examples=12, deadline=None)
+@given(BODIES, st.sampled_from([0.21, 0.09]))
+def test_each_part_is_joined_to_one_that_is_in_place_already(body, height):
+    try:
+        sheet = sheet_of(body, bed=(0.25, 0.21, height))
+    except WorkFailedError as error:
+        assert "no kit can be made" in str(error)
+        return
+    assert sorted(part.place for part in sheet.parts) == list(range(len(sheet.parts)))
+    assert [part.number for part in sheet.parts] == list(range(1, len(sheet.parts) + 1))
+    in_place = {sheet.parts[0].place}
+    assert "Lay the core" in sheet.steps[2] and f"the {sheet.parts[0].piece.name}." in sheet.steps[2]
+    for part, step in zip(sheet.parts[1:], sheet.steps[3:], strict=False):
+        other = int(re.search(r"to part (\d+)", step).group(1))
+        neighbour = sheet.parts[other - 1].place
+        assert step.startswith(f"Join part {part.number}, the {part.piece.name}, to part {other}")
+        assert neighbour in in_place and abs(neighbour - part.place) == 1
+        joint = sheet.kit.joints[min(neighbour, part.place)]
+        assert f"{joint.z - 1e3 * body.outer[0, 0]:.1f}\u00a0mm from the aft end" in step
+        in_place.add(part.place)
+    # The core is inside once the first two parts are joined.
+    assert {sheet.parts[0].piece.name, sheet.parts[1].piece.name} == {"aft shell", "fore shell"}
+
+
+def test_the_shell_that_holds_more_of_the_core_takes_it_first():
+    sheet = sheet_of(straight(6, 2))
+    z = sheet.kit.core_joint.joint.z
+    assert z != 0
+    assert sheet.parts[0].piece.name == ("aft shell" if z > 0 else "fore shell")
+
+
+@settings(max_examples=8, deadline=None)
+@given(BODIES)
+def test_drawings_have_the_scale_that_the_sheet_states(body):
+    sheet = sheet_of(body)
+    root = ET.fromstring(sheet_svg(sheet))
+    assert (root.get("width"), root.get("height")) == ("210mm", "297mm")
+    mm = A4[0] / float(root.get("viewBox").split()[2])
+    closed, printed = (
+        tuple(float(n) for n in re.search(r"scale ([\d.]+) : ([\d.]+)", heading.text).groups())
+        for heading in find(root, "heading", "text")[:2]
+    )
+    drawn = [numbers(path.get("d")) for path in find(root, "part")]
+    half = len(drawn) // 2
+    length = np.ptp(np.concatenate(drawn[:half])[:, 0]) * mm * closed[1] / closed[0]
+    assert length == pytest.approx(1e3 * body.length, abs=0.02 * closed[1])
+    for part, left, right in zip(sheet.parts, drawn[half::2], drawn[half + 1 :: 2], strict=True):
+        width, height = np.ptp(np.concatenate((left, right)), axis=0) * mm * printed[1] / printed[0]
+        assert (width, height) == pytest.approx(part.size, abs=0.02 * printed[1])
+
+
+@settings(max_examples=12, deadline=None)
+@given(BODIES, st.sampled_from([{}, {"bed": (0.25, 0.21, 0.1)}, {"drain": 0.001, "engrave": "LONG-NAME-7"}]))
+def test_nothing_is_drawn_beside_the_page(body, options):
+    try:
+        sheet = sheet_of(body, **options)
+    except WorkFailedError as error:
+        assert "no kit can be made" in str(error) or "can be made in the" in str(error)
+        return
+    root = ET.fromstring(sheet_svg(sheet))
+    width, height = map(float, root.get("viewBox").split()[2:])
+    for path in root.iter(NAMESPACE + "path"):
+        points = numbers(path.get("d"))
+        assert (points >= 0).all() and (points <= (width, height)).all()
+    for text in root.iter(NAMESPACE + "text"):
+        size, x, y = (float(text.get(name)) for name in ("font-size", "x", "y"))
+        long = text_width(text.text, size, text.get("font-weight") is not None)
+        low = {"start": x, "middle": x - long / 2, "end": x - long}[text.get("text-anchor", "start")]
+        assert low >= 0 and low + long <= width and size <= y <= height, text.text
+
+
+def test_a_kit_that_is_too_heavy_states_the_flow_that_gives_the_target():
+    sheet = sheet_of(straight(6, 4))
+    share = float(re.search(r"([\d.]+)\u00a0% less flow", sheet.remedy).group(1)) / 100
+    printed = sheet.closed.mass - 0.05
+    assert printed * (1 - share) + 0.05 == pytest.approx(sheet.target.mass, abs=1e-3 * printed)
+
+
+def test_a_kit_that_is_too_light_states_the_ballast_that_gives_mass_and_balance():
+    body = straight(6, 4)
+    heavier = body.__class__(**{**vars(body), "core": Core(0.01, 0.055)})
+    job = job_of(body)
+    heavy = ExportJob(job.name, Agent(body, mass_properties(heavier), Coefficients(np.eye(6))), job.scenario)
+    sheet = plan_sheet(heavy, PartOptions(kit=True))
+    grams = float(re.search(r"([\d.]+)\u00a0g too light", sheet.remedy).group(1))
+    x = float(re.search(r"centred (-?[\d.]+)\u00a0mm", sheet.remedy).group(1)) + 1e3 * body.outer[0, 0]
+    closed, target = sheet.closed, sheet.target
+    assert 1e3 * closed.mass + grams == pytest.approx(1e3 * target.mass, abs=0.01)
+    moment = 1e6 * closed.mass * closed.cog[0] + grams * x
+    assert moment == pytest.approx(1e6 * target.mass * target.cog[0], abs=0.06 * grams + 0.005 * abs(x))
+
+
+def test_an_agent_made_as_its_kit_needs_nothing():
+    sheet = sheet_of(straight(6, 4, made_as="kit"))
+    assert sheet.remedy.startswith("The closed kit weighs what was simulated.")
+
+
+def test_the_sheet_names_core_seal_and_holes():
+    body = straight(8, 8, core="steel-20mm", clearance=0.006)
+    ring = sheet_of(body, o_ring=0.0015, sleeve=0.0016, lap=0.008, drain=0.002)
+    text = " ".join(ring.steps)
+    assert "steel-20mm: ball of 20 mm, 32.80\u00a0g" in text
+    assert "O-ring of 1.5\u00a0mm cord" in text and "glue" not in text
+    # The bore is 16 mm in radius; clearance and groove (0.8 cords less the clearance) are 1.2 mm deep together.
+    assert "bottom 29.6\u00a0mm across" in text
+    assert "holes of 2 mm at both ends" in text
+    glued = " ".join(sheet_of(straight(8, 8)).steps)
+    assert "with glue all round" in glued and "O-ring" not in glued and "holes" not in glued
+
+
+@pytest.mark.parametrize("exporter", [StlExporter, ObjExporter, ScadExporter, ThreeMfExporter])
+def test_every_format_writes_the_sheet_of_a_kit_and_none_without_a_kit(exporter, tmp_path):
+    job = job_of(straight(5, 5))
+    whole, kit = (exporter(PartOptions(kit=kit)) for kit in (False, True))
+    assert not any("assembly" in file.path for file in whole.write(job, tmp_path / f"a{whole.suffix}"))
+    written = kit.write(job, tmp_path / f"b{kit.suffix}")
+    [sheet] = [file for file in written if file.path.endswith("-assembly.svg")]
+    assert sheet.path == str(tmp_path / "b-assembly.svg")
+    assert "assembly sheet" in (tmp_path / "b-assembly.svg").read_text(encoding="utf-8")
+
+
+def test_print_settings_of_the_sheet_are_options():
+    sheet = sheet_of(straight(5, 5), layer_height=0.00012, perimeters=4, infill=0.5)
+    assert dict(sheet.settings) | {"layer height": "0.12 mm", "perimeters": "4", "infill": "50 %"} == dict(
+        sheet.settings
+    )
+
+
+def test_lines_are_no_wider_than_their_column_unless_a_word_is():
+    lines = wrap("one two three\u00a0four " + "x" * 40, 11, 80)
+    assert all(text_width(line, 11) <= 80 for line in lines[:-1])
+    assert " ".join(lines) == "one two three\u00a0four " + "x" * 40

@@ -1,0 +1,101 @@
+"""Contents -> the data of the page's viewer: agents, flights, pipe, current and targets."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from driftform.figures.projection import simplify_polyline
+from driftform.figures.style import SERIES
+from driftform.report.contents import Contents, Entry
+from driftform.scenario import Scenario, UniformFlow
+from driftform.trajectory.interpolation import interpolate_positions
+from driftform.types import FloatArray
+
+MAX_SAMPLES = 240
+"""Greatest number of samples of a flight on a page."""
+
+CONTOUR_TOLERANCE = 5e-5
+"""Tolerance to which the contours of a page are simplified, m."""
+
+PROFILE = 9
+"""Number of radii at which a page has the speed of the current."""
+
+
+def viewer_data(contents: Contents) -> dict[str, Any]:
+    """Return the data of the page's viewer: agents, flights, pipe and targets; SI units, rounded to what is visible."""
+    scenario = contents.scenario
+    rows = scenario.pipe.array()
+    seen = np.vstack([rows[:, :3], rows[:, 3:6]])
+    if not len(rows):
+        seen = np.vstack(
+            [scenario.target_array(), *(entry.trajectory.position for entry in contents.entries)]
+        )
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    length = float(np.linalg.norm(high - low))
+    radius = float(rows[:, 6].max()) if len(rows) else length / 8
+    longest = max(entry.agent.body.length for entry in contents.entries)
+    return {
+        "agents": [_viewer_agent(group, SERIES[i % len(SERIES)]) for i, group in enumerate(contents.agents)],
+        "pipe": [
+            {
+                "start": _round(r[:3]),
+                "end": _round(r[3:6]),
+                "radius": float(r[6]),
+                "speeds": _round(_speed_profile(scenario, r)),
+            }
+            for r in rows
+        ],
+        "targets": [{"name": name, "position": list(point)} for name, point in scenario.targets.items()],
+        "water": scenario.fluid.water_level,
+        "centre": _round((low + high) / 2),
+        "extent": [_round(low[:2] - radius), _round(high[:2] + radius)],
+        "length": length,
+        "size": radius,
+        "longest": round(longest, 4),
+        # Agents are many times smaller than their pipe, so the longest is drawn as long as its radius.
+        "magnification": max(1.0, round(radius / longest, 1)),
+    }
+
+
+def _speed_profile(scenario: Scenario, row: FloatArray) -> FloatArray:
+    """Return the mean speed half-way down a segment of the pipe, m/s: :data:`PROFILE` values from the axis to the wall."""
+    if isinstance(scenario.flow, UniformFlow):
+        return np.full(PROFILE, scenario.flow.speed)
+    from driftform.dynamics.flow import flow_array, water_motion
+
+    start, along, radius = row[:3], row[3:6] - row[:3], row[6]
+    length = float(np.linalg.norm(along))
+    axis = along / length
+    aside = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    points = start + along / 2 + np.linspace(0, radius, PROFILE)[:, None] * aside / np.linalg.norm(aside)
+    pipe, flow, gusts = np.array([[*start, *axis, length, radius]]), flow_array(scenario), np.empty((0, 12))
+    return np.array(
+        [axis @ water_motion((x, y, z), 0.0, pipe, flow, gusts)[0] for x, y, z in points.tolist()]
+    )
+
+
+def _viewer_agent(group: Sequence[Entry], colour: str) -> dict[str, Any]:
+    body, flight = group[0].agent.body, group[0].trajectory
+    # Evenly in time, and at the closest approaches.
+    closest = [entry.t for entry in group]
+    t = np.unique(np.append(np.linspace(flight.t[0], flight.t[-1], MAX_SAMPLES - 1), closest))
+    nearest = np.clip(np.searchsorted(flight.t, t), 0, len(flight.t) - 1)
+    return {
+        "targets": [entry.target for entry in group],
+        "colour": colour,
+        "outer": _round(simplify_polyline(body.outer, CONTOUR_TOLERANCE), 6),
+        "cavity": _round(simplify_polyline(body.cavity, CONTOUR_TOLERANCE), 6) if len(body.cavity) else [],
+        "joints": _round(body.joints, 6),
+        "core": body.core.radius,
+        "closest": round(closest[0], 4),
+        "flight": {
+            "t": _round(t, 4),
+            "position": _round(interpolate_positions(flight, t), 4),
+            "quaternion": _round(flight.quaternion[nearest], 4),
+        },
+    }
+
+
+def _round(values: FloatArray, digits: int = 6) -> Any:
+    return np.round(values, digits).tolist()

@@ -1,0 +1,339 @@
+"""What is known about a study before its first flight: that nothing fits, or what no flight can reach.
+
+Each warning is one line with the numbers and the next step. All of it takes a fraction of a second: nothing flies.
+"""
+
+from collections.abc import Callable, Iterable, Iterator
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from driftform.errors import InputError, find_commonest
+from driftform.geometry import mass_properties
+from driftform.pipeline import Pipeline
+from driftform.scenario import Scenario, TurbulentFlow, UniformFlow
+from driftform.scenario.fit import find_misfit, show_length
+from driftform.scenario.flow import PowerLawFlow
+from driftform.study.study import Study
+from driftform.types import Body, FloatArray, Morphology
+
+NEGLIGIBLE = 1e-3
+"""Distance (m) that no warning is worth: the accuracy of a flight."""
+
+CENTRE_SPEED = 1.4
+"""Bound on the speed on the axis relative to the mean, in developed turbulent flow.
+
+The logarithmic law has 3 u* / (2 kappa) = 1.29 sqrt(f) times the mean between the two; f is at most 0.07, that of the
+largest roughness that a study may have, a twentieth of the diameter (Colebrook).
+"""
+
+OWN_SPEED = 1.0
+"""Speed (m/s) that weight or buoyancy may give a body along a vertical pipe: more than agents reach."""
+
+FREE_SHARE = 0.3
+"""Diameter of a body over that of the bore, b, above which it blocks the flow.
+
+The water beside it is 1 / (1 - b^2) times as fast, by continuity: by a tenth at 0.3.
+"""
+
+PATIENCE = 100
+"""Horizon over the time in which the water passes the pipe that is certainly longer than needed."""
+
+SAMPLE = 12
+"""Random agents that are built to see whether they fit."""
+
+DENSEST = 22_600.0
+"""Density of osmium, the densest material there is, kg/m3 (CRC Handbook of Chemistry and Physics)."""
+
+
+def list_warnings(study: Study) -> list[str]:
+    """Return what is likely to be wrong with a study, one line each.
+
+    Raises
+    ------
+    InputError
+        if not even the smallest body of the builder can be released.
+    """
+    return _Advice(study, study.make_pipeline()).collect()
+
+
+class _Advice:
+    def __init__(self, study: Study, pipeline: Pipeline) -> None:
+        self.study, self.pipeline = study, pipeline
+        self.scenario: Scenario = pipeline.scenario
+
+    def collect(self) -> list[str]:
+        bare = self._build_bare()
+        if bare is not None and (misfit := find_misfit(bare, self.scenario)) is not None:
+            raise InputError(
+                f"{self.study.name}: no agent can be released: the bare core in its hull, the smallest body of builder "
+                f"'{self.pipeline.builder.name}': {misfit}"
+            )
+        found = [*self._check_units(), *self._check_water()]
+        if bare is not None:
+            found += self._check_bare(bare)
+        if self.scenario.pipe.segments:
+            found += [*self._check_plane(), *self._check_drift(), *self._check_limits()]
+        return [*found, *self._check_targets(), *self._check_random_agents()]
+
+    def _build_bare(self) -> Body | None:
+        """The body without modules; ``None`` if the builder cannot make it."""
+        try:
+            return self.pipeline.builder.build(Morphology())
+        except Exception:
+            # Genomes of its grammar may all have modules. Each that cannot be built is a failure of its own.
+            return None
+
+    @cached_property
+    def _start(self) -> FloatArray:
+        return self.scenario.release_position()
+
+    def _check_units(self) -> Iterator[str]:
+        fluid, flow = self.scenario.fluid, self.scenario.flow
+        for segment in self.scenario.pipe.segments:
+            length = float(np.linalg.norm(np.subtract(segment.end, segment.start)))
+            if length > 1000 or segment.radius > 10:
+                yield (
+                    f"the pipe is {length:g} m long with a radius of {segment.radius:g} m: lengths are in metres; "
+                    "divide millimetres by 1000"
+                )
+            elif length < 2 * segment.radius:
+                yield f"the pipe is {length:g} m long and {2 * segment.radius:g} m wide: check start, end and radius"
+        if abs(flow.speed) > 10:
+            yield f"flow.speed = {flow.speed:g} m/s is more than water mains have (about 3 m/s): it is in m/s"
+        if not 500 <= fluid.density <= 1500:
+            yield f"fluid.density = {fluid.density:g} kg/m3 is not that of water, about 1000: it is in kg/m3"
+        if not 1e-7 <= fluid.viscosity <= 1e-5:
+            yield (
+                f"fluid.viscosity = {fluid.viscosity:g} m2/s is not that of water, about 1e-6: it is kinematic, "
+                "in m2/s (1 cSt is 1e-6)"
+            )
+        if not 1 <= fluid.gravity <= 25:
+            yield f"fluid.gravity = {fluid.gravity:g} m/s2 is not the Earth's 9.81: it is in m/s2"
+
+    def _check_water(self) -> Iterator[str]:
+        level = self.scenario.fluid.water_level
+        for segment in self.scenario.pipe.segments if level is not None else ():
+            axis = np.subtract(segment.end, segment.start) / np.linalg.norm(
+                np.subtract(segment.end, segment.start)
+            )
+            top = max(segment.start[2], segment.end[2]) + segment.radius * float(np.hypot(axis[0], axis[1]))
+            if level is not None and level > top:
+                yield (
+                    f"fluid.water_level = {level:g} m is above the whole pipe, whose top is at z {top:g} m: "
+                    "leave it out for a full pipe"
+                )
+        heights = {
+            name: point[2] - level for name, point in self.scenario.targets.items() if level is not None
+        }
+        dry = {name: height for name, height in heights.items() if height > NEGLIGIBLE}
+        if dry:
+            yield (
+                f"{_list(dry)} {'lies' if len(dry) == 1 else 'lie'} above the water, by up to "
+                f"{show_length(max(dry.values()))}: fluid.water_level = {level:g} m"
+            )
+
+    def _check_bare(self, bare: Body) -> Iterator[str]:
+        core = bare.core
+        density = core.mass / (4 / 3 * np.pi * core.radius**3)
+        if density > DENSEST:
+            yield (
+                f"the core of {core.mass:g} kg has a radius of {show_length(core.radius)}: {density:.3g} kg/m3, and "
+                f"osmium has {DENSEST:g}; masses are in kg, lengths in m"
+            )
+        if not 10 <= bare.hull_density <= DENSEST:
+            yield f"the hull's material has {bare.hull_density:g} kg/m3, ABS has 1050: densities are in kg/m3"
+        for segment in self.scenario.pipe.segments:
+            share = bare.max_diameter / (2 * segment.radius)
+            if share > FREE_SHARE:
+                yield (
+                    f"the smallest body is {show_length(bare.max_diameter)} across, {100 * share:.0f} % of the bore of "
+                    f"{show_length(2 * segment.radius)}: above {100 * FREE_SHARE:.0f} % it blocks the flow, and how "
+                    "fast it drifts is uncertain; take a wider pipe or a smaller core"
+                )
+
+    def _check_plane(self) -> Iterator[str]:
+        """Check whether all flights stay in one plane by symmetry, and which targets lie off it.
+
+        In the vertical plane through the pipe's axis: a body of revolution that is released in this plane feels no force
+        across it, neither from weight, nor from the wall, nor from water that flows alike on both sides.
+        """
+        scenario, axis = self.scenario, self.scenario.direction()
+        if isinstance(scenario.flow, TurbulentFlow) and scenario.flow.intensity > 0:
+            return
+        centre = np.array(scenario.pipe.segments[0].start)
+        normal = np.cross(axis, [0.0, 0.0, 1.0])
+        name = "the vertical plane through the pipe's axis"
+        if np.linalg.norm(normal) < 1e-9:
+            # In a vertical pipe the release defines the plane, or no plane but the axis.
+            sideways = max(
+                (v - (v @ axis) * axis for v in self._released_vectors()),
+                key=lambda v: float(np.linalg.norm(v)),
+            )
+            normal = np.cross(axis, sideways) if np.linalg.norm(sideways) > 1e-9 else np.zeros(3)
+            name = "the plane of the pipe's axis and the release"
+        length = float(np.linalg.norm(normal))
+        normal = normal / length if length > 1e-9 else normal
+        if any(abs(float(v @ normal)) > 1e-9 for v in self._released_vectors()):
+            return
+        off = {
+            name: self._distance_off(np.array(point) - centre, axis, normal)
+            for name, point in scenario.targets.items()
+        }
+        missed = {target: distance for target, distance in off.items() if distance > NEGLIGIBLE}
+        if missed:
+            place = name if length > 1e-9 else "the pipe's axis"
+            yield (
+                f"no flight leaves {place}, and {_list(missed)} "
+                f"{'lies' if len(missed) == 1 else 'lie'} off it, by up to {show_length(max(missed.values()))}: "
+                'release the agent with a yaw (release.yaw_deg), or let gusts turn it (flow.kind = "turbulent")'
+            )
+
+    def _released_vectors(self) -> list[FloatArray]:
+        """What a plane of symmetry must contain: offset of the release from the inlet, the body's axis, its velocity."""
+        given = self.scenario.release_velocity()
+        offset = self._start - np.array(self.scenario.pipe.segments[0].start)
+        return [offset, self.scenario.release_axis(), *([] if given is None else [given])]
+
+    @staticmethod
+    def _distance_off(offset: FloatArray, axis: FloatArray, normal: FloatArray) -> float:
+        if normal.any():
+            return abs(float(offset @ normal))
+        return float(np.linalg.norm(offset - (offset @ axis) * axis))
+
+    def _check_drift(self) -> Iterator[str]:
+        """Check which targets lie beyond the water that passes the release within the horizon."""
+        scenario = self.scenario
+        horizon, axis = scenario.flight.horizon, scenario.direction()
+        low, high = self._find_drift(horizon)
+        off = {name: float((np.array(p) - self._start) @ axis) for name, p in scenario.targets.items()}
+        # A body is as long as the way to a target that counts as near.
+        reach = 0.1
+        upstream = {name: s for name, s in off.items() if s < low - reach}
+        beyond = {name: s for name, s in off.items() if s > high + reach}
+        if not upstream and not beyond:
+            return
+        if high - low < 1e-9:
+            yield (
+                f"the water is at rest (flow.speed = {scenario.flow.speed:g} m/s), and {_list({**upstream, **beyond})} "
+                f"up to {show_length(max(map(abs, off.values())))} along the pipe: set flow.speed"
+            )
+        elif beyond and high < reach:
+            yield (
+                f"the current of {scenario.flow.speed:g} m/s carries an agent away from {_list(beyond)}, up to "
+                f"{show_length(max(beyond.values()))} along the pipe: make flow.speed positive, or exchange start and "
+                "end of the pipe"
+            )
+        elif beyond:
+            farthest = max(beyond.values())
+            needed = _find_time(self._find_drift, farthest)
+            remedy = "change flow" if needed is None else f"set flight.horizon to more than {needed:.3g} s"
+            yield (
+                f"the water passes at most {show_length(high)} of the pipe in flight.horizon = {horizon:g} s, and "
+                f"{_list(beyond)} up to {show_length(farthest)} from the release: {remedy}"
+            )
+        if upstream and high - low >= 1e-9:
+            yield (
+                f"{_list(upstream)} up to {show_length(-min(upstream.values()))} upstream of the release, and the water "
+                f"passes at most {show_length(-low)} in that direction: move release.position, or turn the current"
+            )
+
+    def _check_limits(self) -> Iterator[str]:
+        scenario, robustness = self.scenario, self.scenario.robustness
+        [segment] = scenario.pipe.segments
+        horizon = scenario.flight.horizon
+        needed = _find_time(self._find_drift, float(np.linalg.norm(np.subtract(segment.end, segment.start))))
+        if needed is not None and horizon > PATIENCE * needed:
+            yield (
+                f"flight.horizon = {horizon:g} s is more than {PATIENCE} times the {needed:.3g} s in which the water passes the "
+                "pipe: an agent that comes to rest is simulated that long; it is in seconds"
+            )
+        if robustness.conditions and robustness.position > 0.5 * segment.radius:
+            yield (
+                f"robustness.position = {robustness.position:g} m is large in a bore with a radius of {segment.radius:g} m: "
+                "it is a standard deviation, in metres"
+            )
+        if isinstance(scenario.flow, TurbulentFlow) and scenario.flow.smoothing > scenario.flow.memory:
+            yield (
+                f"flow.smoothing = {scenario.flow.smoothing:g} s is longer than flow.memory = {scenario.flow.memory:g} s: "
+                "the smallest eddies cannot outlast the largest"
+            )
+        if scenario.contact.friction > 1.5:
+            yield (
+                f"contact.friction = {scenario.contact.friction:g} is more than rubber on concrete has, about 1: "
+                "it is a coefficient, not in percent"
+            )
+
+    def _find_drift(self, horizon: float) -> tuple[float, float]:
+        """Return how far upstream (<= 0) and downstream of its release an agent can drift along the pipe, m.
+
+        With the fastest water, or with its own speed at the release if that is greater, and as fast as it may rise or
+        sink in a pipe that is not level.
+        """
+        scenario, flow, axis = self.scenario, self.scenario.flow, self.scenario.direction()
+        given = scenario.release_velocity()
+        speeds = [] if given is None else [float(given @ axis)]
+        times, acceleration = [horizon], 0.0
+        if isinstance(flow, UniformFlow):
+            acceleration = flow.acceleration
+            if flow.speed * acceleration < 0:
+                times.append(min(horizon, -flow.speed / acceleration))
+            speeds.append(flow.speed)
+        elif isinstance(flow, PowerLawFlow):
+            # Maximum over mean of (y/R)^(1/n): (n + 1) (2 n + 1) / (2 n^2) (Schlichting, Boundary-Layer Theory, ch. XX).
+            n = flow.exponent
+            speeds.append(flow.speed * (n + 1) * (2 * n + 1) / (2 * n * n))
+        else:
+            speeds.append(flow.speed * CENTRE_SPEED)
+        own = OWN_SPEED * abs(float(axis[2])) * horizon
+        ways = [0.0, *(speed * t + 0.5 * acceleration * t * t for speed in speeds for t in times)]
+        return min(ways) - own, max(ways) + own
+
+    def _check_targets(self) -> Iterator[str]:
+        points: dict[Any, str] = {}
+        for name, point in self.scenario.targets.items():
+            if point in points:
+                yield f"targets {points[point]} and {name} are the same point: remove one of them"
+            points.setdefault(point, name)
+
+    def _check_random_agents(self) -> Iterator[str]:
+        rng = np.random.default_rng(0)
+        reasons: list[str] = []
+        for _ in range(SAMPLE):
+            try:
+                body = self.pipeline.builder.build(self.pipeline.express(self.pipeline.grammar.random(rng)))
+                if not np.isfinite(mass_properties(body).mass):
+                    reasons.append("its mass is not finite")
+                    continue
+                misfit = find_misfit(body, self.scenario)
+            except Exception as error:
+                misfit = f"it cannot be built: {error}"
+            if misfit is not None:
+                reasons.append(misfit)
+        if len(reasons) > SAMPLE // 4:
+            reason, count = find_commonest(reasons)
+            yield (
+                f"{len(reasons)} of {SAMPLE} random agents cannot be released, {count} of them like this: {reason}"
+            )
+
+
+def _find_time(drift: Callable[[float], tuple[float, float]], distance: float) -> float | None:
+    """Return the time (s) in which the water passes ``distance`` (m), by bisection; ``None`` if it never does."""
+    low, high = 0.0, 1.0
+    while drift(high)[1] < distance:
+        low, high = high, 2 * high
+        if high > 1e9:
+            return None
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if drift(middle)[1] >= distance else (middle, high)
+    return high
+
+
+def _list(names: Iterable[str]) -> str:
+    names = list(names)
+    if len(names) == 1:
+        return f"target {names[0]}"
+    shown = names if len(names) <= 4 else [*names[:3], f"{len(names) - 3} more"]
+    return f"targets {', '.join(shown[:-1])} and {shown[-1]}"

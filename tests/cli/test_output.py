@@ -1,0 +1,72 @@
+"""Tables for people: on a terminal they fit it, elsewhere nothing is folded."""
+
+import io
+import re
+import sys
+from collections.abc import Sequence
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from driftform.cli.output import print_table
+
+RESULTS = (
+    "target",
+    "x m",
+    "y m",
+    "z m",
+    "fitness %",
+    "error % of d_max",
+    "disturbed: mean",
+    "worst",
+    "closest mm",
+)
+
+
+class Terminal(io.StringIO):
+    """A standard output that is a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def printed(
+    header: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[int], columns: int
+) -> list[str]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "stdout", out := Terminal())
+        patch.setenv("COLUMNS", str(columns))
+        patch.setenv("TERM", "xterm")
+        print_table(header, rows, right)
+    return re.sub(r"\x1b\[[\d;]*m", "", out.getvalue()).splitlines()
+
+
+def test_the_results_of_a_robust_run_find_room_in_80_columns_in_a_line_for_each_target() -> None:
+    rows = [
+        (f"TP{n}", "8.5", "0", "-0.25", "100.000", "12.345", "12.345", "12.345", "1234.5")
+        for n in range(1, 11)
+    ]
+    lines = printed(RESULTS, rows, range(1, 9), 80)
+    assert max(map(len, lines)) <= 80
+    assert len(lines) == len(rows) + 3  # a heading of two lines, and a rule
+    assert [line.split() for line in lines[3:]] == [list(row) for row in rows]
+
+
+def test_headings_are_whole_in_one_line_where_there_is_room() -> None:
+    row = ("TP1", "8.5", "0", "-0.25", "100.000", "12.345", "12.345", "12.345", "1234.5")
+    heading = printed(RESULTS, [row], range(1, 9), 120)[0]
+    assert all(title in heading for title in RESULTS)
+
+
+@given(st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=6), st.integers(80, 120))
+def test_no_number_is_folded_where_text_can_be(numbers: list[float], columns: int) -> None:
+    cells = [f"{number:.3g}" for number in numbers]
+    header = ["what it is", *("a long heading" for _ in cells)]
+    lines = printed(header, [["word " * 30, *cells]], range(1, len(header)), columns)
+    assert max(map(len, lines)) <= columns
+    assert any(line.split()[-len(cells) :] == cells for line in lines)
+
+
+def test_text_is_no_markup() -> None:
+    assert printed(["[b]name[/b]"], [["[red]A[/red]"]], (), 80)[2].strip() == "[red]A[/red]"

@@ -1,0 +1,223 @@
+"""Studies that cannot do what their author wants: refused, or warned of, before the first flight.
+
+A warning or a refusal comes within the first second of a command. That is processor time: other work on the machine
+does not count.
+"""
+
+import json
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from driftform.errors import InputError
+from driftform.study import load_study
+from driftform.study.advice import list_warnings
+
+Call = Callable[..., Any]
+
+PIPE = "pipe.segments=[{start=[0,0,0],end=[%s],radius=%s}]"
+ONE = "targets={A=[4,0,0.2]}"
+
+WRONG: dict[str, tuple[list[str], str, str]] = {
+    # What the author got wrong: the settings, "refused" or "warned", and what the line says.
+    "the core's mass in grams": (["builder.core_mass=50"], "warned", "50 kg has a radius of 10 mm"),
+    "the water's density in g/cm3": (["fluid.density=1.024"], "warned", "fluid.density = 1.024 kg/m3 is not"),
+    "the viscosity in cSt": (["fluid.viscosity=0.9"], "warned", "1 cSt is 1e-6"),
+    "the dynamic viscosity": (["fluid.viscosity=1.0e-3"], "warned", "it is kinematic"),
+    "gravity in cm/s2": (["fluid.gravity=981"], "warned", "fluid.gravity = 981 m/s2 is not"),
+    "the hull's density in g/cm3": (["builder.hull_density=1.05"], "warned", "ABS has 1050"),
+    "the current in litres per second": (["flow.speed=80"], "warned", "flow.speed = 80 m/s is more than"),
+    "a pipe that is wider than long": (
+        [PIPE % ("1.2,0,0", 1), "targets={A=[1,0,0]}"],
+        "warned",
+        "1.2 m long and 2 m wide",
+    ),
+    "a surface above the pipe": (["fluid.water_level=3"], "warned", "whole pipe, whose top is at z 1 m"),
+    "a surface below the release": (["fluid.water_level=-0.4"], "refused", "released above the water"),
+    "a target in the air": (
+        ["fluid.water_level=0.1"],
+        "warned",
+        "targets TP2, TP4, TP6 and TP8 lie above the water, by up to 600 mm",
+    ),
+    "a release past the targets": (["release.position=[8.8,0,0]"], "warned", "upstream of the release"),
+    "a release in the wall": (["release.position=[0,0,-0.995]"], "refused", "radius 1000 mm"),
+    "a release across a narrow pipe": (
+        [PIPE % ("9,0,0", 0.05), "targets={A=[4,0,0.02]}", "release.pitch_deg=90"],
+        "warned",
+        "of 12 random agents cannot be released",
+    ),
+    "a target beside a vertical pipe's axis": (
+        [PIPE % ("0,0,9", 1), "targets={A=[0.5,0,4]}"],
+        "warned",
+        "no flight leaves the pipe's axis, and target A lies off it, by up to 500 mm",
+    ),
+    "two targets at one point": (["targets={A=[1,0,0],B=[1,0,0]}"], "warned", "A and B are the same point"),
+    "a current that turns round too soon": (
+        ["flow.acceleration=-1"],
+        "warned",
+        "passes at most 500 mm of the pipe",
+    ),
+    "a horizon in milliseconds": (["flight.horizon=20000"], "warned", "more than 100 times the 9 s"),
+    "friction in percent": (["contact.friction=8"], "warned", "more than rubber on concrete"),
+    "a release that is off by metres": (
+        ["robustness.conditions=5", "robustness.position=0.8"],
+        "warned",
+        "robustness.position = 0.8 m is large",
+    ),
+    "eddies that outlast the gusts": (
+        ["flow.kind=turbulent", "flow.smoothing=10"],
+        "warned",
+        "the smallest eddies cannot outlast the largest",
+    ),
+    "modules in millimetres": (["grammar.large=10"], "refused", "less than or equal to 0.5 m"),
+    "microseconds between gusts": (
+        ["flow.kind=turbulent", "flow.smoothing=0.001", "flight.horizon=5000"],
+        "refused",
+        "at most 1000000 gusts",
+    ),
+    "a core of a metre": (["builder.core_radius=1"], "refused", "no agent can be released"),
+    # Those that everybody makes.
+    "a pipe in millimetres": ([PIPE % ("6000,0,0", 100), ONE], "warned", "divide millimetres by 1000"),
+    "targets off the plane": (
+        ["targets={A=[4,0.3,0.2]}"],
+        "warned",
+        "by up to 300 mm: release the agent with a yaw",
+    ),
+    "a current away from the targets": (
+        ["flow.speed=-1"],
+        "warned",
+        "carries an agent away from targets TP1",
+    ),
+    "no current": (["flow.speed=0"], "warned", "the water is at rest"),
+    "a horizon that is too short": (["flight.horizon=3"], "warned", "set flight.horizon to more than 8.5 s"),
+    "a body that fills the bore": (
+        [PIPE % ("9,0,0", 0.02), "targets={A=[4,0,0]}"],
+        "warned",
+        "57 % of the bore of 40 mm",
+    ),
+    "a bore narrower than the core": (
+        [PIPE % ("9,0,0", 0.01), "targets={A=[4,0,0]}"],
+        "refused",
+        "in a bore of 20 mm",
+    ),
+}
+
+
+def load_and_list(settings: list[str]) -> list[str]:
+    return list_warnings(load_study(settings=[*settings, "run.seed=1"]))
+
+
+def test_the_built_in_scenarios_give_no_warning() -> None:
+    for name in ("pipe-inspection", "water-main"):
+        assert list_warnings(load_study(name)) == []
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_wrong_study_is_refused_or_warned_of_in_the_first_second(name: str) -> None:
+    settings, verdict, part = WRONG[name]
+    load_and_list([])  # Imports are the same for all.
+    began = time.process_time()
+    if verdict == "refused":
+        with pytest.raises(InputError) as caught:
+            load_and_list(settings)
+        lines = [str(line) for line in caught.value.args]
+    else:
+        lines = load_and_list(settings)
+    assert time.process_time() - began < 1
+    assert any(part in line for line in lines), lines
+    assert all("\n" not in line for line in lines)
+
+
+def test_each_of_them_names_what_is_wrong_and_nothing_else() -> None:
+    """One mistake, one line: nobody reads the second."""
+    for name, (settings, verdict, _) in WRONG.items():
+        if verdict == "warned":
+            assert len(load_and_list(settings)) <= 2, name
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        ["targets={A=[4,0.3,0.2]}", "release.yaw_deg=5"],
+        ["targets={A=[4,0.3,0.2]}", "flow.kind=turbulent"],
+        ["targets={A=[4,0.3,0.2]}", "release.position=[0,0.1,0]"],
+        ["targets={A=[4,0.3,0.2]}", "release.velocity=[1,0.1,0]"],
+        ["flow.speed=-1", "flow.acceleration=0.5"],
+        ["flow.speed=-1", "release.position=[8.9,0,0]"],
+        ["flow.speed=0", "release.velocity=[1,0,0]"],
+        ["flight.horizon=8.6"],
+        [PIPE % ("0,0,-9", 1), "targets={A=[0,0,-4]}", "flow.speed=0.1"],
+        [PIPE % ("9,9,0", 1), "targets={A=[4,4,0.3]}"],
+    ],
+)
+def test_a_study_that_can_do_it_gives_no_warning(settings: list[str]) -> None:
+    assert load_and_list(settings) == []
+
+
+def test_the_check_lists_warnings_as_text_and_as_json(call: Call) -> None:
+    Path("mine.toml").write_text('base = "pipe-inspection"\n[targets]\nA = [4, 0.3, 0]\n[flow]\nspeed = 0\n')
+    text = call("scenarios", "check", "mine.toml")
+    assert text.exit_code == 0
+    assert text.stdout.startswith("mine.toml is valid, with 2 warnings")
+    warned = [line for line in text.stdout.splitlines() if line.startswith("warning: ")]
+    found = json.loads(call("scenarios", "check", "mine.toml", "--json").stdout)
+    assert [f"warning: {line}" for line in found["warnings"]] == warned
+    assert len(warned) == 2
+
+
+def test_the_check_refuses_a_pipe_that_no_body_fits(call: Call) -> None:
+    Path("mine.toml").write_text(
+        'base = "pipe-inspection"\n[[pipe.segments]]\nstart=[0,0,0]\nend=[9,0,0]\nradius=0.01\n[targets]\nA=[1,0,0]\n'
+    )
+    result = call("scenarios", "check", "mine.toml")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr.startswith("error: mine.toml: no agent can be released")
+    assert "22.9 mm across, in a bore of 20 mm" in result.stderr
+    refused = call("evolve", "mine.toml", "--out", "run")
+    assert refused.exit_code == 2
+    assert not Path("run").exists()
+
+
+def test_a_search_warns_before_its_first_flight_and_keeps_stdout_for_json(run: Call, tmp_path: Path) -> None:
+    settings = ("--set", "targets={A=[1,0.3,0]}", "--evaluations", 2, "--workers", 1, "--simulator", "native")
+    done = run("evolve", *settings, "--out", "run", "--json", cwd=tmp_path)
+    first = done.stderr.splitlines()[0]
+    assert first.startswith("warning: no flight leaves the vertical plane")
+    assert [f"warning: {line}" for line in json.loads(done.stdout)["warnings"]] == [first]
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [
+        "pipe.segments.0.radius=1e-6",
+        "pipe.segments.0.radius=1e300",
+        "grammar.large=1",
+        "fluid.viscosity=1e6",
+        "flow={kind='turbulent',smoothing=1e-6}",
+        "flight.horizon=1e-300",
+        "run.evaluations=1000000000",
+        "strategy={use='paper',population=1000000000}",
+        "targets.A=[1e300,0,0]",
+        "simulator.step_limit=1000000000000",
+    ],
+)
+def test_a_number_beyond_its_bounds_is_refused(setting: str) -> None:
+    with pytest.raises(InputError, match=r"should be (less|greater) than or equal to"):
+        load_study(settings=[setting])
+
+
+def test_a_bound_has_its_unit() -> None:
+    with pytest.raises(InputError, match=r"radius = 1e-06: should be greater than or equal to 0.001 m$"):
+        load_study(settings=["pipe.segments.0.radius=1e-6"])
+    with pytest.raises(InputError, match=r"flow.speed = 1000: should be less than or equal to 100 m/s$"):
+        load_study(settings=["flow.speed=1000"])
+
+
+def test_a_billion_workers_are_refused(call: Call) -> None:
+    result = call("evolve", "--workers", 10**9, "--out", "run")
+    assert result.exit_code == 2
+    assert "1024" in result.stderr
+    assert not Path("run").exists()

@@ -1,0 +1,70 @@
+"""Every number that a study can set has a lower and an upper bound, or a stated reason."""
+
+from collections.abc import Iterator
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
+
+import pytest
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from driftform.interfaces import Plugin
+from driftform.registry import registry
+from driftform.scenario import Scenario
+from driftform.study import RunOptions
+
+LOWER, UPPER = ("ge", "gt"), ("le", "lt")
+
+
+def read_bounds(metadata: Any) -> set[str]:
+    """Return the constraints that the metadata of a type sets."""
+    inner = [m for info in metadata for m in (info.metadata if isinstance(info, FieldInfo) else [info])]
+    return {name for m in inner for name in (*LOWER, *UPPER) if getattr(m, name, None) is not None}
+
+
+def find_unbounded(annotation: Any, bounds: set[str], path: str) -> Iterator[str]:
+    """Yield the path of each number in a type whose bounds, with those around it, are not two."""
+    origin, arguments = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        yield from find_unbounded(arguments[0], bounds | read_bounds(arguments[1:]), path)
+    elif origin in (Union, UnionType, tuple, dict, list):
+        inner = bounds if origin in (Union, UnionType) else set()
+        for part in arguments:
+            yield from find_unbounded(part, inner, path)
+    elif isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield from walk(annotation, path)
+    elif annotation in (int, float) and not (bounds & set(LOWER) and bounds & set(UPPER)):
+        yield path
+
+
+def walk(model: type[BaseModel], path: str) -> Iterator[str]:
+    for name, field in model.model_fields.items():
+        extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
+        if not extra.get("unbounded"):
+            yield from find_unbounded(field.annotation, read_bounds(field.metadata), f"{path}.{name}")
+
+
+def list_plugins() -> list[type[Plugin[Any]]]:
+    return [row.cls for row in registry().contributions() if row.cls is not None]
+
+
+@pytest.mark.parametrize("model", [Scenario, RunOptions])
+def test_every_number_of_a_study_has_two_bounds(model: type[BaseModel]) -> None:
+    assert list(walk(model, model.__name__)) == []
+
+
+@pytest.mark.parametrize("plugin", list_plugins(), ids=lambda cls: f"{cls.__module__}:{cls.name}")
+def test_every_number_of_a_plugin_has_two_bounds(plugin: type[Plugin[Any]]) -> None:
+    assert list(walk(plugin.Options, plugin.name)) == []
+
+
+def test_the_walk_finds_a_number_without_a_bound() -> None:
+    class Inner(BaseModel):
+        point: tuple[float, float] = (0.0, 0.0)
+
+    class Outer(BaseModel):
+        inner: Inner = Inner()
+        count: int | None = None
+        name: str = ""
+
+    assert sorted(walk(Outer, "o")) == ["o.count", "o.inner.point", "o.inner.point"]

@@ -1,0 +1,81 @@
+"""Evaluations: which flights are checked."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from driftform.pipeline import MARGIN, Pipeline
+from driftform.study import load_study
+
+NOWHERE, ANYWHERE = (np.inf,) * 10, (-np.inf,) * 10
+
+
+@pytest.fixture(scope="module")
+def pipeline() -> Pipeline:
+    return load_study(use={"simulator": "native"}).make_pipeline()
+
+
+@pytest.fixture(scope="module")
+def genomes(pipeline):
+    rng = np.random.default_rng(4)
+    return [pipeline.grammar.random(rng) for _ in range(6)]
+
+
+@pytest.fixture(scope="module")
+def checked(pipeline, genomes):
+    return pipeline.evaluate(genomes)
+
+
+def test_without_a_threshold_every_flight_is_checked(checked) -> None:
+    assert all(evaluation.trajectory.error <= 1e-3 for evaluation in checked)
+
+
+def test_below_its_threshold_a_flight_is_unchecked_and_nearly_the_same(pipeline, genomes, checked) -> None:
+    screened = pipeline.evaluate(genomes, thresholds=[NOWHERE] * len(genomes))
+    assert [evaluation.trajectory.error for evaluation in screened] == [None] * len(genomes)
+    assert [evaluation.failure for evaluation in screened] == [None] * len(genomes)
+    difference = np.array([a.fitness - b.fitness for a, b in zip(screened, checked, strict=True)])
+    assert 0 < np.median(np.abs(difference)) < 0.01
+
+
+def test_above_its_threshold_a_flight_is_checked_to_the_last_digit(pipeline, genomes, checked) -> None:
+    thresholds = [ANYWHERE, NOWHERE, None] * 2
+    mixed = pipeline.evaluate(genomes, thresholds=thresholds)
+    for threshold, evaluation, expected in zip(thresholds, mixed, checked, strict=True):
+        if threshold is NOWHERE:
+            assert evaluation.trajectory.error is None
+        else:
+            np.testing.assert_array_equal(evaluation.fitness, expected.fitness)
+            np.testing.assert_array_equal(evaluation.trajectory.position, expected.trajectory.position)
+            assert evaluation.trajectory.error == expected.trajectory.error
+
+
+@pytest.mark.parametrize(("below", "is_checked"), [(0.9 * MARGIN, True), (1.1 * MARGIN, False)])
+def test_one_target_within_the_margin_below_its_threshold_is_enough(
+    pipeline, genomes, below: float, is_checked: bool
+) -> None:
+    [screened] = pipeline.evaluate(genomes[:1], thresholds=[NOWHERE])
+    threshold = (*NOWHERE[:-1], float(screened.fitness[-1]) + below)
+    [evaluation] = pipeline.evaluate(genomes[:1], thresholds=[threshold])
+    assert (evaluation.trajectory.error is not None) is is_checked
+
+
+def test_a_flight_that_fails_without_a_check_is_checked(pipeline, genomes) -> None:
+    options = pipeline.simulator.options.model_copy(update={"step_limit": 20})
+    short = replace(pipeline, simulator=type(pipeline.simulator)(options))
+    [screened], [expected] = (
+        short.evaluate(genomes[:1], thresholds=[threshold]) for threshold in (NOWHERE, None)
+    )
+    assert screened.failure == expected.failure is not None
+    assert screened.trajectory.error == expected.trajectory.error
+
+
+def test_an_error_of_the_fitness_is_the_failure_of_its_evaluation(pipeline, genomes, monkeypatch) -> None:
+    def score(trajectory, scenario):
+        raise ArithmeticError("no score")
+
+    monkeypatch.setattr(pipeline.fitness, "score", score)
+    screened, other = pipeline.evaluate(genomes[:2], thresholds=[NOWHERE, None])
+    assert screened.failure == other.failure
+    assert "no score" in screened.failure
