@@ -247,7 +247,7 @@ class Pipeline:
             fitness = self.fitness.score(trajectory, self.scenario, agent)
             # A fitness that is not a number matters: it is a failure.
             return not np.all(fitness <= np.array(threshold) - MARGIN)
-        except Exception:
+        except (Exception, SystemExit):
             # The same error in the score of the checked flight is the failure of the evaluation.
             return True
 

@@ -68,7 +68,12 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
 
 
 def _describe_stop(run: "Run") -> str:
-    evaluations, _ = run.count()
+    from driftform.errors import DriftformError
+
+    try:
+        evaluations, _ = run.count()
+    except DriftformError as error:
+        return f"stopped; {error}"
     return (
         f"stopped after {evaluations} of {run.study.evaluations} evaluations; "
         f"resume with: {run.resume_command}"
