@@ -28,7 +28,7 @@ FLYING = {"simulator"}
 
 def write(folder: Path, seam: str) -> Path:
     """Write the scaffold of a seam."""
-    for path, text in list_files(make_names(f"driftform-try-{seam}", seam), seam).items():
+    for path, text in list_files([make_names(f"driftform-try-{seam}", seam)]).items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_text(text)
     return folder
@@ -171,9 +171,34 @@ def test_the_next_steps_are_those_of_the_installer(
     assert document["next"][1:4] == steps
 
 
+def test_one_distribution_brings_plugins_of_several_seams(
+    call: Call, tmp_path: Path, monkeypatch: Any
+) -> None:
+    seams = ("grammar", "fitness", "strategy")
+    options = [word for seam in seams for word in ("--seam", seam)]
+    document = json.loads(call("plugins", "new", "driftform-try", *options, "--json").stdout)
+    folder = tmp_path / "driftform-try"
+    assert document["seams"] == list(seams)
+    study = tomllib.loads((folder / "study.toml").read_text())
+    assert study.pop("base") == "pipe-inspection"
+    assert {seam: table["use"] for seam, table in study.items()} == dict.fromkeys(seams, "try")
+    project = tomllib.loads((folder / "pyproject.toml").read_text())["project"]
+    assert project["entry-points"]["driftform"] == {"try": "driftform_try"}
+    assert len(set(project["dependencies"])) == len(project["dependencies"]) == 2
+    monkeypatch.syspath_prepend(folder / "src")
+    module = importlib.import_module("driftform_try")
+    found = {seam: getattr(module, f"driftform_{seam}")() for seam in seams}
+    assert all(issubclass(cls, SEAMS[seam]) and cls.name == "try" for seam, cls in found.items())
+    for path in document["files"]:
+        text = (tmp_path / path).read_text()
+        assert "$" not in text.replace("\n$ ", "\n"), path
+    for name in [name for name in sys.modules if name.startswith("driftform_try")]:
+        monkeypatch.delitem(sys.modules, name)
+
+
 def test_no_placeholder_is_left_to_fill_in(tmp_path: Path) -> None:
     for seam in SEAMS:
-        for path, text in list_files(make_names("dwell", seam), seam).items():
+        for path, text in list_files([make_names("dwell", seam)]).items():
             prompts = text.replace("\n$ ", "\n") if path == "README.md" else text
             assert "$" not in prompts, f"{seam}: {path}"
 
