@@ -8,6 +8,7 @@ Handbook of Marine Craft Hydrodynamics and Motion Control, 2nd ed., eq. 6.1 to 6
 MuJoCo has the same right-hand side, up to its ellipsoid, and M_RB alone on the left.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +24,10 @@ REACH = 1.0
 """Distance from the release at which the comparison ends in open water, m; in a pipe its least radius."""
 
 FAR = 20.0
-"""MuJoCo's path ends there too, in such distances: agents of foam would tumble for ever."""
+"""MuJoCo's path ends there, in such distances."""
+
+STEPS = 4000
+"""Largest number of steps of a path, which ends with them: an agent of foam tumbles thousands of times a second there."""
 
 LEVEL = 0.1
 """An agent that rises or sinks by less than this share of the larger change of height keeps its height."""
@@ -79,16 +83,19 @@ def compare_paths(link: Link, fluid: Fluid, current: FloatArray, reach: float = 
     """Return the paths of a link in open water with a uniform ``current`` (m/s, (3,)), until it has gone ``reach`` (m)."""
     rigid = np.zeros((6, 6))
     rigid[:3, :3], rigid[3:, 3:] = link.mass * np.eye(3), link.inertia
-    seconds, true = _integrate(link, fluid, current, rigid + link.added_mass, SECONDS, reach)
-    _, mujoco = _integrate(link, fluid, current, rigid, seconds, FAR * reach)
-    return Paths(seconds, true, mujoco)
+    total = rigid + link.added_mass
+    seconds, true = _integrate(link, fluid, current, total, SECONDS, reach)
+    until, mujoco = _integrate(link, fluid, current, rigid, seconds, FAR * reach)
+    if until < seconds:
+        _, true = _integrate(link, fluid, current, total, until, reach)
+    return Paths(until, true, mujoco)
 
 
 def _integrate(
     link: Link, fluid: Fluid, current: FloatArray, inertia: FloatArray, seconds: float, reach: float
 ) -> tuple[float, FloatArray]:
     """Return when a body with the mass matrix ``inertia`` has gone ``reach``, and its displacement relative to the water."""
-    from scipy.integrate import solve_ivp
+    from scipy.integrate import RK45
 
     inverse, added, mass = np.linalg.inv(inertia), link.added_mass, np.zeros((6, 6))
     mass[:3, :3], mass[3:, 3:] = link.mass * np.eye(3), link.inertia
@@ -111,21 +118,26 @@ def _integrate(
             (R @ nu[:3], (R @ turn).ravel(), inverse @ (np.concatenate((force, torque)) - damping))
         )
 
-    def left(_: float, state: FloatArray) -> float:
-        return float(state[:3] @ state[:3]) - reach**2
-
-    left.terminal = True  # type: ignore[attr-defined]
     moving = np.concatenate((link.rotation.T @ (link.velocity - current), np.zeros(3)))
     start = np.concatenate((np.zeros(3), link.rotation.ravel(), moving))
-    found = solve_ivp(
-        rates,
-        (0.0, seconds),
-        start,
-        events=left,
-        rtol=_TOLERANCE,
-        atol=_TOLERANCE,
-    )
-    return float(found.t[-1]), np.asarray(found.y[:3, -1], dtype=np.float64)
+    solver = RK45(rates, 0.0, start, seconds, rtol=_TOLERANCE, atol=_TOLERANCE)
+    for _ in range(STEPS):
+        solver.step()
+        if np.linalg.norm(solver.y[:3]) >= reach:
+            return _find_end(solver.dense_output(), solver.t_old, solver.t, reach)
+        if solver.status != "running":
+            break
+    return float(solver.t), np.asarray(solver.y[:3], dtype=np.float64)
+
+
+def _find_end(
+    path: Callable[[float], FloatArray], start: float, end: float, reach: float
+) -> tuple[float, FloatArray]:
+    """When a path, which holds the displacement in its first three numbers, leaves a sphere, and where."""
+    from scipy.optimize import brentq
+
+    left = float(brentq(lambda t: float(np.linalg.norm(path(t)[:3])) - reach, start, end))
+    return left, np.asarray(path(left)[:3], dtype=np.float64)
 
 
 def _cross_matrix(a: FloatArray) -> FloatArray:
