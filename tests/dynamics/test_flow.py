@@ -1,6 +1,7 @@
 """Profiles of pipe flow and gusts, against textbooks, quadrature, finite differences and statistics."""
 
 import math
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 
@@ -13,8 +14,17 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from driftform.dynamics.flow import MIN_WALL_DISTANCE, friction_factor, gust_array, water_motion
+from driftform.dynamics.flow import (
+    MIN_WALL_DISTANCE,
+    flow_array,
+    friction_factor,
+    gust_array,
+    gust_memory,
+    gust_shear,
+    water_motion,
+)
 from driftform.dynamics.model import flight_model
+from driftform.dynamics.terminal import terminal_speed_across
 from driftform.scenario import (
     DevelopingFlow,
     FlightLimits,
@@ -27,6 +37,7 @@ from driftform.scenario import (
     TurbulentFlow,
     UniformFlow,
 )
+from driftform.study import load_study
 from driftform.testing.agents import sphere_agent
 
 SHEAR = 0.0362
@@ -48,7 +59,7 @@ def scenario_of(flow, radius=1.0, start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), ho
         pipe=Pipe(segments=(Segment(start=start, end=end, radius=radius),)),
         flow=flow,
         fluid=Fluid(viscosity=1.05e-6),
-        release={"position": start},
+        release={"position": start, "frame": "world"},
         flight=FlightLimits(horizon=horizon),
     )
 
@@ -374,8 +385,8 @@ def test_every_evaluation_of_a_run_meets_gusts_of_its_own():
 def test_gusts_last_until_the_horizon_and_without_intensity_there_are_none():
     stream = Stream(scenario_of(GUSTY, horizon=2.03))
     assert np.abs(np.diff([stream.velocity([1, 0, 0], t)[0] for t in (1.9, 1.97, 2.03)])).min() > 1e-9
-    assert gusts_of(0, intensity=0.0).shape == (0, 6)
-    assert gust_array(scenario_of(LogLawFlow())).shape == (0, 6)
+    assert gusts_of(0, intensity=0.0).shape == (0, 12)
+    assert gust_array(scenario_of(LogLawFlow())).shape == (0, 12)
 
 
 def test_gusts_have_no_mean_and_their_variance_from_the_start_on(walks):
@@ -388,6 +399,53 @@ def test_gusts_have_no_mean_and_their_variance_from_the_start_on(walks):
     # Over 20 s, of which every 3 s / 2 bring a new value of the square.
     mean_square = (walks[:, :201] ** 2).mean() / GUST**2
     assert mean_square == pytest.approx(1, abs=4 * math.sqrt(2 * 3.0 / (20 * count)))
+
+
+@pytest.mark.parametrize("length", [0.05, 0.3, 2.0])
+def test_gusts_at_two_points_of_a_body_have_the_correlation_of_their_distance(length):
+    apart, size = length / math.sqrt(3), GUST * 3.0 / 0.5
+    rows = np.concatenate(
+        [gust_array(scenario_of(replace_seed(seed)), 0.0, length)[::60] for seed in range(SEEDS)]
+    )
+    fore, aft = (rows[:, :3] + side * apart / 2 * rows[:, 6:9] for side in (1, -1))
+    slack = 6 / math.sqrt(fore.size)
+    for gust in (fore, aft):
+        assert (gust**2).mean() / GUST**2 == pytest.approx(1, abs=slack)
+    assert (fore * aft).mean() / GUST**2 == pytest.approx(math.exp(-apart / size), abs=slack)
+
+
+def replace_seed(seed):
+    return GUSTY.model_copy(update={"seed": seed})
+
+
+@pytest.mark.parametrize("slip", [0.05, 0.5])
+def test_a_body_that_moves_through_the_water_forgets_gusts_as_csanady_says(slip):
+    memory = 3.0 / math.sqrt(1 + (0.5 * slip / GUST) ** 2)
+    assert gust_memory(3.0, 0.5, slip, GUST) == pytest.approx(memory)
+    walks = np.concatenate(
+        [gust_array(scenario_of(replace_seed(seed)), slip)[:, :3].T for seed in range(SEEDS)]
+    )
+    step = max(1, round(memory / 0.1))
+    kept = math.exp(-0.1 * step / memory)
+    products = walks[:, 20] * walks[:, 20 + step] / GUST**2
+    assert products.mean() == pytest.approx(kept, abs=4 * math.sqrt((1 + kept**2) / len(walks)))
+    # It crosses an eddy of the size u' T / beta in the time that remains.
+    assert gust_memory(3.0, 0.5, 1e6, GUST) * 1e6 == pytest.approx(GUST * 3.0 / 0.5, rel=1e-6)
+
+
+def test_gusts_are_uniform_along_a_body_without_length_and_with_no_crossing():
+    assert not gusts_of(3)[:, 6:].any()
+    assert not gust_array(scenario_of(GUSTY.model_copy(update={"crossing": 0.0})), 0.3, 0.2)[:, 6:].any()
+    alike = gust_array(scenario_of(GUSTY.model_copy(update={"crossing": 0.0})), 0.3, 0.2)
+    assert np.array_equal(alike[:, :6], gusts_of(0)[:, :6])
+
+
+def test_the_shear_of_a_gust_is_that_of_its_rows():
+    scenario = scenario_of(GUSTY)
+    rows = gust_array(scenario, 0.1, 0.3)
+    flow = flow_array(scenario)
+    for k in (0, 7, 40):
+        assert gust_shear(0.1 * k, flow, rows) == pytest.approx(tuple(rows[k, 6:9]), rel=1e-9)
 
 
 @pytest.mark.parametrize("lag", [0.1, 1.0, 3.0, 9.0])
@@ -422,7 +480,7 @@ def test_gusts_are_smooth_in_time_and_pass_through_the_walk():
     for k in (0, 1, 57, 199):
         velocity, _, rate = stream([1, 0, 0], 0.1 * k)
         assert velocity - mean == pytest.approx(rows[k, :3], abs=1e-12)
-        assert rate == pytest.approx(rows[k, 3:], abs=1e-12)
+        assert rate == pytest.approx(rows[k, 3:6], abs=1e-12)
         for gap in (-1e-9, 1e-9) if k else (1e-9,):
             beside, _, rate_beside = stream([1, 0, 0], 0.1 * k + gap)
             assert beside == pytest.approx(velocity, abs=1e-8)
@@ -436,9 +494,28 @@ def test_a_tracer_spreads_by_16_cm_on_its_way_through_the_pipe():
     ends = []
     for seed in range(SEEDS):
         rows = gusts_of(seed)[: len(t)]
-        ends.append(CubicHermiteSpline(t, rows[:, :3], rows[:, 3:]).integrate(0.0, 8.0))
+        ends.append(CubicHermiteSpline(t, rows[:, :3], rows[:, 3:6]).integrate(0.0, 8.0))
     spread = np.array(ends).std(axis=0, mean=0.0)
     taylor = GUST * math.sqrt(2 * memory * (8.0 - memory * (1 - math.exp(-8.0 / memory))))
     error = 4 / math.sqrt(2 * SEEDS)
     assert spread == pytest.approx([taylor] * 3, rel=error)
     assert math.sqrt((spread**2).mean()) == pytest.approx(0.165, rel=0.02 + error / math.sqrt(3))
+
+
+def test_a_body_with_drag_meets_gusts_that_differ_along_it_and_one_without_does_not():
+    pipeline = load_study(None, ["hydrodynamics.drag=strips"], use={"simulator": "native"}).make_pipeline()
+    agent = pipeline.make_agent(pipeline.grammar.random(np.random.default_rng(1)))
+    table = {}
+    for crossing in (0.0, 0.5):
+        flow = GUSTY.model_copy(update={"crossing": crossing})
+        model = flight_model(agent, scenario_of(flow))
+        table[crossing] = gust_shear(1.3, model.flow, model.gusts)
+        slip = terminal_speed_across(
+            agent.coefficients.drag, agent.mass.net_buoyancy(Fluid()), 1024.0, 1.05e-6
+        )
+        expected = gust_array(scenario_of(flow), slip, agent.body.length)
+        assert crossing == 0.0 or np.allclose(model.gusts, expected)
+    assert table[0.0] == (0.0, 0.0, 0.0)
+    assert min(map(abs, table[0.5])) > 0
+    ideal = replace(agent, coefficients=replace(agent.coefficients, drag=None))
+    assert np.array_equal(flight_model(ideal, scenario_of(GUSTY)).gusts, gusts_of(0))

@@ -277,6 +277,17 @@ def test_a_page_of_ten_agents_is_small(run_with_page):
     assert (run_with_page / "report.html").stat().st_size < 2_000_000
 
 
+def test_the_page_names_the_agents_that_are_outside_of_what_was_tested(run_with_page, monkeypatch):
+    contents = collect_contents(Run.open(run_with_page))
+    monkeypatch.setattr("driftform.agents.limits.WIDEST", 0.0)
+    page = " ".join(page_html(contents).split())
+    assert "Outside of what was tested" in page
+    for group in contents.agents:
+        assert f"<li>{', '.join(entry.target for entry in group)}: its diameter is" in page
+    monkeypatch.setattr("driftform.agents.limits.WIDEST", 1.0)
+    assert "Outside of what was tested" not in page_html(contents)
+
+
 def test_the_viewer_has_the_flights_as_they_were_flown(run_with_page):
     contents = collect_contents(Run.open(run_with_page))
     for group, agent in zip(contents.agents, viewer_data(contents)["agents"], strict=True):

@@ -17,6 +17,7 @@ pytestmark = pytest.mark.slow
 SIMULATORS = ("native", "exudyn")
 HORIZON = 9.0
 MILLIMETRE = 1e-3
+DRAG_IN_LOG_LAW = ["flow.kind=log_law", "hydrodynamics.use=panels", "hydrodynamics.drag=strips"]
 
 
 @pytest.fixture(scope="module")
@@ -122,6 +123,38 @@ def test_flights_in_the_pipe_agree_with_the_textbook_up_to_the_wall(pipelines, a
     for use in SIMULATORS:
         assert worst[use] < MILLIMETRE, use
         assert reached[use] < MILLIMETRE, use
+
+
+def test_flights_with_drag_in_the_logarithmic_law_agree_with_the_textbook_up_to_the_wall(
+    agents, workers, publish
+):
+    pipelines = {
+        use: load_study(None, DRAG_IN_LOG_LAW, use={"simulator": use}).make_pipeline() for use in SIMULATORS
+    }
+    native, rng = pipelines["native"], np.random.default_rng(3)
+    drawn = [native.agent(agent.genome) for agent in agents(2)]
+    # Every second one leaves the vertical plane.
+    scenarios = [turned(native.scenario, k % 2 * float(rng.uniform(-60, 60))) for k in range(len(drawn))]
+    lines, worst = list(HEAD), {}
+    for use, pipeline in pipelines.items():
+        flights = list(workers.map(pipeline.simulator.simulate, drawn, scenarios))
+        untils = [t.t[-1] if t.contact is None else t.contact for t in flights]
+        instants = [np.linspace(0, until, int(100 * until) + 2) for until in untils]
+        expected = list(workers.map(textbook_states, drawn, scenarios, instants, repeat(1e-9), repeat(1e-11)))
+        errors = [
+            largest_distance(interpolate_positions(flight, times), path[:, :3])
+            for flight, times, path in zip(flights, instants, expected, strict=True)
+        ]
+        worst[use] = max(errors)
+        lines.append(row("log law with drag, up to the wall", use, flights, errors))
+    publish("flights with drag", lines)
+    for use in SIMULATORS:
+        assert worst[use] < MILLIMETRE, use
+
+
+def turned(scenario, yaw_deg):
+    release = scenario.release.model_copy(update={"yaw_deg": yaw_deg})
+    return scenario.model_copy(update={"release": release})
 
 
 def as_trajectory(t, states) -> Trajectory:

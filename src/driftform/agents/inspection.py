@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from driftform.agents.limits import list_limits
 from driftform.agents.sensitivity import measure_gram_sensitivity
 from driftform.dynamics.inertia import added_mass_at, largest_added_mass_ratio, rigid_body_mass
 from driftform.dynamics.model import flight_model
@@ -171,4 +172,4 @@ def _list_warnings(agent: Agent, scenario: Scenario, heaving: float, lambda_max:
             f"{1000 * body.length:.0f} mm long and {1000 * body.max_diameter:.0f} mm wide: "
             f"larger than the bed of a common printer ({1000 * BED:.0f} mm)"
         )
-    return warnings
+    return warnings + list_limits(agent, scenario)

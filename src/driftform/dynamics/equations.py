@@ -25,7 +25,7 @@ from driftform.dynamics.drag import (
     strip_drag,
     wake_drag,
 )
-from driftform.dynamics.flow import locate_in_segment, water_motion
+from driftform.dynamics.flow import gust_shear, locate_in_segment, water_motion
 from driftform.dynamics.model import (
     ACROSS,
     AXIAL_DRAG,
@@ -200,7 +200,7 @@ def water_motion_at_cob(
     path = speed if model.gusts.shape[0] == 0 else ZERO
     if table[FROUDE_KRYLOV] == 0.0:
         path = add(velocity, to_world(R, cross(omega, centre)))
-    shear = to_body(R, to_world(gradient, body_axis(R)))
+    shear = to_body(R, add(to_world(gradient, body_axis(R)), gust_shear(t, model.flow, model.gusts)))
     curl = (
         gradient[2][1] - gradient[1][2],
         gradient[0][2] - gradient[2][0],

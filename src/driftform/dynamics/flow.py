@@ -79,32 +79,80 @@ def _friction_velocity(scenario: Scenario) -> float:
     return flow.speed * math.sqrt(friction_factor(reynolds, roughness / (2 * radius)) / 8)
 
 
-def gust_array(scenario: Scenario) -> FloatArray:
-    """Return the unsteady part of the velocity and its derivative at equal steps of time, (k, 6); (0, 6) for none.
+def gust_array(scenario: Scenario, slip: float = 0.0, length: float = 0.0) -> FloatArray:
+    """Return gusts at equal steps of time, (k, 12); (0, 12) for none.
+
+    The columns are the velocity (m/s), its derivative, the change of the velocity along the body's axis (1/s), and its
+    derivative, in the world frame.
 
     A uniform current with an acceleration gives two rows. In turbulent flow the seed decides the rows: each component
     is an Ornstein-Uhlenbeck process dv = -v dt / T + sqrt(2 s^2 / T) dW that is stationary from the start, sampled
     exactly every ``smoothing`` seconds and interpolated by a cubic spline: the process itself has no derivative, and
     eddies smaller than the agent do not move it.
+
+    Two such processes, with the correlation exp(-distance / size), are the gusts at the Gauss points of a body of
+    ``length``: what they have in common is the velocity, and their difference turns the body.
+
+    Parameters
+    ----------
+    slip
+        speed of the body through the water, m/s: see :func:`gust_memory`.
+    length
+        of the body, m; 0 for gusts that are uniform along it.
     """
     flow = scenario.flow
     if isinstance(flow, UniformFlow) and flow.acceleration:
         slope = flow.acceleration * scenario.direction()
-        return np.array([[0.0, 0.0, 0.0, *slope], [*(scenario.flight.horizon * slope), *slope]])
+        rows = np.zeros((2, 12))
+        rows[:, 3:6], rows[1, :3] = slope, scenario.flight.horizon * slope
+        return rows
     if not isinstance(flow, TurbulentFlow) or flow.intensity == 0:
-        return np.empty((0, 6))
+        return np.empty((0, 12))
     from scipy.interpolate import CubicSpline
 
-    rng = np.random.default_rng(flow.seed)
+    deviation = flow.intensity * _friction_velocity(scenario)
     times = flow.smoothing * np.arange(math.ceil(scenario.flight.horizon / flow.smoothing) + 3)
-    kept = math.exp(-flow.smoothing / flow.memory)
-    noise = rng.standard_normal((len(times), 3))
+    kept = math.exp(-flow.smoothing / gust_memory(flow.memory, flow.crossing, slip, deviation))
+    rng = np.random.default_rng(flow.seed)
+    common, own = (_walk(rng.standard_normal((len(times), 3)), kept) for _ in range(2))
+    apart = length / math.sqrt(3)
+    correlation = math.exp(-apart * flow.crossing / (deviation * flow.memory))
+    common *= deviation * math.sqrt((1 + correlation) / 2)
+    own *= deviation * math.sqrt(2 * (1 - correlation)) / apart if apart > 0 else 0.0
+    slopes = (CubicSpline(times, walk)(times, 1) for walk in (common, own))
+    rates = list(slopes)
+    return np.column_stack([common, rates[0], own, rates[1]])
+
+
+def gust_memory(memory: float, crossing: float, slip: float, deviation: float) -> float:
+    """Return the integral time (s) of the gusts that a body meets: T / sqrt(1 + (beta w / u')^2).
+
+    Csanady, J. Atmos. Sci. 20 (1963), 201: a body that moves through the water leaves eddies before they decay.
+
+    Parameters
+    ----------
+    memory
+        T, of the water itself, s.
+    crossing
+        beta = u' T over the integral length of the gusts.
+    slip
+        w, speed of the body relative to the water, m/s.
+    deviation
+        u', standard deviation of a gust's component, m/s.
+
+    >>> gust_memory(3.0, 0.5, 0.0, 0.03), round(gust_memory(3.0, 0.5, 3.0, 0.03), 3)
+    (3.0, 0.06)
+    """
+    return memory / math.hypot(1.0, crossing * slip / deviation)
+
+
+def _walk(noise: FloatArray, kept: float) -> FloatArray:
+    """Return the stationary process of which each step keeps the share ``kept``, from normal numbers (n, 3)."""
     walk = np.empty_like(noise)
     walk[0] = noise[0]
-    for k in range(1, len(times)):
+    for k in range(1, len(noise)):
         walk[k] = kept * walk[k - 1] + math.sqrt(1 - kept**2) * noise[k]
-    walk *= flow.intensity * _friction_velocity(scenario)
-    return np.column_stack([walk, CubicSpline(times, walk)(times, 1)])
+    return walk
 
 
 @compiled
@@ -128,12 +176,17 @@ def water_motion(
     if pipe.shape[0] > 0:
         velocity, gradient = _mean_velocity(point, pipe, flow, spread)
     if gusts.shape[0] > 1:
-        place = t / flow[GUST_STEP]
-        k = min(max(int(place), 0), gusts.shape[0] - 2)
-        u = min(max(place - k, 0.0), 1.0)
-        gust, rate = _interpolate_gust(gusts[k], gusts[k + 1], flow[GUST_STEP], u)
+        gust, rate = _interpolate_gust(t, gusts, flow[GUST_STEP], 0)
         velocity = add(velocity, gust)
     return velocity, gradient, rate
+
+
+@compiled
+def gust_shear(t: float, flow: FloatArray, gusts: FloatArray) -> Vector:
+    """Return the change of a gust along the body's axis, world frame, 1/s; see :func:`gust_array`."""
+    if gusts.shape[0] < 2:
+        return ZERO
+    return _interpolate_gust(t, gusts, flow[GUST_STEP], 6)[0]
 
 
 @compiled
@@ -184,9 +237,14 @@ def locate_in_segment(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector, 
 
 
 @compiled
-def _interpolate_gust(a: FloatArray, b: FloatArray, step: float, u: float) -> tuple[Vector, Vector]:
-    """Return a gust's velocity and derivative at the share ``u`` of the time ``step`` (s) from row ``a`` to row ``b``."""
-    p, v, q, w = (a[0], a[1], a[2]), (a[3], a[4], a[5]), (b[0], b[1], b[2]), (b[3], b[4], b[5])
+def _interpolate_gust(t: float, gusts: FloatArray, step: float, column: int) -> tuple[Vector, Vector]:
+    """Return the three numbers from ``column`` on of the gusts at the time ``t`` (s), and their derivatives."""
+    place = t / step
+    k = min(max(int(place), 0), gusts.shape[0] - 2)
+    u = min(max(place - k, 0.0), 1.0)
+    a, b, c = gusts[k], gusts[k + 1], column
+    p, v = (a[c], a[c + 1], a[c + 2]), (a[c + 3], a[c + 4], a[c + 5])
+    q, w = (b[c], b[c + 1], b[c + 2]), (b[c + 3], b[c + 4], b[c + 5])
     curve = cubic_between(p, v, q, w, step)
     return cubic_point(curve, u), scale(1.0 / step, cubic_slope(curve, u))
 

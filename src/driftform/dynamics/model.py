@@ -6,8 +6,9 @@ import numpy as np
 
 from driftform.dynamics.flow import UNIFORM, flow_array, gust_array
 from driftform.dynamics.inertia import added_mass_at, rigid_body_mass
+from driftform.dynamics.terminal import terminal_speed_across
 from driftform.geometry.slices import slice_solid
-from driftform.scenario import Scenario
+from driftform.scenario import Scenario, TurbulentFlow
 from driftform.types import Agent, Body, Drag, FloatArray
 from driftform.util.compiled import borrow, compiled
 
@@ -76,7 +77,7 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     total = rigid_body_mass(mass) + added_mass_at(coefficients, np.zeros(3))
     inverse = invert_mass(total, max(agent.body.length, agent.body.max_diameter))
     rims = _rim_springs(touching_rims(agent.body), inverse, scenario)
-    flow, gusts = flow_array(scenario), gust_array(scenario)
+    flow, gusts = flow_array(scenario), _gusts(agent, scenario)
     drag = coefficients.drag or Drag(np.empty((0, 4)))
     table = np.zeros((ROWS, 6))
     table[MASS : MASS + 6], table[INVERSE : INVERSE + 6] = total, inverse
@@ -130,14 +131,14 @@ def unpack(values: FloatArray) -> FlightModel:
     pipe = rims + 6 * int(values[1])
     flow = pipe + 8 * int(values[2])
     gusts = flow + int(values[3])
-    cuts = gusts + 6 * int(values[4])
+    cuts = gusts + 12 * int(values[4])
     strips = cuts + 4 * int(values[5])
     return FlightModel(
         values[7:rims].reshape(-1, 6),
         values[rims:pipe].reshape(-1, 6),
         values[pipe:flow].reshape(-1, 8),
         values[flow:gusts],
-        values[gusts:cuts].reshape(-1, 6),
+        values[gusts:cuts].reshape(-1, 12),
         values[cuts:strips].reshape(-1, 4),
         values[strips:].reshape(-1, 4),
     )
@@ -211,6 +212,16 @@ def _pipe_rows(scenario: Scenario) -> FloatArray:
     axis = rows[:, 3:6] - rows[:, :3]
     length = np.linalg.norm(axis, axis=1, keepdims=True)
     return np.column_stack([rows[:, :3], axis / length, length, rows[:, 6]])
+
+
+def _gusts(agent: Agent, scenario: Scenario) -> FloatArray:
+    """Return the gusts that an agent meets: with drag, they know its terminal speed and its length."""
+    drag, flow = agent.coefficients.drag, scenario.flow
+    if drag is None or not isinstance(flow, TurbulentFlow) or flow.crossing == 0:
+        return gust_array(scenario)
+    net = agent.mass.net_buoyancy(scenario.fluid)
+    slip = terminal_speed_across(drag, net, scenario.fluid.density, scenario.fluid.viscosity)
+    return gust_array(scenario, slip, agent.body.length)
 
 
 def _drag_strips(agent: Agent) -> FloatArray:

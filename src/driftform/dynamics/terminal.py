@@ -28,10 +28,16 @@ def terminal_speeds(
     def along(speed: float) -> float:
         return float(abs(still_water_wrench(drag, (sign * speed, 0.0, 0.0), ZERO, density, viscosity)[0]))
 
+    return _balance_speed(along, abs(net)), terminal_speed_across(drag, net, density, viscosity)
+
+
+def terminal_speed_across(drag: Drag, net: float, density: float, viscosity: float) -> float:
+    """Return the terminal speed (m/s) across the axis; see :func:`terminal_speeds`."""
+
     def across(speed: float) -> float:
         return float(abs(still_water_wrench(drag, (0.0, 0.0, speed), ZERO, density, viscosity)[2]))
 
-    return _balance_speed(along, abs(net)), _balance_speed(across, abs(net))
+    return _balance_speed(across, abs(net))
 
 
 def _balance_speed(drag: Callable[[float], float], force: float) -> float:

@@ -72,8 +72,9 @@ def spin_coefficient(reynolds: float) -> float:
 def blockage_factor(ratio: float) -> float:
     """Return the ratio of the drag of a body in a tube to that in open water: (1 + 1.45 b^4.5) / (1 - b^2)^2.
 
-    Achenbach, J. Fluid Mech. 65 (1974), 113: for a sphere on the axis, at high Reynolds numbers. ``ratio`` is b, the
-    diameter of the body over that of the bore; from 0.95 on it counts as 0.95.
+    Achenbach, J. Fluid Mech. 65 (1974), 113: for a sphere on the axis, b from 0.5 to 0.92, Re from 3e4; at small b it is
+    the square of the speed-up in the gap. ``ratio`` is b, the diameter of the body over that of the bore; from 0.95 on it
+    counts as 0.95.
 
     >>> round(blockage_factor(0.1), 4), round(blockage_factor(0.5), 3)
     (1.0203, 1.892)

@@ -69,7 +69,7 @@ def _speed_profile(scenario: Scenario, row: FloatArray) -> FloatArray:
     axis = along / length
     aside = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     points = start + along / 2 + np.linspace(0, radius, PROFILE)[:, None] * aside / np.linalg.norm(aside)
-    pipe, flow, gusts = np.array([[*start, *axis, length, radius]]), flow_array(scenario), np.empty((0, 6))
+    pipe, flow, gusts = np.array([[*start, *axis, length, radius]]), flow_array(scenario), np.empty((0, 12))
     return np.array(
         [axis @ water_motion((x, y, z), 0.0, pipe, flow, gusts)[0] for x, y, z in points.tolist()]
     )

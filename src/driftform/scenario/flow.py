@@ -45,6 +45,8 @@ class DevelopingFlow(PipeFlow):
 class TurbulentFlow(PipeFlow):
     """The logarithmic law with gusts: an Ornstein-Uhlenbeck process along the path of the agent.
 
+    With drag, gusts differ along the agent, and an agent that moves through the water forgets them faster.
+
     Each evaluation of a run has different gusts, drawn from the seed of the run and the index of the evaluation.
     """
 
@@ -54,6 +56,13 @@ class TurbulentFlow(PipeFlow):
         0.8, "standard deviation of each component of a gust, relative to the friction velocity", ge=0, le=10
     )
     memory: float = option(3.0, "Lagrangian integral time of the gusts", "s", ge=1e-3, le=1e4)
+    crossing: float = option(
+        0.5,
+        "length in which a gust carries the water within its memory, relative to the size of the gusts (Csanady's beta); "
+        "0: gusts are uniform along the agent, and its motion through the water does not matter",
+        ge=0,
+        le=10,
+    )
     smoothing: float = option(
         0.1, "time scale of the smallest eddies, within which a gust hardly changes", "s", ge=1e-3, le=1e3
     )

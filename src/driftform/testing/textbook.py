@@ -2,24 +2,27 @@
 
 This module shares no code with driftform's kernels. Inertial and relative velocity are separate, as in Fossen,
 Handbook of Marine Craft Hydrodynamics and Motion Control (2011), theorem 3.2 and section 8.1, so that the
-equations do not rely on a change of frame. They hold in a uniform current along x, clear of any wall.
+equations do not rely on a change of frame. They hold in a uniform current along x, or in the logarithmic law in a smooth
+pipe along x, clear of any wall. Viscous forces, with the coefficients of :class:`driftform.types.Drag`, are written
+with vectors, from the sources that :mod:`driftform.hydrodynamics.drag_coefficients` names.
 
 This module needs scipy, which is not a dependency of driftform.
 """
 
 from collections.abc import Callable
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from driftform.scenario import FlightLimits, Fluid, Release, Scenario, UniformFlow
+from driftform.scenario import FlightLimits, Fluid, LogLawFlow, Release, Scenario, UniformFlow
 from driftform.testing.agents import Spheroid
 from driftform.testing.simulator import largest_distance
 from driftform.trajectory.interpolation import interpolate_positions
-from driftform.types import Agent, Coefficients, FloatArray, MassProperties, Trajectory
+from driftform.types import Agent, Coefficients, Drag, FloatArray, MassProperties, Trajectory
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -32,23 +35,15 @@ def textbook_states(
     agent: Agent, scenario: Scenario, times: FloatArray, rtol: float = 1e-11, atol: float = 1e-13
 ) -> FloatArray:
     """Return position (world, m), quaternion, and velocity over ground (body axes, SI) at ``times`` (s, (k,)), (k, 13)."""
-    mass, coefficients = agent.mass, agent.coefficients
-    m, S = mass.mass, _skew(mass.cog)
-    M_RB = np.block([[m * np.eye(3), -m * S], [m * S, mass.inertia - m * S @ S]])
-    # H maps the velocity of the body's origin to that of the coefficients' origin; its transpose maps forces back.
-    H = np.block([[np.eye(3), -_skew(coefficients.origin)], [np.zeros((3, 3)), np.eye(3)]])
-    M_A = H.T @ coefficients.added_mass @ H
-    U = np.array([scenario.flow.speed, 0.0, 0.0])
-    W = m * scenario.fluid.gravity
-    B = scenario.fluid.density * mass.volume * scenario.fluid.gravity
-    damping = (coefficients.linear_damping.copy(), coefficients.quadratic_damping.copy())
-    arguments = (M_RB, M_A, H, *damping, mass.cog.copy(), mass.cob.copy(), W, B, U)
-
+    arguments = _arguments(agent, scenario)
+    U, profile = np.array([scenario.flow.speed, 0.0, 0.0]), _profile(scenario)
     turn = Rotation.from_euler("ZY", [scenario.release.yaw_deg, scenario.release.pitch_deg], degrees=True)
     attitude = turn.as_quat(scalar_first=True)
     released = scenario.release.velocity
     known = {"current": U, "rest": np.zeros(3)}
     velocity = known[released] if isinstance(released, str) else np.array(released)
+    if len(profile) and released == "current":
+        velocity = np.array([_axial_velocity(np.hypot(*scenario.release.position[1:]), profile)[0], 0.0, 0.0])
     start = np.concatenate([scenario.release.position, attitude, turn.inv().apply(velocity), np.zeros(3)])
     solution = solve_ivp(
         lambda _, y: _state_rate(y, *arguments),
@@ -61,6 +56,11 @@ def textbook_states(
     )
     assert solution.success, solution.message
     return np.ascontiguousarray(solution.y.T, dtype=np.float64)
+
+
+def textbook_rate(agent: Agent, scenario: Scenario, state: FloatArray) -> FloatArray:
+    """Return the time derivative (13,) of a state as :func:`textbook_states` returns it."""
+    return np.asarray(_state_rate(np.asarray(state, dtype=np.float64), *_arguments(agent, scenario)))
 
 
 def distance_from_textbook(trajectory: Trajectory, agent: Agent, scenario: Scenario, until: float) -> float:
@@ -112,6 +112,42 @@ def random_case(seed: int, horizon: float = 3.0) -> tuple[Agent, Scenario]:
     return agent, scenario
 
 
+def _arguments(agent: Agent, scenario: Scenario) -> tuple[Any, ...]:
+    """Return what :func:`_state_rate` needs besides the state."""
+    mass, coefficients = agent.mass, agent.coefficients
+    m, S = mass.mass, _skew(mass.cog)
+    M_RB = np.block([[m * np.eye(3), -m * S], [m * S, mass.inertia - m * S @ S]])
+    # H maps the velocity of the body's origin to that of the coefficients' origin; its transpose maps forces back.
+    H = np.block([[np.eye(3), -_skew(coefficients.origin)], [np.zeros((3, 3)), np.eye(3)]])
+    M_A = H.T @ coefficients.added_mass @ H
+    U = np.array([scenario.flow.speed, 0.0, 0.0])
+    W = m * scenario.fluid.gravity
+    B = scenario.fluid.density * mass.volume * scenario.fluid.gravity
+    damping = (coefficients.linear_damping.copy(), coefficients.quadratic_damping.copy())
+    water = np.array([scenario.fluid.density, scenario.fluid.viscosity])
+    drag = _drag_numbers(coefficients.drag or Drag(np.empty((0, 4))))
+    centres = mass.cog.copy(), mass.cob.copy()
+    return M_RB, M_A, H, *damping, *centres, W, B, U, _profile(scenario), water, *drag
+
+
+def _profile(scenario: Scenario) -> FloatArray:
+    """Return bulk speed, u* / kappa (m/s) and radius of a smooth pipe, (3,); (0,) in a uniform current."""
+    if not isinstance(scenario.flow, LogLawFlow):
+        return np.empty(0)
+    U, radius = scenario.flow.speed, scenario.pipe.segments[0].radius
+    reynolds = 2 * radius * U / scenario.fluid.viscosity
+    # Prandtl's law for f, and u* = U sqrt(f / 8).
+    f = brentq(lambda f: 1 / np.sqrt(f) - 2 * np.log10(reynolds * np.sqrt(f) / 2.51), 1e-3, 1.0, xtol=1e-15)
+    return np.array([U, U * np.sqrt(f / 8) / 0.4, radius])
+
+
+def _drag_numbers(drag: Drag) -> tuple[FloatArray, FloatArray]:
+    """Return all numbers but the strips, and the strips."""
+    numbers = [drag.friction_area, drag.length, drag.ahead, drag.astern, drag.round_area, drag.diameter]
+    numbers += [drag.centre, *drag.wake_ahead, *drag.wake_astern, drag.spin, drag.shear_volume]
+    return np.array([*numbers, *drag.spread, drag.blocking]), drag.strips.copy()
+
+
 def _skew(a: FloatArray) -> FloatArray:
     return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
 
@@ -138,6 +174,99 @@ def _coriolis(M: FloatArray, nu: FloatArray) -> FloatArray:
 
 
 @_compiled
+def _axial_velocity(r: float, profile: FloatArray) -> tuple[float, float]:
+    """Return the velocity of the logarithmic law and its derivative, r from the axis."""
+    U, scale, radius = profile[0], profile[1], profile[2]
+    return U + scale * (1.5 + np.log(1 - r / radius)), -scale / (radius - r)
+
+
+@_compiled
+def _water(
+    place: FloatArray, axis: FloatArray, profile: FloatArray, numbers: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the water's velocity, averaged over the body, and its gradient du_i/dx_j."""
+    velocity, gradient = np.zeros(3), np.zeros((3, 3))
+    # The mean square distance from the pipe's axis is that of the centre and that of the body about its centre.
+    covariance = numbers[13] * np.eye(3) + (numbers[14] - numbers[13]) * np.outer(axis, axis)
+    r = np.sqrt(place[1] ** 2 + place[2] ** 2 + covariance[1, 1] + covariance[2, 2])
+    velocity[0], slope = _axial_velocity(r, profile)
+    if r > 0:
+        gradient[0] = slope * np.array([0.0, place[1], place[2]]) / r
+    return velocity, gradient
+
+
+@_compiled
+def _skin_friction(Re: float) -> float:
+    if Re < 5e5:
+        return 1.328 / np.sqrt(Re)
+    A = 5e5 * (0.075 / (np.log10(5e5) - 2) ** 2 - 1.328 / np.sqrt(5e5))
+    return 0.075 / (np.log10(Re) - 2) ** 2 - A / Re
+
+
+@_compiled
+def _viscous(
+    nu_r: FloatArray,
+    cob: FloatArray,
+    shear: FloatArray,
+    curl: FloatArray,
+    water: FloatArray,
+    radius: float,
+    n: FloatArray,
+    strips: FloatArray,
+) -> FloatArray:
+    """Return force and moment of drag and lift in body axes, (6,)."""
+    rho, viscosity = water
+    v, omega, x_axis = nu_r[:3].copy(), nu_r[3:].copy(), np.array([1.0, 0.0, 0.0])
+    tau, other = np.zeros(6), np.zeros(6)
+    for k in range(len(strips)):
+        x, d, dx, factor = strips[k]
+        at = x * x_axis
+        local = v + _cross(omega, at) - (x - cob[0]) * shear
+        local[0] = 0.0
+        speed = np.sqrt(np.sum(local**2))
+        if speed > 0:
+            Re = speed * d / viscosity
+            C = 1.18 + 6.3 / Re + 2.5 * Re**-0.5 - 4e-4 * Re / (1 + 3.64e-7 * Re**2)
+            force = -0.5 * rho * C * factor * d * dx * speed * local
+            tau[:3] += force
+            tau[3:] += _cross(at, force)
+    u = v[0]
+    if u != 0:
+        area = n[2] if u > 0 else n[3]
+        tau[0] -= 0.5 * rho * (area + _skin_friction(abs(u) * n[1] / viscosity) * n[0]) * u * abs(u)
+    at = n[6] * x_axis
+    local = v + _cross(omega, at) - (n[6] - cob[0]) * shear
+    local[0] = u
+    speed = np.sqrt(np.sum(local**2))
+    if n[4] > 0 and speed > 0:
+        Re = speed * n[5] / viscosity
+        C = 24 / Re * (1 + 0.15 * Re**0.687) + 0.42 / (1 + 42500 / Re**1.16)
+        force = -0.5 * rho * C * n[4] * speed * local
+        tau[:3] += force
+        tau[3:] += _cross(at, force)
+    b = min(0.95, n[15] / (2 * radius))
+    tau *= (1 + 1.45 * b**4.5) / (1 - b**2) ** 2
+    x, area = (n[7], n[8]) if u > 0 else (n[9], n[10])
+    at = x * x_axis
+    local = v + _cross(omega, at) - (x - cob[0]) * shear
+    local[0] = 0.0
+    angle = np.arctan2(np.sqrt(np.sum(local**2)), abs(u))
+    force = -rho * area * abs(u) * np.cos(angle / 2) * local
+    other[:3] += force
+    other[3:] += _cross(at, force)
+    p = abs(omega[0])
+    if n[11] > 0 and p > 0:
+        Re = p * n[5] ** 2 / 4 / viscosity
+        C = (3.507 * np.log10(max(Re, 40.0)) - 2.565) ** -2 * max(Re, 40.0) / Re
+        other[3] -= 0.5 * rho * C * n[11] * omega[0] * p
+    # Auton: rho V C_L (u - v) x curl u at the centre of buoyancy.
+    force = rho * n[12] * _cross(-(v + _cross(omega, cob)), curl)
+    other[:3] += force
+    other[3:] += _cross(cob, force)
+    return tau + other
+
+
+@_compiled
 def _state_rate(
     y: FloatArray,
     M_RB: FloatArray,
@@ -150,6 +279,10 @@ def _state_rate(
     W: float,
     B: float,
     U: FloatArray,
+    profile: FloatArray,
+    water: FloatArray,
+    numbers: FloatArray,
+    strips: FloatArray,
 ) -> FloatArray:
     q, nu = y[3:7] / np.sqrt(np.sum(y[3:7] ** 2)), y[7:].copy()
     w, x, yy, z = q
@@ -162,7 +295,11 @@ def _state_rate(
     )
     omega = nu[3:]
     current, current_rate = np.zeros(6), np.zeros(6)
-    current[:3] = R.T @ U
+    stream, gradient, radius = U, np.zeros((3, 3)), np.inf
+    if len(profile) > 0:
+        stream, gradient = _water(y[:3] + R @ cob, R[:, 0].copy(), profile, numbers)
+        radius = profile[2]
+    current[:3] = R.T @ stream
     current_rate[:3] = -_cross(omega, current[:3])
     nu_r = nu - current
     local = H @ nu_r
@@ -172,6 +309,10 @@ def _state_rate(
     hydrostatic[:3] = (B - W) * up
     hydrostatic[3:] = _cross(cob, B * up) - _cross(cog, W * up)
     tau = hydrostatic - H.T @ drag - _coriolis(M_RB, nu) - _coriolis(M_A, nu_r)
+    if len(strips) > 0:
+        shear = R.T @ (gradient @ R[:, 0].copy())
+        curl = R.T @ np.array([0.0, gradient[0, 2], -gradient[0, 1]])
+        tau += _viscous(nu_r, cob, shear, curl, water, radius, numbers, strips)
     out = np.empty(13)
     out[:3] = R @ nu[:3]
     out[3] = -0.5 * np.sum(q[1:] * omega)

@@ -1,0 +1,90 @@
+"""Spheres that settle and rise
+
+Source: A. ten Cate, C. H. Nieuwstad, J. J. Derksen and H. E. A. Van den Akker, Particle imaging velocimetry experiments and
+lattice-Boltzmann simulations on a single sphere settling under gravity, Physics of Fluids 14 (2002), 4012. A sphere of 15 mm
+and 1120 kg/m3 fell from rest through 120 mm of silicon oil, in a tank of 100 x 100 x 160 mm, in oils of four
+viscosities. Compared is its greatest speed.
+
+M. Rostami, A. Ardeshir, G. Ahmadi and P. J. Thomas (2006) let spheres of 5 to 10 mm fall at Re = 1000 to 5000, and
+found that gravity, drag and added mass alone explain the measured motion within 1 to 4.3 %. Compared is our flight of a
+steel sphere of 8 mm in water with these three terms, integrated by scipy.
+
+M. Horowitz and C. H. K. Williamson, The effect of Reynolds number on the dynamics and wakes of freely rising and falling
+spheres, Journal of Fluid Mechanics 651 (2010), 251: spheres lighter than about 0.4 to 0.6 of the water rise in zigzags,
+heavier ones rise or fall nearly straight. Compared is the distance from the vertical of a sphere of 40 mm and 0.3 times the
+water's density, after 3 s.
+
+Driftform: flights from rest in open water with `drag = "strips"`.
+
+Left out: the walls of ten Cate's tank and its floor, and the history force, both of which slow the sphere (the history force
+matters little above Re = 1000); and vortices that are shed in turns: no sphere of the model zigzags, so
+`driftform inspect` and the report warn of light, round agents.
+"""
+
+import math
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from driftform.hydrodynamics.drag import estimate_drag
+from driftform.scenario import FlightLimits, Fluid, Pipe, Release, Scenario, UniformFlow
+from driftform.testing.agents import solid_agent
+from driftform.testing.bodies import spheroid_body
+from driftform.trajectory.interpolation import interpolate_positions
+from driftform.types import Coefficients
+from driftform_native.simulator import NativeOptions, NativeSimulator
+
+TEN_CATE = ((970.0, 0.373, 0.0363), (965.0, 0.212, 0.0571), (962.0, 0.113, 0.0869), (960.0, 0.058, 0.1226))
+"""Density (kg/m3) and viscosity (Pa s) of the oil, and the greatest speed (m/s)."""
+
+
+def fall(radius, density, fluid, horizon):
+    """Return the flight of a sphere from rest in open water."""
+    body = spheroid_body(radius, radius, edges=200)
+    displaced = fluid.density * 4 / 3 * math.pi * radius**3
+    coefficients = Coefficients(
+        np.diag([displaced / 2] * 3 + [0.0] * 3), drag=estimate_drag(body, fluid.viscosity, 0.0)
+    )
+    scenario = Scenario(
+        pipe=Pipe(segments=()),
+        flow=UniformFlow(speed=0.0),
+        fluid=fluid,
+        release=Release(velocity="rest"),
+        flight=FlightLimits(horizon=horizon),
+    )
+    return NativeSimulator(NativeOptions()).simulate(solid_agent(body, density, coefficients), scenario)
+
+
+def clift_gauvin(reynolds):
+    """Return C_d of a sphere."""
+    return 24 / reynolds * (1 + 0.15 * reynolds**0.687) + 0.42 / (1 + 42500 * reynolds**-1.16)
+
+
+def distance_from_three_terms():
+    """Return the greatest difference of the depths of a steel sphere, relative to that of the three terms."""
+    d, density, fluid, horizon = 0.008, 7800.0, Fluid(density=998.0, viscosity=1.0e-6), 0.5
+
+    def rate(_, y):
+        speed = max(y[1], 1e-12)
+        drag = 0.75 * fluid.density / d * clift_gauvin(speed * d / fluid.viscosity) * speed**2
+        return [y[1], ((density - fluid.density) * 9.81 - drag) / (density + fluid.density / 2)]
+
+    times = np.linspace(0.05, horizon, 50)
+    depth = solve_ivp(rate, (0, horizon), [0, 0], t_eval=times, rtol=1e-9, atol=1e-12).y[0]
+    flown = -interpolate_positions(fall(d / 2, density, fluid, horizon), times)[:, 2]
+    return float(np.abs(flown / depth - 1).max())
+
+
+def measure():
+    """Return rows of what is compared, measured and found."""
+    rows = []
+    for number, (density, viscosity, measured) in enumerate(TEN_CATE, 1):
+        flight = fall(0.0075, 1120.0, Fluid(density=density, viscosity=viscosity / density), 4.0)
+        found = float(-flight.velocity[flight.position[:, 2] > -0.12, :3].min())
+        rows.append((f"ten Cate, oil {number}: greatest speed, m/s", measured, found))
+    light = fall(0.02, 300.0, Fluid(density=998.0, viscosity=1.0e-6), 3.0)
+    return [
+        *rows,
+        ("Rostami: depth, off the three terms by, %", "1 to 4.3", 100 * distance_from_three_terms()),
+        ("Horowitz: swing aside, mm", "zigzags", 1000 * math.hypot(*light.position[-1, :2])),
+    ]
