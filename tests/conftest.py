@@ -195,12 +195,21 @@ def new_environment(
     return made
 
 
+class Program(subprocess.Popen[Any]):
+    """A program that ends with its context if that fails, where ``Popen`` would wait for it."""
+
+    def __exit__(self, kind: type[BaseException] | None, *rest: Any) -> None:
+        if kind is not None:
+            self.kill()
+        super().__exit__(kind, *rest)
+
+
 @pytest.fixture(scope="session")
 def start(fake_plugin: Path) -> Callable[..., subprocess.Popen[str]]:
     """Start the installed program."""
 
     def started(*args: object, cwd: Path) -> subprocess.Popen[str]:
-        return subprocess.Popen(
+        return Program(
             [PROGRAM, *map(str, args)],
             cwd=cwd,
             env=os.environ | {"PYTHONPATH": str(fake_plugin)},
@@ -230,7 +239,7 @@ def dask(fake_plugin: Path) -> Callable[..., subprocess.Popen[bytes]]:
 
     def started(*args: object, cwd: Path) -> subprocess.Popen[bytes]:
         environment = {"PYTHONPATH": str(fake_plugin), "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
-        return subprocess.Popen(
+        return Program(
             [PROGRAM.with_stem("dask"), *map(str, args)],
             cwd=cwd,
             env=os.environ | environment,

@@ -30,7 +30,7 @@ def driftform_fitness():
     class Mine(Fitness):
         name = "{name}"
 
-        def score(self, trajectory, scenario):
+        def score(self, trajectory, scenario, agent):
             return scenario.target_array()[:, 0] * self.options.weight
 
     Mine.Options = Options

@@ -24,6 +24,7 @@ from driftform.runs.run import Observer, check_targets
 from driftform.runs.run import Run as StoredRun
 from driftform.runs.store import Record
 from driftform.runs.tables import evaluation_batches, write_tables
+from driftform.runs.wording import list_cells, list_headings
 from driftform.study import Study, load_study
 from driftform.util.notebook import show_picture, show_table
 from driftform.util.progress import count_progress
@@ -133,18 +134,17 @@ class Run(StoredRun, Mapping[str, Design]):
         return f"<Run {self.path}: {len(self)} targets>"
 
     def _repr_html_(self) -> str:
-        places, best = self.study.scenario.targets, self.best()
+        places, best, fitness = self.study.scenario.targets, self.best(), self.study.make_plugin("fitness")
         rows = (
             (
                 target,
                 ", ".join(f"{c:g}" for c in places[target]),
-                f"{row['fitness']:.3f}",
-                f"{row['error_percent']:.3f}",
+                *list_cells(fitness, row["fitness"]),
                 str(row["evaluation"]),
             )
             for target, row in best.items()
         )
-        header = ("target", "x, y, z m", "fitness %", "error % of d_max", "evaluation")
+        header = ("target", "x, y, z m", *list_headings(fitness), "evaluation")
         overview = self.path / "figures" / "overview.svg"
         shown = show_picture(overview.read_text(encoding="utf-8"), repr(self)) if overview.is_file() else ""
         return shown + show_table(header, rows, str(self.path))

@@ -5,6 +5,9 @@ import traceback
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+_LONGEST = 1000
+"""Longest message of an error that is shown, characters."""
+
 
 class DriftformError(Exception):
     """Base class of errors that are shown without a traceback; each argument is one fault, described in one line."""
@@ -34,11 +37,29 @@ def describe_error(error: BaseException, *, with_place: bool = False) -> str:
     >>> describe_error(ValueError("two\\nlines")), describe_error(ImportError("No module named 'exudyn'"))
     ('ValueError: two lines', "No module named 'exudyn'")
     """
-    name, message = type(error).__name__, " ".join(str(error).split())
+    name, message = type(error).__name__, " ".join(_read_message(error).split())
     text = message if isinstance(error, DriftformError | ImportError) else f"{name}: {message}"
     text = text if message else name
     frames = traceback.extract_tb(error.__traceback__) if with_place else []
     return f"{text} (in {frames[-1].name}, line {frames[-1].lineno})" if frames else text
+
+
+def _read_message(error: BaseException) -> str:
+    """Return the message of an error; its class may belong to anybody, and fail to say what failed."""
+    try:
+        message = str(error)
+    except Exception:
+        return "no message"
+    return message if len(message) <= _LONGEST else f"{message[:_LONGEST]} ..."
+
+
+def escape_controls(text: str) -> str:
+    """Return text without characters that move a cursor or recolour a terminal: texts come from files of others.
+
+    >>> escape_controls("\\x1b[2J Ω")
+    '\\\\x1b[2J Ω'
+    """
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:

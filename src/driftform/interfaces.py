@@ -27,6 +27,7 @@ from driftform.types import (
     Genome,
     Morphology,
     Trajectory,
+    Verdict,
     WrittenFile,
 )
 
@@ -174,11 +175,39 @@ class Simulator(Plugin[OptionsT_co]):
 
 
 class Fitness(Plugin[OptionsT_co]):
-    """Trajectory -> one fitness for each target of the scenario, in percent: 100 is best, 0 is worst."""
+    """Trajectory -> one fitness for each target of the scenario, in percent: 100 is best, 0 is worst.
+
+    The search knows only this number. People read what :meth:`measure` makes of it, and what :meth:`judge` says of the
+    target. Unless a subclass has better words, that is the fitness itself, and 99 % or more is reached.
+    """
+
+    heading: ClassVar[str] = "fitness %"
+    """What :meth:`measure` returns, with its unit: the heading of a column."""
+    unit: ClassVar[str] = "%"
+    """The unit beside a single value."""
+    goal: ClassVar[str] = "a fitness of at least 99 %"
+    """What a target that is reached has, in words."""
 
     @abstractmethod
-    def score(self, trajectory: Trajectory, scenario: Scenario) -> FloatArray:
-        """Return the fitness for each target, %, in the order of the scenario, (targets,)."""
+    def score(self, trajectory: Trajectory, scenario: Scenario, agent: Agent) -> FloatArray:
+        """Return the fitness for each target, %, in the order of the scenario, (targets,).
+
+        ``agent`` is what flew, for a fitness that also depends on mass or size.
+        """
+
+    def measure(self, fitness: float) -> float:
+        """Return what people read of a fitness (%), in ``unit``."""
+        return fitness
+
+    def judge(self, fitness: float) -> Verdict:
+        """Return whether the target of a fitness (%) is reached; a larger fitness never has a worse verdict."""
+        if fitness >= 99:
+            return Verdict.REACHED
+        return Verdict.NEAR if fitness >= 95 else Verdict.MISSED
+
+    def describe(self, fitness: float) -> str:
+        """Return what people read of a fitness (%), as text with its unit."""
+        return f"{self.measure(fitness):.2f} {self.unit}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -412,6 +441,9 @@ class PrintJob:
         volume of material by the agent's closed-form geometry, m3, ``None`` if unknown.
     source
         OpenSCAD source of the same solid, ``None`` if there is no such file.
+    withheld
+        name of a source that came within a file of unknown origin and was not asked for, so that no program may run
+        it; ``None`` if there is no such source.
     """
 
     files: tuple[Path, ...]
@@ -419,6 +451,7 @@ class PrintJob:
     export: ExportJob | None = None
     volume: float | None = None
     source: Path | None = None
+    withheld: str | None = None
 
 
 class Checker(Plugin[OptionsT_co]):

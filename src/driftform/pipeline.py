@@ -9,12 +9,22 @@ from typing import Any
 import numpy as np
 
 from driftform.errors import WorkFailedError, describe_error
+from driftform.faults import describe_fault, require, require_flights
 from driftform.geometry import mass_properties
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
 from driftform.scenario import Scenario
 from driftform.scenario.disturbances import Condition, disturb_body, disturb_scenario, draw_conditions
 from driftform.scenario.fit import ease_release, find_misfit
-from driftform.types import Agent, Evaluation, FloatArray, Genome, Morphology, Trajectory
+from driftform.types import (
+    Agent,
+    Body,
+    Coefficients,
+    Evaluation,
+    FloatArray,
+    Genome,
+    Morphology,
+    Trajectory,
+)
 
 MARGIN = 0.2
 """Fitness (%) below its threshold down to which an unchecked flight still matters, because its fitness may be too low.
@@ -64,17 +74,18 @@ class Pipeline:
 
     def express(self, genome: Genome) -> Morphology:
         """Genome -> morphology."""
-        return self.grammar.express(genome)
+        return require(self.grammar.express(genome), Morphology, self.grammar, "express")
 
     def realise(
         self, morphology: Morphology, genome: Genome | None = None, condition: Condition | None = None
     ) -> Agent:
         """Morphology -> agent, as printed under a disturbed condition if one is given."""
-        body, scenario = self.builder.build(morphology), self.scenario
+        body, scenario = require(self.builder.build(morphology), Body, self.builder, "build"), self.scenario
         if condition is not None:
             body, scenario = disturb_body(condition, body), disturb_scenario(condition, scenario)
         mass, fluid, options = mass_properties(body), scenario.fluid, self.hydrodynamics.options
-        coefficients = self.hydrodynamics.coefficients(body, fluid)
+        found = self.hydrodynamics.coefficients(body, fluid)
+        coefficients = require(found, Coefficients, self.hydrodynamics, "coefficients")
         if options.drag == "strips":
             from driftform.hydrodynamics.drag import estimate_drag, wake_factor
 
@@ -92,9 +103,18 @@ class Pipeline:
         """The disturbed conditions of the finalists' flights."""
         return draw_conditions(self.scenario.robustness, self.seed)
 
+    def find_obstacle(self, genome: Genome) -> str | None:
+        """Return why a genome cannot be built or released, in one line; ``None`` if it can."""
+        try:
+            body = self.builder.build(self.express(genome))
+        except Exception as error:
+            return describe_error(error, with_place=True)
+        return find_misfit(body, self.scenario)
+
     def fly(self, agents: Sequence[Agent], scenarios: Sequence[Scenario] | None = None) -> list[Trajectory]:
         """Agents -> trajectories, each in the pipeline's scenario or in its own of ``scenarios``."""
-        return self.simulator.simulate_batch(agents, scenarios or [self.scenario] * len(agents))
+        flights = self.simulator.simulate_batch(agents, scenarios or [self.scenario] * len(agents))
+        return require_flights(flights, len(agents), self.simulator)
 
     def fly_named(self, agents: Sequence[Agent], name: str) -> list[Trajectory]:
         """Agents -> their flights; ``name`` says in errors whose they are.
@@ -124,7 +144,10 @@ class Pipeline:
         trajectories = self.fly_named(agents, name)
         for trajectory in trajectories:
             trajectory.require_success(name)
-        return [ScoredFlight(t, self.fitness.score(t, self.scenario)) for t in trajectories]
+        return [
+            ScoredFlight(trajectory, self.fitness.score(trajectory, self.scenario, agent))
+            for trajectory, agent in zip(trajectories, agents, strict=True)
+        ]
 
     def evaluate(
         self,
@@ -164,8 +187,8 @@ class Pipeline:
         for index, genome in enumerate(genomes):
             try:
                 agent = self.make_agent(genome, under[index])
-            except Exception as error:
-                outcomes[index] = Evaluation.failed(genome, targets, describe_error(error, with_place=True))
+            except (Exception, SystemExit) as error:
+                outcomes[index] = Evaluation.failed(genome, targets, describe_fault(error))
                 continue
             if under[index] is not None:
                 scenarios[index] = ease_release(agent.body, self.scenario, scenarios[index])
@@ -179,7 +202,7 @@ class Pipeline:
             list(agents.values()), [scenarios[index] for index in agents], [bounds[index] for index in agents]
         )
         for index, trajectory in zip(agents, flights, strict=True):
-            outcomes[index] = self._score(genomes[index], trajectory)
+            outcomes[index] = self._score(genomes[index], agents[index], trajectory)
         share = (time.perf_counter() - started) / max(1, len(genomes))
         return [replace(outcomes[index], seconds=share) for index in range(len(genomes))]
 
@@ -192,13 +215,10 @@ class Pipeline:
         if not agents:
             return []
         try:
-            flights: list[Trajectory | str] = list(self._fly_or_screen(agents, scenarios, thresholds))
-            if len(flights) != len(agents):
-                raise ValueError(f"the simulator returned {len(flights)} flights for {len(agents)} agents")
-            return flights
-        except Exception as error:
+            return list(self._fly_or_screen(agents, scenarios, thresholds))
+        except (Exception, SystemExit) as error:
             if len(agents) == 1:
-                return [describe_error(error, with_place=True)]
+                return [describe_fault(error)]
             return [
                 flight
                 for agent, scenario, threshold in zip(agents, scenarios, thresholds, strict=True)
@@ -213,28 +233,31 @@ class Pipeline:
     ) -> list[Trajectory]:
         if all(threshold is None for threshold in thresholds):
             return self.fly(agents, scenarios)
-        return self.simulator.screen_batch(
-            agents, scenarios, lambda index, trajectory: self._matters(trajectory, thresholds[index])
+        flights = self.simulator.screen_batch(
+            agents,
+            scenarios,
+            lambda index, trajectory: self._matters(agents[index], trajectory, thresholds[index]),
         )
+        return require_flights(flights, len(agents), self.simulator, "screen_batch")
 
-    def _matters(self, trajectory: Trajectory, threshold: tuple[float, ...] | None) -> bool:
+    def _matters(self, agent: Agent, trajectory: Trajectory, threshold: tuple[float, ...] | None) -> bool:
         if threshold is None or trajectory.failure is not None:
             return True
         try:
-            fitness = self.fitness.score(trajectory, self.scenario)
+            fitness = self.fitness.score(trajectory, self.scenario, agent)
             # A fitness that is not a number matters: it is a failure.
             return not np.all(fitness <= np.array(threshold) - MARGIN)
-        except Exception:
+        except (Exception, SystemExit):
             # The same error in the score of the checked flight is the failure of the evaluation.
             return True
 
-    def _score(self, genome: Genome, trajectory: Trajectory | str) -> Evaluation:
+    def _score(self, genome: Genome, agent: Agent, trajectory: Trajectory | str) -> Evaluation:
         targets = len(self.scenario.targets)
         if isinstance(trajectory, str):
             return Evaluation.failed(genome, targets, trajectory)
         if trajectory.failure is not None:
             return Evaluation.failed(genome, targets, trajectory.failure, trajectory)
         try:
-            return Evaluation(genome, self.fitness.score(trajectory, self.scenario), trajectory)
-        except Exception as error:
-            return Evaluation.failed(genome, targets, describe_error(error, with_place=True))
+            return Evaluation(genome, self.fitness.score(trajectory, self.scenario, agent), trajectory)
+        except (Exception, SystemExit) as error:
+            return Evaluation.failed(genome, targets, describe_fault(error))

@@ -13,6 +13,7 @@ import pluggy
 
 from driftform import hookspecs
 from driftform.errors import InputError, describe_error, did_you_mean
+from driftform.faults import report_faults
 from driftform.interfaces import SEAMS, Plugin
 
 GROUP = "driftform"
@@ -69,7 +70,7 @@ class Registry:
                 module = point.load()
                 self._check_hooks(module)
                 self._manager.register(module, name=key)
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 self._broken.append(
                     Contribution(
                         "", point.name, distribution, version, f"unavailable: {describe_error(error)}"
@@ -93,7 +94,7 @@ class Registry:
                 short = implementation.plugin_name.partition(":")[2]
                 try:
                     classes = _check_classes(implementation.function(), SEAMS[seam])
-                except Exception as error:
+                except (Exception, SystemExit) as error:
                     rows.append(
                         Contribution(
                             seam, short, distribution, version, f"unavailable: {describe_error(error)}"
@@ -151,11 +152,15 @@ class Registry:
         ------
         InputError
             like :meth:`find`.
+        WorkFailedError
+            if the class fails.
         pydantic.ValidationError
             if the options do not fit the model of the class.
         """
         cls = self.find(seam, name)
-        return cls(cls.Options.model_validate(dict(options)), **more)
+        checked = cls.Options.model_validate(dict(options))
+        with report_faults():
+            return cls(checked, **more)
 
 
 @cache

@@ -491,6 +491,17 @@ class Evaluation:
         return cls(genome, np.zeros(targets), trajectory, failure)
 
 
+class Verdict(StrEnum):
+    """What a fitness says of its target."""
+
+    REACHED = "reached"
+    """The agent does what it is for."""
+    NEAR = "near"
+    """The agent almost does."""
+    MISSED = "missed"
+    """The agent does not."""
+
+
 class State(StrEnum):
     """The result of a check."""
 

@@ -46,7 +46,7 @@ def test_stages_of_an_evaluation(publish, count_of, milliseconds):
         "simulate (native)": milliseconds(lambda agent: pipeline.fly([agent]), agents),
         "simulate (Exudyn)": milliseconds(lambda agent: pipelines["exudyn"].fly([agent]), agents),
         "score ten targets": milliseconds(
-            lambda trajectory: pipeline.fitness.score(trajectory, scenario), flights
+            lambda trajectory: pipeline.fitness.score(trajectory, scenario, agents[0]), flights
         ),
         "encode for the store": milliseconds(encode, flights),
     }

@@ -208,7 +208,7 @@ def test_what_an_evaluation_costs_over_plain_steps(kind, pipelines, publish, cou
     genome_to_agent = milliseconds(native.make_agent, [agent.genome for agent in agents])
     model = milliseconds(lambda agent: flight_model(agent, scenario), agents)
     flight = milliseconds(lambda agent: native.fly([agent]), agents)
-    score = milliseconds(lambda trajectory: native.fitness.score(trajectory, scenario), flights)
+    score = milliseconds(lambda trajectory: native.fitness.score(trajectory, scenario, agents[0]), flights)
     code = milliseconds(encode, flights)
     plain = milliseconds(Course.by_runge_kutta, courses)
     rows = {

@@ -7,8 +7,9 @@ from driftform.builtin.closest_approach import ClosestApproach
 from driftform.options import Table
 from driftform.scenario import Pipe, Scenario, Segment
 from driftform.testing import FitnessContract
+from driftform.testing.agents import sphere_agent
 from driftform.testing.fitness import straight_trajectory
-from driftform.types import End, Trajectory
+from driftform.types import End, Trajectory, Verdict
 
 PIPE = Pipe(segments=(Segment(start=(0, 0, 0), end=(9, 0, 0), radius=1.0),))
 
@@ -22,7 +23,7 @@ class TestClosestApproach(FitnessContract):
 
 def score(trajectory: Trajectory, *targets: tuple[float, float, float], pipe: Pipe = PIPE) -> np.ndarray:
     scenario = Scenario(pipe=pipe, targets={f"T{i}": target for i, target in enumerate(targets)})
-    return ClosestApproach(Table()).score(trajectory, scenario)
+    return ClosestApproach(Table()).score(trajectory, scenario, sphere_agent(0.01, 0.05))
 
 
 def curved_flight(times: np.ndarray) -> Trajectory:
@@ -129,3 +130,25 @@ def test_a_flight_that_leaves_the_pipe_far_behind_has_no_fitness_and_not_less():
     gone = straight_trajectory((0, 0, 0), (0, 100, 0), np.array([0.0, 1.0]))
     away = Trajectory(gone.t, gone.position - np.array([50, 0, 0]), gone.quaternion, gone.velocity, End.INLET)
     assert score(away, (4.0, 0.0, 0.0)) == [0.0]
+
+
+def test_its_words_are_those_of_the_error_in_percent_of_d_max():
+    fitness = ClosestApproach(Table())
+    assert fitness.heading == "error % of d_max"
+    assert fitness.describe(97.5) == "2.50 %"
+    assert [fitness.judge(f) for f in (99.5, 99.0, 98.9, 95.0, 94.9)] == [
+        *(Verdict.REACHED, Verdict.REACHED),
+        *(Verdict.NEAR, Verdict.NEAR),
+        Verdict.MISSED,
+    ]
+
+
+def test_a_fitness_may_depend_on_the_mass_of_the_agent():
+    class CloseAndLight(ClosestApproach):
+        def score(self, trajectory, scenario, agent):
+            return super().score(trajectory, scenario, agent) * min(1.0, 0.05 / agent.mass.mass)
+
+    trajectory = straight_trajectory((0, 0, 0), (9, 0, 0), np.array([0.0, 9.0]))
+    scenario = Scenario(pipe=PIPE, targets={"A": (4.0, 0, 0)})
+    scores = [CloseAndLight(Table()).score(trajectory, scenario, sphere_agent(0.02, m)) for m in (0.05, 0.1)]
+    assert scores[0] == pytest.approx(2 * scores[1])

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import sys
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -107,6 +108,69 @@ def test_the_agent_attached_to_a_3mf_comes_before_the_one_beside_it(call: Call, 
         archive.writestr("Metadata/agent.json", agent_file(call, WORD, tmp_path / "own.json").read_text())
     agent_file(call, OTHER, tmp_path / "agent.json")
     assert lines(call("check", path, "--no-programs", "--json"))["mass"]["state"] == "pass"
+
+
+def write_archive(path: Path, attached: str) -> Path:
+    """A 3MF of a tetrahedron with one more file in it."""
+    corners = ("0 0 0", "10 0 0", "0 10 0", "0 0 10")
+    vertices = "".join('<vertex x="{}" y="{}" z="{}"/>'.format(*c.split()) for c in corners)
+    triangles = "".join(
+        '<triangle v1="{}" v2="{}" v3="{}"/>'.format(*t) for t in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
+    )
+    start = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr(
+            "_rels/.rels",
+            f'<Relationships><Relationship Target="/3D/3dmodel.model" Type="{start}"/></Relationships>',
+        )
+        archive.writestr(
+            "3D/3dmodel.model",
+            '<model xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources><object id="1">'
+            f"<mesh><vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh></object></resources>"
+            '<build><item objectid="1"/></build></model>',
+        )
+        archive.writestr(attached, "cube(10);" * 100)
+    return path
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="runs a script as a program")
+def test_source_that_a_stranger_attached_is_rendered_only_when_asked_for(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = write_archive(tmp_path / "stranger.3mf", "Metadata/agent.scad")
+    programs = tmp_path / "programs"
+    programs.mkdir()
+    openscad = programs / "openscad"
+    openscad.write_text(f"#!{sys.executable}\nopen({str(tmp_path / 'ran')!r}, 'w')\n")
+    openscad.chmod(0o755)
+    monkeypatch.setenv("PATH", str(programs))
+    found = lines(call("check", path, "--json"))["openscad"]
+    assert found["state"] == "skipped"
+    assert found["detail"].endswith("is not rendered; add --attached if you trust the file")
+    assert not (tmp_path / "ran").exists()
+    assert lines(call("check", path, "--attached", "--json"))["openscad"]["state"] == "fail"
+    assert (tmp_path / "ran").exists()
+
+
+@pytest.mark.parametrize("harm", ["content", "method", "encrypted"])
+def test_an_archive_that_cannot_be_read_is_refused_in_one_line(
+    refused: Callable[..., str], tmp_path: Path, harm: str
+) -> None:
+    path = write_archive(tmp_path / "broken.3mf", "Metadata/agent.json")
+    data = bytearray(path.read_bytes())
+    central = data.rindex(b"Metadata/agent.json") - 46
+    if harm == "content":
+        data[data.index(b"cube(10);") + 3] ^= 0xFF
+    elif harm == "method":
+        local = data.index(b"Metadata/agent.json") - 30
+        data[central + 10] = data[local + 8] = 99
+    else:
+        local = data.index(b"Metadata/agent.json") - 30
+        data[central + 8] |= 1
+        data[local + 6] |= 1
+    path.write_bytes(bytes(data))
+    line = refused("check", "broken.3mf", "--no-programs")
+    assert line.startswith("error: broken.3mf: cannot be read as an archive: ")
 
 
 @pytest.mark.peers

@@ -1,12 +1,16 @@
 """A run.db that is not as driftform left it is refused in one line, to go on with and to read from."""
 
+import json
 import os
 import shutil
 import sqlite3
+import zlib
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 Refused = Callable[..., str]
@@ -41,6 +45,39 @@ def sql(*statements: str) -> Callable[[Path], None]:
         connection.close()
 
     return harm
+
+
+def flown(blob: bytes) -> Callable[[Path], None]:
+    """Another flight in place of every one."""
+
+    def harm(path: Path) -> None:
+        with closing(sqlite3.connect(path)) as connection, connection:
+            connection.execute("UPDATE evaluation SET trajectory = ?", (blob,))
+
+    return harm
+
+
+def flight_of(*rows: list[float]) -> bytes:
+    """A flight as it is stored, of rows of 14 numbers."""
+    planes = np.array(rows, dtype="<f4").T.copy().view(np.uint8).reshape(-1, 4).T
+    return zlib.compress(planes.tobytes())
+
+
+def studied(change: Callable[[dict[str, Any]], object]) -> Callable[[Path], None]:
+    """Another study in place of that of the run."""
+
+    def harm(path: Path) -> None:
+        with closing(sqlite3.connect(path)) as connection, connection:
+            [text] = connection.execute("SELECT value FROM meta WHERE key = 'study'").fetchone()
+            document = json.loads(text)
+            change(document)
+            connection.execute("UPDATE meta SET value = ?", (json.dumps(document),))
+
+    return harm
+
+
+ENDLESS = """CREATE VIEW {} AS WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n)
+SELECT i AS evaluation, 'TP1' AS target, 1.0 AS fitness FROM n"""
 
 
 def foreign(path: Path) -> None:
@@ -80,6 +117,28 @@ DAMAGE = "is damaged"
         (sql("UPDATE evaluation SET trajectory = x'0011'"), DAMAGE),
         (sql("UPDATE evaluation SET ended = 'x'"), DAMAGE),
         (sql("UPDATE score SET fitness = 'abc'"), DAMAGE),
+        (sql("UPDATE score SET fitness = 9e999"), "a fitness is inf, expected a number from 0 to 100"),
+        (sql("UPDATE score SET fitness = -1"), "a fitness is -1.0"),
+        (sql("UPDATE evaluation SET symbols = '[1, 2]'"), "the symbols is 1, expected a text"),
+        (sql("UPDATE evaluation SET generation = 'x'"), "a generation is 'x', expected an integer"),
+        (sql("UPDATE evaluation SET population = x'00'"), "a population is "),
+        (sql("UPDATE evaluation SET parents = '[-1]'"), "the parents is -1"),
+        (sql("UPDATE evaluation SET grammar = 'other'"), "of the grammar 'other', expected 'lsystem'"),
+        (sql("UPDATE evaluation SET seed = 'x'"), "a seed is 'x'"),
+        (sql("UPDATE evaluation SET seconds = -1"), "the time of an evaluation is -1.0"),
+        (sql("UPDATE evaluation SET contact = 'x'"), "the contact of a flight is 'x'"),
+        (flown(zlib.compress(bytes(1 << 29), 9)), "a flight is cut short, or too large"),
+        (flown(zlib.compress(bytes(57))), "a flight has 57 bytes"),
+        (flown(flight_of([0.0] * 14, [np.nan] * 14)), "a flight has numbers that are not finite"),
+        (flown(flight_of([1.0] * 14, [0.5] * 14)), "the times of a flight decrease"),
+        (studied(lambda study: study.update(targets={})), "the study's targets is {}"),
+        (studied(lambda study: study["pipe"].update(roughness=np.nan)), "has NaN in place of a number"),
+        (sql("DROP TABLE score", ENDLESS.format("score")), "not as driftform makes them: score"),
+        (sql(ENDLESS.format("more")), "not as driftform makes them: more"),
+        (
+            sql("CREATE TRIGGER t AFTER INSERT ON evaluation BEGIN DELETE FROM score; END"),
+            "not as driftform makes them: t",
+        ),
     ],
 )
 def test_to_resume_and_to_read(
@@ -98,7 +157,6 @@ def test_to_resume_and_to_read(
         sql("DELETE FROM score WHERE evaluation = 3"),
         sql("UPDATE evaluation SET trajectory = NULL"),
         sql("""UPDATE evaluation SET symbols = '["C"]' WHERE id = 3"""),
-        sql("UPDATE evaluation SET symbols = '[1, 2]'"),
     ],
 )
 def test_to_resume(
@@ -155,3 +213,33 @@ def test_a_copy_whose_log_was_left_by_a_crash_is_whole(
     assert call("resume", "crashed", "--workers", 1).exit_code == 0
     assert [row[0] for row in rows(crashed)[:20]] == list(range(20))
     assert [path.name for path in crashed.glob("run.db*")] == ["run.db"]
+
+
+def test_a_locked_run_is_not_called_damaged_and_stays_as_it_is(
+    run_copy: Path, call: Callable[..., Any], rows: Callable[..., Any]
+) -> None:
+    before = rows(run_copy)
+    with closing(sqlite3.connect(run_copy / "run.db")) as other:
+        other.execute("BEGIN EXCLUSIVE")
+        result = call("inspect", "run:TP1")
+        other.rollback()
+    assert result.exit_code == 1
+    [line] = result.stderr.splitlines()
+    assert line.startswith(
+        "error: run/run.db: cannot be read here: database is locked; the data are untouched"
+    )
+    assert rows(run_copy) == before
+
+
+@pytest.mark.parametrize("name", ["\x1b[2Jcleared", "line\nfeed"])
+def test_a_name_that_steers_a_terminal_is_refused_before_it_is_shown(
+    refused: Refused, run_copy: Path, name: str
+) -> None:
+    studied(lambda study: study.update(targets={name: [1.0, 0.0, 0.0]}))(run_copy / "run.db")
+    for args in (
+        ("watch", "run", "--once"),
+        ("watch", "run", "--json"),
+        ("report", "run"),
+        ("resume", "run"),
+    ):
+        assert "the name of a target is " in refused(*args)

@@ -112,7 +112,7 @@ def test_numbers_are_whole_and_the_curve_falls(width: int) -> None:
     assert curve[0] > curve[-1] == BARS[0]
     assert list(curve) == sorted(curve, reverse=True)
     heads = " ".join(lines[:2])
-    assert all(word in heads for word in ("target", "evaluation", "mean %", "failed", "best error"))
+    assert all(word in heads for word in ("target", "evaluation", "mean %", "failed", "left to 100 %"))
 
 
 def test_targets_that_find_no_room_take_turns() -> None:
@@ -181,7 +181,7 @@ def test_on_a_terminal_the_run_is_shown_live_and_ctrl_c_leaves_the_command_that_
     assert process.wait(timeout=60) == 130
     assert "Traceback" not in seen + rest
     # The table is not erased: the cursor does not go up again after it was last drawn.
-    table = rest[rest.rindex("best error") :]
+    table = rest[rest.rindex("left to 100 %") :]
     assert "TP1" in table
     assert not re.search(r"\x1b\[\d*A", table)
     last = rest.rstrip().splitlines()[-1]

@@ -6,6 +6,7 @@
 import os
 import re
 import shlex
+import shutil
 import struct
 from pathlib import Path
 
@@ -39,6 +40,7 @@ def test_the_commands_of_the_readme_make_its_picture(
     made, path = (tmp_path / "flight.png").read_bytes(), docs / "images" / "flight.png"
     if os.environ.get("UPDATE_DOCS") == "1":
         path.write_bytes(made)
+        shutil.copy(tmp_path / "r1" / "figures" / "overview.svg", docs / "images")
     kept = path.read_bytes()
     assert struct.unpack(">II", kept[16:24]) == struct.unpack(">II", made[16:24]) == (1280, 800)
     # Processors that round otherwise evolve other agents.

@@ -192,6 +192,15 @@ def test_a_flight_out_of_steps_stops_and_one_that_is_not_finite_says_so():
     assert not np.isfinite(broken.samples[-1]).all()
 
 
+@pytest.mark.parametrize("broken", [True, False])
+def test_a_flight_that_fails_twice_alike_is_not_refined_any_further(broken):
+    model, start = libration(DOP853, 1.0)
+    start = np.where((np.arange(13) == 8) & broken, np.nan, start)
+    # No error is small enough, so that a sound flight would be refined to the end.
+    accuracy = Accuracy(position=-1.0, max_step=0.001, step_limit=50, tolerance=1e-6, tightest=1e-12)
+    assert integrate(model, start, 1.0, accuracy).tolerance == accuracy.tolerance
+
+
 def test_a_neutral_body_rides_on_water_that_speeds_up():
     # v = a t and x = a t^2 / 2, whatever its attitude: the equations in time, not at one instant.
     pipe = Pipe(segments=(Segment(start=(0, 0, 0), end=(90, 0, 0), radius=9),))

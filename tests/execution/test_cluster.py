@@ -1,5 +1,7 @@
 """Runs on a Dask cluster: by address, with workers that join and leave, and errors in one line."""
 
+import json
+import shutil
 import subprocess
 import sys
 import time
@@ -110,6 +112,60 @@ def test_a_lost_scheduler_costs_nothing_and_the_command_to_resume_is_printed(
     (tmp_path / "run").rename(tmp_path / "interrupted")
     assert run(*STUDY, "--workers", 1, cwd=tmp_path).returncode == 0
     assert rows(tmp_path / "run") == interrupted
+
+
+def test_a_local_cluster_lets_nobody_in_who_does_not_hold_its_keys(study: Study) -> None:
+    from distributed import Client, Security
+
+    with closing(Cluster.start(study.document, 1)) as executor:
+        [group] = executor._groups
+        address = group._client.scheduler.address  # type: ignore[attr-defined]
+        assert address.startswith("tls://127.0.0.1:")
+        strangers = ((address.replace("tls", "tcp"), Security()), (address, Security.temporary()))
+        for where, security in strangers:
+            with pytest.raises(OSError):
+                Client(where, security=security, timeout=1, set_as_default=False)
+        [[(_, evaluation)]] = list(executor.evaluate([job(study)]))
+        assert evaluation.failure is None
+
+
+def test_a_scheduler_with_tls_is_joined_as_the_page_says(
+    study: Study, dask: Dask, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import dask as dask_package
+
+    if shutil.which("openssl") is None:
+        pytest.skip("openssl is not installed")
+    page = (Path(__file__).parents[2] / "docs" / "running.md").read_text(encoding="utf-8")
+    command = next(line for line in page.splitlines() if line.startswith("openssl req "))
+    subprocess.run(command.split(), cwd=tmp_path, check=True, capture_output=True)
+    flags = ("--tls-ca-file", "cert.pem", "--tls-cert", "cert.pem", "--tls-key", "key.pem")
+    assert f"dask scheduler --protocol tls {' '.join(flags)}" in page
+    options = ("--protocol", "tls", "--host", "127.0.0.1", "--port", 0, "--no-dashboard")
+    file = tmp_path / "scheduler.json"
+    with dask("scheduler", *flags, *options, "--scheduler-file", file, cwd=tmp_path) as scheduler:
+        while not file.exists():
+            assert scheduler.poll() is None, "the scheduler ended"
+            time.sleep(0.05)
+        address = json.loads(file.read_text())["address"]
+        with dask("worker", address, *flags, "--nthreads", 1, cwd=tmp_path) as worker:
+            monkeypatch.setattr(cluster, "CONNECT_TIMEOUT_S", 2.0)
+            with pytest.raises(InputError, match="no Dask scheduler answers there"):
+                Cluster.join(study.document, address)
+            monkeypatch.setattr(cluster, "CONNECT_TIMEOUT_S", 10.0)
+            settings = {
+                "distributed.comm.tls.ca-file": str(tmp_path / "cert.pem"),
+                "distributed.comm.tls.client.cert": str(tmp_path / "cert.pem"),
+                "distributed.comm.tls.client.key": str(tmp_path / "key.pem"),
+            }
+            with (
+                dask_package.config.set(settings),
+                closing(Cluster.join(study.document, address)) as executor,
+            ):
+                [[(_, evaluation)]] = list(executor.evaluate([job(study)]))
+            assert evaluation.failure is None
+            worker.terminate()
+        scheduler.terminate()
 
 
 def test_other_versions_on_a_worker_are_refused(

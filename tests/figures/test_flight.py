@@ -122,3 +122,14 @@ def test_the_same_flight_gives_the_same_bytes(fly, pipe, make_agent):
 
 def test_titles_are_escaped(read, fly, pipe):
     assert "<TP1> & 'co'" in read(flight_svg(fly(), pipe, "<TP1> & 'co'")).texts
+
+
+@pytest.mark.parametrize("metres", [1.0, 2.0, 3.0, 6.0, 30.0, 1000.0])
+def test_an_agent_of_any_length_is_drawn_and_keeps_to_the_page(read, fly, pipe, make_agent, metres):
+    small = make_agent(0.1, 0.1, [0.01, 0.02, 0.01]).body
+    factor = metres / small.length
+    body = replace(small, outer=factor * small.outer, cavity=factor * small.cavity)
+    for sideways in (0.0, 0.1):
+        picture = read(flight_svg(fly(rise=-0.1, sideways=sideways), pipe, body=body))
+        assert picture.outside() == []
+        assert len(picture.all("silhouette")) >= 1

@@ -63,15 +63,13 @@ def test_each_body_has_its_name_and_error_under_it(read, points, pipe, flights):
     boxes = {e.text: points(e) for e in picture.root.iter() if e.tag.endswith("text")}
     for flight, outline in zip(flights, picture.all("outline"), strict=True):
         body = points(outline)
-        error = boxes[f"{flight.error_percent:.2f} %"]
+        error = boxes[f"{flight.value:.2f} %"]
         assert error[0, 1] > body[:, 1].max()
         assert error[0, 1] - body[:, 1].max() < 200
 
 
 def test_targets_that_share_a_flight_share_a_line_in_the_gallery_and_a_colour(read, pipe, flights):
-    shared = [
-        replace(flights[1], name=name, error_percent=error) for name, error in (("TP6", 0.1), ("TP9", 2.5))
-    ]
+    shared = [replace(flights[1], name=name, value=error) for name, error in (("TP6", 0.1), ("TP9", 2.5))]
     picture = read(overview_svg([flights[0], *shared, flights[2]], pipe, "Shared"))
     assert len(picture.all("outline")) == 3
     assert {"TP6, TP9", "0.10, 2.50 %"} <= set(picture.texts)

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tarfile
@@ -37,11 +38,10 @@ def evolving(
     request: pytest.FixtureRequest,
     dist: Path,
     outside: Callable[..., str],
-    uv: str,
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Path:
     """The programs of an environment where pip installed driftform, on this Python and on the newest at hand."""
-    python = sys.executable if request.param == "this" else newest_python(uv)
+    python = sys.executable if request.param == "this" else newest_python()
     folder = tmp_path_factory.mktemp("pip")
     outside(python, "-m", "venv", "env", cwd=folder)
     programs = folder / "env" / ("Scripts" if os.name == "nt" else "bin")
@@ -50,16 +50,17 @@ def evolving(
     return programs
 
 
-def newest_python(uv: str) -> str:
+def newest_python() -> str:
     """The newest Python that the classifiers name and this machine has, if it is newer than the running one."""
     versions = [line.rpartition(" :: ")[2] for line in project(ROOT)["classifiers"] if " :: 3." in line]
     for version in reversed(versions):
         if version == "{}.{}".format(*sys.version_info):
             break
-        words = (uv, "python", "find", "--system", "--no-python-downloads", version)
-        found = subprocess.run(words, capture_output=True, text=True, cwd=ROOT.root, check=False)
-        if found.returncode == 0:
-            return found.stdout.strip()
+        # On the path, and beside the running one, where pyenv and uv put them.
+        beside = Path(sys.base_prefix).parent.glob(f"*{version}*/bin/python{version}")
+        for program in filter(None, (shutil.which(f"python{version}"), *beside)):
+            if subprocess.run([program, "--version"], capture_output=True, check=False).returncode == 0:
+                return str(program)
     return pytest.skip(f"no Python up to {versions[-1]} that is newer than this one is installed here")
 
 

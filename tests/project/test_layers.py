@@ -13,7 +13,7 @@ PLUGINS = sorted(path.parent for path in ROOT.glob("plugins/*/src/*/__init__.py"
 LAYERS = (
     *("errors", "types", "options", "scenarios", "util"),
     *("geometry", "scenario", "hydrodynamics", "dynamics", "trajectory", "tables"),
-    *("interfaces", "hookspecs", "pipeline", "registry", "study", "execution"),
+    *("interfaces", "faults", "hookspecs", "pipeline", "registry", "study", "execution"),
     *("figures", "runs", "printing", "agents", "report", "reproduction"),
     *("builtin", "testing", "scaffold", "api", "cli"),
 )

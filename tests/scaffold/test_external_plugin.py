@@ -65,7 +65,7 @@ class Progress(Fitness[ProgressOptions]):
     name = "progress"
     Options = ProgressOptions
 
-    def score(self, trajectory, scenario):
+    def score(self, trajectory, scenario, agent):
         return np.full(len(scenario.targets), max(0.0, self.options.scale * trajectory.position[-1, 0]))
 
 

@@ -1,5 +1,6 @@
 """``driftform plugins new``: what it writes for each seam installs, works, and passes its own tests."""
 
+import importlib.util
 import json
 import os
 import shlex
@@ -19,13 +20,15 @@ from driftform.scaffold import list_files, list_scaffolds, make_names
 
 Call = Callable[..., Any]
 
+ROOT = Path(__file__).parents[2]
+
 FLYING = {"simulator"}
 """Seams whose contract flies for half a minute: it does so where the scaffold is installed."""
 
 
 def write(folder: Path, seam: str) -> Path:
     """Write the scaffold of a seam."""
-    for path, text in list_files(make_names(f"driftform-try-{seam}", seam), seam).items():
+    for path, text in list_files([make_names(f"driftform-try-{seam}", seam)]).items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_text(text)
     return folder
@@ -132,19 +135,75 @@ def test_the_command_prints_the_files_and_the_next_steps(call: Call, tmp_path: P
         path.relative_to(tmp_path) for path in (tmp_path / "driftform-dwell").rglob("*") if path.is_file()
     )
     assert (document["plugin"], document["package"]) == ("dwell", "driftform_dwell")
-    assert document["next"][:3] == ["cd driftform-dwell", 'pip install -e ".[test]"', "pytest"]
+    assert document["next"][0] == "cd driftform-dwell"
     text = call("plugins", "new", "driftform-linger", "--seam", "fitness", "--out", "else where").stdout
     assert "cd 'else where'" in text
     assert (tmp_path / "else where" / "pyproject.toml").is_file()
 
 
+@pytest.mark.parametrize(
+    ("has_pip", "origin", "steps"),
+    [
+        (True, {"editable": True}, ['pip install -e ".[test]"', "pytest", "driftform plugins show dwell"]),
+        (False, {}, ['uv pip install -e ".[test]"', "pytest", "driftform plugins show dwell"]),
+        (
+            False,
+            {"editable": True},
+            [
+                "uv add --editable '/a clone'",
+                "uv run --extra test pytest",
+                "uv run driftform plugins show dwell",
+            ],
+        ),
+    ],
+    ids=["pip", "uv", "uv in a clone"],
+)
+def test_the_next_steps_are_those_of_the_installer(
+    call: Call, monkeypatch: pytest.MonkeyPatch, has_pip: bool, origin: dict[str, bool], steps: list[str]
+) -> None:
+    found = importlib.util.find_spec
+    monkeypatch.setattr(
+        "importlib.util.find_spec", lambda name: (name if has_pip else None) if name == "pip" else found(name)
+    )
+    text = json.dumps({"url": "file:///a%20clone", "dir_info": origin})
+    monkeypatch.setattr("importlib.metadata.PathDistribution.read_text", lambda *_: text)
+    document = json.loads(call("plugins", "new", "driftform-dwell", "--seam", "fitness", "--json").stdout)
+    assert document["next"][1:4] == steps
+
+
+def test_one_distribution_brings_plugins_of_several_seams(
+    call: Call, tmp_path: Path, monkeypatch: Any
+) -> None:
+    seams = ("grammar", "fitness", "strategy")
+    options = [word for seam in seams for word in ("--seam", seam)]
+    document = json.loads(call("plugins", "new", "driftform-try", *options, "--json").stdout)
+    folder = tmp_path / "driftform-try"
+    assert document["seams"] == list(seams)
+    study = tomllib.loads((folder / "study.toml").read_text())
+    assert study.pop("base") == "pipe-inspection"
+    assert {seam: table["use"] for seam, table in study.items()} == dict.fromkeys(seams, "try")
+    project = tomllib.loads((folder / "pyproject.toml").read_text())["project"]
+    assert project["entry-points"]["driftform"] == {"try": "driftform_try"}
+    assert len(set(project["dependencies"])) == len(project["dependencies"]) == 2
+    monkeypatch.syspath_prepend(folder / "src")
+    module = importlib.import_module("driftform_try")
+    found = {seam: getattr(module, f"driftform_{seam}")() for seam in seams}
+    assert all(issubclass(cls, SEAMS[seam]) and cls.name == "try" for seam, cls in found.items())
+    for path in document["files"]:
+        text = (tmp_path / path).read_text()
+        assert "$" not in text.replace("\n$ ", "\n"), path
+    for name in [name for name in sys.modules if name.startswith("driftform_try")]:
+        monkeypatch.delitem(sys.modules, name)
+
+
 def test_no_placeholder_is_left_to_fill_in(tmp_path: Path) -> None:
     for seam in SEAMS:
-        for path, text in list_files(make_names("dwell", seam), seam).items():
+        for path, text in list_files([make_names("dwell", seam)]).items():
             prompts = text.replace("\n$ ", "\n") if path == "README.md" else text
             assert "$" not in prompts, f"{seam}: {path}"
 
 
+@pytest.mark.peers
 @pytest.mark.parametrize(
     "words", [["format", "--check"], ["check", "--select", "E,F,W,I,N,UP,B,SIM,PTH,RUF"]]
 )
@@ -212,10 +271,10 @@ def test_existing_files_are_left_unchanged(refused: Callable[..., str], tmp_path
 def environment(
     dist: Path, new_environment: Callable[..., Path], tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[Path, Path]:
-    """The sources of all scaffolds, and the programs of an environment that has them and driftform alone."""
+    """The sources of all scaffolds, and the programs of an environment that has them and driftform."""
     folder = tmp_path_factory.mktemp("sources")
-    [driftform] = dist.glob("driftform-[0-9]*.whl")
-    return folder, new_environment(driftform, *(f"{write(folder / seam, seam)}[test]" for seam in SEAMS))
+    sources = (f"{write(folder / seam, seam)}[test]" for seam in SEAMS)
+    return folder, new_environment("--find-links", dist, "driftform", *sources)
 
 
 @pytest.mark.installs
@@ -233,6 +292,17 @@ def test_all_scaffolds_are_found_where_they_are_installed(
 ) -> None:
     folder, programs = environment
     rows = json.loads(outside(programs / "driftform", "plugins", "list", "--json", cwd=folder))["plugins"]
-    found = {row["distribution"]: row for row in rows if row["distribution"] != "driftform"}
+    found = {row["distribution"]: row for row in rows if row["distribution"].startswith("driftform-try")}
     assert {name: row["seam"] for name, row in found.items()} == {f"driftform-try-{s}": s for s in SEAMS}
     assert {row["state"] for row in rows} == {"ok"}
+
+
+@pytest.mark.installs
+def test_a_plugin_beside_a_clone_survives_uv_sync(uv: str, outside: Call, tmp_path: Path) -> None:
+    folder = write(tmp_path / "driftform-try", "fitness")
+    outside(uv, "add", "--editable", ROOT, cwd=folder)
+    for _ in range(2):
+        outside(uv, "sync", cwd=folder)
+        rows = json.loads(outside(uv, "run", "driftform", "plugins", "list", "--json", cwd=folder))["plugins"]
+        assert [row["state"] for row in rows if row["distribution"] == "driftform-try-fitness"] == ["ok"]
+    assert " passed" in outside(uv, "run", "--extra", "test", "pytest", cwd=folder)

@@ -54,7 +54,10 @@ def flown(agents, workers, count_of):
             settings.append("simulator.accuracy=1e3")
         pipeline = load_study(None, settings, use={"simulator": use}).make_pipeline()
         flights = list(workers.map(pipeline.simulator.simulate, drawn, repeat(pipeline.scenario)))
-        fitness = [pipeline.fitness.score(trajectory, pipeline.scenario) for trajectory in flights]
+        fitness = [
+            pipeline.fitness.score(trajectory, pipeline.scenario, agent)
+            for trajectory, agent in zip(flights, drawn, strict=True)
+        ]
         failed = np.array([trajectory.end.failed for trajectory in flights])
         return Flown(flights, np.where(failed[:, None], np.nan, fitness))
 

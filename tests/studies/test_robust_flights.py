@@ -109,7 +109,7 @@ def complaints(flown: Flown, pipeline) -> Iterator[str]:
     soft = (speed + spin * reach) / scenario.contact.frequency
     if np.hypot(*trajectory.position[:, 1:].T).max() > pipe.radius + soft:
         yield "goes through the wall"
-    fitness = pipeline.fitness.score(trajectory, scenario)
+    fitness = pipeline.fitness.score(trajectory, scenario, flown.agent)
     if not (np.isfinite(fitness).all() and (fitness >= 0).all() and (fitness <= 100).all()):
         yield f"has the fitness {fitness}"
 

@@ -36,3 +36,27 @@ def test_a_kernel_is_recompiled_when_a_file_changes_whose_functions_it_calls(tmp
     assert text.count(product) == 1
     vectors.write_text(text.replace(product, f"3.0 * ({product})"), encoding="utf-8")
     assert abs(depth() - (1.0 - 0.1 - 3 * 0.02)) < 1e-12
+
+
+def run_kernel(cache):
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(cache)}
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT], env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert abs(float(done.stdout) - (1.0 - 0.1 - 0.02)) < 1e-12
+
+
+def test_without_a_directory_to_write_to_kernels_are_compiled_without_a_cache(tmp_path):
+    (tmp_path / "file").touch()
+    run_kernel(tmp_path / "file" / "cache")
+
+
+def test_a_cache_that_was_cut_short_is_begun_anew(tmp_path):
+    run_kernel(tmp_path)
+    files = [*tmp_path.rglob("*.nbi"), *tmp_path.rglob("*.nbc")]
+    assert len(files) >= 2
+    for file in files:
+        os.truncate(file, 7)
+    run_kernel(tmp_path)
+    assert all(file.stat().st_size > 7 for file in tmp_path.rglob("*.nbi"))

@@ -151,3 +151,30 @@ def test_the_source_of_a_kit_renders_all_parts_apart_and_in_place(render):
     joined = render(source.replace("assembled = false;", "assembled = true;"))
     assert joined.volume == pytest.approx(volume, rel=1e-4)
     assert np.ptp(joined.vertices[:, 2]) == pytest.approx(1e3 * agent.body.length, abs=2e-3)
+
+
+def test_the_preview_of_a_kit_is_cut_open_on_the_side_of_the_default_view(render):
+    [agent] = agents(["grammar.occupied=skip"], 1)
+    parts, source = kit_source(agent)
+    last = parts[-1]
+    preview = source.replace("$preview", "true").replace('part = "all";', f'part = "{last.name}";')
+    mesh = render(preview)
+    # The default view, rotated by 55 and 25 degrees, looks from (0.35, -0.74, 0.57).
+    assert mesh.bounds[0, 1] == pytest.approx(0, abs=2e-3) and mesh.bounds[1, 1] > 5
+    assert mesh.volume == pytest.approx(last.solid.volume / 2, rel=1e-3)
+    # What is cut away covers all parts, where they stand.
+    [box] = re.findall(r"translate\(\[-(\d+), -\1, -1\]\) cube\(\[\1 \+ (\d+), \1, (\d+)\]\)", source)
+    reach, wide, tall = map(float, box)
+    assert all(reach > part.on_bed().bounds[1, 1] and tall > part.on_bed().bounds[1, 2] for part in parts)
+    places = [float(x) for x in re.findall(r", ([\d.]+), \"#", source)]
+    assert wide > places[-1] + last.on_bed().bounds[1, 0]
+
+
+def test_each_part_of_a_kit_has_a_colour_and_the_core_is_at_its_place():
+    [agent] = agents(["grammar.occupied=skip"], 1)
+    parts, source = kit_source(agent)
+    colours = re.findall(r"\"(#[0-9a-f]{6})\"\],", source)
+    assert len(set(colours)) == len(colours) == len(parts)
+    height = float(re.search(r"core_height = ([\d.]+);", source).group(1))
+    assert height == pytest.approx(-1e3 * agent.body.outer[0, 0], abs=1e-6)
+    assert f"core_radius = {1e3 * agent.body.core.radius:g};" in source

@@ -11,10 +11,13 @@ from driftform.interfaces import Fitness
 from driftform.scenario import Pipe, Scenario, Segment, UniformFlow
 from driftform.study import Study, load_study
 from driftform.testing import FitnessContract
+from driftform.testing.agents import sphere_agent
 from driftform.testing.fitness import straight_trajectory
 from driftform.types import Trajectory
 from driftform_robotics.leak import Leak, LeakOptions
 from driftform_robotics.plume import make_plume
+
+FLOAT = sphere_agent(0.01, 0.05)
 
 PIPE = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(16.0, 0.0, 0.0), radius=0.5),))
 
@@ -36,7 +39,7 @@ class TestLeakContract(FitnessContract):
 def test_drifting_along_the_leaking_wall_is_almost_perfect() -> None:
     """With a sensor of a threshold far below what is there, each reading counts one."""
     leak = Leak(LeakOptions(threshold=1e-9))
-    [score] = leak.score(along(0.49, 0.0), scenario((2.0, 0.5, 0.0)))
+    [score] = leak.score(along(0.49, 0.0), scenario((2.0, 0.5, 0.0)), FLOAT)
     assert score == pytest.approx(100, abs=1)
 
 
@@ -47,12 +50,12 @@ def test_a_reading_at_the_threshold_counts_half() -> None:
     still = straight_trajectory(there, there, np.linspace(0, 7.0, 8))
     for share, expected in ((1.0, 25.0), (3.0, 37.5), (1 / 3, 12.5)):
         leak = Leak(LeakOptions(threshold=C / share))
-        assert leak.score(still, surroundings) == pytest.approx([expected], rel=1e-6)
+        assert leak.score(still, surroundings, FLOAT) == pytest.approx([expected], rel=1e-6)
 
 
 def test_nearer_to_the_plume_is_better_also_outside_of_it() -> None:
     leak, surroundings = Leak(LeakOptions()), scenario((2.0, 0.5, 0.0))
-    scores = [leak.score(along(0.0, z), surroundings)[0] for z in (0.48, 0.4, 0.3, 0.2, 0.1, 0.0)]
+    scores = [leak.score(along(0.0, z), surroundings, FLOAT)[0] for z in (0.48, 0.4, 0.3, 0.2, 0.1, 0.0)]
     assert scores == sorted(scores) and len(set(scores)) == len(scores)
     assert 0 < scores[0] < 0.5 * scores[-1]
 
@@ -60,22 +63,22 @@ def test_nearer_to_the_plume_is_better_also_outside_of_it() -> None:
 def test_every_leak_has_a_plume_of_its_own() -> None:
     leak = Leak(LeakOptions())
     both = scenario((2.0, 0.5, 0.0), (2.0, -0.5, 0.0))
-    left, right = leak.score(along(0.4, 0.0), both)
+    left, right = leak.score(along(0.4, 0.0), both, FLOAT)
     assert left > 2 * right
-    assert leak.score(along(-0.4, 0.0), both) == pytest.approx([right, left])
+    assert leak.score(along(-0.4, 0.0), both, FLOAT) == pytest.approx([right, left])
 
 
 def test_the_sensor_is_where_it_is_mounted() -> None:
     surroundings = scenario((2.0, 0.5, 0.0))
-    at_side = Leak(LeakOptions(sensor=(0.0, 0.2, 0.0))).score(along(0.1, 0.0), surroundings)
-    assert at_side == pytest.approx(Leak(LeakOptions()).score(along(0.3, 0.0), surroundings))
+    at_side = Leak(LeakOptions(sensor=(0.0, 0.2, 0.0))).score(along(0.1, 0.0), surroundings, FLOAT)
+    assert at_side == pytest.approx(Leak(LeakOptions()).score(along(0.3, 0.0), surroundings, FLOAT))
 
 
 def test_who_stays_longer_sees_more_but_never_more_than_all() -> None:
     leak, surroundings = Leak(LeakOptions()), scenario((2.0, 0.5, 0.0))
-    slow = leak.score(along(0.4, 0.0, seconds=20.0), surroundings)
-    assert slow > leak.score(along(0.4, 0.0), surroundings)
-    assert leak.score(along(0.4, 0.0, seconds=100.0), surroundings) == [100.0]
+    slow = leak.score(along(0.4, 0.0, seconds=20.0), surroundings, FLOAT)
+    assert slow > leak.score(along(0.4, 0.0), surroundings, FLOAT)
+    assert leak.score(along(0.4, 0.0, seconds=100.0), surroundings, FLOAT) == [100.0]
 
 
 def test_seconds_in_the_plume_are_those_above_the_threshold() -> None:
@@ -90,7 +93,7 @@ def test_seconds_in_the_plume_are_those_above_the_threshold() -> None:
 def test_the_result_hardly_depends_on_how_often_the_sensor_is_read() -> None:
     surroundings = scenario((2.0, 0.5, 0.0))
     often, seldom = (
-        Leak(LeakOptions(interval=interval)).score(along(0.35, 0.1), surroundings)
+        Leak(LeakOptions(interval=interval)).score(along(0.35, 0.1), surroundings, FLOAT)
         for interval in (0.01, 0.05)
     )
     assert often == pytest.approx(seldom, rel=2e-3)
@@ -98,7 +101,7 @@ def test_the_result_hardly_depends_on_how_often_the_sensor_is_read() -> None:
 
 def test_still_water_raises_an_error_instead_of_a_score() -> None:
     with pytest.raises(ValueError, match="is at rest"):
-        Leak(LeakOptions()).score(along(0.0, 0.0), scenario((2.0, 0.5, 0.0), speed=0.0))
+        Leak(LeakOptions()).score(along(0.0, 0.0), scenario((2.0, 0.5, 0.0), speed=0.0), FLOAT)
 
 
 def test_an_error_in_an_option_names_its_line(tmp_path: Path) -> None:
@@ -144,3 +147,33 @@ def test_leak_search_does_so_whatever_the_seed(seed: int) -> None:
     evolved, random = searched(seed, 300)
     assert np.median(random) > 0.5
     assert evolved > 4 * np.median(random)
+
+
+def test_a_search_for_a_leak_speaks_of_the_plume_and_not_of_distances(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from typer.testing import CliRunner
+
+    from driftform.cli.app import app
+
+    monkeypatch.chdir(tmp_path)
+    arguments = [
+        "leak-search",
+        "--simulator",
+        "native",
+        "--evaluations",
+        "3",
+        "--workers",
+        "1",
+        "--seed",
+        "1",
+    ]
+    printed = CliRunner().invoke(app, ["evolve", *arguments, "--out", "run"], catch_exceptions=False).stdout
+    CliRunner().invoke(app, ["report", "run"], catch_exceptions=False)
+    page = (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
+    picture = (tmp_path / "run" / "figures" / "overview.svg").read_text(encoding="utf-8")
+    for text in (printed, page, picture):
+        assert "time in the plume %" in text
+        assert "d_max" not in text
+        assert "farthest distance" not in text
+    assert "half of the time that the water spends in the plume" in printed

@@ -12,6 +12,7 @@ import numpy as np
 from driftform.agents.flight import Flight
 from driftform.agents.inspection import compare_added_mass, inspect_agent
 from driftform.errors import InputError, WorkFailedError, describe_error
+from driftform.faults import require_files
 from driftform.figures.section import section_svg
 from driftform.interfaces import ExportJob, Printer, Renderer
 from driftform.pipeline import Pipeline
@@ -245,7 +246,7 @@ class Design:
         exporter = self.study.make_exporter(format)
         file = Path(f"{self.name}{exporter.suffix}" if path is None else path)
         make_directory(file.parent, "path")
-        return exporter.write(self.export_job(), file)
+        return require_files(exporter.write(self.export_job(), file), exporter)
 
     def record(
         self,
@@ -286,7 +287,7 @@ class Design:
         file = Path(f"{self.name}{recorder.suffix}" if path is None else path)
         make_directory(file.parent, "path")
         samples = resample(trajectory, rate_hz) if rate_hz else trajectory
-        return recorder.write(self.export_job(), samples, file)
+        return require_files(recorder.write(self.export_job(), samples, file), recorder)
 
     def check_picture(self, path: Path, renderer: str = "exudyn", *, film: bool) -> None:
         """Refuse a film, or else a still, that cannot be made, before anything is flown for it.

@@ -70,6 +70,7 @@ def check_file(
     printer: Printer | None = None,
     kit: bool = False,
     programs: bool = True,
+    attached: bool = False,
     on_program: Callable[[str], None] = ignore,
 ) -> list[Finding]:
     """Return what the installed checkers find about a printable file.
@@ -82,6 +83,9 @@ def check_file(
         what the file is to be of; ``None`` for the agent.json that is attached to it or lies beside it, if any.
     settings
         ``key=value`` of the study, as ``--set`` takes them.
+    attached
+        whether OpenSCAD source that is attached to the file is rendered: source may read files, and take all time and
+        memory that OpenSCAD is given.
     printer, kit, programs, on_program
         as for :meth:`driftform.agents.design.Design.check`.
 
@@ -96,8 +100,16 @@ def check_file(
     with TemporaryDirectory() as name:
         folder = Path(name)
         known = agent or extract_attachment(path, "agent.json", folder) or path.with_name("agent.json")
-        source = extract_attachment(path, ".scad", folder) or path.with_suffix(".scad")
-        job = PrintJob((path,), printer, source=source if is_file(source) and source != path else None)
+        inside, source = extract_attachment(path, ".scad", folder), path.with_suffix(".scad")
+        if inside is not None and attached:
+            source = inside
+        has_source = is_file(source) and source != path
+        job = PrintJob(
+            (path,),
+            printer,
+            source=source if has_source else None,
+            withheld=None if inside is None or has_source else "OpenSCAD source",
+        )
         if agent is None and not is_file(Path(known)):
             if kit:
                 raise InputError(f"--kit: the agent of {path} is not known; name it with --agent")

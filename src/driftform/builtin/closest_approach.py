@@ -7,7 +7,7 @@ import numpy as np
 from driftform.interfaces import Fitness
 from driftform.options import Table
 from driftform.scenario import Pipe, Scenario, Vector
-from driftform.types import FloatArray, Trajectory
+from driftform.types import Agent, FloatArray, Trajectory, Verdict
 
 
 class ClosestApproach(Fitness[Table]):
@@ -19,8 +19,21 @@ class ClosestApproach(Fitness[Table]):
     """
 
     name = "closest-approach"
+    heading = "error % of d_max"
+    goal = "an error of at most 1 % of the farthest distance in the pipe"
 
-    def score(self, trajectory: Trajectory, scenario: Scenario) -> FloatArray:
+    def measure(self, fitness: float) -> float:
+        """Return the error, in percent of d_max."""
+        return 100 - fitness
+
+    def judge(self, fitness: float) -> Verdict:
+        """Return whether the target is reached within 1 % of d_max, or nearly, within the paper's 5 %."""
+        error = self.measure(fitness)
+        if error <= 1:
+            return Verdict.REACHED
+        return Verdict.NEAR if error <= 5 else Verdict.MISSED
+
+    def score(self, trajectory: Trajectory, scenario: Scenario, agent: Agent) -> FloatArray:
         """Return the fitness for each target, 0 to 100, (targets,)."""
         from driftform.trajectory.approach import closest_approach
 

@@ -29,7 +29,7 @@ from driftform.cli import (
     watch,
 )
 from driftform.cli.help import Command, Group
-from driftform.errors import DriftformError
+from driftform.errors import DriftformError, escape_controls
 
 _UsageError: Any = typer.BadParameter.__mro__[1]
 """The base of what click says of options and arguments: newer typers bring a click of their own, without a name."""
@@ -78,12 +78,21 @@ def _one_line_for_each_error() -> Iterator[None]:
     except OSError as error:
         _print_errors(str(error))
         raise typer.Exit(1) from None
+    except (typer.Exit, typer.Abort):
+        raise
+    except (Exception, SystemExit) as error:
+        from driftform.faults import trace_fault
+
+        fault = trace_fault(error)
+        if fault is None:
+            raise
+        _print_errors(fault)
+        raise typer.Exit(1) from None
 
 
 def _print_errors(*lines: object) -> None:
     for line in map(str, lines):
-        # Names come from files of others: none may move the cursor or recolour the terminal.
-        print("error: " + "".join(c if c.isprintable() else repr(c)[1:-1] for c in line), file=sys.stderr)
+        print(f"error: {escape_controls(line)}", file=sys.stderr)
 
 
 app = typer.Typer(

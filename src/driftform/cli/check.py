@@ -56,6 +56,13 @@ def check(
             "--programs/--no-programs", help="Run OpenSCAD, a slicer and the like, if they are on PATH."
         ),
     ] = True,
+    attached: Annotated[
+        bool,
+        typer.Option(
+            "--attached",
+            help="Render the OpenSCAD source that is attached to a FILE, too: only of a file that you trust.",
+        ),
+    ] = False,
     settings: Settings = None,
     json: Json = False,
 ) -> None:
@@ -80,10 +87,19 @@ def check(
     path = Path(subject)
     if is_file(path) and path.suffix.lower() != ".json":
         findings = check_file(
-            path, agent, settings or (), printer=printer, kit=kit, programs=programs, on_program=announce
+            path,
+            agent,
+            settings or (),
+            printer=printer,
+            kit=kit,
+            programs=programs,
+            attached=attached,
+            on_program=announce,
         )
     elif agent is not None:
         raise InputError(f"--agent {agent}: goes with a FILE, and '{subject}' is not one")
+    elif attached:
+        raise InputError(f"--attached: goes with a FILE, and '{subject}' is not one")
     else:
         [format] = parse_formats(format, "exporter", "stl")
         design = open_agent(subject, settings=settings or ())

@@ -126,14 +126,14 @@ class View:
         table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
         widest = options.max_width // 6 if self.fits else None
         table.add_column("\ntarget", no_wrap=True, overflow=_overflow(options), max_width=widest)
-        for title in ("best\nfitness %", "its\nerror %", "\nevaluation", "last gen.\nmean %", "\nfailed"):
+        for title in ("best\nfitness %", "left to\n100 %", "\nevaluation", "last gen.\nmean %", "\nfailed"):
             table.add_column(title, justify="right", no_wrap=True, overflow=_overflow(options))
         columns = zip(*(_cells(name, target) for name, target in rows), strict=True)
         # One cell for a whole column: many cells would take several times as long to draw.
         cells: list[RenderableType] = [Text("\n".join(column)) for column in columns]
         if options.max_width >= _ROOM_FOR_CURVES:
             # The one column that gives way where there is little room.
-            table.add_column("best error\n(log scale)")
+            table.add_column("left to 100 %\n(log scale)")
             cells.append(Curves(tuple(target for _, target in rows), self.status.extent))
         table.add_row(*cells)
         return table

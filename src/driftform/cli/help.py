@@ -1,12 +1,14 @@
 """Help pages: plain text, which appears at once, with the whole first sentence of each command."""
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from typing import Any
 
 from typer import Context, Typer
 from typer.core import TyperCommand, TyperGroup
 
 from driftform.cli.options import Json
+from driftform.cli.output import reserve_stdout
 
 _LONGEST = 1000
 """Characters after which a command's first sentence would be cut."""
@@ -37,7 +39,8 @@ def make_group(help: str, list_all: Callable[[bool], None]) -> Typer:
     @group.callback()
     def _default(ctx: Context, json: Json = False) -> None:
         if ctx.invoked_subcommand is None:
-            list_all(json)
+            with reserve_stdout() if json else nullcontext():
+                list_all(json)
 
     group.command("list", cls=Command)(list_all)
     return group
@@ -45,6 +48,11 @@ def make_group(help: str, list_all: Callable[[bool], None]) -> Typer:
 
 class Command(TyperCommand):
     """A command whose arguments are called what their help calls them, without braces and types."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command; with ``--json`` its document is all that stdout gets."""
+        with reserve_stdout() if ctx.params.get("json") else nullcontext():
+            return super().invoke(ctx)
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
         """Return the words of the usage line."""

@@ -1,10 +1,13 @@
 """``driftform inspect``."""
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from driftform.cli.options import Agent, Hydrodynamics, Json, ScenarioOption, Settings
+
+if TYPE_CHECKING:
+    from driftform.interfaces import Fitness
 
 
 def inspect(
@@ -31,10 +34,10 @@ def inspect(
     if json:
         print_json(facts)
     else:
-        _print(facts)
+        _print(facts, design.pipeline.fitness)
 
 
-def _print(facts: dict[str, Any]) -> None:
+def _print(facts: dict[str, Any], fitness: "Fitness[Any]") -> None:
     import numpy as np
 
     from driftform.cli.output import print_table
@@ -68,7 +71,7 @@ def _print(facts: dict[str, Any]) -> None:
             f"{speeds['along']:.3g} m/s along its axis, {speeds['across']:.3g} across, with drag",
         ),
         ("added over own mass", f"at most {facts['lambda_max']:.3g}"),
-        ("a gram of hull", _describe_gram(facts["sensitivity"])),
+        ("a gram of hull", _describe_gram(facts["sensitivity"], fitness)),
     ]
     print_table(("agent", facts["agent"]), rows)
     if modules:
@@ -101,15 +104,15 @@ def _print(facts: dict[str, Any]) -> None:
         print(f"warning: {warning}")
 
 
-def _describe_gram(sensitivity: dict[str, Any] | None) -> str:
-    """What one gram does to the error at the agent's target, in words."""
+def _describe_gram(sensitivity: dict[str, Any] | None, fitness: "Fitness[Any]") -> str:
+    """What one gram does to the result at the agent's target, in words."""
     if sensitivity is None:
         return "its effect on a flight is not known"
     errors = sensitivity["errors"][sensitivity["target"]]
-    return (
-        f"{sensitivity['target']} missed by {errors['as_simulated']:.2f} % of d_max; "
-        f"1 g less {errors['lighter']:.2f} %, 1 g more {errors['heavier']:.2f} %"
+    now, lighter, heavier = (
+        fitness.describe(100 - errors[case]) for case in ("as_simulated", "lighter", "heavier")
     )
+    return f"{fitness.heading} for {sensitivity['target']}: {now}; 1 g less {lighter}, 1 g more {heavier}"
 
 
 def _describe_rest(rest: dict[str, Any]) -> str:

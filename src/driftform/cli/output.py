@@ -1,12 +1,14 @@
 """What a command prints: one JSON document, or text for people."""
 
 import json
+import os
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, redirect_stdout, suppress
 from textwrap import wrap
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
-import numpy as np
+from driftform.errors import escape_controls
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -14,10 +16,37 @@ if TYPE_CHECKING:
 MEASURED = 10_000
 """Columns in which every table finds room, to measure how many it needs."""
 
+_reserved: list[TextIO] = []
+
+
+@contextmanager
+def reserve_stdout() -> Iterator[None]:
+    """Keep stdout for the document of :func:`print_json`; whatever else is printed meanwhile goes to stderr.
+
+    That includes plugins, the libraries that they call, and the processes that they start.
+    """
+    document = sys.stdout
+    document.flush()
+    has_descriptor = document is sys.__stdout__
+    if has_descriptor:
+        # Not undone: what libraries keep in buffers of their own is written when the process ends.
+        document = os.fdopen(os.dup(1), "w", encoding=document.encoding)
+        os.dup2(2, 1)
+    _reserved.append(document)
+    try:
+        with redirect_stdout(sys.stderr):
+            yield
+    finally:
+        _reserved.pop()
+        if has_descriptor:
+            with suppress(OSError):
+                document.close()
+
 
 def print_json(document: Mapping[str, Any]) -> None:
     """Print one JSON document on stdout; arrays become lists, numbers that are not finite ``null``."""
-    print(json.dumps(_to_plain(document), indent=1, allow_nan=False))
+    text = json.dumps(_to_plain(document), indent=1, allow_nan=False)
+    print(text, file=_reserved[-1] if _reserved else sys.stdout, flush=True)
 
 
 def print_table(header: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[int] = ()) -> None:
@@ -26,7 +55,7 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]], right: Seq
     On a terminal it is drawn by rich and fits the width: headings are folded first, then text, never a number.
     Elsewhere the columns are padded, and nothing is folded.
     """
-    rows = [list(row) for row in rows]
+    rows = [[escape_controls(cell) for cell in row] for row in rows]
     if sys.stdout.isatty():
         from rich.console import Console
         from rich.measure import Measurement
@@ -87,7 +116,10 @@ def print_states(rows: Iterable[tuple[str, str, str]], styles: Mapping[str, str]
     rows = list(rows)
     states = max((len(state) for state, _, _ in rows), default=0)
     subjects = max((len(subject) for _, subject, _ in rows), default=0)
-    shown = [("FAIL" if state == "fail" else state, styles.get(state, ""), *rest) for state, *rest in rows]
+    shown = [
+        ("FAIL" if state == "fail" else state, styles.get(state, ""), *map(escape_controls, rest))
+        for state, *rest in rows
+    ]
     if not sys.stdout.isatty():
         for state, _, subject, detail in shown:
             print(f"{state:{states}}  {subject:{subjects}}  {detail}")
@@ -106,6 +138,8 @@ def print_states(rows: Iterable[tuple[str, str, str]], styles: Mapping[str, str]
 
 
 def _to_plain(value: Any) -> Any:
+    import numpy as np
+
     match value:
         case Mapping():
             return {str(key): _to_plain(item) for key, item in value.items()}

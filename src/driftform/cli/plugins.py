@@ -76,9 +76,12 @@ def new(
         ),
     ],
     seam: Annotated[
-        str,
+        list[str],
         typer.Option(
-            "--seam", metavar="SEAM", help="What it is to bring, such as fitness.", show_default=False
+            "--seam",
+            metavar="SEAM",
+            help="What it is to bring, such as fitness; repeatable.",
+            show_default=False,
         ),
     ],
     out: Annotated[
@@ -93,38 +96,41 @@ def new(
     from driftform.cli.output import print_json
     from driftform.errors import InputError
     from driftform.scaffold import list_files, list_uses, make_names
+    from driftform.scaffold.installation import list_installation
     from driftform.util.files import write_folder, write_text
 
-    names = make_names(name, seam)
+    parts = [make_names(name, one) for one in dict.fromkeys(seam)]
+    names = parts[0]
     folder = out if out is not None else Path(names.distribution)
     if folder.is_dir() and any(folder.iterdir()):
         raise InputError(f"{folder} is not an empty directory; choose another --out")
-    files = list_files(names, seam)
+    files = list_files(parts)
     with write_folder(folder) as part:
         for path, text in files.items():
             write_text(part / path, text)
-    following = [
-        f"cd {shlex.quote(str(folder))}",
-        'pip install -e ".[test]"',
-        "pytest",
+    install, test = list_installation()
+    run = "uv run " if install.startswith("uv add ") else ""
+    uses = (
         f"driftform plugins show {names.plugin}",
         "driftform scenarios check study.toml",
-        *list_uses(names, seam),
-    ]
+        *list_uses(parts),
+    )
+    following = [f"cd {shlex.quote(str(folder))}", install, test, *(run + line for line in uses)]
     if json:
         print_json(
             {
                 "distribution": names.distribution,
                 "package": names.package,
                 "plugin": names.plugin,
-                "seam": seam,
+                "seams": [part.seam for part in parts],
                 "folder": str(folder),
                 "files": [str(folder / path) for path in files],
                 "next": following,
             }
         )
         return
-    print(f"{names.distribution}: a {seam} '{names.plugin}', to be changed")
+    seams = ", ".join(part.seam for part in parts)
+    print(f"{names.distribution}: {seams} '{names.plugin}', to be changed")
     for path in files:
         print(f"  {folder / path}")
     print("next:")

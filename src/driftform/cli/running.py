@@ -31,6 +31,7 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
     except WorkersLostError as error:
         raise WorkersLostError(f"{error}; {_describe_stop(run)}") from None
     seconds = time.perf_counter() - started
+    fitness = run.study.make_plugin("fitness")
     overview, reach = (run.path / "figures" / f"{name}.svg" for name in ("overview", "reach"))
     if json:
         evaluations, failed = run.count()
@@ -40,11 +41,13 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
                 "seed": run.study.seed,
                 "evaluations": evaluations,
                 "failed": failed,
+                "commonest_failure": run.describe_failures(),
                 "seconds": seconds,
                 "targets": {
                     best.target: {
                         "fitness": best.fitness,
                         "error_percent": best.error_percent,
+                        "verdict": fitness.judge(best.fitness),
                         "distance": best.distance,
                         "robust": best.robust,
                         "agent": str(best.agent),
@@ -65,7 +68,12 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
 
 
 def _describe_stop(run: "Run") -> str:
-    evaluations, _ = run.count()
+    from driftform.errors import DriftformError
+
+    try:
+        evaluations, _ = run.count()
+    except DriftformError as error:
+        return f"stopped; {error}"
     return (
         f"stopped after {evaluations} of {run.study.evaluations} evaluations; "
         f"resume with: {run.resume_command}"
@@ -74,26 +82,33 @@ def _describe_stop(run: "Run") -> str:
 
 def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path], seconds: float) -> None:
     from driftform.cli.output import print_table
+    from driftform.runs.wording import list_cells, list_headings, summarise
 
+    fitness = run.study.make_plugin("fitness")
     has_spread = any(best.robust for best in results)
     spread = ("disturbed: mean", "worst") if has_spread else ()
+    header = ("target", "x m", "y m", "z m", *list_headings(fitness), *spread, "closest mm")
     print_table(
-        ("target", "x m", "y m", "z m", "fitness %", "error % of d_max", *spread, "closest mm"),
+        header,
         (
             (
                 best.target,
                 *(f"{c:g}" for c in run.study.scenario.targets[best.target]),
-                f"{best.fitness:.3f}",
-                f"{best.error_percent:.3f}",
-                *(f"{100 - best.robust[key]:.3f}" for key in ("mean", "worst") if best.robust),
+                *list_cells(fitness, best.fitness),
+                *(f"{fitness.measure(best.robust[key]):.3f}" for key in ("mean", "worst") if best.robust),
                 f"{1000 * best.distance:.1f}",
             )
             for best in results
         ),
-        right=(1, 2, 3, 4, 5, 6, 7, 8) if has_spread else (1, 2, 3, 4, 5, 6),
+        right=range(1, len(header)),
     )
+    if results:
+        print(summarise(fitness, {best.target: best.fitness for best in results}))
     evaluations, failed = run.count()
     print(f"{evaluations} evaluations ({failed} failed) in {seconds:.1f} s, seed {run.study.seed}")
+    commonest = run.describe_failures()
+    if commonest:
+        print(f"failed most often ({commonest['count']} of {failed}): {commonest['reason']}")
     print(f"run:  {run.path}/")
     if results:
         print(f"      best/<target>/ ({', '.join(path.name for path in results[0].files)})")

@@ -67,6 +67,7 @@ def check(
 ) -> None:
     """Check a study without running it: list its errors, or show its contents and what no flight can do."""
     from driftform.cli.output import print_json
+    from driftform.errors import escape_controls
     from driftform.study import NAMED, SELECTED, load_study
     from driftform.study.advice import list_warnings
 
@@ -91,7 +92,7 @@ def check(
     verdict = (
         f"is valid, with {len(warnings)} warning{'s' * (len(warnings) != 1)}" if warnings else "is sound"
     )
-    print(f"{file} {verdict}" + (f": {found['title']}" if found["title"] else ""))
+    print(f"{file} {verdict}" + (f": {escape_controls(found['title'])}" if found["title"] else ""))
     targets = f"{len(scenario.targets)}: {', '.join(scenario.targets)}" if scenario.targets else "none"
     segments = f"{found['pipe']} segment{'s' * (found['pipe'] != 1)}" if found["pipe"] else "none: open water"
     rows = {

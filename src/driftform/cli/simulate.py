@@ -133,14 +133,17 @@ def _check_pictures(design: "Design", film: Path | None, still: Path | None, ren
 
 def _print(design: "Design", flight: "Flight", spread: "Spread | None") -> None:
     from driftform.cli.output import print_table
+    from driftform.runs.wording import list_cells, list_headings
 
+    fitness = design.pipeline.fitness
+    header = ("target", *list_headings(fitness), "closest m", "at s")
     print_table(
-        ("target", "fitness %", "error % of d_max", "closest m", "at s"),
+        header,
         (
-            (name, f"{f:.3f}", f"{100 - f:.3f}", f"{d:.4f}", f"{t:.2f}")
+            (name, *list_cells(fitness, f), f"{d:.4f}", f"{t:.2f}")
             for (name, f), (d, t) in zip(flight.fitness.items(), flight.approaches.values(), strict=True)
         ),
-        right=(1, 2, 3, 4),
+        right=range(1, len(header)),
     )
     pipeline, (x, y, z) = design.pipeline, flight.trajectory.position[-1]
     print(f"{design.name} flown by {pipeline.simulator.name}, {pipeline.hydrodynamics.name} coefficients")
@@ -148,9 +151,9 @@ def _print(design: "Design", flight: "Flight", spread: "Spread | None") -> None:
     print(_describe_accuracy(flight.trajectory))
     if spread is not None:
         print_table(
-            ("target", "undisturbed error %", "disturbed: mean", "90 % below", "worst"),
+            ("target", f"undisturbed {fitness.heading}", "disturbed: mean", "9 of 10 better", "worst"),
             (
-                (name, *(f"{100 - value:.3f}" for value in (f, *values)))
+                (name, *(f"{fitness.measure(value):.3f}" for value in (f, *values)))
                 for (name, f), *values in zip(
                     flight.fitness.items(), spread.mean, spread.tenth, spread.worst, strict=True
                 )

@@ -106,7 +106,7 @@ def integrate(
     """Return a flight from ``start`` (13,) to the outlet or to ``horizon`` (s); see :class:`Accuracy`.
 
     If no tolerance makes the error small enough, the result has the last error: infinite if the two integrations do
-    not end alike. ``first`` is what :func:`integrate_once` returned for the same arguments, if that is known already.
+    not end alike, or both fail. ``first`` is what :func:`integrate_once` returned for the same arguments, if that is known already.
     """
     if first is None:
         first = integrate_once(model, start, horizon, accuracy)
@@ -175,9 +175,17 @@ def _integrate_to_accuracy(
         distance = greatest_distance(coarse, fine)
         # A distance that falls faster than the tolerance does so by chance.
         error = SAFETY_FACTOR * max(distance, least)
-        if error <= accepted or tolerance / TOLERANCE_RATIO < tightest:
+        # What fails alike at two tolerances fails at the next, too, which takes far longer.
+        hopeless = has_failed(coarse, step_limit) and has_failed(fine, step_limit)
+        if error <= accepted or tolerance / TOLERANCE_RATIO < tightest or hopeless:
             return fine, error, tolerance
         coarse, tolerance, least = fine, tolerance / TOLERANCE_RATIO, distance / TOLERANCE_RATIO
+
+
+@compiled
+def has_failed(samples: FloatArray, step_limit: int) -> bool:
+    """Return True if a flight of raw samples (k, 14) ran out of steps, or is not finite at its end."""
+    return samples.shape[0] > step_limit or not is_finite(samples[samples.shape[0] - 1])
 
 
 @compiled

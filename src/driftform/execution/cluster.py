@@ -51,6 +51,9 @@ class Cluster(PoolExecutor):
     def start(cls, document: Mapping[str, Any], workers: int) -> "Cluster":
         """Start a cluster of worker processes on this machine; it ends with this process.
 
+        Whoever can connect to a Dask cluster can run code in it, and every user of a machine can connect to its local
+        ports. The processes therefore talk by TLS, with keys that exist in their memory alone.
+
         Raises
         ------
         InputError
@@ -60,12 +63,17 @@ class Cluster(PoolExecutor):
         """
         distributed = _import_distributed("--executor dask")
         try:
+            security = distributed.Security.temporary()
+        except ImportError as error:
+            raise _make_missing_error("--executor dask", error) from None
+        try:
             with hold_back_interrupts():
                 cluster = distributed.LocalCluster(
                     n_workers=workers,
                     threads_per_worker=1,
                     processes=True,
                     host="127.0.0.1",
+                    security=security,
                     dashboard_address=None,
                     memory_limit=0,
                     silence_logs=logging.CRITICAL,
@@ -230,13 +238,17 @@ def _import_distributed(option: str) -> Any:
     try:
         import distributed
     except ImportError as error:
-        raise InputError(
-            f"{option} needs Dask ({error}): uv sync --extra dask, or pip install 'driftform[dask]'"
-        ) from None
+        raise _make_missing_error(option, error) from None
     for name in list(logging.root.manager.loggerDict):
         if name.partition(".")[0] in NOISY_LOGGERS:
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     return distributed
+
+
+def _make_missing_error(option: str, error: ImportError) -> InputError:
+    return InputError(
+        f"{option} needs Dask ({error}): uv sync --extra dask, or pip install 'driftform[dask]'"
+    )
 
 
 async def _identify(distributed: Any, address: str) -> str:

@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol, TypeVar
 
-from driftform.errors import WorkFailedError
+from driftform.errors import WorkFailedError, describe_error
 from driftform.pipeline import Pipeline
 from driftform.trajectory.compression import compress_evaluation
 from driftform.types import Evaluation, Genome
@@ -88,10 +88,15 @@ def evaluate_batch(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:
         [job.condition for job in batch],
         [job.threshold for job in batch],
     )
-    return [
-        (job.index, compress_evaluation(evaluation))
-        for job, evaluation in zip(batch, evaluations, strict=True)
-    ]
+    return [(job.index, _compress(evaluation)) for job, evaluation in zip(batch, evaluations, strict=True)]
+
+
+def _compress(evaluation: Evaluation) -> Evaluation:
+    try:
+        return compress_evaluation(evaluation)
+    except ValueError as error:
+        failed = Evaluation.failed(evaluation.genome, len(evaluation.fitness), describe_error(error))
+        return replace(failed, seconds=evaluation.seconds)
 
 
 def task_size(waiting: int, processes: int, seconds: float | None) -> int:

@@ -67,7 +67,12 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
         if view == SIDE:
             magnification = _choose_magnification(body, tight.px_per_m)
         # A silhouette extends beyond the path by its reach from the core; the window grows by that.
-        reach = 0.0 if body is None else float(np.hypot(*body.outer.T).max()) * magnification * tight.px_per_m
+        reach_m = 0.0 if body is None else float(np.hypot(*body.outer.T).max()) * magnification
+        reach = reach_m * tight.px_per_m
+        if reach > _TALLEST / 4:
+            # A margin of so many pixels would leave none for the path.
+            shown = np.vstack([shown + step for step in reach_m * np.vstack([np.eye(3), -np.eye(3)])])
+            reach = 0.0
         width = WIDTH - _LEFT - _RIGHT
         windows.append(Window.around(view, shown, _LEFT, top, width, _TALLEST, max(26.0, reach + 3)))
         top = windows[-1].box.bottom + 74

@@ -17,12 +17,13 @@ GAP, NARROWEST = 24.0, 132.0
 
 @dataclass(frozen=True, eq=False)
 class GalleryEntry:
-    """The best flight for a target: the target's name, the agent, its path, and the error, 100 % less the fitness."""
+    """The best flight for a target: the target's name, the agent, its path, and its result, a ``value`` in ``unit``."""
 
     name: str
     agent: Agent
     trajectory: Trajectory
-    error_percent: float
+    value: float
+    unit: str = "%"
 
 
 def gallery_svg(flights: Sequence[GalleryEntry], title: str, subtitle: str) -> str:
@@ -46,14 +47,6 @@ def group_shared(flights: Sequence[GalleryEntry]) -> list[list[GalleryEntry]]:
     for flight in flights:
         groups.setdefault(id(flight.trajectory), []).append(flight)
     return list(groups.values())
-
-
-def assign_colours(flights: Sequence[GalleryEntry]) -> list[str]:
-    """Return a colour for each entry; those of one flight share it."""
-    colours = {
-        id(group[0].trajectory): SERIES[i % len(SERIES)] for i, group in enumerate(group_shared(flights))
-    }
-    return [colours[id(flight.trajectory)] for flight in flights]
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +106,7 @@ def draw_gallery(root: ET.Element, rows: list[Row], px_per_m: float, top: float)
             )
             base = top + row.tallest + 36
             single = len(group) == 1
-            error = ", ".join(f"{flight.error_percent:.2f}" for flight in group) + " %"
+            error = ", ".join(f"{flight.value:.2f}" for flight in group) + f" {group[0].unit}"
             error = shorten(error, 12, cell - 12)
             # A line in the flight's colour, the name and the error form one centred group; several errors have a line.
             beside = text_width(error, 12) if single else 0.0

@@ -131,11 +131,6 @@ class Box:
         h = min(self.bottom, other.bottom) - max(self.top, other.top)
         return max(w, 0.0) * max(h, 0.0)
 
-    def count_inside(self, points: FloatArray) -> int:
-        """Return the number of ``points``, (n, 2), that lie inside."""
-        inside = (points > (self.left, self.top)) & (points < (self.right, self.bottom))
-        return int(np.count_nonzero(inside.all(axis=1)))
-
 
 def place_labels(
     anchors: FloatArray, widths: Sequence[float], height: float, ink: FloatArray, page: Box, keep: float = 9
@@ -155,30 +150,59 @@ def place_labels(
     keep
         half the side of the square around each anchor that labels must leave free.
     """
-    marks = [Box.around(x, y, 2 * keep, 2 * keep) for x, y in anchors]
-    placed: list[Box | None] = [None] * len(marks)
+    count = len(anchors)
+    ink = ink[np.argsort(ink[:, 0], kind="stable")]
+    # Left, top, right and bottom of what labels must leave free: first the labels, which begin without a place.
+    taken = np.full((2 * count, 4), np.nan)
+    taken[count:] = np.column_stack([anchors - keep, anchors + keep])
     # Greedy, in three rounds: the later ones let early labels make room for late ones.
-    for _, index in product(range(3), range(len(marks))):
-        others = [box for i, box in enumerate(placed) if box is not None and i != index] + marks
-        x, y = anchors[index]
+    for _, index in product(range(3), range(count)):
+        boxes = _list_places(anchors[index], widths[index], height, keep)
+        free = taken.copy()
+        free[index] = np.nan
+        area = widths[index] * height
+        costs = _overlap_areas(boxes, free).sum(axis=1)
+        costs += 10 * (
+            area - _overlap_areas(boxes, np.array([[page.left, page.top, page.right, page.bottom]]))[:, 0]
+        )
         best = np.inf
-        for gap, (dx, dy) in product((1, 7, 14, 24), _DIRECTIONS):
-            box = Box.around(
-                x + dx * (keep + gap + widths[index] / 2),
-                y + dy * (keep + gap + height / 2),
-                widths[index],
-                height,
-            )
-            area = widths[index] * height
-            cost = sum(box.overlap_area(other) for other in others) + 10 * (area - box.overlap_area(page))
+        for box, cost, gap in zip(boxes, costs.tolist(), np.repeat(_GAPS, len(_DIRECTIONS)), strict=True):
             # To count the ink takes most of the time, and only adds: skip a box that is too dear without it.
             if 100 * cost + gap >= best - 1e-9:
                 continue
-            cost = 100 * cost + 12 * box.count_inside(ink) + gap
-            if cost < best - 1e-9:
-                best, placed[index] = cost, box
-    return [box for box in placed if box is not None]
+            total = 100 * cost + 12 * _count_inside(box, ink) + gap
+            if total < best - 1e-9:
+                best, taken[index] = total, box
+    return [Box(*box) for box in taken[:count].tolist()]
 
+
+def _list_places(anchor: FloatArray, width: float, height: float, keep: float) -> FloatArray:
+    """Return the boxes that a label may take: left, top, right, bottom, in the order of preference, (n, 4)."""
+    gaps, directions = np.repeat(_GAPS, len(_DIRECTIONS)), np.tile(_DIRECTIONS, (len(_GAPS), 1))
+    half = np.array([width, height]) / 2
+    centre = anchor + directions * (keep + gaps[:, None] + half)
+    return np.column_stack([centre - half, centre + half])
+
+
+def _overlap_areas(boxes: FloatArray, others: FloatArray) -> FloatArray:
+    """Return the areas that boxes (n, 4) share with others (m, 4), px2, (n, m); 0 with one that is NaN."""
+    low = np.maximum(boxes[:, None, :2], others[None, :, :2])
+    high = np.minimum(boxes[:, None, 2:], others[None, :, 2:])
+    return np.asarray(np.nan_to_num(np.maximum(high - low, 0.0).prod(axis=2)), dtype=np.float64)
+
+
+def _count_inside(box: FloatArray, points: FloatArray) -> int:
+    """Return the number of ``points``, (n, 2) in the order of x, that lie inside a box (4,)."""
+    first, last = (
+        np.searchsorted(points[:, 0], box[0], "right"),
+        np.searchsorted(points[:, 0], box[2], "left"),
+    )
+    y = points[first:last, 1]
+    return int(np.count_nonzero((y > box[1]) & (y < box[3])))
+
+
+_GAPS = (1, 7, 14, 24)
+"""Distances of a label from the square around its anchor, px."""
 
 # To the right and above first, where readers look for a name.
 _DIRECTIONS = ((1, 0), (0, -1), (0, 1), (-1, 0), (0.8, -0.9), (0.8, 0.9), (-0.8, -0.9), (-0.8, 0.9))

@@ -6,20 +6,20 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from driftform.figures import svg
-from driftform.figures.gallery import GalleryEntry, arrange_rows, assign_colours, draw_gallery, group_shared
+from driftform.figures.gallery import GalleryEntry, arrange_rows, draw_gallery, group_shared
 from driftform.figures.layout import WIDTH, start_page
 from driftform.figures.plot import Window, draw_cross, draw_scene, label_points, pipe_ink, pipe_points
 from driftform.figures.projection import SIDE, drawing_times, resample_polyline
-from driftform.figures.style import INK, MUTED, tint
+from driftform.figures.style import INK, MUTED, SERIES, tint
 from driftform.scenario import Scenario
-from driftform.trajectory.approach import Approach, find_approaches
+from driftform.trajectory.approach import find_approaches
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import FloatArray
 
 _LEFT, _RIGHT = 58.0, 22.0
 
 
-def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str) -> str:
+def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str, result: str = "") -> str:
     """Return the result of a study as SVG: the pipe with each flight in side view, a gallery of bodies below.
 
     Parameters
@@ -31,10 +31,13 @@ def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str
         pipe, current and targets; x to the right, z upward, to scale.
     title
         a line above the picture.
+    result
+        what the flights come to, in a few words.
 
     The bodies of the gallery share one scale, fore end to the right.
     """
-    lines = [interpolate_positions(f.trajectory, drawing_times(f.trajectory)) for f in flights]
+    groups = group_shared(flights)
+    lines = [interpolate_positions(g[0].trajectory, drawing_times(g[0].trajectory)) for g in groups]
     targets = scenario.target_array()
     shown = np.vstack([targets, pipe_points(scenario.pipe, SIDE), scenario.release_position()[None], *lines])
     window = Window.around(SIDE, shown, _LEFT, 92, WIDTH - _LEFT - _RIGHT, 460, 14)
@@ -42,48 +45,49 @@ def overview_svg(flights: Sequence[GalleryEntry], scenario: Scenario, title: str
     top = window.box.bottom + 84
     height = top + sum(row.height for row in rows) + (2 if rows else -34)
 
-    worst = max((f.error_percent for f in flights), default=0.0)
-    best = ", ".join(f"{f.name} {f.error_percent:.2f} %" for f in flights)
+    best = ", ".join(f"{f.name} {f.value:.2f} {f.unit}" for f in flights)
     root = start_page(
         height,
         title,
-        _describe_flights(len(group_shared(flights)), worst),
+        _describe_flights(len(groups), result),
         "Above: the pipe in side view with the best flight for each target. Below: the bodies, "
-        f"at one scale. Error by target: {best or 'no flights'}.",
+        f"at one scale. By target: {best or 'no flights'}.",
     )
-    _draw_flights(root, window, flights, lines, scenario)
+    _draw_flights(root, window, groups, lines, scenario)
     draw_gallery(root, rows, px_per_m, top)
     return svg.render(root)
 
 
-def _describe_flights(count: int, worst: float) -> str:
+def _describe_flights(count: int, result: str) -> str:
     if not count:
         return "No flights"
     flights = "1 flight" if count == 1 else f"{count} flights"
-    return f"{flights}, solid up to the closest approach and faint after it; largest error {worst:.2f} %"
+    end = f"; {result}" if result else ""
+    return f"{flights}, solid up to the closest approach and faint after it{end}"
 
 
-def _find_approach(flight: GalleryEntry, scenario: Scenario) -> Approach | None:
-    """Return the closest approach to the flight's target; if the scenario lacks it, to the nearest target."""
+def _find_end(flight: GalleryEntry, scenario: Scenario) -> float:
+    """Return when (s) it comes closest to its target, or, if the scenario lacks that, to any; infinite without targets."""
     target = scenario.targets.get(flight.name)
     points = scenario.target_array() if target is None else np.array([target])
     approaches = find_approaches(flight.trajectory, points) if len(points) else []
-    return min(approaches, key=lambda a: a.distance, default=None)
+    return min(approaches, key=lambda approach: approach.distance).t if approaches else np.inf
 
 
 def _draw_flights(
     root: ET.Element,
     window: Window,
-    flights: Sequence[GalleryEntry],
+    groups: Sequence[Sequence[GalleryEntry]],
     lines: list[FloatArray],
     scenario: Scenario,
 ) -> None:
     draw_scene(root, window, scenario)
-    colours = assign_colours(flights)
-    approaches = [_find_approach(flight, scenario) for flight in flights]
+    colours = [SERIES[number % len(SERIES)] for number in range(len(groups))]
+    # A flight that is the best for several targets is solid up to the last of them.
+    ends = [max(_find_end(flight, scenario) for flight in group) for group in groups]
     firm = [
-        interpolate_positions(f.trajectory, drawing_times(f.trajectory, stop=np.inf if a is None else a.t))
-        for f, a in zip(flights, approaches, strict=True)
+        interpolate_positions(group[0].trajectory, drawing_times(group[0].trajectory, stop=end))
+        for group, end in zip(groups, ends, strict=True)
     ]
     for line, colour in zip(lines, colours, strict=True):
         _draw_line(root, window, line, tint(colour, 0.28), 1.2, "faint")
@@ -99,7 +103,7 @@ def _draw_flights(
 
     names = list(scenario.target_names)
     anchors = window.to_page(scenario.target_array())
-    owner = {flight.name: colour for flight, colour in zip(flights, colours, strict=True)}
+    owner = {flight.name: colour for group, colour in zip(groups, colours, strict=True) for flight in group}
     for name, (x, y) in zip(names, anchors, strict=True):
         draw_cross(root, x, y, 5.5, owner.get(name, MUTED), 2.4)
     label_points(root, window, anchors, [(name, INK, True) for name in names], ink, keep=8)

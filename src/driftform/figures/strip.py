@@ -25,7 +25,7 @@ class Strip:
     errors: FloatArray
 
 
-def strip_svg(strips: Sequence[Strip], title: str, subtitle: str) -> str:
+def strip_svg(strips: Sequence[Strip], title: str, subtitle: str, label: str = "error %") -> str:
     """Return the errors as SVG: a dot for each disturbed flight, a line at their mean, a diamond for the undisturbed one."""
     height = TOP + ROW * len(strips) + 52
     root = start_page(
@@ -45,7 +45,7 @@ def strip_svg(strips: Sequence[Strip], title: str, subtitle: str) -> str:
         x = x_of(10.0**power)
         svg.add(root, "line", x1=x, y1=TOP - 10, x2=x, y2=bottom, stroke=GRID)
         write(root, x, bottom + 16, f"{10.0**power:g}", 11, MUTED, "middle")
-    write(root, WIDTH - RIGHT, bottom + 34, "error (% of the farthest distance)", 11, MUTED, "end")
+    write(root, WIDTH - RIGHT, bottom + 34, label, 11, MUTED, "end")
     write(root, WIDTH - MARGIN, TOP - 18, "mean", 11, MUTED, "end")
     for number, strip in enumerate(strips):
         y = TOP + ROW * (number + 0.5)

@@ -4,7 +4,8 @@ import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-from driftform.errors import WorkFailedError
+from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
+from driftform.faults import describe_fault, require, require_files
 from driftform.geometry import hull_volume
 from driftform.interfaces import Checker, ExportJob, Printer, PrintJob
 from driftform.registry import registry
@@ -53,7 +54,7 @@ def write_print_job(
 def write_files(study: Study, job: ExportJob, format: str, folder: Path) -> tuple[WrittenFile, ...]:
     """Write an agent in one format into a folder, under its name; return the files that can be printed, not drawings."""
     exporter = study.make_exporter(format)
-    written = exporter.write(job, folder / f"{job.name}{exporter.suffix}")
+    written = require_files(exporter.write(job, folder / f"{job.name}{exporter.suffix}"), exporter)
     return tuple(file for file in written if file.path.endswith(exporter.suffix))
 
 
@@ -64,15 +65,25 @@ def sum_volumes(written: Sequence[WrittenFile]) -> float | None:
 
 
 def extract_attachment(path: Path, ending: str, folder: Path) -> Path | None:
-    """Copy the file of an archive, such as a 3MF, whose name ends so into a folder; ``None`` if there is none."""
-    if not zipfile.is_zipfile(path):
-        return None
-    with zipfile.ZipFile(path) as archive:
-        for member in archive.infolist():
-            if member.filename.endswith(ending) and member.file_size < _LARGEST_ATTACHMENT:
-                copy = folder / f"attached{ending}"
-                copy.write_bytes(archive.read(member))
-                return copy
+    """Copy the file of an archive, such as a 3MF, whose name ends so into a folder; ``None`` if there is none.
+
+    Raises
+    ------
+    InputError
+        if the archive, or the file in it, cannot be read.
+    """
+    try:
+        if not zipfile.is_zipfile(path):
+            return None
+        with zipfile.ZipFile(path) as archive:
+            for member in archive.infolist():
+                if member.filename.endswith(ending) and member.file_size < _LARGEST_ATTACHMENT:
+                    copy = folder / f"attached{ending}"
+                    copy.write_bytes(archive.read(member))
+                    return copy
+    except Exception as error:
+        # Of archives made to do harm, zipfile raises a dozen kinds of errors.
+        raise InputError(f"{path}: cannot be read as an archive: {describe_error(error)}") from None
     return None
 
 
@@ -104,7 +115,15 @@ def check_print_job(
         else:
             if cls.program:
                 on_program(cls.program)
-            yield from study.make_checker(row.name).check(job)
+            checker = study.make_checker(row.name)
+            try:
+                for finding in checker.check(job):
+                    yield require(finding, Finding, checker, "check")
+            except DriftformError:
+                raise
+            except (Exception, SystemExit) as error:
+                # One checker that fails is no reason to keep back what the others find.
+                yield Finding(row.name, State.SKIPPED, describe_fault(error))
 
 
 def require_findings(findings: Sequence[Finding]) -> None:

@@ -16,6 +16,7 @@ from driftform.runs.agent_file import StoredAgent
 from driftform.runs.finalists import find_best_agent, find_winner
 from driftform.runs.run import Run
 from driftform.runs.store import Store
+from driftform.runs.wording import describe_worst
 from driftform.scenario import Scenario
 from driftform.study import Study
 from driftform.trajectory.approach import closest_approach
@@ -40,24 +41,21 @@ class Entry:
     agent: Agent
     trajectory: Trajectory
 
-    @property
-    def error_percent(self) -> float:
-        """Error, % of the farthest distance in the pipe."""
-        return 100 - self.fitness
-
 
 @dataclass(frozen=True, eq=False)
 class Contents:
     """Contents of the page of a run.
 
-    ``seconds`` is the total time of all evaluations on the machines that made them. There is one of the ``sections``
-    for each of the :attr:`agents`.
+    ``commonest_failure`` is the first of the commonest kind of failure, and how many there are. ``seconds`` is the total
+    time of all evaluations on the machines that made them. There is one of the ``sections`` for each of the
+    :attr:`agents`.
     """
 
     name: str
     study: Study
     evaluations: int
     failed: int
+    commonest_failure: tuple[str, int]
     seconds: float
     entries: tuple[Entry, ...]
     figures: Mapping[str, str]
@@ -118,17 +116,26 @@ def collect_contents(run: Run) -> Contents:
                 )
             )
         title = str(study.document.get("title", ""))
-        flights = [GalleryEntry(e.target, e.agent, e.trajectory, e.error_percent) for e in entries]
+        fitness = pipeline.fitness
+        flights = [
+            GalleryEntry(e.target, e.agent, e.trajectory, fitness.measure(e.fitness), fitness.unit)
+            for e in entries
+        ]
+        worst = describe_worst(fitness, {entry.target: entry.fitness for entry in entries})
         seen = track_progress(store.read_trajectories(), store.count_sound(), "flights")
         figures = {
-            "Flights and bodies": overview_svg(flights, study.scenario, title),
+            "Flights and bodies": overview_svg(flights, study.scenario, title, worst),
             "Search": trend_svg(_read_trends(store, targets), "Best fitness so far", _strategy_name(study)),
             "Reach": reach_svg(
                 map_coverage(seen, PipeGrid.of_scenario(study.scenario)), study.scenario, title
             ),
         }
         strips = [
-            Strip(e.target, e.error_percent, 100 - won.flights)
+            Strip(
+                e.target,
+                fitness.measure(e.fitness),
+                np.array([fitness.measure(f) for f in won.flights.tolist()]),
+            )
             for e in entries
             if (won := find_winner(study, store, e.target)) is not None
         ]
@@ -136,12 +143,13 @@ def collect_contents(run: Run) -> Contents:
             subtitle = (
                 f"{len(strips[0].errors)} flights of each best agent under randomly disturbed conditions"
             )
-            figures["Robustness"] = strip_svg(strips, "Under disturbed conditions", subtitle)
+            figures["Robustness"] = strip_svg(strips, "Under disturbed conditions", subtitle, fitness.heading)
         contents = Contents(
             run.name,
             study,
             store.count(),
             store.count_failed(),
+            store.find_commonest_failure(),
             store.total_seconds(),
             tuple(entries),
             figures,

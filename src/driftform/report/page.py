@@ -6,14 +6,18 @@ strangers, and no line of Python has to remember to escape one. It is imported o
 """
 
 from importlib.resources import files
+from typing import Any
 
 from driftform.agents.limits import list_limits
 from driftform.geometry import hull_mass
+from driftform.interfaces import Fitness
 from driftform.report.contents import Contents
 from driftform.report.viewer import viewer_data
+from driftform.runs.wording import summarise
+from driftform.types import Verdict
 
-GOOD, FAIR = 1.0, 5.0
-"""Errors (%) up to which a target counts as reached, and as nearly reached: the paper's claim is 5 %."""
+STYLES = {Verdict.REACHED: "good", Verdict.NEAR: "fair", Verdict.MISSED: "poor"}
+"""The style class of each verdict of the fitness."""
 
 SEAMS = ("grammar", "builder", "hydrodynamics", "simulator", "fitness", "strategy")
 """Tables of a study whose plugins the page lists."""
@@ -30,14 +34,16 @@ def page_html(contents: Contents) -> str:
     environment.filters |= {"fixed": _format_fixed, "general": _format_general, "metres": _format_length}
     # The viewer reads tens of thousands of numbers; spaces between them would make the page larger.
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":")}
-    study = contents.study.document
+    study, fitness = contents.study.document, contents.study.make_plugin("fitness")
     return environment.from_string(_read("page.html")).render(
         contents=contents,
         title=str(study.get("title", "")) or contents.name,
         style=_read("page.css"),
         script=_read("viewer.js"),
         data=viewer_data(contents),
-        lead=_summarise(contents),
+        lead=_summarise(contents, fitness),
+        fitness=fitness,
+        styles=STYLES,
         numbers=_list_numbers(contents),
         has_spread=any("robust" in entry.stored.result for entry in contents.entries),
         plugins={seam: study[seam]["use"] for seam in SEAMS if seam in study},
@@ -47,7 +53,6 @@ def page_html(contents: Contents) -> str:
             for group in contents.agents
             for line in list_limits(group[0].agent, contents.scenario)
         ],
-        grade_error=_grade_error,
         hull_mass=hull_mass,
     )
 
@@ -56,17 +61,8 @@ def _read(name: str) -> str:
     return files("driftform.report").joinpath(name).read_text(encoding="utf-8")
 
 
-def _summarise(contents: Contents) -> str:
-    errors = [entry.error_percent for entry in contents.entries]
-    reached = sum(error <= GOOD for error in errors)
-    worst = max(contents.entries, key=lambda entry: entry.error_percent)
-    subject = f"{reached} of {len(errors)} targets are"
-    if len(errors) == 1:
-        subject = "The target is" if reached else "The target is not"
-    return (
-        f"{subject} reached within {GOOD:g} % of the farthest distance in the pipe; the largest error is "
-        f"{worst.error_percent:.2f} % ({worst.target}, {_format_length(worst.distance)} away)."
-    )
+def _summarise(contents: Contents, fitness: Fitness[Any]) -> str:
+    return summarise(fitness, {entry.target: entry.fitness for entry in contents.entries}) + "."
 
 
 def _list_numbers(contents: Contents) -> dict[str, str]:
@@ -80,13 +76,6 @@ def _list_numbers(contents: Contents) -> dict[str, str]:
         "strategy": str(contents.study.document.get("strategy", {}).get("use", "")),
         "seed": f"{contents.study.seed}",
     }
-
-
-def _grade_error(error: float) -> tuple[str, str]:
-    """Return the style class of an error (%), and the word for it."""
-    if error <= GOOD:
-        return "good", "reached"
-    return ("fair", "near") if error <= FAIR else ("poor", "missed")
 
 
 def _format_length(metres: float) -> str:

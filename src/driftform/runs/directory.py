@@ -27,7 +27,10 @@ from driftform.util.files import write_text
 DATABASE = "run.db"
 """Name of the file with all that a run has found."""
 
-INPUTS = ("study.toml", "resolved.toml", "environment.json")
+RESOLVED = "resolved.toml"
+"""Name of the file with the study as it is carried out."""
+
+INPUTS = ("study.toml", RESOLVED, "environment.json")
 """Names of the files with what a run was started with."""
 
 _LOCK = ".lock"
@@ -105,13 +108,43 @@ def check_new(directory: Path) -> None:
     if directory.exists() and not directory.is_dir():
         raise InputError(f"{directory} is a file; choose another --out")
     names = {entry.name for entry in directory.iterdir()} if directory.is_dir() else set()
-    never_began = _LOCK in names and names <= {_LOCK, *INPUTS}
+    never_began = _LOCK in names and all(_is_own(name) for name in names)
     if names - {_LOCK} and not never_began:
         raise InputError(f"{directory} is not empty; choose another --out")
 
 
-def check_run(directory: Path) -> Path:
-    """Return the database of a run directory.
+def _is_own(name: str) -> bool:
+    """Return whether a run writes such a file before its first evaluation, in part or as a whole."""
+    beginnings = tuple(f".{whole}." for whole in (DATABASE, *INPUTS))
+    return name in (_LOCK, *INPUTS) or (name.startswith(beginnings) and ".part" in name)
+
+
+def check_unbegun(directory: Path) -> Path:
+    """Return the file with the study of a run that was stopped before it made its database.
+
+    Raises
+    ------
+    InputError
+        if the directory holds no such run, with the next step.
+    """
+    check_run(directory, begun=False)
+    if not (directory / RESOLVED).is_file():
+        raise InputError(
+            f"{directory}: its run was stopped before it wrote what it is to do; start it again with the same "
+            f"'driftform evolve' and --out {quote(str(directory))}"
+        )
+    return directory / RESOLVED
+
+
+def remove_leftovers(directory: Path) -> None:
+    """Remove what a process left in part that was killed before its run began."""
+    for entry in list(directory.iterdir()):
+        if _is_own(entry.name) and entry.name not in (_LOCK, *INPUTS):
+            entry.unlink(missing_ok=True)
+
+
+def check_run(directory: Path, *, begun: bool = True) -> Path:
+    """Return the database of a run directory; without ``begun`` it need not be there yet.
 
     Raises
     ------
@@ -121,15 +154,27 @@ def check_run(directory: Path) -> Path:
     if not directory.is_dir():
         where = "is a file, expected a run directory" if directory.exists() else "no such run directory"
         raise InputError(f"{directory}: {where}")
-    if not (directory / DATABASE).is_file():
-        raise InputError(f"{directory} holds no {DATABASE}: it is not a run directory")
-    return directory / DATABASE
+    if (directory / DATABASE).is_file():
+        return directory / DATABASE
+    never_began = not (directory / DATABASE).exists() and (directory / _LOCK).exists()
+    if never_began and all(_is_own(entry.name) for entry in directory.iterdir()):
+        if not begun:
+            return directory / DATABASE
+        if is_worked_on(directory):
+            raise InputError(f"{directory}: its run is about to begin; try again in a second")
+        raise InputError(
+            f"{directory}: its run was stopped before it began; begin it with: {resume_command(directory)}"
+        )
+    raise InputError(f"{directory} holds no {DATABASE}: it is not a run directory")
 
 
 def write_inputs(directory: Path, study: Study) -> None:
-    """Write what the run was started with: the study as given and as resolved, versions, plugins and seed."""
-    write_text(directory / "study.toml", study.given or tomli_w.dumps(dict(study.document)))
+    """Write what the run was started with: the study as resolved and as given, versions, plugins and seed."""
+    # First, because a run that is stopped before its database is there is begun again from this file.
     write_resolved(directory, study.document)
+    given = directory / "study.toml"
+    if study.given or not given.is_file():
+        write_text(given, study.given or tomli_w.dumps(dict(study.document)))
     plugins = [
         {"seam": row.seam, "name": row.name, "distribution": row.distribution, "version": row.version}
         for row in registry().contributions()
@@ -149,7 +194,7 @@ def write_inputs(directory: Path, study: Study) -> None:
 
 def write_resolved(directory: Path, document: Mapping[str, Any]) -> None:
     """Write the study's document for people, where the file does not say the same already."""
-    path, text = directory / "resolved.toml", tomli_w.dumps(dict(document))
+    path, text = directory / RESOLVED, tomli_w.dumps(dict(document))
     if not path.is_file() or path.read_text(encoding="utf-8") != text:
         write_text(path, text)
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from driftform.execution import Executor, Job
 from driftform.runs.agent_file import StoredAgent
+from driftform.runs.search import check_fitness
 from driftform.runs.store import DisturbedResult, Store
 from driftform.scenario import evaluation_seed
 from driftform.scenario.disturbances import choose_finalists, measure_spread, robust_fitness
@@ -46,8 +47,8 @@ def fly_finalists(
     for arrived in executor.evaluate(jobs):
         store.add_disturbed(
             [
-                DisturbedResult(*missing[number], evaluation.fitness, evaluation.failure)
-                for number, evaluation in arrived
+                DisturbedResult(*missing[number], checked.fitness, checked.failure)
+                for number, checked in ((n, check_fitness(e, targets)) for n, e in arrived)
             ],
             targets,
         )

@@ -115,7 +115,7 @@ class RunMonitor:
         """Targets and budget; the study need not be one that could be carried out here."""
         try:
             return list(document["targets"].keys()), int(document["run"]["evaluations"])
-        except (KeyError, TypeError, AttributeError, ValueError):
+        except (KeyError, TypeError, AttributeError, ValueError, OverflowError):
             raise InputError(
                 f"{self._database}: is damaged: its study has no targets, or no budget"
             ) from None

@@ -10,11 +10,13 @@ import numpy as np
 
 from driftform.errors import DriftformError, InputError, WorkFailedError
 from driftform.execution import Executor
+from driftform.faults import report_faults, require_files
 from driftform.interfaces import ExportJob
 from driftform.runs.agent_file import StoredAgent, agent_document, write_agent
 from driftform.runs.directory import DATABASE
 from driftform.runs.finalists import find_best_agent
 from driftform.runs.store import Store
+from driftform.runs.wording import describe_worst
 from driftform.study import Study
 from driftform.types import Agent, Trajectory
 from driftform.util.files import remove_parts, write_text
@@ -99,8 +101,8 @@ def _read_best(directory: Path, study: Study, store: Store, target: str) -> tupl
     stored = find_best_agent(study, store, target)
     targets = study.scenario.target_names
     if stored is None:
-        first = store.read_record(0, targets).evaluation
-        raise WorkFailedError(f"all {store.count()} evaluations failed, the first: {first.failure}")
+        reason, count = store.find_commonest_failure()
+        raise WorkFailedError(f"all {store.count()} evaluations failed, {count} of them like this: {reason}")
     index = stored.result["evaluation"]
     flight = store.read_record(index, targets).evaluation.trajectory
     if flight is None:
@@ -128,7 +130,8 @@ def _write_target(directory: Path, study: Study, store: Store, target: str) -> B
         exporter = study.make_exporter(name)
         path = folder / f"agent{exporter.suffix}"
         try:
-            written = exporter.write(job, path)
+            with report_faults():
+                written = require_files(exporter.write(job, path), exporter)
         except DriftformError as error:
             # An agent that one format cannot hold is no reason to keep back the others.
             problems.append(f"{path}: not written: {error}")
@@ -151,6 +154,8 @@ def _write_overview(directory: Path, study: Study, store: Store) -> None:
     from driftform.figures.overview import overview_svg
 
     pipeline = study.make_pipeline()
+    fitness = pipeline.fitness
+    values: dict[str, float] = {}
     flights: list[GalleryEntry] = []
     flown: dict[int, tuple[Agent, Trajectory]] = {}
     for target in study.scenario.targets:
@@ -159,9 +164,11 @@ def _write_overview(directory: Path, study: Study, store: Store) -> None:
         agent, flight = flown.setdefault(
             stored.result["evaluation"], (pipeline.make_agent(stored.genome), flight)
         )
-        flights.append(GalleryEntry(target, agent, flight, 100 - stored.result["fitness"]))
+        values[target] = stored.result["fitness"]
+        flights.append(GalleryEntry(target, agent, flight, fitness.measure(values[target]), fitness.unit))
     title = str(study.document.get("title", ""))
-    write_text(directory / "figures" / "overview.svg", overview_svg(flights, study.scenario, title))
+    picture = overview_svg(flights, study.scenario, title, describe_worst(fitness, values))
+    write_text(directory / "figures" / "overview.svg", picture)
 
 
 def _write_reach(directory: Path, study: Study, store: Store) -> None:

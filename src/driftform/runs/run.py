@@ -1,18 +1,21 @@
 """A run: the one owner of its directory, its store and its lock, from the first evaluation to the best agents."""
 
+import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any, Self
 
-from driftform.errors import InputError
+from driftform.errors import DriftformError, InputError
 from driftform.execution import Executor
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.directory import (
     DATABASE,
     check_new,
     check_run,
+    check_unbegun,
     lock_run,
+    remove_leftovers,
     resume_command,
     write_inputs,
     write_resolved,
@@ -97,15 +100,17 @@ class Run:
     def resume(cls, directory: Path, evaluations: int | None = None) -> Iterator[Self]:
         """Open a run to continue it, with a larger budget if ``evaluations`` is given, and hold its lock.
 
-        Nothing is written before the run advances.
+        Nothing is written before the run advances, except the database of a run that was stopped before it had one.
 
         Raises
         ------
         InputError
             if the directory is not a run, another process works on it, or it holds more evaluations already.
         """
-        check_run(directory)
+        check_run(directory, begun=False)
         with lock_run(directory):
+            if not (directory / DATABASE).exists():
+                cls._begin_again(directory)
             run = cls._load(directory, evaluations)
             if evaluations is not None:
                 run._check_budget(evaluations)
@@ -140,7 +145,18 @@ class Run:
         return cls(directory, load_study(document, run={"evaluations": evaluations}))
 
     @classmethod
+    def _begin_again(cls, directory: Path) -> None:
+        """Begin a run that was stopped after its study was written, and before its database was."""
+        path = check_unbegun(directory)
+        try:
+            document = tomllib.loads(path.read_text(encoding="utf-8"))
+        except ValueError as error:
+            raise InputError(f"{path}: is not TOML: {error}") from None
+        cls._begin(directory, load_study(Document(str(path), document)))
+
+    @classmethod
     def _begin(cls, directory: Path, study: Study) -> Self:
+        remove_leftovers(directory)
         write_inputs(directory, study)
         Store.create(directory / DATABASE, dict(study.document)).close()
         return cls(directory, study)
@@ -215,7 +231,12 @@ class Run:
             self._search(store, executor, observer)
             with observer.open_finalists() as progress:
                 fly_finalists(self.study, store, executor, progress)
-            return write_results(self.path, self.study, executor)
+            store.check_place()
+            try:
+                return write_results(self.path, self.study, executor)
+            except DriftformError:
+                store.check_place()
+                raise
 
     def _search(self, store: Store, executor: Executor, observer: Observer) -> None:
         with observer.open_search(store.count()):
@@ -238,6 +259,12 @@ class Run:
         """Return the number of evaluations stored, and how many of them failed."""
         with self.read() as store:
             return store.count(), store.count_failed()
+
+    def describe_failures(self) -> dict[str, Any] | None:
+        """Return the commonest kind of failure: its first ``reason``, and the ``count``; ``None`` without failures."""
+        with self.read() as store:
+            reason, count = store.find_commonest_failure()
+        return {"reason": reason, "count": count} if count else None
 
     def refuse_unsound(self) -> InputError:
         """Return the error for a request that needs a successful evaluation, before there is one."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from driftform.errors import InputError
 from driftform.execution import Executor, Job
+from driftform.faults import report_faults, require_candidates
 from driftform.runs.store import Record, Store
 from driftform.scenario import Robustness, evaluation_seed
 from driftform.study import Study
@@ -36,12 +37,26 @@ def run_search(
     ------
     InputError
         where the stored evaluations are not those that this study asks for.
+    WorkFailedError
+        where the strategy fails.
     """
+    with report_faults():
+        _search(study, store, executor, on_record, on_generation)
+
+
+def _search(
+    study: Study,
+    store: Store,
+    executor: Executor,
+    on_record: Callable[[Record], None],
+    on_generation: Callable[[int], None],
+) -> None:
     strategy, targets = study.make_strategy(), study.scenario.target_names
     best = BestFitness(len(targets), count_finalists(study.scenario.robustness))
     first = 0
     while first < study.evaluations:
-        candidates = strategy.ask(study.evaluations - first)
+        left = study.evaluations - first
+        candidates = require_candidates(strategy.ask(left), left, strategy)
         outcomes: dict[int, Evaluation] = {}
         for record in store.read_records(targets, first, len(candidates)):
             if record.candidate != candidates[record.index - first]:

@@ -10,12 +10,22 @@ import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from driftform.errors import InputError, WorkFailedError, describe_error
+from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error, find_commonest
+from driftform.runs.values import (
+    check_integer,
+    check_number,
+    check_optional_number,
+    check_text,
+    read_integers,
+    read_study_document,
+    read_texts,
+)
 from driftform.trajectory.compression import compress, decode, diagnostics
 from driftform.types import Candidate, End, Evaluation, FloatArray, Genome, Trajectory
 from driftform.util.files import write_whole
@@ -65,11 +75,15 @@ CREATE TABLE disturbed (
 """
 
 
-_COLUMNS = {
-    table: tuple(re.findall(r"^    ([a-z_]+) ", body, re.MULTILINE))
-    for table, body in re.findall(r"CREATE TABLE (\w+) \(\n(.*?)\n\)", _SCHEMA, re.DOTALL)
+def _normalise(statement: str) -> str:
+    """Return a statement without comments and without what only lays it out."""
+    return " ".join(re.sub(r"--[^\n]*", "", statement).split())
+
+
+_TABLES = {
+    statement.split()[2]: _normalise(statement) for statement in _SCHEMA.split(";\n") if statement.strip()
 }
-"""The columns of every table, as the schema has them."""
+"""The statement that made each table."""
 
 _HEADER = 100
 """Bytes that every SQLite file begins with."""
@@ -77,7 +91,13 @@ _HEADER = 100
 _LARGEST = 2**63 - 1
 """Integer of SQLite."""
 
-_INSERT = f"INSERT INTO evaluation VALUES ({','.join('?' * len(_COLUMNS['evaluation']))})"
+_LARGEST_VALUE = 1 << 26
+"""Largest text or blob that is read, bytes: SQLite refuses a larger one before it takes memory."""
+
+_DAMAGE = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
+"""Errors of SQLite that mean damage; all others are about the place: a full disk, a lock, a right that is missing."""
+
+_INSERT = f"INSERT INTO evaluation VALUES ({','.join('?' * 15)})"
 
 _UNWRITTEN = "cannot be written: {}; what was written before is safe"
 
@@ -160,6 +180,7 @@ class Store:
         self._connection = connection
         self._path = path
         self._read_only = read_only
+        self._place = _identify(path)
 
     @classmethod
     def create(cls, path: Path, study: Mapping[str, Any]) -> "Store":
@@ -211,13 +232,10 @@ class Store:
                 or application != APPLICATION_ID
                 or connection.execute("PRAGMA quick_check").fetchone()[0] == "ok"
             )
-            columns = {
-                table: tuple(row[1] for row in connection.execute(f"PRAGMA table_info({table})"))
-                for table in _COLUMNS
-            }
-        except sqlite3.DatabaseError as error:
+            broken = _find_broken_tables(connection)
+        except sqlite3.Error as error:
             connection.close()
-            raise InputError(f"{path}: is damaged ({error}); {_NEXT_STEP}") from None
+            raise _describe_read_error(path, error) from None
         problem = ""
         if application != APPLICATION_ID:
             problem = "is a database, but not of a driftform run"
@@ -228,12 +246,13 @@ class Store:
             )
         elif not sound:
             problem = f"is damaged; {_NEXT_STEP}"
-        elif columns != _COLUMNS:
-            broken = ", ".join(table for table in _COLUMNS if columns[table] != _COLUMNS[table])
-            problem = f"is damaged (not as driftform makes them: {broken}); {_NEXT_STEP}"
+        elif broken:
+            problem = f"is damaged (not as driftform makes them: {', '.join(broken)}); {_NEXT_STEP}"
         if problem:
             connection.close()
             raise InputError(f"{path}: {problem}")
+        # Nothing in the schema may call a function that does more than compute.
+        connection.execute("PRAGMA trusted_schema = OFF")
         connection.execute("PRAGMA synchronous = FULL")
         return cls(connection, path, read_only)
 
@@ -258,11 +277,8 @@ class Store:
     def read_study(self) -> dict[str, Any]:
         """The document of the study that made the run."""
         with self._reading():
-            row = self._connection.execute("SELECT value FROM meta WHERE key = 'study'").fetchone()
-            document = json.loads(row[0])
-            if not isinstance(document, dict):
-                raise ValueError("the study is no table")
-            return document
+            [value] = self._connection.execute("SELECT value FROM meta WHERE key = 'study'").fetchone()
+            return read_study_document(value)
 
     def replace_study(self, study: Mapping[str, Any]) -> None:
         """Put another document in the place of the study's; when this returns it survives a crash."""
@@ -274,6 +290,20 @@ class Store:
         except sqlite3.Error as error:
             raise WorkFailedError(f"{self._path}: the study cannot be written: {error}") from None
 
+    def check_place(self) -> None:
+        """Refuse to go on if the file is no longer where it was opened: SQLite would write to it, wherever it is.
+
+        Raises
+        ------
+        WorkFailedError
+            if the run was moved or deleted.
+        """
+        if _identify(self._path) != self._place:
+            raise WorkFailedError(
+                f"{self._path}: was moved or deleted while the run was under way; if its directory was moved, "
+                "resume it where it is now, with all evaluations that were shown"
+            )
+
     def add(self, records: Sequence[Record], targets: Sequence[str]) -> None:
         """Write evaluations, all or none; when this returns they survive a crash.
 
@@ -282,6 +312,7 @@ class Store:
         WorkFailedError
             where they cannot be written.
         """
+        self.check_place()
         # One fsync for all of them: on a disk that makes each wait 4 ms it is what a write costs.
         try:
             with self._writing():
@@ -309,6 +340,7 @@ class Store:
         WorkFailedError
             where they cannot be written.
         """
+        self.check_place()
         rows = [
             (flight.evaluation, flight.condition, target, float(value), flight.failure)
             for flight in flights
@@ -323,7 +355,12 @@ class Store:
     def list_disturbed(self) -> set[tuple[int, int]]:
         """The evaluations and conditions that were flown disturbed."""
         with self._reading():
-            return set(self._connection.execute("SELECT DISTINCT evaluation, condition FROM disturbed"))
+            return {
+                (check_integer(index, "an evaluation"), check_integer(condition, "a condition"))
+                for index, condition in self._connection.execute(
+                    "SELECT DISTINCT evaluation, condition FROM disturbed"
+                )
+            }
 
     def read_disturbed(self, target: str) -> list[tuple[int, FloatArray, int]]:
         """For each finalist its evaluation, its fitness under every condition flown, (n,), and how many flights failed."""
@@ -331,7 +368,9 @@ class Store:
         found: dict[int, list[tuple[float, bool]]] = {}
         with self._reading():
             for index, fitness, failed in self._connection.execute(query, (target,)):
-                found.setdefault(index, []).append((float(fitness), bool(failed)))
+                found.setdefault(check_integer(index, "an evaluation"), []).append(
+                    (_check_fitness(fitness), bool(failed))
+                )
         return [
             (index, np.array([fitness for fitness, _ in rows]), sum(failed for _, failed in rows))
             for index, rows in found.items()
@@ -345,17 +384,26 @@ class Store:
         """How many of them failed."""
         return int(self._scalar("SELECT COUNT(*) FROM evaluation WHERE failure IS NOT NULL"))
 
+    def find_commonest_failure(self) -> tuple[str, int]:
+        """Return the first of the commonest kind of failure, and how many there are; ``("", 0)`` without failures."""
+        query = "SELECT failure FROM evaluation WHERE failure IS NOT NULL ORDER BY id"
+        return find_commonest(str(failure) for (failure,) in self._connection.execute(query))
+
     def count_sound(self) -> int:
         """How many of them have a flight: those that did not fail."""
         return self.count() - self.count_failed()
 
     def total_seconds(self) -> float:
         """What all evaluations took together, s."""
-        return float(self._scalar("SELECT COALESCE(SUM(seconds), 0) FROM evaluation"))
+        with self._reading():
+            return check_number(self._scalar("SELECT COALESCE(SUM(seconds), 0) FROM evaluation"), "the time")
 
     def last_index(self) -> int:
         """The largest index of an evaluation, -1 before any; not each below it need be there yet."""
-        return int(self._scalar("SELECT COALESCE(MAX(id), -1) FROM evaluation"))
+        with self._reading():
+            return check_integer(
+                self._scalar("SELECT COALESCE(MAX(id), -1) FROM evaluation"), "an evaluation", -1
+            )
 
     def read_summaries(self, targets: Sequence[str], first: int = 0) -> Iterator[EvaluationSummary]:
         """Yield what is small of the evaluations from index ``first`` on, in their order, as of one moment."""
@@ -371,7 +419,11 @@ class Store:
             )
             for (index, generation, population, failed), *scored in zip(rows, *fitness, strict=True):
                 yield EvaluationSummary(
-                    index, generation, population, bool(failed), tuple(float(s) for (s,) in scored)
+                    check_integer(index, "an evaluation"),
+                    check_integer(generation, "a generation"),
+                    check_text(population, "a population"),
+                    bool(failed),
+                    tuple(_check_fitness(score) for (score,) in scored),
                 )
 
     def read_records(self, targets: Sequence[str], first: int = 0, count: int = -1) -> Iterator[Record]:
@@ -391,7 +443,7 @@ class Store:
         """
         with self._reading(), closing(self._connection.execute(query)) as rows:
             for index, ended, contact, drift, error, blob in rows:
-                yield index, decode(blob, End(ended), contact=contact, energy_drift=drift, error=error)
+                yield check_integer(index, "an evaluation"), _flight(blob, ended, contact, drift, error)
 
     def read_record(self, index: int, targets: Sequence[str]) -> Record:
         """Return one evaluation."""
@@ -405,7 +457,13 @@ class Store:
         """
         with self._reading():
             row = self._connection.execute(query, (target,)).fetchone()
-            return (int(row[0]), float(row[1])) if row else None
+            return (check_integer(row[0], "an evaluation"), _check_fitness(row[1])) if row else None
+
+    @cached_property
+    def _grammar(self) -> str | None:
+        """Name of the study's grammar, ``None`` if it names none."""
+        table = self.read_study().get("grammar")
+        return table.get("use") if isinstance(table, dict) else None
 
     def _scalar(self, query: str) -> Any:
         with self._reading():
@@ -420,11 +478,11 @@ class Store:
 
     @contextmanager
     def _reading(self) -> Iterator[None]:
-        """What cannot be read as it was written is damage, whatever it is that stumbles over it."""
+        """What cannot be read as it was written is damage, unless the place where it is read is to blame."""
         try:
             yield
         except (sqlite3.Error, zlib.error, ValueError, TypeError, KeyError, RecursionError) as error:
-            raise InputError(f"{self._path}: is damaged ({describe_error(error)}); {_NEXT_STEP}") from None
+            raise _describe_read_error(self._path, error) from None
 
     def _record(self, row: tuple[Any, ...], targets: Sequence[str]) -> Record:
         index, generation, population, parents, grammar, symbols, seed, failure, ended, _, *rest = row
@@ -436,19 +494,70 @@ class Store:
                 f"SELECT target, fitness FROM score WHERE {among} AND evaluation = ?", (*targets, index)
             ).fetchall()
         )
-        genome = Genome(grammar, tuple(json.loads(symbols)))
+        if self._grammar not in (None, grammar):
+            raise ValueError(f"a genome is of the grammar {grammar!r}, expected {self._grammar!r}")
+        genome = Genome(check_text(grammar, "a grammar"), read_texts(symbols, "the symbols"))
         evaluation = Evaluation(
             genome,
-            np.array([scores[target] for target in targets]),
-            decode(blob, End(ended), contact=contact, energy_drift=drift, error=error)
-            if blob is not None
-            else None,
-            failure,
-            seconds,
+            np.array([_check_fitness(scores[target]) for target in targets]),
+            _flight(blob, ended, contact, drift, error) if blob is not None else None,
+            None if failure is None else check_text(failure, "a failure"),
+            check_number(seconds, "the time of an evaluation"),
+        )
+        candidate = Candidate(
+            genome,
+            read_integers(parents, "the parents"),
+            check_integer(generation, "a generation"),
+            check_text(population, "a population"),
         )
         return Record(
-            index, Candidate(genome, tuple(json.loads(parents)), generation, population), evaluation, seed
+            check_integer(index, "an evaluation"), candidate, evaluation, check_integer(seed, "a seed")
         )
+
+
+def _check_fitness(value: object) -> float:
+    return check_number(value, "a fitness", 0, 100)
+
+
+def _flight(blob: object, ended: object, contact: object, drift: object, error: object) -> Trajectory:
+    """Return a flight from the values of its columns."""
+    if not isinstance(blob, bytes):
+        raise TypeError("a flight is no blob")
+    return decode(
+        blob,
+        End(check_text(ended, "the end of a flight")),
+        contact=check_optional_number(contact, "the contact of a flight"),
+        energy_drift=check_optional_number(drift, "the energy drift of a flight"),
+        error=check_optional_number(error, "the error of a flight"),
+    )
+
+
+def _describe_read_error(path: Path, error: Exception) -> DriftformError:
+    """Return the error for data that cannot be read: damage, or a place that does not let them be read."""
+    code = getattr(error, "sqlite_errorcode", None)
+    if code is None or code & 0xFF in _DAMAGE:
+        return InputError(f"{path}: is damaged ({describe_error(error)}); {_NEXT_STEP}")
+    return WorkFailedError(
+        f"{path}: cannot be read here: {error}; the data are untouched: free the disk, or copy the run to a "
+        "directory that can be written to, and try again"
+    )
+
+
+def _find_broken_tables(connection: sqlite3.Connection) -> list[str]:
+    """Return the tables that are missing or not as they are made, and whatever could act in their place."""
+    rows = connection.execute("SELECT type, name, sql FROM sqlite_master").fetchall()
+    found = {name: _normalise(str(sql)) for kind, name, sql in rows if kind == "table"}
+    acting = [str(name) for kind, name, _ in rows if kind in ("view", "trigger")]
+    return [table for table in _TABLES if found.get(table) != _TABLES[table]] + acting
+
+
+def _identify(path: Path) -> tuple[int, int] | None:
+    """Return what a file is, whatever its name; ``None`` if there is no file."""
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_dev, status.st_ino
 
 
 def _write_empty(path: Path, study: Mapping[str, Any]) -> None:
@@ -491,10 +600,13 @@ def _scores(record: Record, targets: Sequence[str]) -> list[tuple[int, str, floa
 def _connect(path: Path, read_only: bool = False) -> sqlite3.Connection:
     try:
         if read_only:
-            return sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True, isolation_level=None)
-        return sqlite3.connect(path, isolation_level=None)
+            connection = sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True, isolation_level=None)
+        else:
+            connection = sqlite3.connect(path, isolation_level=None)
     except sqlite3.Error as error:
         raise WorkFailedError(f"{path}: cannot be opened: {error}") from None
+    connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _LARGEST_VALUE)
+    return connection
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Creates a new plugin for any seam: a small distribution that installs and passes its tests, to be edited.
+"""Creates new plugins for any seams: a small distribution that installs and passes its tests, to be edited.
 
 Each seam has a folder of templates, in which ``string.Template`` fills in names, and ``about.toml`` with the data of
 the seam; ``common`` contains the templates that all seams share.
@@ -8,7 +8,7 @@ import keyword
 import re
 import sys
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources, util
 from string import Template
@@ -28,10 +28,12 @@ _MAX_LENGTH = 60
 
 @dataclass(frozen=True)
 class Names:
-    """The names of a new plugin and its parts.
+    """The names of a new plugin of one seam and its parts.
 
     Attributes
     ----------
+    seam
+        what it implements: ``fitness``.
     distribution
         name of the distribution, normalised as in PEP 503: ``driftform-dwell``.
     package
@@ -42,6 +44,7 @@ class Names:
         names of the implementation and its options: ``DwellFitness``, ``DwellOptions``.
     """
 
+    seam: str
     distribution: str
     package: str
     plugin: str
@@ -75,7 +78,7 @@ def make_names(name: str, seam: str) -> Names:
     plugin = distribution.removeprefix("driftform-")
     package = distribution.replace("-", "_")
     camel = "".join(part.capitalize() for part in plugin.split("-"))
-    names = Names(distribution, package, plugin, camel + _read_about(seam)["noun"], f"{camel}Options")
+    names = Names(seam, distribution, package, plugin, camel + _read_about(seam)["noun"], f"{camel}Options")
     if len(name) > _MAX_LENGTH:
         raise InputError(f"'{name[:20]}...' is longer than {_MAX_LENGTH} characters; choose a shorter name")
     if not names.class_name.isidentifier():
@@ -96,49 +99,76 @@ def make_names(name: str, seam: str) -> Names:
     return names
 
 
-def list_files(names: Names, seam: str) -> dict[str, str]:
-    """Return the text of each file of a new distribution, by its path inside the distribution's folder."""
-    about, package, tests = _read_about(seam), f"src/{names.package}", "tests"
-    words = {
+def list_files(parts: Sequence[Names]) -> dict[str, str]:
+    """Return the text of each file of a new distribution with a plugin of each seam, by its path inside the folder."""
+    first = parts[0]
+    package, seams = f"src/{first.package}", _enumerate([part.seam for part in parts])
+    dependencies = dict.fromkeys(line for part in parts for line in _read_about(part.seam)["dependencies"])
+    summary = _read_about(first.seam)["summary"] if len(parts) == 1 else seams.capitalize()
+    words = [_list_words(part) for part in parts]
+    shared = {
+        **words[0],
+        "summary": summary,
+        "about": f"{summary}: the {seams}" if len(parts) == 1 else f"The {seams}",
+        "interfaces": _enumerate([f"`{SEAMS[part.seam].__name__}`" for part in parts]),
+        "dependencies": ", ".join(f'"{line}"' for line in (f"driftform>={__version__}", *dependencies)),
+        "hooks": "".join(_fill("common", "hook.py.txt", line) for line in words),
+        "use": "\n".join(f"$ {line}" for line in list_uses(parts)),
+        "study": _merge_studies(
+            [_fill(part.seam, "study.toml.txt", line) for part, line in zip(parts, words, strict=True)]
+        ),
+    }
+    files = {
+        "pyproject.toml": _fill("common", "pyproject.toml.txt", shared),
+        "README.md": _fill("common", "README.md.txt", shared),
+        f"{package}/__init__.py": _fill("common", "__init__.py.txt", shared),
+    }
+    for part, line in zip(parts, words, strict=True):
+        files[f"{package}/{part.seam}.py"] = _fill(part.seam, "implementation.py.txt", line)
+        files[f"tests/test_{part.seam}.py"] = _fill(part.seam, "test.py.txt", line)
+    return {**files, "study.toml": shared["study"]}
+
+
+def list_uses(parts: Sequence[Names]) -> list[str]:
+    """Return commands that use the new plugins, to be run in the distribution's folder."""
+    lines: Iterable[str] = dict.fromkeys(
+        Template(line).substitute(plugin=part.plugin, word=WORD)
+        for part in parts
+        for line in _read_about(part.seam)["use"]
+    )
+    return list(lines)
+
+
+def _list_words(names: Names) -> dict[str, str]:
+    """Return what the templates of a seam are filled with."""
+    seam = names.seam
+    return {
         "distribution": names.distribution,
         "package": names.package,
         "plugin": names.plugin,
         "class_name": names.class_name,
         "options_name": names.options_name,
         "seam": seam,
-        "interface": SEAMS[seam].__name__,
-        "summary": about["summary"],
+        "summary": _read_about(seam)["summary"],
         "table": f"{seam}.{names.plugin}" if seam in NAMED else seam,
-        "dependencies": ", ".join(
-            f'"{line}"' for line in (f"driftform>={__version__}", *about["dependencies"])
-        ),
         "word": WORD,
     }
-    study = _read_template(seam, "study.toml.txt").substitute(words)
-    use = "\n".join(f"$ {line}" for line in list_uses(names, seam))
-    filled = {
-        "pyproject.toml": ("common", "pyproject.toml.txt"),
-        "README.md": ("common", "README.md.txt"),
-        f"{package}/__init__.py": ("common", "__init__.py.txt"),
-        f"{package}/{seam}.py": (seam, "implementation.py.txt"),
-        f"{tests}/test_{seam}.py": (seam, "test.py.txt"),
-    }
-    files = {
-        path: _read_template(*source).substitute(words, study=study, use=use)
-        for path, source in filled.items()
-    }
-    return {**files, "study.toml": study}
 
 
-def list_uses(names: Names, seam: str) -> list[str]:
-    """Return commands that use the new plugin, to be run in the distribution's folder."""
-    lines: Iterable[str] = _read_about(seam)["use"]
-    return [Template(line).substitute(plugin=names.plugin, word=WORD) for line in lines]
+def _merge_studies(texts: Sequence[str]) -> str:
+    """Return one study with the tables of all; each begins with its base, which they share."""
+    head = texts[0].partition("\n\n")[0]
+    return "\n\n".join([head, *(text.partition("\n\n")[2].rstrip() for text in texts)]) + "\n"
+
+
+def _enumerate(words: Sequence[str]) -> str:
+    return " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
 
 
 def _read_about(seam: str) -> dict[str, Any]:
     return tomllib.loads((resources.files(__name__) / seam / "about.toml").read_text(encoding="utf-8"))
 
 
-def _read_template(folder: str, name: str) -> Template:
-    return Template((resources.files(__name__) / folder / name).read_text(encoding="utf-8"))
+def _fill(folder: str, name: str, words: Mapping[str, str]) -> str:
+    text = (resources.files(__name__) / folder / name).read_text(encoding="utf-8")
+    return Template(text).substitute(words)

@@ -8,7 +8,8 @@ import pytest
 
 from driftform.interfaces import Fitness
 from driftform.scenario import Pipe, Scenario, Segment, Vector
-from driftform.types import End, FloatArray, Trajectory
+from driftform.testing.agents import sphere_agent
+from driftform.types import Agent, End, FloatArray, Trajectory, Verdict
 
 TARGETS: dict[str, Vector] = {"near": (1.0, 0.0, -0.5), "middle": (4.0, 0.3, 0.2), "far": (8.5, 0.0, 0.4)}
 
@@ -51,6 +52,10 @@ class FitnessContract:
         """Return the fitness to be tested."""
         raise NotImplementedError
 
+    def agent(self) -> Agent:
+        """Return what flies: a sphere of 50 g with a radius of 10 mm."""
+        return sphere_agent(0.01, 0.05)
+
     def trajectories(self) -> list[Trajectory]:
         """Return trajectories through each target, past all of them, out of the pipe, and a failed one of a single sample."""
         times = np.linspace(0, 9, 31)
@@ -70,14 +75,14 @@ class FitnessContract:
     def test_there_is_one_fitness_for_each_target(self, names: tuple[str, ...]) -> None:
         """The score is a vector over the scenario's targets, for one target or many."""
         for trajectory in self.trajectories():
-            score = self.plugin().score(trajectory, self.scenario(*names))
+            score = self.plugin().score(trajectory, self.scenario(*names), self.agent())
             assert score.shape == (len(names),)
             assert score.dtype == np.float64
 
     def test_fitness_is_a_percentage(self) -> None:
         """100 is best and 0 is worst, as the roulette wheel and the error in percent require, also for failed flights."""
         for trajectory in self.trajectories():
-            score = self.plugin().score(trajectory, self.scenario())
+            score = self.plugin().score(trajectory, self.scenario(), self.agent())
             assert ((score >= 0) & (score <= 100)).all()
 
     def test_a_flight_through_a_target_is_perfect_for_it(self) -> None:
@@ -85,20 +90,50 @@ class FitnessContract:
         if not self.rewards_closeness:
             pytest.skip("this fitness is not about closeness")
         for number, trajectory in enumerate(self.trajectories()[: len(TARGETS)]):
-            score = self.plugin().score(trajectory, self.scenario())
+            score = self.plugin().score(trajectory, self.scenario(), self.agent())
             assert score[number] == pytest.approx(100, rel=1e-9)
             assert (np.delete(score, number) < 100).all()
 
     def test_values_follow_the_order_of_the_targets(self) -> None:
         """The same targets in another order have the same values, in that order."""
         for trajectory in self.trajectories():
-            there = self.plugin().score(trajectory, self.scenario("near", "middle", "far"))
-            back = self.plugin().score(trajectory, self.scenario("far", "middle", "near"))
+            there = self.plugin().score(trajectory, self.scenario("near", "middle", "far"), self.agent())
+            back = self.plugin().score(trajectory, self.scenario("far", "middle", "near"), self.agent())
             np.testing.assert_array_equal(there, back[::-1])
 
     def test_the_same_flight_has_the_same_fitness(self) -> None:
         """A pickled copy in a worker process scores the same, to the last bit."""
         copy = pickle.loads(pickle.dumps(self.plugin()))
         for trajectory in self.trajectories():
-            again = copy.score(pickle.loads(pickle.dumps(trajectory)), self.scenario())
-            np.testing.assert_array_equal(self.plugin().score(trajectory, self.scenario()), again)
+            again = copy.score(pickle.loads(pickle.dumps(trajectory)), self.scenario(), self.agent())
+            np.testing.assert_array_equal(
+                self.plugin().score(trajectory, self.scenario(), self.agent()), again
+            )
+
+    def test_people_read_a_number_with_its_unit_and_a_verdict(self) -> None:
+        """Every fitness has a finite measure, a text of one line with its unit, and a verdict."""
+        fitness = self.plugin()
+        assert fitness.heading
+        assert fitness.goal
+        for value in np.linspace(0, 100, 101).tolist():
+            assert np.isfinite(fitness.measure(value))
+            assert isinstance(fitness.judge(value), Verdict)
+            text = fitness.describe(value)
+            assert fitness.unit in text
+            assert text == " ".join(text.split())
+
+    def test_a_perfect_fitness_is_reached_and_none_is_missed(self) -> None:
+        """A fitness of 100 is reached and one of 0 is missed."""
+        assert self.plugin().judge(100.0) == Verdict.REACHED
+        assert self.plugin().judge(0.0) == Verdict.MISSED
+
+    def test_a_larger_fitness_never_has_a_worse_verdict(self) -> None:
+        """From 0 to 100 the verdict goes from missed over near to reached, and never back."""
+        order = [Verdict.MISSED, Verdict.NEAR, Verdict.REACHED]
+        grades = [order.index(self.plugin().judge(value)) for value in np.linspace(0, 100, 201).tolist()]
+        assert grades == sorted(grades)
+
+    def test_what_people_read_changes_in_one_direction(self) -> None:
+        """The measure grows with the fitness throughout, or falls throughout."""
+        measured = np.array([self.plugin().measure(value) for value in np.linspace(0, 100, 201).tolist()])
+        assert (np.diff(measured) >= 0).all() or (np.diff(measured) <= 0).all()

@@ -11,6 +11,11 @@ from driftform.types import End, Evaluation, Trajectory
 SAMPLE_GAP = 0.01
 """Least time between the samples of a compressed trajectory, s."""
 
+LARGEST_FLIGHT = 1 << 28
+"""Largest size of a decoded flight, bytes: 13 hours, whatever a file contains."""
+
+_SAMPLE_BYTES = 14 * 4
+
 _SAMPLES = ("t", "position", "quaternion", "velocity")
 
 
@@ -64,18 +69,40 @@ def encode(trajectory: Trajectory) -> bytes:
     """Thin a trajectory to :data:`SAMPLE_GAP` and compress it as float32.
 
     Bytes of equal significance are stored side by side: zlib then takes a third of the time and returns three quarters
-    of the size.
+    of the size. It searches for runs of equal bytes only, which takes another third less and returns 3 % more.
     """
     from driftform.trajectory.resampling import byte_planes
 
     planes = byte_planes(
         trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, SAMPLE_GAP
     )
-    return zlib.compress(planes.data, 1)
+    if planes.nbytes > LARGEST_FLIGHT:
+        raise ValueError(f"a flight of {trajectory.t[-1]:g} s has more samples than a run can hold")
+    packer = zlib.compressobj(level=1, strategy=zlib.Z_RLE)
+    return packer.compress(planes.data) + packer.flush()
 
 
 def decode(blob: bytes, end: End, **fields: float | None) -> Trajectory:
-    """Read what :func:`encode` wrote; ``fields`` are the other fields of the trajectory, see :func:`diagnostics`."""
-    planes = np.frombuffer(zlib.decompress(blob), dtype=np.uint8).reshape(4, -1)
+    """Read what :func:`encode` wrote; ``fields`` are the other fields of the trajectory, see :func:`diagnostics`.
+
+    Raises
+    ------
+    ValueError
+        if it is not a flight: of another length, larger than :data:`LARGEST_FLIGHT`, with times that decrease, or, if
+        the flight did not fail, with numbers that are not finite.
+    zlib.error
+        if it is not compressed data.
+    """
+    unpacker = zlib.decompressobj()
+    unpacked = unpacker.decompress(blob, LARGEST_FLIGHT)
+    if not unpacker.eof:
+        raise ValueError("a flight is cut short, or too large")
+    if not unpacked or len(unpacked) % _SAMPLE_BYTES:
+        raise ValueError(f"a flight has {len(unpacked)} bytes, expected a multiple of {_SAMPLE_BYTES}")
+    planes = np.frombuffer(unpacked, dtype=np.uint8).reshape(4, -1)
     wide = np.ascontiguousarray(planes.T).view("<f4").reshape(14, -1).astype(np.float64)
+    if not end.failed and not np.isfinite(wide).all():
+        raise ValueError("a flight has numbers that are not finite")
+    if not (np.diff(wide[0]) >= 0).all():
+        raise ValueError("the times of a flight decrease")
     return Trajectory(wide[0], wide[1:4].T, wide[4:8].T, wide[8:14].T, end, **fields)

@@ -11,7 +11,7 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext, suppress
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar, cast
 
@@ -68,14 +68,20 @@ class _Cache(FunctionCache):
     def load_overload(self, sig: Any, context: Any) -> Any:
         """Load machine code, if there is any; numba's own method also prepares the compiler, for 0.4 s."""
         rtsys.initialize(context)
-        found = self._load_overload(sig, context)  # type: ignore[no-untyped-call]
+        found = None
+        try:
+            found = self._load_overload(sig, context)  # type: ignore[no-untyped-call]
+        except Exception:
+            # A cache that cannot be read, such as one cut short by a power failure, is begun anew.
+            with suppress(Exception):
+                self.flush()  # type: ignore[no-untyped-call]
         if found is None:
             _announce(Path(self.cache_path))
         return found
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Save machine code; a disk that refuses it is no error."""
-        with suppress(OSError):
+        """Save machine code; a disk that refuses it, or an index that cannot be read, is no error."""
+        with suppress(Exception):
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
 
 
@@ -84,12 +90,22 @@ class _Entry(CPUDispatcher):
 
     def __init__(self, function: Callable[..., Any], *_: object) -> None:
         super().__init__(function, targetoptions=_OPTIONS)
-        self._part = CPUDispatcher(function, targetoptions={**_OPTIONS, "no_cpython_wrapper": True})
-        self._lock: AbstractContextManager[object] = nullcontext()
+
+    # Most kernels of a process are never called from Python, and their machine code is loaded with that of others: part
+    # and cache are made when they are needed.
+
+    @cached_property
+    def _part(self) -> CPUDispatcher:
+        return CPUDispatcher(self.py_func, targetoptions={**_OPTIONS, "no_cpython_wrapper": True})
+
+    @cached_property
+    def _lock(self) -> AbstractContextManager[object]:
+        """Open the cache, and return the lock of its folder."""
         # numba raises RuntimeError if it finds no directory that it can write to.
         with suppress(RuntimeError, AttributeError):
-            self._cache = _Cache(function)
-            self._lock = FileLock(Path(self._cache.cache_path) / "kernels.lock")
+            self._cache = _Cache(self.py_func)
+            return FileLock(Path(self._cache.cache_path) / "kernels.lock")
+        return nullcontext()
 
     @property
     def _numba_type_(self) -> Any:
@@ -99,7 +115,8 @@ class _Entry(CPUDispatcher):
         """Load or compile the kernel, one process at a time: the others wait, and load what that one compiled."""
         _report(True)
         try:
-            with suppress(OSError), self._lock:
+            # Without a directory to write to, or on a file system without locks, every process compiles for itself.
+            with suppress(OSError, NotImplementedError), self._lock:
                 return super().compile(sig)
             return super().compile(sig)
         finally:

@@ -102,8 +102,8 @@ def remove_parts(folder: Path) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file in UTF-8, completely or not at all."""
-    write_whole(path, lambda part: part.write_text(text, encoding="utf-8"))
+    """Write a text file in UTF-8, completely or not at all; bytes of names that are not UTF-8 become escapes."""
+    write_whole(path, lambda part: part.write_text(text, encoding="utf-8", errors="backslashreplace"))
 
 
 @contextmanager

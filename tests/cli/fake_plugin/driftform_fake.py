@@ -4,6 +4,7 @@ import hashlib
 import multiprocessing
 import os
 import signal
+import sys
 import time
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 
 from driftform import hookimpl
 from driftform.errors import InputError, WorkFailedError
-from driftform.interfaces import Exporter, Fitness, Renderer, Simulator
+from driftform.interfaces import Exporter, Fitness, Renderer, Simulator, Strategy
 from driftform.options import Table, option
 from driftform.types import End, Trajectory, WrittenFile
 from driftform.util.files import write_text, write_whole
@@ -47,10 +48,60 @@ def write_slowly(path):
     write_whole(path, lambda part: (part.write_text("half"), time.sleep(60)))
 
 
+class SilentError(Exception):
+    """An error whose text cannot be read."""
+
+    def __str__(self):
+        raise ValueError("no comment")
+
+
+def _raise(error):
+    raise error
+
+
+def _flight(t, end, first=0.0):
+    count = len(t)
+    return Trajectory(
+        t, np.full((count, 3), first), np.tile([1.0, 0, 0, 0], (count, 1)), np.zeros((count, 6)), end
+    )
+
+
+def _print():
+    print("mind the gap")
+    os.write(1, b"mind the other gap\n")
+    return _flight(np.linspace(0.0, 1.0, 11), End.HORIZON)
+
+
+def _compile():
+    """Compile for three seconds, as far as anybody can tell."""
+    from driftform.util import compiled
+
+    compiled._report(True)
+    time.sleep(3)
+    compiled._report(False)
+    return _flight(np.linspace(0.0, 1.0, 11), End.HORIZON)
+
+
+DEEDS = {
+    "compile": _compile,
+    "exit": lambda: sys.exit(0),
+    "none": lambda: None,
+    "empty": lambda: _flight(np.zeros(0), End.OUTLET),
+    "unended": lambda: _flight(np.linspace(0.0, 1.0, 11), None),
+    "backward": lambda: _flight(np.linspace(1.0, 0.0, 11), End.OUTLET),
+    "nan": lambda: _flight(np.linspace(0.0, 1.0, 11), End.OUTLET, np.nan),
+    "silent": lambda: _raise(SilentError()),
+    "foreign": lambda: _raise(KeyError("x")),
+    "print": _print,
+}
+"""What plugins should not do, in place of what they should."""
+
+
 class FakeOptions(Table):
     die: float = option(0.0, "share of the genomes that end their process", "", ge=0, le=1)
     signal: str = option("", "name of the signal that they end it by, in place of an exit")
     hang: float = option(0.0, "share of the genomes whose flight never ends", "", ge=0, le=1)
+    deed: str = option("", "what it does in place of a flight: see DEEDS")
     stillborn: bool = option(False, "whether a worker process ends before it evaluates anything")
     die_once: str = option("", "directory of markers: with it a genome ends its process only the first time")
     fail: float = option(0.0, "share of the genomes that raise an exception", "", ge=0, le=1)
@@ -84,6 +135,8 @@ class FakeSimulator(Simulator[FakeOptions]):
             time.sleep(1e6)
         if u > 1 - self.options.fail:
             raise RuntimeError(f"genome {u:.6f} is not to my taste")
+        if self.options.deed:
+            return DEEDS[self.options.deed]()
         time.sleep(self.options.pause)
         if self.options.log:
             with Path(self.options.log).open("a") as file:
@@ -115,8 +168,36 @@ class NonsenseFitness(Fitness[NonsenseOptions]):
     name = "nonsense"
     Options = NonsenseOptions
 
-    def score(self, trajectory, scenario):
+    def score(self, trajectory, scenario, agent):
         return np.full(len(scenario.targets) + self.options.extra, float(self.options.value))
+
+
+class DeedOptions(Table):
+    deed: str = option("", "what it does: see DEEDS")
+
+
+class DeedExporter(Exporter[DeedOptions]):
+    """A format that is never written."""
+
+    name = "deed"
+    suffix = ".never"
+    Options = DeedOptions
+
+    def write(self, agent, path):
+        return DEEDS[self.options.deed]()
+
+
+class DeedStrategy(Strategy[DeedOptions]):
+    """A strategy that asks for nothing."""
+
+    name = "deed"
+    Options = DeedOptions
+
+    def ask(self, evaluations):
+        return [] if self.options.deed == "empty" else DEEDS[self.options.deed]()
+
+    def tell(self, first, evaluations):
+        pass
 
 
 class RefusingExporter(Exporter[Table]):
@@ -163,9 +244,14 @@ def driftform_fitness():
 
 @hookimpl
 def driftform_exporter():
-    return RefusingExporter
+    return [RefusingExporter, DeedExporter]
 
 
 @hookimpl
 def driftform_renderer():
     return FlipBook
+
+
+@hookimpl
+def driftform_strategy():
+    return DeedStrategy

@@ -84,7 +84,7 @@ class ExudynSimulator(Simulator[ExudynOptions]):
     ) -> Trajectory:
         from driftform.dynamics.coordinates import describe_motion
         from driftform.dynamics.flight import finish_trajectory, release_state
-        from driftform.dynamics.integrator import Accuracy, greatest_distance, integrate
+        from driftform.dynamics.integrator import Accuracy, greatest_distance, has_failed, integrate
         from driftform.dynamics.model import flight_model
         from driftform_exudyn.integration import integrate_motion, make_settings
 
@@ -105,6 +105,7 @@ class ExudynSimulator(Simulator[ExudynOptions]):
             reference = integrate(model, start, horizon, accuracy)
             error = reference.error + greatest_distance(reference.samples, samples)
             tolerance, share = TIGHTENING * tolerance, TIGHTENING * share
-            equal_steps = options.integrator != "DOPRI5"
-            if error <= options.accuracy or equal_steps or tolerance < options.tightest:
+            hopeless = all(has_failed(flown, options.step_limit) for flown in (reference.samples, samples))
+            last = options.integrator != "DOPRI5" or tolerance < options.tightest or hopeless
+            if error <= options.accuracy or last:
                 return finish_trajectory(samples, model, horizon, options.step_limit, error, options.accuracy)

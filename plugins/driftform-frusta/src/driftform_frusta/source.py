@@ -1,8 +1,12 @@
 """ExportJob -> the OpenSCAD source that goes with its parts."""
 
+import math
 from collections.abc import Sequence
 
+from driftform.figures.style import ORANGE
 from driftform.interfaces import ExportJob
+from driftform_frusta.colours import colour_of
+from driftform_frusta.kit.meridian import MM
 from driftform_frusta.parametric import hull_source
 from driftform_frusta.parts import Part
 from driftform_frusta.plate import GAP
@@ -15,7 +19,8 @@ _KIT = """\
 /* [View] */
 part = "all";        // [all, {names}]
 assembled = false;   // as they are joined, not as they are printed
-section = false;     // cut open along the axis (slow to render)
+section = true;      // cut open on the side of the default view, in the preview only
+show_core = true;    // in the preview only
 
 /* [Mesh] */
 {definitions}
@@ -25,10 +30,13 @@ module make(name) {{
 }}
 
 // Name, how high its lower end lies in the assembled hull, its height, whether its fore end is printed on the bed,
-// and where on the bed it stands.
+// where on the bed it stands, and its colour.
 parts = [
 {table}
 ];
+
+core_radius = {core};
+core_height = {height};  // of its centre in the assembled hull
 
 module on_bed(p) {{
     translate([part == "all" ? p[4] : 0, 0, p[3] ? p[1] + p[2] : -p[1]])
@@ -41,16 +49,23 @@ module shown(p) {{
     else on_bed(p) make(p[0]);
 }}
 
+// The default view is from the side of negative y. The preview shows a cut correctly only from outside what is cut away,
+// so that is no larger than it must be.
 module opened() {{
-    if (section) difference() {{
+    if (section && $preview) difference() {{
         children();
-        translate([-5000, 0, -5000]) cube(10000);
+        translate([-{reach:g}, -{reach:g}, -1]) cube([{reach:g} + {wide:g}, {reach:g}, {tall:g}]);
     }}
     else children();
 }}
 
 for (p = parts)
-    if (part == "all" || part == p[0]) opened() shown(p);
+    if (part == "all" || part == p[0]) color(p[5]) opened() shown(p);
+
+if (show_core && $preview && part == "all")
+    color("{core_colour}")
+        translate(assembled ? [0, 0, core_height] : [-core_radius - {gap:g}, 0, core_radius])
+            sphere(core_radius);
 """
 
 
@@ -58,15 +73,18 @@ def write_source(job: ExportJob, parts: Sequence[Part], segments: int) -> str:
     """Return source that renders to the sealed hull, or to the parts of a kit side by side as they are printed."""
     if len(parts) == 1:
         return hull_source(job.agent, segments, job.name)
+    body = job.agent.body
     modules = {part.name: part.name.replace(" ", "_") for part in parts}
     rows = []
     x = 0.0
-    for part in parts:
+    for index, part in enumerate(parts):
         low, high = part.solid.bounds
         radius = max(abs(low[0]), abs(high[0]))
         x += radius
         turned = str(part.fore_down).lower()
-        rows.append(f'    ["{part.name}", {low[2]:.6f}, {high[2] - low[2]:.6f}, {turned}, {x:.3f}],')
+        rows.append(
+            f'    ["{part.name}", {low[2]:.6f}, {high[2] - low[2]:.6f}, {turned}, {x:.3f}, "{colour_of(index)}"],'
+        )
         x += radius + GAP
     return _KIT.format(
         title=" ".join(job.name.split()),
@@ -76,4 +94,11 @@ def write_source(job: ExportJob, parts: Sequence[Part], segments: int) -> str:
         modules="\n".join(write_module(modules[part.name], part.tree) for part in parts),
         choices="\n".join(f'    if (name == "{name}") {module}();' for name, module in modules.items()),
         table="\n".join(rows),
+        core=f"{MM * body.core.radius:.6g}",
+        height=f"{-MM * float(body.outer[0, 0]):.6f}",
+        core_colour=ORANGE,
+        gap=GAP,
+        reach=math.ceil(500 * body.max_diameter) + 1,
+        wide=math.ceil(x) + 1,
+        tall=math.ceil(MM * body.length) + 2,
     )

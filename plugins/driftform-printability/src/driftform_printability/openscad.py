@@ -35,6 +35,9 @@ class OpenScadChecker(Checker[OpenScadOptions]):
     def _check_source(self, job: PrintJob) -> Finding:
         from driftform_printability.reading import read_parts
 
+        if job.withheld is not None:
+            detail = f"the attached {job.withheld} is not rendered; add --attached if you trust the file"
+            return Finding(self.name, State.SKIPPED, detail)
         if job.source is None:
             return Finding(self.name, State.SKIPPED, "no OpenSCAD source to render")
         if reason := explain_missing(self.program):

@@ -9,6 +9,13 @@ from driftform.geometry.meshes import IntArray, merge_vertices, signed_volume
 from driftform.types import FloatArray
 
 MM_PER_M = 1000.0
+
+MOST_PIECES = 10_000
+"""Largest number of meshes in a file, each counted as often as it is placed."""
+
+MOST_ELEMENTS = 5_000_000
+"""Largest number of triangles, and of vertices, in a file, with those of all placed copies."""
+
 MM3_PER_M3 = 1e9
 
 
@@ -46,6 +53,20 @@ class Part:
         lowest, highest = self.bounds
         extent: FloatArray = highest - lowest
         return extent
+
+
+def check_counts(pieces: int, elements: int) -> None:
+    """Refuse a file that a few bytes could make larger than any memory, by placing copies of copies.
+
+    Raises
+    ------
+    ValueError
+        if it has more than :data:`MOST_PIECES` meshes or :data:`MOST_ELEMENTS` triangles or vertices.
+    """
+    if pieces > MOST_PIECES:
+        raise ValueError(f"places more than {MOST_PIECES} meshes")
+    if elements > MOST_ELEMENTS:
+        raise ValueError(f"has more than {MOST_ELEMENTS} triangles or vertices")
 
 
 def make_part(name: str, vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> Part:

@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from driftform.errors import InputError, WorkFailedError
-from driftform_printability.parts import MM_PER_M, Part, make_part
+from driftform_printability.parts import MM_PER_M, Part, check_counts, make_part
 from driftform_printability.rendering import render
 from driftform_printability.threemf import read_3mf
 
@@ -73,8 +73,15 @@ def _read_with_trimesh(path: Path) -> tuple[Part, ...]:
     import trimesh
 
     scene = trimesh.load_scene(path, process=False, skip_materials=True, split_object=True)
+    nodes = scene.graph.nodes_geometry
+    check_counts(len(nodes), 0)
+    sizes = {
+        name: max(len(getattr(mesh, "faces", ())), len(getattr(mesh, "vertices", ())))
+        for name, mesh in scene.geometry.items()
+    }
+    check_counts(0, sum(sizes[scene.graph[node][1]] for node in nodes))
     found = []
-    for node in scene.graph.nodes_geometry:
+    for node in nodes:
         transform, name = scene.graph[node]
         mesh = scene.geometry[name]
         if not isinstance(mesh, trimesh.Trimesh):

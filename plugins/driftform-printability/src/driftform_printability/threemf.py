@@ -7,8 +7,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from driftform.geometry.meshes import IntArray
 from driftform.types import FloatArray
-from driftform_printability.parts import Part, make_part
+from driftform_printability.parts import Part, check_counts, make_part
 
 _UNITS = {
     "micron": 1e-3,
@@ -21,8 +22,11 @@ _UNITS = {
 
 _RELATIONSHIP = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 
-_LARGEST = 1 << 30
-"""Bytes of one file within the archive, unpacked."""
+_LARGEST = 1 << 27
+"""Bytes of all files that are read from the archive, unpacked."""
+
+Mesh = tuple[FloatArray, IntArray]
+"""Vertices (n, 3) and triangles (m, 3)."""
 
 _DEEPEST = 32
 """Components within components."""
@@ -53,6 +57,9 @@ class _Package:
     def __init__(self, archive: zipfile.ZipFile) -> None:
         self._archive = archive
         self._models: dict[str, ElementTree.Element] = {}
+        self._objects: dict[str, dict[str | None, ElementTree.Element]] = {}
+        self._read_meshes: dict[tuple[str, str], list[Mesh]] = {}
+        self._unpacked = self._visited = self._vertices = self._triangles = 0
 
     def parts(self) -> tuple[Part, ...]:
         root = self._root()
@@ -75,31 +82,22 @@ class _Package:
             found.append(make_part(name, vertices * self._unit(model), triangles))
         return tuple(found)
 
-    def _pieces(
-        self, path: str, identifier: str, transform: FloatArray, depth: int
-    ) -> Iterator[tuple[FloatArray, np.ndarray[tuple[int, ...], np.dtype[np.int64]]]]:
+    def _pieces(self, path: str, identifier: str, transform: FloatArray, depth: int) -> Iterator[Mesh]:
         """Meshes of an object and of its components, placed, in the unit of the model."""
         if depth > _DEEPEST:
             raise ValueError(f"has components within components, more than {_DEEPEST} deep")
+        self._visited += 1
+        check_counts(self._visited, 0)
         item = self._object(path, identifier)
         if item.get("type", "model") in ("support", "solidsupport"):
             return
-        for mesh in item.iterfind("{*}mesh"):
-            vertices = [
-                [float(v.attrib[axis]) for axis in "xyz"] for v in mesh.iterfind("{*}vertices/{*}vertex")
-            ]
-            corners = [
-                [int(t.attrib[corner]) for corner in ("v1", "v2", "v3")]
-                for t in mesh.iterfind("{*}triangles/{*}triangle")
-            ]
-            points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
-            triangles = np.array(corners, dtype=np.int64).reshape(-1, 3)
-            if triangles.size and not 0 <= triangles.min() <= triangles.max() < len(points):
-                raise ValueError(f"object {identifier} has triangles on missing vertices")
-            if np.linalg.det(transform[:3]) < 0:
-                # A mirror turns a mesh inside out: undone, as in the specification (3.4.1).
-                triangles = triangles[:, ::-1]
-            yield points @ transform[:3] + transform[3], triangles
+        for points, triangles in self._meshes(path, identifier):
+            self._vertices += len(points)
+            self._triangles += len(triangles)
+            check_counts(self._visited, max(self._vertices, self._triangles))
+            # A mirror turns a mesh inside out: undone, as in the specification (3.4.1).
+            is_mirrored = np.linalg.det(transform[:3]) < 0
+            yield points @ transform[:3] + transform[3], triangles[:, ::-1] if is_mirrored else triangles
         for component in item.iterfind("{*}components/{*}component"):
             inner = _transform(component)
             placed = np.vstack((inner[:3] @ transform[:3], inner[3] @ transform[:3] + transform[3]))
@@ -107,11 +105,22 @@ class _Package:
                 _path_of(component, path), component.attrib["objectid"], placed, depth + 1
             )
 
+    def _meshes(self, path: str, identifier: str) -> list[Mesh]:
+        """Meshes of an object alone, read once however often it is placed."""
+        if (path, identifier) not in self._read_meshes:
+            self._read_meshes[path, identifier] = [
+                _read_mesh(mesh, identifier) for mesh in self._object(path, identifier).iterfind("{*}mesh")
+            ]
+        return self._read_meshes[path, identifier]
+
     def _object(self, path: str, identifier: str) -> ElementTree.Element:
-        for item in self._model(path).iterfind("{*}resources/{*}object"):
-            if item.get("id") == identifier:
-                return item
-        raise ValueError(f"places object {identifier}, which is missing")
+        if path not in self._objects:
+            items = list(self._model(path).iterfind("{*}resources/{*}object"))
+            # Of several with one id, the first.
+            self._objects[path] = {item.get("id"): item for item in reversed(items)}
+        if identifier not in self._objects[path]:
+            raise ValueError(f"places object {identifier}, which is missing")
+        return self._objects[path][identifier]
 
     def _model(self, path: str) -> ElementTree.Element:
         if path not in self._models:
@@ -125,8 +134,9 @@ class _Package:
         raise ValueError("names no model in _rels/.rels")
 
     def _read(self, name: str) -> bytes:
-        if self._archive.getinfo(name).file_size > _LARGEST:
-            raise ValueError(f"its {name} is larger than {_LARGEST >> 30} GB")
+        self._unpacked += self._archive.getinfo(name).file_size
+        if self._unpacked > _LARGEST:
+            raise ValueError(f"unpacks to more than {_LARGEST >> 20} MB")
         return self._archive.read(name)
 
     @staticmethod
@@ -135,6 +145,19 @@ class _Package:
         if unit not in _UNITS:
             raise ValueError(f"is in the unit '{unit}', which 3MF does not have")
         return _UNITS[unit]
+
+
+def _read_mesh(mesh: ElementTree.Element, identifier: str) -> Mesh:
+    vertices = [[float(v.attrib[axis]) for axis in "xyz"] for v in mesh.iterfind("{*}vertices/{*}vertex")]
+    corners = [
+        [int(t.attrib[corner]) for corner in ("v1", "v2", "v3")]
+        for t in mesh.iterfind("{*}triangles/{*}triangle")
+    ]
+    points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
+    triangles = np.array(corners, dtype=np.int64).reshape(-1, 3)
+    if triangles.size and not 0 <= triangles.min() <= triangles.max() < len(points):
+        raise ValueError(f"object {identifier} has triangles on missing vertices")
+    return points, triangles
 
 
 def _transform(element: ElementTree.Element) -> FloatArray:

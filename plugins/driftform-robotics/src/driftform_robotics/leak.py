@@ -7,7 +7,7 @@ import numpy as np
 from driftform.interfaces import Fitness
 from driftform.options import option
 from driftform.scenario import Scenario
-from driftform.types import FloatArray, Trajectory
+from driftform.types import Agent, FloatArray, Trajectory, Verdict
 from driftform_robotics.options import SensorOptions
 
 if TYPE_CHECKING:
@@ -39,8 +39,16 @@ class Leak(Fitness[LeakOptions]):
 
     name = "leak"
     Options = LeakOptions
+    heading = "time in the plume %"
+    goal = "half of the time that the water spends in the plume"
 
-    def score(self, trajectory: Trajectory, scenario: Scenario) -> FloatArray:
+    def judge(self, fitness: float) -> Verdict:
+        """Return whether the sensor is in the plume for half of the time of the water; a tenth is nearly reached."""
+        if fitness >= 50:
+            return Verdict.REACHED
+        return Verdict.NEAR if fitness >= 10 else Verdict.MISSED
+
+    def score(self, trajectory: Trajectory, scenario: Scenario, agent: Agent) -> FloatArray:
         """Return the fitness for each target, 0 to 100, (targets,).
 
         Raises

@@ -169,7 +169,7 @@ def _draw_part(
     half = max(scale * diameter / 2 + 8, 30.0)
     svg.add_line(root, svg.path_data([(middle - half, bed), (middle + half, bed)]), INK, 1.4, "bed")
     lines = [
-        f"⌀ {diameter:.1f} x {height:.1f} mm",
+        f"Ø {diameter:.1f} x {height:.1f} mm",
         f"{1000 * part.mass:.2f} g{', engraved' if part.piece.engraved is not None else ''}",
         f"{part.bed_end} end down",
     ]

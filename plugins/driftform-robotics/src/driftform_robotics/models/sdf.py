@@ -16,6 +16,7 @@ from driftform.scenario import UniformFlow
 from driftform.types import FloatArray
 from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
 from driftform_robotics.models.folder import HULL, PIPE, piece_path
+from driftform_robotics.models.gazebo_package import WORLD, gazebo_package
 from driftform_robotics.models.link import make_link, warn_of_divergence, warn_of_flow
 from driftform_robotics.models.meshes import obj_text
 from driftform_robotics.models.pipe import make_bore
@@ -38,7 +39,6 @@ from driftform_robotics.models.xml import (
     format_symmetric,
 )
 
-WORLD = "driftform"
 LINK = "base_link"
 PUSH, PUSH_DRIFT = "push.sh", "push_drift.sh"
 
@@ -79,7 +79,8 @@ _GAZEBO = {
 class SdfExporter(ModelExporter[SdfOptions]):
     """A model for Gazebo and a world with pipe, water, current and buoyancy, ready for `gz sim world.sdf`.
 
-    The folder holds `world.sdf`, `model.sdf` with its `model.config`, and meshes; also `push.sh` if the agent is
+    The folder is a ROS 2 package with a launch file and a bridge, and works without ROS too. It holds `world.sdf`,
+    `model.sdf` with its `model.config`, and meshes; also `push.sh` if the agent is
     released with a velocity, and `drift.sdf` if there is a current: the same world in the frame of the water, where the
     pipe moves past water at rest. Gazebo's treatment of added mass is exact there, but not in a current.
 
@@ -113,6 +114,8 @@ class SdfExporter(ModelExporter[SdfOptions]):
             files["drift.sdf"] = format_document(world)
             if drifting.link.velocity.any():
                 files[PUSH_DRIFT] = _make_push_script(drifting, gazebo, step)
+        shared = [*files, HULL]
+        files |= gazebo_package(model, shared, gazebo.messages, gazebo.program, warnings)
         return files, warnings
 
 
@@ -178,6 +181,8 @@ def _make_world(
     scenario = model.job.scenario
     fluid = scenario.fluid
     root = ET.Element("sdf", version=gazebo.sdf)
+    if passing is not None:
+        add_comment(root, _describe_drift(model.title, passing))
     world = add(root, "world", name=WORLD)
     physics = add(world, "physics", name="step", type="ignored")
     add(physics, "max_step_size", format_number(step))
@@ -207,6 +212,18 @@ def _make_world(
     place = format_pose(model.link.position, model.link.rotation)
     _add_model(world, model, gazebo, warnings, place)
     return root
+
+
+def _describe_drift(title: str, passing: FloatArray) -> list[str]:
+    """The header of the world in the frame of the water."""
+    velocity = format_numbers(passing)
+    return [
+        "This world is in the frame of the water: the water is at rest, and the models 'pipe' and 'targets' move past it",
+        f"at {velocity} m/s. The agent's motion relative to the pipe is that in the current.",
+        f"Pose in the pipe: the pose of '{title}' less the position of the model 'pipe', which begins at 0 0 0, or less",
+        f"t times {velocity} m/s at the time t; the attitude is the same. Velocity over ground: the velocity here less",
+        f"{velocity} m/s. The topic /world/{WORLD}/dynamic_pose/info has the poses of all of these models.",
+    ]
 
 
 def _add_motion(models: list[ET.Element | None], velocity: FloatArray, gazebo: _Gazebo) -> None:

@@ -10,6 +10,7 @@ from driftform.options import Table, option
 from driftform_robotics.models.exporter import Model, ModelExporter
 from driftform_robotics.models.folder import HULL, piece_path
 from driftform_robotics.models.link import warn_of_folding
+from driftform_robotics.models.ros2 import make_package
 from driftform_robotics.models.xml import (
     add,
     add_comment,
@@ -20,6 +21,67 @@ from driftform_robotics.models.xml import (
 )
 
 ZERO = "0 0 0"
+
+_LAUNCH = """\
+\"\"\"Show the agent in RViz: add a RobotModel, and choose the fixed frame 'world' or 'base_link'.\"\"\"
+
+from pathlib import Path
+
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument
+from launch.conditions import IfCondition
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+
+
+def generate_launch_description():
+    \"\"\"Start robot_state_publisher, and RViz unless rviz:=false.\"\"\"
+    share = Path(__file__).resolve().parents[1]
+    description = (share / 'agent.urdf').read_text(encoding='utf-8')
+    return LaunchDescription([
+        DeclareLaunchArgument('rviz', default_value='true', description='start RViz'),
+        DeclareLaunchArgument('frame_prefix', default_value='', description='prefix of frames'),
+        Node(
+            package='robot_state_publisher',
+            executable='robot_state_publisher',
+            parameters=[{
+                'robot_description': description,
+                'frame_prefix': LaunchConfiguration('frame_prefix'),
+            }],
+        ),
+        Node(
+            package='rviz2',
+            executable='rviz2',
+            condition=IfCondition(LaunchConfiguration('rviz')),
+        ),
+    ])
+"""
+
+_README = """\
+# {package}
+
+The agent {agent} of driftform as URDF: mass, inertia and meshes, in a ROS 2 package. URDF cannot describe water; the format
+`sdf` of driftform writes a package with water, pipe and current for Gazebo.
+
+## Build and show
+
+Copy this folder into the `src` folder of a workspace, then
+
+    colcon build --packages-select {package}
+    source install/setup.bash
+    ros2 launch {package} display.launch.py
+
+In RViz add a *RobotModel* with the description topic `/robot_description`.
+
+## Frames
+
+The origin of `base_link` is the centre of gravity; x points forward along the axis, z up; lengths are in m. The link `world`
+and a floating joint come first, without which MuJoCo fixes the agent to the world. `robot_state_publisher` takes a
+floating joint as fixed: to show the poses of a flight that another node publishes on `/tf`, export with the option
+`floating = false`, and set `frame_prefix` to that of its frames.
+
+Programs without ROS find the meshes if they know this package: in Drake `parser.package_map().AddPackageXml("package.xml")`.
+"""
 
 
 class UrdfOptions(Table):
@@ -32,9 +94,10 @@ class UrdfOptions(Table):
 
 
 class UrdfExporter(ModelExporter[UrdfOptions]):
-    """A plain URDF as a ROS package: mass, inertia, convex pieces for collisions and the hull for display; no water.
+    """A plain URDF as a ROS 2 package: mass, inertia, convex pieces for collisions and the hull for display; no water.
 
-    The package holds `agent.urdf`, `package.xml` and `CMakeLists.txt`. The link's origin is the centre of gravity.
+    The package, whose name ends in `_description`, holds `agent.urdf`, meshes, and a launch file that shows the agent in
+    RViz. The link's origin is the centre of gravity.
     """
 
     name = "urdf"
@@ -42,11 +105,20 @@ class UrdfExporter(ModelExporter[UrdfOptions]):
     Options: ClassVar[type[Table]] = UrdfOptions
 
     def make_files(self, model: Model) -> tuple[dict[str, str], list[str]]:
-        """Return ``agent.urdf``, ``package.xml`` and ``CMakeLists.txt``, and the warnings."""
-        files = {"agent.urdf": format_document(self._make_robot(model)), **package_files(model)}
+        """Return ``agent.urdf`` and the files of a ROS 2 package, and the warnings."""
+        name = f"{model.title}_description"
+        files = {"agent.urdf": format_document(self._make_robot(model, name))}
+        files |= make_package(
+            name,
+            f"The agent {model.job.name} of driftform: its URDF, without water",
+            [*files, HULL],
+            launch=("display.launch.py", _LAUNCH.replace("PACKAGE", name)),
+            depends=("launch", "launch_ros", "robot_state_publisher", "rviz2"),
+            readme=_README.format(agent=model.job.name, package=name),
+        )
         return files, warn_of_folding(model.job.agent.body)
 
-    def _make_robot(self, model: Model) -> ET.Element:
+    def _make_robot(self, model: Model, package: str) -> ET.Element:
         link = model.link
         root = ET.Element("robot", name=model.title)
         add_comment(
@@ -72,7 +144,7 @@ class UrdfExporter(ModelExporter[UrdfOptions]):
             joint = add(root, "joint", name="floating", type="floating")
             add(joint, "parent", link="world")
             add(joint, "child", link="base_link")
-        add_link(root, "base_link", model, f"package://{model.title}")
+        add_link(root, "base_link", model, f"package://{package}")
         return root
 
 
@@ -91,23 +163,3 @@ def add_link(root: ET.Element, name: str, model: Model, folder: str) -> None:
         collision = add(element, "collision", name=f"piece_{index}")
         add(collision, "origin", xyz=format_numbers(model.axis_point(piece.x)), rpy=ZERO)
         add(add(collision, "geometry"), "mesh", filename=f"{folder}/{piece_path(index)}")
-
-
-def package_files(model: Model, depends: tuple[str, ...] = ()) -> dict[str, str]:
-    """Return the files that make a folder a ROS package for catkin."""
-    root = ET.Element("package", format="2")
-    add(root, "name", model.title)
-    add(root, "version", "0.1.0")
-    add(root, "description", f"The agent {model.job.name} of driftform")
-    add(root, "maintainer", "driftform", email="driftform@localhost")
-    add(root, "license", "MIT")
-    add(root, "buildtool_depend", "catkin")
-    for package in depends:
-        add(root, "exec_depend", package)
-    build = f"""cmake_minimum_required(VERSION 3.0.2)
-project({model.title})
-find_package(catkin REQUIRED)
-catkin_package()
-install(DIRECTORY . DESTINATION ${{CATKIN_PACKAGE_SHARE_DESTINATION}})
-"""
-    return {"package.xml": format_document(root), "CMakeLists.txt": build}

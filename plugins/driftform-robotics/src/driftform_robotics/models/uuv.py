@@ -17,7 +17,7 @@ from driftform.types import Body, FloatArray
 from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
 from driftform_robotics.models.link import Link, warn_of_divergence, warn_of_flow
 from driftform_robotics.models.scenery import add_pipe, add_scene, add_targets, make_static
-from driftform_robotics.models.urdf import add_link, package_files
+from driftform_robotics.models.urdf import add_link
 from driftform_robotics.models.xml import (
     add,
     add_comment,
@@ -73,7 +73,7 @@ class UuvExporter(ModelExporter[UuvOptions]):
             "launch/release.launch": format_document(_make_release_launch(title, link, offset)),
             "urdf/agent.xacro": format_document(_make_robot(model, warnings)),
             "worlds/pipe.world": format_document(_make_world(scenario, offset, self.options.step)),
-            **package_files(model, _DEPENDS),
+            **_package_files(model),
         }
         return files, warnings
 
@@ -265,3 +265,23 @@ def _make_release_launch(title: str, link: Link, offset: FloatArray) -> ET.Eleme
         args=f"call --wait /gazebo/set_model_state '{state}'",
     )
     return root
+
+
+def _package_files(model: Model) -> dict[str, str]:
+    """Return the files that make the folder a ROS package for catkin."""
+    root = ET.Element("package", format="2")
+    add(root, "name", model.title)
+    add(root, "version", "0.1.0")
+    add(root, "description", f"The agent {model.job.name} of driftform")
+    add(root, "maintainer", "driftform", email="driftform@localhost")
+    add(root, "license", "MIT")
+    add(root, "buildtool_depend", "catkin")
+    for package in _DEPENDS:
+        add(root, "exec_depend", package)
+    build = f"""cmake_minimum_required(VERSION 3.0.2)
+project({model.title})
+find_package(catkin REQUIRED)
+catkin_package()
+install(DIRECTORY . DESTINATION ${{CATKIN_PACKAGE_SHARE_DESTINATION}})
+"""
+    return {"package.xml": format_document(root), "CMakeLists.txt": build}

@@ -1,0 +1,176 @@
+"""The ROS 2 package of a Gazebo model: its launch file, its bridge to ROS, and its README."""
+
+from collections.abc import Sequence
+
+from driftform_robotics.models.exporter import Model
+from driftform_robotics.models.ros2 import Bridge, make_package
+
+WORLD = "driftform"
+"""Name of the world in Gazebo."""
+
+_LAUNCH = """\
+\"\"\"Start Gazebo with the agent, and the bridge of its topics to ROS.\"\"\"
+
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch_ros.actions import Node
+from launch_ros.substitutions import FindPackageShare
+
+
+def generate_launch_description():
+    \"\"\"Return Gazebo and the bridge; world:=world.sdf has the pipe at rest.\"\"\"
+    share = FindPackageShare('PACKAGE')
+    world = PathJoinSubstitution([share, LaunchConfiguration('world')])
+    gazebo = PathJoinSubstitution([FindPackageShare('ros_gz_sim'), 'launch', 'gz_sim.launch.py'])
+    return LaunchDescription([
+        DeclareLaunchArgument('world', default_value='FIRST', description='file of the world'),
+        DeclareLaunchArgument('options', default_value='RUN', description='options of Gazebo'),
+        IncludeLaunchDescription(
+            PythonLaunchDescriptionSource([gazebo]),
+            launch_arguments={
+                'gz_args': [LaunchConfiguration('options'), ' ', world],
+                'on_exit_shutdown': 'true',
+            }.items(),
+        ),
+        Node(
+            package='ros_gz_bridge',
+            executable='parameter_bridge',
+            parameters=[{
+                'config_file': PathJoinSubstitution([share, 'config', 'bridge.yaml']),
+                'use_sim_time': True,
+            }],
+        ),
+    ])
+"""
+
+_README = """\
+# {package}
+
+The agent {agent} of driftform with its pipe, water and current for Gazebo, in a ROS 2 package. Without ROS, run
+`{program} {sim} {first}` in this folder.
+
+## Build and start
+
+Copy this folder into the `src` folder of a workspace with `ros_gz`, then
+
+    colcon build --packages-select {package}
+    source install/setup.bash
+    ros2 launch {package} start.launch.py
+
+{start}
+## Worlds
+
+{worlds}
+## Topics
+
+`config/bridge.yaml` connects these topics:
+
+| ROS | type | direction |
+|---|---|---|
+{topics}
+
+`/{title}/poses` has the poses of the models and links that move, by name. The origin of `base_link` is the centre of
+gravity; the core's centre is the frame `core` of the model. x points forward along the axis, z up; SI units.
+
+## What the files cannot represent
+
+{warnings}
+"""
+
+_DRIFT = """\
+- `drift.sdf` (the default) is in the frame of the water: the pipe and the targets move past water at rest. The motion
+  relative to the pipe is that in the current, and exact. **The pose in the pipe is the pose of `{title}` less the
+  position of the model `pipe`**; the velocity over ground is the velocity there plus the current, {current} m/s.
+- `world.sdf` has the pipe at rest and a current (`world:=world.sdf`): Gazebo's forces on a turning agent are incomplete
+  there.
+"""
+
+_STILL = "- `world.sdf` has the pipe, and the water at rest.\n"
+
+
+def gazebo_package(
+    model: Model, files: Sequence[str], messages: str, program: str, warnings: Sequence[str]
+) -> dict[str, str]:
+    """Return the files that make the folder of a Gazebo model a ROS 2 package.
+
+    Parameters
+    ----------
+    model
+        the agent.
+    files
+        paths of the other files in the folder.
+    messages
+        package of Gazebo's messages, such as ``gz.msgs``.
+    program
+        Gazebo's program.
+    warnings
+        what the files cannot represent.
+    """
+    name, title = f"{model.title}_gazebo", model.title
+    first = "drift.sdf" if "drift.sdf" in files else "world.sdf"
+    push = {"drift.sdf": "push_drift.sh", "world.sdf": "push.sh"}[first]
+    bridges = _list_bridges(title, messages)
+    launch = _LAUNCH.replace("PACKAGE", name).replace("FIRST", first)
+    current = " ".join(f"{u:g}" for u in model.job.scenario.current().tolist())
+    readme = _README.format(
+        package=name,
+        agent=model.job.name,
+        title=title,
+        program=program,
+        sim="sim" if program == "gz" else "gazebo",
+        first=first,
+        start=(
+            f"Gazebo starts paused. Give the agent the velocity of its release by `ros2 run {name} {push}`, then press play.\n"
+            if push in files
+            else "The simulation runs at once; `options:=` (empty) starts it paused.\n"
+        ),
+        worlds=_DRIFT.format(title=title, current=current) if first == "drift.sdf" else _STILL,
+        topics="\n".join(f"| `{b.ros}` | `{b.ros_type}` | {_WAYS[b.direction]} |" for b in bridges),
+        warnings="\n".join(f"- {warning}" for warning in warnings) or "Nothing.",
+    )
+    return make_package(
+        name,
+        f"The agent {model.job.name} of driftform in its pipe, for Gazebo",
+        files,
+        launch=("start.launch.py", launch.replace("RUN", "" if push in files else "-r")),
+        depends=("launch", "launch_ros", "ros_gz_bridge", "ros_gz_sim"),
+        readme=readme,
+        bridges=bridges,
+    )
+
+
+_WAYS = {"GZ_TO_ROS": "from Gazebo", "ROS_TO_GZ": "to Gazebo"}
+
+
+def _list_bridges(title: str, messages: str) -> list[Bridge]:
+    found = [
+        Bridge("/clock", "/clock", "rosgraph_msgs/msg/Clock", f"{messages}.Clock", "GZ_TO_ROS"),
+        Bridge(
+            f"/{title}/poses",
+            f"/world/{WORLD}/dynamic_pose/info",
+            "tf2_msgs/msg/TFMessage",
+            f"{messages}.Pose_V",
+            "GZ_TO_ROS",
+        ),
+        Bridge(
+            f"/{title}/current",
+            "/ocean_current",
+            "geometry_msgs/msg/Vector3",
+            f"{messages}.Vector3d",
+            "ROS_TO_GZ",
+        ),
+    ]
+    if messages == "gz.msgs":
+        # The bridge of Fortress knows no such message.
+        found.append(
+            Bridge(
+                f"/{title}/wrench",
+                f"/world/{WORLD}/wrench",
+                "ros_gz_interfaces/msg/EntityWrench",
+                f"{messages}.EntityWrench",
+                "ROS_TO_GZ",
+            )
+        )
+    return found

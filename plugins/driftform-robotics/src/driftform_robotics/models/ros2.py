@@ -1,0 +1,149 @@
+"""A ROS 2 package around the files of an agent: package.xml, CMakeLists.txt, a launch file, a bridge, a README.
+
+Formats: REP 149 (package.xml, format 3), REP 144 (names of packages), ``ament_cmake``, and the YAML files of
+``ros_gz_bridge``. The files follow the linters of ``ament_lint``: a copyright notice, single quotes, at most 99 columns.
+"""
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from driftform_robotics.models.xml import add, format_document
+
+_SCHEMA = (
+    '<?xml-model href="http://download.ros.org/schema/package_format3.xsd" '
+    'schematypens="http://www.w3.org/2001/XMLSchema"?>\n'
+)
+
+_NOTICE = "Copyright 2026 the driftform authors"
+
+_LICENCE = """\
+Permission is hereby granted, free of charge, to any person obtaining a copy
+of this software and associated documentation files (the "Software"), to deal
+in the Software without restriction, including without limitation the rights
+to use, copy, modify, merge, publish, distribute, sublicense, and/or sell
+copies of the Software, and to permit persons to whom the Software is
+furnished to do so, subject to the following conditions:
+
+The above copyright notice and this permission notice shall be included in all
+copies or substantial portions of the Software.
+
+THE SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR
+IMPLIED, INCLUDING BUT NOT LIMITED TO THE WARRANTIES OF MERCHANTABILITY,
+FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEMENT. IN NO EVENT SHALL THE
+AUTHORS OR COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER
+LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR OTHERWISE, ARISING FROM,
+OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE
+SOFTWARE.
+"""
+
+
+@dataclass(frozen=True)
+class Bridge:
+    """One topic of a bridge between Gazebo and ROS: names, types of messages, and ``direction``."""
+
+    ros: str
+    gazebo: str
+    ros_type: str
+    gazebo_type: str
+    direction: str
+
+
+def make_package(
+    name: str,
+    description: str,
+    files: Iterable[str],
+    *,
+    launch: tuple[str, str],
+    depends: Sequence[str],
+    readme: str,
+    bridges: Sequence[Bridge] = (),
+) -> dict[str, str]:
+    """Return the files that make a folder a ROS 2 package.
+
+    Parameters
+    ----------
+    name
+        of the package, in lower-case letters, digits and underscores.
+    description
+        one sentence.
+    files
+        paths of the other files in the folder: shell scripts are installed as programs, the others to be shared.
+    launch
+        name and text of the launch file, which is a Python file without its copyright notice.
+    depends
+        packages that the launch file starts.
+    readme
+        text of ``README.md``.
+    bridges
+        topics of ``config/bridge.yaml``.
+    """
+    config = {"config/bridge.yaml": _format_bridges(bridges)} if bridges else {}
+    made = {f"launch/{launch[0]}": _notice() + launch[1], **config}
+    return {
+        "package.xml": _format_manifest(name, description, depends),
+        "CMakeLists.txt": _format_build(name, [*files, *made]),
+        **made,
+        "README.md": readme,
+        "LICENSE": f"MIT License\n\n{_NOTICE}\n\n{_LICENCE}",
+    }
+
+
+def _notice() -> str:
+    """The notice that the linters expect at the top of a Python file."""
+    return "".join(f"# {line}".rstrip() + "\n" for line in f"{_NOTICE}\n\n{_LICENCE}".splitlines()) + "\n"
+
+
+def _format_manifest(name: str, description: str, depends: Sequence[str]) -> str:
+    root = ET.Element("package", format="3")
+    add(root, "name", name)
+    add(root, "version", "0.1.0")
+    add(root, "description", description)
+    add(root, "maintainer", "driftform", email="driftform@example.org")
+    add(root, "license", "MIT", file="LICENSE")
+    add(root, "buildtool_depend", "ament_cmake")
+    for package in depends:
+        add(root, "exec_depend", package)
+    add(add(root, "export"), "build_type", "ament_cmake")
+    declaration, _, rest = format_document(root).partition("\n")
+    return f"{declaration}\n{_SCHEMA}{rest}"
+
+
+def _format_build(name: str, files: Sequence[str]) -> str:
+    programs = sorted(path for path in files if path.endswith(".sh"))
+    single = sorted(path for path in files if "/" not in path and path not in programs)
+    folders = sorted({path.partition("/")[0] for path in files if "/" in path})
+    text = f"""\
+cmake_minimum_required(VERSION 3.10)
+project({name})
+
+find_package(ament_cmake REQUIRED)
+
+install(
+  FILES {" ".join(single)}
+  DESTINATION share/${{PROJECT_NAME}})
+
+install(
+  DIRECTORY {" ".join(folders)}
+  DESTINATION share/${{PROJECT_NAME}})
+
+"""
+    if programs:
+        text += f"""\
+install(
+  PROGRAMS {" ".join(programs)}
+  DESTINATION lib/${{PROJECT_NAME}})
+
+"""
+    return text + "ament_package()\n"
+
+
+def _format_bridges(bridges: Sequence[Bridge]) -> str:
+    return "---\n" + "".join(
+        f'- ros_topic_name: "{bridge.ros}"\n'
+        f'  gz_topic_name: "{bridge.gazebo}"\n'
+        f'  ros_type_name: "{bridge.ros_type}"\n'
+        f'  gz_type_name: "{bridge.gazebo_type}"\n'
+        f"  direction: {bridge.direction}\n"
+        for bridge in bridges
+    )

@@ -1,0 +1,186 @@
+"""ROS 2 packages: what catkin_pkg, CMake, ros_gz_bridge and the linters of ROS ask of their files."""
+
+import ast
+import re
+import subprocess
+import xml.etree.ElementTree as ET
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from driftform.interfaces import ExportJob
+
+FORMATS = {"sdf": ("gazebo", "start.launch.py"), "urdf": ("description", "display.launch.py")}
+
+# REP 149: these elements, in the order of the schema package_format3.xsd.
+MANIFEST = [
+    "name",
+    "version",
+    "description",
+    "maintainer",
+    "license",
+    "buildtool_depend",
+    "exec_depend",
+    "export",
+]
+
+
+@pytest.fixture(params=FORMATS)
+def package(request: pytest.FixtureRequest, job: ExportJob, export: Callable[..., Path]) -> tuple[str, Path]:
+    return request.param, export(request.param, job)
+
+
+def files_of(folder: Path) -> set[str]:
+    return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+
+
+def name_of(folder: Path) -> str:
+    return str(ET.parse(folder / "package.xml").getroot().findtext("name"))
+
+
+def test_the_manifest_follows_rep_149(package: tuple[str, Path]) -> None:
+    format, folder = package
+    root = ET.parse(folder / "package.xml").getroot()
+    tags = [element.tag for element in root]
+    assert root.tag == "package" and root.get("format") == "3"
+    assert sorted(set(tags), key=MANIFEST.index) == list(dict.fromkeys(tags)) == MANIFEST
+    # REP 144: lower-case letters, digits and single underscores, a letter first.
+    assert re.fullmatch(r"[a-z](_?[a-z0-9]+)+", name_of(folder))
+    assert name_of(folder).endswith(f"_{FORMATS[format][0]}")
+    assert re.fullmatch(r"\d+\.\d+\.\d+", root.findtext("version"))
+    assert re.fullmatch(r"[^@\s]+@[^@\s]+\.[^@\s]+", root.find("maintainer").get("email"))
+    licence = root.find("license")
+    assert licence.text == "MIT" and (folder / licence.get("file")).is_file()
+    assert root.findtext("buildtool_depend") == root.findtext("export/build_type") == "ament_cmake"
+    assert "package_format3.xsd" in (folder / "package.xml").read_text(encoding="utf-8").splitlines()[1]
+
+
+def test_both_packages_of_an_agent_fit_into_one_workspace(
+    job: ExportJob, export: Callable[..., Path]
+) -> None:
+    assert len({name_of(export(format, job)) for format in ("sdf", "urdf", "uuv")}) == 3
+
+
+def test_cmake_installs_every_file_where_the_launch_file_looks_for_it(
+    package: tuple[str, Path], requires_program: Callable[[str], str], tmp_path: Path
+) -> None:
+    """With a stand-in for ament_cmake, whose ``ament_package`` installs the manifest."""
+    format, folder = package
+    stub = tmp_path / "stub" / "share" / "ament_cmake" / "cmake"
+    stub.mkdir(parents=True)
+    (stub / "ament_cmakeConfig.cmake").write_text(
+        "macro(ament_package)\n  install(FILES package.xml DESTINATION share/${PROJECT_NAME})\nendmacro()\n"
+    )
+    cmake, build, prefix = requires_program("cmake"), tmp_path / "build", tmp_path / "prefix"
+    for command in (
+        [cmake, "-S", folder, "-B", build, f"-DCMAKE_PREFIX_PATH={tmp_path / 'stub'}",
+         f"-DCMAKE_INSTALL_PREFIX={prefix}"],
+        [cmake, "--install", build],
+    ):  # fmt: skip
+        done = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=120, check=False)
+        assert done.returncode == 0, done.stderr
+    name = name_of(folder)
+    scripts = {path for path in files_of(folder) if path.endswith(".sh")}
+    kept = files_of(folder) - scripts - {"CMakeLists.txt", "README.md", "LICENSE"}
+    assert files_of(prefix / "share" / name) == kept
+    assert scripts == (files_of(prefix / "lib" / name) if scripts else set())
+    # `ros2 run` takes programs only.
+    assert all((prefix / "lib" / name / script).stat().st_mode & 0o111 for script in scripts)
+    assert f"launch/{FORMATS[format][1]}" in kept
+
+
+def test_the_launch_file_starts_only_packages_that_the_manifest_names(package: tuple[str, Path]) -> None:
+    format, folder = package
+    text = (folder / "launch" / FORMATS[format][1]).read_text(encoding="utf-8")
+    tree = ast.parse(text)
+    assert "generate_launch_description" in [
+        node.name for node in tree.body if isinstance(node, ast.FunctionDef)
+    ]
+    imported = {
+        (node.module or "").split(".")[0] for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)
+    } - {"pathlib"}
+    started = set(re.findall(r"package='(\w+)'|FindPackageShare\('(\w+)'\)", text))
+    named = {name for pair in started for name in pair if name} - {name_of(folder)}
+    root = ET.parse(folder / "package.xml").getroot()
+    assert imported | named == {element.text for element in root.findall("exec_depend")}
+
+
+def test_the_launch_file_passes_the_linters_of_ros(package: tuple[str, Path]) -> None:
+    """ament_copyright, ament_flake8 (99 columns, single quotes) and ament_pep257, by their rules."""
+    format, folder = package
+    text = (folder / "launch" / FORMATS[format][1]).read_text(encoding="utf-8")
+    lines = text.splitlines()
+    assert re.fullmatch(r"# Copyright \d{4} .+", lines[0])
+    assert any("Permission is hereby granted" in line for line in lines[:5])
+    assert max(map(len, lines)) <= 99 and not any(line != line.rstrip() for line in lines)
+    assert text.endswith("\n") and not text.endswith("\n\n")
+    tree = ast.parse(text)
+    documented = [tree, *(node for node in tree.body if isinstance(node, ast.FunctionDef))]
+    assert all((ast.get_docstring(node) or "").endswith(".") for node in documented)
+    code = text.partition('"""')[2]
+    assert not re.search(r'(?<!")"(?!")', re.sub(r'"""', "", code))
+
+
+@pytest.mark.parametrize("gazebo", ["harmonic", "fortress"])
+def test_the_bridge_connects_topics_of_this_world(
+    gazebo: str, job: ExportJob, export: Callable[..., Path]
+) -> None:
+    folder = export("sdf", job, gazebo=gazebo)
+    rows = yaml.safe_load((folder / "config" / "bridge.yaml").read_text(encoding="utf-8"))
+    world = ET.parse(folder / "world.sdf").getroot().find("world").get("name")
+    assert len(rows) == (4 if gazebo == "harmonic" else 3)
+    for row in rows:
+        assert set(row) == {"ros_topic_name", "gz_topic_name", "ros_type_name", "gz_type_name", "direction"}
+        assert re.fullmatch(r"\w+/msg/\w+", row["ros_type_name"])
+        assert row["gz_type_name"].startswith("gz.msgs." if gazebo == "harmonic" else "ignition.msgs.")
+        assert row["direction"] in ("GZ_TO_ROS", "ROS_TO_GZ")
+        assert not row["gz_topic_name"].startswith("/world/") or row["gz_topic_name"].split("/")[2] == world
+    assert len({row["ros_topic_name"] for row in rows}) == len(rows)
+
+
+def test_the_launch_file_opens_a_world_that_is_there(job: ExportJob, export: Callable[..., Path]) -> None:
+    folder = export("sdf", job)
+    text = (folder / "launch" / "start.launch.py").read_text(encoding="utf-8")
+    first = re.search(r"'world', default_value='([\w.]+)'", text).group(1)
+    assert (folder / first).is_file()
+    assert first == ("drift.sdf" if (folder / "drift.sdf").exists() else "world.sdf")
+    # Where a script must give the velocity of the release, the simulation must not run at once.
+    push = folder / {"drift.sdf": "push_drift.sh", "world.sdf": "push.sh"}[first]
+    assert ("default_value='-r'" in text) != push.exists()
+    assert (push.name in (folder / "README.md").read_text(encoding="utf-8")) or not push.exists()
+
+
+def test_the_world_in_the_frame_of_the_water_begins_with_how_to_find_the_pose_in_the_pipe(
+    jobs: dict[str, ExportJob], export: Callable[..., Path]
+) -> None:
+    folder = export("sdf", jobs["another"])
+    text = (folder / "drift.sdf").read_text(encoding="utf-8")
+    header = text[text.index("<!--") : text.index("-->")]
+    assert text.index("<!--") < text.index("<world")
+    for words in (
+        "the water is at rest",
+        "'pipe' and 'targets' move",
+        "Pose in the pipe",
+        "less the position",
+    ):
+        assert words in header
+    passing = np.array([float(v) for v in re.search(r"\nat (\S+ \S+ \S+) m/s", header).group(1).split()])
+    np.testing.assert_allclose(passing, -jobs["another"].scenario.current())
+    # What the header says of the models is what they do.
+    world = ET.fromstring(text).find("world")
+    for name in ("pipe", "targets"):
+        moved = world.find(f"model[@name='{name}']/plugin/initial_linear").text
+        np.testing.assert_allclose([float(v) for v in moved.split()], passing)
+        assert world.find(f"model[@name='{name}']/pose") is None
+    assert "<!--" not in (folder / "world.sdf").read_text(encoding="utf-8").partition("<world")[0]
+
+
+def test_a_readme_says_how_to_build_and_start(package: tuple[str, Path]) -> None:
+    format, folder = package
+    text = (folder / "README.md").read_text(encoding="utf-8")
+    assert f"colcon build --packages-select {name_of(folder)}" in text
+    assert f"ros2 launch {name_of(folder)} {FORMATS[format][1]}" in text
+    assert "{" not in text

@@ -1,0 +1,104 @@
+"""Plugins that misbehave: one line that names plugin, seam and deed; no traceback, no hang, no wrong result."""
+
+import json
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Call = Callable[..., Any]
+Program = Callable[..., subprocess.CompletedProcess[str]]
+
+pytestmark = pytest.mark.usefixtures("fakes")
+
+STUDY = ("evolve", "--strategy", "paper", "--simulator", "fake", "--target", "TP1", "--evaluations", 4)
+RUN = ("--seed", 1, "--workers", 1, "--out", "run")
+
+
+def last_line(result: Any) -> str:
+    assert isinstance(result.exception, SystemExit), result.exception
+    assert "Traceback" not in result.stderr
+    return str(result.stderr.splitlines()[-1])
+
+
+@pytest.mark.parametrize(
+    ("deed", "text"),
+    [
+        ("exit", "simulator 'fake' failed in simulate(): SystemExit: 0 (in <lambda>, line "),
+        ("none", "simulator 'fake' returned a NoneType"),
+        ("empty", "simulator 'fake' returned a flight without increasing times from simulate_batch()"),
+        (
+            "unended",
+            "simulator 'fake' returned a flight that ended by nothing from simulate_batch(), expected an End",
+        ),
+        ("backward", "simulator 'fake' returned a flight without increasing times from simulate_batch()"),
+        ("nan", "simulator 'fake' returned a flight that is not finite from simulate_batch()"),
+        ("silent", "simulator 'fake' failed in simulate(): SilentError: no message (in _raise, line "),
+        ("foreign", "simulator 'fake' failed in simulate(): KeyError: 'x' (in _raise, line "),
+    ],
+)
+def test_a_simulator_that_misbehaves_fails_the_evaluation_by_name(call: Call, deed: str, text: str) -> None:
+    text = text.replace("returned a NoneType", "returned nothing from simulate_batch()")
+    result = call(*STUDY, "--set", f"simulator.deed='{deed}'", *RUN)
+    assert result.exit_code == 1
+    assert last_line(result).startswith(f"error: all 4 evaluations failed, 4 of them like this: {text}")
+    # The command that flies one agent says the same.
+    result = call(
+        "simulate", "C", "--simulator", "fake", "--set", f"simulator.deed='{deed}'", "--out", "flight"
+    )
+    assert result.exit_code in (1, 2)
+    assert "simulator 'fake'" in last_line(result) or deed == "silent"
+
+
+@pytest.mark.parametrize(
+    ("deed", "text"),
+    [
+        ("exit", "strategy 'deed' failed in ask(): SystemExit: 0 (in <lambda>, line "),
+        ("none", "strategy 'deed' returned nothing from ask(), expected 1 to 4 candidates"),
+        ("empty", "strategy 'deed' returned 0 candidates from ask(), expected 1 to 4 candidates"),
+        ("silent", "strategy 'deed' failed in ask(): SilentError: no message (in _raise, line "),
+    ],
+)
+def test_a_strategy_that_misbehaves_stops_the_run_by_name_and_again_on_resume(
+    call: Call, deed: str, text: str
+) -> None:
+    arguments = [word if word != "paper" else "deed" for word in STUDY]
+    result = call(*arguments, "--set", f"strategy.deed='{deed}'", *RUN)
+    assert result.exit_code == 1
+    assert last_line(result).startswith(f"error: {text}")
+    result = call("resume", "run", "--workers", 1)
+    assert result.exit_code == 1
+    assert last_line(result).startswith(f"error: {text}")
+
+
+@pytest.mark.parametrize(
+    ("deed", "text"),
+    [
+        ("exit", "exporter 'deed' failed in write(): SystemExit: 0 (in <lambda>, line "),
+        ("none", "exporter 'deed' returned nothing from write(), expected the files that it wrote"),
+        ("foreign", "exporter 'deed' failed in write(): KeyError: 'x' (in _raise, line "),
+    ],
+)
+def test_an_exporter_that_misbehaves_is_named_and_the_other_files_are_kept(
+    call: Call, deed: str, text: str, tmp_path: Path
+) -> None:
+    options = ("--set", "run.formats=['deed', 'scad']", "--set", f"exporter.deed.deed='{deed}'")
+    result = call(*STUDY, *options, *RUN)
+    assert result.exit_code == 1
+    assert last_line(result).startswith(f"error: run/best/TP1/agent.never: not written: {text}")
+    assert (tmp_path / "run" / "best" / "TP1" / "agent.scad").is_file()
+    result = call("export", "run:TP1", "--format", "deed", "--out", ".")
+    assert result.exit_code == 1
+    assert last_line(result).startswith(f"error: {text}")
+
+
+def test_what_plugins_print_does_not_reach_stdout_beside_a_json_document(
+    run: Program, tmp_path: Path
+) -> None:
+    result = run(*STUDY, "--set", "simulator.deed='print'", *RUN, "--json", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert json.loads(result.stdout)["evaluations"] == 4
+    assert result.stderr.count("mind the gap") == 4
+    assert result.stderr.count("mind the other gap") == 4

@@ -1,0 +1,84 @@
+"""Tests that need other packages and programs: by default they are left out, and in CI none is skipped."""
+
+import importlib.util
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def conftest() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("session_hooks", ROOT / "tests" / "conftest.py")
+    assert spec and spec.loader
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def skipped(*markers: str, program: str = "openscad") -> pytest.TestReport:
+    longrepr = ("conftest.py", 3, f"Skipped: {program} is not installed")
+    return pytest.TestReport(
+        "test_a", ("a.py", 1, "a"), dict.fromkeys(markers, 1), "skipped", longrepr, "setup"
+    )
+
+
+@pytest.mark.parametrize(
+    ("ci", "markers", "outcome"),
+    [("true", ["peers"], "failed"), ("", ["peers"], "skipped"), ("true", [], "skipped")],
+)
+def test_a_program_that_is_missing_fails_its_tests_in_ci_only(
+    conftest: ModuleType, monkeypatch: pytest.MonkeyPatch, ci: str, markers: list[str], outcome: str
+) -> None:
+    monkeypatch.setenv("CI", ci)
+    hook = conftest.Peers().pytest_runtest_makereport(SimpleNamespace(keywords=markers))
+    next(hook)
+    with pytest.raises(StopIteration) as end:
+        hook.send(skipped(*markers))
+    assert end.value.value.outcome == outcome
+    assert "openscad is not installed" in str(end.value.value.longrepr)
+
+
+def test_what_is_missing_is_one_line_however_many_tests_need_it(conftest: ModuleType) -> None:
+    rules = conftest.Peers()
+    reports = [skipped("peers"), skipped("peers"), skipped("peers", program="admesh")]
+    [(category, *_)] = {rules.pytest_report_teststatus(report) for report in reports}
+    assert category != "skipped" and rules.pytest_report_teststatus(skipped()) is None
+    lines: list[str] = []
+    rules.pytest_terminal_summary(SimpleNamespace(stats={category: reports}, write_line=lines.append))
+    assert lines == ["3 tests skipped: admesh is not installed; openscad is not installed"]
+    rules.pytest_terminal_summary(SimpleNamespace(stats={}, write_line=lines.append))
+    assert len(lines) == 1
+
+
+@pytest.mark.parametrize(
+    ("path", "optional"),
+    [
+        ("plugins/driftform-ribs/tests/test_contract.py", True),
+        ("plugins/driftform-robotics", True),
+        ("plugins/driftform-frusta/tests/test_step.py", False),
+        ("tests/docs/test_site.py", False),
+        ("plugins", False),
+    ],
+)
+def test_plugins_that_the_core_does_not_install_are_peers(
+    conftest: ModuleType, pytestconfig: pytest.Config, path: str, optional: bool
+) -> None:
+    [usual] = [word for word in pytestconfig.getini("addopts") if word.startswith("not slow")]
+    marks: list[str] = []
+    item = SimpleNamespace(path=ROOT / path, add_marker=marks.append)
+    conftest.Peers().pytest_collection_modifyitems([item])
+    assert marks == (["peers"] if optional else [])
+    for expression, ignored in ((usual, optional), ("peers and not slow", False)):
+        config = SimpleNamespace(option=SimpleNamespace(markexpr=expression))
+        assert bool(conftest.Peers().pytest_ignore_collect(ROOT / path, config)) is ignored
+
+
+def test_a_test_is_a_peer_by_the_program_that_its_fixtures_ask(conftest: ModuleType) -> None:
+    marks: list[str] = []
+    for fixtures in (["tmp_path", "requires_program"], ["tmp_path"]):
+        item = SimpleNamespace(path=ROOT / "tests/a.py", fixturenames=fixtures, add_marker=marks.append)
+        conftest.Peers().pytest_collection_modifyitems([item])
+    assert marks == ["peers"]

@@ -1,0 +1,165 @@
+"""Run directories that were left in the first moment, and those that go away while a run is under way."""
+
+import errno
+import os
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from driftform.errors import WorkFailedError
+from driftform.execution import InProcess, Job, Outcome
+from driftform.runs import store
+from driftform.runs.run import Run
+from driftform.study import load_study
+from driftform.util import files
+
+Call = Callable[..., Any]
+Rows = Callable[[Path], list[tuple[Any, ...]]]
+
+pytestmark = pytest.mark.usefixtures("fakes")
+
+STUDY = ("evolve", "--strategy", "paper", "--simulator", "fake", "--target", "TP1", "--evaluations", 4)
+RUN = (*STUDY, "--seed", 1, "--workers", 1, "--out")
+
+MOMENTS = [
+    (),
+    (".resolved.toml.1a2b3c4d.part",),
+    ("resolved.toml",),
+    ("resolved.toml", ".study.toml.1a2b3c4d.part"),
+    ("resolved.toml", "study.toml", ".environment.json.1a2b3c4d.part"),
+    ("resolved.toml", "study.toml", "environment.json"),
+    ("resolved.toml", "study.toml", "environment.json", ".run.db.1a.part", ".run.db.1a.part-journal"),
+]
+
+
+@pytest.fixture
+def whole(call: Call, tmp_path: Path) -> Path:
+    """A run that nothing has disturbed."""
+    result = call(*RUN, "whole")
+    assert result.exit_code == 0, result.stderr
+    return tmp_path / "whole"
+
+
+def leave(moment: Sequence[str], whole: Path) -> Path:
+    """A run directory as a process leaves it that is killed at a moment."""
+    directory = whole.with_name("left")
+    shutil.rmtree(directory, ignore_errors=True)
+    directory.mkdir()
+    (directory / ".lock").touch()
+    for name in moment:
+        if (whole / name).is_file():
+            shutil.copy(whole / name, directory)
+        else:
+            (directory / name).write_text("the first ha")
+    return directory
+
+
+def test_what_a_run_leaves_that_is_killed_in_its_first_moment_is_taken_by_evolve_and_resume(
+    call: Call, whole: Path, rows: Rows
+) -> None:
+    expected = rows(whole)
+    for moment in MOMENTS:
+        directory = leave(moment, whole)
+        result = call(*RUN, "left")
+        assert result.exit_code == 0, (moment, result.stderr)
+        assert rows(directory) == expected
+
+        directory = leave(moment, whole)
+        result = call("resume", "left", "--workers", 1)
+        if "resolved.toml" in moment:
+            assert result.exit_code == 0, (moment, result.stderr)
+            assert rows(directory) == expected
+            assert not list(directory.glob("*.part*")) and not list(directory.glob(".*.part*"))
+            assert (directory / "study.toml").is_file() and (directory / "environment.json").is_file()
+        else:
+            # Nothing was written yet of what it was to do.
+            assert result.exit_code == 2
+            [line] = result.stderr.splitlines()
+            assert line.endswith("start it again with the same 'driftform evolve' and --out left")
+
+
+@pytest.mark.parametrize("writes", range(4))
+def test_what_a_full_disk_leaves_in_the_first_moment_is_taken_when_there_is_room(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, writes: int
+) -> None:
+    done = 0
+
+    def write(path: Path, write: Callable[[Path], object], original: Any = files.write_whole) -> None:
+        nonlocal done
+        done += 1
+        if done > writes:
+            raise OSError(errno.ENOSPC, "No space left on device", str(path))
+        original(path, write)
+
+    with monkeypatch.context() as full:
+        full.setattr(files, "write_whole", write)
+        full.setattr(store, "write_whole", write)
+        result = call(*RUN, "run")
+    assert result.exit_code == 1
+    [line] = result.stderr.splitlines()
+    assert "No space left on device" in line
+    again = ("resume", "run", "--workers", 1) if writes else (*RUN, "run")
+    assert call(*again).exit_code == 0
+
+
+def test_a_directory_of_something_else_is_taken_by_neither(call: Call, tmp_path: Path) -> None:
+    for name in ("notes.txt", ".hidden.part", "run.db.part"):
+        folder = tmp_path / "other"
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir()
+        (folder / ".lock").touch()
+        (folder / name).touch()
+        assert call(*RUN, "other").exit_code == 2
+        assert call("resume", "other").exit_code == 2
+        assert (folder / name).exists()
+
+
+class Disturbed(InProcess):
+    """Does something to the run after its first task."""
+
+    def __init__(self, run: Run, disturb: Callable[[], object]) -> None:
+        super().__init__(run.study.make_pipeline())
+        self._disturb: Callable[[], object] | None = disturb
+
+    def evaluate(self, jobs: Sequence[Job]) -> Iterator[list[Outcome]]:
+        for outcomes in super().evaluate(jobs):
+            yield outcomes
+            if self._disturb is not None:
+                self._disturb()
+                self._disturb = None
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows does not let a directory go that is in use")
+@pytest.mark.parametrize("deed", ["moved", "deleted", "replaced"])
+def test_a_run_whose_directory_goes_away_stops_and_says_so(tmp_path: Path, rows: Rows, deed: str) -> None:
+    study = load_study(
+        None,
+        use={"simulator": "fake", "strategy": "paper"},
+        targets=["TP1"],
+        run={"seed": 1, "evaluations": 40},
+    )
+    path, other = tmp_path / "run", tmp_path / "other"
+
+    def disturb() -> None:
+        path.rename(other)
+        if deed == "deleted":
+            shutil.rmtree(other)
+        elif deed == "replaced":
+            shutil.copytree(other, path)
+
+    with (
+        pytest.raises(WorkFailedError, match=r"run\.db: was moved or deleted while the run was under way"),
+        Run.create(path, study) as run,
+    ):
+        run.advance(Disturbed(run, disturb))
+    assert path.exists() == (deed == "replaced")
+    if deed == "moved":
+        with Run.resume(other) as run:
+            assert 0 < run.count()[0] < 40
+            run.advance(InProcess(study.make_pipeline()))
+        with Run.create(path, study) as run:
+            run.advance(InProcess(study.make_pipeline()))
+        assert rows(other) == rows(path)
