@@ -72,7 +72,7 @@ def test_a_flight_that_fails_without_a_check_is_checked(pipeline, genomes) -> No
 
 
 def test_an_error_of_the_fitness_is_the_failure_of_its_evaluation(pipeline, genomes, monkeypatch) -> None:
-    def score(trajectory, scenario):
+    def score(trajectory, scenario, agent):
         raise ArithmeticError("no score")
 
     monkeypatch.setattr(pipeline.fitness, "score", score)

@@ -103,6 +103,14 @@ class Pipeline:
         """The disturbed conditions of the finalists' flights."""
         return draw_conditions(self.scenario.robustness, self.seed)
 
+    def find_obstacle(self, genome: Genome) -> str | None:
+        """Return why a genome cannot be built or released, in one line; ``None`` if it can."""
+        try:
+            body = self.builder.build(self.express(genome))
+        except Exception as error:
+            return describe_error(error, with_place=True)
+        return find_misfit(body, self.scenario)
+
     def fly(self, agents: Sequence[Agent], scenarios: Sequence[Scenario] | None = None) -> list[Trajectory]:
         """Agents -> trajectories, each in the pipeline's scenario or in its own of ``scenarios``."""
         flights = self.simulator.simulate_batch(agents, scenarios or [self.scenario] * len(agents))
@@ -239,7 +247,7 @@ class Pipeline:
             fitness = self.fitness.score(trajectory, self.scenario, agent)
             # A fitness that is not a number matters: it is a failure.
             return not np.all(fitness <= np.array(threshold) - MARGIN)
-        except Exception:
+        except (Exception, SystemExit):
             # The same error in the score of the checked flight is the failure of the evaluation.
             return True
 

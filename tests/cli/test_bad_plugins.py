@@ -43,7 +43,7 @@ def test_a_simulator_that_misbehaves_fails_the_evaluation_by_name(call: Call, de
     text = text.replace("returned a NoneType", "returned nothing from simulate_batch()")
     result = call(*STUDY, "--set", f"simulator.deed='{deed}'", *RUN)
     assert result.exit_code == 1
-    assert last_line(result).startswith(f"error: all 4 evaluations failed, the first: {text}")
+    assert last_line(result).startswith(f"error: all 4 evaluations failed, 4 of them like this: {text}")
     # The command that flies one agent says the same.
     result = call(
         "simulate", "C", "--simulator", "fake", "--set", f"simulator.deed='{deed}'", "--out", "flight"

@@ -264,6 +264,6 @@ def test_all_evaluations_failing_ends_with_the_reason_of_the_first(
     assert result.stdout == ""
     last = result.stderr.splitlines()[-1]
     assert last.startswith(
-        "error: all 4 evaluations failed, the first: simulator 'fake' failed in simulate(): RuntimeError: genome 0."
+        "error: all 4 evaluations failed, 4 of them like this: simulator 'fake' failed in simulate(): RuntimeError: genome 0."
     )
     assert "is not to my taste" in last

@@ -30,3 +30,16 @@ def test_a_sample_can_be_inspected_and_exported(call: Call) -> None:
     result = call("export", "out/agent-0001.json", "--out", "parts")
     assert result.exit_code == 0
     assert result.stdout.startswith(str(Path("parts", "agent-0001.stl")))
+
+
+def test_a_sample_says_why_most_of_its_misfits_cannot_be_released(call: Call) -> None:
+    arguments = ("--count", 6, "--set", "pipe.segments.0.radius=0.0125", "--set", "targets={}")
+    found = json.loads(call("sample", "--out", "some", *arguments, "--json").stdout)
+    text = call("sample", "--out", "same", *arguments).stdout
+    assert 0 < found["failed"] <= 6
+    assert "mm across, in a bore of 25 mm" in found["commonest_failure"]["reason"]
+    line = f"{found['failed']} of 6 cannot be released, {found['commonest_failure']['count']} of them like this: "
+    assert line in text
+    assert (
+        json.loads(call("sample", "--out", "fit", "--count", 2, "--json").stdout)["commonest_failure"] is None
+    )

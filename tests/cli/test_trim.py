@@ -94,6 +94,23 @@ def test_every_target_has_a_line_and_every_flight_an_end(call: Call) -> None:
     assert any("there is room for it:" in line for line in lines)
 
 
+def test_a_flight_that_fails_costs_its_marks_and_not_the_command(call: Call) -> None:
+    limits = ("--set", "simulator.step_limit=40", "--simulator", "native")
+    result = call("trim", WORD, *NEUTRAL, "--printed-mass", 0.0305, *limits)
+    assert result.exit_code == 0
+    ends = [line for line in result.stdout.splitlines() if line.startswith(("simulated ", "untrimmed "))]
+    assert any("failed: step limit" in line for line in ends)
+    facts = told(call, "--printed-mass", 0.0305, *limits)
+    assert facts["simulated"] is None
+    assert facts["ends"]["simulated"]["failed"]
+
+
+def test_ballast_comes_with_the_way_it_goes_in_and_what_holds_it(call: Call) -> None:
+    text = call("trim", WORD, *NEUTRAL, "--printed-mass", 0.0305, "--simulator", "native").stdout
+    assert "put it in through the joint at the core, before the core" in text
+    assert "set it in epoxy putty" in text
+
+
 @pytest.fixture
 def kit_of_34_grams(monkeypatch: pytest.MonkeyPatch) -> None:
     """An exporter that accounts for its kit so: 34 g with the core, 5 mm fore of its centre."""
@@ -123,8 +140,9 @@ def test_the_parts_of_a_real_kit_are_accounted_for(call: Call) -> None:
     files = json.loads(
         call("export", WORD, *NEUTRAL, "--set", "exporter.stl.kit=true", "--out", "kit", "--json").stdout
     )["files"]
-    assert len(files) == 2
-    assert facts["printed_mass"] == pytest.approx(0.02507 + sum(file["mass_kg"] for file in files), rel=1e-5)
+    parts = [file for file in files if file["path"].endswith(".stl")]
+    assert len(parts) == 2
+    assert facts["printed_mass"] == pytest.approx(0.02507 + sum(part["mass_kg"] for part in parts), rel=1e-5)
     assert facts["ballast_mass"] < 0
 
 

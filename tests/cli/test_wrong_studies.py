@@ -221,3 +221,17 @@ def test_a_billion_workers_are_refused(call: Call) -> None:
     assert result.exit_code == 2
     assert "1024" in result.stderr
     assert not Path("run").exists()
+
+
+def test_a_run_says_the_commonest_reason_of_its_failures(run: Call, tmp_path: Path) -> None:
+    settings = ("--set", "pipe.segments.0.radius=0.0135", "--set", "targets={A=[1,0,0]}", "--seed", 1)
+    options = ("--evaluations", 12, "--workers", 1, "--simulator", "native", "--strategy", "random")
+    printed = run("evolve", *settings, *options, "--out", "run", cwd=tmp_path).stdout
+    found = json.loads(run("resume", "run", "--workers", 1, "--json", cwd=tmp_path).stdout)
+    failed, failure = found["failed"], found["commonest_failure"]
+    assert 0 < failure["count"] <= failed < 12
+    assert "in a bore of 27 mm" in failure["reason"]
+    assert f"failed most often ({failure['count']} of {failed}): {failure['reason']}" in printed
+    run("report", "run", cwd=tmp_path)
+    page = (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
+    assert f"{failed} of 12 flights failed, {failure['count']} of them like this: {failure['reason']}" in page

@@ -137,10 +137,54 @@ def test_too_heavy_a_print_needs_buoyancy_where_its_excess_is() -> None:
     assert place_ballast(BODY, wanted, LEAD) == ()
 
 
-def test_room_ends_at_the_walls_and_at_the_core() -> None:
+def test_room_ends_at_the_walls_at_the_core_and_at_what_the_core_passes_through() -> None:
     x = np.array([-0.06, -0.047, 0.0, 0.009, 0.015, 0.04, 0.076, 0.079])
-    np.testing.assert_allclose(max_ball_radius(BODY, x), [0, 0.001, 0, 0, 0.005, 0.012, 0.002, 0], atol=1e-12)
+    np.testing.assert_allclose(max_ball_radius(BODY, x), [0, 0.001, 0, 0, 0.005, 0.01, 0.002, 0], atol=1e-12)
 
 
 def test_a_ball_of_lead_of_a_kilogram() -> None:
     assert ball_diameter(1.0, LEAD) == pytest.approx(0.0552, rel=1e-3)
+
+
+def necked(neck: float) -> Body:
+    """A hull whose bore narrows to the radius ``neck`` (m) between the core and a wide chamber at the fore end."""
+    cavity = np.array(
+        [
+            (-0.02, 0),
+            (-0.02, 0.011),
+            (0.02, 0.011),
+            (0.03, neck),
+            (0.04, neck),
+            (0.05, 0.011),
+            (0.09, 0.011),
+            (0.09, 0),
+        ]
+    )
+    outer = cavity + np.array([(-0.002, 0), *[(0, 0.002)] * 6, (0.002, 0)])
+    return Body(outer, cavity, np.array([-0.022, 0.092]), Core(0.01, 0.05), 0.002, 1050.0)
+
+
+def test_a_ball_must_pass_the_neck_on_its_way_from_the_core() -> None:
+    wanted = RequiredBallast(0.002, 0.002 * 0.07)
+    assert ball_diameter(0.002, LEAD) == pytest.approx(0.00696, rel=1e-2)
+    [piece] = place_ballast(necked(0.004), wanted, LEAD)
+    assert piece.diameter is not None
+    for found in (place_ballast(necked(0.003), wanted, LEAD), place_nearest(necked(0.003), wanted, LEAD)):
+        beyond = [piece for piece in found if piece.element.x > 0.03]
+        assert all(piece.diameter is None or piece.diameter <= 0.006 + 1e-9 for piece in beyond)
+
+
+@given(st.floats(0.0026, 0.011))
+def test_no_ball_beyond_a_neck_is_wider_than_it(neck: float) -> None:
+    there = np.linspace(0.05, 0.085, 30)
+    assert (max_ball_radius(necked(neck), there) <= neck + 1e-9).all()
+    before = max_ball_radius(necked(neck), np.array([0.017]))
+    assert before[0] == pytest.approx(0.007, abs=1e-4)
+
+
+@given(mass=st.floats(1e-5, 5e-4), x=st.floats(-0.045, 0.075))
+@settings(deadline=None)
+def test_no_filling_is_thinner_than_a_millimetre(mass: float, x: float) -> None:
+    wanted = RequiredBallast(mass, mass * x)
+    for found in (place_ballast(BODY, wanted, LEAD), place_nearest(BODY, wanted, LEAD)):
+        assert all(piece.end - piece.start >= 1e-3 - 1e-9 for piece in found if piece.diameter is None)

@@ -188,6 +188,10 @@ def test_failures_are_recorded_with_their_reason_and_the_run_goes_on(store: Stor
         "simulator 'fake' failed in simulate(): RuntimeError: genome 0." in str(failure)
         for failure in failures
     )
+    # The failures differ in their numbers alone.
+    reason, count = store.find_commonest_failure()
+    assert reason in failures
+    assert count == store.count_failed()
 
 
 @pytest.mark.parametrize(("value", "extra"), [("nan", 0), ("inf", 0), ("-1", 0), ("50", 1), ("50", -1)])
@@ -197,7 +201,9 @@ def test_a_fitness_that_no_selection_can_work_with_is_a_failure(
     study = study_of("fitness.use=nonsense", f"fitness.value='{value}'", f"fitness.extra={extra}")
     run_search(study, store, Counting(study))
     assert store.count_failed() == 25
-    with pytest.raises(WorkFailedError, match="all 25 evaluations failed, the first: its fitness is"):
+    with pytest.raises(
+        WorkFailedError, match="all 25 evaluations failed, 25 of them like this: its fitness is"
+    ):
         write_results(tmp_path, study, InProcess(study.make_pipeline()))
 
 

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from driftform.errors import InputError, WorkFailedError
 from driftform.runs.store import Record, Store
 from driftform.scenario import evaluation_seed
+from driftform.trajectory import compression
 from driftform.trajectory.compression import (
     SAMPLE_GAP,
     compress,
@@ -334,3 +335,54 @@ def test_what_is_compacted_once_does_not_change_when_it_is_stored(step):
     stored = decode(encode(told), told.end)
     for name in COLUMNS:
         assert getattr(stored, name).tobytes() == getattr(told, name).tobytes()
+
+
+class Refusing:
+    """A connection to a database that cannot be read, for the reason of a code."""
+
+    def __init__(self, code: int) -> None:
+        self._code = code
+
+    def execute(self, *_: object) -> None:
+        error = sqlite3.OperationalError("so it is")
+        error.sqlite_errorcode = self._code
+        raise error
+
+    def close(self) -> None: ...
+
+
+@pytest.mark.parametrize(
+    ("code", "expected"),
+    [
+        (sqlite3.SQLITE_CORRUPT, InputError),
+        (sqlite3.SQLITE_NOTADB, InputError),
+        (sqlite3.SQLITE_FULL, WorkFailedError),
+        (sqlite3.SQLITE_READONLY, WorkFailedError),
+        (sqlite3.SQLITE_READONLY_DIRECTORY, WorkFailedError),
+        (sqlite3.SQLITE_BUSY, WorkFailedError),
+        (sqlite3.SQLITE_CANTOPEN, WorkFailedError),
+        (sqlite3.SQLITE_IOERR_READ, WorkFailedError),
+    ],
+)
+def test_only_a_damaged_file_is_called_damaged(tmp_path: Path, code: int, expected: type[Exception]) -> None:
+    with Store.create(tmp_path / "run.db", {}) as store:
+        readable, store._connection = store._connection, Refusing(code)  # type: ignore[assignment]
+        with pytest.raises(expected) as caught:
+            store.count()
+        store._connection = readable
+    text = str(caught.value)
+    assert ("is damaged" in text) == (expected is InputError)
+    assert ("cannot be read here: so it is; the data are untouched" in text) == (expected is WorkFailedError)
+
+
+def test_a_flight_that_no_reader_would_unpack_is_not_stored(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compression, "LARGEST_FLIGHT", 100 * 14 * 4)
+    for count, is_refused in ((100, False), (101, True)):
+        t = 2 * SAMPLE_GAP * np.arange(float(count))
+        rest = np.zeros((count, 6))
+        flight = Trajectory(t, rest[:, :3], rest[:, :4], rest, End.OUTLET)
+        if is_refused:
+            with pytest.raises(ValueError, match="has more samples than a run can hold"):
+                encode(flight)
+        else:
+            assert (decode(encode(flight), flight.end).t == t.astype(np.float32)).all()

@@ -224,3 +224,12 @@ def test_the_paper_s_wall_has_the_mass_of_eq_18s_frusta_and_weightless_ends():
 def test_a_wall_too_thick_for_the_least_radius_is_refused():
     with pytest.raises(ValidationError, match=r"min_radius 0.0025 m must exceed 1.5 times the wall"):
         FrustaOptions(wall=0.002)
+
+
+@pytest.mark.parametrize(
+    ("length", "tilt"), [(0.0, 0.0), (float("nan"), 0.0), (0.01, np.pi / 2), (0.01, 2.0)]
+)
+def test_a_module_that_cannot_be_built_is_named(length, tilt):
+    sound = Module(0.01, 0.1)
+    with pytest.raises(ValueError, match="module 2 aft of the core cannot be built: it is"):
+        FrustaBuilder(FrustaOptions()).build(Morphology((sound,), (sound, Module(length, tilt), sound)))

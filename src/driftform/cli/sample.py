@@ -27,7 +27,7 @@ def sample(
     import numpy as np
 
     from driftform.cli.output import print_json
-    from driftform.errors import InputError
+    from driftform.errors import InputError, find_commonest
     from driftform.runs.agent_file import StoredAgent, write_agent
     from driftform.study import load_study
     from driftform.util.files import make_directory
@@ -35,17 +35,26 @@ def sample(
     study = load_study(scenario, settings or ())
     if out.is_dir() and any(out.iterdir()):
         raise InputError(f"{out} is not an empty directory; choose another --out")
-    grammar = study.make_plugin("grammar")
+    pipeline = study.make_pipeline()
+    grammar = pipeline.grammar
     make_directory(out)
     rng = np.random.default_rng(seed)
     environment = study.environment()
     width = max(4, len(str(count)))
-    paths = []
+    paths: list[str] = []
+    reasons: list[str] = []
     for number in range(1, count + 1):
         name = f"agent-{number:0{width}d}"
-        write_agent(out / f"{name}.json", StoredAgent(name, grammar.random(rng), environment, {"seed": seed}))
+        genome = grammar.random(rng)
+        write_agent(out / f"{name}.json", StoredAgent(name, genome, environment, {"seed": seed}))
         paths.append(str(out / f"{name}.json"))
+        if (reason := pipeline.find_obstacle(genome)) is not None:
+            reasons.append(reason)
+    commonest, alike = find_commonest(reasons)
     if json:
-        print_json({"agents": paths, "seed": seed})
-    else:
-        print(f"{count} random agents, seed {seed}: {paths[0]} ... {paths[-1]}" if count > 1 else paths[0])
+        failure = {"reason": commonest, "count": alike} if reasons else None
+        print_json({"agents": paths, "seed": seed, "failed": len(reasons), "commonest_failure": failure})
+        return
+    print(f"{count} random agents, seed {seed}: {paths[0]} ... {paths[-1]}" if count > 1 else paths[0])
+    if reasons:
+        print(f"{len(reasons)} of {count} cannot be released, {alike} of them like this: {commonest}")

@@ -87,19 +87,31 @@ def _print(facts: dict[str, Any], density: float, fitness: "Fitness[Any]") -> No
     for line in _remedy(facts, density, place):
         print(line)
     print(f"\n{fitness.heading}")
-    names = [name for name in ("simulated", "untrimmed", "trimmed") if facts[name] is not None]
+    names = [name for name in ("simulated", "untrimmed", "trimmed") if name in facts["ends"]]
+    # A failed flight costs its column, not the others.
+    columns = {name: facts[name] or {} for name in names}
+    targets = list(dict.fromkeys(target for column in columns.values() for target in column))
     print_table(
         ("target", *names),
         (
-            (target, *(f"{fitness.measure(facts[name][target]):.3f}" for name in names))
-            for target in facts["simulated"]
+            (
+                target,
+                *(
+                    f"{fitness.measure(columns[name][target]):.3f}" if columns[name] else "-"
+                    for name in names
+                ),
+            )
+            for target in targets
         ),
         right=range(1, 1 + len(names)),
     )
     for name in names:
         end = facts["ends"][name]
         x, y, z = end["position"]
-        print(f"{name:9}  {end['reason']} after {end['t']:.3f} s at x {x:.3f}, y {y:.3f}, z {z:.3f} m")
+        failed = "failed: " if end["failed"] else ""
+        print(
+            f"{name:9}  {failed}{end['reason']} after {end['t']:.3f} s at x {x:.3f}, y {y:.3f}, z {z:.3f} m"
+        )
 
 
 def _remedy(facts: dict[str, Any], density: float, place: Any) -> list[str]:
@@ -118,12 +130,11 @@ def _remedy(facts: dict[str, Any], density: float, place: Any) -> list[str]:
             "trimmed below is with foam that the water does not feel, else as simulated",
         ]
     lines = [f"ballast: {1000 * mass:.3f} g at {place(x)}"]
-    balls = ", ".join(f"{name} {1000 * ball_diameter(mass, d):.1f} mm" for name, d in MATERIALS.items())
-    lines.append(f"as one ball across: {balls}")
     if not facts["pieces"]:
         return [
             *lines,
-            f"there is no room for it inside at {density:g} kg/m3: take something denser, or print it heavier",
+            f"at {density:g} kg/m3 there is no room for it inside that it can be put to: a ball must pass the bore from the "
+            "joint at the core, and a filling be 1 mm thick; take something denser or lighter, or print it heavier",
         ]
     exact = abs(facts["residual_moment"]) < 1e-3 * abs(mass) * 1e-3
     lines.append(
@@ -136,6 +147,13 @@ def _remedy(facts: dict[str, Any], density: float, place: Any) -> list[str]:
         else:
             start, end = 1000 * piece["start"], 1000 * piece["end"]
             lines.append(f"  {at}: fills the bore from x {start:+.1f} to {end:+.1f} mm")
+    if len(facts["pieces"]) == 1 and facts["pieces"][0]["diameter"] is not None:
+        balls = ", ".join(f"{name} {1000 * ball_diameter(mass, d):.1f} mm" for name, d in MATERIALS.items())
+        lines.append(f"balls of that mass: {balls}")
+    lines += [
+        "put it in through the joint at the core, before the core; a kit has no seat for it:",
+        "set it in epoxy putty, which counts as ballast, and weigh the print again",
+    ]
     if not exact:
         lines.append(f"its moment is then off by {1e6 * facts['residual_moment']:+.3g} g mm")
     return lines

@@ -131,11 +131,11 @@ def damper(square: float, speed: float, mass: float, law: FloatArray) -> float:
     """Return the factor of a spring's force, at least 0; ``square`` is q^2 = 2 U / m (m2/s2), ``speed`` the approach, m/s.
 
     The loss -ln e of a collision depends on its speed v, of which the remainder sqrt(q^2 + w^2) is known. The wet loss is
-    therefore written for the remainder: with y = 35 sqrt(e_dry) / St(remainder), the rate y (1 + y/5) / (1 + 7 y/10) adds
-    up to 35 / St(v) over a collision, within .05 in e.
+    therefore written for the remainder: with y = 35 sqrt(e_dry) / St(remainder), the rate
+    y (1 + 0.33 y) / (1 + 0.7 y + 0.02 y^2) adds up to 35 / St(v) over a collision, within .02 in e for St > 20 and e_dry > 0.5.
     """
     wet = law[WET_LOSS] / (mass * math.sqrt(square + speed * speed))
-    loss = min(MOST_LOSS, law[DRY_LOSS] + wet * (1.0 + 0.2 * wet) / (1.0 + 0.7 * wet))
+    loss = min(MOST_LOSS, law[DRY_LOSS] + wet * (1.0 + 0.33 * wet) / (1.0 + wet * (0.7 + 0.02 * wet)))
     # A fit to the loss of the collision that this factor makes, within .005 in e: damping ratio by loss.
     ratio = loss * (0.415 + 0.052 * loss * loss)
     return max(0.0, 1.0 + 2.0 * ratio * speed / math.sqrt(square + ONSET * ONSET * speed * speed))

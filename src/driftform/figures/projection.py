@@ -74,17 +74,23 @@ def simplify_polyline(points: FloatArray, tolerance: float) -> FloatArray:
     """
     keep = np.zeros(len(points), dtype=bool)
     keep[:1] = keep[-1:] = True
+    # Column by column, because a picture spends most of its time here.
+    x, y = np.ascontiguousarray(points.T)
     stack = [(0, len(points) - 1)]
     while stack:
         first, last = stack.pop()
         if last - first < 2:
             continue
-        a, chord = points[first], points[last] - points[first]
-        inner = points[first + 1 : last] - a
-        s = np.clip(inner @ chord / max(float(chord @ chord), 1e-30), 0, 1)
-        distance = np.linalg.norm(inner - s[:, None] * chord, axis=1)
-        middle = int(np.argmax(distance))
-        if distance[middle] > tolerance:
+        along, up = float(x[last] - x[first]), float(y[last] - y[first])
+        dx, dy = x[first + 1 : last] - x[first], y[first + 1 : last] - y[first]
+        s = (dx * along + dy * up) / max(along * along + up * up, 1e-30)
+        np.maximum(s, 0.0, out=s)
+        np.minimum(s, 1.0, out=s)
+        dx -= s * along
+        dy -= s * up
+        square = dx * dx + dy * dy
+        middle = int(square.argmax())
+        if square[middle] > tolerance * tolerance:
             split = first + 1 + middle
             keep[split] = True
             stack += [(first, split), (split, last)]

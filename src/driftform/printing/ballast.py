@@ -25,8 +25,12 @@ FOAM = 35.0
 NEGLIGIBLE = 1e-6
 """kg: ballast below a milligram is not needed."""
 
+THINNEST = 1e-3
+"""m: a filling along the bore that is thinner than this cannot be laid evenly."""
+
 _STATIONS = 240
 _SLICES = 2000
+_WAY = 400
 
 
 @dataclass(frozen=True)
@@ -67,10 +71,11 @@ def ball_diameter(mass: float, density: float) -> float:
 
 
 def place_ballast(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
-    """Return ballast of the mass and the moment of ``wanted`` that fits in the hull beside its core.
+    """Return ballast of the mass and the moment of ``wanted`` that can be put into the hull beside its core.
 
     The first of these that fits: one ball on the axis; two balls, one on either side of that position; a filling of the
-    whole bore, such as shot or putty. Empty if none of them fits.
+    whole bore, such as shot or putty. The hull opens at the core's equator, before the core is in: a ball must pass the
+    bore from there to its place, and a filling must be at least :data:`THINNEST` long. Empty if none of them fits.
 
     Parameters
     ----------
@@ -104,15 +109,30 @@ def place_nearest(body: Body, wanted: RequiredBallast, density: float) -> tuple[
     if volume > bore.volume:
         return ()
     at_the_ends = [bore.fill(first, volume, density) for first in (0.0, bore.volume - volume)]
-    return (min(at_the_ends, key=lambda piece: abs(piece.element.x - place)),)
+    thick = [piece for piece in at_the_ends if piece.end - piece.start >= THINNEST]
+    return (min(thick, key=lambda piece: abs(piece.element.x - place)),) if thick else ()
 
 
 def max_ball_radius(body: Body, x: FloatArray) -> FloatArray:
-    """Return the radius (m) of the largest ball on the axis at each ``x`` (n,) that meets neither wall nor core, or 0."""
+    """Return the radius (m) of the largest ball that can be put to each ``x`` (n,) on the axis, beside the core, or 0.
+
+    It passes the bore from the core's equator, where the hull opens and the core itself passes later.
+    """
+    free = np.minimum(_distance_to_wall(body, x), np.abs(x) - body.core.radius)
+    for side, end in enumerate(body.cavity[[0, -1], 0]):
+        way = np.linspace(0.0, end, _WAY)
+        narrowest = np.minimum.accumulate(np.minimum(_distance_to_wall(body, way), body.core.radius))
+        # The ball has passed all of the way up to the station before x.
+        passed = narrowest[np.clip((x / end * (_WAY - 1)).astype(int), 0, _WAY - 1)]
+        free = np.where((x > 0) == bool(side), np.minimum(free, passed), free)
+    return np.asarray(np.maximum(free, 0.0), dtype=np.float64)
+
+
+def _distance_to_wall(body: Body, x: FloatArray) -> FloatArray:
+    """Return the distance (m) of points on the axis, (n,), from the cavity's wall; 0 outside the cavity."""
     on_axis = np.column_stack((x, np.zeros_like(x)))
     inside = (x > body.cavity[0, 0]) & (x < body.cavity[-1, 0])
-    free = np.minimum(distance_from(on_axis, body.cavity), np.abs(x) - body.core.radius)
-    return np.asarray(np.where(inside, np.maximum(free, 0.0), 0.0), dtype=np.float64)
+    return np.asarray(np.where(inside, distance_from(on_axis, body.cavity), 0.0), dtype=np.float64)
 
 
 def _stations(body: Body) -> FloatArray:
@@ -167,7 +187,8 @@ def _place_filling(body: Body, mass: float, x: float, density: float) -> tuple[P
     if not excess(0.0) <= 0 <= excess(latest):
         return ()
     first = brentq(excess, 0.0, latest, xtol=1e-12 * bore.volume, rtol=1e-12)
-    return (bore.fill(float(first), volume, density),)
+    piece = bore.fill(float(first), volume, density)
+    return (piece,) if piece.end - piece.start >= THINNEST else ()
 
 
 class _Bore:

@@ -140,15 +140,20 @@ def trim_agent(
     InputError
         if the weight cannot be that of this agent, or the ballast floats.
     WorkFailedError
-        if a flight fails.
+        if it cannot be flown at all. A flight that fails has ``None`` for its fitness, and the reason in ``ends``.
     """
     _check(agent, name, weight, ballast_density)
     printed = reweigh(agent, weight.mass, weight.cog)
     required = required_ballast(agent.mass, printed.mass)
     trimmed, remedy = _load(pipeline, agent, weight, required, ballast_density)
     agents = {"simulated": agent, "untrimmed": printed} | ({"trimmed": trimmed} if trimmed else {})
-    flights = dict(zip(agents, pipeline.simulate(list(agents.values()), name), strict=True))
+    flights = dict(zip(agents, pipeline.fly_named(list(agents.values()), name), strict=True))
     targets = pipeline.scenario.target_names
+    scores = {
+        case: dict(zip(targets, pipeline.fitness.score(flight, pipeline.scenario, agents[case]), strict=True))
+        for case, flight in flights.items()
+        if flight.failure is None
+    }
     return {
         "agent": name,
         "simulator": pipeline.simulator.name,
@@ -161,15 +166,13 @@ def trim_agent(
         "ballast_mass": required.mass,
         "ballast_x": required.x,
         **remedy,
-        **{
-            case: dict(zip(targets, flights[case].fitness, strict=True)) if case in flights else None
-            for case in ("simulated", "untrimmed", "trimmed")
-        },
+        **{case: scores.get(case) for case in ("simulated", "untrimmed", "trimmed")},
         "ends": {
             case: {
-                "t": flight.trajectory.t[-1],
-                "position": flight.trajectory.position[-1],
-                "reason": str(flight.trajectory.end),
+                "t": flight.t[-1],
+                "position": flight.position[-1],
+                "reason": str(flight.end),
+                "failed": flight.end.failed,
             }
             for case, flight in flights.items()
         },

@@ -46,14 +46,16 @@ class Entry:
 class Contents:
     """Contents of the page of a run.
 
-    ``seconds`` is the total time of all evaluations on the machines that made them. There is one of the ``sections``
-    for each of the :attr:`agents`.
+    ``commonest_failure`` is the first of the commonest kind of failure, and how many there are. ``seconds`` is the total
+    time of all evaluations on the machines that made them. There is one of the ``sections`` for each of the
+    :attr:`agents`.
     """
 
     name: str
     study: Study
     evaluations: int
     failed: int
+    commonest_failure: tuple[str, int]
     seconds: float
     entries: tuple[Entry, ...]
     figures: Mapping[str, str]
@@ -147,6 +149,7 @@ def collect_contents(run: Run) -> Contents:
             study,
             store.count(),
             store.count_failed(),
+            store.find_commonest_failure(),
             store.total_seconds(),
             tuple(entries),
             figures,

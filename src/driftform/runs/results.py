@@ -101,8 +101,8 @@ def _read_best(directory: Path, study: Study, store: Store, target: str) -> tupl
     stored = find_best_agent(study, store, target)
     targets = study.scenario.target_names
     if stored is None:
-        first = store.read_record(0, targets).evaluation
-        raise WorkFailedError(f"all {store.count()} evaluations failed, the first: {first.failure}")
+        reason, count = store.find_commonest_failure()
+        raise WorkFailedError(f"all {store.count()} evaluations failed, {count} of them like this: {reason}")
     index = stored.result["evaluation"]
     flight = store.read_record(index, targets).evaluation.trajectory
     if flight is None:

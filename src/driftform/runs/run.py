@@ -260,6 +260,12 @@ class Run:
         with self.read() as store:
             return store.count(), store.count_failed()
 
+    def describe_failures(self) -> dict[str, Any] | None:
+        """Return the commonest kind of failure: its first ``reason``, and the ``count``; ``None`` without failures."""
+        with self.read() as store:
+            reason, count = store.find_commonest_failure()
+        return {"reason": reason, "count": count} if count else None
+
     def refuse_unsound(self) -> InputError:
         """Return the error for a request that needs a successful evaluation, before there is one."""
         return InputError(

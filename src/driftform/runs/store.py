@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
+from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error, find_commonest
 from driftform.runs.values import (
     check_integer,
     check_number,
@@ -383,6 +383,11 @@ class Store:
     def count_failed(self) -> int:
         """How many of them failed."""
         return int(self._scalar("SELECT COUNT(*) FROM evaluation WHERE failure IS NOT NULL"))
+
+    def find_commonest_failure(self) -> tuple[str, int]:
+        """Return the first of the commonest kind of failure, and how many there are; ``("", 0)`` without failures."""
+        query = "SELECT failure FROM evaluation WHERE failure IS NOT NULL ORDER BY id"
+        return find_commonest(str(failure) for (failure,) in self._connection.execute(query))
 
     def count_sound(self) -> int:
         """How many of them have a flight: those that did not fail."""

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from driftform.errors import InputError, find_commonest
-from driftform.geometry import mass_properties
 from driftform.pipeline import Pipeline
 from driftform.scenario import Scenario, TurbulentFlow, UniformFlow
 from driftform.scenario.fit import find_misfit, show_length
@@ -299,18 +298,8 @@ class _Advice:
 
     def _check_random_agents(self) -> Iterator[str]:
         rng = np.random.default_rng(0)
-        reasons: list[str] = []
-        for _ in range(SAMPLE):
-            try:
-                body = self.pipeline.builder.build(self.pipeline.express(self.pipeline.grammar.random(rng)))
-                if not np.isfinite(mass_properties(body).mass):
-                    reasons.append("its mass is not finite")
-                    continue
-                misfit = find_misfit(body, self.scenario)
-            except Exception as error:
-                misfit = f"it cannot be built: {error}"
-            if misfit is not None:
-                reasons.append(misfit)
+        drawn = (self.pipeline.grammar.random(rng) for _ in range(SAMPLE))
+        reasons = [reason for reason in map(self.pipeline.find_obstacle, drawn) if reason is not None]
         if len(reasons) > SAMPLE // 4:
             reason, count = find_commonest(reasons)
             yield (

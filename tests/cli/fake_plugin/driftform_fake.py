@@ -72,7 +72,18 @@ def _print():
     return _flight(np.linspace(0.0, 1.0, 11), End.HORIZON)
 
 
+def _compile():
+    """Compile for three seconds, as far as anybody can tell."""
+    from driftform.util import compiled
+
+    compiled._report(True)
+    time.sleep(3)
+    compiled._report(False)
+    return _flight(np.linspace(0.0, 1.0, 11), End.HORIZON)
+
+
 DEEDS = {
+    "compile": _compile,
     "exit": lambda: sys.exit(0),
     "none": lambda: None,
     "empty": lambda: _flight(np.zeros(0), End.OUTLET),

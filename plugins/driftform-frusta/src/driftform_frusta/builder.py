@@ -1,6 +1,7 @@
 """Morphology -> body: a chain of conical frustums around the core, with a wall, end caps and a dome."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any, Literal
@@ -9,7 +10,7 @@ from pydantic import field_validator, model_validator
 
 from driftform.interfaces import PhenotypeBuilder
 from driftform.options import Table, option
-from driftform.types import Body, Core, Fittings, Morphology
+from driftform.types import Body, Core, Fittings, Module, Morphology
 from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM
 from driftform_frusta.kit.options import KitOptions
 from driftform_frusta.section import build_chain, hull_section, join_chains, open_section
@@ -118,9 +119,13 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
 
         Raises
         ------
+        ValueError
+            if a module has no length, or turns back; the message names it.
         WorkFailedError
             if the body is weighed as a kit, and no kit can be made of it; the message has the reason.
         """
+        _check_modules("fore", morphology.fore)
+        _check_modules("aft", morphology.aft)
         o = self.options
         dome = o.core_radius + o.clearance + o.wall
         least = o.min_radius + o.wall / 2
@@ -137,6 +142,15 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
             hull_density=o.hull_density,
         )
         return body if o.kit is None else replace(body, fittings=_measure_fittings(body, o.kit))
+
+
+def _check_modules(side: str, modules: Sequence[Module]) -> None:
+    for number, module in enumerate(modules, start=1):
+        if not (0 < module.length < math.inf and abs(module.tilt) < math.pi / 2):
+            raise ValueError(
+                f"module {number} {side} of the core cannot be built: it is {1000 * module.length:g} mm long with a tilt "
+                f"of {math.degrees(module.tilt):g} deg; a length is more than 0, and a tilt less than 90 deg"
+            )
 
 
 def _measure_fittings(body: Body, options: KitOptions) -> Fittings:
