@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from driftform.dynamics.contact import deepest_depth
 from driftform.dynamics.flight import energies, release_state
@@ -154,3 +155,36 @@ def test_a_homogeneous_sphere_rests_on_the_floor_in_any_attitude(edges, attitude
     fill_rate_in_space(0.0, end[1:], model, rate)
     assert np.abs(rate[10:] * model.table[4, 4]).max() < 1e-9, "no torque"
     assert np.abs(end[11:]).max() < 1e-9, "it does not turn"
+
+
+def test_a_sphere_bounces_as_scipy_integrates_the_law_of_the_page():
+    """The law, written down again from docs/dataflow.md: m omega^2 d (1 + (d / 0.2 mm)^4) times the damper's factor."""
+    restitution, radius, weight, omega = 0.8, 0.3, 0.2 * SPHERE_MASS / 1.2 * 9.81, 300.0
+    mass = SPHERE_MASS + 0.5 * SPHERE_MASS / 1.2
+    film = 35 * 6 * math.pi * VISCOSITY * DENSITY * 0.01**2 * math.sqrt(restitution)
+
+    def rate(_, y):
+        depth, w = y
+        if depth <= 0:
+            return [w, weight / mass]
+        square = omega**2 * depth**2 * (1 + (depth / 2e-4) ** 4 / 3)
+        wet = film / (mass * math.hypot(w, math.sqrt(square)))
+        loss = min(2.3, -math.log(restitution) + wet * (1 + 0.33 * wet) / (1 + 0.7 * wet + 0.02 * wet**2))
+        zeta = loss * (0.415 + 0.052 * loss**2)
+        factor = max(0.0, 1 + 2 * zeta * w / math.sqrt(square + w**2 / 16))
+        return [w, weight / mass - omega**2 * depth * (1 + (depth / 2e-4) ** 4) * factor]
+
+    scenario = Scenario(
+        pipe=Pipe(segments=(Segment(start=(0, 0, 0), end=(9, 0, 0), radius=radius),)),
+        flow=UniformFlow(speed=0.0),
+        fluid=Fluid(density=DENSITY, viscosity=VISCOSITY),
+        release=Release(position=(1.0, 0.0, 0.06 - radius), velocity="rest", pitch_deg=20.0),
+        contact=Contact(restitution=restitution),
+        flight=FlightLimits(horizon=2.0),
+    )
+    model = flight_model(BODIES["sphere of 24 edges"][0], scenario)
+    samples = integrate(model, release_state(model, scenario), 2.0, TIGHT).samples
+    times = samples[:, 0]
+    book = solve_ivp(rate, (0, 2.0), [0.01 - 0.06, 0.0], t_eval=times, rtol=1e-10, atol=1e-13, max_step=2e-3)
+    assert np.abs(book.y[0] - (0.01 - radius - samples[:, 3])).max() < 1e-5
+    assert (np.diff(np.sign(samples[:, 10])) != 0).sum() > 4, "it bounces several times"
