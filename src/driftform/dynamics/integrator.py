@@ -359,10 +359,10 @@ def _fill_rate(
 
 @compiled
 def fill_rate_in_space(t: float, y: FloatArray, model: FlightModel, out: FloatArray) -> None:
-    """Fill ``out`` with the time derivative of the state ``y``, (13,), or (13 + 3 surfaces,) with bristles."""
+    """Fill ``out`` with the time derivative of the state ``y``, (13 + 3 surfaces,), or (13,) with bristles as the model has them."""
     p, q, r = y[10], y[11], y[12]
     R = rotation_from_quaternion(y[3], y[4], y[5], y[6])
-    bristles = model.bristles.shape[0] // 2
+    bristles = (y.shape[0] - STATE) // 3
     for k in range(bristles):
         for j in range(3):
             model.bristles[k, j] = y[STATE + 3 * k + j]
