@@ -71,7 +71,7 @@ def test_the_rate_of_a_state_is_what_it_is_in_space(
     end, pipeline, flow, seed, along, off, attitude, velocity, q
 ):
     axis, start = np.array(end) / np.linalg.norm(end), np.zeros(13)
-    scenario = scenario_of(end, release=Release(position=tuple(axis)), flow=flow)
+    scenario = scenario_of(end, release=Release(position=tuple(axis), frame="world"), flow=flow)
     model = flight_model(agent_of(seed, pipeline), scenario)
     start[:3] = along * axis + off * np.array([-axis[2], 0.0, axis[0]])
     start[3], start[5] = np.cos(attitude / 2), np.sin(attitude / 2)

@@ -108,6 +108,17 @@ def _fold_heading(title: str, width: int) -> str:
     )
 
 
+def print_text(text: str) -> None:
+    """Print a line on stdout; on a terminal it is folded between words."""
+    if not sys.stdout.isatty():
+        print(text)
+        return
+    from rich.console import Console
+    from rich.text import Text
+
+    Console(highlight=False).print(Text(text))
+
+
 def print_states(rows: Iterable[tuple[str, str, str]], styles: Mapping[str, str]) -> None:
     """Print lines of a state, a subject and a detail, aligned; on a terminal coloured by state and folded to fit.
 

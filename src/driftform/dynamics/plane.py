@@ -51,7 +51,7 @@ from driftform.dynamics.model import (
 )
 from driftform.hydrodynamics.drag_coefficients import (
     blockage_factor,
-    crossflow_coefficient,
+    crossflow_drag,
     friction_coefficient,
     sphere_coefficient,
 )
@@ -76,7 +76,7 @@ IS_DRAGGED, SHEAR_MASS, FRICTION_AREA, FRICTION_RATE, AHEAD, ASTERN = 31, 32, 33
 ROUND, ROUND_RATE, ROUND_X = 37, 38, 39
 TAIL_AHEAD, TAIL_ASTERN = 40, 42
 STRIP, STRIPS = 44, 5
-"""Rows of x, 1/2 rho C dx d (kg/m), d over viscosity; the strips must be as many."""
+"""Rows of x, 1/2 rho C dx d (kg/m), viscosity over d; the strips must be as many."""
 MODEL_SIZE = STRIP + 3 * STRIPS
 
 
@@ -154,7 +154,7 @@ def _fill_drag(model: FlightModel, out: FloatArray) -> None:
     out[TAIL_AHEAD], out[TAIL_AHEAD + 1] = table[TAILS, 0], table[DENSITY] * table[TAILS, 1]
     out[TAIL_ASTERN], out[TAIL_ASTERN + 1] = table[TAILS, 2], table[DENSITY] * table[TAILS, 3]
     x, diameter, width, factor = model.strips.T
-    strips = np.column_stack([x, half * factor * diameter * width, diameter / viscosity])
+    strips = np.column_stack([x, half * factor * diameter * width, viscosity / diameter])
     out[STRIP:] = strips.ravel()
 
 
@@ -205,8 +205,8 @@ def accelerations_in_plane(
         stream, shear = _stream(off + n_a * plane[CENTRE_X] + n_b * plane[CENTRE_Z], n_a, plane)
         u, v = u - n_b * stream, v + n_a * stream
     if plane[IS_DRAGGED] != 0.0:
-        force = _drag(u, v, q, -n_a * n_a * shear, shear, plane)
-        X, Z, N = X + force[0], Z + force[1], N + force[2]
+        F_x, F_z, torque = _drag(u, v, q, -n_a * n_a * shear, shear, plane)
+        X, Z, N = X + F_x, Z + F_z, N + torque
     if abs(off) >= plane[NEAR]:
         side = 1.0 if off > 0.0 else -1.0
         n_x, n_z = side * plane[ACROSS], side * plane[ACROSS + 1]
@@ -245,13 +245,11 @@ def _drag(
     """
     X, Z, N, centre = 0.0, 0.0, 0.0, plane[CENTRE_X]
     for k in range(STRIPS):
-        x, mass, rate = plane[STRIP + 3 * k], plane[STRIP + 3 * k + 1], plane[STRIP + 3 * k + 2]
+        x, mass, scale = plane[STRIP + 3 * k], plane[STRIP + 3 * k + 1], plane[STRIP + 3 * k + 2]
         across = v - x * q - (x - centre) * shear
-        speed = abs(across)
-        if speed >= SLOWEST:
-            force = mass * crossflow_coefficient(speed * rate) * speed * across
-            Z -= force
-            N += x * force
+        force = mass * crossflow_drag(abs(across), scale) * across
+        Z -= force
+        N += x * force
     along = abs(u)
     x, area = plane[TAIL_AHEAD], plane[TAIL_AHEAD + 1]
     if u <= 0.0:
