@@ -122,7 +122,7 @@ def common_mass(pressed: float, power: float, law: FloatArray) -> float:
     ``pressed`` is the sum of their forces, and ``power`` the product of the acceleration that they give to the body with their
     wrench. Springs at opposite walls press, but do not accelerate: the mass is at most that of a central push.
     """
-    most = law[GREATEST_MASS]
+    most = float(law[GREATEST_MASS])
     return min(most, pressed * pressed / power) if power > 0.0 else most
 
 
@@ -138,4 +138,4 @@ def damper(square: float, speed: float, mass: float, law: FloatArray) -> float:
     loss = min(MOST_LOSS, law[DRY_LOSS] + wet * (1.0 + 0.33 * wet) / (1.0 + wet * (0.7 + 0.02 * wet)))
     # A fit to the loss of the collision that this factor makes, within .005 in e: damping ratio by loss.
     ratio = loss * (0.415 + 0.052 * loss * loss)
-    return max(0.0, 1.0 + 2.0 * ratio * speed / math.sqrt(square + ONSET * ONSET * speed * speed))
+    return max(0.0, 1.0 + 2.0 * float(ratio) * speed / math.sqrt(square + ONSET * ONSET * speed * speed))

@@ -78,7 +78,7 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
     def after_step(_: Any, t: float) -> bool:
         nonlocal samples, count, tries
         tries = 0
-        if b and not motion.touches(coordinates, values):
+        if motion.touches is not None and not motion.touches(coordinates, values):
             bristles[:] = 0.0
         if count == len(samples):
             samples = np.concatenate([samples, np.empty_like(samples)])
