@@ -20,3 +20,16 @@ def test_types_are_written_as_people_write_them_and_a_default_that_is_missing_is
         ("names", "list of str", ()),
         ("way", "'up' or 'down' or none", None),
     ]
+
+
+def test_a_table_of_options_within_is_told_with_dotted_names() -> None:
+    class Inner(Table):
+        joint: str = option("auto", "kind of joint")
+
+    class Outer(Table):
+        inner: Inner | None = option(None, "how it is cut")
+
+    assert [(row["option"], row["type"]) for row in describe(Outer)] == [
+        ("inner", "table or none"),
+        ("inner.joint", "str"),
+    ]

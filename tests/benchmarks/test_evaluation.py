@@ -7,6 +7,7 @@ import os
 import platform
 import time
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from itertools import chain
 
 import numpy as np
@@ -158,3 +159,34 @@ def test_evaluations_per_second_with_two_workers(publish, count_of):
         f"{count} random genomes of the default study, from genome to ten fitnesses; start-up is extra.",
     ]
     publish("rate", lines)
+
+
+def test_what_a_search_takes_for_an_evaluation(publish, count_of, tmp_path):
+    count = count_of("EVALUATIONS", 1000)
+    lines = [
+        "| simulator | strategy | evaluations | checked % | ms CPU each | over the same, all checked |",
+        "|---|---|---|---|---|---|",
+    ]
+    for use, number in zip(SIMULATORS, (count, count // 4), strict=True):
+        for strategy in ("evolution", "random"):
+            study = load_study(
+                use={"simulator": use, "strategy": strategy}, run={"seed": 1, "evaluations": number}
+            )
+            executor = InProcess(study.make_pipeline())
+            search = Recorder(executor)
+            with Store.create(tmp_path / f"{use}-{strategy}.db", {}) as store:
+                run_search(study, store, search)
+            every = [replace(job, threshold=None) for job in search.jobs]
+            times = []
+            for jobs in (search.jobs, every):
+                began = time.process_time()
+                outcomes = list(chain.from_iterable(executor.evaluate(jobs)))
+                times.append(1e3 * (time.process_time() - began) / number)
+                if jobs is search.jobs:
+                    flights = [evaluation.trajectory for _, evaluation in outcomes]
+                    checked = 100 * np.mean([flight and flight.error is not None for flight in flights])
+            ratio = times[0] / times[1]
+            lines.append(f"| {use} | {strategy} | {number} | {checked:.0f} | {times[0]:.2f} | {ratio:.2f} |")
+            assert ratio < 1
+    lines += ["", "CPU time from genome to stored flight, in one process, of the genomes of a search."]
+    publish("search", lines)

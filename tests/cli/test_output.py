@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.cli.output import print_table
+from driftform.cli.output import print_table, print_text
 
 RESULTS = (
     "target",
@@ -70,3 +70,17 @@ def test_no_number_is_folded_where_text_can_be(numbers: list[float], columns: in
 
 def test_text_is_no_markup() -> None:
     assert printed(["[b]name[/b]"], [["[red]A[/red]"]], (), 80)[2].strip() == "[red]A[/red]"
+
+
+def test_a_long_line_is_folded_between_words_on_a_terminal_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    text = "10 of 10 targets are reached: " + "an error of at most 1 % of the farthest distance; " * 3
+    print_text(text)
+    assert capsys.readouterr().out == text + "\n"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "stdout", out := Terminal())
+        patch.setenv("COLUMNS", "80")
+        patch.setenv("TERM", "xterm")
+        print_text(text)
+    lines = out.getvalue().splitlines()
+    assert max(map(len, lines)) <= 80
+    assert " ".join(line.strip() for line in lines).split() == text.split()

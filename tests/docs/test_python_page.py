@@ -32,6 +32,7 @@ def printed(
         yield folder, out
 
 
+@pytest.mark.peers
 def test_the_first_example_ends_with_a_mesh(printed: tuple[Path, dict[str, str]]) -> None:
     folder, out = printed
     assert "passes TP3 by" in out["first.py"]
@@ -44,22 +45,26 @@ def test_ten_lines_are_enough(blocks: list[Any]) -> None:
     assert len([line for line in block.text.splitlines() if line]) <= 10
 
 
+@pytest.mark.peers
 def test_a_wrong_key_is_told_in_the_example(printed: tuple[Path, dict[str, str]]) -> None:
     assert printed[1]["study.py"].startswith("0.8 m/s, 500 evaluations\n")
     assert "did you mean 'speed'?" in printed[1]["study.py"]
 
 
+@pytest.mark.peers
 def test_a_run_is_opened_and_tabled(printed: tuple[Path, dict[str, str]]) -> None:
     out = printed[1]["run.py"]
     assert "TP3:" in out and "TP7:" in out and "fitness_TP3" in out
 
 
+@pytest.mark.peers
 def test_agents_are_flown_and_written(printed: tuple[Path, dict[str, str]]) -> None:
     folder, out = printed
     assert out["agents.py"].count(" m/s: ") == 3
     assert (folder / "parts" / "by_hand.scad").is_file()
 
 
+@pytest.mark.peers
 def test_a_run_gives_the_agent_near_a_point_its_page_and_its_tables(
     printed: tuple[Path, dict[str, str]],
 ) -> None:
@@ -69,6 +74,7 @@ def test_a_run_gives_the_agent_near_a_point_its_page_and_its_tables(
     assert (folder / "tables" / "evaluations.csv").is_file()
 
 
+@pytest.mark.peers
 def test_a_flight_becomes_samples_and_a_picture(printed: tuple[Path, dict[str, str]]) -> None:
     folder, out = printed
     assert (folder / "flights" / "tp3.csv").read_text(encoding="utf-8").count("\n") > 50
@@ -76,6 +82,7 @@ def test_a_flight_becomes_samples_and_a_picture(printed: tuple[Path, dict[str, s
     assert "mean error under disturbed conditions" in out["flights.py"]
 
 
+@pytest.mark.peers
 def test_a_print_is_checked_and_trimmed(printed: tuple[Path, dict[str, str]]) -> None:
     out = printed[1]["print.py"]
     assert "failed checks of the file: []" in out and "ballast: 2.00 g at x" in out

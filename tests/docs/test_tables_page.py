@@ -51,6 +51,7 @@ def test_every_example_is_tried_here(blocks: list[Any]) -> None:
     assert [b.file for b in blocks if b.page == PAGE and b.file and f'shown("{b.file}")' not in here] == []
 
 
+@pytest.mark.peers
 def test_the_best_error_so_far_never_rises(shown: Callable[[str], Any]) -> None:
     out, names = shown("best_so_far.py")
     best, errors = names["best"], names["errors"]
@@ -61,6 +62,7 @@ def test_the_best_error_so_far_never_rises(shown: Callable[[str], Any]) -> None:
     assert "fitness_TP7" in out
 
 
+@pytest.mark.peers
 def test_generations_are_those_of_the_paper(shown: Callable[[str], Any]) -> None:
     out, names = shown("generations.py")
     sizes = names["own"].group_by("target", "generation").len()
@@ -70,6 +72,7 @@ def test_generations_are_those_of_the_paper(shown: Callable[[str], Any]) -> None
     assert "mass and fitness" in out
 
 
+@pytest.mark.peers
 def test_descent_ends_at_a_random_genome(shown: Callable[[str], Any]) -> None:
     _, names = shown("descent.py")
     line, runs = names["line"], names["runs"]
@@ -78,6 +81,7 @@ def test_descent_ends_at_a_random_genome(shown: Callable[[str], Any]) -> None:
     assert runs.loc[line[-1], "generation"] == 0
 
 
+@pytest.mark.peers
 def test_flights_are_joined_with_their_bodies(shown: Callable[[str], Any]) -> None:
     _, names = shown("flights.py")
     found = names["found"]
@@ -87,6 +91,7 @@ def test_flights_are_joined_with_their_bodies(shown: Callable[[str], Any]) -> No
     assert (found.filter(found["net_buoyancy"] < -0.1)["lowest"] < -0.1).all()
 
 
+@pytest.mark.peers
 def test_units_are_as_told(shown: Callable[[str], Any]) -> None:
     out, _ = shown("units.py")
     assert out == "net buoyancy, N\nthe same from the file itself: N\n"

@@ -10,12 +10,12 @@ from driftform.dynamics.flight import SAMPLE, has_left_pipe, release_state
 from driftform.dynamics.integrator import fill_rate_in_space
 from driftform.dynamics.model import flight_model
 from driftform.dynamics.rotations import quaternion_from_rotation_vector, rotation_vector_from_quaternion
-from driftform.scenario import Contact, Fluid, Pipe, PowerLawFlow, Release, Scenario, Segment, TurbulentFlow
+from driftform.scenario import Contact, Fluid, Pipe, Release, Scenario, Segment, TurbulentFlow
 from driftform.study import load_study
 
 PIPELINE = load_study().make_pipeline()
 CALM = PIPELINE.scenario
-SHEARED = CALM.model_copy(update={"flow": PowerLawFlow()})
+SHEARED = CALM.model_copy(update={"flow": TurbulentFlow(seed=3)})
 WILD = CALM.model_copy(
     update={"flow": TurbulentFlow(), "fluid": Fluid(water_level=0.1), "contact": Contact(friction=0.3)}
 )

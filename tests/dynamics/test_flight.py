@@ -41,7 +41,7 @@ def scenario_of(
         flow=flow or UniformFlow(speed=0.0),
         fluid=Fluid(density=DENSITY, gravity=gravity, water_level=level),
         release=Release(**release),
-        contact=Contact(frequency=70.0),
+        contact=Contact(),
         flight=FlightLimits(horizon=horizon),
     )
 

@@ -114,6 +114,7 @@ def test_a_lost_scheduler_costs_nothing_and_the_command_to_resume_is_printed(
     assert rows(tmp_path / "run") == interrupted
 
 
+@pytest.mark.peers
 def test_a_local_cluster_lets_nobody_in_who_does_not_hold_its_keys(study: Study) -> None:
     from distributed import Client, Security
 

@@ -86,5 +86,5 @@ def measure():
     return [
         *rows,
         ("Rostami: depth, off the three terms by, %", "1 to 4.3", 100 * distance_from_three_terms()),
-        ("Horowitz: swing aside, mm", "zigzags", 1000 * math.hypot(*light.position[-1, :2])),
+        ("Horowitz: swing aside, mm", "zigzags", f"{1000 * math.hypot(*light.position[-1, :2]):.1f}"),
     ]

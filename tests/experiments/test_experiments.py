@@ -87,3 +87,17 @@ def test_small_neutral_bodies_are_as_fast_as_the_middle_of_the_flow_allows(found
     speeds = [found[f"{shape}, d/D {ratio}"] for shape in ("sphere", "cylinder") for ratio in (0.1, 0.2, 0.3)]
     assert all(1.05 < speed < ahead for speed in speeds)
     assert speeds[:3] == sorted(speeds[:3], reverse=True), "the smaller the faster"
+
+
+def test_spheres_bounce_in_oil_as_high_and_as_late_as_measured(experiments):
+    _, rows = experiments["bounces"]
+    assert len(rows) == 11
+    for what, measured, value in rows:
+        heights, times = (0.25, 0.18) if "St 152" in what else (0.5, 0.25)
+        assert value == pytest.approx(measured, rel=heights if "height" in what else times), what
+
+
+def test_heavy_spheres_roll_along_a_tight_pipe_about_as_fast_as_the_water(found):
+    for feet in (2.5, 5.0):
+        assert 1.0 < found[f"{feet} ft/s: velocity over that of the water"] < 1.12
+        assert found[f"{feet} ft/s: speed of the surface over that of rolling"] == pytest.approx(1, abs=0.05)

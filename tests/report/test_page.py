@@ -138,7 +138,8 @@ def test_on_a_phone_the_table_is_read_without_scrolling_and_no_letter_of_a_figur
     page.refresh()
     assert page.execute_script(
         "return [...document.querySelectorAll('.agents td, .agents th')].every((e) => {"
-        "const { left, right } = e.getBoundingClientRect(); return left >= 0 && right <= innerWidth; })"
+        "const card = e.closest('.card'), { right } = e.getBoundingClientRect();"
+        "return card.scrollWidth <= card.clientWidth && right <= card.getBoundingClientRect().right; })"
     )
     sizes = page.execute_script(
         "return [...document.querySelectorAll('figure:not([hidden]) text')].map((e) => "

@@ -13,7 +13,7 @@ import pytest
 from driftform.geometry.slices import slice_solid
 from driftform.scenario import Scenario, evaluation_seed
 from driftform.study import load_study
-from driftform.testing.simulator import largest_distance
+from driftform.testing.simulator import largest_distance, wall_depths
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Agent, Drag, End, Trajectory
 
@@ -103,11 +103,7 @@ def complaints(flown: Flown, pipeline) -> Iterator[str]:
         yield f"ends as {trajectory.end} after {trajectory.t[-1]} s at {trajectory.position[-1]}"
     if trajectory.error is None or not trajectory.error <= pipeline.simulator.options.accuracy:
         yield f"passes with an error of {trajectory.error} m"
-    # The wall is soft: what comes with the speed v sinks in by v / frequency.
-    speed, spin = (np.linalg.norm(v, axis=1).max() for v in np.split(trajectory.velocity, 2, axis=1))
-    reach = np.hypot(*flown.agent.body.outer.T).max()
-    soft = (speed + spin * reach) / scenario.contact.frequency
-    if np.hypot(*trajectory.position[:, 1:].T).max() > pipe.radius + soft:
+    if wall_depths(flown.agent, trajectory, pipe.radius).max() > 1.5e-3:
         yield "goes through the wall"
     fitness = pipeline.fitness.score(trajectory, scenario, flown.agent)
     if not (np.isfinite(fitness).all() and (fitness >= 0).all() and (fitness <= 100).all()):

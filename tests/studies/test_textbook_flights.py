@@ -31,7 +31,7 @@ def agents(pipelines, count_of):
 
     def drawn(seed: int):
         pipeline, rng = pipelines["native"], np.random.default_rng(seed)
-        return [pipeline.agent(pipeline.grammar.random(rng)) for _ in range(count_of("AGENTS", 200))]
+        return [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(count_of("AGENTS", 200))]
 
     return drawn
 
@@ -132,7 +132,7 @@ def test_flights_with_drag_in_the_logarithmic_law_agree_with_the_textbook_up_to_
         use: load_study(None, DRAG_IN_LOG_LAW, use={"simulator": use}).make_pipeline() for use in SIMULATORS
     }
     native, rng = pipelines["native"], np.random.default_rng(3)
-    drawn = [native.agent(agent.genome) for agent in agents(2)]
+    drawn = [native.make_agent(agent.genome) for agent in agents(2)]
     # Every second one leaves the vertical plane.
     scenarios = [turned(native.scenario, k % 2 * float(rng.uniform(-60, 60))) for k in range(len(drawn))]
     lines, worst = list(HEAD), {}

@@ -66,7 +66,7 @@ def without_walls(agent, scenario):
 
 
 def with_an_elastic_wall(agent, scenario):
-    contact = scenario.contact.model_copy(update={"damping_ratio": 0.0})
+    contact = scenario.contact.model_copy(update={"restitution": 1.0})
     return sound(agent, scenario.model_copy(update={"contact": contact}))
 
 

@@ -1,14 +1,11 @@
 """Flights against the textbook's equations, and what is Exudyn's own about its integrators."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from driftform.scenario import Contact, FlightLimits, Pipe, Release, Scenario, Segment
+from driftform.scenario import Contact, FlightLimits, Fluid, Pipe, Release, Scenario, Segment
 from driftform.testing.agents import sphere_agent
-from driftform.testing.bodies import spheroid_body
 from driftform.testing.textbook import distance_from_textbook, random_case
 from driftform.types import End
 from driftform_exudyn.simulator import ExudynOptions, ExudynSimulator
@@ -57,14 +54,14 @@ def test_too_many_steps_are_a_failed_flight():
 
 def test_a_wall_without_damping_throws_the_agent_back_as_fast_as_it_came():
     agent = sphere_agent(0.01, 1024 * 4 / 3 * np.pi * 1e-6)
-    # So few edges that its widest rim alone touches: others would set it spinning.
-    agent = replace(agent, body=spheroid_body(0.01, 0.01, edges=4))
     scenario = Scenario(
         pipe=Pipe(segments=(Segment(start=(0, 0, 0), end=(9, 0, 0), radius=0.2),)),
         release=Release(velocity=(1.0, 0.3, 0.4)),
-        contact=Contact(damping_ratio=0.0),
+        # In nearly inviscid water: a film of water takes 2 %.
+        fluid=Fluid(viscosity=1e-8),
+        contact=Contact(restitution=1.0),
         flight=FlightLimits(horizon=0.6),
     )
     flight = ExudynSimulator(ExudynOptions(tolerance=1e-8)).simulate(agent, scenario)
     turn = Rotation.from_quat(flight.quaternion[-1], scalar_first=True)
-    assert turn.apply(flight.velocity[-1, :3].copy()) == pytest.approx([1.0, -0.3, -0.4], abs=1e-5)
+    assert turn.apply(flight.velocity[-1, :3].copy()) == pytest.approx([1.0, -0.3, -0.4], abs=2e-4)

@@ -114,6 +114,17 @@ def format_miss(metres: float | None) -> str:
     return "-" if metres is None or not math.isfinite(metres) else f"{1000 * metres:.0f}"
 
 
+def print_text(text: str) -> None:
+    """Print a line on stdout; on a terminal it is folded between words."""
+    if not sys.stdout.isatty():
+        print(text)
+        return
+    from rich.console import Console
+    from rich.text import Text
+
+    Console(highlight=False).print(Text(text))
+
+
 def print_states(rows: Iterable[tuple[str, str, str]], styles: Mapping[str, str]) -> None:
     """Print lines of a state, a subject and a detail, aligned; on a terminal coloured by state and folded to fit.
 

@@ -84,7 +84,7 @@ def _describe_stop(run: "Run") -> str:
 
 
 def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path], seconds: float) -> None:
-    from driftform.cli.output import format_miss, print_table
+    from driftform.cli.output import format_miss, print_table, print_text
     from driftform.runs.wording import list_cells, list_headings, summarise
 
     fitness = run.study.make_plugin("fitness")
@@ -106,9 +106,9 @@ def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path
         right=range(1, len(header)),
     )
     if results:
-        print(summarise(fitness, {best.target: best.fitness for best in results}))
+        print_text(summarise(fitness, {best.target: best.fitness for best in results}))
     if promised:
-        print(
+        print_text(
             "nominal: the undisturbed flight; median and 90 %: half, and 9 of 10, of "
             f"{run.study.scenario.robustness.checks} flights under fresh disturbed conditions miss by less"
         )
@@ -116,7 +116,7 @@ def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path
     print(f"{evaluations} evaluations ({failed} failed) in {seconds:.1f} s, seed {run.study.seed}")
     commonest = run.describe_failures()
     if commonest:
-        print(f"failed most often ({commonest['count']} of {failed}): {commonest['reason']}")
+        print_text(f"failed most often ({commonest['count']} of {failed}): {commonest['reason']}")
     print(f"run:  {run.path}/")
     if results:
         print(f"      best/<target>/ ({', '.join(path.name for path in results[0].files)})")

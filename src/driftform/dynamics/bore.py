@@ -1,4 +1,4 @@
-"""Rims of a body of revolution in a straight bore, in closed form.
+"""Rims and domes of a body of revolution in a straight bore, in closed form.
 
 e is the unit vector downstream along the bore, a' the unit vector along the body's axis. o and a are the parts
 transverse to e of the body's origin (seen from the bore's axis) and of a'. Seen from the axis of the bore, the centre
@@ -10,7 +10,7 @@ vectors are computed once for all rims.
 import math
 from typing import TypeAlias
 
-from driftform.dynamics.vectors import Vector, add, cross, dot, scale, subtract
+from driftform.dynamics.vectors import Vector, add, dot, scale, subtract
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 
@@ -27,11 +27,8 @@ ANGLE_TOLERANCE = 1e-7
 AxisLine: TypeAlias = tuple[float, float, float, float]
 """o.o (m2), o.a (m), a.a, and the radius of the bore, m."""
 
-BoreVectors: TypeAlias = tuple[Vector, Vector, Vector, Vector, Vector]
-"""o, a, and the products a' x o, a' x a, o x a, in the world frame."""
-
-RimContact: TypeAlias = tuple[float, float, float, float, float, float]
-"""Contact of a rim: depth in the wall (m), normal as factors of o and a, lever as factors of a', o and a."""
+Contact: TypeAlias = tuple[float, float, float, float, float, float]
+"""Contact of a surface: depth in the wall (m), normal as factors of o and a, lever as factors of a', o and a."""
 
 
 @compiled
@@ -45,13 +42,6 @@ def axis_line(position: Vector, axis: Vector, pipe: FloatArray) -> AxisLine:
         return 0.0, 0.0, 0.0, 0.0
     o, a = transverse_parts(position, axis, pipe)
     return dot(o, o), dot(o, a), dot(a, a), pipe[0, 7]
-
-
-@compiled
-def bore_vectors(position: Vector, axis: Vector, pipe: FloatArray) -> BoreVectors:
-    """Return the vectors that normals, levers and torques in a straight bore are combinations of."""
-    o, a = transverse_parts(position, axis, pipe)
-    return o, a, cross(axis, o), cross(axis, a), cross(o, a)
 
 
 @compiled
@@ -70,33 +60,53 @@ def smoothed_sine(s: float) -> float:
 
 
 @compiled
-def is_coplanar(line: AxisLine, reach: float) -> bool:
-    """Return True if the axes of body and bore lie in one plane, and all rims within ``reach`` (m) on one side of the bore's.
+def is_clear(surfaces: FloatArray, k: int, line: AxisLine) -> bool:
+    """Return True if surface ``k`` certainly does not touch the bore; a quick test that some clear rims fail.
 
-    The wall's normal is then the same for every rim, within :data:`ANGLE_TOLERANCE`.
-    """
-    oo, oa, aa, _ = line
-    apart, nearest = (oo * aa - oa * oa) * reach * reach, oo - abs(oa) * reach
-    return nearest > 0.0 and apart < ANGLE_TOLERANCE * ANGLE_TOLERANCE * nearest * nearest
-
-
-@compiled
-def is_clear(rims: FloatArray, k: int, line: AxisLine) -> bool:
-    """Return True if rim ``k`` certainly does not touch the bore; a quick test that some clear rims fail.
-
-    The rim's centre is at d from the axis, and the rim extends r sqrt(1 - s^2) further, where s is the component of
+    A rim's centre is at d from the axis, and the rim extends r sqrt(1 - s^2) further, where s is the component of
     the body's axis along d. Neither root is computed: d <= (d^2 + R^2) / (2 R), and s d = o.a + a.a x.
     """
     oo, oa, aa, R = line
-    x, r = rims[k, 0], rims[k, 1]
+    x, r = surfaces[k, 0], surfaces[k, 1]
     slope = oa + aa * x
     square = oo + (oa + slope) * x
-    room = 0.5 * R - 0.5 * square / R - rims[k, 5] if R > 0.0 else 0.0
+    if surfaces[k, 2] > 0.0:
+        room = R - surfaces[k, 2]
+        return bool(room > 0.0 and square < room * room)
+    room = 0.5 * R - 0.5 * square / R - surfaces[k, 5] if R > 0.0 else 0.0
     return room > 0.0 and r * r * (square - slope * slope) < room * room * square
 
 
 @compiled
-def rim_contact(x: float, r: float, line: AxisLine) -> RimContact:
+def surface_contact(surfaces: FloatArray, k: int, line: AxisLine) -> tuple[float, float, Contact]:
+    """Return the rim (x, r) that touches (of a dome, its centre), m, and its contact with the bore.
+
+    The depth is negative if the surface is clear.
+    """
+    x, r, radius = surfaces[k, 0], surfaces[k, 1], surfaces[k, 2]
+    if radius == 0.0:
+        return x, r, rim_contact(x, r, line)
+    oo, oa, aa, R = line
+    square = oo + (2.0 * oa + aa * x) * x
+    if not square > 0.0:
+        return x, r, (radius - R, 0.0, 0.0, x, 0.0, 0.0)
+    far = math.sqrt(square)
+    s = (oa + aa * x) / far
+    if s < surfaces[k, 3] or s > surfaces[k, 4]:
+        x, r = end_of_dome(surfaces, k, s)
+        return x, r, rim_contact(x, r, line)
+    return x, r, (far + radius - R, 1.0 / far, x / far, x, radius / far, radius * x / far)
+
+
+@compiled
+def end_of_dome(surfaces: FloatArray, k: int, s: float) -> tuple[float, float]:
+    """Return the rim (x, r), m, at the end of a dome whose normals end before the component ``s`` along the axis."""
+    s = min(max(s, surfaces[k, 3]), surfaces[k, 4])
+    return surfaces[k, 0] + surfaces[k, 2] * s, surfaces[k, 2] * math.sqrt(max(0.0, 1.0 - s * s))
+
+
+@compiled
+def rim_contact(x: float, r: float, line: AxisLine) -> Contact:
     """Return the contact of the rim (x, r) with the bore; the depth is negative if the rim is clear.
 
     The farthest point defines the normal, and the normal defines the point; two rounds suffice in a wide bore.
@@ -129,7 +139,7 @@ def _farthest_point(
 
 
 @compiled
-def lever_and_normal(axis: Vector, o: Vector, a: Vector, contact: RimContact) -> tuple[Vector, Vector]:
+def lever_and_normal(axis: Vector, o: Vector, a: Vector, contact: Contact) -> tuple[Vector, Vector]:
     """Return the point of contact, seen from the body's origin (m), and the wall's normal there; world frame."""
     _, n_o, n_a, along, l_o, l_a = contact
     return (

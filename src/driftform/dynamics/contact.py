@@ -1,20 +1,23 @@
-"""Contact of a body of revolution with the inside of a pipe: springs and dampers at its rims, and friction."""
+"""Contact of a body of revolution with the inside of a pipe: springs and dampers at its rims and domes, and friction."""
 
 import math
+from typing import TypeAlias
 
 import numpy as np
 
 from driftform.dynamics.bore import (
     ANGLE_TOLERANCE,
+    AxisLine,
     axis_line,
-    bore_vectors,
+    end_of_dome,
     is_clear,
-    is_coplanar,
     lever_and_normal,
-    rim_contact,
     smoothed_sine,
+    surface_contact,
     transverse_parts,
 )
+from driftform.dynamics.impact import FREQUENCY, common_mass, damper, spring
+from driftform.dynamics.model import FRICTION, INVERSE, LINEAR, REACH, FlightModel
 from driftform.dynamics.vectors import (
     ZERO,
     Rotation,
@@ -26,6 +29,7 @@ from driftform.dynamics.vectors import (
     cross,
     dot,
     force_wrench,
+    multiply,
     scale,
     subtract,
     to_body,
@@ -34,11 +38,9 @@ from driftform.dynamics.vectors import (
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 
-DAMPER_ONSET = 1e-3
-"""Depth (m) over which the damper reaches its full strength, so that the force is continuous."""
-
-SLIP_SPEED = 1e-2
-"""Sliding speed (m/s) below which friction grows with the speed instead of being constant."""
+Touch: TypeAlias = tuple[float, Vector, Vector, float, float]
+"""Depth in the wall (m, 0 if clear), lever from the body's origin (m) and the wall's normal in the world frame, and the
+rim (x, r) that touches, m; of a dome, its centre."""
 
 
 @compiled
@@ -84,229 +86,127 @@ def farthest_rim_point(centre: Vector, axis: Vector, r: float, normal: Vector) -
 
 
 @compiled
-def rim_depth(
-    position: Vector, axis: Vector, x: float, r: float, pipe: FloatArray
-) -> tuple[float, Vector, Vector]:
-    """Return the depth of the rim (x, r) in the wall (m, 0 if it is clear), the point, and the wall's normal there.
+def surface_depth(
+    position: Vector,
+    axis: Vector,
+    line: AxisLine,
+    parts: tuple[Vector, Vector],
+    surface: int,
+    model: FlightModel,
+) -> Touch:
+    """Return how a surface of the model touches the wall; ``line`` and ``parts`` are those of the body's axis in the bore.
 
-    ``position`` of the body's origin (m), its ``axis``, the point and the normal are in the world frame. The farthest
-    point defines the normal, and the normal defines the point; two rounds suffice in a wide bore.
+    ``position`` of the body's origin (m) and its ``axis`` are in the world frame. A rim's farthest point defines the
+    normal, and the normal defines the point; two rounds suffice in a wide bore.
     """
+    surfaces, pipe = model.surfaces, model.pipe
+    x, r, radius = surfaces[surface, 0], surfaces[surface, 1], surfaces[surface, 2]
     if pipe.shape[0] == 1:
-        contact = rim_contact(x, r, axis_line(position, axis, pipe))
-        o, a = transverse_parts(position, axis, pipe)
-        lever, normal = lever_and_normal(axis, o, a, contact)
-        return max(0.0, contact[0]), add(position, lever), normal
+        if is_clear(surfaces, surface, line):
+            return 0.0, ZERO, ZERO, x, r
+        x, r, contact = surface_contact(surfaces, surface, line)
+        lever, normal = lever_and_normal(axis, parts[0], parts[1], contact)
+        return max(0.0, contact[0]), lever, normal, x, r
     centre = add(position, scale(x, axis))
     gap, normal = wall_gap(centre, pipe)
-    if gap > r:
-        return 0.0, centre, normal
+    if gap > r + radius:
+        return 0.0, ZERO, ZERO, x, r
+    if radius > 0.0:
+        s = dot(axis, normal)
+        if surfaces[surface, 3] <= s <= surfaces[surface, 4]:
+            return radius - gap, add(scale(x, axis), scale(radius, normal)), normal, x, 0.0
+        x, r = end_of_dome(surfaces, surface, s)
+        centre = add(position, scale(x, axis))
+        gap, normal = wall_gap(centre, pipe)
     point = farthest_rim_point(centre, axis, r, normal)
     gap, there = wall_gap(point, pipe)
     turned = subtract(there, normal)
     if dot(turned, turned) > ANGLE_TOLERANCE * ANGLE_TOLERANCE:
         point = farthest_rim_point(centre, axis, r, there)
         gap, there = wall_gap(point, pipe)
-    return max(0.0, -gap), point, there
+    return max(0.0, -gap), subtract(point, position), there, x, r
 
 
 @compiled
-def deepest_rim_depth(
-    position: Vector, R: Rotation, rims: FloatArray, reach: float, pipe: FloatArray
-) -> float:
-    """Return the depth (m) of the deepest rim in the wall, 0 if none touches.
-
-    ``reach`` is the greatest distance (m) of a rim from the body's origin.
-    """
+def deepest_depth(position: Vector, R: Rotation, model: FlightModel) -> float:
+    """Return the depth (m) of the deepest surface of the model in the wall, 0 if none touches."""
     deepest = 0.0
-    if not is_far_from_wall(position, reach, pipe):
+    if not is_far_from_wall(position, model.table[REACH], model.pipe):
         axis = body_axis(R)
-        line = axis_line(position, axis, pipe)
-        for k in range(rims.shape[0]):
-            if not is_clear(rims, k, line):
-                deepest = max(deepest, rim_depth(position, axis, rims[k, 0], rims[k, 1], pipe)[0])
+        line, parts = axis_line(position, axis, model.pipe), transverse_parts(position, axis, model.pipe)
+        for k in range(model.surfaces.shape[0]):
+            deepest = max(deepest, surface_depth(position, axis, line, parts, k, model)[0])
     return deepest
 
 
 @compiled
-def wall_wrench(
-    position: Vector,
-    R: Rotation,
-    velocity: Vector,
-    omega: Vector,
-    rims: FloatArray,
-    reach: float,
-    pipe: FloatArray,
-    friction: float,
-    rate: float,
-) -> Wrench:
+def wall_wrench(position: Vector, R: Rotation, velocity: Vector, omega: Vector, model: FlightModel) -> Wrench:
     """Return force (N) and torque (N m) of the wall on the body, about the body's origin, in body axes.
 
     ``position`` (m) and ``velocity`` (m/s) of the body's origin are in the world frame, ``omega`` (rad/s) is in the
-    body frame. A rim whose farthest point lies at the depth d in the wall presses with its share N of
-    k d + c d' onset(d), and never pulls. The share of a rim is s^2 / sqrt(sum of s^4 over all rims), with
-    s^2 = k d^2: the springs then have the potential sqrt(sum of s^4) / 2, and a finely divided dome, of which many
-    rims touch at once, is not many times stiffer than a single rim.
+    body frame. The wall never pulls.
 
-    Friction opposes the velocity v along the wall with mu N v / sqrt(|v|^2 + s^2): Coulomb's law, smoothed below the
-    speed s. This speed is :data:`SLIP_SPEED`, unless the effective mass m of the rim is so small (as in a roll) that
-    friction would act faster than ``rate`` (1/s): then s = mu N / (m rate).
+    Friction is that of a bristle at each surface: a spring k and a damper c in parallel, in series with a slider that slips
+    where the force exceeds mu N (Coulomb). With the velocity v along the wall and the bristle's deflection z,::
+
+        y = k z + c v        f = y min(1, mu N / |y|)        z' = (f - k z) / c
+
+    and -f acts on the body: it sticks without creeping, and where it slides, f tends to mu N against the motion. With the
+    mass m that a push along the wall moves, k = m omega^2 and c = m omega. ``model.bristles`` holds omega z of every surface;
+    its second half is filled with the rates of these. Without friction it is empty.
     """
-    if is_far_from_wall(position, reach, pipe):
+    bristles = model.bristles.shape[0] // 2
+    for k in range(bristles):
+        for j in range(3):
+            model.bristles[bristles + k, j] = -model.law[FREQUENCY] * model.bristles[k, j]
+    if is_far_from_wall(position, model.table[REACH], model.pipe):
         return ZERO, ZERO
-    axis = body_axis(R)
-    w = to_world(R, omega)
-    if pipe.shape[0] > 1:
-        push, share = _pipe_wrench(position, axis, velocity, w, rims, pipe)
-    elif is_coplanar(axis_line(position, axis, pipe), reach):
-        push, share = _coplanar_wrench(position, axis, velocity, w, rims, pipe)
-    else:
-        push, share = _straight_pipe_wrench(position, axis, velocity, w, rims, pipe)
-    if friction > 0.0 and share > 0.0:
-        push = add_wrenches(
-            push, _friction_wrench(position, axis, velocity, w, rims, pipe, friction * share, rate)
-        )
-    return to_body(R, push[0]), to_body(R, push[1])
-
-
-@compiled
-def _coplanar_wrench(
-    position: Vector, axis: Vector, v: Vector, w: Vector, rims: FloatArray, pipe: FloatArray
-) -> tuple[Wrench, float]:
-    """Return what :func:`_pipe_wrench` does if :func:`driftform.dynamics.bore.is_coplanar`: all rims share one normal."""
-    line, vectors = axis_line(position, axis, pipe), bore_vectors(position, axis, pipe)
-    off = math.sqrt(line[0])
-    normal, tilted = scale(1.0 / off, vectors[0]), scale(1.0 / off, vectors[2])
-    force, torque, share = coplanar_force(rims, line[1] / off, line[3] - off, dot(normal, v), dot(tilted, w))
-    return (scale(-force, normal), scale(-torque, tilted)), share
-
-
-@compiled
-def coplanar_force(
-    rims: FloatArray, s: float, gap: float, speed: float, turning: float
-) -> tuple[float, float, float]:
-    """Return force (N) and torque (N m) of rims with one normal n on the wall, and 1 / sqrt(sum of s^4).
-
-    Parameters
-    ----------
-    rims
-        of :class:`driftform.dynamics.model.FlightModel`.
-    s
-        a'.n, where a' is the body's axis.
-    gap
-        distance from the body's origin to the wall along n, m.
-    speed, turning
-        velocity of the body's origin along n, m/s, and of rotation about a' x n, rad/s.
-    """
-    outward = 1.0 / smoothed_sine(s)
-    total, force, torque = 0.0, 0.0, 0.0
-    for k in range(rims.shape[0]):
-        x, k_r = rims[k, 0], outward * rims[k, 1]
-        depth = x * s + k_r * (1.0 - s * s) - gap
-        if depth <= 0.0:
-            continue
-        along = x - k_r * s
-        square, pressed = _weigh_force(rims, k, depth, speed + along * turning)
-        total += square * square
-        force += pressed
-        torque += pressed * along
-    share = 1.0 / math.sqrt(total) if total > 0.0 else 0.0
-    return share * force, share * torque, share
-
-
-@compiled
-def _straight_pipe_wrench(
-    position: Vector, axis: Vector, v: Vector, w: Vector, rims: FloatArray, pipe: FloatArray
-) -> tuple[Wrench, float]:
-    """Return what :func:`_pipe_wrench` does, in a pipe of one segment."""
-    line, vectors = axis_line(position, axis, pipe), bore_vectors(position, axis, pipe)
-    o, a, axis_o, axis_a, o_a = vectors
-    v_o, v_a = dot(v, o), dot(v, a)
-    w_o, w_a, w_oa = dot(w, axis_o), dot(w, axis_a), dot(w, o_a)
-    total, f_o, f_a, t_o, t_a, t_oa = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for k in range(rims.shape[0]):
-        if is_clear(rims, k, line):
-            continue
-        depth, n_o, n_a, along, l_o, l_a = rim_contact(rims[k, 0], rims[k, 1], line)
-        if depth <= 0.0:
-            continue
-        # The normal is n_o o + n_a a; the lever is along axis + l_o o + l_a a.
-        turn = l_o * n_a - l_a * n_o
-        speed = n_o * v_o + n_a * v_a + along * (n_o * w_o + n_a * w_a) + turn * w_oa
-        square, pressed = _weigh_force(rims, k, depth, speed)
-        total += square * square
-        f_o += pressed * n_o
-        f_a += pressed * n_a
-        t_o += pressed * along * n_o
-        t_a += pressed * along * n_a
-        t_oa += pressed * turn
-    share = 1.0 / math.sqrt(total) if total > 0.0 else 0.0
-    force = scale(-share, add(scale(f_o, o), scale(f_a, a)))
-    torque = scale(-share, add(scale(t_o, axis_o), add(scale(t_a, axis_a), scale(t_oa, o_a))))
-    return (force, torque), share
-
-
-@compiled
-def _pipe_wrench(
-    position: Vector, axis: Vector, v: Vector, w: Vector, rims: FloatArray, pipe: FloatArray
-) -> tuple[Wrench, float]:
-    """Return the wrench of the wall's springs and dampers on the body, about its origin in the world frame.
-
-    The second value is 1 / sqrt(sum of s^4), or 0 if no rim touches.
-    """
-    wrench, total = (ZERO, ZERO), 0.0
-    for k in range(rims.shape[0]):
-        depth, point, normal = rim_depth(position, axis, rims[k, 0], rims[k, 1], pipe)
-        if depth <= 0.0:
-            continue
-        lever = subtract(point, position)
-        square, force = _weigh_force(rims, k, depth, dot(normal, add(v, cross(w, lever))))
-        total += square * square
-        wrench = add_wrenches(wrench, force_wrench(lever, scale(-force, normal)))
-    share = 1.0 / math.sqrt(total) if total > 0.0 else 0.0
-    return (scale(share, wrench[0]), scale(share, wrench[1])), share
-
-
-@compiled
-def _friction_wrench(
-    position: Vector,
-    axis: Vector,
-    v: Vector,
-    w: Vector,
-    rims: FloatArray,
-    pipe: FloatArray,
-    factor: float,
-    rate: float,
-) -> Wrench:
-    """Return the friction on all rims about the body's origin, world frame; ``factor`` is mu / sqrt(sum of s^4)."""
+    axis, w = body_axis(R), to_world(R, omega)
+    line, parts = axis_line(position, axis, model.pipe), transverse_parts(position, axis, model.pipe)
+    springs, total, pressed, mass, last, count = (ZERO, ZERO), 0.0, 0.0, 0.0, 0, 0
+    for k in range(model.surfaces.shape[0]):
+        depth, lever, normal, x, r = surface_depth(position, axis, line, parts, k, model)
+        if depth > 0.0:
+            mass, energy, force, _ = spring(dot(axis, normal), x, r, depth, model.law)
+            total += energy * energy
+            pressed += energy * force
+            springs = add_wrenches(springs, force_wrench(lever, scale(-energy * force, normal)))
+            last, count = k, count + 1
+    if not total > 0.0:
+        return ZERO, ZERO
+    root = math.sqrt(total)
+    if count > 1:
+        F, T = to_body(R, springs[0]), to_body(R, springs[1])
+        a, alpha = multiply(model.table[INVERSE:LINEAR], F, T)
+        mass = common_mass(pressed, dot(F, a) + dot(T, alpha), model.law)
     wrench = (ZERO, ZERO)
-    line, straight = axis_line(position, axis, pipe), pipe.shape[0] == 1
-    o, a = transverse_parts(position, axis, pipe)
-    for k in range(rims.shape[0]):
-        x, r = rims[k, 0], rims[k, 1]
-        if is_clear(rims, k, line):
-            continue
-        if straight:
-            contact = rim_contact(x, r, line)
-            depth = contact[0]
-            lever, normal = lever_and_normal(axis, o, a, contact)
-        else:
-            depth, point, normal = rim_depth(position, axis, x, r, pipe)
-            lever = subtract(point, position)
-        if depth <= 0.0:
-            continue
-        moving = add(v, cross(w, lever))
-        speed = dot(normal, moving)
-        grip = factor * _weigh_force(rims, k, depth, speed)[1]
-        sliding = subtract(moving, scale(speed, normal))
-        smooth = max(SLIP_SPEED, grip / (rims[k, 4] * rate))
-        drag = grip / math.sqrt(dot(sliding, sliding) + smooth * smooth)
-        wrench = add_wrenches(wrench, force_wrench(lever, scale(-drag, sliding)))
-    return wrench
+    for k in range(last if count == 1 else 0, last + 1):
+        depth, lever, normal, x, r = surface_depth(position, axis, line, parts, k, model)
+        if depth > 0.0:
+            moving, s = add(velocity, cross(w, lever)), dot(axis, normal)
+            speed = dot(normal, moving)
+            _, energy, force, turning = spring(s, x, r, depth, model.law)
+            force *= energy / root * damper(root / mass, speed, mass, model.law)
+            wrench = add_wrenches(wrench, force_wrench(lever, scale(-force, normal)))
+            turn = scale(-turning * energy / (root * smoothed_sine(s)), cross(axis, normal))
+            wrench = add_wrenches(wrench, (ZERO, turn))
+            if bristles > 0:
+                sliding = subtract(moving, scale(speed, normal))
+                rub = bristle_force(sliding, normal, model.table[FRICTION] * force, k, model)
+                wrench = add_wrenches(wrench, force_wrench(lever, scale(-1.0, rub)))
+    return to_body(R, wrench[0]), to_body(R, wrench[1])
 
 
 @compiled
-def _weigh_force(rims: FloatArray, k: int, depth: float, speed: float) -> tuple[float, float]:
-    """Return s^2 (J) of a rim that enters the wall at ``speed`` (m/s), and s^2 times its spring's and damper's force (N)."""
-    square = rims[k, 2] * depth * depth
-    return square, square * max(0.0, rims[k, 2] * depth + rims[k, 3] * speed * min(1.0, depth / DAMPER_ONSET))
+def bristle_force(sliding: Vector, normal: Vector, most: float, k: int, model: FlightModel) -> Vector:
+    """Return the force (N) of surface ``k`` on the wall by friction, at most ``most``, and add it to the bristle's rate.
+
+    ``sliding`` is the velocity along the wall, m/s; see :func:`wall_wrench`.
+    """
+    bent, mass = (model.bristles[k, 0], model.bristles[k, 1], model.bristles[k, 2]), model.surfaces[k, 6]
+    trial = scale(mass * model.law[FREQUENCY], add(sliding, subtract(bent, scale(dot(normal, bent), normal))))
+    size = math.sqrt(dot(trial, trial))
+    force = trial if size <= most else scale(most / size, trial)
+    for j in range(3):
+        model.bristles[model.bristles.shape[0] // 2 + k, j] += force[j] / mass
+    return force

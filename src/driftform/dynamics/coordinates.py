@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from driftform.dynamics.contact import is_far_from_wall
 from driftform.dynamics.equations import accelerations
 from driftform.dynamics.flight import has_left_pipe, is_finite
-from driftform.dynamics.model import FlightModel, pack, unpack
+from driftform.dynamics.model import REACH, FlightModel, pack, unpack
 from driftform.dynamics.plane import (
     MODEL_SIZE,
     accelerations_in_plane,
@@ -24,6 +25,13 @@ from driftform.dynamics.plane import (
 from driftform.dynamics.rotations import rotation_from_vector, rotation_vector_from_quaternion
 from driftform.types import FloatArray
 from driftform.util.compiled import borrow, compiled
+
+GREATEST = 1e9
+"""Acceleration (m/s2, rad/s2) to which those of trial steps are limited.
+
+A long trial step ends deep in the wall, whose force throws the body so far that the later stages of the step overflow.
+Exudyn rejects a step with a large error, but gives up after one that is not finite.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +44,10 @@ class Motion:
         at the release, (6,) in space, (3,) in the vertical plane: SI units and radians.
     values
         numbers of the model; pass them to both functions.
+    bristles
+        numbers b of the bristles of friction, all zero at the release; 0 without friction. Write them to
+        ``values[-2 * b:-b]`` before ``accelerations`` is called; it writes their rates to ``values[-b:]``. Where
+        ``touches(coordinates, values)`` is False they are zero.
     accelerations
         ``accelerations(t, coordinates, rates, values)`` returns the derivatives of the rates, a tuple as long as they.
     fill_sample
@@ -49,6 +61,8 @@ class Motion:
     values: FloatArray
     accelerations: Callable[[float, FloatArray, FloatArray, FloatArray], tuple[float, ...]]
     fill_sample: Callable[[FloatArray, float, FloatArray, FloatArray, FloatArray], bool]
+    bristles: int = 0
+    touches: Callable[[FloatArray, FloatArray], bool] | None = None
 
 
 def describe_motion(model: FlightModel, start: FloatArray) -> Motion:
@@ -58,7 +72,7 @@ def describe_motion(model: FlightModel, start: FloatArray) -> Motion:
         return Motion(
             np.array([start[0], start[2], pitch]),
             start[[7, 9, 11]],
-            np.concatenate([plane_model(model), model.rims.ravel()]),
+            np.concatenate([plane_model(model), model.surfaces.ravel()]),
             _accelerations_in_plane,
             _fill_sample_in_plane,
         )
@@ -68,7 +82,17 @@ def describe_motion(model: FlightModel, start: FloatArray) -> Motion:
         pack(model),
         _accelerations_in_space,
         _fill_sample_in_space,
+        model.bristles.size // 2,
+        _can_touch,
     )
+
+
+@compiled
+def _can_touch(coordinates: FloatArray, values: FloatArray) -> bool:
+    """Return True if a surface may touch a wall."""
+    model = unpack(values)
+    position = (coordinates[0], coordinates[1], coordinates[2])
+    return not is_far_from_wall(position, model.table[REACH], model.pipe)
 
 
 @compiled
@@ -84,7 +108,15 @@ def _accelerations_in_space(
         (rates[3], rates[4], rates[5]),
         unpack(values),
     )
-    return a[0], a[1], a[2], alpha[0], alpha[1], alpha[2]
+    return _bound(a[0]), _bound(a[1]), _bound(a[2]), _bound(alpha[0]), _bound(alpha[1]), _bound(alpha[2])
+
+
+@compiled
+def _bound(acceleration: float) -> float:
+    """Return the acceleration within +-GREATEST; NaN remains NaN."""
+    if acceleration > GREATEST:
+        return GREATEST
+    return -GREATEST if acceleration < -GREATEST else acceleration
 
 
 @compiled
@@ -110,8 +142,10 @@ def _accelerations_in_plane(
 ) -> tuple[float, float, float]:
     plane = borrow(values)
     attitude = math.cos(coordinates[2]), math.sin(coordinates[2])
-    velocity, rims = (rates[0], rates[1]), plane[MODEL_SIZE:].reshape(-1, 6)
-    return accelerations_in_plane((coordinates[0], coordinates[1]), attitude, velocity, rates[2], plane, rims)
+    velocity, surfaces = (rates[0], rates[1]), plane[MODEL_SIZE:].reshape(-1, 7)
+    position = (coordinates[0], coordinates[1])
+    a_x, a_z, alpha = accelerations_in_plane(position, attitude, velocity, rates[2], plane, surfaces)
+    return _bound(a_x), _bound(a_z), _bound(alpha)
 
 
 @compiled

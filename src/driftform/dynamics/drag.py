@@ -10,7 +10,7 @@ import numpy as np
 
 from driftform.dynamics.vectors import ZERO, Vector, cross, dot, scale
 from driftform.hydrodynamics.drag_coefficients import (
-    crossflow_coefficient,
+    crossflow_drag,
     friction_coefficient,
     sphere_coefficient,
     spin_coefficient,
@@ -44,11 +44,8 @@ def strip_drag(
     x, d = strip[0], strip[1]
     vy = moving[1] + x * omega[2] - (x - middle) * shear[1]
     vz = moving[2] - x * omega[1] - (x - middle) * shear[2]
-    speed = math.sqrt(vy * vy + vz * vz)
-    if speed < SLOWEST:
-        return ZERO
-    coefficient = strip[3] * crossflow_coefficient(speed * d / water[1])
-    f = -0.5 * water[0] * coefficient * d * strip[2] * speed * water[2]
+    drag = crossflow_drag(math.sqrt(vy * vy + vz * vz), water[1] / d)
+    f = -0.5 * water[0] * strip[3] * d * strip[2] * water[2] * drag
     return 0.0, f * vy, f * vz
 
 

@@ -34,14 +34,12 @@ from driftform.dynamics.model import (
     CENTRE,
     COB,
     COG,
-    CONTACT_RATE,
     CURRENT,
     DAMPED,
     DAMPING_POINT,
     DENSITY,
     DIAMETER,
     DISPLACED_MASS,
-    FRICTION,
     FROUDE_KRYLOV,
     GRAVITY,
     INVERSE,
@@ -49,7 +47,6 @@ from driftform.dynamics.model import (
     LINEAR,
     MASS,
     QUADRATIC,
-    REACH,
     ROUND_AREA,
     SHEAR_VOLUME,
     SPIN,
@@ -69,6 +66,7 @@ from driftform.dynamics.vectors import (
     body_axis,
     cross,
     force_wrench,
+    multiply,
     scale,
     subtract,
     to_body,
@@ -85,32 +83,14 @@ def _read_vector(row: FloatArray) -> Vector:
 
 
 @compiled
-def _multiply(matrix: FloatArray, a: Vector, b: Vector) -> tuple[Vector, Vector]:
-    """Return the product of a 6x6 matrix with the six-vector (a, b)."""
-    return _multiply_half(matrix[:3], a, b), _multiply_half(matrix[3:], a, b)
-
-
-@compiled
-def _multiply_half(rows: FloatArray, a: Vector, b: Vector) -> Vector:
-    return _multiply_row(rows[0], a, b), _multiply_row(rows[1], a, b), _multiply_row(rows[2], a, b)
-
-
-@compiled
-def _multiply_row(row: FloatArray, a: Vector, b: Vector) -> float:
-    return float(
-        row[0] * a[0] + row[1] * a[1] + row[2] * a[2] + (row[3] * b[0] + row[4] * b[1] + row[5] * b[2])
-    )
-
-
-@compiled
 def damping_wrench(moving: Vector, omega: Vector, table: FloatArray) -> Wrench:
     """Return -D_1 nu - D_2 |nu| nu about the body's origin; nu is taken at the point that the damping refers to."""
     point = _read_vector(table[DAMPING_POINT])
     v = add(moving, cross(omega, point))
-    linear = _multiply(table[LINEAR:QUADRATIC], v, omega)
+    linear = multiply(table[LINEAR:QUADRATIC], v, omega)
     squares = (v[0] * abs(v[0]), v[1] * abs(v[1]), v[2] * abs(v[2]))
     turns = (omega[0] * abs(omega[0]), omega[1] * abs(omega[1]), omega[2] * abs(omega[2]))
-    quadratic = _multiply(table[QUADRATIC:COG], squares, turns)
+    quadratic = multiply(table[QUADRATIC:COG], squares, turns)
     force = scale(-1.0, add(linear[0], quadratic[0]))
     torque = scale(-1.0, add(linear[1], quadratic[1]))
     return force, add(torque, cross(point, force))
@@ -258,20 +238,10 @@ def accelerations(
             wrench = add_wrenches(wrench, force_wrench(centre, shear_lift(there, curl, mass)))
     wrench = add_wrenches(
         wrench,
-        wall_wrench(
-            position,
-            R,
-            velocity,
-            omega,
-            model.rims,
-            table[REACH],
-            model.pipe,
-            table[FRICTION],
-            table[CONTACT_RATE],
-        ),
+        wall_wrench(position, R, velocity, omega, model),
     )
-    momentum, turning = _multiply(table[MASS:INVERSE], moving, omega)
+    momentum, turning = multiply(table[MASS:INVERSE], moving, omega)
     force = add(wrench[0], cross(momentum, omega))
     torque = add(wrench[1], add(cross(turning, omega), cross(momentum, moving)))
-    v_dot, w_dot = _multiply(table[INVERSE:LINEAR], force, torque)
+    v_dot, w_dot = multiply(table[INVERSE:LINEAR], force, torque)
     return add(to_world(R, add(v_dot, cross(omega, moving))), change), w_dot

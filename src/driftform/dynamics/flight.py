@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from driftform.dynamics.buoyancy import buoyant_energy
-from driftform.dynamics.contact import deepest_rim_depth
+from driftform.dynamics.contact import deepest_depth
 from driftform.dynamics.cubic import Cubic, cubic_between, cubic_point, cubic_slope
 from driftform.dynamics.flow import SPEED, water_motion
 from driftform.dynamics.model import (
@@ -18,7 +18,6 @@ from driftform.dynamics.model import (
     DISPLACED_MASS,
     GRAVITY,
     MASS,
-    REACH,
     STEADY,
     WATER_LEVEL,
     FlightModel,
@@ -201,7 +200,7 @@ def _body_velocity(rows: FloatArray) -> FloatArray:
 
 @compiled
 def _find_contact(rows: FloatArray, values: FloatArray) -> tuple[int, float]:
-    """Return the first sample at which a rim touches, and the time (s) of the contact; the number of samples without one."""
+    """Return the first sample at which a surface touches, and the time (s) of the contact; the number of samples without one."""
     model = unpack(values)
     for k in range(rows.shape[0]):
         if _contact_depth(rows[k], model) > 0.0:
@@ -211,7 +210,7 @@ def _find_contact(rows: FloatArray, values: FloatArray) -> tuple[int, float]:
 
 @compiled
 def _contact_depth(row: FloatArray, model: FlightModel) -> float:
-    return deepest_rim_depth(position_of(row), _rotation(row), model.rims, model.table[REACH], model.pipe)
+    return deepest_depth(position_of(row), _rotation(row), model)
 
 
 @compiled
@@ -288,7 +287,7 @@ def _rotation(row: FloatArray) -> tuple[Vector, Vector, Vector]:
 
 @compiled
 def _locate_contact(before: FloatArray, after: FloatArray, model: FlightModel) -> float:
-    """Return the time (s) between two samples at which a rim first touches, by bisection on the path between them."""
+    """Return the time (s) between two samples at which a surface first touches, by bisection on the path between them."""
     low, high, h = 0.0, 1.0, after[0] - before[0]
     between, sign = np.empty(SAMPLE), 1.0
     if before[4] * after[4] + before[5] * after[5] + before[6] * after[6] + before[7] * after[7] < 0.0:

@@ -235,9 +235,9 @@ def _integrate_at_tolerance(
     samples, places = np.empty((256, SAMPLE)), _ALL_PLACES
     if plane is not None:
         places = _PLACES_IN_PLANE
-    size = places.shape[0]
-    y, new, slopes = np.empty(size), np.empty(size), np.empty((DOP853.b.shape[0] + 1, size))
-    for i in range(size):
+    size = places.shape[0] + 3 * (model.bristles.shape[0] // 2)
+    y, new, slopes = np.zeros(size), np.empty(size), np.empty((DOP853.b.shape[0] + 1, size))
+    for i in range(places.shape[0]):
         y[i] = start[places[i]]
     t, h, earlier, count = 0.0, min(FIRST_STEP, horizon), LOG_MIN_ERROR, 0
     _fill_rate(t, y, model, plane, in_space, slopes[0])
@@ -258,6 +258,9 @@ def _integrate_at_tolerance(
         pair, sharp = DOPRI5, tolerance * min(LOOSEST_RATIO, math.exp(TOLERANCE_GROWTH * t))
         if is_far_from_wall(position, model.table[REACH], model.pipe):
             pair, sharp = DOP853, SMOOTH_SHARE * sharp
+            # Bristles straighten in the water. What remains of them would only limit the steps.
+            for j in range(places.shape[0], size):
+                y[j], slopes[0, j] = 0.0, 0.0
         h = min(h, max_step)
         while True:
             h = min(h, horizon - t)
@@ -349,18 +352,25 @@ def _fill_rate(
     """Fill ``out`` with the rate of a state in the plane (7,) or in space (13,), whichever of the two is not None."""
     # numba compiles no branch for an argument that is None. Motion in space takes most of the time to compile.
     if plane is not None:
-        fill_rate_in_plane(y, plane, model.rims, out)
+        fill_rate_in_plane(y, plane, model.surfaces, out)
     if in_space is not None:
         fill_rate_in_space(t, y, model, out)
 
 
 @compiled
 def fill_rate_in_space(t: float, y: FloatArray, model: FlightModel, out: FloatArray) -> None:
-    """Fill ``out`` (13,) with the time derivative of the state ``y`` (13,)."""
+    """Fill ``out`` with the time derivative of the state ``y``, (13 + 3 surfaces,), or (13,) with bristles as the model has them."""
     p, q, r = y[10], y[11], y[12]
     R = rotation_from_quaternion(y[3], y[4], y[5], y[6])
+    bristles = (y.shape[0] - STATE) // 3
+    for k in range(bristles):
+        for j in range(3):
+            model.bristles[k, j] = y[STATE + 3 * k + j]
     a, alpha = accelerations(t, (y[0], y[1], y[2]), R, (y[7], y[8], y[9]), (p, q, r), model)
     out[0], out[1], out[2] = y[7], y[8], y[9]
     out[3], out[4], out[5], out[6] = quaternion_rate(y[3], y[4], y[5], y[6], p, q, r)
     out[7], out[8], out[9] = a
     out[10], out[11], out[12] = alpha
+    for k in range(bristles):
+        for j in range(3):
+            out[STATE + 3 * k + j] = model.bristles[bristles + k, j]

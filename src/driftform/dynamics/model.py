@@ -5,7 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from driftform.dynamics.flow import UNIFORM, flow_array, gust_array
+from driftform.dynamics.impact import contact_law
 from driftform.dynamics.inertia import added_mass_at, rigid_body_mass
+from driftform.dynamics.surfaces import touching_surfaces
 from driftform.dynamics.terminal import terminal_speed_across
 from driftform.geometry.slices import slice_solid
 from driftform.scenario import Scenario, TurbulentFlow
@@ -26,7 +28,7 @@ DAMPED = (DAMPING_POINT, 3)
 STEADY = (CURRENT, 3)
 BODY_MASS, DISPLACED_MASS = (29, 0), (29, 1)
 GRAVITY, DENSITY, VISCOSITY, WATER_LEVEL = (29, 2), (29, 3), (29, 4), (29, 5)
-FROUDE_KRYLOV, FRICTION, CONTACT_RATE, REACH = (30, 0), (30, 1), (30, 2), (30, 3)
+FROUDE_KRYLOV, FRICTION, REACH = (30, 0), (30, 1), (30, 2)
 ROUND_AREA, DIAMETER = (AXIAL_DRAG, 4), (AXIAL_DRAG, 5)
 SPIN, SHEAR_VOLUME = (TAILS, 4), (TAILS, 5)
 ACROSS, LENGTHWISE, BLOCKING, CENTRE = (32, 0), (32, 1), (32, 2), (32, 3)
@@ -46,12 +48,15 @@ class FlightModel(NamedTuple):
         diameter;
         (mass, mass of the displaced water, gravity, density, viscosity, height of the free surface, infinite
         without one); (1 if the pressure gradient of accelerating water acts on the body, coefficient of friction,
-        fastest rate of friction 1/s, greatest distance of a rim from the origin); (x and lift area of the tail for
+        greatest distance of a surface from the origin); (x and lift area of the tail for
         motion ahead, the same for motion astern, spin, shear volume); (spread across and along, blocking diameter,
         centre of the drag of a sphere): see :class:`driftform.types.Drag`.
-    rims
-        circles of the body that can touch a wall: x, r (m), spring (N/m), damper (N s/m), effective mass against a
-        push along the wall (kg), greatest fall of the bore from its tangent within the radius (m), (k, 6).
+    surfaces
+        rims and domes of the body that can touch a wall: the five numbers of
+        :func:`driftform.dynamics.surfaces.touching_surfaces`, greatest fall of the bore from its tangent within the
+        radius (m), effective mass against a push along the wall (kg), (k, 7).
+    law
+        of the force of a contact, (8,): see :func:`driftform.dynamics.impact.contact_law`.
     pipe
         rows of start (3), unit vector downstream (3), length, radius, (segments, 8).
     flow, gusts
@@ -60,15 +65,21 @@ class FlightModel(NamedTuple):
         of the displaced volume: x, radius (m), volume (m3), width (m), (n, 4); (0, 4) if the pipe is full.
     strips
         of drag: see :class:`driftform.types.Drag`, (n, 4); (0, 4) without any.
+    bristles
+        of the surfaces, if there is friction: their deflections times the contact's frequency, world frame, m/s (rows
+        of the first half), and room for the rates of these, m/s2 (second half); (2 surfaces, 3) or (0, 3). See
+        :func:`driftform.dynamics.contact.wall_wrench`.
     """
 
     table: FloatArray
-    rims: FloatArray
+    surfaces: FloatArray
+    law: FloatArray
     pipe: FloatArray
     flow: FloatArray
     gusts: FloatArray
     slices: FloatArray
     strips: FloatArray
+    bristles: FloatArray
 
 
 def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
@@ -76,7 +87,7 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     mass, fluid, coefficients = agent.mass, scenario.fluid, agent.coefficients
     total = rigid_body_mass(mass) + added_mass_at(coefficients, np.zeros(3))
     inverse = invert_mass(total, max(agent.body.length, agent.body.max_diameter))
-    rims = _rim_springs(touching_rims(agent.body), inverse, scenario)
+    surfaces = _surface_rows(agent.body, inverse, scenario)
     flow, gusts = flow_array(scenario), _gusts(agent, scenario)
     drag = coefficients.drag or Drag(np.empty((0, 4)))
     table = np.zeros((ROWS, 6))
@@ -103,16 +114,21 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     table[GRAVITY], table[DENSITY], table[VISCOSITY] = fluid.gravity, fluid.density, fluid.viscosity
     table[WATER_LEVEL] = np.inf if fluid.water_level is None else fluid.water_level
     table[FROUDE_KRYLOV] = fluid.flow_force == "full"
-    table[FRICTION], table[CONTACT_RATE] = scenario.contact.friction, 2 * scenario.contact.frequency
-    table[REACH] = np.sqrt((rims[:, :2] ** 2).sum(axis=1).max(initial=0.0))
+    table[FRICTION] = scenario.contact.friction
+    table[REACH] = (np.hypot(surfaces[:, 0], surfaces[:, 1]) + surfaces[:, 2]).max(initial=0.0)
+    contact, viscosity = scenario.contact, fluid.density * fluid.viscosity
+    radius = 0.5 * agent.body.max_diameter
+    law = contact_law(inverse, contact.frequency, contact.restitution, viscosity, radius)
     return FlightModel(
         table,
-        rims,
+        surfaces,
+        law,
         _pipe_rows(scenario),
         flow,
         gusts,
         np.empty((0, 4)) if fluid.water_level is None else _buoyancy_slices(agent),
         _drag_strips(agent),
+        np.zeros((2 * len(surfaces) if contact.friction > 0.0 else 0, 3)),
     )
 
 
@@ -127,20 +143,24 @@ def pack(model: FlightModel) -> FloatArray:
 def unpack(values: FloatArray) -> FlightModel:
     """Return the model that :func:`pack` put into one array; its arrays share that memory."""
     values = borrow(values)
-    rims = 7 + 6 * int(values[0])
-    pipe = rims + 6 * int(values[1])
-    flow = pipe + 8 * int(values[2])
-    gusts = flow + int(values[3])
-    cuts = gusts + 12 * int(values[4])
-    strips = cuts + 4 * int(values[5])
+    surfaces = 9 + 6 * int(values[0])
+    law = surfaces + 7 * int(values[1])
+    pipe = law + int(values[2])
+    flow = pipe + 8 * int(values[3])
+    gusts = flow + int(values[4])
+    cuts = gusts + 12 * int(values[5])
+    strips = cuts + 4 * int(values[6])
+    bristles = strips + 4 * int(values[7])
     return FlightModel(
-        values[7:rims].reshape(-1, 6),
-        values[rims:pipe].reshape(-1, 6),
+        values[9:surfaces].reshape(-1, 6),
+        values[surfaces:law].reshape(-1, 7),
+        values[law:pipe],
         values[pipe:flow].reshape(-1, 8),
         values[flow:gusts],
         values[gusts:cuts].reshape(-1, 12),
         values[cuts:strips].reshape(-1, 4),
-        values[strips:].reshape(-1, 4),
+        values[strips:bristles].reshape(-1, 4),
+        values[bristles:].reshape(-1, 3),
     )
 
 
@@ -162,49 +182,18 @@ def invert_mass(total: FloatArray, length: float) -> FloatArray:
     return np.where(np.abs(inverse) > 1e-14 * np.abs(inverse).max(), inverse, 0.0)
 
 
-def touching_rims(body: Body) -> FloatArray:
-    """Return (x, r) of the rims that can touch a wall, m, (k, 2).
-
-    The bore of a pipe is convex, so a body is inside exactly if its convex hull is: only vertices of the
-    convex hull of the meridian can touch.
-    """
-    x, r = body.outer.T
-    hull = _upper_hull(body.outer[np.lexsort((r, x))])
-    return hull[hull[:, 1] > 0.0]
-
-
-@compiled
-def _upper_hull(points: FloatArray) -> FloatArray:
-    """Return the vertices of the upper convex hull of points (n, 2) that are sorted by x (Andrew 1979)."""
-    hull = np.empty_like(points)
-    count = 0
-    for k in range(points.shape[0]):
-        x, r = points[k, 0], points[k, 1]
-        while count >= 2:
-            x0, r0, x1, r1 = hull[count - 2, 0], hull[count - 2, 1], hull[count - 1, 0], hull[count - 1, 1]
-            if (x1 - x0) * (r - r0) - (r1 - r0) * (x - x0) < 0.0:
-                break
-            count -= 1
-        hull[count, 0], hull[count, 1] = x, r
-        count += 1
-    return hull[:count]
-
-
-def _rim_springs(rims: FloatArray, inverse: FloatArray, scenario: Scenario) -> FloatArray:
-    # 1 / (effective mass) of each rim against a push across the axis is J M^-1 J^T, with J of a force along z.
-    omega, zeta = scenario.contact.frequency, scenario.contact.damping_ratio
-    push = np.zeros((3, len(rims), 6))
-    x, r = rims.T
-    push[0, :, 2], push[0, :, 4] = 1.0, -x
-    # Along the wall at the top of the rim: along the axis, and around it.
-    push[1, :, 0], push[1, :, 4] = 1.0, r
-    push[2, :, 1], push[2, :, 3], push[2, :, 5] = 1.0, -r, x
-    across, along, around = 1 / np.einsum("aki,ij,akj->ak", push, inverse, push)
+def _surface_rows(body: Body, inverse: FloatArray, scenario: Scenario) -> FloatArray:
+    surfaces = touching_surfaces(body)
+    x, r = surfaces[:, 0], surfaces[:, 1] + surfaces[:, 2]
+    # 1 / (effective mass) of a push at (x, 0, r) is J M^-1 J^T, with J of a force along the axis, and around it.
+    push = np.zeros((2, len(surfaces), 6))
+    push[0, :, 0], push[0, :, 4] = 1.0, r
+    push[1, :, 1], push[1, :, 3], push[1, :, 5] = 1.0, -r, x
+    with np.errstate(divide="ignore", invalid="ignore"):
+        along, around = 1 / np.einsum("aki,ij,akj->ak", push, inverse, push)
     # A bore of radius R falls away from its tangent by r^2 / (2 R) within r.
     narrowest = min((segment.radius for segment in scenario.pipe.segments), default=np.inf)
-    return np.column_stack(
-        [rims, across * omega**2, 2 * zeta * across * omega, np.minimum(along, around), r**2 / narrowest]
-    )
+    return np.column_stack([surfaces, surfaces[:, 1] ** 2 / narrowest, np.minimum(along, around)])
 
 
 def _pipe_rows(scenario: Scenario) -> FloatArray:

@@ -16,9 +16,10 @@ from typing import TypeAlias
 
 import numpy as np
 
-from driftform.dynamics.contact import coplanar_force
+from driftform.dynamics.bore import end_of_dome, smoothed_sine
 from driftform.dynamics.drag import SLOWEST
 from driftform.dynamics.flow import KIND, LOG_LAW, PARAMETER, POWER_LAW, SPEED, UNIFORM, spread_profile
+from driftform.dynamics.impact import common_mass, damper, spring
 from driftform.dynamics.model import (
     ACROSS as SPREAD_ACROSS,
 )
@@ -51,7 +52,7 @@ from driftform.dynamics.model import (
 )
 from driftform.hydrodynamics.drag_coefficients import (
     blockage_factor,
-    crossflow_coefficient,
+    crossflow_drag,
     friction_coefficient,
     sphere_coefficient,
 )
@@ -76,17 +77,18 @@ IS_DRAGGED, SHEAR_MASS, FRICTION_AREA, FRICTION_RATE, AHEAD, ASTERN = 31, 32, 33
 ROUND, ROUND_RATE, ROUND_X = 37, 38, 39
 TAIL_AHEAD, TAIL_ASTERN = 40, 42
 STRIP, STRIPS = 44, 5
-"""Rows of x, 1/2 rho C dx d (kg/m), d over viscosity; the strips must be as many."""
-MODEL_SIZE = STRIP + 3 * STRIPS
+"""Rows of x, 1/2 rho C dx d (kg/m), viscosity over d; the strips must be as many."""
+LAW = STRIP + 3 * STRIPS
+MODEL_SIZE = LAW + 8
 
 
 def stays_in_plane(start: FloatArray, model: FlightModel) -> bool:
     """Return True if :func:`fill_rate_in_plane` describes the whole motion from the state ``start`` (13,).
 
     The conditions: all components across the plane are exactly zero; the water is steady, and uniform or parallel to the
-    pipe; the pipe is full and straight, and its radius is at least twice the greatest distance of a rim from the origin
-    (the near wall is then the same all along the body); and only weight, buoyancy, added mass, drag and the frictionless
-    wall act.
+    pipe; the pipe is full and straight, and its radius is at least twice the greatest distance of a surface from the
+    origin (the near wall is then the same all along the body); and only weight, buoyancy, added mass, drag and the
+    frictionless wall act.
     """
     table, pipe = model.table, model.pipe
     parallel = (
@@ -108,13 +110,13 @@ def stays_in_plane(start: FloatArray, model: FlightModel) -> bool:
 
 
 def plane_model(model: FlightModel) -> FloatArray:
-    """Return the input of :func:`accelerations_in_plane` except the rims, (59,).
+    """Return the input of :func:`accelerations_in_plane` except the surfaces, (67,).
 
     Total mass and its inverse; weight less buoyancy (N), their moments about the origin from heights and from lengths along
-    the body (N m); the water's velocity (x, z); the bore's radius, and the distance from its axis beyond which a rim may
+    the body (N m); the water's velocity (x, z); the bore's radius, and the distance from its axis beyond which a surface may
     touch (m); in the world frame, the unit vector across the bore and a point on its axis (x, z each); the bore's
     length (m). Then the velocity profile (kind, speed, parameter), the COB in body axes (x, z) and the spread of the body;
-    then its drag, with densities, viscosity and the narrowness of the bore multiplied in.
+    then its drag, with densities, viscosity and the narrowness of the bore multiplied in; then the law of the contacts.
     """
     table, out = model.table, np.zeros(MODEL_SIZE)
     out[INERTIA:NET_WEIGHT] = table[MASS:LINEAR].reshape(2, 6, 6)[:, _UPPER[0], _UPPER[1]].ravel()
@@ -124,6 +126,7 @@ def plane_model(model: FlightModel) -> FloatArray:
         out[NET_WEIGHT] = weight - lift
         out[HANGING] = weight * table[COG, 2] - lift * table[COB, 2]
         out[TRIM] = weight * table[COG, 0] - lift * table[COB, 0]
+    out[LAW:] = model.law
     out[STREAM], out[STREAM + 1] = table[CURRENT, 0], table[CURRENT, 2]
     out[NEAR] = out[LENGTH] = math.inf
     if len(model.pipe) == 1:
@@ -154,27 +157,27 @@ def _fill_drag(model: FlightModel, out: FloatArray) -> None:
     out[TAIL_AHEAD], out[TAIL_AHEAD + 1] = table[TAILS, 0], table[DENSITY] * table[TAILS, 1]
     out[TAIL_ASTERN], out[TAIL_ASTERN + 1] = table[TAILS, 2], table[DENSITY] * table[TAILS, 3]
     x, diameter, width, factor = model.strips.T
-    strips = np.column_stack([x, half * factor * diameter * width, diameter / viscosity])
-    out[STRIP:] = strips.ravel()
+    strips = np.column_stack([x, half * factor * diameter * width, viscosity / diameter])
+    out[STRIP:LAW] = strips.ravel()
 
 
 @compiled
-def fill_rate_in_plane(y: FloatArray, plane: FloatArray, rims: FloatArray, out: FloatArray) -> None:
+def fill_rate_in_plane(y: FloatArray, plane: FloatArray, surfaces: FloatArray, out: FloatArray) -> None:
     """Fill ``out`` (7,) with the time derivative of ``y`` (7,), the numbers of a state at :data:`STATE_INDICES`.
 
-    ``plane`` is the result of :func:`plane_model`, ``rims`` are those of its :class:`FlightModel`.
+    ``plane`` is the result of :func:`plane_model`, ``surfaces`` are those of its :class:`FlightModel`.
     """
     w, h, q = y[2], y[3], y[6]
     double = 2.0 / (w * w + h * h)
     attitude = 1.0 - double * h * h, double * w * h
     out[0], out[1] = y[4], y[5]
     out[2], out[3] = -0.5 * h * q, 0.5 * w * q
-    out[4], out[5], out[6] = accelerations_in_plane((y[0], y[1]), attitude, (y[4], y[5]), q, plane, rims)
+    out[4], out[5], out[6] = accelerations_in_plane((y[0], y[1]), attitude, (y[4], y[5]), q, plane, surfaces)
 
 
 @compiled
 def accelerations_in_plane(
-    position: Point, attitude: Point, velocity: Point, q: float, plane: FloatArray, rims: FloatArray
+    position: Point, attitude: Point, velocity: Point, q: float, plane: FloatArray, surfaces: FloatArray
 ) -> tuple[float, float, float]:
     """Return the accelerations along x and z of the world (m/s2), and the pitch acceleration (rad/s2).
 
@@ -188,7 +191,7 @@ def accelerations_in_plane(
         pitch rate (rad/s).
     plane
         the result of :func:`plane_model`.
-    rims
+    surfaces
         those of its :class:`FlightModel`.
     """
     c, s = attitude
@@ -205,16 +208,16 @@ def accelerations_in_plane(
         stream, shear = _stream(off + n_a * plane[CENTRE_X] + n_b * plane[CENTRE_Z], n_a, plane)
         u, v = u - n_b * stream, v + n_a * stream
     if plane[IS_DRAGGED] != 0.0:
-        force = _drag(u, v, q, -n_a * n_a * shear, shear, plane)
-        X, Z, N = X + force[0], Z + force[1], N + force[2]
+        F_x, F_z, torque = _drag(u, v, q, -n_a * n_a * shear, shear, plane)
+        X, Z, N = X + F_x, Z + F_z, N + torque
     if abs(off) >= plane[NEAR]:
         side = 1.0 if off > 0.0 else -1.0
         n_x, n_z = side * plane[ACROSS], side * plane[ACROSS + 1]
         tilt, upright = c * n_x - s * n_z, s * n_x + c * n_z
         gap, speed = plane[RADIUS] - side * off, n_x * velocity[0] + n_z * velocity[1]
         # The cross product of axis and normal is -upright along y.
-        force, torque, _ = coplanar_force(rims, tilt, gap, speed, -upright * q)
-        X, Z, N = X - force * tilt, Z - force * upright, N + torque * upright
+        force, torque = press_in_plane(tilt, upright, gap, speed, q, plane, surfaces)
+        X, Z, N = X - force * tilt, Z - force * upright, N + torque
     P_x = plane[INERTIA] * u + plane[INERTIA + 1] * v + plane[INERTIA + 2] * q
     P_z = plane[INERTIA + 1] * u + plane[INERTIA + 3] * v + plane[INERTIA + 4] * q
     X, Z, N = X - P_z * q, Z + P_x * q, N + P_z * u - P_x * v
@@ -222,6 +225,72 @@ def accelerations_in_plane(
     a_z = plane[RESPONSE + 1] * X + plane[RESPONSE + 3] * Z + plane[RESPONSE + 4] * N - q * u
     alpha = plane[RESPONSE + 2] * X + plane[RESPONSE + 4] * Z + plane[RESPONSE + 5] * N
     return c * a_x + s * a_z, c * a_z - s * a_x, alpha
+
+
+@compiled
+def press_in_plane(
+    s: float, upright: float, gap: float, speed: float, q: float, plane: FloatArray, surfaces: FloatArray
+) -> tuple[float, float]:
+    """Return the force along the wall's normal (N) and the moment (N m) of all surfaces on the body.
+
+    Parameters
+    ----------
+    s, upright
+        components of the normal along the body's x and z axes.
+    gap
+        distance from the body's origin to the wall along the normal, m.
+    speed, q
+        velocity of the body's origin along the normal, m/s, and pitch rate, rad/s.
+    """
+    law = plane[LAW:MODEL_SIZE]
+    outward = upright / smoothed_sine(s)
+    total, pressed, moment, mass, last, count = 0.0, 0.0, 0.0, 0.0, 0, 0
+    arm, force, turning = 0.0, 0.0, 0.0
+    for k in range(surfaces.shape[0]):
+        depth, x, r = depth_in_plane(surfaces, k, s, gap)
+        if depth > 0.0:
+            mass, energy, force, turning = spring(s, x, r, depth, law)
+            arm = x * upright - r * outward * s
+            total += energy * energy
+            pressed += energy * force
+            moment += energy * force * arm
+            last, count = k, count + 1
+    if not total > 0.0:
+        return 0.0, 0.0
+    root = math.sqrt(total)
+    if count == 1:
+        force *= damper(root / mass, speed - arm * q, mass, law)
+        return force, force * arm + turning * outward
+    # The wrench of all springs, and the acceleration that it gives to the body.
+    X, Z = pressed * s, pressed * upright
+    a_x = plane[RESPONSE] * X + plane[RESPONSE + 1] * Z - plane[RESPONSE + 2] * moment
+    a_z = plane[RESPONSE + 1] * X + plane[RESPONSE + 3] * Z - plane[RESPONSE + 4] * moment
+    alpha = plane[RESPONSE + 2] * X + plane[RESPONSE + 4] * Z - plane[RESPONSE + 5] * moment
+    mass = common_mass(pressed, X * a_x + Z * a_z - moment * alpha, law)
+    pressed, moment = 0.0, 0.0
+    for k in range(last + 1):
+        depth, x, r = depth_in_plane(surfaces, k, s, gap)
+        if depth > 0.0:
+            arm = x * upright - r * outward * s
+            _, energy, force, turning = spring(s, x, r, depth, law)
+            force *= energy / root * damper(root / mass, speed - arm * q, mass, law)
+            pressed += force
+            moment += force * arm + turning * energy / root * outward
+    return pressed, moment
+
+
+@compiled
+def depth_in_plane(surfaces: FloatArray, k: int, s: float, gap: float) -> tuple[float, float, float]:
+    """Return the depth (m) of a surface in the wall, negative if it is clear, and the rim (x, r) that touches, m.
+
+    Of a dome, that is its centre. ``s`` and ``gap`` are those of :func:`press_in_plane`.
+    """
+    x, r, radius = surfaces[k, 0], surfaces[k, 1], surfaces[k, 2]
+    if radius > 0.0:
+        if surfaces[k, 3] <= s <= surfaces[k, 4]:
+            return x * s + radius - gap, x, r
+        x, r = end_of_dome(surfaces, k, s)
+    return x * s + r * (1.0 - s * s) / smoothed_sine(s) - gap, x, r
 
 
 @compiled
@@ -245,13 +314,11 @@ def _drag(
     """
     X, Z, N, centre = 0.0, 0.0, 0.0, plane[CENTRE_X]
     for k in range(STRIPS):
-        x, mass, rate = plane[STRIP + 3 * k], plane[STRIP + 3 * k + 1], plane[STRIP + 3 * k + 2]
+        x, mass, scale = plane[STRIP + 3 * k], plane[STRIP + 3 * k + 1], plane[STRIP + 3 * k + 2]
         across = v - x * q - (x - centre) * shear
-        speed = abs(across)
-        if speed >= SLOWEST:
-            force = mass * crossflow_coefficient(speed * rate) * speed * across
-            Z -= force
-            N += x * force
+        force = mass * crossflow_drag(abs(across), scale) * across
+        Z -= force
+        N += x * force
     along = abs(u)
     x, area = plane[TAIL_AHEAD], plane[TAIL_AHEAD + 1]
     if u <= 0.0:

@@ -4,6 +4,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 
 Vector: TypeAlias = tuple[float, float, float]
@@ -86,3 +87,21 @@ def add_wrenches(a: Wrench, b: Wrench) -> Wrench:
 def force_wrench(point: Vector, force: Vector) -> Wrench:
     """Return the wrench of a force that acts at a point."""
     return force, cross(point, force)
+
+
+@compiled
+def multiply(matrix: FloatArray, a: Vector, b: Vector) -> tuple[Vector, Vector]:
+    """Return the product of a 6x6 matrix with the six-vector (a, b)."""
+    return _multiply_half(matrix[:3], a, b), _multiply_half(matrix[3:], a, b)
+
+
+@compiled
+def _multiply_half(rows: FloatArray, a: Vector, b: Vector) -> Vector:
+    return _multiply_row(rows[0], a, b), _multiply_row(rows[1], a, b), _multiply_row(rows[2], a, b)
+
+
+@compiled
+def _multiply_row(row: FloatArray, a: Vector, b: Vector) -> float:
+    return float(
+        row[0] * a[0] + row[1] * a[1] + row[2] * a[2] + (row[3] * b[0] + row[4] * b[1] + row[5] * b[2])
+    )

@@ -59,18 +59,17 @@ class Release(Table):
 
 
 class Contact(Table):
-    """Contact with the pipe's wall: an inelastic penalty force, with Coulomb friction if ``friction`` is not zero.
+    """Contact with the pipe's wall: stiff springs, dampers set by the restitution, and Coulomb friction.
 
-    The stiffness of the spring at a rim is such that the body, with its added mass, oscillates on it at
-    ``frequency``; with ``damping_ratio`` 1 the body hardly bounces.
+    The stiffness of a spring is such that the mass that moves with it, added mass included, oscillates on it at
+    ``frequency``. A collision returns the share ``restitution`` exp(-35 / St) of the speed along the wall's normal, with
+    the Stokes number St of the impact.
     """
 
     frequency: float = option(
-        70.0, "angular frequency of the body on the spring of one rim", "rad/s", ge=1, le=1e5
+        300.0, "angular frequency of the body on the spring of one contact", "rad/s", ge=50, le=1e4
     )
-    damping_ratio: float = option(
-        1.0, "damping of this spring, relative to critical damping", "", ge=0, le=100
-    )
+    restitution: float = option(0.25, "coefficient of restitution in air", "", ge=0.1, le=1)
     friction: float = option(0.0, "coefficient of Coulomb friction", "", ge=0, le=10)
 
 
@@ -87,7 +86,7 @@ class Robustness(Table):
     """
 
     conditions: int = option(
-        20,
+        0,
         "disturbed flights of each finalist, by which the best is chosen; 0 to choose by the undisturbed flight alone",
         ge=0,
         le=10_000,

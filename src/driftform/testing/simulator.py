@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 import pytest
 
-from driftform.dynamics.inertia import added_mass_at, rigid_body_mass, shift_origin
+from driftform.dynamics.inertia import added_mass_at, shift_origin
 from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.interfaces import Simulator
 from driftform.scenario import (
@@ -57,7 +57,7 @@ def water_scenario(
     position: Vector = (0.0, 0.0, 0.0),
     gravity: float = GRAVITY,
     pipe: tuple[float, float] | None = None,
-    frequency: float = 100.0,
+    restitution: float = 0.25,
 ) -> Scenario:
     """Return a scenario with a current of ``speed`` (m/s) along x, in open water or in a ``pipe`` of (length, radius), m."""
     segments = (Segment(start=(0.0, 0.0, 0.0), end=(pipe[0], 0.0, 0.0), radius=pipe[1]),) if pipe else ()
@@ -68,7 +68,7 @@ def water_scenario(
         release=Release.model_validate(
             {"position": position, "pitch_deg": pitch_deg, "velocity": velocity},
         ),
-        contact=Contact(frequency=frequency),
+        contact=Contact(restitution=restitution),
         flight=FlightLimits(horizon=horizon),
     )
 
@@ -434,7 +434,7 @@ class SimulatorContract:
         assert largest_distance(there, here) < self.agreement
 
     def test_strips_across_the_axis_slow_a_body_that_falls_broadside(self) -> None:
-        """A cylinder of C_d = 1 + 10 Re^(-2/3) reaches the speed at which its drag equals its net weight."""
+        """A long cylinder reaches the speed at which its drag equals its net weight (C_d of Sucker and Brauer)."""
         length, diameter, mass = 0.3, 0.02, 1.2 * SPHEROID.mass
         strips = np.array([[x, diameter, length / 6, 1.0] for x in np.linspace(-0.125, 0.125, 6)])
         agent = SPHEROID.agent()
@@ -445,7 +445,8 @@ class SimulatorContract:
         )
         trajectory = self.fly(agent, water_scenario(4.0))
         speed = -float(trajectory.velocity[-1, 2])
-        coefficient = 1 + 10 * (speed * diameter / 1.05e-6) ** (-2 / 3)
+        Re = speed * diameter / 1.05e-6
+        coefficient = 1.18 + 6.3 / Re + 2.5 / math.sqrt(Re) - 4e-4 * Re / (1 + 3.64e-7 * Re**2)
         drag = 0.5 * DENSITY * coefficient * diameter * length * speed**2
         assert drag == pytest.approx((mass - SPHEROID.mass) * GRAVITY, rel=self.accuracy)
 
@@ -513,65 +514,52 @@ class SimulatorContract:
 
     # Contact with the wall.
 
-    @pytest.mark.parametrize("frequency", [50.0, 100.0, 300.0])
-    def test_a_sphere_that_hits_the_wall_stays_inside_and_loses_energy(self, frequency: float) -> None:
-        """It enters no deeper than v / frequency, slides on, and rebounds with less than half of its speed.
-
-        An undamped spring would yield by v / frequency. At critical damping, with a wall that never pulls,
-        exp(-2) = 0.135 of the speed remains; a damper that sets in gradually leaves more of it.
-        """
+    @pytest.mark.parametrize("restitution", [0.2, 0.7, 0.95])
+    def test_a_sphere_that_hits_the_wall_returns_with_the_restitution(self, restitution: float) -> None:
+        """It enters by less than a millimetre, slides on, and keeps the share e exp(-35 / St) of its speed, within .05."""
         agent, hit, radius = sphere_agent(CORE_RADIUS, NEUTRAL_MASS), 0.5, 0.2
-        trajectory = self.fly(
-            agent, water_scenario(0.8, (1.0, 0.0, hit), speed=1.0, pipe=(9.0, radius), frequency=frequency)
+        scenario = water_scenario(
+            0.8, (1.0, 0.0, hit), speed=1.0, pipe=(9.0, radius), restitution=restitution
         )
+        trajectory = self.fly(agent, scenario)
         depth = wall_depths(agent, trajectory, radius)
         assert depth.max() > 0, "the sphere must reach the wall"
-        assert depth.max() <= hit / frequency * 1.02
+        assert depth.max() < 1e-3
         speed = world_velocity(trajectory)[-1]
         assert speed[0] == pytest.approx(1.0, abs=1e-6), "the wall is frictionless"
-        assert -hit / 2 < speed[2] <= 0
+        viscosity = scenario.fluid.viscosity * scenario.fluid.density
+        stokes = 1.5 * NEUTRAL_MASS * hit / (6 * math.pi * viscosity * CORE_RADIUS**2)
+        assert -speed[2] / hit == pytest.approx(restitution * math.exp(-35 / stokes), abs=0.05)
 
     def test_a_long_body_that_hits_the_wall_obliquely_stays_inside_and_loses_energy(self) -> None:
-        """No rim enters deeper than the kinetic energy E can compress its spring, sqrt(2 E / m) / frequency.
-
-        m is the effective mass of the body at that rim, so that m frequency^2 is the stiffness of the spring.
-        """
+        """No rim enters by more than a millimetre, and the wall never returns more energy than it takes."""
         agent, radius = SPHEROID.agent(), 0.2
         scenario = water_scenario(2.0, (1.0, 0.0, 0.4), speed=1.0, pitch_deg=-20.0, pipe=(9.0, radius))
         trajectory = self.fly(agent, scenario)
         energy = invariants(agent, scenario, trajectory).energy
-        inverse = np.linalg.pinv(rigid_body_mass(agent.mass) + added_mass_at(agent.coefficients, np.zeros(3)))
-        push = np.zeros((len(agent.body.outer), 6))
-        push[:, 2], push[:, 4] = 1.0, -agent.body.outer[:, 0]
-        lightest = 1 / np.einsum("ki,ij,kj->k", push, inverse, push).max()
-        depth = wall_depths(agent, trajectory, radius)
-        assert 0 < depth.max() <= math.sqrt(2 * energy[0] / lightest) / scenario.contact.frequency
+        assert 0 < wall_depths(agent, trajectory, radius).max() < 1e-3
         assert energy[-1] < 0.9 * energy[0]
-        # The wall never returns more energy than its springs hold: the energy never exceeds the initial one.
-        assert energy.max() <= energy[0] * (1 + 100 * self.drift)
+        assert energy.max() <= energy[0] * 1.002
 
     def test_a_light_body_comes_to_rest_against_the_wall(self) -> None:
-        """It rests at the depth a / frequency^2, where the spring balances the net buoyancy, and drifts with the water."""
-        agent, radius, frequency = SPHEROID.agent(), 0.1, 100.0
+        """It rests at a depth below 0.1 mm, where the springs balance the net buoyancy, and drifts with the water."""
+        agent, radius = SPHEROID.agent(), 0.1
         # So few edges that only the widest rim touches.
         body = spheroid_body(SPHEROID.a, SPHEROID.b, edges=4)
         agent = replace(agent, body=body, mass=replace(agent.mass, mass=0.5 * SPHEROID.mass))
-        trajectory = self.fly(
-            agent, water_scenario(3.0, "current", speed=1.0, pipe=(9.0, radius), frequency=frequency)
-        )
+        scenario = water_scenario(3.0, "current", speed=1.0, pipe=(9.0, radius), restitution=0.5)
+        trajectory = self.fly(agent, scenario)
         acceleration = 0.5 * GRAVITY / (0.5 + SPHEROID.factors[1])
-        static, way = acceleration / frequency**2, radius - SPHEROID.b
-        assert trajectory.position[-1, 2] - way == pytest.approx(static, rel=0.02)
+        static = acceleration / scenario.contact.frequency**2
+        assert trajectory.position[-1, 2] - (radius - SPHEROID.b) == pytest.approx(static, rel=0.05)
+        assert static < 1e-4
         np.testing.assert_allclose(world_velocity(trajectory)[-1], [1.0, 0.0, 0.0], atol=1e-3)
-        # It arrives with the speed sqrt(2 a s); this energy and the net buoyancy press it no deeper than this.
-        hit = math.sqrt(2 * acceleration * way)
-        assert wall_depths(agent, trajectory, radius).max() <= static + math.hypot(static, hit / frequency)
 
     def test_friction_brings_a_body_on_the_wall_to_rest(self) -> None:
         """A body that slides in still water slows down to rest."""
         agent = SPHEROID.agent()
         agent = replace(agent, mass=replace(agent.mass, mass=1.5 * SPHEROID.mass))
-        rough = Contact(frequency=100.0, friction=0.4)
+        rough = Contact(friction=0.4)
         still = water_scenario(4.0, (0.5, 0.0, 0.0), position=(1.0, 0.0, -0.089), pipe=(9.0, 0.1))
         trajectory = self.fly(agent, still.model_copy(update={"contact": rough}))
         along = world_velocity(trajectory)[:, 0]
@@ -588,9 +576,8 @@ class SimulatorContract:
         agent = sphere_agent(CORE_RADIUS, 0.05)
         acceleration = (0.05 - NEUTRAL_MASS) * GRAVITY / (0.05 + NEUTRAL_MASS / 2)
         trajectory = self.fly(agent, water_scenario(0.6, speed=1.0, pipe=(9.0, 0.5)))
-        # The body has 24 edges, and its widest rim is narrower than the sphere.
-        widest = float(agent.body.outer[:, 1].max())
-        fallen = math.sqrt(2 * (0.5 - widest) / acceleration)
+        # The polyline of the body is known to be a sphere.
+        fallen = math.sqrt(2 * (0.5 - CORE_RADIUS) / acceleration)
         assert trajectory.contact == pytest.approx(fallen, rel=self.accuracy)
         assert self.fly(agent, water_scenario(0.5)).contact is None
 

@@ -198,9 +198,9 @@ def _water(
 @_compiled
 def _skin_friction(Re: float) -> float:
     if Re < 5e5:
-        return 1.328 / np.sqrt(Re)
+        return float(1.328 / np.sqrt(Re))
     A = 5e5 * (0.075 / (np.log10(5e5) - 2) ** 2 - 1.328 / np.sqrt(5e5))
-    return 0.075 / (np.log10(Re) - 2) ** 2 - A / Re
+    return float(0.075 / (np.log10(Re) - 2) ** 2 - A / Re)
 
 
 @_compiled

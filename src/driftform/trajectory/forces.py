@@ -12,15 +12,17 @@ def accelerations_along(trajectory: Trajectory, agent: Agent, scenario: Scenario
     """Return the accelerations that the equations of motion give at each sample, (k, 6).
 
     The linear acceleration of the body's origin is in the world frame (m/s2), the angular acceleration in the body frame
-    (rad/s2). They are not differences of velocities: they are as exact as the samples, and one sample is enough.
+    (rad/s2). They are not differences of velocities: they are as exact as the samples, and one sample is enough. Where the
+    body touches a wall with friction, they are differences: the samples do not tell how far friction's bristles are bent.
     """
+    from driftform.dynamics.contact import deepest_depth
     from driftform.dynamics.equations import accelerations
     from driftform.dynamics.model import flight_model
     from driftform.dynamics.rotations import rotation_from_quaternion
 
     model = flight_model(agent, scenario)
     velocity = world_velocity(trajectory)
-    out = np.empty((len(trajectory.t), 6))
+    out, touching = np.empty((len(trajectory.t), 6)), np.zeros(len(trajectory.t), dtype=bool)
     rows = zip(
         trajectory.t,
         trajectory.position,
@@ -35,6 +37,10 @@ def accelerations_along(trajectory: Trajectory, agent: Agent, scenario: Scenario
             float(t), tuple(position.tolist()), R, tuple(v.tolist()), tuple(omega.tolist()), model
         )
         out[k] = (*a, *alpha)
+        touching[k] = len(model.bristles) > 0 and deepest_depth(tuple(position.tolist()), R, model) > 0.0
+    if touching.any() and len(touching) > 1:
+        rates = np.column_stack([velocity, trajectory.velocity[:, 3:]])
+        out[touching] = np.gradient(rates, trajectory.t, axis=0)[touching]
     return out
 
 

@@ -95,7 +95,7 @@ class _Entry(CPUDispatcher):
     # and cache are made when they are needed.
 
     @cached_property
-    def _part(self) -> CPUDispatcher:
+    def _part(self) -> Any:
         return CPUDispatcher(self.py_func, targetoptions={**_OPTIONS, "no_cpython_wrapper": True})
 
     @cached_property

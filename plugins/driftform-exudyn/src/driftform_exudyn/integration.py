@@ -61,16 +61,25 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
     accelerations, fill_sample, values = motion.accelerations, motion.fill_sample, motion.values
     nowhere = (np.nan,) * len(motion.rates)
     samples = np.empty((1024, SAMPLE))
-    count = tries = 0
+    count, tries, b = 0, 0, motion.bristles
 
     def force(_: Any, t: float, *__: Any) -> tuple[float, ...]:
         nonlocal tries
         tries += 1
+        if b:
+            values[-2 * b : -b] = bristles
         return accelerations(t, coordinates, rates, values) if tries <= MAX_TRIES else nowhere
+
+    def bristle_rates(_: Any, t: float, *__: Any) -> FloatArray:
+        values[-2 * b : -b] = bristles
+        accelerations(t, coordinates, rates, values)
+        return values[-b:]
 
     def after_step(_: Any, t: float) -> bool:
         nonlocal samples, count, tries
         tries = 0
+        if motion.touches is not None and not motion.touches(coordinates, values):
+            bristles[:] = 0.0
         if count == len(samples):
             samples = np.concatenate([samples, np.empty_like(samples)])
         proceeds = fill_sample(samples[count], t, coordinates, rates, values)
@@ -78,10 +87,18 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
         return proceeds and count <= limit
 
     _add_mass(mbs, motion, force)
+    if b:
+        node = mbs.AddNode(
+            items.NodeGenericODE1(
+                referenceCoordinates=[0.0] * b, initialCoordinates=[0.0] * b, numberOfODE1Coordinates=b
+            )
+        )
+        mbs.AddObject(items.ObjectGenericODE1(nodeNumbers=[node], rhsUserFunction=bristle_rates))
     mbs.Assemble()
     # Live views of the memory that the last Assemble laid out.
     coordinates: Any = mbs.systemData.GetODE2Coordinates(copy=False)
     rates: Any = mbs.systemData.GetODE2Coordinates_t(copy=False)
+    bristles: Any = mbs.systemData.GetODE1Coordinates(copy=False)
     after_step(mbs, 0.0)
     mbs.SetPostStepUserFunction(after_step)
     # Exudyn raises an error if the error control fails, and returns True after NaN: the samples show both.

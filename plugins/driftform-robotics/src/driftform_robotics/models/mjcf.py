@@ -16,6 +16,7 @@ from driftform.types import FloatArray
 from driftform_robotics.models.ellipsoid import Ellipsoid, fit_ellipsoid
 from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
 from driftform_robotics.models.folder import HULL, piece_path
+from driftform_robotics.models.mujoco_path import REACH, compare_paths
 from driftform_robotics.models.pipe import make_bore
 from driftform_robotics.models.xml import add, add_comment, format_document, format_number, format_numbers
 
@@ -27,8 +28,8 @@ class MjcfExporter(ModelExporter[ModelOptions]):
     """A model for MuJoCo: inertia, exact buoyancy, and an ellipsoid with the agent's added mass along and across.
 
     `scene.xml` holds the pipe and includes `agent.xml`. MuJoCo models the Coriolis forces of added mass, Munk's moment
-    among them, but not its inertia: agents accelerate as if they moved no water. The body frame and the free joint are
-    at the centre of gravity.
+    among them, but not its inertia: agents accelerate as if they moved no water. A warning states how far the path is from
+    the true one, and whether a sinking agent rises. The body frame and the free joint are at the centre of gravity.
     """
 
     name = "mjcf"
@@ -45,10 +46,13 @@ class MjcfExporter(ModelExporter[ModelOptions]):
 
 
 def _list_warnings(model: Model, ellipsoid: Ellipsoid) -> list[str]:
-    link, fluid = model.link, model.job.scenario.fluid
+    link, scenario = model.link, model.job.scenario
+    fluid = scenario.fluid
+    reach = min((segment.radius for segment in scenario.pipe.segments), default=REACH)
     surge, sway = link.added_mass[0, 0] / link.mass, link.added_mass[1, 1] / link.mass
     pitch = float(link.added_mass[4, 4] - link.added_mass[1, 5] ** 2 / link.added_mass[1, 1])
     found = [
+        compare_paths(link, fluid, scenario.current(), reach).describe(),
         "MuJoCo ignores the inertia of added mass: it accelerates the agent "
         f"{1 + surge:.3g} times as fast along its axis, and {1 + sway:.3g} times as fast across it.",
         "The ellipsoid has the agent's added mass along and across its axis; in pitch it has "

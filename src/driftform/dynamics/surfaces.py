@@ -1,0 +1,104 @@
+"""Surfaces of a body that can touch a wall: rims, which are circles about its axis, and domes, which are spheres."""
+
+import numpy as np
+
+from driftform.types import Body, FloatArray
+from driftform.util.compiled import compiled
+
+FEWEST_EDGES = 3
+"""Edges in a row with their ends on one circle about a point of the axis that make a dome.
+
+Two edges lie on such a circle by chance: of a cone with a bevelled end, for example.
+"""
+
+LONGEST_STEP = 0.3
+"""Largest angle (rad) between neighbouring vertices of a dome; a coarser polygon has real rims."""
+
+ROUNDNESS = 1e-5
+"""Largest difference between the circles of a dome's edges, relative to their radius."""
+
+SURFACE = 6
+"""Numbers of a surface."""
+
+
+def touching_vertices(body: Body) -> FloatArray:
+    """Return the vertices (x, r) of the body's convex hull, from aft to fore, m, (k, 2).
+
+    The bore of a pipe is convex, so a body is inside exactly if its convex hull is: nothing else can touch. Vertices
+    on the axis are included.
+    """
+    x, r = body.outer.T
+    return _upper_hull(body.outer[np.lexsort((r, x))])
+
+
+def touching_rims(body: Body) -> FloatArray:
+    """Return the vertices (x, r) of the body's convex hull that are off the axis, m, (k, 2)."""
+    hull = touching_vertices(body)
+    return hull[hull[:, 1] > 0.0]
+
+
+def touching_surfaces(body: Body) -> FloatArray:
+    """Return the surfaces of a body that can touch a wall, (k, 5).
+
+    A rim has x and r (m) of its vertex, and zeros. A dome has x of its centre and 0 (m), its radius (m), and the range of
+    its normals' components along the axis; beyond them it ends in a rim. Contours are polylines: a dome is where the
+    ends of at least :data:`FEWEST_EDGES` edges lie on one circle about a point of the axis.
+    """
+    vertices = touching_vertices(body)
+    rows: list[tuple[float, ...]] = []
+    k, last = 0, len(vertices) - 1
+    while k <= last:
+        end = _end_of_dome(vertices, k)
+        if end - k >= FEWEST_EDGES:
+            x, radius = (
+                _circle(vertices[k], vertices[end]) if vertices[end, 0] > vertices[k, 0] else (0.0, 0.0)
+            )
+            fore, aft = (vertices[[end, k], 0] - x) / radius
+            rows.append((x, 0.0, radius, max(-1.0, aft), min(1.0, fore)))
+            k = end
+            # The end of a dome is its own rim; what comes next may start with it.
+            k += 0 if _end_of_dome(vertices, k) - k >= FEWEST_EDGES else 1
+        else:
+            if vertices[k, 1] > 0.0:
+                rows.append((*vertices[k].tolist(), 0.0, 0.0, 0.0))
+            k += 1
+    return np.array(rows).reshape(-1, 5)
+
+
+def _end_of_dome(vertices: FloatArray, start: int) -> int:
+    """Return the last vertex on the circle through ``start`` and the next one; ``start`` without such a circle."""
+    end, centre, radius = start, 0.0, 0.0
+    while end + 1 < len(vertices):
+        a, b = vertices[end], vertices[end + 1]
+        if b[0] <= a[0]:
+            break
+        x, r = _circle(a, b)
+        if np.hypot(*(b - a)) > LONGEST_STEP * r:
+            break
+        if end > start and max(abs(x - centre), abs(r - radius)) > ROUNDNESS * radius:
+            break
+        centre, radius, end = x, r, end + 1
+    return end
+
+
+def _circle(a: FloatArray, b: FloatArray) -> tuple[float, float]:
+    """Return x of the centre and the radius of the circle about a point of the axis through two vertices, m."""
+    x = float((b @ b - a @ a) / (2.0 * (b[0] - a[0])))
+    return x, float(np.hypot(b[0] - x, b[1]))
+
+
+@compiled
+def _upper_hull(points: FloatArray) -> FloatArray:
+    """Return the vertices of the upper convex hull of points (n, 2) that are sorted by x (Andrew 1979)."""
+    hull = np.empty_like(points)
+    count = 0
+    for k in range(points.shape[0]):
+        x, r = points[k, 0], points[k, 1]
+        while count >= 2:
+            x0, r0, x1, r1 = hull[count - 2, 0], hull[count - 2, 1], hull[count - 1, 0], hull[count - 1, 1]
+            if (x1 - x0) * (r - r0) - (r1 - r0) * (x - x0) < 0.0:
+                break
+            count -= 1
+        hull[count, 0], hull[count, 1] = x, r
+        count += 1
+    return hull[:count]
