@@ -131,8 +131,9 @@ def test_without_json_a_table_and_where_the_files_are(call: Callable[..., Any], 
     lines = result.stdout.splitlines()
     assert lines[0].split()[:1] == ["target"]
     assert [line.split()[0] for line in lines[1:11]] == [f"TP{n}" for n in range(1, 11)]
-    assert lines[11].startswith("3 evaluations (0 failed) in ")
-    assert lines[11].endswith("seed 7")
+    assert "of 10 targets are reached" in lines[11]
+    assert lines[12].startswith("3 evaluations (0 failed) in ")
+    assert lines[12].endswith("seed 7")
     assert Path("runs/pipe-inspection-1/figures/overview.svg").is_file()
 
 

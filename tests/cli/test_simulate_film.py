@@ -74,6 +74,7 @@ def test_another_suffix_is_refused_before_anything_is_flown(refused: Refused, na
     assert f"--film {name}: " in line and ".mp4 or .gif" in line
 
 
+@pytest.mark.peers
 def test_a_directory_is_no_film(refused: Refused, tmp_path: Path) -> None:
     (tmp_path / "here.mp4").mkdir()
     assert "--film here.mp4: is a directory" in refused("simulate", WORD, "--film", "here.mp4")

@@ -147,6 +147,7 @@ def test_the_map_of_packages_names_files_that_exist_and_leaves_out_no_package(pa
     assert packages - {"scenarios"} == found
 
 
+@pytest.mark.peers
 def test_runnable_python_runs(blocks: list[Any]) -> None:
     runnable = [block for block in blocks if block.language == "python" and "runnable" in block.words]
     assert len(runnable) >= 4

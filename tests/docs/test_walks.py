@@ -83,6 +83,7 @@ def troubled(tmp_path_factory: pytest.TempPathFactory, blocks: list[Any]) -> Pat
     return folder
 
 
+@pytest.mark.peers
 def test_messages_are_those_that_the_program_prints(
     docs: Path,
     blocks: list[Any],

@@ -16,7 +16,7 @@ from driftform.dynamics.integrator import (
     greatest_distance,
     integrate,
 )
-from driftform.dynamics.model import REACH, flight_model
+from driftform.dynamics.model import REACH, STEADY, flight_model
 from driftform.dynamics.tableaus import DOP853, DOPRI5
 from driftform.scenario import FlightLimits, Fluid, Pipe, Release, Scenario, Segment, UniformFlow
 from driftform.study import load_study
@@ -212,10 +212,12 @@ def test_a_neutral_body_rides_on_water_that_speeds_up():
     )
     model = flight_model(SPHEROID.agent(), scenario)
     table = model.table.copy()
-    table[27, 3] = 0.0
-    a = np.array([0.6, 0.1, -0.2])
+    table[STEADY] = 0.0
+    a, still = np.array([0.6, 0.1, -0.2]), np.zeros(6)
     model = model._replace(
-        table=table, flow=np.array([*model.flow[:3], 10.0]), gusts=np.array([[0, 0, 0, *a], [*(10 * a), *a]])
+        table=table,
+        flow=np.array([*model.flow[:3], 10.0]),
+        gusts=np.array([[0, 0, 0, *a, *still], [*(10 * a), *a, *still]]),
     )
     samples = integrate(model, release_state(model, scenario), 5.0, Accuracy()).samples
     t = samples[:, :1]

@@ -304,6 +304,7 @@ def test_without_ffmpeg_the_error_names_what_to_install(monkeypatch, tmp_path):
         ExudynRenderer(FilmOptions()).check(tmp_path / "film.avi")
 
 
+@pytest.mark.peers
 def test_if_ffmpeg_fails_its_last_line_is_reported_and_no_file_is_left(agent, monkeypatch, tmp_path):
     # The Python interpreter rejects ffmpeg's options.
     monkeypatch.setattr(encoder, "find_ffmpeg", lambda: sys.executable)
