@@ -194,10 +194,11 @@ def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
 
 
 def test_constants_of_the_contact_are_as_told(pages: dict[str, str]) -> None:
-    from driftform.dynamics import bore, contact
+    from driftform.dynamics import bore, impact
 
     section = pages["dataflow.md"].partition("## Contact with the wall")[2]
-    assert f"min(1, d / {1000 * contact.DAMPER_ONSET:g} mm)" in section
+    assert f"(d / {1000 * impact.STIFF_DEPTH:g} mm)^4" in section
+    assert f"exp(-{impact.LUBRICATION:g} / St)" in section
     assert f"below about {bore.SINE_SMOOTHING:g}" in section
 
 
