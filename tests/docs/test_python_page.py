@@ -79,7 +79,7 @@ def test_a_flight_becomes_samples_and_a_picture(printed: tuple[Path, dict[str, s
     folder, out = printed
     assert (folder / "flights" / "tp3.csv").read_text(encoding="utf-8").count("\n") > 50
     assert (folder / "flights" / "tp3.png").read_bytes().startswith(b"\x89PNG")
-    assert "mean error under disturbed conditions" in out["flights.py"]
+    assert "9 of 10 disturbed flights miss by less than" in out["flights.py"]
 
 
 @pytest.mark.peers
