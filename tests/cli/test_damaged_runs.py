@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from driftform.runs.store import SCHEMA_VERSION
+
 Refused = Callable[..., str]
 
 
@@ -101,7 +103,7 @@ DAMAGE = "is damaged"
         (garbled(0.5), DAMAGE),
         (garbled(0.9), DAMAGE),
         (foreign, "is a database, but not of a driftform run"),
-        (sql("PRAGMA user_version = 7"), "is of format 7, this driftform reads format 3"),
+        (sql("PRAGMA user_version = 7"), f"is of format 7, this driftform reads format {SCHEMA_VERSION}"),
         (sql("DROP TABLE meta"), "meta"),
         (sql("DROP TABLE score"), "score"),
         (sql("DROP TABLE evaluation"), "evaluation"),

@@ -143,7 +143,9 @@ def test_the_estimated_error_covers_the_true_one(default_flights):
     assert (estimated <= expected * 3 * least).sum() >= fewest(0.5)
     # What is asked for is what is got: a millimetre, or where the estimate was unlucky a little more.
     assert (most < Accuracy().position).sum() >= fewest(0.99)
-    assert most.max() < 10 * Accuracy().position
+    # Such a flight may have no exact end to compare with either.
+    assert np.isfinite(most).sum() >= fewest(0.99)
+    assert most[np.isfinite(most)].max() < 10 * Accuracy().position
 
 
 def test_an_error_falls_no_faster_than_the_tolerance():

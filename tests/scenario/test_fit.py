@@ -95,13 +95,13 @@ def test_a_release_above_the_water_is_refused():
 
 def test_a_disturbed_release_stays_where_the_body_has_room():
     nominal, body = make_scenario(), make_body(0.2, 0.06)
-    gone = Condition((0.045, 0.0), 0.4, -0.3, 1.0, 1.0, 1.0, 0.0, 0)
+    gone = Condition((0.045, 0.0), 0.4, -0.3, 1.0, 1.0, 1.0, 0.0, 1.0, 0)
     disturbed = disturb_scenario(gone, nominal)
     assert find_misfit(body, disturbed) is not None
     eased = ease_release(body, nominal, disturbed)
     assert find_misfit(body, eased) is None
     assert eased.release.pitch_deg > 0
-    small = disturb_scenario(Condition((0.005, 0.0), 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0), nominal)
+    small = disturb_scenario(Condition((0.005, 0.0), 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0, 0), nominal)
     assert ease_release(body, nominal, small) == small
 
 

@@ -76,7 +76,7 @@ class Contact(Table):
 class FlightLimits(Table):
     """Limits of a flight that does not reach the outlet."""
 
-    horizon: float = option(20.0, "longest duration of a flight", "s", ge=1e-3, le=1e5)
+    horizon: float = option(20.0, "longest duration of a flight", "s", ge=1e-6, le=1e5)
 
 
 class Robustness(Table):
