@@ -22,6 +22,7 @@ from driftform.cli.display import (
     View,
     draw_sparkline,
     format_duration,
+    progress_line,
 )
 from driftform.runs.status import RunStatus, Throughput
 
@@ -137,6 +138,13 @@ def test_where_the_terminal_knows_ascii_alone_the_display_is_ascii() -> None:
     text = "\n".join(shown(a_view(3), 80, 24, "ascii"))
     assert text.isascii()
     assert re.search(r"[#*+=:.-]{3}_", text)
+
+
+def test_a_line_of_progress_stays_a_line_with_hundreds_of_targets() -> None:
+    status = RunStatus(tuple(f"T{n}" for n in range(300)), 20)
+    status.add(0, 0, None, False, [50.0 + n / 10 for n in range(300)])
+    line = progress_line(status, Throughput(0))
+    assert line == "1/20 evaluations: best of 300 targets: median 64.95, worst T0 50.00"
 
 
 def test_names_of_targets_are_no_markup() -> None:
