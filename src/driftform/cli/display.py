@@ -7,6 +7,7 @@ from itertools import islice
 from statistics import median
 from typing import TYPE_CHECKING
 
+from driftform.errors import escape_controls
 from driftform.runs.status import RunStatus, TargetStatus, Throughput
 
 if TYPE_CHECKING:
@@ -118,12 +119,17 @@ class View:
         yield Text("")
         yield self._bar(min(40, max(10, options.max_width - 40)))
         yield Text(", ".join(filter(None, (*self.facts, shown))))
+        reason, alike = self.status.commonest_failure
+        if alike:
+            text = f"failed most often ({alike} of {self.status.failed}): {escape_controls(reason)}"
+            yield Text(text, no_wrap=True, overflow=_overflow(options))
         if self.footer:
             yield Text(self.footer, style="dim", no_wrap=True, overflow=_overflow(options))
 
     def _shown(self, height: int) -> tuple[int, int]:
         """Which targets are shown now: the first, and the one behind the last."""
-        count, room = len(self.status.targets), max(1, height - _AROUND)
+        around = _AROUND + bool(self.status.failed)
+        count, room = len(self.status.targets), max(1, height - around)
         if not self.fits or count <= room:
             return 0, count
         pages = -(-count // room)
