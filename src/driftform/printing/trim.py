@@ -40,7 +40,7 @@ GRAMS_FOR_KG = 20
 _BETWEEN = (0.0, 0.01, 0.02, 0.04)
 """Distances (m) tried between two balls, so that the seat of one has room before the other."""
 
-_ROUNDS = 6
+_ROUNDS = 10
 """Most times that ballast is placed anew because of the mass of its seats."""
 
 LEAD = MATERIALS["lead"]
@@ -313,6 +313,7 @@ def _settle(
     # The seats are printed as the rest of the hull was.
     flow = (weight.mass - core) / (kit.mass - core)
     seated, seats, made = weight, 0.0, kit
+    balls: list[tuple[float, float]] = []
     for _ in range(_ROUNDS):
         required = _find_required(agent, seated)
         pieces = place(agent.body, required, density, in_kit=True)
@@ -322,15 +323,16 @@ def _settle(
             )
         if not pieces:
             return None
-        made = measure_kit([(round(p.element.x, 5), round(p.diameter or 0.0, 5)) for p in pieces])
+        before, balls = balls, [(round(p.element.x, 5), round(p.diameter or 0.0, 5)) for p in pieces]
+        if balls == before:
+            break
+        made = measure_kit(balls)
         if len(made.held) != len(pieces):
             raise WorkFailedError("the exporter of the kit does not say how it holds ballast")
-        before, seats = seats, flow * (made.mass - kit.mass)
+        seats = flow * (made.mass - kit.mass)
         moment = flow * (made.mass * made.cog - kit.mass * kit.cog)
         seated = _add(agent, weight, seats, moment)
-        if abs(seats - before) < NEGLIGIBLE:
-            break
-    return _Plan(seated, required, pieces, made.held, seats)
+    return _Plan(seated, _find_required(agent, seated), pieces, made.held, seats)
 
 
 def _add(agent: Agent, weight: PrintWeight, mass: float, moment: float) -> PrintWeight:
