@@ -308,7 +308,7 @@ def test_licences_are_as_told(docs: Path) -> None:
     assert others == {"exudyn"} and "EXUDYN-General-License" in licence_of("exudyn")
     told = {"imageio-ffmpeg": "BSD-2-Clause", "pyarrow": "Apache-2.0", "distributed": "BSD-3-Clause"}
     told |= {"cairosvg": "LGPL-3.0"}
-    for name, licence in {**told, "cadquery-ocp-novtk": "Apache-2.0"}.items():
+    for name, licence in {**told, "cadquery-ocp-novtk": "Apache-2.0", "cairosvg": "LGPL-3.0"}.items():
         assert licence in licence_of(name) and re.search(rf"{name} \| {licence}", page)
     ffmpeg = subprocess.run([get_ffmpeg(), "-version"], capture_output=True, text=True, check=True).stdout
     assert "--enable-gpl --enable-version3" in ffmpeg
