@@ -34,7 +34,9 @@ CENTRE, EXTENT = 24, 27
 NARROWEST = 28
 EXIT = 29
 """-1 for a part of the pipe, -2 behind the inlet, and the number of the outlet behind an outlet."""
-EDGE = 64
+FIELD, FIELD_SIZE = 46, 47
+"""Where the flow field of a tee begins in `fittings`, and how many numbers it has."""
+EDGE = 48
 """Points of the ball's curve of a tee on the side y >= 0."""
 EDGE_POINTS = 13
 PART = EDGE + 3 * EDGE_POINTS

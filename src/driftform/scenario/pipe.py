@@ -83,6 +83,12 @@ class Pipe(Table):
         u, v, w = outlet.centre.tolist()
         return Segment(start=(x, y, z), end=(u, v, w), radius=inlet.radius)
 
+    def array(self) -> FloatArray:
+        """Return start (3), end (3) and radius of a straight pipe, m, (1, 7); (0, 7) for another one and in open water."""
+        segment = self.straight
+        rows = [] if segment is None else [(*segment.start, *segment.end, segment.radius)]
+        return np.array(rows, dtype=np.float64).reshape(-1, 7)
+
     def contains(self, point: Vector) -> bool:
         """Return whether a point lies inside the pipe or on its wall."""
         return bool(self.layout.find_part(np.array([point]))[0] >= 0)

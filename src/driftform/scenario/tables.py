@@ -6,7 +6,14 @@ import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
 from driftform.options import Table, option
-from driftform.scenario.flow import Flow, LogLawFlow, PipeFlow, TurbulentFlow, UniformFlow
+from driftform.scenario.flow import (
+    DevelopingFlow,
+    Flow,
+    LogLawFlow,
+    PipeFlow,
+    TurbulentFlow,
+    UniformFlow,
+)
 from driftform.scenario.pipe import Pipe, Vector
 from driftform.types import FloatArray
 
@@ -149,14 +156,14 @@ class Scenario(Table):
 
     @model_validator(mode="after")
     def _check_together(self) -> "Scenario":
-        if self.targets and not self.pipe.segments:
+        if self.targets and self.pipe.is_open:
             raise ValueError("targets need a pipe: fitness is relative to the farthest point of its volume")
-        if isinstance(self.flow, PipeFlow) and not self.pipe.segments:
+        if isinstance(self.flow, PipeFlow) and self.pipe.is_open:
             raise ValueError(
                 f"flow.kind = '{self.flow.kind}' needs a pipe; in open water it must be 'uniform'"
             )
         if isinstance(self.flow, LogLawFlow | TurbulentFlow):
-            most = 0.1 * min(segment.radius for segment in self.pipe.segments)
+            most = 0.1 * self.pipe.layout.narrowest
             if self.flow.roughness > most:
                 raise ValueError(
                     f"flow.roughness = {self.flow.roughness} is too large for the logarithmic law in this pipe: "
@@ -167,8 +174,10 @@ class Scenario(Table):
                 f"flow.smoothing = {self.flow.smoothing:g} s is too short for flight.horizon = {self.flight.horizon:g} s: "
                 f"a flight has at most {MAX_GUSTS} gusts"
             )
-        if not self.pipe.segments:
+        if self.pipe.is_open:
             return self
+        if self.pipe.straight is None:
+            _check_flow_in_parts(self.flow)
         start = self.release_position()
         if not self.pipe.contains((start[0], start[1], start[2])):
             where = (
@@ -191,11 +200,9 @@ class Scenario(Table):
 
     def direction(self) -> FloatArray:
         """Return the unit vector downstream at the inlet, in the world frame, (3,); along x in open water."""
-        if not self.pipe.segments:
+        if self.pipe.is_open:
             return np.array([1.0, 0.0, 0.0])
-        first = self.pipe.segments[0]
-        axis = np.subtract(first.end, first.start)
-        return np.asarray(axis / np.linalg.norm(axis), dtype=np.float64)
+        return self.pipe.layout.inlet.axes[0]
 
     def current(self) -> FloatArray:
         """Return the mean velocity of the water at the inlet, in the world frame, m/s, (3,)."""
@@ -218,7 +225,7 @@ class Scenario(Table):
 
     def release_position(self) -> FloatArray:
         """Return the position of the core's centre at the release, in the world frame, m, (3,)."""
-        start = np.zeros(3) if self._released_in_world else np.array(self.pipe.segments[0].start)
+        start = np.zeros(3) if self._released_in_world else self.pipe.layout.inlet.centre
         return np.asarray(start + self.release_frame() @ self.release.position)
 
     def release_quaternion(self) -> FloatArray:
@@ -250,7 +257,7 @@ class Scenario(Table):
     @property
     def _released_in_world(self) -> bool:
         """True if the release is given in the world frame; in open water there is no other."""
-        return self.release.frame == "world" or not self.pipe.segments
+        return self.release.frame == "world" or self.pipe.is_open
 
     def _frame_angles(self) -> tuple[float, float, float, float]:
         """Return cosine and sine of the yaw, then of the pitch, of the release's frame."""
@@ -260,6 +267,20 @@ class Scenario(Table):
         level = float(np.hypot(x, y))
         # A vertical pipe has no yaw.
         return (x / level, y / level, level, -z) if level > 1e-9 else (1.0, 0.0, 0.0, -z)
+
+
+def _check_flow_in_parts(flow: PipeFlow | UniformFlow) -> None:
+    """Check that a flow is possible in a pipe with parts."""
+    if isinstance(flow, DevelopingFlow):
+        raise ValueError(
+            "flow.kind = 'developing' is the flow behind the inlet of a straight pipe: take 'log_law' in a pipe with parts"
+        )
+    if isinstance(flow, UniformFlow) and flow.acceleration:
+        raise ValueError("flow.acceleration is for a straight pipe: leave it out in a pipe with parts")
+    if flow.speed < 0:
+        raise ValueError(
+            f"flow.speed = {flow.speed:g}: the water of a pipe with parts flows from the inlet to the outlets"
+        )
 
 
 def _halve_angle(c: float, s: float) -> tuple[float, float]:
