@@ -82,7 +82,9 @@ def describe_motion(model: FlightModel, start: FloatArray) -> Motion:
         functions = _accelerations_in_space, _fill_sample_in_space, bristles, _can_touch
         return Motion(coordinates, start[7:], pack(model), *functions)
 
-    def accelerate(t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray) -> tuple[float, ...]:
+    def accelerate(
+        t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
+    ) -> tuple[float, ...]:
         return _accelerations_in_space(t, coordinates, rates, values, fittings)
 
     def fill_sample(

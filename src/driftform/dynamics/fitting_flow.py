@@ -40,7 +40,7 @@ from driftform.dynamics.profiles import (
     spread_across,
     spread_profile,
 )
-from driftform.dynamics.vectors import ZERO, Rotation, Vector, add, scale
+from driftform.dynamics.vectors import ZERO, Rotation, Vector
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 
@@ -56,9 +56,7 @@ STRENGTH = 43
 
 
 @compiled
-def fitting_flow(
-    point: Vector, f: FloatArray, kind: float, spread: Spread
-) -> tuple[Vector, Rotation]:
+def fitting_flow(point: Vector, f: FloatArray, kind: float, spread: Spread) -> tuple[Vector, Rotation]:
     """Return the velocity of the mean flow (m/s) and its gradient du_i/dx_j (rows i, 1/s), in the world frame.
 
     ``kind`` is that of the profile, and ``spread`` that of the body: see :func:`driftform.dynamics.flow.water_motion`.
@@ -99,11 +97,17 @@ def rise(t: float) -> Vector:
     if t >= 1.0:
         return 1.0, 0.0, 0.0
     back = 1.0 - t
-    return t * t * t * (10.0 - 15.0 * t + 6.0 * t * t), 30.0 * t * t * back * back, 60.0 * t * back * (1.0 - 2.0 * t)
+    return (
+        t * t * t * (10.0 - 15.0 * t + 6.0 * t * t),
+        30.0 * t * t * back * back,
+        60.0 * t * back * (1.0 - 2.0 * t),
+    )
 
 
 @compiled
-def _flow_in_straight(p: Vector, f: FloatArray, o: int, kind: float, square: float) -> tuple[Vector, Rotation]:
+def _flow_in_straight(
+    p: Vector, f: FloatArray, o: int, kind: float, square: float
+) -> tuple[Vector, Rotation]:
     U, R, c, slope, bend = f[o + SPEED], f[o + RADIUS], f[o + DEVELOPED], 0.0, 0.0
     u, u_x, u_y, u_z = U, 0.0, 0.0, 0.0
     v_y, v_z, a_y, a_z = 0.0, 0.0, 0.0, 0.0
@@ -159,11 +163,16 @@ def _profile_excess(r: float, R: float, kind: float, U: float, parameter: float)
     eta = max(1.0 - r / R, MIN_WALL_DISTANCE)
     if kind == POWER_LAW:
         p, top = parameter, 0.5 * (1.0 + parameter) * (2.0 + parameter) * U
-        total = top / ((p + 1.0) * (p + 2.0)) - top * (eta ** (p + 1.0) / (p + 1.0) - eta ** (p + 2.0) / (p + 2.0))
+        total = top / ((p + 1.0) * (p + 2.0)) - top * (
+            eta ** (p + 1.0) / (p + 1.0) - eta ** (p + 2.0) / (p + 2.0)
+        )
         excess, integral = top * eta**p - U, total - 0.5 * U * (1.0 - eta) ** 2
     elif kind == LOG_LAW:
         defect, log = U * parameter, math.log(eta)
-        excess, integral = defect * (1.5 + log), -defect * (0.5 * eta - 0.5 * eta * eta + log * (eta - 0.5 * eta * eta))
+        excess, integral = (
+            defect * (1.5 + log),
+            -defect * (0.5 * eta - 0.5 * eta * eta + log * (eta - 0.5 * eta * eta)),
+        )
     else:
         return 0.0, 0.0
     return excess, integral * R * R / r if r > 0.0 else 0.0

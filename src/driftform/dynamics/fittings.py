@@ -20,7 +20,6 @@ from driftform.dynamics.fitting_flow import (
     TOWARD_Y,
     TOWARD_Z,
 )
-
 from driftform.dynamics.fitting_walls import (
     ANGLE,
     AXES,
@@ -177,7 +176,9 @@ class _Joint:
 
 def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -> None:
     parts = [placed.part for placed in layout.parts]
-    ahead: dict[int, int] = {p.upstream: k for k, p in enumerate(layout.parts) if p.upstream is not None and not p.by_branch}
+    ahead: dict[int, int] = {
+        p.upstream: k for k, p in enumerate(layout.parts) if p.upstream is not None and not p.by_branch
+    }
     shares = [_vortex_share(layout, ahead, k) for k in range(len(parts))]
     for k, (placed, row) in enumerate(zip(layout.parts, rows, strict=False)):
         speed = flow.speed * placed.flow * (parts[0].radius / placed.part.radius) ** 2
@@ -187,15 +188,26 @@ def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -
                 raise InputError(f"{placed.key}: flights through a {placed.name} are not possible yet")
             case Straight():
                 ends = _neighbours(layout, ahead, k)
-                _fill_straight(row, placed.part, speed, flow, viscosity, [_joint(parts, shares, end) for end in ends])
+                _fill_straight(
+                    row, placed.part, speed, flow, viscosity, [_joint(parts, shares, end) for end in ends]
+                )
             case Bend():
                 row[STRENGTH] = shares[k]
                 for start, end in zip((START, FINISH), _neighbours(layout, ahead, k), strict=True):
                     if end is None or not _joins_smoothly(placed.part, parts[end]):
-                        row[start + LONG] = min(CHANGE * placed.part.radius / placed.part.bend_radius, 0.5 * placed.part.angle)
+                        row[start + LONG] = min(
+                            CHANGE * placed.part.radius / placed.part.bend_radius, 0.5 * placed.part.angle
+                        )
     first, beyond = parts[0], len(parts)
     straight = Straight(first.entry, rows[beyond, AXES : AXES + 9].reshape(3, 3), first.radius, math.inf)
-    _fill_straight(rows[beyond], straight, -flow.speed, flow, viscosity, [_joint(parts, shares, 0), _joint(parts, shares, None)])
+    _fill_straight(
+        rows[beyond],
+        straight,
+        -flow.speed,
+        flow,
+        viscosity,
+        [_joint(parts, shares, 0), _joint(parts, shares, None)],
+    )
     for number, outlet in enumerate(layout.outlets):
         row, part = rows[beyond + 1 + number], parts[outlet.part]
         speed = rows[outlet.part, SPEED] * (part.radius / part.end_radius) ** 2
@@ -219,12 +231,10 @@ def _carries_profile(part: PipePart) -> bool:
 def _joins_smoothly(bend: Bend, other: PipePart) -> bool:
     """Return whether the vortex of a bend needs no change within the bend at its end."""
     if isinstance(other, Bend):
-        return bool(other.bend_radius == bend.bend_radius and np.allclose(_turning_axis(bend), _turning_axis(other), atol=1e-9))
+        return bool(
+            other.bend_radius == bend.bend_radius and np.allclose(bend.axes[1], other.axes[1], atol=1e-9)
+        )
     return _carries_profile(other)
-
-
-def _turning_axis(bend: Bend) -> FloatArray:
-    return bend.axes[1]
 
 
 def _vortex_share(layout: Layout, ahead: Mapping[int, int], k: int) -> float:
@@ -258,7 +268,9 @@ def _fill_straight(
         if joint.vortex is not None:
             # At either end of a bend, its centre lies in the direction of its own z there.
             bend = joint.vortex
-            at_entry = np.allclose(bend.origin, part.origin + (part.straight if start == FINISH else 0.0) * part.axes[0])
+            at_entry = np.allclose(
+                bend.origin, part.origin + (part.straight if start == FINISH else 0.0) * part.axes[0]
+            )
             inward = bend.axes[2] if at_entry else bend.list_exits()[0].axes[2]
             row[start + AMPLITUDE], row[start + AROUND] = joint.share, bend.bend_radius
             row[start + TOWARD_Y], row[start + TOWARD_Z] = part.axes[1] @ inward, part.axes[2] @ inward

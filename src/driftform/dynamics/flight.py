@@ -65,10 +65,16 @@ def is_finite(values: FloatArray) -> bool:
 def has_left_pipe(position: Vector, pipe: FloatArray, fittings: FloatArray | None = None) -> bool:
     """Return True if the body's origin is past an outlet, or more than a radius upstream of the inlet."""
     if fittings is not None:
-        return distance_past_outlet(position, pipe, fittings) >= 0.0 or distance_upstream(position, fittings) > 0.0
+        return (
+            distance_past_outlet(position, pipe, fittings) >= 0.0
+            or distance_upstream(position, fittings) > 0.0
+        )
     if pipe.shape[0] == 0:
         return False
-    return distance_past_outlet(position, pipe, fittings) >= 0.0 or _distance_along(position, pipe[0]) < -pipe[0, 7]
+    return (
+        distance_past_outlet(position, pipe, fittings) >= 0.0
+        or _distance_along(position, pipe[0]) < -pipe[0, 7]
+    )
 
 
 @compiled
@@ -86,7 +92,11 @@ def distance_past_outlet(position: Vector, pipe: FloatArray, fittings: FloatArra
 def distance_upstream(position: Vector, fittings: FloatArray) -> float:
     """Return how far (m) the position lies more than a radius upstream of the inlet of a pipe with parts; not positive elsewhere."""
     o, _ = find_part(position, fittings)
-    return float(to_part(position, fittings, o)[0] - fittings[o + RADIUS]) if fittings[o + EXIT] == OUTSIDE else -1.0
+    return (
+        float(to_part(position, fittings, o)[0] - fittings[o + RADIUS])
+        if fittings[o + EXIT] == OUTSIDE
+        else -1.0
+    )
 
 
 @compiled

@@ -5,6 +5,7 @@ is the bulk velocity, R the bore's radius, y the distance from the wall, x the d
 """
 
 import math
+
 import numpy as np
 
 from driftform.dynamics.cubic import cubic_between, cubic_point, cubic_slope
@@ -20,7 +21,15 @@ from driftform.dynamics.profiles import (
     spread_profile,
 )
 from driftform.dynamics.vectors import ZERO, Rotation, Vector, add, dot, scale, subtract
-from driftform.scenario import DevelopingFlow, Flow, LogLawFlow, PowerLawFlow, Scenario, TurbulentFlow, UniformFlow
+from driftform.scenario import (
+    DevelopingFlow,
+    Flow,
+    LogLawFlow,
+    PowerLawFlow,
+    Scenario,
+    TurbulentFlow,
+    UniformFlow,
+)
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 
@@ -65,7 +74,9 @@ def flow_array(scenario: Scenario) -> FloatArray:
             kind = LOG_LAW
         case DevelopingFlow():
             kind = DEVELOPING
-    parameter = profile_parameter(flow, scenario.pipe.layout.inlet.radius, flow.speed, scenario.fluid.viscosity)
+    parameter = profile_parameter(
+        flow, scenario.pipe.layout.inlet.radius, flow.speed, scenario.fluid.viscosity
+    )
     return np.array([kind, flow.speed, parameter, step])
 
 

@@ -255,7 +255,12 @@ def _integrate_at_tolerance(
             samples[count, 1 + places[i]] = y[i]
         position = position_of(samples[count])
         count += 1
-        if not is_finite(y) or t >= horizon or count > step_limit or has_left_pipe(position, model.pipe, model.fittings):
+        if (
+            not is_finite(y)
+            or t >= horizon
+            or count > step_limit
+            or has_left_pipe(position, model.pipe, model.fittings)
+        ):
             break
         pair, sharp = DOPRI5, tolerance * min(LOOSEST_RATIO, math.exp(TOLERANCE_GROWTH * t))
         if is_far_from_wall(position, model.table[REACH], model.pipe, model.fittings):

@@ -85,7 +85,11 @@ def refined_surfaces(body: Body, spacing: float) -> FloatArray:
         if count > 0 and not on_dome.any():
             shares = np.arange(1, count)[:, None] / count
             rows.extend((a + shares * (b - a)).tolist())
-    rows += [end.tolist() for end in ends[[0, -1]] if not np.isclose(np.hypot(end[0] - domes[:, 0], end[1]), domes[:, 2]).any()]
+    rows += [
+        end.tolist()
+        for end in ends[[0, -1]]
+        if not np.isclose(np.hypot(end[0] - domes[:, 0], end[1]), domes[:, 2]).any()
+    ]
     added = np.zeros((len(rows), 5))
     added[:, :2] = np.array(rows).reshape(-1, 2)
     return np.vstack([surfaces, added])

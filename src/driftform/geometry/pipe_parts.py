@@ -7,10 +7,14 @@ the branch of a tee leaves towards z. The origin is the centre of the part's ent
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from driftform.types import FloatArray
+
+BoolArray: TypeAlias = npt.NDArray[np.bool_]
 
 VERTICAL = 1e-9
 """Horizontal component of a unit vector below which it is vertical: no direction across it is then the upward one."""
@@ -77,7 +81,7 @@ class PipePart(ABC):
         """Return the axis of the run, and then that of the branch, in points at most ``step`` (m) apart."""
 
     @abstractmethod
-    def find_inside(self, local: FloatArray, margin: float = 0.0) -> FloatArray:
+    def find_inside(self, local: FloatArray, margin: float = 0.0) -> BoolArray:
         """Return whether points of the local frame (m, (n, 3)) lie in the part or within ``margin`` (m) of its ends, (n,)."""
 
     @property
@@ -119,7 +123,7 @@ class Straight(PipePart):
         x = _divide(0.0, self.straight, step)
         return (Axis(self.to_world(_along_x(x)), np.full(len(x), self.radius)),)
 
-    def find_inside(self, local: FloatArray, margin: float = 0.0) -> FloatArray:
+    def find_inside(self, local: FloatArray, margin: float = 0.0) -> BoolArray:
         """Return whether points of the local frame lie inside, (n,)."""
         x, across = local[:, 0], np.hypot(local[:, 1], local[:, 2])
         return np.asarray((x >= -margin) & (x <= self.straight + margin) & (across <= self.radius))
@@ -155,7 +159,7 @@ class Bend(PipePart):
         local = np.column_stack([np.sin(turn), np.zeros(len(turn)), 1 - np.cos(turn)])
         return (Axis(self.to_world(self.bend_radius * local), np.full(len(turn), self.radius)),)
 
-    def find_inside(self, local: FloatArray, margin: float = 0.0) -> FloatArray:
+    def find_inside(self, local: FloatArray, margin: float = 0.0) -> BoolArray:
         """Return whether points of the local frame lie inside, (n,)."""
         x, y, z = local.T
         turn, share = np.arctan2(x, self.bend_radius - z), margin / self.bend_radius
@@ -209,7 +213,7 @@ class Reducer(PipePart):
         x = _divide(0.0, self.taper, step)
         return (Axis(self.to_world(_along_x(x)), self.bore_radii(x)),)
 
-    def find_inside(self, local: FloatArray, margin: float = 0.0) -> FloatArray:
+    def find_inside(self, local: FloatArray, margin: float = 0.0) -> BoolArray:
         """Return whether points of the local frame lie inside, (n,)."""
         x, across = local[:, 0], np.hypot(local[:, 1], local[:, 2])
         return np.asarray(
@@ -276,7 +280,7 @@ class Tee(PipePart):
             Axis(self.origin + t[:, None] * self.branch_axes[0], np.full(len(t), self.branch_radius)),
         )
 
-    def find_inside(self, local: FloatArray, margin: float = 0.0) -> FloatArray:
+    def find_inside(self, local: FloatArray, margin: float = 0.0) -> BoolArray:
         """Return whether points of the local frame lie inside, (n,); the rounding of the edge counts as wall."""
         upstream, downstream, side = self.legs
         c, s = exact_cosine(self.angle), exact_sine(self.angle)

@@ -102,7 +102,8 @@ class Layout:
     def narrowest(self) -> float:
         """Radius of the narrowest bore, m."""
         return min(
-            min(placed.part.radius, *(opening.radius for opening in placed.part.list_exits())) for placed in self.parts
+            min(placed.part.radius, *(opening.radius for opening in placed.part.list_exits()))
+            for placed in self.parts
         )
 
     @cached_property
@@ -111,7 +112,9 @@ class Layout:
         depths = np.zeros(len(self.parts))
         for index, placed in enumerate(self.parts):
             if placed.upstream is not None:
-                depths[index] = depths[placed.upstream] + self._length_through(placed.upstream, placed.by_branch)
+                depths[index] = depths[placed.upstream] + self._length_through(
+                    placed.upstream, placed.by_branch
+                )
         return depths
 
     def find_part(self, points: FloatArray) -> npt.NDArray[np.int64]:
@@ -214,7 +217,13 @@ class _Builder:
     counts: dict[str, int] = field(default_factory=dict)
 
     def lay_chain(
-        self, tables: Sequence[AnyPart], key: str, start: Opening, upstream: int | None, by_branch: bool, flow: float
+        self,
+        tables: Sequence[AnyPart],
+        key: str,
+        start: Opening,
+        upstream: int | None,
+        by_branch: bool,
+        flow: float,
     ) -> None:
         """Lay parts end to end from an opening on, and the branches of each."""
         for position, table in enumerate(tables):
@@ -258,10 +267,12 @@ class _Builder:
             key = self.parts[outlet.part].key
             if not outlet.name:
                 raise LayoutError(
-                    f"{key}: the outlet at its end has no name: a pipe with branches has several outlets; add outlet = \"...\""
+                    f'{key}: the outlet at its end has no name: a pipe with branches has several outlets; add outlet = "..."'
                 )
             if outlet.name.casefold() in seen:
-                raise LayoutError(f"{key}.outlet = '{outlet.name}': {seen[outlet.name.casefold()]} has this outlet, too")
+                raise LayoutError(
+                    f"{key}.outlet = '{outlet.name}': {seen[outlet.name.casefold()]} has this outlet, too"
+                )
             seen[outlet.name.casefold()] = key
         return tuple(self.outlets)
 
@@ -284,7 +295,9 @@ def lay_out(tables: Sequence[AnyPart], start: FloatArray, direction: FloatArray,
         if a part does not fit to its bore, two parts run into each other, or an outlet has no name.
     """
     builder = _Builder()
-    opening = Opening(np.asarray(start, dtype=np.float64), upright_axes(np.asarray(direction, dtype=np.float64)), radius)
+    opening = Opening(
+        np.asarray(start, dtype=np.float64), upright_axes(np.asarray(direction, dtype=np.float64)), radius
+    )
     builder.lay_chain(tables, "pipe.parts", opening, None, False, 1.0)
     layout = Layout(tuple(builder.parts), builder.name_outlets())
     _check_collisions(layout)
@@ -308,7 +321,9 @@ def _place(table: AnyPart, start: Opening, key: str) -> PipePart:
         case ReducerPart():
             change = abs(table.radius - radius)
             if change < 1e-9 * radius:
-                raise LayoutError(f"{key}.radius = {table.radius:g}: the bore has this radius already: use a straight")
+                raise LayoutError(
+                    f"{key}.radius = {table.radius:g}: the bore has this radius already: use a straight"
+                )
             if table.length < SHORTEST_REDUCER * change * (1 - 1e-9):
                 raise LayoutError(
                     f"{key}.length = {table.length:g}: too short for a change of the radius from {radius:g} to {table.radius:g} m: "
@@ -356,7 +371,9 @@ def _check_collisions(layout: Layout) -> None:
                 continue
             apart = np.linalg.norm(second.points - first.points[:, None], axis=2)
             needed = second.radii + first.radii[:, None]
-            way = layout.way_between(first.part, second.part, first.lengths[:, None], second.lengths, first.on_branch)
+            way = layout.way_between(
+                first.part, second.part, first.lengths[:, None], second.lengths, first.on_branch
+            )
             if ((apart < (1 - 1e-6) * needed) & (way > 0.5 * math.pi * TIGHTEST_BEND * needed)).any():
                 one, other = layout.parts[first.part], layout.parts[second.part]
                 raise LayoutError(

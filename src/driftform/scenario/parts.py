@@ -36,9 +36,15 @@ class BendPart(_Part):
 
     kind: Literal["bend"] = option("bend", "kind of the part")
     angle_deg: float = option(90.0, "angle by which the pipe turns", "deg", ge=0.1, le=180)
-    radius: float = option(..., "radius of the bend, from its centre to the pipe's axis", "m", ge=1e-3, le=1e4, strict=True)
+    radius: float = option(
+        ..., "radius of the bend, from its centre to the pipe's axis", "m", ge=1e-3, le=1e4, strict=True
+    )
     roll_deg: float = option(
-        0.0, "direction of the turn, as on a clock seen downstream: 0 up, 90 right, 180 down, 270 left", "deg", ge=-360, le=360
+        0.0,
+        "direction of the turn, as on a clock seen downstream: 0 up, 90 right, 180 down, 270 left",
+        "deg",
+        ge=-360,
+        le=360,
     )
 
 
@@ -55,7 +61,11 @@ class _Junction(_Part):
 
     branch_radius: float = option(..., "radius of the bore of the branch", "m", ge=1e-3, le=100, strict=True)
     roll_deg: float = option(
-        0.0, "direction of the branch, as on a clock seen downstream: 0 up, 90 right, 180 down, 270 left", "deg", ge=-360, le=360
+        0.0,
+        "direction of the branch, as on a clock seen downstream: 0 up, 90 right, 180 down, 270 left",
+        "deg",
+        ge=-360,
+        le=360,
     )
     share: float = option(..., "share of the water that leaves by the branch", ge=0, le=1, strict=True)
     fillet: float | None = option(
@@ -79,7 +89,9 @@ class WyePart(_Junction):
     """A junction whose branch leaves at another angle."""
 
     kind: Literal["wye"] = option("wye", "kind of the part")
-    angle_deg: float = option(60.0, "angle between the run's downstream axis and the branch", "deg", ge=30, le=150)
+    angle_deg: float = option(
+        60.0, "angle between the run's downstream axis and the branch", "deg", ge=30, le=150
+    )
 
 
 PARTS: dict[str, type[_Part]] = {

@@ -35,11 +35,15 @@ class Segment(Table):
 class Pipe(Table):
     """A pipe from the inlet to its outlets: one segment by its coordinates, or parts; open water without either."""
 
-    segments: tuple[Segment, ...] = option((), "the segment of a straight pipe, by its coordinates", max_length=1)
+    segments: tuple[Segment, ...] = option(
+        (), "the segment of a straight pipe, by its coordinates", max_length=1
+    )
     radius: float | None = option(
         None, "radius of the bore at the inlet, of a pipe with parts", "m", ge=1e-3, le=100, strict=True
     )
-    start: Vector | None = option(None, "centre of the inlet of a pipe with parts; by default the origin", "m")
+    start: Vector | None = option(
+        None, "centre of the inlet of a pipe with parts; by default the origin", "m"
+    )
     direction: Vector | None = option(
         None, "direction downstream at the inlet of a pipe with parts; by default along x"
     )
@@ -53,9 +57,13 @@ class Pipe(Table):
                     raise ValueError(f"pipe.{name} is that of a pipe with parts: add [[pipe.parts]]")
             return self
         if self.segments:
-            raise ValueError("pipe.segments and pipe.parts describe the same pipe: remove one of them (pipe.segments = [])")
+            raise ValueError(
+                "pipe.segments and pipe.parts describe the same pipe: remove one of them (pipe.segments = [])"
+            )
         if self.radius is None:
-            raise ValueError("pipe.radius is missing: the radius of the bore at the inlet of a pipe with parts, m")
+            raise ValueError(
+                "pipe.radius is missing: the radius of the bore at the inlet of a pipe with parts, m"
+            )
         if self.direction is not None and not np.linalg.norm(self.direction) > 1e-9:
             raise ValueError("pipe.direction has no length")
         _lay_out(self)
@@ -119,8 +127,8 @@ def _lay_out(pipe: Pipe) -> Layout:
         assert pipe.radius is not None
         start, direction = pipe.start or (0.0, 0.0, 0.0), pipe.direction or (1.0, 0.0, 0.0)
         return lay_out(pipe.parts, np.array(start), np.array(direction), pipe.radius)
-    tables, start, axis, radius = [], np.zeros(3), np.array([1.0, 0.0, 0.0]), 1.0
     for segment in pipe.segments:
-        start, axis, radius = np.array(segment.start), np.subtract(segment.end, segment.start), segment.radius
-        tables = [StraightPart.model_construct(length=float(np.linalg.norm(axis)))]
-    return lay_out(tables, start, axis, radius)
+        axis = np.subtract(segment.end, segment.start, dtype=np.float64)
+        part = StraightPart.model_construct(length=float(np.linalg.norm(axis)))
+        return lay_out([part], np.array(segment.start), axis, segment.radius)
+    return Layout((), ())

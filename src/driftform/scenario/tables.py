@@ -1,10 +1,11 @@
 """The tables of a scenario: pipe, flow, fluid, release, contact, targets. Validated here, read by kernels as arrays."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
+from driftform.errors import did_you_mean
 from driftform.options import Table, option
 from driftform.scenario.flow import (
     DevelopingFlow,
@@ -127,7 +128,14 @@ class Robustness(Table):
     drag: float = option(0.2, "of drag and damping, relative to them", ge=0, le=0.3)
 
 
-def _check_names(targets: dict[str, Vector]) -> dict[str, Vector]:
+Target: TypeAlias = Annotated[
+    Annotated[Vector, Tag("point")] | Annotated[str, Tag("outlet")],
+    Discriminator(lambda value: "outlet" if isinstance(value, str) else "point"),
+]
+"""A point in the world frame, or the name of an outlet, whose centre is the point."""
+
+
+def _check_names(targets: dict[str, Target]) -> dict[str, Target]:
     for name in targets:
         if not name.replace("-", "").replace("_", "").isalnum():
             raise ValueError(
@@ -148,9 +156,9 @@ class Scenario(Table):
     robustness: Robustness = Field(
         default=Robustness(), description="disturbances of the finalists' flights, and their score"
     )
-    targets: Annotated[dict[str, Vector], AfterValidator(_check_names)] = Field(
+    targets: Annotated[dict[str, Target], AfterValidator(_check_names)] = Field(
         default={},
-        description="points to reach: name and position in the world frame",
+        description="points to reach: name and position in the world frame, or the name of an outlet",
         json_schema_extra={"unit": "m"},
     )
 
@@ -184,25 +192,46 @@ class Scenario(Table):
                 "" if self.release.frame == "world" else " (it is relative to the inlet: see release.frame)"
             )
             raise ValueError(f"release.position = {list(self.release.position)} lies outside the pipe{where}")
-        for name, point in self.targets.items():
-            if not self.pipe.contains(point):
-                raise ValueError(f"targets.{name} = {list(point)} lies outside the pipe")
+        self._check_targets()
         return self
+
+    def _check_targets(self) -> None:
+        outlets = {outlet.name: outlet.opening.centre for outlet in self.pipe.layout.outlets}
+        for name, target in self.targets.items():
+            if isinstance(target, str):
+                if target not in outlets:
+                    raise ValueError(
+                        f"targets.{name} = '{target}': the pipe has no such outlet{did_you_mean(target, outlets)}"
+                    )
+            elif not self.pipe.contains(target):
+                raise ValueError(f"targets.{name} = {list(target)} lies outside the pipe")
 
     @property
     def target_names(self) -> tuple[str, ...]:
         """Names of the targets, in the order of every fitness vector."""
         return tuple(self.targets)
 
+    def target_points(self) -> dict[str, Vector]:
+        """Return the positions of the targets in the world frame, m, by name; that of an outlet is its centre."""
+        openings = {outlet.name: outlet.opening for outlet in self.pipe.layout.outlets}
+        points: dict[str, Vector] = {}
+        for name, target in self.targets.items():
+            if isinstance(target, str):
+                x, y, z = openings[target].centre.tolist()
+                points[name] = (x, y, z)
+            else:
+                points[name] = target
+        return points
+
     def target_array(self) -> FloatArray:
         """Return the positions of the targets in the world frame, m, (targets, 3)."""
-        return np.array(list(self.targets.values()), dtype=np.float64).reshape(-1, 3)
+        return np.array(list(self.target_points().values()), dtype=np.float64).reshape(-1, 3)
 
     def direction(self) -> FloatArray:
         """Return the unit vector downstream at the inlet, in the world frame, (3,); along x in open water."""
         if self.pipe.is_open:
             return np.array([1.0, 0.0, 0.0])
-        return self.pipe.layout.inlet.axes[0]
+        return np.asarray(self.pipe.layout.inlet.axes[0])
 
     def current(self) -> FloatArray:
         """Return the mean velocity of the water at the inlet, in the world frame, m/s, (3,)."""
