@@ -198,11 +198,12 @@ class Reducer(PipePart):
     def bore_radii(self, x: FloatArray) -> FloatArray:
         """Return the radius of the bore at ``x`` (m) from the entry, m, (n,)."""
         x = np.clip(x, 0.0, self.taper)
-        sign, arc = math.copysign(1.0, self.narrow - self.radius), self.arc_radius
-        first, second = x, self.taper - x
-        early = self.radius + sign * (arc - np.sqrt(arc**2 - first**2))
-        late = self.narrow - sign * (arc - np.sqrt(arc**2 - second**2))
-        return np.asarray(np.where(first < second, early, late))
+        # Both arcs end half way.
+        near = np.minimum(x, self.taper - x)
+        rise = math.copysign(1.0, self.narrow - self.radius) * (
+            self.arc_radius - np.sqrt(self.arc_radius**2 - near**2)
+        )
+        return np.asarray(np.where(2 * x < self.taper, self.radius + rise, self.narrow - rise))
 
     def list_exits(self) -> tuple[Opening, ...]:
         """Return the downstream end."""

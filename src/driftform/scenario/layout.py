@@ -33,10 +33,10 @@ TIGHTEST_BEND = 1.05
 SHORTEST_REDUCER = 2.0
 """Least length of a reducer over the change of its radius: its wall is then nowhere steeper than 53 degrees."""
 
-FILLETS = (0.05, 0.5)
+FILLETS = (0.1, 0.5)
 """Least and greatest rounding of a junction's edge over the radius of the branch: a sharp edge has an infinite velocity."""
 
-USUAL_FILLET = 0.1
+USUAL_FILLET = 0.2
 
 _MOST_SAMPLES = 400
 """Most points of the axis of a part at which collisions are looked for."""

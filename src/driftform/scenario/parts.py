@@ -70,7 +70,7 @@ class _Junction(_Part):
     share: float = option(..., "share of the water that leaves by the branch", ge=0, le=1, strict=True)
     fillet: float | None = option(
         None,
-        "radius of the rounded edge where the bores meet; by default a tenth of the branch's radius",
+        "radius of the rounded edge where the bores meet; by default a fifth of the branch's radius",
         "m",
         ge=1e-6,
         le=100,
