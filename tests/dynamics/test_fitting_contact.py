@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from driftform.dynamics.contact import deepest_depth
 from driftform.dynamics.fitting_contact import deepest_rim_point, touch_fitting
-from driftform.dynamics.fitting_walls import PART, fitting_gap
+from driftform.dynamics.fitting_walls import fitting_gap
 from driftform.dynamics.fittings import rim_spacing, wall_rows
 from driftform.dynamics.flight import energies, release_state
 from driftform.dynamics.integrator import Accuracy, integrate_once
@@ -58,6 +58,11 @@ def agent_of(body):
     return solid_agent(body, 1000.0, Coefficients(np.diag([0.01, 0.03, 0.03, 0.0, 1e-5, 1e-5])))
 
 
+def rows_of(surfaces):
+    """The surfaces of a model, with what only straight pipes and friction ask for."""
+    return np.column_stack([surfaces, np.zeros(len(surfaces)), np.ones(len(surfaces))])
+
+
 def vector(values):
     return tuple(float(value) for value in values)
 
@@ -69,10 +74,10 @@ def test_the_deepest_point_of_a_rim_is_that_of_many_points_around_it(name):
     angles, checked = np.linspace(0, 2 * np.pi, 2000, endpoint=False), 0
     for placed in scenario.pipe.layout.parts:
         for axis in placed.part.list_axes(0.01):
-            for k in rng.integers(len(axis.points), size=12):
+            for k in rng.integers(len(axis.points), size=40):
                 r = float(rng.uniform(0.1, 0.5) * axis.radii[k])
                 turned = Rotation.random(random_state=int(rng.integers(2**31))).as_matrix()
-                centre = axis.points[k] + rng.uniform(0, 1) * (axis.radii[k] - 0.6 * r) * turned[0]
+                centre = axis.points[k] + rng.uniform(0.8, 1) * (axis.radii[k] - 0.6 * r) * turned[0]
                 gap, normal, _ = fitting_gap(vector(centre), f)
                 if gap > r or abs(normal @ turned[2]) > 0.99:
                     continue
@@ -89,7 +94,7 @@ def test_the_deepest_point_of_a_rim_is_that_of_many_points_around_it(name):
                     checked += 1
                     assert np.linalg.norm(lever) == pytest.approx(r, rel=1e-5)
                     assert np.cross(turned[2], lever) @ np.array(wall) == pytest.approx(0, abs=1e-5 * r)
-    assert checked > 3
+    assert checked > 20
 
 
 def test_a_rim_flat_against_the_wall_touches_with_its_centre():
@@ -102,13 +107,20 @@ def test_a_rim_flat_against_the_wall_touches_with_its_centre():
     assert point == pytest.approx(centre, abs=1e-6)
 
 
-@pytest.mark.parametrize("make", [lambda: cylinder_body(0.1, 0.02), lambda: dome_body(0.1, 0.02)])
+@pytest.mark.parametrize("make", [lambda: cylinder_body(0.1, 0.02), lambda: dome_body(0.03)])
 def test_rims_are_added_until_no_flank_is_longer_than_the_spacing(make):
     body, spacing = make(), 0.004
     plain, refined = touching_surfaces(body), refined_surfaces(body, spacing)
     assert refined[: len(plain)] == pytest.approx(plain)
     rims = refined[refined[:, 2] == 0.0]
     domes = refined[refined[:, 2] > 0.0]
+    # A dome ends in a rim of its own.
+    ends = [
+        (x + radius * s, radius * math.sqrt(1 - s * s), 0, 0, 0)
+        for x, _, radius, *sines in domes
+        for s in sines
+    ]
+    rims = np.vstack([rims, *ends])
     # Every point of the contour is within half a spacing of a rim, or on a dome.
     outer = np.concatenate(
         [np.linspace(a, b, 50) for a, b in zip(body.outer[:-1], body.outer[1:], strict=True)]
@@ -132,27 +144,20 @@ def test_a_flank_touches_the_inside_of_a_bend_between_its_corners():
     f, body = walls_of(scenario), cylinder_body(0.16, 0.01)
     inward = np.array([-math.sin(1.0), 0.0, math.cos(1.0)])
     along = np.array([math.cos(1.0), 0.0, math.sin(1.0)])
-    # Its middle lies 0.1 mm deep in the wall on the inside of the bend, and its ends are clear.
-    middle = np.array([0.3, 0.0, 0.2]) - (0.1 + 0.01 - 1e-4) * inward
+    # Its middle lies half a millimetre deep in the wall on the inside of the bend, and its ends are clear.
+    middle = np.array([0.3, 0.0, 0.2]) - (0.1 + 0.01 - 5e-4) * inward
     model = flight_model(agent_of(body), still_scenario([{"length": 1.0}]))
-    rows = np.column_stack(
-        [
-            refined_surfaces(body, rim_spacing(scenario.pipe.layout)),
-            np.zeros((1, 2)).repeat(1, axis=0).repeat(1, axis=0)[:0].sum(axis=0)
-            * np.ones((len(refined_surfaces(body, rim_spacing(scenario.pipe.layout))), 2)),
-        ]
-    )
     y = np.array([0.0, 1.0, 0.0])
-    R = np.column_stack([along, y, np.cross(along, y)])
-    rotation = tuple(vector(row) for row in R)
-    found = deepest_depth(vector(middle), rotation, model._replace(surfaces=rows, fittings=f))
-    assert found == pytest.approx(1e-4, abs=2e-5)
-    few = model._replace(surfaces=rows[: len(touching_surfaces(body))], fittings=f)
-    assert deepest_depth(vector(middle), rotation, few) == 0.0
+    R = tuple(vector(row) for row in np.column_stack([along, y, np.cross(along, y)]))
+    rows = rows_of(refined_surfaces(body, rim_spacing(scenario.pipe.layout)))
+    found = deepest_depth(vector(middle), R, model._replace(surfaces=rows, fittings=f))
+    assert 3e-4 <= found <= 5e-4
+    few = rows_of(touching_surfaces(body))
+    assert deepest_depth(vector(middle), R, model._replace(surfaces=few, fittings=f)) == 0.0
 
 
 @pytest.mark.parametrize("name", PIPES)
-@pytest.mark.parametrize("make", [lambda: cylinder_body(0.05, 0.015), lambda: dome_body(0.05, 0.015)])
+@pytest.mark.parametrize("make", [lambda: cylinder_body(0.05, 0.015), lambda: dome_body(0.02)])
 def test_a_body_that_bounces_without_loss_keeps_its_energy_and_stays_inside(name, make):
     scenario = still_scenario(
         PIPES[name], position=[0.25, 0.01, 0.02], pitch_deg=-20.0, yaw_deg=15.0, velocity=[0.5, 0.11, 0.23]
@@ -160,8 +165,7 @@ def test_a_body_that_bounces_without_loss_keeps_its_energy_and_stays_inside(name
     agent = agent_of(make())
     open_model = flight_model(agent, still_scenario([{"length": 1.0}]))
     spacing = rim_spacing(scenario.pipe.layout)
-    surfaces = refined_surfaces(agent.body, spacing)
-    rows = np.column_stack([surfaces, np.zeros(len(surfaces)), np.ones(len(surfaces))])
+    rows = rows_of(refined_surfaces(agent.body, spacing))
     model = open_model._replace(surfaces=rows, fittings=walls_of(scenario), pipe=np.empty((0, 8)))
     start = release_state(open_model, scenario)
     start[10:] = (3.0, 1.0, -2.0)
@@ -178,4 +182,3 @@ def test_a_body_that_bounces_without_loss_keeps_its_energy_and_stays_inside(name
     assert touching > 20
     assert deepest < 1e-3
     assert np.ptp(clear) < 0.01 * np.mean(clear)
-    assert PART > 0
