@@ -28,7 +28,7 @@ from driftform.study import load_study
 from driftform.testing.textbook import distance_from_textbook, random_case
 
 for simulator in ("native", "exudyn"):
-    for name in ("pipe-inspection", "water-main"):
+    for name in ("paper", "pipe-inspection"):
         pipeline = load_study(name, use={"simulator": simulator}, run={"seed": 0}).make_pipeline()
         genome = pipeline.grammar.random(np.random.default_rng(0))
         pipeline.simulator.simulate(pipeline.make_agent(genome), pipeline.scenario)
@@ -337,9 +337,9 @@ def finished_run(
     """A small real run, and what the program said; not to be changed."""
     cwd = tmp_path_factory.mktemp("finished")
     result = run(
-        "evolve",
+        *("evolve", "paper"),
         *("--evaluations", 20, "--target", "TP1", "--target", "TP7", "--seed", 1, "--workers", 1),
-        *("--strategy", "paper", "--out", "run", "--json"),
+        *("--out", "run", "--json"),
         cwd=cwd,
     )
     assert result.returncode == 0, result.stderr

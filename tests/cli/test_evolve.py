@@ -58,7 +58,7 @@ BEST = ("agent.json", "trajectory.csv", "section.svg", "agent.stl")
 
 
 def test_the_study_is_kept_as_it_was_given(finished_run: Finished) -> None:
-    assert (finished_run[0] / "study.toml").read_text() == read_scenarios()["pipe-inspection"]
+    assert (finished_run[0] / "study.toml").read_text() == read_scenarios()["paper"]
 
 
 def test_the_resolved_study_loads_as_the_same_study(finished_run: Finished) -> None:

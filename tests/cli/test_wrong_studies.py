@@ -111,7 +111,7 @@ def load_and_list(settings: list[str]) -> list[str]:
 
 
 def test_the_built_in_scenarios_give_no_warning() -> None:
-    for name in ("pipe-inspection", "water-main"):
+    for name in ("paper", "pipe-inspection"):
         assert list_warnings(load_study(name)) == []
 
 

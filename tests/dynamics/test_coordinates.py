@@ -13,7 +13,7 @@ from driftform.dynamics.rotations import quaternion_from_rotation_vector, rotati
 from driftform.scenario import Contact, Fluid, Pipe, Release, Scenario, Segment, TurbulentFlow
 from driftform.study import load_study
 
-PIPELINE = load_study().make_pipeline()
+PIPELINE = load_study("paper").make_pipeline()
 CALM = PIPELINE.scenario
 SHEARED = CALM.model_copy(update={"flow": TurbulentFlow(seed=3)})
 WILD = CALM.model_copy(

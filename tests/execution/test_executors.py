@@ -40,7 +40,7 @@ def study_of(timeout: float = 60.0, **options: Any) -> Study:
 
 @pytest.fixture(scope="module")
 def jobs() -> list[Job]:
-    grammar = load_study().make_plugin("grammar")
+    grammar = load_study("paper").make_plugin("grammar")
     rng = np.random.default_rng(5)
     return [Job(10 + index, grammar.random(rng)) for index in range(COUNT)]
 

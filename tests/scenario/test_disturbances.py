@@ -69,7 +69,7 @@ def test_the_same_seed_draws_the_same_conditions_and_another_one_others():
 
 
 def test_a_condition_without_deviations_changes_nothing():
-    scenario = load_study("pipe-inspection").scenario
+    scenario = load_study("paper").scenario
     assert disturb_scenario(CALM, scenario) == scenario
     assert hull_mass(disturb_body(CALM, hollow_body())) == hull_mass(hollow_body())
 

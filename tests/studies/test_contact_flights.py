@@ -106,7 +106,7 @@ def history(agent, trajectory: Trajectory, radius: float) -> str:
 
 def test_a_tighter_tolerance_changes_no_fitness(flown, publish, sensitivity):
     agents, fly = flown
-    scenario = load_study().scenario
+    scenario = load_study("paper").scenario
     lines, kept, others = list(HEAD), [], {}
     for use in SIMULATORS:
         for tightened in (True, False):
@@ -130,7 +130,7 @@ def test_a_tighter_tolerance_changes_no_fitness(flown, publish, sensitivity):
 
 def test_both_simulators_find_the_same_fitness(flown, publish, sensitivity):
     agents, fly = flown
-    scenario = load_study().scenario
+    scenario = load_study("paper").scenario
     native, exudyn = (fly(use) for use in SIMULATORS)
     change = changes(native, exudyn)
     away = [

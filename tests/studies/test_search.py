@@ -26,7 +26,7 @@ SEARCHES = (("paper", 500), ("random", 500), ("evolution", 500), ("random", 2000
 
 def study_of(strategy: str, flights: int, seed: int) -> Study:
     use = {"strategy": strategy, "simulator": "native"}
-    return load_study("pipe-inspection", use=use, run={"seed": seed, "evaluations": flights})
+    return load_study("paper", use=use, run={"seed": seed, "evaluations": flights})
 
 
 @pytest.fixture(scope="module")

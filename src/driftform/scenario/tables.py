@@ -86,7 +86,7 @@ class Robustness(Table):
     """
 
     conditions: int = option(
-        0,
+        20,
         "disturbed flights of each finalist, by which the best is chosen; 0 to choose by the undisturbed flight alone",
         ge=0,
         le=10_000,
