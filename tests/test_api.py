@@ -24,7 +24,7 @@ WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 
 def small(**run: int) -> Study:
     return df.load_study(
-        "pipe-inspection",
+        "paper",
         targets=["TP3", "TP7"],
         use={"simulator": "native"},
         run={"seed": 1, "evaluations": 20, **run},
@@ -156,7 +156,7 @@ def test_a_script_needs_no_guard_for_its_workers(run: Run, tmp_path: Path) -> No
     script = tmp_path / "script.py"
     script.write_text(
         "import driftform as df\n"
-        "study = df.load_study('pipe-inspection', targets=['TP3', 'TP7'], use={'simulator': 'native'},\n"
+        "study = df.load_study('paper', targets=['TP3', 'TP7'], use={'simulator': 'native'},\n"
         "                      run={'seed': 1, 'evaluations': 20})\n"
         "print(df.evolve(study, 'run', workers=2, progress=False).best())\n"
         "print(__file__)\n"
@@ -278,5 +278,5 @@ def test_a_study_shows_its_plugins_and_targets_and_fits_a_line() -> None:
 
 
 def test_names_of_others_are_text_in_html() -> None:
-    study = df.load_study("pipe-inspection", ['title="<script>alert(1)</script>"'], run={"seed": 1})
+    study = df.load_study("paper", ['title="<script>alert(1)</script>"'], run={"seed": 1})
     assert "<script>" not in study._repr_html_()

@@ -13,7 +13,7 @@ Program = Callable[..., subprocess.CompletedProcess[str]]
 
 pytestmark = pytest.mark.usefixtures("fakes")
 
-STUDY = ("evolve", "--strategy", "paper", "--simulator", "fake", "--target", "TP1", "--evaluations", 4)
+STUDY = ("evolve", "paper", "--simulator", "fake", "--target", "TP1", "--evaluations", 4)
 RUN = ("--seed", 1, "--workers", 1, "--out", "run")
 
 

@@ -9,6 +9,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from driftform.agents.departures import list_departures
 from driftform.agents.flight import Flight
 from driftform.agents.inspection import compare_added_mass, inspect_agent
 from driftform.errors import InputError, WorkFailedError, describe_error
@@ -157,9 +158,17 @@ class Design:
         """Return the agent as exporters and recorders receive it."""
         return ExportJob(self.name, self.agent, self.scenario, agent_document(self.stored))
 
+    def list_departures(self) -> list[str]:
+        """Return in what water, pipe, wall and weight depart from those that a run evolved it for, one line each."""
+        if not self.result:
+            return []
+        design = load_study(Document(self.name, self.stored.environment), run={"seed": 0}).make_pipeline()
+        return list_departures(self.agent, self.pipeline, design.make_agent(self.stored.genome), design)
+
     def inspect(self) -> dict[str, Any]:
         """Return what ``driftform inspect --json`` prints; some of it takes flights."""
-        return inspect_agent(self.pipeline, self.agent, self.name, self.result.get("target"))
+        found = inspect_agent(self.pipeline, self.agent, self.name, self.result.get("target"))
+        return found | {"warnings": [*found["warnings"], *self.list_departures()]}
 
     def compare_added_mass(self) -> dict[str, Any]:
         """Return the added mass, (6, 6), about the centre of buoyancy by each hydrodynamics model installed."""

@@ -87,6 +87,9 @@ def simulate(
     if film is not None:
         with count_progress("frames") as progress:
             design.film(film, renderer=renderer, flight=flight, progress=progress)
+    departures = design.list_departures()
+    for line in departures:
+        typer.echo(f"warning: {line}", err=True)
     misses = None
     if robust:
         with count_progress("disturbed flights") as progress:
@@ -111,6 +114,7 @@ def simulate(
                 "picture": str(svg),
                 "film": None if film is None else str(film),
                 "still": None if still is None else str(still),
+                "warnings": departures,
                 "disturbed": misses and _document(misses, flight.scenario.target_names),
             }
         )
