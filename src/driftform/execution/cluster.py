@@ -77,8 +77,12 @@ class Cluster(PoolExecutor):
                     dashboard_address=None,
                     memory_limit=0,
                     silence_logs=logging.CRITICAL,
-                    # WorkerGroup finds the genome to blame for a death, as with local processes.
-                    scheduler_kwargs={"allowed_failures": 0},
+                    scheduler_kwargs={
+                        # Without a dashboard, too, the scheduler serves its state: here on any free port.
+                        "dashboard_address": "127.0.0.1:0",
+                        # WorkerGroup finds the genome to blame for a death, as with local processes.
+                        "allowed_failures": 0,
+                    },
                 )
                 client = distributed.Client(cluster, timeout=CONNECT_TIMEOUT_S, set_as_default=False)
         except Exception as error:
