@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from driftform.execution import InProcess
+from driftform.runs.disturbed import draw_rounds
 from driftform.runs.finalists import (
     choose_finalists,
-    draw_rounds,
     find_best_agent,
     find_winner,
     fly_finalists,
@@ -26,6 +26,7 @@ SETTINGS = ("robustness.conditions=4", "robustness.finalists=2", "robustness.che
 
 def study_of(*settings: str) -> Study:
     return load_study(
+        "paper",
         settings=(*SETTINGS, *settings),
         targets=["TP2", "TP6"],
         use={"simulator": "native", "strategy": "random"},

@@ -11,9 +11,10 @@ import pytest
 
 from driftform.errors import InputError, WorkFailedError
 from driftform.execution import InProcess, Job, Outcome
+from driftform.faults import check_fitness
 from driftform.pipeline import MARGIN
 from driftform.runs.results import write_results
-from driftform.runs.search import BestFitness, check_fitness, run_search
+from driftform.runs.search import BestFitness, run_search
 from driftform.runs.store import Record, Store
 from driftform.study import Study, load_study
 from driftform.types import Evaluation, Genome
@@ -23,7 +24,7 @@ pytestmark = pytest.mark.usefixtures("fakes")
 
 def study_of(*settings: str, evaluations: int = 25, strategy: str = "paper", **more: Any) -> Study:
     return load_study(
-        None,
+        "paper",
         settings,
         use={"simulator": "fake", "strategy": strategy},
         targets=["TP1", "TP6"],

@@ -21,7 +21,7 @@ from driftform.printing.check import check_print_job, list_formats, require_find
 from driftform.printing.exporter_settings import list_kit_settings
 from driftform.printing.trim import LEAD, measure_kit, trim_agent, weigh_print
 from driftform.runs.agent_file import StoredAgent, agent_document
-from driftform.runs.finalists import find_offsets
+from driftform.runs.disturbed import find_offsets
 from driftform.scenario import Scenario
 from driftform.scenario.disturbances import draw_conditions
 from driftform.study import Document, Study, load_study

@@ -91,8 +91,18 @@ class Robustness(Table):
         ge=0,
         le=10_000,
     )
+    survey: int = option(
+        2,
+        "disturbed flights, among those of the choice, of each agent that may be among the best of the search; the search "
+        "goes by their mean fitness, or by that of the undisturbed flight if 0",
+        ge=0,
+        le=10_000,
+    )
     finalists: int = option(
-        5, "finalists for each target: the agents with the best undisturbed flights", gt=0, le=10_000
+        4,
+        "finalists for each target: the agents that are the best by what the search goes by",
+        gt=0,
+        le=10_000,
     )
     score: Literal["mean", "quantile", "worst"] = option(
         "quantile", "score of a finalist, from its fitness over all conditions"

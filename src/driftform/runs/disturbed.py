@@ -1,0 +1,79 @@
+"""Flights of evaluations under disturbed conditions: each is flown once, and stored as it arrives."""
+
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+
+from driftform.execution import Executor, Job
+from driftform.faults import check_fitness
+from driftform.runs.store import DisturbedResult, Store
+from driftform.scenario import Robustness, evaluation_seed
+from driftform.scenario.disturbances import Condition, draw_conditions
+from driftform.study import Study
+from driftform.trajectory.approach import find_approaches
+from driftform.types import Evaluation, FloatArray
+
+
+def draw_rounds(robustness: Robustness, seed: int) -> tuple[Condition, ...]:
+    """Return the conditions of the choice, and after them those of the promise, for a run with this seed."""
+    return (
+        *draw_conditions(robustness, robustness.conditions, (seed, 0)),
+        *draw_conditions(robustness, robustness.checks, (seed, 1)),
+    )
+
+
+def fly_disturbed(
+    study: Study,
+    store: Store,
+    executor: Executor,
+    conditions: Sequence[Condition],
+    wanted: Iterable[tuple[int, int]],
+    on_flights: Callable[[int], None] = lambda _: None,
+    threshold: tuple[float, ...] | None = None,
+) -> int:
+    """Fly each missing pair of an evaluation and a condition, and store it; return the number of all pairs.
+
+    Parameters
+    ----------
+    conditions
+        all of them; a pair holds the index of one.
+    wanted
+        pairs of an evaluation and a condition.
+    on_flights
+        called with the number of pairs that are done.
+    threshold
+        that of :class:`driftform.execution.Job`.
+    """
+    targets = study.scenario.target_names
+    points = study.scenario.target_array()
+    pairs = list(wanted)
+    done = store.list_disturbed()
+    missing = [pair for pair in pairs if pair not in done]
+    genomes = {index: store.read_record(index, targets).candidate.genome for index in {i for i, _ in missing}}
+    jobs = [
+        Job(number, genomes[index], evaluation_seed(study.seed, index), conditions[condition], threshold)
+        for number, (index, condition) in enumerate(missing)
+    ]
+    count = len(pairs) - len(missing)
+    on_flights(count)
+    for arrived in executor.evaluate(jobs):
+        store.add_disturbed(
+            [
+                DisturbedResult(
+                    *missing[number], checked.fitness, find_offsets(checked, points), checked.failure
+                )
+                for number, checked in ((n, check_fitness(e, targets)) for n, e in arrived)
+            ],
+            targets,
+        )
+        count += len(arrived)
+        on_flights(count)
+    return len(pairs)
+
+
+def find_offsets(evaluation: Evaluation, points: FloatArray) -> FloatArray:
+    """Return the vector from each of ``points`` (n, 3) to the closest approach, m, (n, 3); NaN if the flight failed."""
+    if evaluation.failure is not None or evaluation.trajectory is None:
+        return np.full(points.shape, np.nan)
+    approaches = find_approaches(evaluation.trajectory, points)
+    return np.array([approach.position for approach in approaches]).reshape(points.shape) - points
