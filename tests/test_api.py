@@ -65,7 +65,7 @@ def test_a_name_is_imported_when_it_is_asked_for_and_not_before() -> None:
 def test_evolve_leaves_the_run_that_the_command_leaves(run: Run, tmp_path: Path) -> None:
     words = ["--target", "TP3", "--target", "TP7", "--simulator", "native", "--evaluations", "20"]
     result = CliRunner().invoke(
-        app, ["evolve", *words, "--seed", "1", "--workers", "1", "--out", str(tmp_path / "run")]
+        app, ["evolve", "paper", *words, "--seed", "1", "--workers", "1", "--out", str(tmp_path / "run")]
     )
     assert result.exit_code == 0, result.stderr
     for target in run:

@@ -13,6 +13,7 @@ FIGURE_2 = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 Call = Callable[..., Any]
 
 
+@pytest.mark.usefixtures("ideal_water")
 def test_an_agent_opens_by_its_file_by_its_run_and_by_its_text(
     finished_run: tuple[Path, Any], call: Call
 ) -> None:

@@ -45,7 +45,10 @@ OUT = ("--evaluations", 1, "--workers", 1, "--out", "run")
             ("--set", "flow.kind=parabolic"),
             ["--set flow.kind=parabolic", "unknown kind", "known: developing"],
         ),
-        (("--set", "flow.exponent=7"), ["'exponent' in [flow] of kind 'uniform'; known: ", "kind, speed"]),
+        (
+            ("--set", "flow.exponent=7"),
+            ["'exponent' in [flow] of kind 'log_law'; known: ", "kind, roughness, speed"],
+        ),
         (
             ("--set", "builder.hull_density=-5"),
             ["builder.hull_density = -5", "greater than or equal to 1 kg/m3"],

@@ -64,8 +64,7 @@ def test_a_simulator_that_misbehaves_fails_the_evaluation_by_name(call: Call, de
 def test_a_strategy_that_misbehaves_stops_the_run_by_name_and_again_on_resume(
     call: Call, deed: str, text: str
 ) -> None:
-    arguments = [word if word != "paper" else "deed" for word in STUDY]
-    result = call(*arguments, "--set", f"strategy.deed='{deed}'", *RUN)
+    result = call(*STUDY, "--strategy", "deed", "--set", f"strategy.deed='{deed}'", *RUN)
     assert result.exit_code == 1
     assert last_line(result).startswith(f"error: {text}")
     result = call("resume", "run", "--workers", 1)

@@ -133,13 +133,13 @@ def test_without_json_a_table_and_where_the_files_are(call: Callable[..., Any], 
     assert "of 10 targets are reached" in lines[11]
     assert lines[12].startswith("3 evaluations (0 failed) in ")
     assert lines[12].endswith("seed 7")
-    assert Path("runs/pipe-inspection-1/figures/overview.svg").is_file()
+    assert Path("runs/paper-1/figures/overview.svg").is_file()
 
 
 def test_a_seed_that_was_drawn_is_recorded(call: Callable[..., Any], fakes: None) -> None:
     args = ("evolve", "paper", "--evaluations", 2, "--workers", 1, "--simulator", "fake", "--json")
     documents = [json.loads(call(*args).stdout) for _ in range(2)]
-    assert [document["run"] for document in documents] == [f"runs/pipe-inspection-{n}" for n in (1, 2)]
+    assert [document["run"] for document in documents] == [f"runs/paper-{n}" for n in (1, 2)]
     for document in documents:
         environment = json.loads((Path(document["run"]) / "environment.json").read_text())
         assert environment["seed"] == document["seed"]

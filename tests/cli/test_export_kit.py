@@ -8,6 +8,8 @@ from typing import Any
 import pytest
 import trimesh
 
+pytestmark = pytest.mark.usefixtures("ideal_water")
+
 LONG = (
     "addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addB-tiltn-1-L-moveB-addB-tiltn-1-L-moveB"
 )

@@ -9,6 +9,8 @@ import pytest
 
 from driftform.types import WrittenFile
 
+pytestmark = pytest.mark.usefixtures("ideal_water")
+
 Call = Callable[..., Any]
 Refused = Callable[..., str]
 

@@ -16,6 +16,8 @@ from driftform.errors import InputError
 from driftform.study import load_study
 from driftform.study.advice import list_warnings
 
+pytestmark = pytest.mark.usefixtures("ideal_water")
+
 Call = Callable[..., Any]
 
 PIPE = "pipe.segments=[{start=[0,0,0],end=[%s],radius=%s}]"

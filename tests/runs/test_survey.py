@@ -50,9 +50,8 @@ def fly_batch(
 ) -> tuple[list[Evaluation], list[Evaluation]]:
     """The undisturbed flights, and what a strategy receives for them."""
     executor = InProcess(study.make_pipeline())
-    flown = dict(
-        executor.evaluate([Job(i, c.genome) for i, c in enumerate(candidates)]).__iter__().__next__()
-    )
+    jobs = [Job(number, candidate.genome) for number, candidate in enumerate(candidates)]
+    flown = dict(chain.from_iterable(executor.evaluate(jobs)))
     flights = [flown[i] for i in range(len(candidates))]
     store.add([Record(i, c, e, 0) for i, (c, e) in enumerate(zip(candidates, flights, strict=True))], TARGETS)
     return flights, survey(study, store, executor, 0, candidates, flights)

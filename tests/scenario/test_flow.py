@@ -54,7 +54,7 @@ def test_every_kind_of_flow_is_known_by_its_name_and_survives_a_round_trip():
         assert type(whole.flow) is model
         assert whole.flow.kind == kind
         assert Scenario.model_validate(whole.model_dump(mode="json")) == whole
-        study = load_study(settings=[f"flow.kind={kind}"], run={"seed": 1})
+        study = load_study("paper", [f"flow.kind={kind}"], run={"seed": 1})
         assert study.scenario.flow == model()
         assert study.document["flow"]["kind"] == kind
 
@@ -126,8 +126,8 @@ def test_an_invalid_flow_is_refused_by_its_key_and_not_by_its_table(kind, key, v
         (
             ["flow.exponent=7"],
             [
-                "--set flow.exponent=7: unknown key 'exponent' in [flow] of kind 'uniform'; known: ",
-                "kind, speed",
+                "--set flow.exponent=7: unknown key 'exponent' in [flow] of kind 'log_law'; known: ",
+                "kind, roughness, speed",
             ],
         ),
         (["flow.kind=power_law", "flow.exponent=x"], ["flow.exponent = 'x'", "should be a number"]),

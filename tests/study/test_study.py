@@ -45,7 +45,7 @@ def test_a_file_contains_only_what_differs_from_its_base(write: Write) -> None:
     study = load_study(write(BASE + "[flow]\nspeed = 0.5\n[fluid]\ngravity = 1.62\n"))
     base = load_study()
     assert study.scenario.flow.speed == 0.5
-    assert (study.scenario.fluid.gravity, study.scenario.fluid.density) == (1.62, 1024.0)
+    assert (study.scenario.fluid.gravity, study.scenario.fluid.density) == (1.62, 999.1)
     assert study.scenario.pipe == base.scenario.pipe
     assert study.document["simulator"] == base.document["simulator"]
 
