@@ -73,7 +73,9 @@ def read_scores(study: Study, store: Store) -> dict[int, FloatArray]:
     if surveyed:
         return {index: flights.mean(axis=0) for index, flights in surveyed.items()}
     return {
-        brief.index: np.array(brief.fitness) for brief in store.read_summaries(targets) if not brief.failed
+        brief.index: np.array(brief.fitness)
+        for brief in store.read_summaries(targets)
+        if brief.failure is None
     }
 
 
