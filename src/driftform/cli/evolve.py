@@ -59,8 +59,8 @@ def evolve(
     seed gives the same result, whatever the workers and wherever they are. An interrupted or killed run continues
     with 'driftform resume'.
 
-    With --robust the best agents of the search are flown again under disturbed conditions. The one that is chosen for
-    a target is then flown under fresh conditions, which show the miss that 9 of 10 flights stay within.
+    The best agents of the search are flown again under disturbed conditions. The one that is chosen for a target is
+    then flown under fresh conditions, which show the miss that 9 of 10 flights stay within. --robust 0 leaves this out.
     """
     from driftform.cli.executors import open_executor
     from driftform.cli.running import advance_run

@@ -83,6 +83,20 @@ def _describe_stop(run: "Run") -> str:
     )
 
 
+def _summarise_misses(results: "list[Best]") -> str:
+    """Return in one line how far the promised misses reach."""
+    from statistics import median
+
+    from driftform.cli.output import format_miss
+
+    reach = {best.target: float("inf") if best.p90 is None else best.p90 for best in results}
+    worst = max(reach, key=lambda target: reach[target])
+    return (
+        f"9 of 10 disturbed flights pass their target within {format_miss(median(reach.values()))} mm in the median over "
+        f"targets, within {format_miss(reach[worst])} mm at worst ({worst})"
+    )
+
+
 def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path], seconds: float) -> None:
     from driftform.cli.output import format_miss, print_table, print_text
     from driftform.runs.wording import list_cells, list_headings, summarise
@@ -108,6 +122,7 @@ def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path
     if results:
         print_text(summarise(fitness, {best.target: best.fitness for best in results}))
     if promised:
+        print_text(_summarise_misses(results))
         print_text(
             "nominal: the undisturbed flight; median and 90 %: half, and 9 of 10, of "
             f"{run.study.scenario.robustness.checks} flights under fresh disturbed conditions miss by less"
