@@ -225,7 +225,7 @@ def test_a_flight_as_columns_is_its_trajectory(run: Run) -> None:
 
 
 def test_other_surroundings_add_up_and_leave_the_agent_as_it_is() -> None:
-    agent = df.agent(WORD, use={"simulator": "native"})
+    agent = df.agent(WORD, scenario="paper", use={"simulator": "native"})
     other = agent.under("flow.speed=0.8").under("fluid.density=1025")
     assert (other.scenario.flow.speed, other.scenario.fluid.density) == (0.8, 1025)
     assert (agent.scenario.flow.speed, other.result, other.genome) == (1.0, {}, agent.genome)
@@ -235,7 +235,7 @@ def test_other_surroundings_add_up_and_leave_the_agent_as_it_is() -> None:
 
 
 def test_a_written_agent_holds_the_surroundings_it_was_put_in(tmp_path: Path) -> None:
-    agent = df.agent(WORD).under("fluid.density=1025")
+    agent = df.agent(WORD, scenario="paper").under("fluid.density=1025")
     [path] = agent.export("3mf", tmp_path / "new" / "word.3mf")
     import json
     import zipfile
@@ -245,7 +245,7 @@ def test_a_written_agent_holds_the_surroundings_it_was_put_in(tmp_path: Path) ->
 
 
 def test_an_unknown_setting_or_format_is_told_in_one_line() -> None:
-    agent = df.agent(WORD)
+    agent = df.agent(WORD, scenario="paper")
     with pytest.raises(InputError, match="did you mean 'speed'"):
         agent.under("flow.sped=1")
     with pytest.raises(InputError, match="did you mean 'stl'"):
@@ -253,7 +253,7 @@ def test_an_unknown_setting_or_format_is_told_in_one_line() -> None:
 
 
 def test_facts_are_those_that_inspect_tells() -> None:
-    agent = df.agent(WORD, use={"simulator": "native"})
+    agent = df.agent(WORD, scenario="paper", use={"simulator": "native"})
     facts = agent.inspect()
     assert facts["mass"] == agent.mass.mass and facts["length"] == agent.length
     assert facts["net_buoyancy"] == pytest.approx(agent.net_buoyancy)

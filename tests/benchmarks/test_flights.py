@@ -130,7 +130,7 @@ def by_mujoco(ready) -> None:
 
 @pytest.fixture(scope="module")
 def pipelines():
-    return {use: load_study(use={"simulator": use}).make_pipeline() for use in ("native", "exudyn")}
+    return {use: load_study("paper", use={"simulator": use}).make_pipeline() for use in ("native", "exudyn")}
 
 
 def trimmed(agents, pipeline):

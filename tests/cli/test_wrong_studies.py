@@ -109,7 +109,7 @@ WRONG: dict[str, tuple[list[str], str, str]] = {
 
 
 def load_and_list(settings: list[str]) -> list[str]:
-    return list_warnings(load_study(settings=[*settings, "run.seed=1"]))
+    return list_warnings(load_study("paper", settings=[*settings, "run.seed=1"]))
 
 
 def test_the_built_in_scenarios_give_no_warning() -> None:
@@ -218,14 +218,14 @@ def test_a_search_warns_before_its_first_flight_and_keeps_stdout_for_json(run: C
 )
 def test_a_number_beyond_its_bounds_is_refused(setting: str) -> None:
     with pytest.raises(InputError, match=r"should be (less|greater) than or equal to"):
-        load_study(settings=[setting])
+        load_study("paper", settings=[setting])
 
 
 def test_a_bound_has_its_unit() -> None:
     with pytest.raises(InputError, match=r"radius = 1e-06: should be greater than or equal to 0.001 m$"):
-        load_study(settings=["pipe.segments.0.radius=1e-6"])
+        load_study("paper", settings=["pipe.segments.0.radius=1e-6"])
     with pytest.raises(InputError, match=r"flow.speed = 1000: should be less than or equal to 100 m/s$"):
-        load_study(settings=["flow.speed=1000"])
+        load_study("paper", settings=["flow.speed=1000"])
 
 
 def test_a_billion_workers_are_refused(call: Call) -> None:

@@ -62,12 +62,13 @@ def test_the_merging_rules_are_as_told(study_folder: dict[str, str]) -> None:
     other = load_study("short-pipe.toml", use={"strategy": "random"})
     assert "population" not in other.document["strategy"]
     # --set comes after the choice of plugins, and numbers of the run last.
-    assert load_study(None, ["run.seed=1"], run={"seed": 2}).seed == 2
+    assert load_study("paper", ["run.seed=1"], run={"seed": 2}).seed == 2
     assert (
-        load_study(None, ["strategy.batch=7"], use={"strategy": "random"}).document["strategy"]["batch"] == 7
+        load_study("paper", ["strategy.batch=7"], use={"strategy": "random"}).document["strategy"]["batch"]
+        == 7
     )
     # A word that is no TOML value is a string.
-    assert load_study(None, ["grammar.occupied=skip"]).document["grammar"]["occupied"] == "skip"
+    assert load_study("paper", ["grammar.occupied=skip"]).document["grammar"]["occupied"] == "skip"
     # --set adds a target, or moves one; a file states them anew.
     more = load_study("short-pipe.toml", ["targets.leak=[1,0,0]", "targets.bend=[2,0,0]"])
     assert more.scenario.target_names == ("leak", "valve", "bend")

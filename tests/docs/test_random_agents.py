@@ -13,7 +13,10 @@ COUNT = 2000
 
 def facts(*settings: str) -> dict[str, Any]:
     """Columns over the same 2000 random genotypes."""
-    pipeline, rng = load_study(settings=settings, run={"seed": 0}).make_pipeline(), np.random.default_rng(1)
+    pipeline, rng = (
+        load_study("paper", settings=settings, run={"seed": 0}).make_pipeline(),
+        np.random.default_rng(1),
+    )
     density = pipeline.scenario.fluid.density
     rows = []
     for _ in range(COUNT):
@@ -84,7 +87,7 @@ def test_tilts_against_the_neighbour(pages: dict[str, str]) -> None:
 
 
 def test_one_to_thirty_nine_modules_by_construction() -> None:
-    study = load_study(settings=["grammar.occupied=skip"], run={"seed": 0})
+    study = load_study("paper", settings=["grammar.occupied=skip"], run={"seed": 0})
     grammar = study.make_plugin("grammar")
     for move, modules in (("moveN", 1), ("moveF", 39)):
         rule = "-".join([f"addF-tiltp-0-S-{move}"] * 3)

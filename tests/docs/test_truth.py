@@ -189,7 +189,7 @@ def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
             elif found[3] is not None:
                 chosen = [cls.name for cls in strategies if found[2] in cls.Options.model_fields]
                 use = {"strategy": chosen[0]} if found[1] == "strategy" and found[2] != "use" else {}
-                load_study(settings=[f"{found[1]}.{found[2]}={found[3]}"], use=use, run={"seed": 0})
+                load_study("paper", settings=[f"{found[1]}.{found[2]}={found[3]}"], use=use, run={"seed": 0})
     assert wrong == []
 
 

@@ -116,6 +116,6 @@ def test_the_message_of_another_study_is_as_told_for_python(troubled: Path) -> N
     import driftform as df
     from driftform.errors import InputError
 
-    study = load_study(use={"simulator": "native"}, run={"seed": 2, "evaluations": 2})
+    study = load_study("paper", use={"simulator": "native"}, run={"seed": 2, "evaluations": 2})
     with pytest.raises(InputError, match="holds a run with other settings"):
         df.evolve(study, troubled / "r1", progress=False)

@@ -31,8 +31,8 @@ from driftform.types import Drag
 HORIZON = 9.0
 RELEASE = Release(position=(0.5, 0.0, 0.0))
 
-PIPELINE = load_study(use={"simulator": "native"}).make_pipeline()
-DRAGGED = load_study(None, ["hydrodynamics.drag=strips"], use={"simulator": "native"}).make_pipeline()
+PIPELINE = load_study("paper", use={"simulator": "native"}).make_pipeline()
+DRAGGED = load_study("paper", ["hydrodynamics.drag=strips"], use={"simulator": "native"}).make_pipeline()
 
 
 def agent_of(seed, pipeline=PIPELINE):

@@ -292,7 +292,7 @@ def test_the_wake_and_the_ends_can_be_left_out():
 
 def test_a_study_leaves_out_what_its_option_names():
     study = load_study(
-        None,
+        "paper",
         ["hydrodynamics.drag=strips", 'hydrodynamics.drag_without=["roll", "wake"]'],
         use={"simulator": "native"},
     )

@@ -64,7 +64,7 @@ def test_the_roughness_is_limited_by_the_validity_of_the_friction_law(kind):
     # Colebrook's law, and Moody's chart, end at a roughness of a twentieth of the diameter.
     assert scenario(flow={"kind": kind, "roughness": 0.1}).flow.roughness == 0.1
     with pytest.raises(InputError) as caught:
-        load_study(settings=[f"flow.kind={kind}", "flow.roughness=0.101"])
+        load_study("paper", settings=[f"flow.kind={kind}", "flow.roughness=0.101"])
     [line] = caught.value.args
     assert line.startswith("--set flow.roughness=0.101: flow.roughness = 0.101 is too large")
     assert "0.1 m" in line
@@ -145,7 +145,7 @@ def test_an_invalid_flow_is_refused_by_its_key_and_not_by_its_table(kind, key, v
 )
 def test_a_fault_of_a_flow_is_reported_in_one_line(settings, parts):
     with pytest.raises(InputError) as caught:
-        load_study(settings=settings, run={"seed": 1})
+        load_study("paper", settings=settings, run={"seed": 1})
     [line] = caught.value.args
     for part in parts:
         assert part in line
@@ -162,7 +162,7 @@ def test_a_kind_set_on_the_command_line_drops_the_keys_that_only_the_kind_of_the
 
 def test_all_faults_of_a_flow_are_reported_together():
     with pytest.raises(InputError) as caught:
-        load_study(settings=["flow.kind=turbulent", "flow.speed=-1", "flow.seed=x", "flow.memry=1"])
+        load_study("paper", settings=["flow.kind=turbulent", "flow.speed=-1", "flow.seed=x", "flow.memry=1"])
     assert [line.split(": ")[0] for line in caught.value.args] == [
         "--set flow.memry=1",
         "--set flow.speed=-1",

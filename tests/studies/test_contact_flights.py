@@ -37,7 +37,7 @@ class Flown:
 
 @pytest.fixture(scope="module")
 def agents():
-    pipeline, rng = load_study(use={"simulator": "native"}).make_pipeline(), np.random.default_rng(2)
+    pipeline, rng = load_study("paper", use={"simulator": "native"}).make_pipeline(), np.random.default_rng(2)
     genomes = [pipeline.grammar.random(rng) for _ in range(1000)]
     return lambda count: [pipeline.make_agent(genome) for genome in genomes[:count]]
 
@@ -48,11 +48,11 @@ def flown(agents, workers, count_of):
     drawn = agents(count_of("AGENTS", 100))
 
     def fly(use: str, divisor: float = 1.0, *more: str, tightened: bool = True, exact: bool = False) -> Flown:
-        usual = load_study(use={"simulator": use}).document["simulator"]["tolerance"]
+        usual = load_study("paper", use={"simulator": use}).document["simulator"]["tolerance"]
         settings = [f"simulator.tolerance={EXACT if exact else usual / divisor!r}", *more]
         if exact or not tightened:
             settings.append("simulator.accuracy=1e3")
-        pipeline = load_study(None, settings, use={"simulator": use}).make_pipeline()
+        pipeline = load_study("paper", settings, use={"simulator": use}).make_pipeline()
         flights = list(workers.map(pipeline.simulator.simulate, drawn, repeat(pipeline.scenario)))
         fitness = [
             pipeline.fitness.score(trajectory, pipeline.scenario, agent)

@@ -22,7 +22,7 @@ SETTINGS = ["flow.kind=log_law", "hydrodynamics.use=panels", "hydrodynamics.drag
 
 
 def pipeline_of(simulator, *settings):
-    return load_study(None, [*SETTINGS, *settings], use={"simulator": simulator}).make_pipeline()
+    return load_study("paper", [*SETTINGS, *settings], use={"simulator": simulator}).make_pipeline()
 
 
 @pytest.mark.parametrize("simulator", ["native", "exudyn"])

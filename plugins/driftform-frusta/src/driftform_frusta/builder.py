@@ -62,9 +62,14 @@ class FrustaOptions(Table):
     @model_validator(mode="before")
     @classmethod
     def _take_default_kit(cls, values: Any) -> Any:
-        """Fill in the options of the kit that is weighed, so that a resolved study states them."""
-        if isinstance(values, Mapping) and values.get("made_as") == "kit" and values.get("kit") is None:
+        """Fill in the options of the kit that is weighed, so that a resolved study states them, and drop them for a hull."""
+        if not isinstance(values, Mapping):
+            return values
+        kit, made_as = values.get("kit"), values.get("made_as")
+        if made_as == "kit" and kit is None:
             return {**values, "kit": {}}
+        if made_as == "hull" and kit == KitOptions().model_dump(mode="json"):
+            return {**values, "kit": None}
         return values
 
     @model_validator(mode="before")
