@@ -96,13 +96,20 @@ def model_of(surfaces, pipe=PIPE, friction=0.0, restitution=0.7, total=INERTIA):
     table[FRICTION], table[REACH] = friction, (np.hypot(rows[:, 0], rows[:, 1]) + rows[:, 2]).max()
     law = contact_law(table[INVERSE:LINEAR], OMEGA, restitution, 1e-3, 0.02)
     bristles = np.zeros((2 * len(rows) if friction else 0, 3))
-    return SPHERE._replace(table=table, surfaces=rows, law=law, pipe=pipe, bristles=bristles)
+    return SPHERE._replace(
+        table=table, surfaces=rows, law=law, pipe=pipe, touches=np.zeros((len(rows), 10)), bristles=bristles
+    )
 
 
 def depth_of(position, R, model, k=0):
     place, axis = vector(position), vector(np.asarray(R)[:, 0])
-    line, parts = axis_line(place, axis, model.pipe), transverse_parts(place, axis, model.pipe)
+    parts = transverse_parts(place, axis, model.pipe)
+    line = axis_line(parts, model.pipe)
     return surface_depth(place, axis, line, parts, k, model)
+
+
+def line_of(position, axis, pipe):
+    return axis_line(transverse_parts(vector(position), vector(axis), pipe), pipe)
 
 
 RIM = ((0.1, 0.02),)
@@ -269,7 +276,7 @@ def reaches_beyond_the_wall(points, pipe):
 @given(poses())
 def test_a_rim_that_is_called_clear_touches_nowhere(pose):
     position, R, x, r, pipe = pose
-    line, model = axis_line(vector(position), vector(R[:, 0]), pipe), model_of([(x, r)], pipe)
+    line, model = line_of(position, R[:, 0], pipe), model_of([(x, r)], pipe)
     if is_clear(model.surfaces, 0, line):
         assert reaches_beyond_the_wall(ring(position, R, x, r), pipe) < 1e-12
         assert depth_of(position, R, model)[0] == 0.0
@@ -333,7 +340,7 @@ def test_the_deepest_rim_is_found_behind_all_short_cuts(pose):
 def test_the_short_cuts_are_taken_wherever_they_matter():
     middle, ahead = (2.0, 0.1, -0.2), (1.0, 0.0, 0.0)
     assert is_far_from_wall(middle, 0.3, PIPE)
-    assert is_clear(model_of([(0.1, 0.05)]).surfaces, 0, axis_line(middle, ahead, PIPE))
+    assert is_clear(model_of([(0.1, 0.05)]).surfaces, 0, line_of(middle, ahead, PIPE))
     assert is_far_from_wall(middle, 5.0, np.empty((0, 8))), "open water has no wall"
     # A body of 0.2 m beside a wall that it does not touch: most of its rims need no closer look.
     rng = np.random.default_rng(1)
@@ -341,7 +348,7 @@ def test_the_short_cuts_are_taken_wherever_they_matter():
     for _ in range(1000):
         axis = Rotation.random(rng=rng).as_matrix()[:, 0]
         beside = (2.0, *(0.85 * Rotation.random(rng=rng).as_matrix()[0, :2]).tolist())
-        taken += is_clear(model_of([(0.05, 0.02)]).surfaces, 0, axis_line(beside, vector(axis), PIPE))
+        taken += is_clear(model_of([(0.05, 0.02)]).surfaces, 0, line_of(beside, axis, PIPE))
     assert taken > 950
 
 

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from driftform.dynamics.integrator import fill_rate_in_space
 from driftform.dynamics.model import flight_model
+from driftform.dynamics.rates import fill_rate_in_space
 from driftform.hydrodynamics.drag import estimate_drag
 from driftform.study import load_study
 from driftform.testing.agents import solid_agent

@@ -133,7 +133,8 @@ def deepest_depth(position: Vector, R: Rotation, model: FlightModel) -> float:
     deepest = 0.0
     if not is_far_from_wall(position, model.table[REACH], model.pipe):
         axis = body_axis(R)
-        line, parts = axis_line(position, axis, model.pipe), transverse_parts(position, axis, model.pipe)
+        parts = transverse_parts(position, axis, model.pipe)
+        line = axis_line(parts, model.pipe)
         for k in range(model.surfaces.shape[0]):
             deepest = max(deepest, surface_depth(position, axis, line, parts, k, model)[0])
     return deepest
@@ -162,16 +163,18 @@ def wall_wrench(position: Vector, R: Rotation, velocity: Vector, omega: Vector, 
     if is_far_from_wall(position, model.table[REACH], model.pipe):
         return ZERO, ZERO
     axis, w = body_axis(R), to_world(R, omega)
-    line, parts = axis_line(position, axis, model.pipe), transverse_parts(position, axis, model.pipe)
-    springs, total, pressed, mass, last, count = (ZERO, ZERO), 0.0, 0.0, 0.0, 0, 0
+    parts = transverse_parts(position, axis, model.pipe)
+    line = axis_line(parts, model.pipe)
+    springs, total, pressed, mass, count = (ZERO, ZERO), 0.0, 0.0, 0.0, 0
     for k in range(model.surfaces.shape[0]):
         depth, lever, normal, x, r = surface_depth(position, axis, line, parts, k, model)
         if depth > 0.0:
-            mass, energy, force, _ = spring(dot(axis, normal), x, r, depth, model.law)
+            mass, energy, force, turning = spring(dot(axis, normal), x, r, depth, model.law)
             total += energy * energy
             pressed += energy * force
             springs = add_wrenches(springs, force_wrench(lever, scale(-energy * force, normal)))
-            last, count = k, count + 1
+            _keep_touch(model.touches[count], k, lever, normal, energy, force, turning)
+            count += 1
     if not total > 0.0:
         return ZERO, ZERO
     root = math.sqrt(total)
@@ -180,21 +183,30 @@ def wall_wrench(position: Vector, R: Rotation, velocity: Vector, omega: Vector, 
         a, alpha = multiply(model.table[INVERSE:LINEAR], F, T)
         mass = common_mass(pressed, dot(F, a) + dot(T, alpha), model.law)
     wrench = (ZERO, ZERO)
-    for k in range(last if count == 1 else 0, last + 1):
-        depth, lever, normal, x, r = surface_depth(position, axis, line, parts, k, model)
-        if depth > 0.0:
-            moving, s = add(velocity, cross(w, lever)), dot(axis, normal)
-            speed = dot(normal, moving)
-            _, energy, force, turning = spring(s, x, r, depth, model.law)
-            force *= energy / root * damper(root / mass, speed, mass, model.law)
-            wrench = add_wrenches(wrench, force_wrench(lever, scale(-force, normal)))
-            turn = scale(-turning * energy / (root * smoothed_sine(s)), cross(axis, normal))
-            wrench = add_wrenches(wrench, (ZERO, turn))
-            if bristles > 0:
-                sliding = subtract(moving, scale(speed, normal))
-                rub = bristle_force(sliding, normal, model.table[FRICTION] * force, k, model)
-                wrench = add_wrenches(wrench, force_wrench(lever, scale(-1.0, rub)))
+    for i in range(count):
+        row = model.touches[i]
+        lever, normal = (row[0], row[1], row[2]), (row[3], row[4], row[5])
+        moving, share = add(velocity, cross(w, lever)), row[6] / root
+        speed = dot(normal, moving)
+        force = row[7] * share * damper(root / mass, speed, mass, model.law)
+        push = scale(-force, normal)
+        if bristles > 0:
+            sliding = subtract(moving, scale(speed, normal))
+            most = model.table[FRICTION] * force
+            push = subtract(push, bristle_force(sliding, normal, most, int(row[9]), model))
+        turn = scale(-row[8] * share / smoothed_sine(dot(axis, normal)), cross(axis, normal))
+        wrench = add_wrenches(wrench, (push, add(cross(lever, push), turn)))
     return to_body(R, wrench[0]), to_body(R, wrench[1])
+
+
+@compiled
+def _keep_touch(
+    row: FloatArray, k: int, lever: Vector, normal: Vector, energy: float, force: float, turning: float
+) -> None:
+    """Fill a row of :attr:`FlightModel.touches`."""
+    for j in range(3):
+        row[j], row[3 + j] = lever[j], normal[j]
+    row[6], row[7], row[8], row[9] = energy, force, turning, k
 
 
 @compiled

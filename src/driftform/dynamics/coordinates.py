@@ -17,8 +17,10 @@ from driftform.dynamics.flight import has_left_pipe, is_finite
 from driftform.dynamics.model import REACH, FlightModel, pack, unpack
 from driftform.dynamics.plane import (
     MODEL_SIZE,
+    RUB,
     accelerations_in_plane,
     has_left_in_plane,
+    is_near_in_plane,
     plane_model,
     stays_in_plane,
 )
@@ -72,9 +74,18 @@ def describe_motion(model: FlightModel, start: FloatArray) -> Motion:
         return Motion(
             np.array([start[0], start[2], pitch]),
             start[[7, 9, 11]],
-            np.concatenate([plane_model(model), model.surfaces.ravel()]),
+            np.concatenate(
+                [
+                    plane_model(model),
+                    model.surfaces.ravel(),
+                    model.touches.ravel(),
+                    np.zeros(len(model.bristles)),
+                ]
+            ),
             _accelerations_in_plane,
             _fill_sample_in_plane,
+            len(model.bristles) // 2,
+            _can_touch_in_plane,
         )
     return Motion(
         np.concatenate([start[:3], rotation_vector_from_quaternion(start[3:7])]),
@@ -93,6 +104,12 @@ def _can_touch(coordinates: FloatArray, values: FloatArray) -> bool:
     model = unpack(values)
     position = (coordinates[0], coordinates[1], coordinates[2])
     return not is_far_from_wall(position, model.table[REACH], model.pipe)
+
+
+@compiled
+def _can_touch_in_plane(coordinates: FloatArray, values: FloatArray) -> bool:
+    """Return True if a surface may touch a wall."""
+    return is_near_in_plane((coordinates[0], coordinates[1]), borrow(values))
 
 
 @compiled
@@ -142,9 +159,20 @@ def _accelerations_in_plane(
 ) -> tuple[float, float, float]:
     plane = borrow(values)
     attitude = math.cos(coordinates[2]), math.sin(coordinates[2])
-    velocity, surfaces = (rates[0], rates[1]), plane[MODEL_SIZE:].reshape(-1, 7)
-    position = (coordinates[0], coordinates[1])
-    a_x, a_z, alpha = accelerations_in_plane(position, attitude, velocity, rates[2], plane, surfaces)
+    position, velocity = (coordinates[0], coordinates[1]), (rates[0], rates[1])
+    # Each surface has 17 numbers, and with friction two for its bristle.
+    count = (plane.shape[0] - MODEL_SIZE) // (19 if plane[RUB] > 0.0 else 17)
+    touches, bristles = MODEL_SIZE + 7 * count, MODEL_SIZE + 17 * count
+    a_x, a_z, alpha = accelerations_in_plane(
+        position,
+        attitude,
+        velocity,
+        rates[2],
+        plane,
+        plane[MODEL_SIZE:touches].reshape(-1, 7),
+        plane[touches:bristles].reshape(-1, 10),
+        plane[bristles:],
+    )
     return _bound(a_x), _bound(a_z), _bound(alpha)
 
 

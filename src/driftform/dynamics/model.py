@@ -32,6 +32,7 @@ FROUDE_KRYLOV, FRICTION, REACH = (30, 0), (30, 1), (30, 2)
 ROUND_AREA, DIAMETER = (AXIAL_DRAG, 4), (AXIAL_DRAG, 5)
 SPIN, SHEAR_VOLUME = (TAILS, 4), (TAILS, 5)
 ACROSS, LENGTHWISE, BLOCKING, CENTRE = (32, 0), (32, 1), (32, 2), (32, 3)
+AXISYMMETRIC = (32, 4)
 
 _FEWEST, _MOST_SLICES = 16, 64
 
@@ -50,7 +51,7 @@ class FlightModel(NamedTuple):
         without one); (1 if the pressure gradient of accelerating water acts on the body, coefficient of friction,
         greatest distance of a surface from the origin); (x and lift area of the tail for
         motion ahead, the same for motion astern, spin, shear volume); (spread across and along, blocking diameter,
-        centre of the drag of a sphere): see :class:`driftform.types.Drag`.
+        centre of the drag of a sphere: see :class:`driftform.types.Drag`; 1 if a roll changes nothing).
     surfaces
         rims and domes of the body that can touch a wall: the five numbers of
         :func:`driftform.dynamics.surfaces.touching_surfaces`, greatest fall of the bore from its tangent within the
@@ -65,6 +66,9 @@ class FlightModel(NamedTuple):
         of the displaced volume: x, radius (m), volume (m3), width (m), (n, 4); (0, 4) if the pipe is full.
     strips
         of drag: see :class:`driftform.types.Drag`, (n, 4); (0, 4) without any.
+    touches
+        room for what is known of each surface that touches, (surfaces, 10): in space its lever, the wall's normal, twice the
+        energy of the spring, half of its derivatives by depth and angle, and the index of the surface.
     bristles
         of the surfaces, if there is friction: their deflections times the contact's frequency, world frame, m/s (rows
         of the first half), and room for the rates of these, m/s2 (second half); (2 surfaces, 3) or (0, 3). See
@@ -79,6 +83,7 @@ class FlightModel(NamedTuple):
     gusts: FloatArray
     slices: FloatArray
     strips: FloatArray
+    touches: FloatArray
     bristles: FloatArray
 
 
@@ -110,6 +115,7 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     table[TAILS] = *drag.wake_ahead, *drag.wake_astern, drag.spin, drag.shear_volume
     table[ACROSS], table[LENGTHWISE] = drag.spread
     table[BLOCKING], table[CENTRE] = drag.blocking, drag.centre
+    table[AXISYMMETRIC] = _is_axisymmetric(table)
     table[BODY_MASS], table[DISPLACED_MASS] = mass.mass, fluid.density * mass.volume
     table[GRAVITY], table[DENSITY], table[VISCOSITY] = fluid.gravity, fluid.density, fluid.viscosity
     table[WATER_LEVEL] = np.inf if fluid.water_level is None else fluid.water_level
@@ -128,6 +134,7 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
         gusts,
         np.empty((0, 4)) if fluid.water_level is None else _buoyancy_slices(agent),
         _drag_strips(agent),
+        np.zeros((len(surfaces), 10)),
         np.zeros((2 * len(surfaces) if contact.friction > 0.0 else 0, 3)),
     )
 
@@ -143,23 +150,25 @@ def pack(model: FlightModel) -> FloatArray:
 def unpack(values: FloatArray) -> FlightModel:
     """Return the model that :func:`pack` put into one array; its arrays share that memory."""
     values = borrow(values)
-    surfaces = 9 + 6 * int(values[0])
+    surfaces = 10 + 6 * int(values[0])
     law = surfaces + 7 * int(values[1])
     pipe = law + int(values[2])
     flow = pipe + 8 * int(values[3])
     gusts = flow + int(values[4])
     cuts = gusts + 12 * int(values[5])
     strips = cuts + 4 * int(values[6])
-    bristles = strips + 4 * int(values[7])
+    touches = strips + 4 * int(values[7])
+    bristles = touches + 10 * int(values[8])
     return FlightModel(
-        values[9:surfaces].reshape(-1, 6),
+        values[10:surfaces].reshape(-1, 6),
         values[surfaces:law].reshape(-1, 7),
         values[law:pipe],
         values[pipe:flow].reshape(-1, 8),
         values[flow:gusts],
         values[gusts:cuts].reshape(-1, 12),
         values[cuts:strips].reshape(-1, 4),
-        values[strips:bristles].reshape(-1, 4),
+        values[strips:touches].reshape(-1, 4),
+        values[touches:bristles].reshape(-1, 10),
         values[bristles:].reshape(-1, 3),
     )
 
@@ -180,6 +189,18 @@ def invert_mass(total: FloatArray, length: float) -> FloatArray:
     # The inverse for a body with a plane of symmetry does not couple motions in and out of that plane. Rounding must
     # not couple them either: it would start an out-of-plane motion that the undamped equations amplify.
     return np.where(np.abs(inverse) > 1e-14 * np.abs(inverse).max(), inverse, 0.0)
+
+
+def _is_axisymmetric(table: FloatArray) -> bool:
+    """Return True if mass, damping and all centres of a table are the same after a roll."""
+    c, s = np.cos(1.0), np.sin(1.0)
+    turn = np.kron(np.eye(2), [[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+    if table[[COG, COB, DAMPING_POINT], 1:3].any():
+        return False
+    parts = (table[row : row + 6] for row in (MASS, LINEAR, QUADRATIC))
+    return all(
+        np.allclose(turn @ part @ turn.T, part, rtol=0.0, atol=1e-12 * np.abs(part).max()) for part in parts
+    )
 
 
 def _surface_rows(body: Body, inverse: FloatArray, scenario: Scenario) -> FloatArray:
