@@ -217,7 +217,9 @@ class Design:
 
         ``[robustness]`` of its scenario says what varies.
         """
-        conditions = draw_conditions(self.scenario.robustness, flights, (seed, flights))
+        conditions = draw_conditions(
+            self.scenario.robustness, flights, (seed, flights), self.scenario.calibration
+        )
         points = self.scenario.target_array()
         offsets: list[FloatArray] = []
         for condition in conditions:
