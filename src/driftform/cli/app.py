@@ -11,6 +11,7 @@ import typer
 
 from driftform import __version__
 from driftform.cli import (
+    calibrate,
     check,
     evolve,
     export,
@@ -138,5 +139,6 @@ command("export")(export.export)
 command("export-flight")(export_flight.export_flight)
 command("check")(check.check)
 command("trim")(trim.trim)
+command("calibrate")(calibrate.calibrate)
 app.add_typer(plugins.app, name="plugins")
 app.add_typer(scenarios.app, name="scenarios")

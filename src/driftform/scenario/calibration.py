@@ -128,7 +128,7 @@ class Calibration(Table):
     def with_factors(self, factors: Factors) -> "Calibration":
         """Return these values without intervals."""
         values = {name: getattr(factors, name) for name in NAMES}
-        return Calibration.model_construct(**{name: (v, v, v) for name, v in values.items()})
+        return Calibration().model_copy(update={name: (v, v, v) for name, v in values.items()})
 
     def draw_factors(self, deviates: FloatArray) -> FloatArray:
         """Return values of the factors that have an interval, (n, factors), from independent normal deviates.
@@ -139,7 +139,7 @@ class Calibration(Table):
         value, low, high = np.array(list(self.intervals.values())).reshape(-1, 3).T
         z = np.asarray(deviates) @ self._mixing().T
         drawn = value + z / QUANTILE * np.where(z > 0, high - value, value - low)
-        return np.clip(drawn, LEAST, MOST)
+        return np.asarray(np.clip(drawn, LEAST, MOST), dtype=np.float64)
 
     def _mixing(self) -> FloatArray:
         """Return the matrix (k, k) that turns independent deviates into correlated ones of variance 1."""
