@@ -11,6 +11,7 @@ import numpy as np
 
 from driftform.agents.flight import Flight
 from driftform.agents.inspection import compare_added_mass, inspect_agent
+from driftform.calibration.protocol import DropPlan
 from driftform.calibration.result import CalibrationResult
 from driftform.calibration.tracks import Reading
 from driftform.errors import InputError, WorkFailedError, describe_error
@@ -509,6 +510,53 @@ class Design:
             scenarios.append(chosen or there.study.name)
         found = fit_factors(films, names, weigh_prior(films[0].bench, printed_mass))
         return CalibrationResult(self.name, found, self.stored, scenarios)
+
+    def drop(
+        self,
+        tank: tuple[float, float, float] = (1.0, 0.5, 0.5),
+        *,
+        drops: int = 3,
+        fps: float = 60.0,
+        noise: float = 0.002,
+        progress: Progress = ignore,
+    ) -> DropPlan:
+        """Return the drops in a tank whose films tell most about the model, in the water of its scenario.
+
+        Parameters
+        ----------
+        tank
+            inside of the tank: along the picture, across it, and the depth of the water, m.
+        drops
+            number of drops.
+        fps
+            frames of the films for each second.
+        noise
+            standard deviation of a tracked point, m.
+        progress
+            called with the number of releases that were examined, and of all.
+
+        Raises
+        ------
+        InputError
+            if the tank is smaller than the agent.
+        WorkFailedError
+            if no release can be filmed.
+        """
+        from driftform.calibration.experiment import Tank, plan_drops
+
+        if not all(0 < size < 50 for size in tank):
+            raise InputError(
+                f"--tank {' '.join(f'{size:g}' for size in tank)}: sizes should be from 0 to 50 m"
+            )
+        smallest, reach = min(tank), max(self.length, self.max_diameter)
+        if smallest < self.max_diameter or max(tank) < reach:
+            raise InputError(
+                f"--tank {' '.join(f'{size:g}' for size in tank)}: the agent is {self.length:.3g} m long and "
+                f"{self.max_diameter:.3g} m wide; the tank must be larger, in m"
+            )
+        assert self.agent.morphology is not None
+        plan = plan_drops(self.pipeline, self.agent.morphology, Tank(*tank), drops, fps, noise, progress)
+        return DropPlan(self.name, self.agent, Tank(*tank), plan, self.study.document)
 
     def __repr__(self) -> str:
         modules = self.agent.morphology.modules if self.agent.morphology else ()

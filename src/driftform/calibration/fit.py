@@ -166,7 +166,7 @@ def fit_factors(
 
 def _fit(films: Sequence[Filmed], names: Sequence[str], priors: dict[str, tuple[float, float]] | None) -> Fit:
     noise = [max(estimate_noise(film.track), LEAST_NOISE * film.track.span) for film in films]
-    reasons = _list_reasons(films, names)
+    reasons = list_reasons(films, names)
     wanted = [name for name in names if name not in reasons]
     plain = [name for name in wanted if name not in CONTACT]
     whole = Problem(films, plain, noise, priors)
@@ -239,7 +239,7 @@ def _touches(problem: Problem, x: FloatArray) -> bool:
     return any(path.contact < problem.until(x, k) for k, path in enumerate(problem.paths(x)))
 
 
-def _list_reasons(films: Sequence[Filmed], names: Sequence[str]) -> dict[str, str]:
+def list_reasons(films: Sequence[Filmed], names: Sequence[str]) -> dict[str, str]:
     """Return why factors cannot be fitted to these films at all."""
     reasons = {name: "not asked for" for name in NAMES if name not in names}
     benches = [film.bench for film in films]
@@ -263,35 +263,87 @@ def _list_reasons(films: Sequence[Filmed], names: Sequence[str]) -> dict[str, st
     return reasons
 
 
-def _judge(solution: Solution, names: Sequence[str], reasons: dict[str, str]) -> dict[str, FactorEstimate]:
-    """Return what is known of the factors ``names``; ``reasons`` are why some cannot be."""
-    problem, x = solution.problem, solution.x
+@dataclass(frozen=True, eq=False)
+class _Judgement:
+    """Which factors of a solution are known, and how well.
+
+    ``x`` are the unknowns with those factors at 1 that are not known; ``deviation`` (factors,) contains how far the
+    others moved thereby.
+    """
+
+    known: tuple[int, ...]
+    x: FloatArray
+    deviation: FloatArray
+
+
+def _judge(solution: Solution, names: Sequence[str]) -> _Judgement:
+    """Return which of the factors ``names`` are known.
+
+    One after the other, the factor whose interval is too wide by most is left at 1. The others move to what fits best
+    with that, and their variance grows by the square of the move: it may be as wrong as it is large.
+    """
+    problem, x, covariance = solution.problem, solution.x, solution.covariance
     count = len(problem.names)
-    deviation = np.sqrt(np.diag(solution.covariance)[:count])
+    judged = [j for j, name in enumerate(problem.names) if name in names]
+    known = list(judged)
+    while True:
+        left = [j for j in judged if j not in known]
+        moved = x.copy()
+        if left:
+            gain = covariance[:, left] @ np.linalg.pinv(covariance[np.ix_(left, left)], hermitian=True)
+            moved = x - gain @ x[left]
+        deviation = np.sqrt(np.diag(covariance)[:count] + (moved - x)[:count] ** 2)
+        excess = [_find_excess(solution, j, float(moved[j]), float(deviation[j])) for j in known]
+        if not known or max(excess) <= 1.0:
+            return _Judgement(tuple(known), moved, deviation)
+        known.pop(int(np.argmax(excess)))
+
+
+def _find_excess(solution: Solution, j: int, value: float, deviation: float) -> float:
+    """Return half of the interval of a factor over the widest that counts as known."""
+    name, bench = solution.problem.names[j], solution.problem.films[0].bench
+    low, middle, high = _find_interval(solution, name, value, deviation)
+    widest = WIDEST * middle
+    if name == "hull_density":
+        share = abs(bench.net_weight / max(bench.hull_weight, 1e-12) + middle - 1)
+        widest = max(WIDEST_HULL, min(widest, WIDEST * share))
+    return (high - low) / 2 / widest
+
+
+def _find_interval(
+    solution: Solution, name: str, value: float, deviation: float
+) -> tuple[float, float, float]:
+    """Return low, value and high of a factor from its parameter and the deviation of that."""
+    problem = solution.problem
     freedom = max(3.0, sum(problem.counts) - len(problem.parameters))
-    quantile = float(student.ppf(0.5 + CONFIDENCE / 2, freedom))
-    bench = problem.films[0].bench
-    correlation = solution.covariance[:count, :count] / np.outer(deviation, deviation)
+    width = float(student.ppf(0.5 + CONFIDENCE / 2, freedom)) * deviation
+    low, middle, high = (_limit(factor_of(name, v)) for v in (value - width, value, value + width))
+    return low, middle, high
+
+
+def _estimate(
+    solution: Solution, judgement: _Judgement, names: Sequence[str], reasons: Mapping[str, str]
+) -> dict[str, FactorEstimate]:
+    """Return what is known of the factors ``names``; ``reasons`` are why some cannot be."""
+    problem, deviation = solution.problem, judgement.deviation
+    own = np.sqrt(np.diag(solution.covariance))
+    correlation = solution.covariance / np.outer(own, own)
     found = {}
     for name in names:
         if name in reasons:
             found[name] = FactorEstimate(reason=reasons[name])
             continue
         j = problem.names.index(name)
-        value, width = float(x[j]), quantile * float(deviation[j])
-        low, middle, high = (_limit(factor_of(name, v)) for v in (value - width, value, value + width))
-        widest = WIDEST * middle
-        if name == "hull_density":
-            share = bench.net_weight / max(bench.hull_weight, 1e-12)
-            widest = max(WIDEST_HULL, WIDEST * abs(share + middle - 1))
-        if (high - low) / 2 <= widest:
+        if j in judgement.known:
+            low, middle, high = _find_interval(solution, name, float(judgement.x[j]), float(deviation[j]))
             found[name] = FactorEstimate(middle, low, high, True)
             continue
-        alike = [_name(problem.names[k]) for k in range(count) if k != j and abs(correlation[j, k]) > ALIKE]
-        if alike:
-            why = f"the tracks cannot tell it from {' and '.join(alike)}"
-        elif deviation[j] > 0.9 * problem.parameters[j].prior:
+        others = [k for k in range(len(problem.names)) if k != j and abs(correlation[j, k]) > ALIKE]
+        low, _, high = _find_interval(solution, name, float(solution.x[j]), float(own[j]))
+        if own[j] > 0.9 * problem.parameters[j].prior:
             why = "it has no effect on these tracks"
+        elif others:
+            why = f"the tracks cannot tell it from {' and '.join(_name(problem.names[k]) for k in others)}"
         else:
             what = "a hull of" if name == "hull_density" else "anything from"
             why = f"the tracks leave {what} {low:.2g} to {high:.2g} possible"
@@ -318,9 +370,10 @@ def _weigh_net(hull: FactorEstimate, net: float, weight: float) -> FactorEstimat
 def _finish(free: Solution, last: Solution, reasons: dict[str, str], notes: Sequence[str] = ()) -> Fit:
     """Return the fit: drag and weight as free flight has shown them, restitution and friction as contact has."""
     touched = [name for name in last.problem.names if name not in free.problem.names]
+    falling = [name for name in NAMES if name not in touched]
     found = {
-        **_judge(free, [name for name in NAMES if name not in touched], reasons),
-        **_judge(last, touched, reasons),
+        **_estimate(free, _judge(free, falling), falling, reasons),
+        **_estimate(last, _judge(last, touched), touched, reasons),
     }
     estimates = {name: found[name] for name in NAMES}
     problem, bench = last.problem, last.problem.films[0].bench

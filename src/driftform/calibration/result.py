@@ -1,5 +1,6 @@
 """What a calibration found: as a document, as files, as pictures, and in a notebook."""
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -73,6 +74,14 @@ class CalibrationResult:
         dumped = self.calibration.model_dump(mode="json", exclude_none=True)
         return {key: value for key, value in dumped.items() if value not in ("", [])}
 
+    def toml(self) -> str:
+        """Return the table ``[calibration]`` as text, with one line for each factor."""
+        # JSON of numbers, texts and lists of these is TOML too.
+        rows = [f"{key} = {json.dumps(value)}" for key, value in self.table().items()]
+        return "\n".join(
+            ["# For any study: driftform evolve STUDY --calibration FILE", "[calibration]", *rows, ""]
+        )
+
     def document(self) -> dict[str, Any]:
         """Return what ``driftform calibrate --json`` prints; SI units."""
         problem = self.fit.problem
@@ -110,12 +119,9 @@ class CalibrationResult:
 
     def write(self, directory: Path) -> list[Path]:
         """Write table, agent and pictures into a directory, and return their paths."""
-        import tomli_w
-
         make_directory(directory)
         paths = [directory / name for name in FILES]
-        head = "# For any study: driftform evolve STUDY --calibration FILE\n"
-        write_text(paths[0], head + tomli_w.dumps({"calibration": self.table()}))
+        write_text(paths[0], self.toml())
         write_agent(paths[1], self.calibrated())
         write_text(paths[2], self.tracks_svg())
         write_text(paths[3], self.factors_svg())
