@@ -7,18 +7,19 @@ import numpy as np
 from driftform.execution import Executor, Job
 from driftform.faults import check_fitness
 from driftform.runs.store import DisturbedResult, Store
-from driftform.scenario import Robustness, evaluation_seed
+from driftform.scenario import Scenario, evaluation_seed
 from driftform.scenario.disturbances import Condition, draw_conditions
 from driftform.study import Study
 from driftform.trajectory.approach import find_approaches
 from driftform.types import Evaluation, FloatArray
 
 
-def draw_rounds(robustness: Robustness, seed: int) -> tuple[Condition, ...]:
+def draw_rounds(scenario: Scenario, seed: int) -> tuple[Condition, ...]:
     """Return the conditions of the choice, and after them those of the promise, for a run with this seed."""
+    robustness, calibration = scenario.robustness, scenario.calibration
     return (
-        *draw_conditions(robustness, robustness.conditions, (seed, 0)),
-        *draw_conditions(robustness, robustness.checks, (seed, 1)),
+        *draw_conditions(robustness, robustness.conditions, (seed, 0), calibration),
+        *draw_conditions(robustness, robustness.checks, (seed, 1), calibration),
     )
 
 

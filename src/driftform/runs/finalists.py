@@ -40,7 +40,7 @@ def fly_finalists(
     scores = read_scores(study, store)
     fitness = np.array(list(scores.values())).reshape(-1, len(targets))
     finalists = [list(scores)[row] for row in choose_finalists(fitness, robustness.finalists)]
-    conditions = draw_rounds(robustness, study.seed)
+    conditions = draw_rounds(study.scenario, study.seed)
     judged = [(index, number) for index in finalists for number in range(robustness.conditions)]
     to_come = min(len(finalists), len(targets)) * robustness.checks
     fly = partial(fly_disturbed, study, store, executor, conditions)
@@ -106,7 +106,7 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     robustness = study.scenario.robustness
     if not robustness.conditions:
         return None
-    conditions = draw_rounds(robustness, study.seed)
+    conditions = draw_rounds(study.scenario, study.seed)
     judged, checked = range(robustness.conditions), range(robustness.conditions, len(conditions))
     found: Winner | None = None
     for index, flights in store.read_disturbed(target).items():
