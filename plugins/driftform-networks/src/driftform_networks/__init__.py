@@ -1,0 +1,1 @@
+"""driftform plugin: agents in the water network of a town."""
