@@ -32,7 +32,7 @@ def make_group(name: str) -> Any:
         group = installed.load()
     except InputError as error:
         raise InputError(f"command '{name}' ({installed.distribution}) is {error}") from None
-    made = typer.Typer(cls=Group, help=group.help, no_args_is_help=True, rich_markup_mode=None)
+    made = typer.Typer(cls=Group, help=group.help, no_args_is_help=True, add_completion=False, rich_markup_mode=None)
     made.callback()(lambda: None)
     for word, function in group.commands.items():
         made.command(word, cls=Command)(_wrap(f"{name} {word}", function))

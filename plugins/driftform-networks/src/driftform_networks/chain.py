@@ -33,6 +33,8 @@ class Chain:
         mean time that the body takes through the link of each state, s, (states,).
     held
         probability that the body comes to rest within the link of each state, (states,).
+    leaves
+        probability that it leaves the pipes at the downstream end of that link, (states,).
     """
 
     snapshot: Snapshot
@@ -40,6 +42,12 @@ class Chain:
     step: sparse.csr_array
     duration: FloatArray
     held: FloatArray
+    leaves: FloatArray
+
+    @property
+    def stays(self) -> FloatArray:
+        """Probability that the body comes to rest at the downstream end of the link of each state, (states,)."""
+        return np.asarray(np.maximum(1 - self.held - self.leaves - self.step.sum(axis=1), 0.0))
 
     @property
     def link(self) -> IntArray:
@@ -57,6 +65,8 @@ class Visits:
         the chain.
     release
         node where the body enters the water.
+    first
+        probability that it enters a link there, and does not leave the pipes at once.
     entries
         expected number of entries into each state, (states,).
     time
@@ -75,6 +85,7 @@ class Visits:
 
     chain: Chain
     release: int
+    first: float
     entries: FloatArray
     time: FloatArray
     link_probability: FloatArray
@@ -108,7 +119,7 @@ def solve_chain(chain: Chain, release: int, first: FloatArray) -> Visits:
     probability = np.minimum(visits, 1.0)
     link_entries = entries.reshape(-1, chain.bands).sum(axis=1)
     link_probability = np.minimum(link_entries, 1.0)
-    for node in _find_loops(snapshot):
+    for node in find_loops(snapshot):
         probability[node] = arrives @ _enter_once(solver, entries, np.flatnonzero(head == node))
         for link in snapshot.outlets[node]:
             states = np.arange(link * chain.bands, (link + 1) * chain.bands)
@@ -118,6 +129,7 @@ def solve_chain(chain: Chain, release: int, first: FloatArray) -> Visits:
         return Visits(
             chain,
             release,
+            float(first.sum()),
             entries,
             time,
             link_probability,
@@ -140,7 +152,7 @@ def _enter_once(solver: SuperLU, entries: FloatArray, states: IntArray) -> Float
     return first
 
 
-def _find_loops(snapshot: Snapshot) -> IntArray:
+def find_loops(snapshot: Snapshot) -> IntArray:
     """Return the nodes that water can come back to."""
     nodes = len(snapshot.network.nodes)
     ones = np.ones(len(snapshot.links))

@@ -25,11 +25,14 @@ class RoutingTable:
         probability of each band in which it enters an outlet, (bands, outlets, bands).
     leaves
         probability that it leaves the pipes with the demand, (bands,).
+    obstacle
+        what holds bodies there, in a few words.
     """
 
     choice: FloatArray
     arrival: FloatArray
     leaves: FloatArray
+    obstacle: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,10 +47,13 @@ class TransferTable:
         probability of each band in which it arrives at the end, (bands, bands).
     slowness
         mean time that it takes, relative to that of the water, (bands,).
+    obstacle
+        what holds bodies there, in a few words.
     """
 
     transfer: FloatArray
     slowness: FloatArray
+    obstacle: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +85,7 @@ class Routing:
     def make_chain(self) -> Chain:
         """Return the Markov chain of these tables."""
         snapshot, bands = self.snapshot, self.bands
-        rows, columns, values, durations, held = [], [], [], [], []
+        rows, columns, values, durations, held, leaves = [], [], [], [], [], []
         states = np.arange(bands)
         for link, (straight, table) in enumerate(zip(self.transfers, self.tables, strict=True)):
             outlets = snapshot.outlets[snapshot.head[link]]
@@ -90,8 +96,16 @@ class Routing:
             values.append(steps.ravel())
             durations.append(snapshot.duration[link] * straight.slowness)
             held.append(1 - straight.transfer.sum(axis=1))
+            leaves.append(straight.transfer @ table.leaves)
         count = len(self.tables) * bands
         entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
         step = sparse.csr_array(entries, (count, count))
         step.eliminate_zeros()
-        return Chain(snapshot, bands, step, np.concatenate(durations), np.clip(np.concatenate(held), 0, 1))
+        return Chain(
+            snapshot,
+            bands,
+            step,
+            np.concatenate(durations),
+            np.clip(np.concatenate(held), 0.0, 1.0),
+            np.concatenate(leaves),
+        )

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+import numpy.typing as npt
 
 from driftform.errors import InputError
 from driftform.types import FloatArray
@@ -31,7 +32,9 @@ class Snapshot:
     flow
         volume flow, m3/s, positive, (n,).
     exit
-        water that leaves the pipes at each node, m3/s, at least 0, (nodes,).
+        demand at each junction, m3/s, at least 0, (nodes,).
+    stores
+        whether each node is a tank or a reservoir: what arrives there has left the pipes, (nodes,).
     """
 
     network: Network
@@ -42,6 +45,7 @@ class Snapshot:
     head: IntArray
     flow: FloatArray
     exit: FloatArray
+    stores: npt.NDArray[np.bool_]
     outlets: tuple[IntArray, ...] = field(repr=False, default=())
     """For each node, the links of this snapshot that lead away from it."""
 
@@ -63,7 +67,7 @@ class Snapshot:
 
     @property
     def departure(self) -> FloatArray:
-        """Water that leaves each node, through links or out of the pipes, m3/s, (nodes,)."""
+        """Water that leaves each node, through links or with the demand, m3/s, (nodes,)."""
         through = np.bincount(self.tail, self.flow, len(self.network.nodes))
         return np.asarray(through + self.exit)
 
@@ -89,10 +93,11 @@ def take_snapshot(network: Network, hour: float = 0.0) -> Snapshot:
     forward = flow[links] > 0
     tail = np.where(forward, network.start[links], network.end[links])
     head = np.where(forward, network.end[links], network.start[links])
-    exit = np.maximum(hydraulics.outflow[step], 0.0)
+    stores = np.array([kind != "junction" for kind in network.node_kinds])
+    exit = np.where(stores, 0.0, np.maximum(hydraulics.outflow[step], 0.0))
     order = np.argsort(tail, kind="stable")
     outlets = np.split(order, np.searchsorted(tail[order], np.arange(1, len(network.nodes))))
-    return Snapshot(network, hour, step, links, tail, head, np.abs(flow[links]), exit, tuple(outlets))
+    return Snapshot(network, hour, step, links, tail, head, np.abs(flow[links]), exit, stores, tuple(outlets))
 
 
 def check_pressure(network: Network, step: int) -> None:

@@ -40,10 +40,10 @@ def route_tracers(snapshot: Snapshot) -> Routing:
     tables = []
     for node in snapshot.head.tolist():
         outlets = snapshot.outlets[node]
-        # All water of a node without outlets leaves there, and rounding has no share in it.
-        leaves = snapshot.exit[node] / departure[node] if len(outlets) else 1.0
-        choice = (snapshot.flow[outlets] / departure[node])[None]
-        tables.append(RoutingTable(choice, np.ones((1, len(outlets), 1)), np.array([leaves])))
+        choice = np.zeros((1, len(outlets)))
+        if len(outlets) and not snapshot.stores[node]:
+            choice[0] = snapshot.flow[outlets] / departure[node]
+        tables.append(RoutingTable(choice, np.ones((1, len(outlets), 1)), 1 - choice.sum(axis=1)))
     return Routing(snapshot, [_STRAIGHT] * len(tables), tables, np.ones(1))
 
 
