@@ -10,7 +10,7 @@ from driftform.runs.store import DisturbedResult, Store
 from driftform.scenario import Scenario, evaluation_seed
 from driftform.scenario.disturbances import Condition, draw_conditions
 from driftform.study import Study
-from driftform.trajectory.approach import find_approaches
+from driftform.trajectory.way import find_target_approaches
 from driftform.types import Evaluation, FloatArray
 
 
@@ -46,7 +46,6 @@ def fly_disturbed(
         that of :class:`driftform.execution.Job`.
     """
     targets = study.scenario.target_names
-    points = study.scenario.target_array()
     pairs = list(wanted)
     done = store.list_disturbed()
     missing = [pair for pair in pairs if pair not in done]
@@ -61,7 +60,7 @@ def fly_disturbed(
         store.add_disturbed(
             [
                 DisturbedResult(
-                    *missing[number], checked.fitness, find_offsets(checked, points), checked.failure
+                    *missing[number], checked.fitness, find_offsets(checked, study.scenario), checked.failure
                 )
                 for number, checked in ((n, check_fitness(e, targets)) for n, e in arrived)
             ],
@@ -72,9 +71,18 @@ def fly_disturbed(
     return len(pairs)
 
 
-def find_offsets(evaluation: Evaluation, points: FloatArray) -> FloatArray:
-    """Return the vector from each of ``points`` (n, 3) to the closest approach, m, (n, 3); NaN if the flight failed."""
+def find_offsets(evaluation: Evaluation, scenario: Scenario) -> FloatArray:
+    """Return the vector from each target to the closest approach, m, (targets, 3); NaN if the flight failed.
+
+    In a pipe with parts it is as long as the way through the water.
+    """
+    points = scenario.target_array()
     if evaluation.failure is not None or evaluation.trajectory is None:
         return np.full(points.shape, np.nan)
-    approaches = find_approaches(evaluation.trajectory, points)
-    return np.array([approach.position for approach in approaches]).reshape(points.shape) - points
+    approaches = find_target_approaches(evaluation.trajectory, scenario)
+    offsets = np.array([approach.position for approach in approaches]).reshape(points.shape) - points
+    if scenario.pipe.is_open or scenario.pipe.straight is not None:
+        return np.asarray(offsets)
+    straight = np.maximum(np.linalg.norm(offsets, axis=1), np.finfo(float).tiny)
+    through = np.array([approach.distance for approach in approaches])
+    return np.asarray(offsets * (through / straight)[:, None])

@@ -136,7 +136,7 @@ def find_best_agent(study: Study, store: Store, target: str) -> StoredAgent | No
     index = best[0] if winner is None else winner.index
     record = store.read_record(index, targets)
     fitness = float(record.evaluation.fitness[targets.index(target)])
-    offset = find_offsets(record.evaluation, np.array([study.scenario.targets[target]]))
+    offset = find_offsets(record.evaluation, study.scenario)[targets.index(target)]
     promise = {} if winner is None else winner.document()
     result: dict[str, Any] = {
         "target": target,

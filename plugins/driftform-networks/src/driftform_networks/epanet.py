@@ -124,7 +124,9 @@ def _solve(engine: Any, model: Any, path: Path) -> Hydraulics:
     except Exception as error:
         raise InputError(f"{path}: EPANET cannot solve the network: {error}") from None
     said = tuple(dict.fromkeys(" ".join(line.split()) for line in engine.errcodelist))
-    return Hydraulics(np.array(times, float), float(time), np.array(flow), np.array(outflow), np.array(head), said)
+    return Hydraulics(
+        np.array(times, float), float(time), np.array(flow), np.array(outflow), np.array(head), said
+    )
 
 
 def _make_network(model: Any, hydraulics: Hydraulics, name: str, digest: str) -> Network:
@@ -137,7 +139,9 @@ def _make_network(model: Any, hydraulics: Hydraulics, name: str, digest: str) ->
         tuple(nodes),
         tuple(node.node_type.lower() for _, node in model.nodes()),
         # A reservoir has a head, and no elevation of its own.
-        np.array([getattr(node, "elevation", getattr(node, "base_head", 0.0)) for _, node in model.nodes()], float),
+        np.array(
+            [getattr(node, "elevation", getattr(node, "base_head", 0.0)) for _, node in model.nodes()], float
+        ),
         np.array([node.coordinates for _, node in model.nodes()], float).reshape(-1, 2),
         tuple(model.link_name_list),
         tuple(kinds),

@@ -159,7 +159,8 @@ class Passage:
     def end_table(self) -> dict[str, list[Any]]:
         """Return the ends as columns."""
         return {
-            name: [getattr(end, name) for end in self.ends] for name in ("kind", "place", "probability", "reason")
+            name: [getattr(end, name) for end in self.ends]
+            for name in ("kind", "place", "probability", "reason")
         }
 
 

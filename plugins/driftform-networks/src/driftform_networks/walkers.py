@@ -120,7 +120,15 @@ def walk_network(
         )
     times = hydraulics.times[first:]
     routings = [route(take_snapshot(network, time / 3600)) for time in times]
-    return _walk(routings, hydraulics.flow[first:], times, hydraulics.end, release, 3600 * np.asarray(hours, float), rng)
+    return _walk(
+        routings,
+        hydraulics.flow[first:],
+        times,
+        hydraulics.end,
+        release,
+        3600 * np.asarray(hours, float),
+        rng,
+    )
 
 
 def _walk(
