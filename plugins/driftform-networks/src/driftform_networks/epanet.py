@@ -101,7 +101,9 @@ def _solve(engine: Any, model: Any, path: Path) -> Hydraulics:
     nodes = [engine.ENgetnodeindex(name) for name in model.node_name_list]
     links = [engine.ENgetlinkindex(name) for name in model.link_name_list]
     times: list[int] = []
-    flow, outflow, head = [], [], []
+    flow: list[Any] = []
+    outflow: list[Any] = []
+    head: list[Any] = []
     try:
         engine.ENopenH()
         engine.ENinitH(0)

@@ -1,6 +1,7 @@
 """``driftform network show``: what a network is."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,7 @@ def show_network(source: str, hour: float, map: Path | None, cache: Path | None)
     check_files(map, None)
     network = open_network(source, cache)
     snapshot = take_snapshot(network, hour)
-    document = describe_network(network, snapshot)
+    document: dict[str, Any] = describe_network(network, snapshot)
     files: tuple[Path, ...] = ()
     if map is not None:
         title = f"{network.name} at hour {hour:g}"
