@@ -64,7 +64,7 @@ from driftform.geometry.pipe_parts import (
     exact_sine,
 )
 from driftform.scenario import Flow, Pipe, Scenario
-from driftform.scenario.layout import Layout
+from driftform.scenario.layout import BEYOND, Layout
 from driftform.types import FloatArray
 
 CHANGE = 2.0
@@ -142,12 +142,14 @@ def _row_of_part(part: PipePart) -> FloatArray:
 
 
 def _row_beyond(opening: Opening, exit_: float) -> FloatArray:
-    """Return the row of the bore beyond an opening: a straight part without end."""
+    """Return the row of the bore beyond an opening."""
     row = np.zeros(PART)
     row[KIND], row[EXIT] = STRAIGHT, exit_
     row[ORIGIN : ORIGIN + 3], row[AXES : AXES + 9] = opening.centre, opening.axes.ravel()
     row[RADIUS] = row[END_RADIUS] = row[NARROWEST] = opening.radius
-    row[LENGTH] = row[EXTENT] = math.inf
+    row[LENGTH] = BEYOND * opening.radius
+    row[CENTRE : CENTRE + 3] = opening.centre + 0.5 * row[LENGTH] * opening.axes[0]
+    row[EXTENT] = 0.5 * row[LENGTH] + (1 + _WALL) * opening.radius
     return row
 
 

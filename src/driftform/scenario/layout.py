@@ -41,8 +41,8 @@ USUAL_FILLET = 0.2
 _MOST_SAMPLES = 400
 """Most points of the axis of a part at which collisions are looked for."""
 
-_RUNNING_OUT = 4.0
-"""Length of free space behind an outlet, in radii of its bore: an agent's nose passes the outlet before its core."""
+BEYOND = 6.0
+"""Length of the bore beyond inlet and outlets, in radii: an agent's nose passes the outlet before its core."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -413,6 +413,6 @@ def _sample_axes(layout: Layout) -> Iterator[_Samples]:
             yield _Samples(index, axis.points, axis.radii, lengths, number == 1)
         if placed.outlet is not None:
             opening = part.list_exits()[0]
-            x = np.linspace(0, _RUNNING_OUT * opening.radius, 17)[1:]
+            x = np.linspace(0, BEYOND * opening.radius, 17)[1:]
             points = opening.centre + x[:, None] * opening.axes[0]
             yield _Samples(index, points, np.full(len(x), opening.radius), part.length + x)
