@@ -330,7 +330,7 @@ def find_widest(bench: Bench, name: str, factor: float) -> float:
     if name != "hull_density":
         return WIDEST * factor
     net = abs(bench.net_weight / max(bench.hull_weight, 1e-12) + factor - 1)
-    return max(WIDEST_HULL, WIDEST * min(factor, net))
+    return max(WIDEST_HULL, WIDEST * min(max(1.0, factor), net))
 
 
 def _find_interval(
