@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from driftform.calibration.bench import Bench, ReleaseError
-from driftform.calibration.fit import WIDEST, WIDEST_HULL, list_reasons
+from driftform.calibration.fit import CONTACT, find_widest, list_reasons
 from driftform.calibration.problem import Filmed, Problem, factor_of
 from driftform.calibration.tracks import Marker, Track
 from driftform.errors import WorkFailedError
@@ -97,12 +97,14 @@ class Plan:
     """Drops in the order of their gain, and what they are expected to show.
 
     ``expected`` has for each factor half of its 90 % interval, relative to the factor, and whether it will count as
-    known; ``reasons`` are why some factors cannot be shown at all.
+    known; ``reasons`` are why some factors cannot be shown at all. ``hull_share`` is the weight of the hull over the net
+    weight.
     """
 
     drops: tuple[Drop, ...]
     expected: dict[str, tuple[float, bool]]
     reasons: dict[str, str]
+    hull_share: float
 
 
 def plan_drops(
@@ -200,19 +202,17 @@ def _examine(
     t = np.arange(0.0, duration, 1 / fps)
     if len(t) < FEWEST_FRAMES:
         return None
-    film = Filmed(bench, _blank(t))
-    problem = Problem([film], names, [noise], has_contact=path.contact < duration)
-    jacobian = problem.jacobian(problem.start)
-    whole = jacobian.T @ jacobian
-    count = len(names)
-    # What is known of the factors before counts once, not with each film.
-    whole[:count, :count] -= np.diag([1 / p.prior**2 for p in problem.parameters[:count]])
-    nuisance = whole[count:, count:]
-    # The last rows are what release and camera may be; the film's own information is what they leave.
-    information = (
-        whole[:count, :count]
-        - whole[:count, count:] @ np.linalg.pinv(nuisance, hermitian=True) @ whole[count:, :count]
-    )
+    information = _inform(bench, names, t, noise, has_contact=path.contact < duration)
+    if path.contact < duration:
+        # A fit takes drag and weight from free flight alone.
+        free = np.array([name not in CONTACT for name in names])
+        before = t[t < path.contact]
+        falling = (
+            _inform(bench, names, before, noise, has_contact=False) if len(before) >= FEWEST_FRAMES else 0.0
+        )
+        information = np.where(
+            np.outer(free, free), falling, np.where(np.outer(~free, ~free), information, 0.0)
+        )
     points, _ = path.points_at(t)
     release = bench.scenario.release
     drop = Drop(
@@ -226,7 +226,19 @@ def _examine(
         points[:, [0, 2]],
         bench.scenario,
     )
-    return drop, (information + information.T) / 2
+    return drop, information
+
+
+def _inform(bench: Bench, names: Sequence[str], t: FloatArray, noise: float, has_contact: bool) -> FloatArray:
+    """Return what a film with frames at ``t`` (s) tells about the factors, (factors, factors), besides its own unknowns."""
+    problem = Problem([Filmed(bench, _blank(t))], names, [noise], has_contact=has_contact)
+    jacobian, count = problem.jacobian(problem.start), len(names)
+    whole = jacobian.T @ jacobian
+    # What is known of the factors before counts once, not with each film.
+    whole[:count, :count] -= np.diag([1 / p.prior**2 for p in problem.parameters[:count]])
+    across = whole[:count, count:]
+    left = whole[:count, :count] - across @ np.linalg.pinv(whole[count:, count:], hermitian=True) @ across.T
+    return np.asarray((left + left.T) / 2)
 
 
 def _blank(t: FloatArray) -> Track:
@@ -282,12 +294,11 @@ def _choose(
         drops.append(replace(found[best][0], gain=float(gains[best])))
     deviation = np.sqrt(np.diag(np.linalg.inv(information)))
     expected = {}
-    share = abs(bench.net_weight) / max(bench.hull_weight, 1e-12)
     for name, width in zip(names, QUANTILE * deviation, strict=True):
         half = (factor_of(name, width) - factor_of(name, -width)) / 2
-        widest = max(WIDEST_HULL, WIDEST * share) if name == "hull_density" else WIDEST
-        expected[name] = (float(half), bool(half <= widest))
-    return Plan(tuple(drops), expected, dict(reasons))
+        expected[name] = (float(half), bool(half <= find_widest(bench, name, 1.0)))
+    share = bench.hull_weight / max(abs(bench.net_weight), 1e-12)
+    return Plan(tuple(drops), expected, dict(reasons), float(share))
 
 
 def _prior_widths(bench: Bench, names: Sequence[str]) -> FloatArray:

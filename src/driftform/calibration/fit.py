@@ -12,7 +12,15 @@ import numpy as np
 from scipy.stats import t as student
 from threadpoolctl import threadpool_limits
 
-from driftform.calibration.problem import Filmed, Problem, estimate_noise, factor_of, parameter_of
+from driftform.calibration.bench import Bench, Path
+from driftform.calibration.problem import (
+    RELEASE_RISE,
+    Filmed,
+    Problem,
+    estimate_noise,
+    factor_of,
+    parameter_of,
+)
 from driftform.calibration.solution import Solution, find_best, place_releases, solve_problem
 from driftform.scenario import Calibration
 from driftform.scenario.calibration import LEAST, MOST, NAMES
@@ -179,6 +187,7 @@ def _fit(films: Sequence[Filmed], names: Sequence[str], priors: dict[str, tuple[
         min(c + AFTER_CONTACT, float(f.track.t[-1])) for c, f in zip(_contacts(whole, x), films, strict=True)
     ]
     shown = [film.cut(end) for film, end in zip(films, ends, strict=True)]
+    shown = [cut if len(cut.track.t) >= FEWEST_FREE else film for cut, film in zip(shown, films, strict=True)]
     lost = sum(len(film.track.t) - len(short.track.t) for film, short in zip(films, shown, strict=True))
     notes = [f"{lost} points more than {AFTER_CONTACT:g} s after the first contact left out"] if lost else []
     noise = list(free.problem.noise) if free is not None else noise
@@ -196,11 +205,11 @@ def _solve_free_flight(whole: Problem, x: FloatArray) -> tuple[Solution | None, 
     """
     found = None
     for share in SHARES:
-        contacts = _contacts(whole, x)
-        delays = [whole.camera(x, k).delay for k in range(len(whole.films))]
         films = [
-            film.cut(delay + share * (contact - delay)) if contact < film.track.t[-1] else film
-            for film, contact, delay in zip(whole.films, contacts, delays, strict=True)
+            film.cut(whole.camera(x, k).delay + _end_free_flight(path, share))
+            if path.contact < whole.until(x, k)
+            else film
+            for k, (film, path) in enumerate(zip(whole.films, whole.paths(x), strict=True))
         ]
         if min(len(film.track.t) for film in films) < FEWEST_FREE:
             return None, x
@@ -214,6 +223,13 @@ def _solve_free_flight(whole: Problem, x: FloatArray) -> tuple[Solution | None, 
         found = solve_problem(problem, x)
         x = found.x
     return found, x
+
+
+def _end_free_flight(path: Path, share: float) -> float:
+    """Return the time (s) up to which a flight is free, even if it was released a little lower than the model has it."""
+    k = int(np.searchsorted(path.t, path.contact)) - 1
+    speed = float(np.linalg.norm(path.velocity[max(k, 0)]))
+    return share * path.contact - 3 * RELEASE_RISE / max(speed, 0.01)
 
 
 def _contacts(problem: Problem, x: FloatArray) -> list[float]:
@@ -301,13 +317,20 @@ def _judge(solution: Solution, names: Sequence[str]) -> _Judgement:
 
 def _find_excess(solution: Solution, j: int, value: float, deviation: float) -> float:
     """Return half of the interval of a factor over the widest that counts as known."""
-    name, bench = solution.problem.names[j], solution.problem.films[0].bench
+    name = solution.problem.names[j]
     low, middle, high = _find_interval(solution, name, value, deviation)
-    widest = WIDEST * middle
-    if name == "hull_density":
-        share = abs(bench.net_weight / max(bench.hull_weight, 1e-12) + middle - 1)
-        widest = max(WIDEST_HULL, min(widest, WIDEST * share))
-    return (high - low) / 2 / widest
+    return (high - low) / 2 / find_widest(solution.problem.films[0].bench, name, middle)
+
+
+def find_widest(bench: Bench, name: str, factor: float) -> float:
+    """Return half of the widest interval of a factor that counts as known.
+
+    The density of the hull must be known itself, since other agents are printed with it, and so must the net weight.
+    """
+    if name != "hull_density":
+        return WIDEST * factor
+    net = abs(bench.net_weight / max(bench.hull_weight, 1e-12) + factor - 1)
+    return max(WIDEST_HULL, WIDEST * min(max(1.0, factor), net))
 
 
 def _find_interval(

@@ -31,6 +31,9 @@ TILT = np.deg2rad(5.0)
 ASPECT = 0.002
 """Standard deviation of the width of a picture over its height: 4 degrees towards the camera, or of its own pitch."""
 
+RELEASE_ANGLE = float(np.deg2rad(3.0))
+"""Standard deviation of pitch and yaw of a release by hand, rad."""
+
 RELEASE_SPEED = 0.005
 """Standard deviation of the speed of a release from rest, in each direction, m/s."""
 
@@ -325,15 +328,13 @@ def _wrap(angle: FloatArray) -> FloatArray:
 
 
 def _list_release(number: int, film: Filmed, has_contact: bool) -> list[Parameter]:
-    scenario = film.bench.scenario
-    turn = float(np.deg2rad(scenario.robustness.angle_deg)) or 1e-6
-    widths = {"pitch": turn, "up": RELEASE_SPEED}
+    widths = {"pitch": RELEASE_ANGLE, "up": RELEASE_SPEED}
     # A film of the height alone shows nothing of a drift.
     if film.seen_axes.all():
         widths["right"] = RELEASE_SPEED
         # Seen from the side, a small turn about the vertical hardly shortens what is seen.
-        if film.view == "top" or film.track.is_spatial or scenario.release.yaw_deg:
-            widths["yaw"] = turn
+        if film.view == "top" or film.track.is_spatial or film.bench.scenario.release.yaw_deg:
+            widths["yaw"] = RELEASE_ANGLE
     if has_contact:
         widths["rise"] = RELEASE_RISE
     return [

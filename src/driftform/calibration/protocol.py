@@ -74,7 +74,11 @@ class DropPlan:
         }
 
     def _expected(self) -> dict[str, tuple[float, bool]]:
-        return {_rename(name): found for name, found in self.plan.expected.items()}
+        """Half intervals and whether they will do; that of the hull's density as one of the net weight."""
+        return {
+            _rename(name): (half * self.plan.hull_share if name == "hull_density" else half, known)
+            for name, (half, known) in self.plan.expected.items()
+        }
 
     def write(self, directory: Path) -> list[Path]:
         """Write the page and a study file for each drop, and return their paths."""
