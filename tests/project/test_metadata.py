@@ -104,6 +104,7 @@ def test_the_workflow_tests_on_three_systems_and_runs_what_ci_runs() -> None:
 
 def test_ci_runs_every_group_of_tests_that_is_not_slow(pytestconfig: pytest.Config) -> None:
     script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    assert "pip install uv && uv run pytest\n" in (ROOT / "README.md").read_text(encoding="utf-8")
     assert 'bash -c "$test_command"\n' in script and "uv sync --quiet --all-groups\n" in script
     [default] = [word for word in pytestconfig.getini("addopts") if word.startswith("not slow")]
     groups = {

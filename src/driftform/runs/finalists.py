@@ -38,7 +38,7 @@ def fly_finalists(
     robustness, targets = study.scenario.robustness, study.scenario.target_names
     if not robustness.conditions:
         return
-    sound = [brief for brief in store.read_summaries(targets) if not brief.failed]
+    sound = [brief for brief in store.read_summaries(targets) if brief.failure is None]
     fitness = np.array([b.fitness for b in sound]).reshape(-1, len(targets))
     finalists = [sound[row].index for row in choose_finalists(fitness, robustness.finalists)]
     conditions = draw_rounds(robustness, study.seed)
