@@ -18,7 +18,8 @@ from driftform.interfaces import ExportJob, Printer, Renderer
 from driftform.pipeline import Pipeline
 from driftform.printing.check import check_print_job, list_formats, require_findings, write_print_job
 from driftform.printing.exporter_settings import list_kit_settings
-from driftform.printing.trim import LEAD, measure_kit, trim_agent, weigh_print
+from driftform.printing.kit import Balls, KitReport, measure_kit
+from driftform.printing.trim import LEAD, trim_agent, weigh_print
 from driftform.runs.agent_file import StoredAgent, agent_document
 from driftform.runs.finalists import find_offsets
 from driftform.scenario import Scenario
@@ -444,12 +445,16 @@ class Design:
             if a flight fails.
         """
 
-        def measure() -> tuple[float, float]:
-            exporter = self.under("exporter.stl.kit=true").study.make_exporter("stl")
-            return measure_kit(exporter, self.export_job())
+        if not kit:
+            weight = weigh_print(self.agent, printed_mass, printed_cog)
+            return trim_agent(self.pipeline, self.agent, self.name, weight, ballast_density)
+        exporter, job = self.under("exporter.stl.kit=true").study.make_exporter("stl"), self.export_job()
 
-        weight = weigh_print(self.agent, printed_mass, printed_cog, measure if kit else None)
-        return trim_agent(self.pipeline, self.agent, self.name, weight, ballast_density)
+        def measure(balls: Balls | None = None) -> KitReport:
+            return measure_kit(exporter, job, balls)
+
+        weight = weigh_print(self.agent, printed_mass, printed_cog, measure())
+        return trim_agent(self.pipeline, self.agent, self.name, weight, ballast_density, measure)
 
     def __repr__(self) -> str:
         modules = self.agent.morphology.modules if self.agent.morphology else ()

@@ -89,6 +89,10 @@ class FrustaOptions(Table):
             raise ValueError(
                 "kit has options, but made_as is 'hull': set made_as to 'kit', or leave them out"
             )
+        if self.kit is not None and self.kit.ballast:
+            raise ValueError(
+                "kit.ballast is for the kit of one agent, and a builder makes many: set it for the exporter"
+            )
         if self.made_as == "kit" and self.wall_model == "paper":
             raise ValueError(
                 "made_as is 'kit', but no kit can be made of the open ends of wall_model 'paper': set it to 'mitred'"
