@@ -10,8 +10,10 @@ import numpy as np
 from driftform.errors import WorkFailedError, describe_error
 from driftform.faults import describe_fault, require, require_flights
 from driftform.geometry import mass_properties
+from driftform.geometry.mass_elements import load_ballast
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
 from driftform.scenario import Scenario
+from driftform.scenario.calibration import calibrate_body, calibrate_coefficients
 from driftform.scenario.disturbances import Condition, disturb_body, disturb_scenario
 from driftform.scenario.fit import ease_release, find_misfit
 from driftform.types import (
@@ -75,11 +77,13 @@ class Pipeline:
     def realise(
         self, morphology: Morphology, genome: Genome | None = None, condition: Condition | None = None
     ) -> Agent:
-        """Morphology -> agent, as printed under a disturbed condition if one is given."""
+        """Morphology -> agent, as calibrated, and as printed under a disturbed condition if one is given."""
         body, scenario = require(self.builder.build(morphology), Body, self.builder, "build"), self.scenario
         if condition is not None:
             body, scenario = disturb_body(condition, body), disturb_scenario(condition, scenario)
-        mass, fluid, options = mass_properties(body), scenario.fluid, self.hydrodynamics.options
+        factors, fluid, options = scenario.calibration.factors, scenario.fluid, self.hydrodynamics.options
+        body = calibrate_body(factors, body)
+        mass = mass_properties(body)
         found = self.hydrodynamics.coefficients(body, fluid)
         coefficients = require(found, Coefficients, self.hydrodynamics, "coefficients")
         if options.drag == "strips":
@@ -88,9 +92,8 @@ class Pipeline:
             factor = wake_factor(coefficients, fluid.density * mass.volume)
             drag = estimate_drag(body, fluid.viscosity, factor, options.drag_without)
             coefficients = replace(coefficients, drag=drag)
-        if condition is not None:
-            coefficients = coefficients.scale_damping(condition.drag)
-        return Agent(body, mass, coefficients, morphology, genome)
+        coefficients = calibrate_coefficients(factors, coefficients)
+        return Agent(body, load_ballast(mass, scenario.release), coefficients, morphology, genome)
 
     def make_agent(self, genome: Genome, condition: Condition | None = None) -> Agent:
         """Genome -> agent."""

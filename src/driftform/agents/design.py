@@ -11,6 +11,9 @@ import numpy as np
 
 from driftform.agents.flight import Flight
 from driftform.agents.inspection import compare_added_mass, inspect_agent
+from driftform.calibration.protocol import DropPlan
+from driftform.calibration.result import CalibrationResult
+from driftform.calibration.tracks import Reading
 from driftform.errors import InputError, WorkFailedError, describe_error
 from driftform.faults import require_files
 from driftform.figures.section import section_svg
@@ -218,7 +221,9 @@ class Design:
 
         ``[robustness]`` of its scenario says what varies.
         """
-        conditions = draw_conditions(self.scenario.robustness, flights, (seed, flights))
+        conditions = draw_conditions(
+            self.scenario.robustness, flights, (seed, flights), self.scenario.calibration
+        )
         offsets: list[FloatArray] = []
         for condition in conditions:
             [evaluation] = self.pipeline.evaluate([self.stored.genome], conditions=[condition])
@@ -454,6 +459,108 @@ class Design:
 
         weight = weigh_print(self.agent, printed_mass, printed_cog, measure())
         return trim_agent(self.pipeline, self.agent, self.name, weight, ballast_density, measure)
+
+    def calibrate(
+        self,
+        *tracks: str | os.PathLike[str],
+        scenario: str | None = None,
+        reading: Reading | None = None,
+        view: str = "side",
+        scale_error: float = 0.005,
+        fit: Sequence[str] = (),
+        printed_mass: float | None = None,
+    ) -> CalibrationResult:
+        """Return what films of its flights show of the model, as ``driftform calibrate`` does.
+
+        Parameters
+        ----------
+        tracks
+            files of tracks, one for each film. A study file of the same name beside a track, such as ``drop-1.toml``
+            beside ``drop-1.csv``, is the scenario of that film.
+        scenario
+            of all films, in place of such files; ``None`` for these, or for that of the agent.
+        reading
+            units, frames and points of the tracks; ``None`` for metres and seconds.
+        view
+            of the camera: ``"side"``, ``"top"`` or ``"front"``; tracks with x, y and z have none.
+        scale_error
+            standard deviation of a film's scale, relative to it.
+        fit
+            names of the factors to fit; empty for all.
+        printed_mass
+            what the agent weighs with its core, kg, by scales; ``None`` if it was not weighed.
+
+        Raises
+        ------
+        InputError
+            if a track is not that of a flight of this agent.
+        WorkFailedError
+            if the agent cannot be flown.
+        """
+        from driftform.calibration.bench import Bench
+        from driftform.calibration.films import choose_factors, film_track, weigh_prior
+        from driftform.calibration.fit import fit_factors
+
+        names, films, scenarios = choose_factors(fit), [], []
+        if not tracks:
+            raise InputError("name at least one track")
+        for path in map(Path, tracks):
+            beside = path.with_suffix(".toml")
+            chosen = scenario or (str(beside) if beside != path and beside.is_file() else None)
+            there = self if chosen is None else self.under(scenario=chosen)
+            assert there.agent.morphology is not None
+            bench = Bench.of(there.pipeline, there.agent.morphology)
+            films.append(film_track(path, bench, reading or Reading(), view, scale_error))
+            scenarios.append(chosen or there.study.name)
+        found = fit_factors(films, names, weigh_prior(films[0].bench, printed_mass))
+        return CalibrationResult(self.name, found, self.stored, scenarios)
+
+    def drop(
+        self,
+        tank: tuple[float, float, float] = (1.0, 0.5, 0.5),
+        *,
+        drops: int = 3,
+        fps: float = 60.0,
+        noise: float = 0.002,
+        progress: Progress = ignore,
+    ) -> DropPlan:
+        """Return the drops in a tank whose films tell most about the model, in the water of its scenario.
+
+        Parameters
+        ----------
+        tank
+            inside of the tank: along the picture, across it, and the depth of the water, m.
+        drops
+            number of drops.
+        fps
+            frames of the films for each second.
+        noise
+            standard deviation of a tracked point, m.
+        progress
+            called with the number of releases that were examined, and of all.
+
+        Raises
+        ------
+        InputError
+            if the tank is smaller than the agent.
+        WorkFailedError
+            if no release can be filmed.
+        """
+        from driftform.calibration.experiment import Tank, plan_drops
+
+        if not all(0 < size < 50 for size in tank):
+            raise InputError(
+                f"--tank {' '.join(f'{size:g}' for size in tank)}: sizes should be from 0 to 50 m"
+            )
+        smallest, reach = min(tank), max(self.length, self.max_diameter)
+        if smallest < self.max_diameter or max(tank) < reach:
+            raise InputError(
+                f"--tank {' '.join(f'{size:g}' for size in tank)}: the agent is {self.length:.3g} m long and "
+                f"{self.max_diameter:.3g} m wide; the tank must be larger, in m"
+            )
+        assert self.agent.morphology is not None
+        plan = plan_drops(self.pipeline, self.agent.morphology, Tank(*tank), drops, fps, noise, progress)
+        return DropPlan(self.name, self.agent, Tank(*tank), plan, self.study.document)
 
     def __repr__(self) -> str:
         modules = self.agent.morphology.modules if self.agent.morphology else ()

@@ -11,7 +11,9 @@ import typer
 
 from driftform import __version__
 from driftform.cli import (
+    calibrate,
     check,
+    drop,
     evolve,
     export,
     export_data,
@@ -138,5 +140,7 @@ command("export")(export.export)
 command("export-flight")(export_flight.export_flight)
 command("check")(check.check)
 command("trim")(trim.trim)
+command("drop")(drop.drop)
+command("calibrate")(calibrate.calibrate)
 app.add_typer(plugins.app, name="plugins")
 app.add_typer(scenarios.app, name="scenarios")

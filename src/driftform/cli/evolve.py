@@ -49,6 +49,14 @@ def evolve(
     scheduler: Scheduler = None,
     simulator: Simulator = None,
     hydrodynamics: Hydrodynamics = None,
+    calibration: Annotated[
+        str | None,
+        typer.Option(
+            "--calibration",
+            metavar="FILE",
+            help="What filmed flights have shown of the model: a calibration.toml of 'driftform calibrate'.",
+        ),
+    ] = None,
     out: OutDirectory = None,
     settings: Settings = None,
     json: Json = False,
@@ -76,6 +84,7 @@ def evolve(
         targets=target or (),
         use={"strategy": strategy, "simulator": simulator, "hydrodynamics": hydrodynamics},
         run={"seed": seed, "evaluations": evaluations},
+        calibration=calibration,
     )
     check_targets(checked)
     if out is not None:

@@ -123,7 +123,7 @@ def finish_trajectory(
     if not end.failed and error is not None and not error <= accepted:
         end = End.NOT_CONVERGED
     values = pack(model)
-    touched, time = _find_contact(rows, values, model.fittings)
+    touched, time = find_contact(rows, values, model.fittings)
     contact, drift = time if touched < len(rows) else None, _energy_drift(rows, values, touched)
     if len(rows) > 1 and (len(model.pipe) > 0 or model.fittings is not None):
         _cut_at_outlet(rows[-2], rows[-1], model.pipe, model.fittings)
@@ -226,7 +226,9 @@ def _body_velocity(rows: FloatArray) -> FloatArray:
 
 
 @compiled
-def _find_contact(rows: FloatArray, values: FloatArray, fittings: FloatArray | None) -> tuple[int, float]:
+def find_contact(
+    rows: FloatArray, values: FloatArray, fittings: FloatArray | None = None
+) -> tuple[int, float]:
     """Return the first sample at which a surface touches, and the time (s) of the contact; the number of samples without one."""
     model = unpack(values, fittings)
     for k in range(rows.shape[0]):

@@ -92,6 +92,7 @@ class FlightModel(NamedTuple):
 def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     """Return the arrays of an agent in a scenario."""
     mass, fluid, coefficients = agent.mass, scenario.fluid, agent.coefficients
+    contact = scenario.calibrated_contact()
     total = rigid_body_mass(mass) + added_mass_at(coefficients, np.zeros(3))
     inverse = invert_mass(total, max(agent.body.length, agent.body.max_diameter))
     fittings = fitting_array(scenario)
@@ -122,9 +123,9 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     table[GRAVITY], table[DENSITY], table[VISCOSITY] = fluid.gravity, fluid.density, fluid.viscosity
     table[WATER_LEVEL] = np.inf if fluid.water_level is None else fluid.water_level
     table[FROUDE_KRYLOV] = fluid.flow_force == "full"
-    table[FRICTION] = scenario.contact.friction
+    table[FRICTION] = contact.friction
     table[REACH] = (np.hypot(surfaces[:, 0], surfaces[:, 1]) + surfaces[:, 2]).max(initial=0.0)
-    contact, viscosity = scenario.contact, fluid.density * fluid.viscosity
+    viscosity = fluid.density * fluid.viscosity
     radius = 0.5 * agent.body.max_diameter
     law = contact_law(inverse, contact.frequency, contact.restitution, viscosity, radius)
     return FlightModel(

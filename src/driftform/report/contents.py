@@ -12,6 +12,7 @@ from driftform.figures.overview import overview_svg
 from driftform.figures.reach import reach_svg
 from driftform.figures.section import section_svg
 from driftform.figures.strip import Strip, strip_svg
+from driftform.figures.track import intervals_svg
 from driftform.figures.trend import Trend, trend_svg
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.finalists import find_best_agent, find_winner
@@ -139,6 +140,10 @@ def collect_contents(run: Run) -> Contents:
             for e in entries
             if (won := find_winner(study, store, e.target)) is not None and won.misses is not None
         }
+        if intervals := study.scenario.calibration.intervals:
+            count = study.scenario.calibration.tracks
+            heading = f"Calibration by {count} filmed flights" if count else "Calibration"
+            figures["Calibration"] = intervals_svg(intervals, heading)
         strips = [
             Strip(e.target, e.distance, misses.distances[:, 0], float(misses.promised[0]))
             for e in entries

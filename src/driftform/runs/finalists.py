@@ -41,7 +41,7 @@ def fly_finalists(
     sound = [brief for brief in store.read_summaries(targets) if brief.failure is None]
     fitness = np.array([b.fitness for b in sound]).reshape(-1, len(targets))
     finalists = [sound[row].index for row in choose_finalists(fitness, robustness.finalists)]
-    conditions = draw_rounds(robustness, study.seed)
+    conditions = draw_rounds(study.scenario, study.seed)
     judged = [(index, number) for index in finalists for number in range(robustness.conditions)]
     to_come = min(len(finalists), len(targets)) * robustness.checks
     fly = partial(_fly, study, store, executor, conditions)
@@ -53,11 +53,12 @@ def fly_finalists(
     fly(checked, lambda count: on_flights(done + count, done + len(checked)))
 
 
-def draw_rounds(robustness: Robustness, seed: int) -> tuple[Condition, ...]:
+def draw_rounds(scenario: Scenario, seed: int) -> tuple[Condition, ...]:
     """Return the conditions of the choice, and after them those of the promise, for a run with this seed."""
+    robustness, calibration = scenario.robustness, scenario.calibration
     return (
-        *draw_conditions(robustness, robustness.conditions, (seed, 0)),
-        *draw_conditions(robustness, robustness.checks, (seed, 1)),
+        *draw_conditions(robustness, robustness.conditions, (seed, 0), calibration),
+        *draw_conditions(robustness, robustness.checks, (seed, 1), calibration),
     )
 
 
@@ -171,7 +172,7 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     robustness = study.scenario.robustness
     if not robustness.conditions:
         return None
-    conditions = draw_rounds(robustness, study.seed)
+    conditions = draw_rounds(study.scenario, study.seed)
     judged, checked = range(robustness.conditions), range(robustness.conditions, len(conditions))
     found: Winner | None = None
     for index, flights in store.read_disturbed(target).items():

@@ -1,5 +1,6 @@
 """The environment as data: pipe, flow, fluid, release, contact, targets, and their disturbances."""
 
+from driftform.scenario.calibration import Calibration, Factors
 from driftform.scenario.flow import (
     FLOWS,
     DevelopingFlow,
@@ -23,8 +24,10 @@ from driftform.scenario.tables import (
 
 __all__ = [
     "FLOWS",
+    "Calibration",
     "Contact",
     "DevelopingFlow",
+    "Factors",
     "FlightLimits",
     "Flow",
     "Fluid",

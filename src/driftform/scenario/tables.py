@@ -7,6 +7,7 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from driftform.errors import did_you_mean
 from driftform.options import Table, option
+from driftform.scenario.calibration import Calibration, calibrate_restitution
 from driftform.scenario.flow import (
     DevelopingFlow,
     Flow,
@@ -63,6 +64,15 @@ class Release(Table):
     )
     velocity: Literal["current", "rest"] | Vector = option(
         "current", "'current' (moving with the water), 'rest', or a velocity", "m/s"
+    )
+    ballast: float = option(
+        0.0, "mass that hangs on the agent's outside, such as a sinker on a tape", "kg", ge=0, le=1e4
+    )
+    ballast_x: float = option(
+        0.0, "where along the axis it hangs, from the core's centre, fore positive", "m", ge=-100, le=100
+    )
+    ballast_density: float = option(
+        11_340.0, "density of the ballast; by default that of lead", "kg/m3", ge=100, le=30_000
     )
 
 
@@ -156,6 +166,9 @@ class Scenario(Table):
     robustness: Robustness = Field(
         default=Robustness(), description="disturbances of the finalists' flights, and their score"
     )
+    calibration: Calibration = Field(
+        default=Calibration(), description="what filmed flights have shown of the model"
+    )
     targets: Annotated[dict[str, Target], AfterValidator(_check_names)] = Field(
         default={},
         description="points to reach: name and position in the world frame, or the name of an outlet",
@@ -236,6 +249,18 @@ class Scenario(Table):
     def current(self) -> FloatArray:
         """Return the mean velocity of the water at the inlet, in the world frame, m/s, (3,)."""
         return self.flow.speed * self.direction()
+
+    def calibrated_contact(self) -> Contact:
+        """Return the contact with the coefficients that filmed flights have shown."""
+        factors = self.calibration.factors
+        if factors.restitution == factors.friction == 1.0:
+            return self.contact
+        return self.contact.model_copy(
+            update={
+                "restitution": calibrate_restitution(factors, self.contact.restitution),
+                "friction": factors.friction * self.contact.friction,
+            }
+        )
 
     def of_evaluation(self, seed: int, index: int) -> "Scenario":
         """Return the scenario of evaluation ``index`` of a run with this seed, with the gusts of that evaluation."""

@@ -12,6 +12,7 @@ import numpy as np
 from driftform.errors import InputError, find_commonest
 from driftform.pipeline import Pipeline
 from driftform.scenario import Scenario, TurbulentFlow, UniformFlow
+from driftform.scenario.calibration import DRAGS
 from driftform.scenario.fit import find_misfit, show_length
 from driftform.scenario.flow import PowerLawFlow
 from driftform.study.study import Study
@@ -277,6 +278,12 @@ class _Advice:
             yield (
                 f"flow.smoothing = {scenario.flow.smoothing:g} s is longer than flow.memory = {scenario.flow.memory:g} s: "
                 "the smallest eddies cannot outlast the largest"
+            )
+        drags = [name for name in DRAGS if getattr(scenario.calibration, name) is not None]
+        if drags and self.pipeline.hydrodynamics.options.drag == "none":
+            yield (
+                f"calibration.{drags[0]} has no effect: hydrodynamics.drag is 'none'; set it to 'strips', as in the flights "
+                "that were filmed"
             )
         if scenario.contact.friction > 1.5:
             yield (

@@ -90,7 +90,7 @@ def _make_agent(model: Model, ellipsoid: Ellipsoid, step: float, warnings: list[
         viscosity="0",
         wind=format_numbers(scenario.current()),
     )
-    friction = scenario.contact.friction
+    friction = scenario.calibrated_contact().friction
     default = add(add(root, "default"), "default", class_="contact")
     # MuJoCo's solver fails for three zero coefficients: contacts without friction have one dimension instead.
     rubbing = (

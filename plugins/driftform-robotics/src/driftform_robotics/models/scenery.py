@@ -69,7 +69,7 @@ def add_pipe(
             add_mesh(visual, meshes[index])
         for k, plank in enumerate(bore.make_planks()):
             shapes = [add(link, "collision", name=f"plank_{index}_{k}")]
-            add_friction(shapes[0], scenario.contact.friction)
+            add_friction(shapes[0], scenario.calibrated_contact().friction)
             if not meshes:
                 shapes.append(add(link, "visual", name=f"segment_{index}_{k}"))
                 _add_glass(shapes[1])

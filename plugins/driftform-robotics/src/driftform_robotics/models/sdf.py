@@ -276,7 +276,7 @@ def _add_model(
         collision = add(element, "collision", name=f"piece_{index}")
         add(collision, "pose", format_pose(model.axis_point(piece.x)))
         add_mesh(collision, piece_path(index))
-        add_friction(collision, job.scenario.contact.friction)
+        add_friction(collision, job.scenario.calibrated_contact().friction)
     if job.scenario.fluid.water_level is not None:
         _add_spheres(element, model)
     # After the link: a frame can be attached only to a link that is already defined.

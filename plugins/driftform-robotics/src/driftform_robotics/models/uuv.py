@@ -109,7 +109,7 @@ def _make_robot(model: Model, warnings: list[str]) -> ET.Element:
     add_link(root, name, model, f"file://$(find {title})")
     surface = add(root, "gazebo", reference=name)
     for tag in ("mu1", "mu2"):
-        add(surface, tag, format_number(scenario.contact.friction))
+        add(surface, tag, format_number(scenario.calibrated_contact().friction))
     plugin = add(
         add(root, "gazebo"), "plugin", name="uuv_plugin", filename="libuuv_underwater_object_ros_plugin.so"
     )
