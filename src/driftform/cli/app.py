@@ -43,6 +43,21 @@ class Commands(Group):
     0 done, 1 the work failed, 2 the input is wrong, 130 interrupted.
     """
 
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a command of the core, or the group of commands that a plugin adds under a name."""
+        found = super().get_command(ctx, cmd_name)
+        if found is not None:
+            return found
+        from driftform.cli.plugin_commands import make_group
+
+        return make_group(cmd_name)
+
+    def list_added(self) -> list[tuple[str, str]]:
+        """Return names and helps of the commands that plugins add."""
+        from driftform.cli.plugin_commands import list_groups
+
+        return [(name, help) for name, help in list_groups() if name not in self.commands]
+
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read the options before the name of a command."""
         with _one_line_for_each_error():
