@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+
+from driftform.types import FloatArray
 from driftform_networks.api import trace as trace_passage
 from driftform_networks.epanet import run_epanet
 from driftform_networks.network import Network
 from driftform_networks.snapshot import STILL, Snapshot, take_snapshot
 from driftform_networks.tracers import route_tracers, trace
 from driftform_networks.walkers import walk_network, walk_snapshot
-
-from driftform.types import FloatArray
 
 
 def arriving_flow(snapshot: Snapshot) -> FloatArray:
@@ -24,8 +24,12 @@ def is_junction(network: Network) -> np.ndarray:
     return np.array([kind == "junction" for kind in network.node_kinds])
 
 
-@pytest.mark.parametrize(("name", "release", "hours"), [("Net3", "River", 200), ("ky4", "R-1", 400), ("ky10", "R-1", 400)])
-def test_visits_are_the_trace_of_epanet(name: str, release: str, hours: float, tmp_path: Path, epanet: Any) -> None:
+@pytest.mark.parametrize(
+    ("name", "release", "hours"), [("Net3", "River", 200), ("ky4", "R-1", 400), ("ky10", "R-1", 400)]
+)
+def test_visits_are_the_trace_of_epanet(
+    name: str, release: str, hours: float, tmp_path: Path, epanet: Any
+) -> None:
     """p = TRACE Q_j / Q_s: the flux of marked water through a node, relative to that of the release."""
     path = epanet.freeze(name, tmp_path)
     network = run_epanet(path)
@@ -88,7 +92,8 @@ def test_water_that_turns_back_is_followed_as_epanet_does(tmp_path: Path, epanet
     head = dict(zip(network.nodes, network.hydraulics.head[0] / 0.3048, strict=True))
     controls = [" ".join(row) for row in epanet.list_rows(sections["CONTROLS"]) if "IF" not in row]
     sections |= {
-        "RESERVOIRS": sections["RESERVOIRS"] + "".join(f"{row[0]} {head[row[0]]}\n" for row in epanet.list_rows(sections["TANKS"])),
+        "RESERVOIRS": sections["RESERVOIRS"]
+        + "".join(f"{row[0]} {head[row[0]]}\n" for row in epanet.list_rows(sections["TANKS"])),
         "TANKS": "",
         "CONTROLS": "\n".join(controls),
         "OPTIONS": sections["OPTIONS"].replace("Trace Lake", "Trace River").replace("0.01", "1e-6"),
@@ -113,10 +118,14 @@ def test_water_that_turns_back_is_followed_as_epanet_does(tmp_path: Path, epanet
     expected = (middle * arriving[row] * duration).sum(axis=0) / released.sum()
     rng, count = np.random.default_rng(2), 20_000
     step = rng.choice(len(steps), count, p=released / released.sum())
-    walks = walk_network(network, route_tracers, river, (h.times[step] + rng.random(count) * steps[step]) / 3600, rng)
+    walks = walk_network(
+        network, route_tracers, river, (h.times[step] + rng.random(count) * steps[step]) / 3600, rng
+    )
     visits = np.bincount(walks.node[walks.node >= 0], minlength=len(network.nodes)) / count
     deviation = np.abs(visits - expected)[is_junction(network)]
-    assert (deviation <= 4 * np.sqrt(np.maximum(expected * (1 - expected), 1e-4) / count)[is_junction(network)]).all()
+    assert (
+        deviation <= 4 * np.sqrt(np.maximum(expected * (1 - expected), 1e-4) / count)[is_junction(network)]
+    ).all()
 
 
 def test_ends_and_coverage_add_up(epanet: Any) -> None:
@@ -129,5 +138,8 @@ def test_ends_and_coverage_add_up(epanet: Any) -> None:
 
 
 def test_the_same_seed_gives_the_same_walks(epanet: Any) -> None:
-    one, two, other = (trace_passage(epanet.read_library("Net3"), "River", unsteady=True, walks=500, seed=s) for s in (3, 3, 4))
+    one, two, other = (
+        trace_passage(epanet.read_library("Net3"), "River", unsteady=True, walks=500, seed=s)
+        for s in (3, 3, 4)
+    )
     assert one.as_document() == two.as_document() != other.as_document()

@@ -32,7 +32,9 @@ def make_group(name: str) -> Any:
         group = installed.load()
     except InputError as error:
         raise InputError(f"command '{name}' ({installed.distribution}) is {error}") from None
-    made = typer.Typer(cls=Group, help=group.help, no_args_is_help=True, add_completion=False, rich_markup_mode=None)
+    made = typer.Typer(
+        cls=Group, help=group.help, no_args_is_help=True, add_completion=False, rich_markup_mode=None
+    )
     made.callback()(lambda: None)
     for word, function in group.commands.items():
         made.command(word, cls=Command)(_wrap(f"{name} {word}", function))
@@ -54,7 +56,9 @@ def _wrap(name: str, function: Callable[..., CommandResult]) -> Callable[..., No
         except (DriftformError, OSError):
             raise
         except (Exception, SystemExit) as error:
-            raise WorkFailedError(f"command '{name}' failed: {describe_error(error, with_place=True)}") from None
+            raise WorkFailedError(
+                f"command '{name}' failed: {describe_error(error, with_place=True)}"
+            ) from None
         if json:
             print_json(result.document)
             return
@@ -65,7 +69,9 @@ def _wrap(name: str, function: Callable[..., CommandResult]) -> Callable[..., No
                 print_table(part.header, part.rows, part.right)
 
     parameters = [_translate(p) for p in inspect.signature(function, eval_str=True).parameters.values()]
-    parameters.append(inspect.Parameter("json", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Json))
+    parameters.append(
+        inspect.Parameter("json", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Json)
+    )
     run.__doc__ = function.__doc__
     run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     run.__annotations__ = {p.name: p.annotation for p in parameters}

@@ -112,7 +112,7 @@ def solve_chain(chain: Chain, release: int, first: FloatArray) -> Visits:
     time = solver.solve(step.T @ (entries * chain.duration))
     arrives = 1 - chain.held
     head = snapshot.head[chain.link]
-    visits = np.bincount(head, entries * arrives, nodes)
+    visits = np.asarray(np.bincount(head, entries * arrives, nodes), dtype=np.float64)
     # The time of an arrival is that of the entry, and the time through the link.
     arrival_time = np.bincount(head, (time + entries * chain.duration) * arrives, nodes)
     visits[release] += 1

@@ -8,19 +8,38 @@ from driftform.commands import Argument, CommandGroup, CommandResult, Option
 Net: TypeAlias = Annotated[
     str, Argument("NET", "An EPANET file (.inp), or the name of a network that WNTR ships, such as Net3.")
 ]
-Release: TypeAlias = Annotated[str, Option("--release", "Node where bodies enter the water, such as a hydrant.", "NODE")]
+Release: TypeAlias = Annotated[
+    str, Option("--release", "Node where bodies enter the water, such as a hydrant.", "NODE")
+]
 At: TypeAlias = Annotated[float, Option("--at", "Hour of the simulation.", "HOURS", 0, 1e6)]
 Unsteady: TypeAlias = Annotated[
-    bool, Option("--unsteady", "Let the flows change after the release, as EPANET computes them; by default they do not.")
+    bool,
+    Option(
+        "--unsteady",
+        "Let the flows change after the release, as EPANET computes them; by default they do not.",
+    ),
 ]
 Walks: TypeAlias = Annotated[
     int,
-    Option("--walks", "Bodies that are followed one by one for the distribution of arrival times; 0 for none.", "N", 0, 10_000_000),
+    Option(
+        "--walks",
+        "Bodies that are followed one by one for the distribution of arrival times; 0 for none.",
+        "N",
+        0,
+        10_000_000,
+    ),
 ]
 Seed: TypeAlias = Annotated[int, Option("--seed", "Seed of these walks.", "N", 0, 2**63 - 1)]
-Map: TypeAlias = Annotated[Path | None, Option("--map", "Map to draw, an SVG file; a PNG beside it if the extra png is installed.", "FILE")]
-Tables: TypeAlias = Annotated[Path | None, Option("--tables", "Directory for tables of nodes, links and ends, for pandas.", "DIR")]
-Cache: TypeAlias = Annotated[Path | None, Option("--cache", "Directory for results that are kept; by default the user's cache.", "DIR")]
+Map: TypeAlias = Annotated[
+    Path | None,
+    Option("--map", "Map to draw, an SVG file; a PNG beside it if the extra png is installed.", "FILE"),
+]
+Tables: TypeAlias = Annotated[
+    Path | None, Option("--tables", "Directory for tables of nodes, links and ends, for pandas.", "DIR")
+]
+Cache: TypeAlias = Annotated[
+    Path | None, Option("--cache", "Directory for results that are kept; by default the user's cache.", "DIR")
+]
 
 
 def show(net: Net, at: At = 0.0, map: Map = None, cache: Cache = None) -> CommandResult:

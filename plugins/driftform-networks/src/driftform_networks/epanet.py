@@ -101,7 +101,9 @@ def _solve(engine: Any, model: Any, path: Path) -> Hydraulics:
     nodes = [engine.ENgetnodeindex(name) for name in model.node_name_list]
     links = [engine.ENgetlinkindex(name) for name in model.link_name_list]
     times: list[int] = []
-    flow, outflow, head = [], [], []
+    flow: list[Any] = []
+    outflow: list[Any] = []
+    head: list[Any] = []
     try:
         engine.ENopenH()
         engine.ENinitH(0)
@@ -124,7 +126,9 @@ def _solve(engine: Any, model: Any, path: Path) -> Hydraulics:
     except Exception as error:
         raise InputError(f"{path}: EPANET cannot solve the network: {error}") from None
     said = tuple(dict.fromkeys(" ".join(line.split()) for line in engine.errcodelist))
-    return Hydraulics(np.array(times, float), float(time), np.array(flow), np.array(outflow), np.array(head), said)
+    return Hydraulics(
+        np.array(times, float), float(time), np.array(flow), np.array(outflow), np.array(head), said
+    )
 
 
 def _make_network(model: Any, hydraulics: Hydraulics, name: str, digest: str) -> Network:
@@ -137,7 +141,9 @@ def _make_network(model: Any, hydraulics: Hydraulics, name: str, digest: str) ->
         tuple(nodes),
         tuple(node.node_type.lower() for _, node in model.nodes()),
         # A reservoir has a head, and no elevation of its own.
-        np.array([getattr(node, "elevation", getattr(node, "base_head", 0.0)) for _, node in model.nodes()], float),
+        np.array(
+            [getattr(node, "elevation", getattr(node, "base_head", 0.0)) for _, node in model.nodes()], float
+        ),
         np.array([node.coordinates for _, node in model.nodes()], float).reshape(-1, 2),
         tuple(model.link_name_list),
         tuple(kinds),

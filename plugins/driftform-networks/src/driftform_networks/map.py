@@ -93,13 +93,17 @@ def network_svg(
         if the network has no coordinates.
     """
     page = _Page.fit(network)
-    root = start_page(page.box.bottom + _LEGEND, title, subtitle, f"A map of the water network {network.name}. {subtitle}.")
+    root = start_page(
+        page.box.bottom + _LEGEND, title, subtitle, f"A map of the water network {network.name}. {subtitle}."
+    )
     lines = [page.place(network.polyline(link)) for link in range(len(network.links))]
     _draw_links(root, lines, shares)
     _draw_sources(root, page, network)
     for mark in marks:
         x, y = page.place(network.places[[mark.node]])[0]
-        svg.add(root, "circle", class_="mark", cx=x, cy=y, r=5 if mark.colour != INK else 2.6, fill=mark.colour)
+        svg.add(
+            root, "circle", class_="mark", cx=x, cy=y, r=5 if mark.colour != INK else 2.6, fill=mark.colour
+        )
     crosses = _draw_stuck(root, page, network, stuck)
     ink = np.vstack([resample_polyline(line, 3) for line in lines if len(line) > 1])
     _write_marks(root, page, network, [*marks, *crosses], ink)
@@ -164,10 +168,29 @@ def _draw_sources(root: ET.Element, page: _Page, network: Network) -> None:
     for node, kind in enumerate(network.node_kinds):
         x, y = page.place(network.places[[node]])[0]
         if kind == "tank":
-            svg.add(root, "rect", class_=kind, x=x - 5, y=y - 5, width=10, height=10, fill="#ffffff", stroke=BLUE, stroke_width=2)
+            svg.add(
+                root,
+                "rect",
+                class_=kind,
+                x=x - 5,
+                y=y - 5,
+                width=10,
+                height=10,
+                fill="#ffffff",
+                stroke=BLUE,
+                stroke_width=2,
+            )
         elif kind == "reservoir":
             corners = [(x - 6, y - 5), (x + 6, y - 5), (x, y + 6)]
-            svg.add(root, "path", class_=kind, d=svg.path_data(corners, closed=True), fill="#ffffff", stroke=BLUE, stroke_width=2)
+            svg.add(
+                root,
+                "path",
+                class_=kind,
+                d=svg.path_data(corners, closed=True),
+                fill="#ffffff",
+                stroke=BLUE,
+                stroke_width=2,
+            )
 
 
 def _draw_stuck(root: ET.Element, page: _Page, network: Network, stuck: Sequence[Ending]) -> list[Mark]:
@@ -184,8 +207,12 @@ def _draw_stuck(root: ET.Element, page: _Page, network: Network, stuck: Sequence
         else:
             continue
         arm = 3 + 6 * np.sqrt(end.probability)
-        data = svg.path_data([(x - arm, y - arm), (x + arm, y + arm)]) + svg.path_data([(x - arm, y + arm), (x + arm, y - arm)])
-        svg.add(root, "path", class_="stuck", d=data, stroke=VERMILLION, stroke_width=2.2, stroke_linecap="round")
+        data = svg.path_data([(x - arm, y - arm), (x + arm, y + arm)]) + svg.path_data(
+            [(x - arm, y + arm), (x + arm, y - arm)]
+        )
+        svg.add(
+            root, "path", class_="stuck", d=data, stroke=VERMILLION, stroke_width=2.2, stroke_linecap="round"
+        )
         if number < 4 and end.place in nodes:
             marks.append(Mark(nodes[end.place], f"{100 * end.probability:.0f} % stuck", VERMILLION))
     return marks
@@ -198,7 +225,11 @@ def _choose_times(passage: Passage) -> list[Mark]:
     order = np.argsort(-passage.probability, kind="stable")
     chosen: list[int] = [passage.release]
     for node in order.tolist():
-        if passage.probability[node] < 0.02 or not np.isfinite(passage.age[node]) or len(chosen) > _MOST_TIMES:
+        if (
+            passage.probability[node] < 0.02
+            or not np.isfinite(passage.age[node])
+            or len(chosen) > _MOST_TIMES
+        ):
             break
         near = np.linalg.norm(network.places[chosen] - network.places[node], axis=1).min()
         if near > 0.11 * extent:
@@ -220,7 +251,9 @@ def format_time(seconds: float) -> str:
     return f"{seconds / 86_400:.0f} d"
 
 
-def _write_marks(root: ET.Element, page: _Page, network: Network, marks: Sequence[Mark], ink: FloatArray) -> None:
+def _write_marks(
+    root: ET.Element, page: _Page, network: Network, marks: Sequence[Mark], ink: FloatArray
+) -> None:
     if not marks:
         return
     anchors = page.place(network.places[[mark.node for mark in marks]])
@@ -228,7 +261,9 @@ def _write_marks(root: ET.Element, page: _Page, network: Network, marks: Sequenc
     widths = [text_width(text, 12, bold=mark.colour != INK) for text, mark in zip(texts, marks, strict=True)]
     for text, mark, box in zip(texts, marks, place_labels(anchors, widths, 14, ink, page.box), strict=True):
         middle = (box.left + box.right) / 2
-        write(root, middle, box.bottom - 3, text, 12, mark.colour, "middle", bold=mark.colour != INK, halo=True)
+        write(
+            root, middle, box.bottom - 3, text, 12, mark.colour, "middle", bold=mark.colour != INK, halo=True
+        )
 
 
 def _draw_legend(root: ET.Element, page: _Page, network: Network, text: str, has_shares: bool) -> None:
@@ -260,5 +295,18 @@ def _draw_legend(root: ET.Element, page: _Page, network: Network, text: str, has
         return
     bar = floor_to_nice_number(150 * metres / page.scale)
     left = right - bar / metres * page.scale
-    svg.add_line(root, svg.path_data([(left, base + 6), (left, base + 10), (right, base + 10), (right, base + 6)]), INK, 1.2)
-    write(root, (left + right) / 2, base + 2, f"{bar / 1000:g} km" if bar >= 1000 else f"{bar:g} m", 11, INK, "middle")
+    svg.add_line(
+        root,
+        svg.path_data([(left, base + 6), (left, base + 10), (right, base + 10), (right, base + 6)]),
+        INK,
+        1.2,
+    )
+    write(
+        root,
+        (left + right) / 2,
+        base + 2,
+        f"{bar / 1000:g} km" if bar >= 1000 else f"{bar:g} m",
+        11,
+        INK,
+        "middle",
+    )

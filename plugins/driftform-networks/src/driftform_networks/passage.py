@@ -159,7 +159,8 @@ class Passage:
     def end_table(self) -> dict[str, list[Any]]:
         """Return the ends as columns."""
         return {
-            name: [getattr(end, name) for end in self.ends] for name in ("kind", "place", "probability", "reason")
+            name: [getattr(end, name) for end in self.ends]
+            for name in ("kind", "place", "probability", "reason")
         }
 
 
@@ -211,14 +212,14 @@ def _list_ends(visits: Visits, routing: Routing) -> list[Ending]:
     left[visits.release] += max(0.0, 1 - visits.first)
     stays = np.bincount(chain.link, entries * chain.stays, links)
     held = np.bincount(chain.link, entries * chain.held, links)
-    ends = [_leave(network, node, left[node]) for node in np.flatnonzero(left > _LEAST)]
+    ends = [_leave(network, node, left[node]) for node in np.flatnonzero(left > _LEAST).tolist()]
     ends += [
         Ending("stuck", network.nodes[snapshot.head[link]], stays[link], routing.tables[link].obstacle)
-        for link in np.flatnonzero(stays > _LEAST)
+        for link in np.flatnonzero(stays > _LEAST).tolist()
     ]
     ends += [
         Ending("stuck", snapshot.name(link), held[link], routing.transfers[link].obstacle)
-        for link in np.flatnonzero(held > _LEAST)
+        for link in np.flatnonzero(held > _LEAST).tolist()
     ]
     if (lost := LOST * float(entries.sum())) > _LEAST:
         ends.append(Ending("circling", "", lost, "a loop without an exit"))
@@ -273,9 +274,9 @@ def _find_obstacle(routings: Sequence[Routing], how: int, place: int) -> str:
         snapshot = routing.snapshot
         at = snapshot.links == place if how == HELD_IN_LINK else snapshot.head == place
         tables = routing.transfers if how == HELD_IN_LINK else routing.tables
-        for link in np.flatnonzero(at):
+        for link in np.flatnonzero(at).tolist():
             if tables[link].obstacle:
-                return tables[link].obstacle
+                return str(tables[link].obstacle)
     return ""
 
 

@@ -52,7 +52,9 @@ def _find_file(text: str) -> Path:
     shipped = {file.stem: file for file in folder.glob("*.inp")}
     if text in shipped:
         return shipped[text]
-    raise InputError(f"NET '{text}': no such file, and WNTR ships no network of that name{did_you_mean(text, shipped)}")
+    raise InputError(
+        f"NET '{text}': no such file, and WNTR ships no network of that name{did_you_mean(text, shipped)}"
+    )
 
 
 def _pack(network: Network) -> Arrays:
@@ -84,7 +86,12 @@ def _unpack(arrays: Arrays, name: str, digest: str) -> Network:
         return tuple(arrays[key].tolist())
 
     hydraulics = Hydraulics(
-        arrays["times"], float(arrays["duration"]), arrays["flow"], arrays["outflow"], arrays["head"], words("warnings")
+        arrays["times"],
+        float(arrays["duration"]),
+        arrays["flow"],
+        arrays["outflow"],
+        arrays["head"],
+        words("warnings"),
     )
     return Network(
         name,

@@ -81,7 +81,11 @@ def format_csv(columns: dict[str, list[Any]]) -> str:
 def _table_nodes(passage: Passage) -> list[str | TextTable]:
     network = passage.network
     order = sorted(
-        (node for node in range(len(network.nodes)) if passage.probability[node] > 1e-6 and node != passage.release),
+        (
+            node
+            for node in range(len(network.nodes))
+            if passage.probability[node] > 1e-6 and node != passage.release
+        ),
         key=lambda node: (-passage.probability[node], passage.age[node]),
     )
     rows = []
@@ -91,7 +95,9 @@ def _table_nodes(passage: Passage) -> list[str | TextTable]:
             low, _, high = passage.quantiles[node]
             row.append(f"{format_time(low)} to {format_time(high)}")
         rows.append(row)
-    header = ["node", "probability %", "mean age"] + (["9 of 10 arrive after"] if len(passage.quantiles) else [])
+    header = ["node", "probability %", "mean age"] + (
+        ["9 of 10 arrive after"] if len(passage.quantiles) else []
+    )
     left = [f"and {len(order) - MOST_ROWS} more nodes"] if len(order) > MOST_ROWS else []
     return [TextTable(header, rows, right=(1,)), *left]
 

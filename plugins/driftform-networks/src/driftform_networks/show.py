@@ -1,6 +1,7 @@
 """``driftform network show``: what a network is."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -22,14 +23,18 @@ def show_network(source: str, hour: float, map: Path | None, cache: Path | None)
     check_files(map, None)
     network = open_network(source, cache)
     snapshot = take_snapshot(network, hour)
-    document = describe_network(network, snapshot)
+    document: dict[str, Any] = describe_network(network, snapshot)
     files: tuple[Path, ...] = ()
     if map is not None:
         title = f"{network.name} at hour {hour:g}"
         fastest = float(snapshot.speed[np.isfinite(snapshot.speed)].max())
         shares = np.full(len(network.links), np.nan)
         shares[snapshot.links] = np.minimum(snapshot.speed / fastest, 1.0)
-        sources = [Mark(node, network.nodes[node]) for node, kind in enumerate(network.node_kinds) if kind != "junction"]
+        sources = [
+            Mark(node, network.nodes[node])
+            for node, kind in enumerate(network.node_kinds)
+            if kind != "junction"
+        ]
         subtitle = f"{len(network.nodes)} nodes, {document['length'] / 1000:.1f} km of pipe"
         legend = f"speed of the water, relative to {fastest:.2f} m/s"
         files = write_map(network_svg(network, shares, sources, title, subtitle, legend=legend), map)
@@ -37,10 +42,18 @@ def show_network(source: str, hour: float, map: Path | None, cache: Path | None)
     rows = [
         ("nodes", ", ".join(f"{count} {kind}s" for kind, count in document["nodes"].items())),
         ("links", ", ".join(f"{count} {kind}s" for kind, count in document["links"].items())),
-        ("pipes", f"{document['length'] / 1000:.2f} km, bore {1000 * document['bore'][0]:.0f} to {1000 * document['bore'][1]:.0f} mm"),
+        (
+            "pipes",
+            f"{document['length'] / 1000:.2f} km, bore {1000 * document['bore'][0]:.0f} to {1000 * document['bore'][1]:.0f} mm",
+        ),
         ("simulation", f"{document['duration'] / 3600:g} h in {document['steps']} hydraulic steps"),
         ("reversals", f"the flow of {document['reversing']} links changes its direction"),
-        ("map", "drawn to scale" if document["to_scale"] else "not drawn to scale: angles are not those of the pipes"),
+        (
+            "map",
+            "drawn to scale"
+            if document["to_scale"]
+            else "not drawn to scale: angles are not those of the pipes",
+        ),
         (f"hour {hour:g}", f"{document['flowing']} links flow, at a median of {document['speed']:.2f} m/s"),
         ("", f"{document['splitting']} nodes divide the flow; {document['looping']} lie in loops of flow"),
     ]

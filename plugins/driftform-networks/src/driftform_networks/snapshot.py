@@ -73,7 +73,7 @@ class Snapshot:
 
     def name(self, link: int) -> str:
         """Return the name of a link of this snapshot."""
-        return self.network.links[self.links[link]]
+        return str(self.network.links[int(self.links[link])])
 
 
 def take_snapshot(network: Network, hour: float = 0.0) -> Snapshot:

@@ -120,7 +120,15 @@ def walk_network(
         )
     times = hydraulics.times[first:]
     routings = [route(take_snapshot(network, time / 3600)) for time in times]
-    return _walk(routings, hydraulics.flow[first:], times, hydraulics.end, release, 3600 * np.asarray(hours, float), rng)
+    return _walk(
+        routings,
+        hydraulics.flow[first:],
+        times,
+        hydraulics.end,
+        release,
+        3600 * np.asarray(hours, float),
+        rng,
+    )
 
 
 def _walk(
@@ -140,7 +148,8 @@ def _walk(
     # In the order of time for each walk.
     order = np.argsort(moves[0], kind="stable")
     network = routings[0].snapshot.network
-    return Walks(network, release, began, *(column[order] for column in moves), walk.ends, walk.place)
+    who, link, node, low, high, left, reached = (column[order] for column in moves)
+    return Walks(network, release, began, who, link, node, low, high, left, reached, walk.ends, walk.place)
 
 
 @dataclass(frozen=True, eq=False)
