@@ -242,7 +242,7 @@ def test_a_target_may_be_an_outlet():
     assert scenario.target_array()[0] == pytest.approx(scenario.pipe.layout.outlets[0].opening.centre)
     assert scenario.target_points()["middle"] == (0.5, 0.0, 0.0)
     assert Scenario.model_validate(scenario.model_dump(mode="json", exclude_none=True)) == scenario
-    with pytest.raises(ValidationError, match="targets.left = 'C': the pipe has no such outlet"):
+    with pytest.raises(ValidationError, match=r"targets\.left = 'C': the pipe has no such outlet"):
         Scenario.model_validate({**tables, "targets": {"left": "C"}})
 
 
