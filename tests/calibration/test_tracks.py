@@ -67,7 +67,7 @@ def test_rows_that_were_exported_twice_count_once():
 
 def test_two_objects_in_one_track_are_refused():
     t, points = fall()
-    other = [*points, 0.3, 0.0]
+    other = points + np.array([0.3, 0.0])
     with pytest.raises(InputError, match="two points at 40 times, as if it followed two objects"):
         check_track("film.csv", track_of(np.repeat(t, 2), np.stack([points, other], axis=1).reshape(-1, 2)))
     alternating = np.where((np.arange(40) % 3 == 0)[:, None], other, points)
