@@ -152,6 +152,7 @@ def test_more_flights_continue_a_finished_run(serve, draft, wait_for):
 
 def test_a_run_that_cannot_begin_leaves_nothing_behind(serve, folder, draft):
     server = serve()
-    for draft in ({**draft, "targets": {}}, {**draft, "flow": {"speed": -1, "kind": "log_law"}}):
-        assert server.ask("api/runs", {"draft": draft, "name": "x"}, status=422)["errors"]
+    for wrong in ({"targets": {}}, {"flow": {"speed": -1, "kind": "log_law"}}):
+        asked = {"draft": {**draft, **wrong}, "name": "x"}
+        assert server.ask("api/runs", asked, status=422)["errors"]
     assert [path.name for path in folder.iterdir()] == [".studio"]

@@ -94,7 +94,7 @@ class Studio:
         try:
             study = load_draft(text)
         except InputError as error:
-            return {"text": text, "errors": locate_errors([str(line) for line in error.args], draft)}
+            return {"text": text, "errors": locate_errors([str(line) for line in error.args], text)}
         self._warm_up()
         return {
             "text": text,

@@ -1,7 +1,7 @@
 """A design in the making: what the page edits, as a study file and as a study."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -11,7 +11,8 @@ import tomli_w
 from driftform.errors import InputError, did_you_mean
 from driftform.scenario import Scenario
 from driftform.study import Study, load_study
-from driftform.study.sources import read_scenarios
+from driftform.study.sources import join_path, read_scenarios
+from driftform.study.toml_positions import find_key_lines
 
 TABLES = (
     *Scenario.model_fields,
@@ -40,7 +41,7 @@ def check_draft(draft: Any) -> dict[str, Any]:
     if not isinstance(draft, dict) or not all(isinstance(key, str) for key in draft):
         raise InputError(f"{FILE}: is not a table")
     scenarios = read_scenarios()
-    if (base := draft.get("base")) not in scenarios:
+    if not isinstance(base := draft.get("base"), str) or base not in scenarios:
         raise InputError(
             f"{FILE}: base = {base!r} is not a built-in scenario{did_you_mean(str(base), scenarios)}"
         )
@@ -84,39 +85,22 @@ def load_draft(text: str) -> Study:
             raise InputError(*(line.replace(str(path), FILE) for line in map(str, error.args))) from None
 
 
-def locate_errors(lines: list[str], draft: Mapping[str, Any]) -> list[dict[str, str]]:
-    """Return each error with the key of the draft that it names, empty if it names none.
+def locate_errors(lines: list[str], text: str) -> list[dict[str, str]]:
+    """Return each error with the key on the line of the study that it names, empty if it names none.
 
-    >>> locate_errors(["study.toml:3: flow.speed = -1: should be more"], {"flow": {"speed": -1}})
-    [{'line': 'study.toml:3: flow.speed = -1: should be more', 'key': 'flow.speed'}]
+    >>> locate_errors(["study.toml:2: flow.speed = -1: should be more"], "[flow]\\nspeed = -1\\n")
+    [{'line': 'study.toml:2: flow.speed = -1: should be more', 'key': 'flow.speed'}]
     """
-    keys = sorted(_list_keys(draft), key=len, reverse=True)
+    keys: dict[int, str] = {}
+    for path, number in find_key_lines(text).items():
+        key = join_path(path)
+        # Of several keys on a line, such as a table in a list and the list, the last is the inner one.
+        keys[number] = max(keys.get(number, ""), key, key=len)
     found = []
     for line in lines:
-        message = re.sub(r"^study\.toml(:\d+)?: ", "", line)
-        words = re.findall(r"[\w.\[\]-]+", message)
-        named = next((key for key in keys if key in words or f"targets.{_find_quoted(message)}" == key), "")
-        found.append({"line": line, "key": named})
+        match = re.match(rf"{re.escape(FILE)}:(\d+): ", line)
+        found.append({"line": line, "key": keys.get(int(match[1]), "") if match else ""})
     return found
-
-
-def _find_quoted(message: str) -> str:
-    """Return the name in an error about a target's name."""
-    match = re.match(r"target name '(.*?)'", message)
-    return match[1] if match else ""
-
-
-def _list_keys(value: Any, path: str = "") -> Iterator[str]:
-    """Yield the keys of a draft, written as errors write them, such as ``pipe.segments[0].radius``."""
-    if path:
-        yield path
-    if isinstance(value, Mapping):
-        for key, item in value.items():
-            yield from _list_keys(item, f"{path}.{key}" if path else str(key))
-    elif isinstance(value, list):
-        for number, item in enumerate(value):
-            if isinstance(item, Mapping):
-                yield from _list_keys(item, f"{path}[{number}]")
 
 
 def _drop_nothing(value: Any) -> Any:
