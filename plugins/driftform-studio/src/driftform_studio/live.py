@@ -11,7 +11,7 @@ from driftform.runs.agent_file import StoredAgent
 from driftform.runs.directory import DATABASE, resume_command
 from driftform.runs.monitor import FINISHED, RUNNING, STOPPED, WRITING, RunMonitor
 from driftform.runs.run import Run
-from driftform_studio.search import PROGRESS
+from driftform_studio.marks import PROGRESS
 from driftform_studio.searches import Searches
 
 STARTING, PAUSING, PAUSED, FAILED = "starting", "pausing", "paused", "failed"

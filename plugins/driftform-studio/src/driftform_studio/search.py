@@ -16,15 +16,7 @@ from driftform.execution import LocalProcesses
 from driftform.runs.run import Observer, Run
 from driftform.runs.store import Record
 from driftform.util.files import write_text
-
-HELD = ".studio.lock"
-"""Lock file of a run that a search of the page holds: it listens to :data:`PAUSE`."""
-
-PAUSE = ".pause"
-"""File of a run that asks its search to pause."""
-
-PROGRESS = ".disturbed"
-"""File of a run with the number of disturbed flights that are done, and of all."""
+from driftform_studio.marks import HELD, PAUSE, PROGRESS
 
 
 class PausedError(KeyboardInterrupt):

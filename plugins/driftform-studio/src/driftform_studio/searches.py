@@ -6,7 +6,7 @@ from pathlib import Path
 
 from driftform.errors import InputError
 from driftform.runs.directory import is_locked, is_worked_on
-from driftform_studio.search import HELD, PAUSE
+from driftform_studio.marks import HELD, PAUSE
 
 LOG = "search.log"
 """File of a run with what its search printed."""

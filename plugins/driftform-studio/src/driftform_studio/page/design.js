@@ -107,6 +107,20 @@ const KINDS = {
 const LABELS = { speed: "Mean speed", roughness: "Wall roughness", exponent: "Exponent n", intensity: "Strength of gusts", memory: "Memory of gusts", crossing: "Crossing (beta)", smoothing: "Smallest eddies", acceleration: "Acceleration" };
 const WATERS = { "Fresh, 15 °C": [999.1, 1.14e-6], "Sea, 20 °C": [1024, 1.05e-6] };
 
+// A study in a few words: what a run was made of.
+export function describe(document) {
+  const { pipe, flow, fluid, targets, run, simulator, strategy } = document;
+  const [first, ...others] = pipe.segments;
+  const size = (s) => Number(Math.hypot(...s.end.map((v, i) => v - s.start[i])).toPrecision(4));
+  const water = Object.entries(WATERS).find(([, pair]) => same(pair, [fluid.density, fluid.viscosity]))?.[0] ?? `${fluid.density} kg/m³`;
+  return [
+    ["pipe", first ? `${size(first)} m long, ${Number((2 * first.radius).toPrecision(4))} m wide${others.length ? ", …" : ""}` : "open water"],
+    ["current", `${flow.speed} m/s, ${(KINDS[flow.kind] ?? flow.kind).toLowerCase().replace(/ \(.*/, "")}`],
+    ["water", water], ["targets", `${Object.keys(targets).length}`],
+    ["search", `${strategy?.use ?? ""}, ${simulator.use}`], ["seed", `${run.seed}`],
+  ];
+}
+
 // The fields of a design. `changed` is called after each change; `errors` are the keys that a field answers for.
 export class Fields {
   constructor(begin, changed) {
@@ -295,9 +309,5 @@ export class Fields {
       field.closest("details")?.setAttribute("open", "");
       return false;
     });
-  }
-
-  enable(on) {
-    for (const form of ["pipe", "targets", "search"]) find(`form-${form}`).querySelector("fieldset").disabled = !on;
   }
 }

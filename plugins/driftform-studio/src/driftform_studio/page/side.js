@@ -24,7 +24,7 @@ export class Side {
     this.outline = EMPTY;
     this.flights = new Map(); // of targets: {path, number}
     this.mode = "look"; // "edit", "pick" or "look"
-    this.chosen = this.reach = this.flown = this.profile = null;
+    this.chosen = this.reach = this.flown = this.profile = null; // chosen: a target, or "" for a picked agent
     this.view = null;
     this.listen();
     this.width = 0;
@@ -67,7 +67,7 @@ export class Side {
     const [x0, x1, y0, y1] = this.box;
     this.width = this.svg.clientWidth;
     if (!this.width) return;
-    const [left, right, top, bottom] = [46, 22, 26, 34];
+    const [left, right, top, bottom] = this.width < 480 ? [36, 12, 26, 34] : [46, 22, 26, 34];
     const tallest = Math.max(220, 0.5 * window.innerHeight);
     this.home = Math.min((this.width - left - right) / (x1 - x0), (tallest - top - bottom) / (y1 - y0));
     this.height = clamp(this.home * (y1 - y0) + top + bottom, 190, tallest);
@@ -117,7 +117,7 @@ export class Side {
     if (!this.view) return;
     const held = document.activeElement?.closest?.(".mark")?.dataset.name;
     this.svg.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
-    this.svg.setAttribute("class", `${this.mode} ${this.view.scale > 1.05 * this.home ? "zoomed" : ""}`);
+    this.svg.setAttribute("class", `${this.mode} ${this.reach ? "mapped" : ""} ${this.view.scale > 1.05 * this.home ? "zoomed" : ""}`);
     this.svg.replaceChildren(
       this.hatch(), ...this.drawBore(), ...this.drawReach(), ...this.drawWalls(), ...this.drawAxes(), ...this.drawCurrent(),
       ...this.drawFlights(), ...this.drawRelease(), ...this.outline.targets.map((t, i) => this.drawTarget(t, i)),
@@ -173,7 +173,7 @@ export class Side {
       shapes.push(draw("line", { class: "tick", x1: x, x2: x, y1: bottom, y2: bottom + 5 }),
         draw("text", { x, y: bottom + 18, "text-anchor": "middle" }, `${round(i * dx, 1e-3)}${(i + 1) * dx > x1 + 1e-6 ? " m" : ""}`));
     }
-    const left = Math.max(38, this.screen([x0, 0])[0] - 6);
+    const left = Math.max(30, this.screen([x0, 0])[0] - 6);
     for (let i = Math.ceil(y0 / dy - 1e-6); i * dy <= y1 + 1e-6; i++) {
       const y = this.screen([0, i * dy])[1];
       if (y < 4 || y > this.height - 4) continue;
@@ -186,7 +186,7 @@ export class Side {
   // The profile of the current at the inlet: an arrow is as long as the water goes there in a moment.
   drawCurrent() {
     const [first] = this.segments;
-    if (!first || !this.profile) return [];
+    if (!first || !this.profile || this.reach) return [];
     const { a, along, across, radius, size } = first;
     const fastest = Math.max(...this.profile.map(Math.abs)) || 1;
     const longest = Math.min(0.11 * size, 1.1 * radius);
@@ -224,7 +224,7 @@ export class Side {
 
   drawFlights() {
     return [...this.flights].map(([name, { path, number }]) => draw("path", {
-      class: `flight ${this.chosen && this.chosen !== name ? "dim" : ""} ${this.chosen === name ? "own" : ""}`,
+      class: `flight ${(this.chosen ?? (this.reach ? "" : name)) === name ? "" : "dim"} ${this.chosen === name ? "own" : ""}`,
       d: this.line(path.map((p) => this.flat(p))), stroke: colour(number),
     }));
   }
@@ -354,7 +354,7 @@ export class Side {
       const found = this.snap(this.point(where(event)));
       if (!found) return;
       if (this.mode === "edit") this.acts.place(found.point);
-      else if (this.mode === "pick") this.acts.pick(this.world(this.point(where(event))));
+      else if (this.mode === "pick") this.acts.pick(this.world(this.point(where(event))).map((v) => round(v, 0.01)));
     };
     svg.addEventListener("pointerup", end);
     svg.addEventListener("pointercancel", end);

@@ -2,7 +2,7 @@
 // The page: a design, or a run. All that lasts is on the server's disk, so a page that is loaded again shows the same.
 import { ask, Offline, part, perform, Refused } from "./ask.js";
 import { drawCurve } from "./curve.js";
-import { Design, Fields } from "./design.js";
+import { describe, Design, Fields } from "./design.js";
 import { colour, duration, find, grams, length, make, quote } from "./parts.js";
 import { Side } from "./side.js";
 import { Space, Turntable } from "./space.js";
@@ -115,14 +115,13 @@ function openDesign(next) {
   side.reach = side.profile = null;
   side.mode = "edit";
   closeAgent();
-  fields.enable(true);
+  document.body.className = "design";
   fields.show(design);
-  for (const id of ["pause", "resume", "more", "change", "progress", "promise", "reach-choice"]) find(id).hidden = true;
+  for (const id of ["pause", "resume", "more", "change", "progress", "promise", "reach-choice", "summary"]) find(id).hidden = true;
   find("start").hidden = false;
   find("start").disabled = false;
   find("reach").checked = false;
   find("legend").hidden = true;
-  find("add-target").parentElement.hidden = find("targets-hint").hidden = false;
   find("place").textContent = "";
   document.title = "driftform studio";
   say("");
@@ -169,15 +168,14 @@ async function openRun(name, key = null) {
   side.mode = "look";
   closeAgent();
   checked = null;
-  fields.show(Design.of(begin.presets, info.document));
-  fields.showErrors([]);
-  fields.enable(false);
+  document.body.className = "run";
+  find("summary").replaceChildren(...describe(info.document).map(([name, value]) => make("div", {}, make("dt", {}, name), make("dd", {}, value))));
+  find("summary").hidden = false;
   find("start").hidden = true;
   find("change").hidden = false;
   find("reach-choice").hidden = !info.outline.pipe.length;
   find("reach").checked = false;
   find("legend").hidden = true;
-  find("add-target").parentElement.hidden = find("targets-hint").hidden = true;
   find("place").textContent = [name, info.title].filter(Boolean).join(" · ");
   document.title = `${name} · driftform studio`;
   showProblems([]);
@@ -358,6 +356,7 @@ function closeAgent() {
 async function openAgent(key) {
   const asked = run;
   if (!run?.status) return;
+  if (run.status.targets.some((t) => t.name === key)) say("");
   if (!run.status.targets.some((t) => t.name === key && t.evaluation === null)) {
     const wait = find("agent-wait");
     find("agent").hidden = false;
@@ -383,7 +382,9 @@ function showAgent(key, data) {
   const { number } = data;
   const magnified = Math.max(1, Math.round((10 * run.info.scene.size) / data.longest) / 10);
   agent = { key, data, number, magnified };
-  find("h-agent").textContent = data.target ? `Agent for ${data.target}` : `Agent that passes ${data.point.map((v) => v.toFixed(2)).join(", ")}`;
+  const dot = make("i", { class: "dot" });
+  dot.style.background = colour(number);
+  find("h-agent").replaceChildren(dot, data.target ? `Agent for ${data.target}` : `Agent that passes ${data.point.map((v) => v.toFixed(2)).join(", ")} m`);
   find("agent-shown").hidden = find("transport").hidden = false;
   showPromise(data);
   const { facts } = data;
@@ -395,7 +396,7 @@ function showAgent(key, data) {
   find("drawing").open = false;
   find("section").removeAttribute("src");
   turntable.show(data, number);
-  side.chosen = data.target;
+  side.chosen = data.target ?? "";
   if (!again) {
     const { t } = data.flight;
     // The flight is shown at its closest approach.
@@ -575,6 +576,8 @@ function showView(name) {
   find("space-stage").hidden = !spatial;
   find("show-side").setAttribute("aria-pressed", String(!spatial));
   find("show-space").setAttribute("aria-pressed", String(spatial));
+  find("reach-choice").hidden = spatial || !run?.info.outline.pipe.length;
+  find("legend").hidden = spatial || !side.reach;
   if (spatial) { space.draw(); showMoment(); } else { side.draw(); showMoment(); }
 }
 find("show-side").addEventListener("click", () => showView("side"));
