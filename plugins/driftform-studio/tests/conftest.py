@@ -59,7 +59,7 @@ class Server:
         self, method: str, path: str, body: bytes | None = None, **headers: str
     ) -> tuple[int, dict[str, str], bytes]:
         """Send a request as it is, also one that no browser would send; return status, headers and body."""
-        connection = http.client.HTTPConnection(self.host, self.port, timeout=60)
+        connection = http.client.HTTPConnection(self.host, self.port, timeout=WAIT_S)
         named = {name.replace("_", "-"): value for name, value in headers.items()}
         try:
             connection.request(method, path, body, {"host": f"{self.host}:{self.port}", **named})
@@ -115,8 +115,13 @@ def wait_until_true(find: Callable[[], Any], seconds: float = WAIT_S) -> Any:
     """Return what a function finds once it is true."""
     end = time.monotonic() + seconds
     while True:
-        if found := find():
-            return found
+        try:
+            if found := find():
+                return found
+        except Exception as error:
+            # An element of a page that is still being made is not there yet, or not there any more.
+            if type(error).__name__ not in ("NoSuchElementException", "StaleElementReferenceException"):
+                raise
         assert time.monotonic() < end, "it takes too long"
         time.sleep(0.1)
 

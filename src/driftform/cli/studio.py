@@ -46,7 +46,9 @@ def studio(
     except ImportError:
         serve = None
     if serve is None:
-        raise WorkFailedError('the page is not installed; install it with: pip install "driftform[studio]"')
+        raise WorkFailedError(
+            'the page is not installed; run: uv sync --extra studio, or pip install "driftform[studio]"'
+        )
 
     def announce(address: str) -> None:
         if json:

@@ -10,6 +10,7 @@ from threading import Lock, Thread
 from typing import Any
 from urllib.parse import quote
 
+import numpy as np
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
@@ -412,11 +413,21 @@ def _read_page() -> dict[str, bytes]:
 
 
 def _outline(scenario: Any) -> dict[str, Any]:
-    """Return what the side view draws of a scenario: pipe, release, targets, current, free surface."""
+    """Return what the side view draws of a scenario: pipe, openings, release, targets, current, free surface.
+
+    The axis of each part of the pipe is a line through points with a radius at each; openings look outward, the inlet first.
+    """
+    segments = scenario.pipe.segments
+    ways = [(np.subtract(s.end, s.start) / np.linalg.norm(np.subtract(s.end, s.start))).tolist() for s in segments]
+    openings = [
+        {"centre": list(centre), "direction": [sign * v for v in way], "radius": s.radius}
+        for s, way in zip(segments, ways, strict=True)
+        for centre, sign in ((s.start, -1), (s.end, 1))
+    ]
     return {
-        "pipe": [
-            {"start": list(s.start), "end": list(s.end), "radius": s.radius} for s in scenario.pipe.segments
-        ],
+        "pipe": [{"start": list(s.start), "end": list(s.end), "radius": s.radius} for s in segments],
+        "axes": [{"points": [list(s.start), list(s.end)], "radii": [s.radius, s.radius]} for s in segments],
+        "openings": openings,
         "release": scenario.release_position().tolist(),
         "targets": [{"name": name, "position": list(point)} for name, point in scenario.targets.items()],
         "current": scenario.current().tolist(),

@@ -3,25 +3,18 @@
 import { clamp, colour, draw, length, round } from "./parts.js";
 
 const REACH = 11; // px within which a target snaps
-const EMPTY = { pipe: [], targets: [], release: [0, 0, 0], current: [1, 0, 0], water: null };
+const EMPTY = { axes: [], openings: [], targets: [], release: [0, 0, 0], current: [1, 0, 0], water: null };
 
 const sub = (a, b) => a.map((v, i) => v - b[i]);
 const dot = (a, b) => a.reduce((sum, v, i) => sum + v * b[i], 0);
 const plus = (a, b, f = 1) => a.map((v, i) => v + f * b[i]);
-
-// A segment in the plane of the view: its ends, and the unit vectors along and across it.
-function flatten({ start, end, radius }, flat) {
-  const [a, b] = [flat(start), flat(end)];
-  const size = Math.hypot(b[0] - a[0], b[1] - a[1]) || 1e-9;
-  const along = [(b[0] - a[0]) / size, (b[1] - a[1]) / size];
-  return { a, b, along, across: [-along[1], along[0]], size, radius };
-}
 
 export class Side {
   constructor(svg, acts) {
     this.svg = svg;
     this.acts = acts; // place(point), move(name, point), remove(name), pick(point), choose(name), say(text)
     this.outline = EMPTY;
+    this.bores = []; // the axes of the parts of the pipe in the plane of the view, with both edges
     this.flights = new Map(); // of targets: {path, number}
     this.mode = "look"; // "edit", "pick" or "look"
     this.chosen = this.reach = this.flown = this.profile = null; // chosen: a target, or "" for a picked agent
@@ -31,29 +24,23 @@ export class Side {
     new ResizeObserver(() => { if (Math.abs(svg.clientWidth - this.width) > 1) this.fit(); }).observe(svg);
   }
 
-  // The horizontal direction of the pipe runs to the right, z upward.
+  // The horizontal direction of the inlet runs to the right, z upward.
   get right() {
-    const [first] = this.outline.pipe;
-    if (!first) return [1, 0, 0];
-    const [dx, dy] = sub(first.end, first.start);
+    const [dx, dy] = this.outline.current;
     const level = Math.hypot(dx, dy);
     return level > 1e-9 ? [dx / level, dy / level, 0] : [1, 0, 0];
   }
 
   flat(point) { return [dot(point, this.right), point[2]]; }
 
-  // The point of the world in the vertical plane through the inlet.
-  world([across, up]) {
-    const from = this.outline.pipe[0]?.start ?? [0, 0, 0];
-    const away = across - dot(from, this.right);
-    return [from[0] + away * this.right[0], from[1] + away * this.right[1], up].map((v) => round(v, 1e-4));
+  // The point of the world that is seen at a point, as deep as another point.
+  world([across, up], depth) {
+    const away = across - dot(depth, this.right);
+    return [depth[0] + away * this.right[0], depth[1] + away * this.right[1], up].map((v) => round(v, 1e-4));
   }
 
   get box() {
-    const points = this.outline.pipe.flatMap((s) => {
-      const { a, b, across, radius } = flatten(s, (p) => this.flat(p));
-      return [a, b].flatMap((p) => [1, -1].map((side) => plus(p, across, side * radius)));
-    });
+    const points = this.bores.flatMap(({ edges }) => edges.flat());
     if (!points.length) {
       points.push(this.flat(this.outline.release), ...this.outline.targets.map((t) => this.flat(t.position)));
       for (const { path } of this.flights.values()) points.push(...path.map((p) => this.flat(p)));
@@ -107,9 +94,10 @@ export class Side {
   }
 
   show(outline) {
-    const before = JSON.stringify(this.outline.pipe);
+    const before = JSON.stringify(this.outline.axes);
     this.outline = outline ?? EMPTY;
-    if (!this.view || JSON.stringify(this.outline.pipe) !== before) this.fit();
+    this.bores = this.outline.axes.map((axis) => this.flatten(axis));
+    if (!this.view || JSON.stringify(this.outline.axes) !== before) this.fit();
     else this.draw();
   }
 
@@ -119,10 +107,10 @@ export class Side {
     this.svg.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
     this.svg.setAttribute("class", `${this.mode} ${this.reach ? "mapped" : ""} ${this.view.scale > 1.05 * this.home ? "zoomed" : ""}`);
     this.svg.replaceChildren(
-      this.hatch(), ...this.drawBore(), ...this.drawReach(), ...this.drawWalls(), ...this.drawAxes(), ...this.drawCurrent(),
+      this.hatch(), ...this.drawWalls(), ...this.drawBore(), ...this.drawReach(), ...this.drawOpenings(), ...this.drawAxes(), ...this.drawCurrent(),
       ...this.drawFlights(), ...this.drawRelease(), ...this.outline.targets.map((t, i) => this.drawTarget(t, i)),
     );
-    if (this.mode === "edit" && !this.outline.targets.length && this.outline.pipe.length) this.svg.append(this.drawInvitation());
+    if (this.mode === "edit" && !this.outline.targets.length && this.bores.length) this.svg.append(this.drawInvitation());
     this.moving = this.svg.appendChild(draw("g"));
     this.drawBody();
     if (held) this.focus(held);
@@ -132,29 +120,48 @@ export class Side {
     for (const mark of this.svg.querySelectorAll(".mark")) if (mark.dataset.name === name) mark.focus({ preventScroll: true });
   }
 
-  get segments() { return this.outline.pipe.map((s) => flatten(s, (p) => this.flat(p))); }
+  // An axis as it is seen: its points, and the edges of the bore at right angles to it.
+  flatten({ points, radii }) {
+    const middle = points.map((p) => this.flat(p));
+    const normals = middle.map((_, i) => {
+      const [a, b] = [middle[Math.max(0, i - 1)], middle[Math.min(middle.length - 1, i + 1)]];
+      const size = Math.hypot(b[0] - a[0], b[1] - a[1]) || 1e-9;
+      return [-(b[1] - a[1]) / size, (b[0] - a[0]) / size];
+    });
+    return { points, radii, middle, edges: [1, -1].map((side) => middle.map((p, i) => plus(p, normals[i], side * radii[i]))) };
+  }
 
   hatch() {
     return draw("defs", {}, draw("pattern", { id: "hatch", width: 7, height: 7, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" },
       draw("line", { x1: 0, y1: 0, x2: 0, y2: 7, stroke: "var(--frame)", "stroke-width": 1, opacity: 0.6 })));
   }
 
-  drawBore() {
-    return this.segments.map(({ a, b, across, radius }) =>
-      draw("path", { class: "bore", d: this.line([plus(a, across, radius), plus(b, across, radius), plus(b, across, -radius), plus(a, across, -radius)], true) }));
+  // The bores cover the inner half of the walls, also where one part leads into another.
+  drawWalls() {
+    return this.bores.map(({ edges: [upper, lower] }) => draw("path", { class: "wall", d: this.line([...upper, ...[...lower].reverse()], true) }));
   }
 
-  drawWalls() {
-    const shapes = [];
-    const { segments } = this;
-    segments.forEach(({ a, b, across, radius }, number) => {
-      for (const side of [1, -1]) shapes.push(draw("path", { class: "wall", d: this.line([plus(a, across, side * radius), plus(b, across, side * radius)]) }));
-      const ends = [...(number ? [] : [a]), ...(number === segments.length - 1 ? [b] : [])];
-      for (const end of ends) shapes.push(draw("path", { class: "end", d: this.line([plus(end, across, radius), plus(end, across, -radius)]) }));
-      shapes.push(draw("path", { class: "axis", d: this.line([a, b]) }));
-    });
+  drawBore() {
+    return this.bores.map(({ edges: [upper, lower] }) => draw("path", { class: "bore", d: this.line([...upper, ...[...lower].reverse()], true) }));
+  }
+
+  drawOpenings() {
+    const shapes = this.bores.map(({ middle }) => draw("path", { class: "axis", d: this.line(middle) }));
+    for (const { centre, direction, radius } of this.outline.openings) {
+      // Water comes and goes here: no wall.
+      const [c, way] = [this.flat(centre), this.flat(direction)];
+      const size = Math.hypot(...way);
+      if (size < 1e-6) continue;
+      const across = [-way[1] / size, way[0] / size];
+      const outward = plus(c, way, 2.5 / this.view.scale / size);
+      const ends = [1, -1].map((side) => plus(c, across, side * radius));
+      shapes.push(
+        draw("path", { class: "gap", d: this.line([1, -1].map((side) => plus(outward, across, side * radius))) }),
+        draw("path", { class: "end", d: this.line(ends) }),
+      );
+    }
     const { water } = this.outline;
-    if (water !== null && segments.length) {
+    if (water !== null && this.bores.length) {
       const [x0, x1] = this.box;
       shapes.push(draw("path", { class: "surface", d: this.line([[x0, water], [x1, water]]) }));
     }
@@ -185,9 +192,15 @@ export class Side {
 
   // The profile of the current at the inlet: an arrow is as long as the water goes there in a moment.
   drawCurrent() {
-    const [first] = this.segments;
-    if (!first || !this.profile || this.reach) return [];
-    const { a, along, across, radius, size } = first;
+    const inlet = this.outline.openings[0];
+    if (!inlet || !this.profile || this.reach) return [];
+    // The inlet's opening looks outward.
+    const [a, along] = [this.flat(inlet.centre), this.flat(inlet.direction).map((v) => -v)];
+    if (Math.hypot(...along) < 1e-6) return [];
+    const across = [-along[1], along[0]];
+    const { radius } = inlet;
+    const [x0, x1, y0, y1] = this.box;
+    const size = Math.max(x1 - x0, y1 - y0);
     const fastest = Math.max(...this.profile.map(Math.abs)) || 1;
     const longest = Math.min(0.11 * size, 1.1 * radius);
     const head = 5 / this.view.scale;
@@ -275,33 +288,51 @@ export class Side {
     this.moving.append(draw("path", { class: "body", d: this.line([...edge(1), ...edge(-1).reverse()], true), fill: colour(number) }));
   }
 
-  // Where a target that is dragged to a point comes to lie, and what it has snapped to.
+  // Where a target that is dragged to a point comes to lie, and what it has snapped to; null outside of the pipe.
   snap(flat) {
     const near = REACH / this.view.scale;
     const step = [0.001, 0.005, 0.01, 0.05, 0.1].findLast((s) => s * this.view.scale <= 4) ?? 0.001;
     let best = null;
-    for (const segment of this.segments) {
-      const off = sub(flat, segment.a);
-      const [along, across] = [dot(off, segment.along), dot(off, segment.across)];
-      const inside = along >= -near && along <= segment.size + near && Math.abs(across) <= segment.radius + near;
-      if (inside && (!best || Math.abs(across) < Math.abs(best.across))) best = { segment, along, across };
-    }
+    for (const { points, radii, middle } of this.bores)
+      for (let i = 0; i + 1 < middle.length; i++) {
+        const way = sub(middle[i + 1], middle[i]);
+        const size = Math.hypot(...way);
+        if (size < 1e-9) continue;
+        const off = sub(flat, middle[i]);
+        const share = clamp(dot(off, way) / size ** 2, 0, 1);
+        const foot = plus(middle[i], way, share);
+        const gap = Math.hypot(...sub(flat, foot));
+        const radius = radii[i] + share * (radii[i + 1] - radii[i]);
+        if (gap > radius + near || (best && gap - radius >= best.gap - best.radius)) continue;
+        const depth = plus(points[i], sub(points[i + 1], points[i]), share);
+        const normal = [-way[1] / size, way[0] / size];
+        best = { gap, radius, foot, depth, normal, side: Math.sign(dot(sub(flat, foot), normal)) || 1, level: Math.abs(way[1]) < 1e-9 && points.length === 2 };
+      }
     if (!best) return null;
-    const { segment } = best;
-    let { along, across } = best;
+    const { radius, depth, normal, side, level } = best;
+    let { foot, gap } = best;
     const words = [];
-    const level = Math.abs(segment.along[1]) < 1e-9;
-    // A tilted wall is no round number: a millimetre inside is inside in any case.
-    const wall = level ? segment.radius : segment.radius - 0.001;
-    if (Math.abs(across) > segment.radius - near) { across = Math.sign(across) * wall; words.push("wall"); }
-    else if (Math.abs(across) < near) { across = 0; words.push("axis"); }
-    const last = this.segments.at(-1) === segment;
-    if (last && along > segment.size - near) { along = segment.size; words.push("outlet"); }
-    along = clamp(along, 0, segment.size);
-    if (!words.includes("outlet")) along = level ? round(segment.a[0] * segment.along[0] + along, step) - segment.a[0] * segment.along[0] : round(along, step);
-    if (!words.length || words[0] === "outlet") across = clamp(level ? round(segment.a[1] + across * segment.across[1], step) * segment.across[1] - segment.a[1] * segment.across[1] : round(across, step), -wall, wall);
-    const point = this.world(plus(plus(segment.a, segment.along, clamp(along, 0, segment.size)), segment.across, across));
-    return { point, words };
+    // A wall that is not level is no round number: a millimetre inside is inside in any case.
+    const wall = level ? radius : radius - 0.001;
+    const outlet = this.outline.openings.slice(1).find(({ centre, radius: bore, direction }) => {
+      const off = sub(flat, this.flat(centre));
+      return Math.abs(dot(off, this.flat(direction))) < near && Math.hypot(...off) < bore + near;
+    });
+    if (gap > radius - near) { gap = wall; words.push("wall"); } else if (gap < near) { gap = 0; words.push("axis"); }
+    if (outlet && Math.abs(dot(this.flat(outlet.direction), normal)) < 1e-6) {
+      const way = this.flat(outlet.direction);
+      foot = plus(foot, way, dot(sub(this.flat(outlet.centre), foot), way) / dot(way, way));
+      words.push("outlet");
+    } else if (level) foot = [clamp(round(foot[0], step), ...this.range(best)), foot[1]];
+    let found = plus(foot, normal, side * gap);
+    if (level && gap !== wall && gap !== 0) found = [found[0], clamp(round(found[1], step), foot[1] - wall, foot[1] + wall)];
+    return { point: this.world(found, depth), words };
+  }
+
+  // From where to where a level part leads, of which a point is the foot.
+  range({ foot }) {
+    const { middle } = this.bores.find(({ middle: [a, b], points }) => points.length === 2 && Math.abs(a[1] - foot[1]) < 1e-9 && a[0] - 1e-9 <= foot[0] && foot[0] <= b[0] + 1e-9) ?? { middle: [[-Infinity], [Infinity]] };
+    return [middle[0][0], middle[1][0]];
   }
 
   listen() {
@@ -354,7 +385,7 @@ export class Side {
       const found = this.snap(this.point(where(event)));
       if (!found) return;
       if (this.mode === "edit") this.acts.place(found.point);
-      else if (this.mode === "pick") this.acts.pick(this.world(this.point(where(event))).map((v) => round(v, 0.01)));
+      else if (this.mode === "pick") this.acts.pick(found.point.map((v) => round(v, 0.01)));
     };
     svg.addEventListener("pointerup", end);
     svg.addEventListener("pointercancel", end);
@@ -399,14 +430,26 @@ export class Side {
     else if (event.key === "Home") { event.preventDefault(); this.fit(); }
   }
 
+  // The middle of the longest axis, where a target may be.
+  get middle() {
+    const { axes } = this.outline;
+    if (!axes.length) return [1, 0, 0];
+    const span = ({ points }) => Math.hypot(...sub(points.at(-1), points[0]));
+    const { points } = axes.reduce((a, b) => (span(b) > span(a) ? b : a));
+    const [a, b] = points.length % 2 ? [points[(points.length - 1) / 2], points[(points.length - 1) / 2]] : [points[points.length / 2 - 1], points[points.length / 2]];
+    return plus(a, sub(b, a), 0.5).map((v) => round(v, 1e-3));
+  }
+
   contains(point) {
-    return this.outline.pipe.some(({ start, end, radius }) => {
-      const axis = sub(end, start);
-      const size = Math.hypot(...axis);
-      const off = sub(point, start);
-      const along = dot(off, axis) / size;
-      return along >= -1e-9 && along <= size + 1e-9 && Math.hypot(...plus(off, axis, -along / size)) <= radius + 1e-9;
-    });
+    return this.outline.axes.some(({ points, radii }) => points.slice(1).some((end, i) => {
+      const way = sub(end, points[i]);
+      const size = Math.hypot(...way);
+      if (size < 1e-9) return false;
+      const off = sub(point, points[i]);
+      const along = dot(off, way) / size;
+      const radius = radii[i] + (along / size) * (radii[i + 1] - radii[i]);
+      return along >= -1e-9 && along <= size + 1e-9 && Math.hypot(...plus(off, way, -along / size)) <= radius + 1e-9;
+    }));
   }
 
   // What the map's colours mean.

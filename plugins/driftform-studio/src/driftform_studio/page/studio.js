@@ -130,9 +130,7 @@ function openDesign(next) {
 }
 
 find("add-target").addEventListener("click", () => {
-  const box = side.box;
-  const point = side.outline.pipe.length ? side.world([(box[0] + box[1]) / 2, (side.flat(side.outline.pipe[0].start)[1] + side.flat(side.outline.pipe.at(-1).end)[1]) / 2]) : [1, 0, 0];
-  focusSoon = fields.place(point);
+  focusSoon = fields.place(side.middle);
 });
 find("example-targets").addEventListener("click", () => {
   design.setTargets({ ...design.preset.targets });
@@ -173,7 +171,7 @@ async function openRun(name, key = null) {
   find("summary").hidden = false;
   find("start").hidden = true;
   find("change").hidden = false;
-  find("reach-choice").hidden = !info.outline.pipe.length;
+  find("reach-choice").hidden = !info.outline.axes.length;
   find("reach").checked = false;
   find("legend").hidden = true;
   find("place").textContent = [name, info.title].filter(Boolean).join(" · ");
@@ -576,7 +574,7 @@ function showView(name) {
   find("space-stage").hidden = !spatial;
   find("show-side").setAttribute("aria-pressed", String(!spatial));
   find("show-space").setAttribute("aria-pressed", String(spatial));
-  find("reach-choice").hidden = spatial || !run?.info.outline.pipe.length;
+  find("reach-choice").hidden = spatial || !run?.info.outline.axes.length;
   find("legend").hidden = spatial || !side.reach;
   if (spatial) { space.draw(); showMoment(); } else { side.draw(); showMoment(); }
 }
