@@ -1,0 +1,158 @@
+"""Solved tees on disk: those in the package, and the user's cache for other shapes."""
+
+import hashlib
+import math
+import os
+import sys
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from filelock import FileLock
+
+from driftform.potential.evaluate import HEAD, LEVEL_SIZE
+from driftform.potential.wall import CELLS, REACH, Junction
+from driftform.types import FloatArray
+from driftform.util.files import write_whole
+
+if TYPE_CHECKING:
+    from driftform.potential.solve import Solution
+
+METHOD = 1
+"""Number of the method: a change of the solver that changes its results counts it up, and old files are not read."""
+
+PACKAGED = Path(__file__).parent / "data"
+
+CACHE_VARIABLE = "DRIFTFORM_CACHE"
+
+
+@dataclass(frozen=True, eq=False)
+class TeePotentials:
+    """The potentials of two flows in a tee, in units of the run's radius and of the mean speed at its inlet.
+
+    Attributes
+    ----------
+    head
+        number of levels and the rows of the levels, as :mod:`driftform.potential.evaluate` reads them.
+    through, branch
+        coefficients of all levels where all water leaves by the run, and where all leaves by the branch.
+    leakage
+        means over the wall of the products of the two velocities through it, (2, 2).
+    """
+
+    head: FloatArray
+    through: FloatArray
+    branch: FloatArray
+    leakage: FloatArray
+
+    def leakage_rms(self, share: float) -> float:
+        """Return the root mean square of the velocity through the wall if ``share`` of the water leaves by the branch."""
+        weights = np.array([1 - share, share])
+        return float(np.sqrt(weights @ self.leakage @ weights))
+
+
+@lru_cache(maxsize=8)
+def load_tee(junction: Junction) -> TeePotentials:
+    """Return the potentials of a tee: from the package, from the user's cache, or computed now and cached."""
+    name = f"tee-{_digest(junction)}.npz"
+    if (PACKAGED / name).is_file():
+        return _read(PACKAGED / name)
+    folder = cache_folder()
+    with suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+        # Of several processes that need the same tee, one computes it.
+        with FileLock(folder / f"{name}.lock"):
+            if not (folder / name).is_file():
+                save_tee(junction, folder / name)
+            return _read(folder / name)
+    return _compute(junction)
+
+
+def save_tee(junction: Junction, path: Path) -> None:
+    """Compute the potentials of a tee and write them to a file."""
+    found = _compute(junction)
+    needed = ~np.isnan(found.through)
+    write_whole(path, lambda part: _write(part, found, needed))
+
+
+def _write(path: Path, found: TeePotentials, needed: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> None:
+    with path.open("wb") as file:
+        np.savez_compressed(
+            file,
+            head=found.head,
+            needed=np.packbits(needed),
+            through=found.through[needed].astype(np.float32),
+            branch=found.branch[needed].astype(np.float32),
+            leakage=found.leakage,
+        )
+
+
+def _read(path: Path) -> TeePotentials:
+    with np.load(path) as data:
+        head = data["head"]
+        last = head[HEAD + LEVEL_SIZE * (int(head[0]) - 1) :]
+        total = int(last[7] + last[4] * last[5] * last[6]) - len(head)
+        needed = np.unpackbits(data["needed"], count=total).astype(bool)
+        flows = []
+        for name in ("through", "branch"):
+            values = np.full(total, np.nan)
+            values[needed] = data[name]
+            flows.append(values)
+        return TeePotentials(head, flows[0], flows[1], data["leakage"])
+
+
+def _compute(junction: Junction) -> TeePotentials:
+    from driftform.potential.solve import solve_junction
+
+    print(
+        f"computing the ideal flow in a tee (branch of {junction.branch:g} radii at {math.degrees(junction.angle):g} degrees, "
+        "about two minutes, once)",
+        file=sys.stderr,
+        flush=True,
+    )
+    return pack_solution(solve_junction(junction))
+
+
+def pack_solution(solution: "Solution") -> TeePotentials:
+    """Return the potentials of a solution as the kernels read them."""
+    count = len(solution.levels)
+    head = np.zeros(HEAD + LEVEL_SIZE * count)
+    head[0] = count
+    flows: list[list[FloatArray]] = [[], []]
+    place = len(head)
+    for number, level in enumerate(solution.levels):
+        # Functions that touch only cells with y < 0 are left out.
+        first = -int(level.low[1])
+        touched = level.touched()[:, first:]
+        row = head[HEAD + LEVEL_SIZE * number :][:LEVEL_SIZE]
+        row[:] = level.width, level.low[0], 0, level.low[2], *touched.shape, place
+        place += touched.size
+        for flow, values in zip(flows, (solution.through, solution.branch), strict=True):
+            flow.append(np.where(touched, values[number][:, first:], np.nan).ravel())
+    through, branch = (np.concatenate(flow) for flow in flows)
+    # The potentials are small where the grid is fine, so that single precision suffices: 0 in the middle of the finest.
+    finest = slice(len(through) - len(flows[0][-1]), None)
+    return TeePotentials(
+        head,
+        through - np.nanmean(through[finest]),
+        branch - np.nanmean(branch[finest]),
+        solution.leakage,
+    )
+
+
+def cache_folder() -> Path:
+    """Return the folder of the user's cache: that of the variable DRIFTFORM_CACHE, or the system's."""
+    if CACHE_VARIABLE in os.environ:
+        return Path(os.environ[CACHE_VARIABLE])
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home())) / "driftform" / "cache"
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "driftform"
+
+
+def _digest(junction: Junction) -> str:
+    """Return a name that depends on the shape, to 9 digits, and on the method."""
+    numbers = [f"{x:.9g}" for x in (junction.branch, junction.angle, junction.fillet, CELLS, REACH, METHOD)]
+    return hashlib.sha256(" ".join(numbers).encode()).hexdigest()[:16]
