@@ -1,5 +1,6 @@
 """driftform as a notebook uses it."""
 
+import json
 import re
 import subprocess
 import sys
@@ -134,6 +135,20 @@ def test_no_workers_are_refused(workers: int, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=f"workers = {workers}"):
         df.evolve(small(), tmp_path / "run", workers=workers)
     assert not (tmp_path / "run").exists()
+
+
+def test_python_is_warned_of_what_the_command_line_warns_of_before_the_first_flight(tmp_path: Path) -> None:
+    study = tmp_path / "aside.toml"
+    study.write_text(
+        'base = "pipe-inspection"\n[simulator]\nuse = "native"\n[run]\nseed = 1\nevaluations = 1\n[targets]\nA = [4, 0.3, 0.2]\n'
+    )
+    with pytest.warns(UserWarning) as caught:
+        df.evolve(df.load_study(str(study)), tmp_path / "run", progress=False)
+    printed = json.loads(CliRunner().invoke(app, ["scenarios", "check", str(study), "--json"]).stdout)
+    assert [str(warning.message) for warning in caught] == printed["warnings"]
+    assert "release the agent with a yaw" in str(caught[0].message)
+    # The line is that of the script, not one of the library.
+    assert caught[0].filename == __file__
 
 
 def test_what_cannot_be_written_is_warned_of_and_the_run_is_there(tmp_path: Path) -> None:

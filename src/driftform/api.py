@@ -26,6 +26,7 @@ from driftform.runs.store import Record
 from driftform.runs.tables import evaluation_batches, write_tables
 from driftform.runs.wording import list_cells, list_headings
 from driftform.study import Study, load_study
+from driftform.study.advice import list_warnings
 from driftform.util.notebook import show_picture, show_table
 from driftform.util.progress import count_progress
 
@@ -134,7 +135,11 @@ class Run(StoredRun, Mapping[str, Design]):
         return f"<Run {self.path}: {len(self)} targets>"
 
     def _repr_html_(self) -> str:
-        places, best, fitness = self.study.scenario.targets, self.best(), self.study.make_plugin("fitness")
+        places, best, fitness = (
+            self.study.scenario.target_points(),
+            self.best(),
+            self.study.make_plugin("fitness"),
+        )
         rows = (
             (
                 target,
@@ -192,13 +197,21 @@ def evolve(
     Raises
     ------
     InputError
-        if the study has no targets, or the directory holds something else.
+        if the study has no targets, not even its smallest agent can be released, or the directory holds something else.
     WorkFailedError
         if every evaluation failed.
+
+    Warns
+    -----
+    UserWarning
+        before the first flight, of what is likely to be wrong with the study, such as targets out of reach, as
+        ``driftform scenarios check`` does; at the end, of files that could not be written.
     """
     if workers < 1:
         raise InputError(f"workers = {workers}: should be at least 1")
     check_targets(study)
+    for warning in list_warnings(study):
+        warnings.warn(warning, stacklevel=2)
     with Run.ensure(Path(directory), study) as run, closing(_make_executor(study, workers)) as executor:
         results = run.advance(executor, _Counter(study.evaluations) if progress else None)
     for problem in (problem for best in results for problem in best.problems):

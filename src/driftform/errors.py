@@ -5,6 +5,8 @@ import traceback
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
+
 _LONGEST = 1000
 """Longest message of an error that is shown, characters."""
 
@@ -82,9 +84,25 @@ def find_commonest(reasons: Iterable[str]) -> tuple[str, int]:
     >>> find_commonest(["120 mm across", "no genome", "131 mm across"])
     ('120 mm across', 2)
     """
-    kinds: dict[str, tuple[str, int]] = {}
+    tally = ReasonTally()
     for reason in reasons:
-        kind = re.sub(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?", "#", reason)
-        first, count = kinds.get(kind, (reason, 0))
-        kinds[kind] = (first, count + 1)
-    return max(kinds.values(), key=lambda found: found[1], default=("", 0))
+        tally.add(reason)
+    return tally.commonest
+
+
+class ReasonTally:
+    """Counts reasons by their kind as they come: those that differ only in their numbers are of one kind."""
+
+    def __init__(self) -> None:
+        self._kinds: dict[str, tuple[str, int]] = {}
+
+    def add(self, reason: str) -> None:
+        """Count one reason."""
+        kind = _NUMBER.sub("#", reason)
+        first, count = self._kinds.get(kind, (reason, 0))
+        self._kinds[kind] = (first, count + 1)
+
+    @property
+    def commonest(self) -> tuple[str, int]:
+        """The first of the commonest kind, and how many are of that kind; ``("", 0)`` without any."""
+        return max(list(self._kinds.values()), key=lambda found: found[1], default=("", 0))

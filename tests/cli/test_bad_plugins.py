@@ -2,6 +2,7 @@
 
 import json
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -92,6 +93,27 @@ def test_an_exporter_that_misbehaves_is_named_and_the_other_files_are_kept(
     result = call("export", "run:TP1", "--format", "deed", "--out", ".")
     assert result.exit_code == 1
     assert last_line(result).startswith(f"error: {text}")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
+@pytest.mark.parametrize(("deed", "text"), [("die", "exit code 3"), ("segfault", "SIGSEGV")])
+def test_an_exporter_that_takes_its_process_with_it_costs_one_line_and_no_other_file(
+    call: Call, deed: str, text: str, tmp_path: Path
+) -> None:
+    options = ("--set", "run.formats=['scad', 'deed']", "--set", f"exporter.deed.deed='{deed}'")
+    result = call(*STUDY, *options, *RUN)
+    assert result.exit_code == 1
+    assert last_line(result) == (
+        f"error: run/best/TP1: not all of scad,deed was written: its process died 2 times ({text}); "
+        "write what is missing with: driftform export run:TP1 --format scad,deed"
+    )
+    best = tmp_path / "run" / "best" / "TP1"
+    assert {"agent.json", "agent.scad", "section.svg", "trajectory.csv"} <= {
+        path.name for path in best.iterdir()
+    }
+    assert not list((tmp_path / "run").rglob("*.part"))
+    # The run is finished, and continuing it ends in the same line.
+    assert last_line(call("resume", "run", "--workers", 1)) == last_line(result)
 
 
 def test_what_plugins_print_does_not_reach_stdout_beside_a_json_document(

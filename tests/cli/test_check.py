@@ -134,10 +134,21 @@ def write_archive(path: Path, attached: str) -> Path:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="runs a script as a program")
-def test_source_that_a_stranger_attached_is_rendered_only_when_asked_for(
-    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("place", "text"),
+    [
+        ("attached", "the OpenSCAD source attached to it"),
+        ("beside", "the OpenSCAD source beside it, stranger.scad,"),
+    ],
+)
+def test_source_of_a_stranger_is_rendered_only_when_asked_for(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str, text: str
 ) -> None:
-    path = write_archive(tmp_path / "stranger.3mf", "Metadata/agent.scad")
+    path = write_archive(
+        tmp_path / "stranger.3mf", "Metadata/agent.scad" if place == "attached" else "Metadata/notes.txt"
+    )
+    if place == "beside":
+        (tmp_path / "stranger.scad").write_text("cube(10);")
     programs = tmp_path / "programs"
     programs.mkdir()
     openscad = programs / "openscad"
@@ -146,7 +157,7 @@ def test_source_that_a_stranger_attached_is_rendered_only_when_asked_for(
     monkeypatch.setenv("PATH", str(programs))
     found = lines(call("check", path, "--json"))["openscad"]
     assert found["state"] == "skipped"
-    assert found["detail"].endswith("is not rendered; add --attached if you trust the file")
+    assert found["detail"] == f"{text} is not rendered; add --attached if you trust it"
     assert not (tmp_path / "ran").exists()
     assert lines(call("check", path, "--attached", "--json"))["openscad"]["state"] == "fail"
     assert (tmp_path / "ran").exists()

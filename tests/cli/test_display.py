@@ -22,6 +22,7 @@ from driftform.cli.display import (
     View,
     draw_sparkline,
     format_duration,
+    progress_line,
 )
 from driftform.runs.status import RunStatus, Throughput
 
@@ -63,13 +64,18 @@ def shown(view: View, width: int, height: int, encoding: str = "utf-8") -> list[
     return file.read().splitlines()
 
 
+FAILURE = (
+    "not converged: no tolerance brings two flights of this body nearer to each other than 37.2 mm anywhere"
+)
+
+
 def a_view(targets: int, clock: Clock | None = None, fits: bool = True, evaluations: int = 300) -> View:
     names = [f"TP{n}" for n in range(1, targets + 1)]
     names[-1] = "the-far-end-of-the-pipe-behind-the-second-valve"
     standing = RunStatus(names, 1000)
     for index in range(evaluations):
         scores = [100 - 60 / (1 + index / 10) for _ in names]
-        standing.add(index, index // 50, "", index % 17 == 0, scores)
+        standing.add(index, index // 50, "", FAILURE if index % 17 == 0 else None, scores)
     pace = Throughput(0, clock or Clock())
     return View(
         standing, pace, ("running", "12/s, 58 s left", "elapsed 25 s"), "runs/pipe-1: Ctrl-C stops", fits
@@ -88,6 +94,12 @@ def test_the_display_fits_the_terminal(targets: int, width: int, height: int, ev
     assert f"{evaluations} of 1000 evaluations" in text
     assert "12/s, 58 s left" in text
     assert lines[-1] == "runs/pipe-1: Ctrl-C stops"
+
+
+def test_the_display_says_the_commonest_failure_in_one_line() -> None:
+    lines = shown(a_view(10), 80, 24)
+    assert lines[-2].startswith("failed most often (18 of 18): not converged: no tolerance brings two")
+    assert not any("failed most often" in line for line in shown(a_view(10, evaluations=0), 80, 24))
 
 
 @settings(deadline=None, max_examples=40)
@@ -137,6 +149,13 @@ def test_where_the_terminal_knows_ascii_alone_the_display_is_ascii() -> None:
     text = "\n".join(shown(a_view(3), 80, 24, "ascii"))
     assert text.isascii()
     assert re.search(r"[#*+=:.-]{3}_", text)
+
+
+def test_a_line_of_progress_stays_a_line_with_hundreds_of_targets() -> None:
+    status = RunStatus(tuple(f"T{n}" for n in range(300)), 20)
+    status.add(0, 0, "", None, [50.0 + n / 10 for n in range(300)])
+    line = progress_line(status, Throughput(0))
+    assert line == "1/20 evaluations: best of 300 targets: median 64.95, worst T0 50.00"
 
 
 def test_names_of_targets_are_no_markup() -> None:

@@ -3,6 +3,7 @@
 import json
 import multiprocessing
 import os
+import re
 import signal
 import sys
 import threading
@@ -18,7 +19,16 @@ import numpy as np
 import pytest
 
 from driftform.errors import InputError
-from driftform.execution import ATTEMPTS, KILLS, InProcess, Job, LocalProcesses, Outcome, WorkersLostError
+from driftform.execution import (
+    ATTEMPTS,
+    KILLS,
+    FunctionDiedError,
+    InProcess,
+    Job,
+    LocalProcesses,
+    Outcome,
+    WorkersLostError,
+)
 from driftform.execution.cluster import Cluster
 from driftform.execution.pool import PoolExecutor
 from driftform.study import Study, load_study
@@ -257,30 +267,62 @@ def harm(name: str) -> Any:
 
 def test_functions_are_called_in_processes_that_run_already(jobs: list[Job]) -> None:
     with closing(LocalProcesses(study_of().document, 2)) as executor:
-        assert executor.call([os.getpid, os.getpid]) == [os.getpid()] * 2
         list(executor.evaluate(jobs))
         workers = set(workers_of(executor))
         assert set(executor.call([os.getpid] * 4)) == workers
-        # A process that dies is to blame for nothing but itself.
-        assert executor.call([partial(harm("die_elsewhere"), os.getpid())]) == ["home"]
         with pytest.raises(InputError, match="no"):
             executor.call([harm("refuse"), os.getpid])
         assert workers_of(executor) == []
 
 
+def test_functions_are_called_in_processes_of_their_own_also_before_any_evaluation() -> None:
+    with closing(LocalProcesses(study_of().document, 2)) as executor:
+        assert os.getpid() not in executor.call([os.getpid, os.getpid])
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
-def test_a_worker_that_dies_while_it_sends_its_result_is_not_waited_for(jobs: list[Job]) -> None:
+def test_a_function_that_ends_its_process_once_is_called_again_in_a_new_one(tmp_path: Path) -> None:
+    with closing(LocalProcesses(study_of().document, 2)) as executor:
+        die_once = partial(harm("die_once"), tmp_path / "marker")
+        assert executor.call([partial(abs, 1), die_once, partial(abs, 2), partial(abs, 3)]) == [
+            1,
+            "alive",
+            2,
+            3,
+        ]
+
+
+@pytest.mark.parametrize(("deed", "text"), [("exit", "exit code 3"), ("segfault", "SIGSEGV")])
+@pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
+def test_a_function_that_always_ends_its_process_is_named_by_its_place_and_its_end(
+    deed: str, text: str
+) -> None:
+    with closing(LocalProcesses(study_of().document, 2)) as executor:
+        with pytest.raises(
+            FunctionDiedError, match=re.escape(f"its process died 2 times ({text})")
+        ) as caught:
+            executor.call(
+                [partial(abs, 1), partial(abs, 2), partial(harm("end_process"), deed), partial(abs, 3)]
+            )
+        assert caught.value.index == 2
+        assert workers_of(executor) == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
+def test_a_worker_that_dies_while_it_sends_its_result_is_not_waited_for(
+    jobs: list[Job], tmp_path: Path
+) -> None:
     executor = LocalProcesses(study_of().document, 1)
     list(executor.evaluate(jobs[:1]))
     found: list[object] = []
 
     def call() -> None:
-        found.extend(executor.call([partial(harm("die_while_sending"), os.getpid())]))
+        found.extend(executor.call([partial(harm("die_while_sending"), tmp_path / "marker")]))
 
     caller = threading.Thread(target=call, daemon=True)
     caller.start()
     caller.join(30)
-    assert found == ["home"]
+    assert found == ["alive"]
     executor.close()
     assert multiprocessing.active_children() == []
 

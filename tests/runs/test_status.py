@@ -12,14 +12,14 @@ from driftform.cli.display import (
 )
 from driftform.runs.status import STEPS, RunStatus, TargetStatus, Throughput
 
-Evaluated = tuple[int, int, str, bool, list[float]]
+Evaluated = tuple[int, int, str, str | None, list[float]]
 
 fitness = st.floats(0, 100)
 
 
 @st.composite
 def runs(draw: st.DrawFn) -> list[Evaluated]:
-    """Evaluations of a run for the targets A and B, in order: index, generation, population, failed, fitness."""
+    """Evaluations of a run for the targets A and B, in order: index, generation, population, failure, fitness."""
     size = draw(st.integers(1, 6))
     count = draw(st.integers(1, 40))
     return [
@@ -27,7 +27,7 @@ def runs(draw: st.DrawFn) -> list[Evaluated]:
             index,
             index // size,
             draw(st.sampled_from(["A", "B", ""])),
-            draw(st.booleans()),
+            draw(st.sampled_from([None, "it sank"])),
             [draw(fitness), draw(fitness)],
         )
         for index in range(count)
@@ -66,12 +66,12 @@ def test_the_order_in_which_evaluations_come_does_not_matter(run: list[Evaluated
 def test_a_standing_is_what_a_look_at_all_evaluations_finds(run: list[Evaluated]) -> None:
     standing = standing_of(run)
     assert standing.done == len(run) == standing.extent
-    assert standing.failed == sum(failed for *_, failed, _ in run)
+    assert standing.failed == sum(failure is not None for *_, failure, _ in run)
     for place, (name, target) in enumerate(standing.targets.items()):
         sound = [(row[-1][place], -row[0]) for row in run if not row[3]]
         assert (target.best, -target.index) == max(sound, default=(0.0, 1))
         own = [row for row in run if row[2] in (name, "")]
-        assert target.failed == sum(row[3] for row in own)
+        assert target.failed == sum(row[3] is not None for row in own)
         assert target.generation == max((row[1] for row in own), default=-1)
         newest = [row[-1][place] for row in own if row[1] == target.generation and not row[3]]
         assert target.mean == (pytest.approx(sum(newest) / len(newest)) if newest else None)
@@ -179,7 +179,7 @@ def test_time_left_is_that_of_the_present_pace() -> None:
     standing, pace = RunStatus(("A",), 1000), Throughput(0, clock)
     assert format_throughput(standing, pace) == ""
     for index in range(400):
-        standing.add(index, 0, "", False, [50.0])
+        standing.add(index, 0, "", None, [50.0])
     clock.now += 40  # The equations of motion are compiled.
     pace.mark(100)
     assert format_throughput(standing, pace) == ""

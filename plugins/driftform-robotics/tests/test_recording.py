@@ -20,7 +20,7 @@ from ruamel.yaml import YAML
 
 from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.interfaces import ExportJob
-from driftform.scenario import Pipe, Release, Scenario, Segment
+from driftform.scenario import Pipe, Scenario, Segment
 from driftform.testing import RecorderContract
 from driftform.testing.renderer import drifting_trajectory
 from driftform.trajectory.forces import accelerations_along, net_wrench
@@ -334,7 +334,7 @@ def test_other_releases_have_their_own_definitions(
 def test_a_tilted_pipe_is_drawn_as_it_lies(job: ExportJob, flight: Trajectory, tmp_path: Path) -> None:
     path, start, end = tmp_path / "agent.mcap", (1.0, 2.0, 3.0), (2.0, 4.0, 1.0)
     pipe = Pipe(segments=(Segment(start=start, end=end, radius=0.5),))
-    tilted = Scenario(pipe=pipe, release=Release(position=start))
+    tilted = Scenario(pipe=pipe)
     McapRecorder(FlightOptions()).write(replace(job, scenario=tilted), flight, path)
     [(_, message)] = messages(path)["/markers"]
     drawn = next(marker for marker in message.markers if marker.ns == "pipe")

@@ -84,8 +84,8 @@ def check_file(
     settings
         ``key=value`` of the study, as ``--set`` takes them.
     attached
-        whether OpenSCAD source that is attached to the file is rendered: source may read files, and take all time and
-        memory that OpenSCAD is given.
+        whether OpenSCAD source that is attached to the file, or lies beside it under its name, is rendered: source may
+        read files, and take all time and memory that OpenSCAD is given.
     printer, kit, programs, on_program
         as for :meth:`driftform.agents.design.Design.check`.
 
@@ -100,15 +100,14 @@ def check_file(
     with TemporaryDirectory() as name:
         folder = Path(name)
         known = agent or extract_attachment(path, "agent.json", folder) or path.with_name("agent.json")
-        inside, source = extract_attachment(path, ".scad", folder), path.with_suffix(".scad")
-        if inside is not None and attached:
-            source = inside
-        has_source = is_file(source) and source != path
+        inside, beside = extract_attachment(path, ".scad", folder), path.with_suffix(".scad")
+        source = inside or (beside if is_file(beside) and beside != path else None)
+        where = "attached to it" if inside else f"beside it, {beside.name},"
         job = PrintJob(
             (path,),
             printer,
-            source=source if has_source else None,
-            withheld=None if inside is None or has_source else "OpenSCAD source",
+            source=source if attached else None,
+            withheld=None if source is None or attached else f"OpenSCAD source {where}",
         )
         if agent is None and not is_file(Path(known)):
             if kit:

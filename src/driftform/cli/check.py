@@ -60,7 +60,8 @@ def check(
         bool,
         typer.Option(
             "--attached",
-            help="Render the OpenSCAD source that is attached to a FILE, too: only of a file that you trust.",
+            help="Render the OpenSCAD source that is attached to a FILE or lies beside it, too: only of files that you "
+            "trust.",
         ),
     ] = False,
     settings: Settings = None,

@@ -1,11 +1,13 @@
 """How a run's status looks: lines of text anywhere, and a table that fits the terminal."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
+from statistics import median
 from typing import TYPE_CHECKING
 
+from driftform.errors import escape_controls
 from driftform.runs.status import RunStatus, TargetStatus, Throughput
 
 if TYPE_CHECKING:
@@ -26,6 +28,9 @@ PAGE = 5.0
 _AROUND = 8
 """Lines of a display that are not of a target."""
 
+_IN_A_LINE = 20
+"""Most targets that a line of progress shows one by one."""
+
 _ROOM_FOR_CURVES = 72
 """Columns of a terminal below which there are numbers alone."""
 
@@ -33,7 +38,7 @@ _ROOM_FOR_CURVES = 72
 def format_duration(seconds: float) -> str:
     """A time in the two units that matter.
 
-    >>> duration(7.4), duration(200), duration(7500), duration(266400)
+    >>> format_duration(7.4), format_duration(200), format_duration(7500), format_duration(266400)
     ('7 s', '3 min 20 s', '2 h 05 min', '3 d 2 h')
     """
     whole = round(seconds)
@@ -48,7 +53,7 @@ def format_duration(seconds: float) -> str:
 def draw_sparkline(errors: Sequence[float | None], lowest: float, highest: float, bars: str = BARS) -> str:
     """Errors as bars on a logarithmic scale from ``lowest`` to ``highest``; spaces where an error is missing.
 
-    >>> sparkline([None, 100, 30, 10, 3, 1], 1, 100)
+    >>> draw_sparkline([None, 100, 30, 10, 3, 1], 1, 100)
     ' █▆▅▃▁'
     """
     low, span = math.log(lowest), math.log(highest / lowest)
@@ -71,9 +76,17 @@ def format_throughput(status: RunStatus, throughput: Throughput) -> str:
 
 def progress_line(status: RunStatus, throughput: Throughput) -> str:
     """The state of a run, in one line."""
-    best = "  ".join(f"{name} {target.best:.2f}" for name, target in status.targets.items())
+    best = _format_best({name: target.best for name, target in status.targets.items()})
     facts = ", ".join(filter(None, (format_throughput(status, throughput), format_failures(status.failed))))
     return f"{status.done}/{status.budget} evaluations{f', {facts}' if facts else ''}: {best}"
+
+
+def _format_best(best: Mapping[str, float]) -> str:
+    """The best fitness of each target, or of many targets the worst and the median."""
+    if len(best) <= _IN_A_LINE:
+        return "  ".join(f"{name} {fitness:.2f}" for name, fitness in best.items())
+    worst = min(best, key=best.__getitem__)
+    return f"best of {len(best)} targets: median {median(best.values()):.2f}, worst {worst} {best[worst]:.2f}"
 
 
 def format_failures(count: int) -> str:
@@ -106,12 +119,17 @@ class View:
         yield Text("")
         yield self._bar(min(40, max(10, options.max_width - 40)))
         yield Text(", ".join(filter(None, (*self.facts, shown))))
+        reason, alike = self.status.commonest_failure
+        if alike:
+            text = f"failed most often ({alike} of {self.status.failed}): {escape_controls(reason)}"
+            yield Text(text, no_wrap=True, overflow=_overflow(options))
         if self.footer:
             yield Text(self.footer, style="dim", no_wrap=True, overflow=_overflow(options))
 
     def _shown(self, height: int) -> tuple[int, int]:
         """Which targets are shown now: the first, and the one behind the last."""
-        count, room = len(self.status.targets), max(1, height - _AROUND)
+        around = _AROUND + bool(self.status.failed)
+        count, room = len(self.status.targets), max(1, height - around)
         if not self.fits or count <= room:
             return 0, count
         pages = -(-count // room)

@@ -46,9 +46,13 @@ class Progress(Observer):
     def record(self, record: Record) -> None:
         """Count one evaluation."""
         candidate, evaluation = record.candidate, record.evaluation
-        failed = evaluation.failure is not None
-        fitness = evaluation.fitness.tolist()
-        self._status.add(record.index, candidate.generation, candidate.target, failed, fitness)
+        self._status.add(
+            record.index,
+            candidate.generation,
+            candidate.target,
+            evaluation.failure,
+            evaluation.fitness.tolist(),
+        )
         self._throughput.mark(self._status.done)
 
     def generation(self, evaluations: int) -> None:

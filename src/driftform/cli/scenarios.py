@@ -78,7 +78,8 @@ def check(
         "file": file,
         "title": document.get("title", ""),
         "targets": dict(scenario.targets),
-        "pipe": len(scenario.pipe.segments),
+        "pipe": len(scenario.pipe.layout.parts),
+        "outlets": [outlet.name for outlet in scenario.pipe.layout.outlets],
         "flow": scenario.flow.kind,
         "plugins": {seam: document[seam]["use"] for seam in SELECTED},
         "options": {seam: list(document[seam]) for seam in NAMED},
@@ -94,10 +95,11 @@ def check(
     )
     print(f"{file} {verdict}" + (f": {escape_controls(found['title'])}" if found["title"] else ""))
     targets = f"{len(scenario.targets)}: {', '.join(scenario.targets)}" if scenario.targets else "none"
-    segments = f"{found['pipe']} segment{'s' * (found['pipe'] != 1)}" if found["pipe"] else "none: open water"
+    outlets = found["outlets"]
+    pipe = f"{found['pipe']} part{'s' * (found['pipe'] != 1)}" if found["pipe"] else "none: open water"
     rows = {
         "targets": targets,
-        "pipe": segments,
+        "pipe": pipe + (f"; outlets {', '.join(outlets)}" if len(outlets) > 1 else ""),
         "flow": found["flow"],
         **found["plugins"],
         **{seam: f"options of {', '.join(names)}" for seam, names in found["options"].items() if names},

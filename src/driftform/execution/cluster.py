@@ -13,9 +13,9 @@ import sys
 import threading
 import time
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from functools import lru_cache
 from importlib import metadata
 from pathlib import Path
@@ -23,7 +23,8 @@ from typing import TYPE_CHECKING, Any
 
 from driftform import __version__
 from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
-from driftform.execution.jobs import Job, Outcome, WorkersLostError, evaluate_batch
+from driftform.execution.jobs import Job, Outcome, T, WorkersLostError, evaluate_batch
+from driftform.execution.local import LocalProcesses
 from driftform.execution.pool import POLL_S, Cause, Death, PoolExecutor, WorkerGroup
 from driftform.execution.worker import hold_back_interrupts
 from driftform.pipeline import Pipeline
@@ -46,6 +47,15 @@ NOISY_LOGGERS = ("distributed", "tornado", "asyncio", "bokeh")
 
 class Cluster(PoolExecutor):
     """Evaluates on the workers of a Dask cluster, which form one worker group because Dask moves tasks among them."""
+
+    def __init__(self, document: Mapping[str, Any], group: WorkerGroup) -> None:
+        super().__init__([group])
+        self._document = document
+
+    def call(self, functions: Sequence[Callable[[], T]]) -> list[T]:
+        """Call functions in processes on this machine, because the workers of the cluster may be on others."""
+        with closing(LocalProcesses(self._document, min(len(functions), os.cpu_count() or 1))) as processes:
+            return processes.call(functions)
 
     @classmethod
     def start(cls, document: Mapping[str, Any], workers: int) -> "Cluster":
@@ -77,15 +87,19 @@ class Cluster(PoolExecutor):
                     dashboard_address=None,
                     memory_limit=0,
                     silence_logs=logging.CRITICAL,
-                    # WorkerGroup finds the genome to blame for a death, as with local processes.
-                    scheduler_kwargs={"allowed_failures": 0},
+                    scheduler_kwargs={
+                        # Without a dashboard, too, the scheduler serves its state: here on any free port.
+                        "dashboard_address": "127.0.0.1:0",
+                        # WorkerGroup finds the genome to blame for a death, as with local processes.
+                        "allowed_failures": 0,
+                    },
                 )
                 client = distributed.Client(cluster, timeout=CONNECT_TIMEOUT_S, set_as_default=False)
         except Exception as error:
             raise WorkFailedError(
                 f"--executor dask: cannot start a cluster: {describe_error(_find_cause(error))}"
             ) from None
-        return cls([_Workers(document, client, "the local Dask cluster", cluster)])
+        return cls(document, _Workers(document, client, "the local Dask cluster", cluster))
 
     @classmethod
     def join(cls, document: Mapping[str, Any], address: str) -> "Cluster":
@@ -118,7 +132,7 @@ class Cluster(PoolExecutor):
         except BaseException:
             group.close()
             raise
-        return cls([group])
+        return cls(document, group)
 
 
 class _Workers(WorkerGroup):

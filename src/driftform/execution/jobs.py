@@ -51,7 +51,13 @@ class Executor(Protocol):
         """Yield one outcome for each job, in any order, in batches of any size."""
 
     def call(self, functions: Sequence[Callable[[], T]]) -> list[T]:
-        """Call functions on this machine, at the same time if possible; return what they return, in their order."""
+        """Call functions on this machine, at the same time if possible; return what they return, in their order.
+
+        Raises
+        ------
+        FunctionDiedError
+            if one of them ends its process.
+        """
 
 
 ATTEMPTS = 2
@@ -79,6 +85,14 @@ MAX_TASK_S = 1.0
 
 class WorkersLostError(WorkFailedError):
     """The workers are lost, and no genome is to blame; the run can be resumed."""
+
+
+class FunctionDiedError(WorkFailedError):
+    """A function ended its process each time it was called; ``index`` is its place among those that were called."""
+
+    def __init__(self, index: int, message: str) -> None:
+        super().__init__(message)
+        self.index = index
 
 
 def evaluate_batch(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:

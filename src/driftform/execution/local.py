@@ -1,13 +1,14 @@
 """Evaluations in worker processes on this machine; a crash of one does not end the run."""
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
 from functools import partial
 from itertools import cycle
 from typing import Any
 
-from driftform.execution.jobs import Job, Outcome, T
-from driftform.execution.pool import Death, PoolExecutor, WorkerDiedError, WorkerGroup
+from driftform.execution.jobs import ATTEMPTS, FunctionDiedError, Job, Outcome, T
+from driftform.execution.pool import Cause, Death, PoolExecutor, WorkerDiedError, WorkerGroup
 from driftform.execution.worker import Worker, work
 
 
@@ -19,23 +20,41 @@ class LocalProcesses(PoolExecutor):
         super().__init__(self._processes)
 
     def call(self, functions: "Sequence[Callable[[], T]]") -> list[T]:
-        """Call functions in the processes that run already, in turn, and return what they return, in their order.
+        """Call functions in the worker processes, in turn, and return what they return, in their order.
 
-        Functions and results must be picklable. A function whose process dies is called again in this process.
+        Functions and results must be picklable. Processes that run already are preferred to new ones. A function whose
+        process dies is called again in a new one.
+
+        Raises
+        ------
+        FunctionDiedError
+            if a process dies :data:`ATTEMPTS` times of the same function.
         """
-        running = [process for process in self._processes if process.is_running]
-        if not running:
-            return super().call(functions)
-        started = [process.start(function) for process, function in zip(cycle(running), functions)]
+        processes = [process for process in self._processes if process.is_running] or self._processes
+        results: dict[int, T] = {}
+        deaths: Counter[int] = Counter()
         try:
-            return [
-                function() if isinstance(future.exception(), WorkerDiedError) else future.result()
-                for future, function in zip(started, functions, strict=True)
-            ]
+            while len(results) < len(functions):
+                missing = [index for index in range(len(functions)) if index not in results]
+                started = [
+                    (index, process.start(functions[index]))
+                    for process, index in zip(cycle(processes), missing)
+                ]
+                for index, future in started:
+                    try:
+                        results[index] = future.result()
+                    except WorkerDiedError as error:
+                        # The tasks that were waiting in the same process did not begin.
+                        deaths[index] += error.death.cause is not Cause.NONE
+                        if deaths[index] == ATTEMPTS:
+                            raise FunctionDiedError(
+                                index, f"its process died {ATTEMPTS} times ({error.death.detail})"
+                            ) from None
         except BaseException:
             # Nothing may be written any more once the caller knows of the error.
             self.close()
             raise
+        return [results[index] for index in range(len(functions))]
 
 
 class _Process(WorkerGroup):

@@ -195,7 +195,7 @@ class WorkerGroup(ABC):
         return [(job.index, Evaluation.failed(job.genome, self._targets, failure))]
 
 
-class PoolExecutor:
+class PoolExecutor(ABC):
     """Evaluates on worker groups that share one queue."""
 
     def __init__(self, groups: Sequence[WorkerGroup]) -> None:
@@ -216,9 +216,9 @@ class PoolExecutor:
                 self._seconds = outcomes[-1][1].seconds or self._seconds
                 yield outcomes
 
+    @abstractmethod
     def call(self, functions: Sequence[Callable[[], T]]) -> list[T]:
-        """Call functions in this process, because the workers may be on other machines; return what they return."""
-        return [function() for function in functions]
+        """Call functions on this machine; see :class:`driftform.execution.jobs.Executor`."""
 
     def close(self) -> None:
         """Stop the workers; their running tasks are lost."""

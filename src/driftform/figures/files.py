@@ -7,6 +7,9 @@ from driftform.util.files import write_text, write_whole
 ZOOM = 2.0
 """PNG pixels per px of a picture: sharp on high-resolution screens, and 150 dpi at 15 cm."""
 
+DPI = 96.0
+"""px of a picture for each inch of a size in mm, as CSS defines it; without it resvg refuses sizes in mm."""
+
 
 def write_picture(path: Path, svg: str) -> tuple[Path, ...]:
     """Write an SVG picture, and the same as PNG if the extra ``png`` is installed; return the paths.
@@ -32,4 +35,4 @@ def rasterise(svg: str) -> bytes | None:
     except ImportError:
         return None
     # resvg does not know system-ui, the first font of the picture; this sets what sans-serif means.
-    return bytes(svg_to_bytes(svg_string=svg, zoom=ZOOM, sans_serif_family="DejaVu Sans"))
+    return bytes(svg_to_bytes(svg_string=svg, zoom=ZOOM, dpi=DPI, sans_serif_family="DejaVu Sans"))

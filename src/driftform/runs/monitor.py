@@ -61,7 +61,11 @@ class RunMonitor:
                 if summary.index not in self._above:
                     self._above.add(summary.index)
                     self.status.add(
-                        summary.index, summary.generation, summary.population, summary.failed, summary.fitness
+                        summary.index,
+                        summary.generation,
+                        summary.population,
+                        summary.failure,
+                        summary.fitness,
                     )
         while self._first in self._above:
             self._above.remove(self._first)
@@ -98,6 +102,7 @@ class RunMonitor:
             "evaluations": self.status.done,
             "budget": self.status.budget,
             "failed": self.status.failed,
+            "commonest_failure": self._describe_failures(),
             "targets": {
                 name: {
                     "fitness": target.best if target.index >= 0 else None,
@@ -110,6 +115,10 @@ class RunMonitor:
                 for name, target in self.status.targets.items()
             },
         }
+
+    def _describe_failures(self) -> dict[str, Any] | None:
+        reason, count = self.status.commonest_failure
+        return {"reason": reason, "count": count} if count else None
 
     def _read_aims(self, document: dict[str, Any]) -> tuple[list[str], int]:
         """Targets and budget; the study need not be one that could be carried out here."""

@@ -1,13 +1,14 @@
 """What a run leaves behind: the best agents with their files, and pictures of all flights."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+import shutil
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
 from driftform.errors import DriftformError, InputError, WorkFailedError
-from driftform.execution import Executor
+from driftform.execution import Executor, FunctionDiedError
 from driftform.faults import report_faults, require_files
 from driftform.interfaces import ExportJob
 from driftform.runs.agent_file import StoredAgent, agent_document, write_agent
@@ -17,7 +18,7 @@ from driftform.runs.store import Store
 from driftform.runs.wording import describe_worst
 from driftform.study import Study
 from driftform.types import Agent, Trajectory
-from driftform.util.files import remove_parts, write_text
+from driftform.util.files import remove_parts, write_text, write_whole
 from driftform.util.progress import track_progress
 
 # Drawing needs the compiled kernels, which take half a second to load. They are imported only inside the functions that
@@ -82,17 +83,32 @@ def write_results(directory: Path, study: Study, executor: Executor) -> list[Bes
     InputError
         where a stored evaluation is damaged.
     """
-    write_targets = [partial(_write_target, target=target) for target in study.scenario.targets]
+    groups = _group_targets(directory, study)
     # What takes longest first.
-    pieces: list[Callable[[Path, Study, Store], Any]] = [_write_overview, _write_reach, *write_targets]
-    tasks = [partial(_call_with_store, write, directory, study) for write in pieces]
+    pieces: list[Callable[[Path, Study, Store], Any]] = [_write_overview, _write_reach]
+    pieces += [partial(_write_agents, stored=group) for group in groups]
     try:
-        _, _, *results = executor.call(tasks)
+        _, _, *results = executor.call(
+            [partial(_call_with_store, write, directory, study) for write in pieces]
+        )
+        found = {best.target: best for group in results for best in group}
+        if study.run.formats:
+            _export_all(directory, study, executor, groups, found)
     except BaseException:
         for folder in ("best", "figures"):
             remove_parts(directory / folder)
         raise
-    return results
+    return [found[target] for target in study.scenario.targets]
+
+
+def _group_targets(directory: Path, study: Study) -> list[Sequence[StoredAgent]]:
+    """The best agents by the evaluation that they share: their flight is read and drawn once."""
+    groups: dict[int, list[StoredAgent]] = {}
+    with Store.open(directory / DATABASE, read_only=True, check=False) as store:
+        for target in study.scenario.targets:
+            stored = _find_best(study, store, target)
+            groups.setdefault(stored.result["evaluation"], []).append(stored)
+    return list(groups.values())
 
 
 def _call_with_store(write: Callable[[Path, Study, Store], T], directory: Path, study: Study) -> T:
@@ -100,56 +116,107 @@ def _call_with_store(write: Callable[[Path, Study, Store], T], directory: Path, 
         return write(directory, study, store)
 
 
-def _read_best(directory: Path, study: Study, store: Store, target: str) -> tuple[StoredAgent, Trajectory]:
+def _find_best(study: Study, store: Store, target: str) -> StoredAgent:
     stored = find_best_agent(study, store, target)
-    targets = study.scenario.target_names
     if stored is None:
         reason, count = store.find_commonest_failure()
         raise WorkFailedError(f"all {store.count()} evaluations failed, {count} of them like this: {reason}")
+    return stored
+
+
+def _read_flight(directory: Path, study: Study, store: Store, stored: StoredAgent) -> Trajectory:
     index = stored.result["evaluation"]
-    flight = store.read_record(index, targets).evaluation.trajectory
+    flight = store.read_record(index, study.scenario.target_names).evaluation.trajectory
     if flight is None:
         raise InputError(f"{directory}: is damaged: the flight of evaluation {index} is missing")
-    return stored, flight
+    return flight
 
 
-def _write_target(directory: Path, study: Study, store: Store, target: str) -> Best:
-    """Write ``best/<target>/``."""
+def _write_agents(directory: Path, study: Study, store: Store, stored: Sequence[StoredAgent]) -> list[Best]:
+    """Write ``best/<target>/`` of targets that share an agent, without the files of exporters."""
     from driftform.figures.section import section_svg
     from driftform.tables.files import write_trajectory
 
-    stored, flight = _read_best(directory, study, store, target)
-    agent = study.make_pipeline().make_agent(stored.genome)
-    job = ExportJob("agent", agent, study.scenario, agent_document(stored))
-    folder = directory / "best" / target
-    files = [folder / "agent.json", folder / "trajectory.csv", folder / "section.svg"]
-    write_agent(files[0], stored)
-    write_trajectory(files[1], flight)
-    write_text(files[2], section_svg(agent, target, study.scenario))
-    problems: list[str] = []
-    for name in study.run.formats:
-        exporter = study.make_exporter(name)
-        path = folder / f"agent{exporter.suffix}"
-        try:
-            with report_faults():
-                written = require_files(exporter.write(job, path), exporter)
-        except DriftformError as error:
-            # An agent that one format cannot hold is no reason to keep back the others.
-            problems.append(f"{path}: not written: {error}")
+    flight = _read_flight(directory, study, store, stored[0])
+    agent = study.make_pipeline().make_agent(stored[0].genome)
+    names = ("agent.json", "trajectory.csv", "section.svg")
+    found: list[Best] = []
+    for best in stored:
+        target, result = best.result["target"], best.result
+        document, samples, picture = files = [directory / "best" / target / name for name in names]
+        write_agent(document, best)
+        if found:
+            write_whole(samples, partial(shutil.copyfile, found[0].files[1]))
         else:
-            files.extend(Path(file.path) for file in written)
-    return Best(
-        target,
-        stored.result["evaluation"],
-        stored.result["fitness"],
-        stored.result["nominal"],
-        stored.result["median"],
-        stored.result["p90"],
-        files[0],
-        tuple(files),
-        tuple(problems),
-        stored.result.get("robust", {}),
-    )
+            write_trajectory(samples, flight)
+        write_text(picture, section_svg(agent, target, study.scenario))
+        found.append(
+            Best(
+                target,
+                result["evaluation"],
+                result["fitness"],
+                result["nominal"],
+                result["median"],
+                result["p90"],
+                document,
+                tuple(files),
+                robust=result.get("robust", {}),
+            )
+        )
+    return found
+
+
+Exports = dict[str, tuple[list[Path], list[str]]]
+"""Of each target the files that exporters wrote, and what could not be written, one line each."""
+
+
+def _export_all(
+    directory: Path,
+    study: Study,
+    executor: Executor,
+    groups: Sequence[Sequence[StoredAgent]],
+    found: dict[str, Best],
+) -> None:
+    """Write the formats of the run, and add their files to the best agents.
+
+    An exporter may take its process with it. Then everything else is written already.
+    """
+    try:
+        exported = executor.call([partial(_export_agents, directory, study, group) for group in groups])
+    except FunctionDiedError as error:
+        target = groups[error.index][0].result["target"]
+        formats = ",".join(study.run.formats)
+        problem = (
+            f"{directory / 'best' / target}: not all of {formats} was written: {error}; write what is missing with: "
+            f"driftform export {directory}:{target} --format {formats}"
+        )
+        found[target] = replace(found[target], problems=(problem,))
+        return
+    for group in exported:
+        for target, (files, problems) in group.items():
+            best = found[target]
+            found[target] = replace(best, files=(*best.files, *files), problems=tuple(problems))
+
+
+def _export_agents(directory: Path, study: Study, stored: Sequence[StoredAgent]) -> Exports:
+    """Write the formats of the run into ``best/<target>/`` of targets that share an agent."""
+    agent = study.make_pipeline().make_agent(stored[0].genome)
+    exporters = [study.make_exporter(name) for name in study.run.formats]
+    exported: Exports = {}
+    for best in stored:
+        job = ExportJob("agent", agent, study.scenario, agent_document(best))
+        files, problems = exported.setdefault(best.result["target"], ([], []))
+        for exporter in exporters:
+            path = directory / "best" / best.result["target"] / f"agent{exporter.suffix}"
+            try:
+                with report_faults():
+                    written = require_files(exporter.write(job, path), exporter)
+            except DriftformError as error:
+                # An agent that one format cannot hold is no reason to keep back the others.
+                problems.append(f"{path}: not written: {error}")
+            else:
+                files.extend(Path(file.path) for file in written)
+    return exported
 
 
 def _write_overview(directory: Path, study: Study, store: Store) -> None:
@@ -162,11 +229,12 @@ def _write_overview(directory: Path, study: Study, store: Store) -> None:
     flights: list[GalleryEntry] = []
     flown: dict[int, tuple[Agent, Trajectory]] = {}
     for target in study.scenario.targets:
-        stored, flight = _read_best(directory, study, store, target)
+        stored = _find_best(study, store, target)
+        index = stored.result["evaluation"]
         # Targets that share an agent share its flight, and are drawn once.
-        agent, flight = flown.setdefault(
-            stored.result["evaluation"], (pipeline.make_agent(stored.genome), flight)
-        )
+        if index not in flown:
+            flown[index] = pipeline.make_agent(stored.genome), _read_flight(directory, study, store, stored)
+        agent, flight = flown[index]
         values[target] = stored.result["fitness"]
         flights.append(GalleryEntry(target, agent, flight, fitness.measure(values[target]), fitness.unit))
     title = str(study.document.get("title", ""))

@@ -5,6 +5,8 @@ from bisect import bisect_right
 from collections import deque
 from collections.abc import Callable, Sequence
 
+from driftform.errors import ReasonTally
+
 STEPS = 512
 """Most improvements of a target that are kept: far more than a terminal has columns."""
 
@@ -108,13 +110,22 @@ class RunStatus:
         self.failed = 0
         self.extent = 0
         self.targets = {target: TargetStatus() for target in targets}
+        self._reasons = ReasonTally()
+
+    @property
+    def commonest_failure(self) -> tuple[str, int]:
+        """The first of the commonest kind of failure, and how many there are; ``("", 0)`` without failures."""
+        return self._reasons.commonest
 
     def add(
-        self, index: int, generation: int, population: str, failed: bool, fitness: Sequence[float]
+        self, index: int, generation: int, population: str, failure: str | None, fitness: Sequence[float]
     ) -> None:
         """Count one evaluation; ``population`` is the target that its population works for, ``""`` for all."""
+        failed = failure is not None
         self.done += 1
         self.failed += failed
+        if failure is not None:
+            self._reasons.add(failure)
         self.extent = max(self.extent, index + 1)
         for (target, standing), value in zip(self.targets.items(), fitness, strict=True):
             if population in (target, ""):

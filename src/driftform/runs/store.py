@@ -141,8 +141,8 @@ class EvaluationSummary:
         from 0.
     population
         target that its population works for, ``""`` for all.
-    failed
-        whether it has no flight that counts.
+    failure
+        why it has no flight that counts, ``None`` if it has one.
     fitness
         for each target, %.
     """
@@ -150,7 +150,7 @@ class EvaluationSummary:
     index: int
     generation: int
     population: str
-    failed: bool
+    failure: str | None
     fitness: tuple[float, ...]
 
 
@@ -421,7 +421,7 @@ class Store:
 
     def read_summaries(self, targets: Sequence[str], first: int = 0) -> Iterator[EvaluationSummary]:
         """Yield what is small of the evaluations from index ``first`` on, in their order, as of one moment."""
-        columns = "id, generation, population, failure IS NOT NULL"
+        columns = "id, generation, population, failure"
         scores = "SELECT fitness FROM score WHERE target = ? AND evaluation >= ? ORDER BY evaluation"
         with self._reading(), _transaction(self._connection), ExitStack() as stack:
             rows, *fitness = (
@@ -431,12 +431,12 @@ class Store:
                     *((scores, (target, first)) for target in targets),
                 )
             )
-            for (index, generation, population, failed), *scored in zip(rows, *fitness, strict=True):
+            for (index, generation, population, failure), *scored in zip(rows, *fitness, strict=True):
                 yield EvaluationSummary(
                     check_integer(index, "an evaluation"),
                     check_integer(generation, "a generation"),
                     check_text(population, "a population"),
-                    bool(failed),
+                    None if failure is None else check_text(failure, "a failure"),
                     tuple(_check_fitness(score) for (score,) in scored),
                 )
 

@@ -19,17 +19,19 @@ from driftform.types import End, Trajectory, WrittenFile
 from driftform.util.files import write_text, write_whole
 
 
-def die_elsewhere(home):
-    """Die in any process but one."""
-    if os.getpid() != home:
+def die_once(marker):
+    """End the process, but only the first time."""
+    if not marker.exists():
+        marker.touch()
         os.kill(os.getpid(), getattr(signal, "SIGKILL", signal.SIGTERM))
-    return "home"
+    return "alive"
 
 
-def die_while_sending(home):
-    """Send the first half of a result that is larger than a pipe holds, and die, in any process but one."""
-    if os.getpid() == home:
-        return "home"
+def die_while_sending(marker):
+    """Send the first half of a result that is larger than a pipe holds, and die, but only the first time."""
+    if marker.exists():
+        return "alive"
+    marker.touch()
 
     def send_half(self, data, write=os.write):
         write(self.fileno(), bytes(data)[: max(4, len(data) // 2)])
@@ -38,6 +40,13 @@ def die_while_sending(home):
 
     Connection._send = send_half
     return bytes(10**6)
+
+
+def end_process(deed):
+    """End the process without a word, as native code does."""
+    if deed == "segfault":
+        os.kill(os.getpid(), signal.SIGSEGV)
+    os._exit(3)
 
 
 def refuse():
@@ -85,6 +94,8 @@ def _compile():
 DEEDS = {
     "compile": _compile,
     "exit": lambda: sys.exit(0),
+    "die": lambda: end_process("exit"),
+    "segfault": lambda: end_process("segfault"),
     "none": lambda: None,
     "empty": lambda: _flight(np.zeros(0), End.OUTLET),
     "unended": lambda: _flight(np.linspace(0.0, 1.0, 11), None),

@@ -36,7 +36,7 @@ class OpenScadChecker(Checker[OpenScadOptions]):
         from driftform_printability.reading import read_parts
 
         if job.withheld is not None:
-            detail = f"the attached {job.withheld} is not rendered; add --attached if you trust the file"
+            detail = f"the {job.withheld} is not rendered; add --attached if you trust it"
             return Finding(self.name, State.SKIPPED, detail)
         if job.source is None:
             return Finding(self.name, State.SKIPPED, "no OpenSCAD source to render")
