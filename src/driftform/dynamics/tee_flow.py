@@ -48,9 +48,8 @@ def tee_field(radius: float, branch: float, angle: float, fillet: float, Q2: flo
     ValueError
         if the shape is outside these limits.
     """
-    _check_shape(branch / radius, angle, fillet / branch)
-    mirrored = angle > math.pi / 2 + 1e-9
-    tee = load_tee(Junction(branch / radius, math.pi - angle if mirrored else angle, fillet / radius))
+    junction, mirrored = _find_junction(radius, branch, angle, fillet)
+    tee = load_tee(junction)
     through, side = Q2 / (math.pi * radius**2), Q3 / (math.pi * radius**2)
     if mirrored:
         # The water enters at the mirror image's outlet.
@@ -58,8 +57,8 @@ def tee_field(radius: float, branch: float, angle: float, fillet: float, Q2: flo
     potential = radius * (through * tee.through + side * tee.branch)
     head = tee.head.copy()
     head[HEAD + LEVEL_SIZE - 1 :: LEVEL_SIZE] += _SPLINE
-    wall = Junction(branch / radius, math.pi - angle if mirrored else angle, fillet / radius).array()
-    field = np.concatenate([[radius, -1.0 if mirrored else 1.0], wall, head, potential])
+    sides = [radius, -1.0 if mirrored else 1.0]
+    field = np.concatenate([sides, junction.array(), head, potential])
     field.flags.writeable = False
     return field
 
@@ -69,11 +68,19 @@ def tee_leakage(radius: float, branch: float, angle: float, fillet: float, share
 
     ``share`` of the water leaves by the branch; see :func:`tee_field` for the other arguments.
     """
-    _check_shape(branch / radius, angle, fillet / branch)
-    mirrored = angle > math.pi / 2 + 1e-9
-    tee = load_tee(Junction(branch / radius, math.pi - angle if mirrored else angle, fillet / radius))
+    junction, mirrored = _find_junction(radius, branch, angle, fillet)
+    tee = load_tee(junction)
     weights = np.array([-1.0 if mirrored else 1 - share, share])
     return float(np.sqrt(weights @ tee.leakage @ weights))
+
+
+def _find_junction(radius: float, branch: float, angle: float, fillet: float) -> tuple[Junction, bool]:
+    """Return the shape in units of the run's radius, and whether its mirror image has the angle."""
+    _check_shape(branch / radius, angle, fillet / branch)
+    mirrored = angle > math.pi / 2 + 1e-9
+    # Digits that differ by rounding must not make another shape.
+    turn = round(math.degrees(math.pi - angle if mirrored else angle), 7)
+    return Junction(round(branch / radius, 9), math.radians(turn), round(fillet / radius, 9)), mirrored
 
 
 def _check_shape(branch: float, angle: float, fillet: float) -> None:

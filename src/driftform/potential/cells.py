@@ -8,7 +8,15 @@ import math
 
 import numpy as np
 
-from driftform.potential.wall import COSINE, INLET, OUTLET, SINE, distance_beyond_ends, wall_level, water_level
+from driftform.potential.wall import (
+    COSINE,
+    INLET,
+    OUTLET,
+    SINE,
+    distance_beyond_ends,
+    wall_level,
+    water_level,
+)
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 

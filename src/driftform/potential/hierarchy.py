@@ -58,9 +58,7 @@ def _touching(cells: BoolArray) -> BoolArray:
         ends[axis] = (3, 3)
         padded = np.moveaxis(np.pad(cells, ends), axis, 0)
         count = len(padded) - 3
-        cells = np.moveaxis(
-            np.logical_or.reduce([padded[k : k + count] for k in range(4)]), 0, axis
-        )
+        cells = np.moveaxis(np.logical_or.reduce([padded[k : k + count] for k in range(4)]), 0, axis)
     return cells
 
 
@@ -105,7 +103,7 @@ def build_levels(
 
 
 def _centres(cells: BoolArray, low: IntArray, width: float) -> FloatArray:
-    return (np.argwhere(cells) + low + 0.5) * width
+    return np.asarray((np.argwhere(cells) + low + 0.5) * width, dtype=np.float64)
 
 
 def coefficient_matrices(levels: list[Level]) -> tuple[list[csr_array], IntArray]:
@@ -115,7 +113,8 @@ def coefficient_matrices(levels: list[Level]) -> tuple[list[csr_array], IntArray
     """
     counts = [int(level.active.sum()) for level in levels]
     starts = np.concatenate([[0], np.cumsum(counts)])
-    total, matrices = int(starts[-1]), []
+    total = int(starts[-1])
+    matrices: list[csr_array] = []
     for number, level in enumerate(levels):
         size = level.active.size
         own = np.flatnonzero(level.active)

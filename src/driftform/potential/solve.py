@@ -242,15 +242,15 @@ def _load(points: FloatArray, levels: Sequence[Level], maps: Sequence[csr_array]
     for level, P in zip(levels, maps, strict=True):
         # An end at the boundary of a cell belongs to the cell in the water.
         index = np.floor(points[:, :3] * (1 - 1e-9) / level.width).astype(np.int64) - level.low
-        inside = ((index >= 0) & (index < level.leaves.shape)).all(axis=1)
-        here = inside.copy()
-        here[inside] = level.leaves[tuple(index[inside].T)]
+        clipped = np.clip(index, 0, np.array(level.leaves.shape) - 1)
+        here = (index == clipped).all(axis=1) & level.leaves[tuple(clipped.T)]
         if here.any():
-            values = value_rows(points[here, :3], (index[here] + level.low) * level.width, level.width)
+            corners = level.width * (index[here] + level.low).astype(np.float64)
+            values = value_rows(points[here, :3], corners, level.width)
             own = np.zeros(level.active.size)
             np.add.at(own, _functions_of(index[here], level), values * points[here, 3:])
             total += P.T @ own
-    return total * (np.pi / 2) / total.sum()
+    return np.asarray(total * (np.pi / 2) / total.sum())
 
 
 def solve_system(matrix: csr_array, loads: FloatArray) -> FloatArray:

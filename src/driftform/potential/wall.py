@@ -79,7 +79,11 @@ def wall_level(x: float, y: float, z: float, wall: FloatArray) -> tuple[float, P
         vx, vy, vz = x - cx, abs(y) - cy, z - cz
         distance = math.sqrt(vx * vx + vy * vy + vz * vz)
         if _is_faced(cx, cy, cz, vx, vy, vz, distance, wall):
-            return f - distance, (-vx / distance, -vy / distance if y >= 0.0 else vy / distance, -vz / distance)
+            return f - distance, (
+                -vx / distance,
+                -vy / distance if y >= 0.0 else vy / distance,
+                -vz / distance,
+            )
     if a < b:
         return a, (0.0, y / (a + 1.0), z / (a + 1.0))
     r = math.sqrt(across * across + y * y)
@@ -91,7 +95,7 @@ def distance_from_ball(x: float, y: float, z: float, wall: FloatArray) -> float:
     """Return the distance of a point from the space through which the ball rolls; negative in it."""
     across = x * wall[SINE] - z * wall[COSINE]
     cx, cy, cz = _nearest_centre(x, abs(y), z, math.atan2(abs(y), across), wall)
-    return math.sqrt((x - cx) ** 2 + (abs(y) - cy) ** 2 + (z - cz) ** 2) - wall[FILLET]
+    return float(math.sqrt((x - cx) ** 2 + (abs(y) - cy) ** 2 + (z - cz) ** 2) - wall[FILLET])
 
 
 @compiled
@@ -149,8 +153,8 @@ def distance_beyond_ends(x: float, y: float, z: float, wall: FloatArray) -> floa
     """Return how far a point lies beyond the nearest end, negative between the ends."""
     along = max(wall[INLET] - x, x - wall[OUTLET])
     if y * y + z * z <= 1.0:
-        return along
-    return max(along, x * wall[COSINE] + z * wall[SINE] - wall[END])
+        return float(along)
+    return float(max(along, x * wall[COSINE] + z * wall[SINE] - wall[END]))
 
 
 @compiled

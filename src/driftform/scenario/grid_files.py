@@ -128,7 +128,9 @@ def _sort_nodes(points: FloatArray, velocities: FloatArray) -> VelocityGrid:
             raise ValueError(f"is not a regular grid: its nodes are not evenly spaced along {'xyz'[a]}")
     shape = tuple(int(count) for _, _, count in axes)
     if np.prod(shape) > MOST_NODES:
-        raise ValueError(f"is not a regular grid: {len(points)} nodes have {' x '.join(map(str, shape))} different coordinates")
+        raise ValueError(
+            f"is not a regular grid: {len(points)} nodes have {' x '.join(map(str, shape))} different coordinates"
+        )
     flat = np.ravel_multi_index(tuple(index.T), shape)
     if len(np.unique(flat)) < len(flat):
         raise ValueError("has several velocities at one node; the current must be steady")
