@@ -218,12 +218,13 @@ class Design:
         ``[robustness]`` of its scenario says what varies.
         """
         conditions = draw_conditions(self.scenario.robustness, flights, (seed, flights))
+        points = self.scenario.target_array()
         offsets: list[FloatArray] = []
         for condition in conditions:
             [evaluation] = self.pipeline.evaluate([self.stored.genome], conditions=[condition])
-            offsets.append(find_offsets(evaluation, self.scenario))
+            offsets.append(find_offsets(evaluation, points))
             progress(len(offsets), flights)
-        return Misses(conditions, np.array(offsets).reshape(flights, len(self.scenario.targets), 3))
+        return Misses(conditions, np.array(offsets).reshape(flights, len(points), 3))
 
     def export(self, format: str, path: str | os.PathLike[str] | None = None) -> list[Path]:
         """Write it as a file for printers and other programs, and return the paths of what was written.

@@ -155,8 +155,8 @@ def _list_warnings(agent: Agent, scenario: Scenario, heaving: float, lambda_max:
     if core_density > LEAD:
         warnings.append(f"the core is denser than lead: {core_density:.0f} kg/m3")
     net = mass.net_buoyancy(scenario.fluid)
-    if not scenario.pipe.is_open and net != 0:
-        time = math.sqrt(2 * scenario.pipe.layout.inlet.radius * heaving / abs(net))
+    if scenario.pipe.segments and net != 0:
+        time = math.sqrt(2 * scenario.pipe.segments[0].radius * heaving / abs(net))
         if time < 1.0:
             verb = "rises" if net > 0 else "sinks"
             warnings.append(

@@ -96,7 +96,7 @@ def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path
         (
             (
                 best.target,
-                *(f"{c:g}" for c in run.study.scenario.target_points()[best.target]),
+                *(f"{c:g}" for c in run.study.scenario.targets[best.target]),
                 *list_cells(fitness, best.fitness),
                 f"{1000 * best.nominal:.1f}",
                 *((format_miss(best.median), format_miss(best.p90)) if promised else ()),

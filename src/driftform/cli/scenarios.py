@@ -78,8 +78,7 @@ def check(
         "file": file,
         "title": document.get("title", ""),
         "targets": dict(scenario.targets),
-        "pipe": len(scenario.pipe.layout.parts),
-        "outlets": [outlet.name for outlet in scenario.pipe.layout.outlets],
+        "pipe": len(scenario.pipe.segments),
         "flow": scenario.flow.kind,
         "plugins": {seam: document[seam]["use"] for seam in SELECTED},
         "options": {seam: list(document[seam]) for seam in NAMED},
@@ -95,11 +94,10 @@ def check(
     )
     print(f"{file} {verdict}" + (f": {escape_controls(found['title'])}" if found["title"] else ""))
     targets = f"{len(scenario.targets)}: {', '.join(scenario.targets)}" if scenario.targets else "none"
-    outlets = found["outlets"]
-    pipe = f"{found['pipe']} part{'s' * (found['pipe'] != 1)}" if found["pipe"] else "none: open water"
+    segments = f"{found['pipe']} segment{'s' * (found['pipe'] != 1)}" if found["pipe"] else "none: open water"
     rows = {
         "targets": targets,
-        "pipe": pipe + (f"; outlets {', '.join(outlets)}" if len(outlets) > 1 else ""),
+        "pipe": segments,
         "flow": found["flow"],
         **found["plugins"],
         **{seam: f"options of {', '.join(names)}" for seam, names in found["options"].items() if names},

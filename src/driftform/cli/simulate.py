@@ -103,7 +103,6 @@ def simulate(
                     "t": flight.duration,
                     "position": flight.trajectory.position[-1],
                     "reason": str(flight.end),
-                    "outlet": flight.outlet,
                 },
                 "contact": flight.trajectory.contact,
                 "energy_drift": flight.trajectory.energy_drift,
@@ -160,10 +159,7 @@ def _print(design: "Design", flight: "Flight", misses: "Misses | None") -> None:
     )
     pipeline, (x, y, z) = design.pipeline, flight.trajectory.position[-1]
     print(f"{design.name} flown by {pipeline.simulator.name}, {pipeline.hydrodynamics.name} coefficients")
-    end = f"ended at the {flight.end}"
-    if flight.outlet is not None and len(flight.scenario.pipe.layout.outlets) > 1:
-        end = f"left through outlet {flight.outlet}"
-    print(f"{end} after {flight.duration:.3f} s at x {x:.3f}, y {y:.3f}, z {z:.3f} m")
+    print(f"ended at the {flight.end} after {flight.duration:.3f} s at x {x:.3f}, y {y:.3f}, z {z:.3f} m")
     print(_describe_accuracy(flight.trajectory))
     if misses is not None:
         _print_misses(misses, flight)

@@ -16,8 +16,6 @@ from driftform.dynamics.bore import (
     surface_contact,
     transverse_parts,
 )
-from driftform.dynamics.fitting_contact import touch_fitting
-from driftform.dynamics.fitting_walls import is_far_in_fittings
 from driftform.dynamics.impact import FREQUENCY, common_mass, damper, spring
 from driftform.dynamics.model import FRICTION, INVERSE, LINEAR, REACH, FlightModel
 from driftform.dynamics.vectors import (
@@ -71,12 +69,8 @@ def wall_gap(point: Vector, pipe: FloatArray) -> tuple[float, Vector]:
 
 
 @compiled
-def is_far_from_wall(
-    position: Vector, reach: float, pipe: FloatArray, fittings: FloatArray | None = None
-) -> bool:
-    """Return True if nothing within ``reach`` (m) of ``position`` can touch a wall; ``fittings`` replace ``pipe``."""
-    if fittings is not None:
-        return is_far_in_fittings(position, reach, fittings)
+def is_far_from_wall(position: Vector, reach: float, pipe: FloatArray) -> bool:
+    """Return True if nothing within ``reach`` (m) of ``position`` can touch a wall."""
     if pipe.shape[0] != 1:
         return pipe.shape[0] == 0 or wall_gap(position, pipe)[0] > reach
     off = subtract(position, (pipe[0, 0], pipe[0, 1], pipe[0, 2]))
@@ -99,7 +93,6 @@ def surface_depth(
     parts: tuple[Vector, Vector],
     surface: int,
     model: FlightModel,
-    fittings: FloatArray | None = None,
 ) -> Touch:
     """Return how a surface of the model touches the wall; ``line`` and ``parts`` are those of the body's axis in the bore.
 
@@ -107,8 +100,6 @@ def surface_depth(
     normal, and the normal defines the point; two rounds suffice in a wide bore.
     """
     surfaces, pipe = model.surfaces, model.pipe
-    if fittings is not None:
-        return touch_fitting(position, axis, surfaces, surface, fittings)
     x, r, radius = surfaces[surface, 0], surfaces[surface, 1], surfaces[surface, 2]
     if pipe.shape[0] == 1:
         if is_clear(surfaces, surface, line):
@@ -137,24 +128,14 @@ def surface_depth(
 
 
 @compiled
-def axis_in_bore(
-    position: Vector, axis: Vector, pipe: FloatArray, fittings: FloatArray | None
-) -> tuple[AxisLine, tuple[Vector, Vector]]:
-    """Return the position of the body's axis in a straight bore; zeros in a pipe with parts, where it means nothing."""
-    if fittings is not None:
-        return (0.0, 0.0, 0.0, 0.0), (ZERO, ZERO)
-    return axis_line(position, axis, pipe), transverse_parts(position, axis, pipe)
-
-
-@compiled
 def deepest_depth(position: Vector, R: Rotation, model: FlightModel) -> float:
     """Return the depth (m) of the deepest surface of the model in the wall, 0 if none touches."""
     deepest = 0.0
-    if not is_far_from_wall(position, model.table[REACH], model.pipe, model.fittings):
+    if not is_far_from_wall(position, model.table[REACH], model.pipe):
         axis = body_axis(R)
-        line, parts = axis_in_bore(position, axis, model.pipe, model.fittings)
+        line, parts = axis_line(position, axis, model.pipe), transverse_parts(position, axis, model.pipe)
         for k in range(model.surfaces.shape[0]):
-            deepest = max(deepest, surface_depth(position, axis, line, parts, k, model, model.fittings)[0])
+            deepest = max(deepest, surface_depth(position, axis, line, parts, k, model)[0])
     return deepest
 
 
@@ -178,13 +159,13 @@ def wall_wrench(position: Vector, R: Rotation, velocity: Vector, omega: Vector, 
     for k in range(bristles):
         for j in range(3):
             model.bristles[bristles + k, j] = -model.law[FREQUENCY] * model.bristles[k, j]
-    if is_far_from_wall(position, model.table[REACH], model.pipe, model.fittings):
+    if is_far_from_wall(position, model.table[REACH], model.pipe):
         return ZERO, ZERO
     axis, w = body_axis(R), to_world(R, omega)
-    line, parts = axis_in_bore(position, axis, model.pipe, model.fittings)
+    line, parts = axis_line(position, axis, model.pipe), transverse_parts(position, axis, model.pipe)
     springs, total, pressed, mass, last, count = (ZERO, ZERO), 0.0, 0.0, 0.0, 0, 0
     for k in range(model.surfaces.shape[0]):
-        depth, lever, normal, x, r = surface_depth(position, axis, line, parts, k, model, model.fittings)
+        depth, lever, normal, x, r = surface_depth(position, axis, line, parts, k, model)
         if depth > 0.0:
             mass, energy, force, _ = spring(dot(axis, normal), x, r, depth, model.law)
             total += energy * energy
@@ -200,7 +181,7 @@ def wall_wrench(position: Vector, R: Rotation, velocity: Vector, omega: Vector, 
         mass = common_mass(pressed, dot(F, a) + dot(T, alpha), model.law)
     wrench = (ZERO, ZERO)
     for k in range(last if count == 1 else 0, last + 1):
-        depth, lever, normal, x, r = surface_depth(position, axis, line, parts, k, model, model.fittings)
+        depth, lever, normal, x, r = surface_depth(position, axis, line, parts, k, model)
         if depth > 0.0:
             moving, s = add(velocity, cross(w, lever)), dot(axis, normal)
             speed = dot(normal, moving)

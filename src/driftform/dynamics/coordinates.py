@@ -43,7 +43,7 @@ class Motion:
     coordinates, rates
         at the release, (6,) in space, (3,) in the vertical plane: SI units and radians.
     values
-        numbers of the model; pass them to all functions.
+        numbers of the model; pass them to both functions.
     bristles
         numbers b of the bristles of friction, all zero at the release; 0 without friction. Write them to
         ``values[-2 * b:-b]`` before ``accelerations`` is called; it writes their rates to ``values[-b:]``. Where
@@ -76,43 +76,28 @@ def describe_motion(model: FlightModel, start: FloatArray) -> Motion:
             _accelerations_in_plane,
             _fill_sample_in_plane,
         )
-    coordinates = np.concatenate([start[:3], rotation_vector_from_quaternion(start[3:7])])
-    bristles, fittings = model.bristles.size // 2, model.fittings
-    if fittings is None:
-        functions = _accelerations_in_space, _fill_sample_in_space, bristles, _can_touch
-        return Motion(coordinates, start[7:], pack(model), *functions)
-
-    def accelerate(
-        t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
-    ) -> tuple[float, ...]:
-        return _accelerations_in_space(t, coordinates, rates, values, fittings)
-
-    def fill_sample(
-        sample: FloatArray, t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
-    ) -> bool:
-        return _fill_sample_in_space(sample, t, coordinates, rates, values, fittings)
-
-    def can_touch(coordinates: FloatArray, values: FloatArray) -> bool:
-        return _can_touch(coordinates, values, fittings)
-
-    return Motion(coordinates, start[7:], pack(model), accelerate, fill_sample, bristles, can_touch)
+    return Motion(
+        np.concatenate([start[:3], rotation_vector_from_quaternion(start[3:7])]),
+        start[7:],
+        pack(model),
+        _accelerations_in_space,
+        _fill_sample_in_space,
+        model.bristles.size // 2,
+        _can_touch,
+    )
 
 
 @compiled
-def _can_touch(coordinates: FloatArray, values: FloatArray, fittings: FloatArray | None = None) -> bool:
+def _can_touch(coordinates: FloatArray, values: FloatArray) -> bool:
     """Return True if a surface may touch a wall."""
-    model = unpack(values, fittings)
+    model = unpack(values)
     position = (coordinates[0], coordinates[1], coordinates[2])
-    return not is_far_from_wall(position, model.table[REACH], model.pipe, model.fittings)
+    return not is_far_from_wall(position, model.table[REACH], model.pipe)
 
 
 @compiled
 def _accelerations_in_space(
-    t: float,
-    coordinates: FloatArray,
-    rates: FloatArray,
-    values: FloatArray,
-    fittings: FloatArray | None = None,
+    t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
 ) -> tuple[float, float, float, float, float, float]:
     R = rotation_from_vector(coordinates[3], coordinates[4], coordinates[5])
     a, alpha = accelerations(
@@ -121,7 +106,7 @@ def _accelerations_in_space(
         R,
         (rates[0], rates[1], rates[2]),
         (rates[3], rates[4], rates[5]),
-        unpack(values, fittings),
+        unpack(values),
     )
     return _bound(a[0]), _bound(a[1]), _bound(a[2]), _bound(alpha[0]), _bound(alpha[1]), _bound(alpha[2])
 
@@ -136,12 +121,7 @@ def _bound(acceleration: float) -> float:
 
 @compiled
 def _fill_sample_in_space(
-    sample: FloatArray,
-    t: float,
-    coordinates: FloatArray,
-    rates: FloatArray,
-    values: FloatArray,
-    fittings: FloatArray | None = None,
+    sample: FloatArray, t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
 ) -> bool:
     x, y, z = coordinates[3], coordinates[4], coordinates[5]
     half = 0.5 * math.sqrt(x * x + y * y + z * z)
@@ -153,7 +133,7 @@ def _fill_sample_in_space(
         sample[8 + i] = rates[i]
         sample[11 + i] = rates[3 + i]
     position = (coordinates[0], coordinates[1], coordinates[2])
-    return is_finite(sample) and not has_left_pipe(position, unpack(values).pipe, fittings)
+    return is_finite(sample) and not has_left_pipe(position, unpack(values).pipe)
 
 
 @compiled

@@ -127,7 +127,6 @@ def _integrate(
     in_plane = stays_in_plane(start, model)
     samples, error, tolerance = _integrate_to_accuracy(
         pack(model),
-        model.fittings,
         plane_model(model) if in_plane else None,
         None if in_plane else True,
         start,
@@ -145,7 +144,6 @@ def _integrate(
 @compiled
 def _integrate_to_accuracy(
     values: FloatArray,
-    fittings: FloatArray | None,
     plane: FloatArray | None,
     in_space: bool | None,
     start: FloatArray,
@@ -161,7 +159,7 @@ def _integrate_to_accuracy(
 
     Either ``plane`` or ``in_space`` is None, and its motion is not compiled.
     """
-    model = unpack(values, fittings)
+    model = unpack(values)
     if coarse.shape[0] == 0:
         loose = TOLERANCE_RATIO * tolerance
         return (
@@ -255,15 +253,10 @@ def _integrate_at_tolerance(
             samples[count, 1 + places[i]] = y[i]
         position = position_of(samples[count])
         count += 1
-        if (
-            not is_finite(y)
-            or t >= horizon
-            or count > step_limit
-            or has_left_pipe(position, model.pipe, model.fittings)
-        ):
+        if not is_finite(y) or t >= horizon or count > step_limit or has_left_pipe(position, model.pipe):
             break
         pair, sharp = DOPRI5, tolerance * min(LOOSEST_RATIO, math.exp(TOLERANCE_GROWTH * t))
-        if is_far_from_wall(position, model.table[REACH], model.pipe, model.fittings):
+        if is_far_from_wall(position, model.table[REACH], model.pipe):
             pair, sharp = DOP853, SMOOTH_SHARE * sharp
             # Bristles straighten in the water. What remains of them would only limit the steps.
             for j in range(places.shape[0], size):

@@ -4,12 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from driftform.dynamics.fittings import fitting_array, rim_spacing
-from driftform.dynamics.flow import flow_array, gust_array
+from driftform.dynamics.flow import UNIFORM, flow_array, gust_array
 from driftform.dynamics.impact import contact_law
 from driftform.dynamics.inertia import added_mass_at, rigid_body_mass
-from driftform.dynamics.profiles import UNIFORM
-from driftform.dynamics.surfaces import refined_surfaces, touching_surfaces
+from driftform.dynamics.surfaces import touching_surfaces
 from driftform.dynamics.terminal import terminal_speed_across
 from driftform.geometry.slices import slice_solid
 from driftform.scenario import Scenario, TurbulentFlow
@@ -60,8 +58,7 @@ class FlightModel(NamedTuple):
     law
         of the force of a contact, (8,): see :func:`driftform.dynamics.impact.contact_law`.
     pipe
-        rows of start (3), unit vector downstream (3), length, radius, (segments, 8); (0, 8) in open water and for a pipe
-        with parts.
+        rows of start (3), unit vector downstream (3), length, radius, (segments, 8).
     flow, gusts
         see :mod:`driftform.dynamics.flow`.
     slices
@@ -72,9 +69,6 @@ class FlightModel(NamedTuple):
         of the surfaces, if there is friction: their deflections times the contact's frequency, world frame, m/s (rows
         of the first half), and room for the rates of these, m/s2 (second half); (2 surfaces, 3) or (0, 3). See
         :func:`driftform.dynamics.contact.wall_wrench`.
-    fittings
-        a pipe with parts, shared by all flights in it (:mod:`driftform.dynamics.fittings`); ``None`` for a straight pipe and in open
-        water, where nothing of it is compiled.
     """
 
     table: FloatArray
@@ -86,7 +80,6 @@ class FlightModel(NamedTuple):
     slices: FloatArray
     strips: FloatArray
     bristles: FloatArray
-    fittings: FloatArray | None = None
 
 
 def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
@@ -94,7 +87,6 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     mass, fluid, coefficients = agent.mass, scenario.fluid, agent.coefficients
     total = rigid_body_mass(mass) + added_mass_at(coefficients, np.zeros(3))
     inverse = invert_mass(total, max(agent.body.length, agent.body.max_diameter))
-    fittings = fitting_array(scenario)
     surfaces = _surface_rows(agent.body, inverse, scenario)
     flow, gusts = flow_array(scenario), _gusts(agent, scenario)
     drag = coefficients.drag or Drag(np.empty((0, 4)))
@@ -106,7 +98,7 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     table[DAMPING_POINT, :3] = coefficients.origin
     table[DAMPED] = np.any(table[LINEAR:COG])
     table[CURRENT, :3] = scenario.current()
-    table[STEADY] = flow[0] == UNIFORM and not len(gusts) and fittings is None
+    table[STEADY] = flow[0] == UNIFORM and not len(gusts) and len(scenario.pipe.segments) <= 1
     table[AXIAL_DRAG] = (
         drag.friction_area,
         drag.length,
@@ -137,21 +129,19 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
         np.empty((0, 4)) if fluid.water_level is None else _buoyancy_slices(agent),
         _drag_strips(agent),
         np.zeros((2 * len(surfaces) if contact.friction > 0.0 else 0, 3)),
-        fittings,
     )
 
 
 def pack(model: FlightModel) -> FloatArray:
-    """Return all arrays of a model but its fittings as one, which is cheaper to pass to a kernel; see :func:`unpack`."""
-    arrays = [array for array in model[:-1] if array is not None]
-    flat: list[FloatArray] = [np.array([float(len(array)) for array in arrays])]
-    flat.extend(array.ravel() for array in arrays)
+    """Return all arrays of a model as one, which is cheaper to pass to a kernel; see :func:`unpack`."""
+    flat: list[FloatArray] = [np.array([float(len(array)) for array in model])]
+    flat.extend(array.ravel() for array in model)
     return np.concatenate(flat)
 
 
 @compiled
-def unpack(values: FloatArray, fittings: FloatArray | None = None) -> FlightModel:
-    """Return the model that :func:`pack` put into one array, with its fittings; its arrays share that memory."""
+def unpack(values: FloatArray) -> FlightModel:
+    """Return the model that :func:`pack` put into one array; its arrays share that memory."""
     values = borrow(values)
     surfaces = 9 + 6 * int(values[0])
     law = surfaces + 7 * int(values[1])
@@ -171,14 +161,7 @@ def unpack(values: FloatArray, fittings: FloatArray | None = None) -> FlightMode
         values[cuts:strips].reshape(-1, 4),
         values[strips:bristles].reshape(-1, 4),
         values[bristles:].reshape(-1, 3),
-        _borrow_fittings(fittings),
     )
-
-
-@compiled
-def _borrow_fittings(fittings: FloatArray | None) -> FloatArray | None:
-    # numba compiles no branch for an argument that is None.
-    return borrow(fittings) if fittings is not None else None
 
 
 def invert_mass(total: FloatArray, length: float) -> FloatArray:
@@ -200,10 +183,7 @@ def invert_mass(total: FloatArray, length: float) -> FloatArray:
 
 
 def _surface_rows(body: Body, inverse: FloatArray, scenario: Scenario) -> FloatArray:
-    if scenario.pipe.is_open or scenario.pipe.straight is not None:
-        surfaces = touching_surfaces(body)
-    else:
-        surfaces = refined_surfaces(body, rim_spacing(scenario.pipe.layout))
+    surfaces = touching_surfaces(body)
     x, r = surfaces[:, 0], surfaces[:, 1] + surfaces[:, 2]
     # 1 / (effective mass) of a push at (x, 0, r) is J M^-1 J^T, with J of a force along the axis, and around it.
     push = np.zeros((2, len(surfaces), 6))
@@ -212,16 +192,12 @@ def _surface_rows(body: Body, inverse: FloatArray, scenario: Scenario) -> FloatA
     with np.errstate(divide="ignore", invalid="ignore"):
         along, around = 1 / np.einsum("aki,ij,akj->ak", push, inverse, push)
     # A bore of radius R falls away from its tangent by r^2 / (2 R) within r.
-    narrowest = np.inf if scenario.pipe.is_open else scenario.pipe.layout.narrowest
+    narrowest = min((segment.radius for segment in scenario.pipe.segments), default=np.inf)
     return np.column_stack([surfaces, surfaces[:, 1] ** 2 / narrowest, np.minimum(along, around)])
 
 
 def _pipe_rows(scenario: Scenario) -> FloatArray:
-    """Return the straight pipe; no rows for another one and in open water."""
-    segment = scenario.pipe.straight
-    if segment is None:
-        return np.empty((0, 8))
-    rows = np.array([[*segment.start, *segment.end, segment.radius]])
+    rows = scenario.pipe.array()
     axis = rows[:, 3:6] - rows[:, :3]
     length = np.linalg.norm(axis, axis=1, keepdims=True)
     return np.column_stack([rows[:, :3], axis / length, length, rows[:, 6]])

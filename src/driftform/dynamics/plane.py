@@ -18,7 +18,7 @@ import numpy as np
 
 from driftform.dynamics.bore import end_of_dome, smoothed_sine
 from driftform.dynamics.drag import SLOWEST
-from driftform.dynamics.flow import KIND, PARAMETER, SPEED
+from driftform.dynamics.flow import KIND, LOG_LAW, PARAMETER, POWER_LAW, SPEED, UNIFORM, spread_profile
 from driftform.dynamics.impact import common_mass, damper, spring
 from driftform.dynamics.model import (
     ACROSS as SPREAD_ACROSS,
@@ -50,7 +50,6 @@ from driftform.dynamics.model import (
     WATER_LEVEL,
     FlightModel,
 )
-from driftform.dynamics.profiles import LOG_LAW, POWER_LAW, UNIFORM, spread_profile
 from driftform.hydrodynamics.drag_coefficients import (
     blockage_factor,
     crossflow_drag,
@@ -99,7 +98,7 @@ def stays_in_plane(start: FloatArray, model: FlightModel) -> bool:
         return False
     if table[WATER_LEVEL] < np.inf or table[DAMPED] != 0.0 or table[FRICTION] != 0.0:
         return False
-    if len(model.strips) not in (0, STRIPS) or len(pipe) > 1 or model.fittings is not None:
+    if len(model.strips) not in (0, STRIPS) or len(pipe) > 1:
         return False
     coupling = table[MASS:LINEAR].reshape(2, 6, 6)
     across = [*start[4:13:2], table[COG, 1], table[COB, 1], table[CURRENT, 1]]

@@ -18,9 +18,8 @@ from driftform.figures.plot import (
 from driftform.figures.projection import PLAN, SIDE, drawing_times, resample_polyline
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, VERMILLION, tint
 from driftform.scenario import Scenario
-from driftform.trajectory.approach import Approach
+from driftform.trajectory.approach import Approach, find_approaches
 from driftform.trajectory.interpolation import interpolate_pose, interpolate_positions
-from driftform.trajectory.way import find_target_approaches
 from driftform.types import Body, FloatArray, Trajectory
 
 _LEFT, _RIGHT = 62.0, 24.0
@@ -50,7 +49,7 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
     """
     line = interpolate_positions(trajectory, drawing_times(trajectory))
     targets = scenario.target_array()
-    approaches = find_target_approaches(trajectory, scenario)
+    approaches = find_approaches(trajectory, targets) if len(targets) else []
     nearest = int(np.argmin([a.distance for a in approaches])) if approaches else None
 
     sideways = float(np.ptp(line[:, 1])) > _SIDEWAYS

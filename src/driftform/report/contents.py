@@ -20,10 +20,10 @@ from driftform.runs.store import Store
 from driftform.runs.wording import describe_worst
 from driftform.scenario import Scenario
 from driftform.study import Study
+from driftform.trajectory.approach import closest_approach
 from driftform.trajectory.coverage import PipeGrid, map_coverage
 from driftform.trajectory.dependence import divide_spread
 from driftform.trajectory.misses import Misses
-from driftform.trajectory.way import approach_targets
 from driftform.types import Agent, Trajectory
 from driftform.util.progress import track_progress
 
@@ -105,15 +105,15 @@ def collect_contents(run: Run) -> Contents:
                 assert trajectory is not None
                 flown[index] = pipeline.make_agent(stored.genome), trajectory
             agent, flight = flown[index]
-            distances, times = approach_targets(flight, study.scenario)
-            place = study.scenario.target_names.index(target)
+            point = np.array([study.scenario.targets[target]])
+            distance, t = closest_approach(flight, point)
             entries.append(
                 Entry(
                     target,
                     index,
                     stored.result["fitness"],
-                    float(distances[place]),
-                    float(times[place]),
+                    float(distance[0]),
+                    float(t[0]),
                     stored,
                     agent,
                     flight,

@@ -46,9 +46,7 @@ def viewer_data(contents: Contents) -> dict[str, Any]:
             }
             for r in rows
         ],
-        "targets": [
-            {"name": name, "position": list(point)} for name, point in scenario.target_points().items()
-        ],
+        "targets": [{"name": name, "position": list(point)} for name, point in scenario.targets.items()],
         "water": scenario.fluid.water_level,
         "centre": _round((low + high) / 2),
         "extent": [_round(low[:2] - radius), _round(high[:2] + radius)],

@@ -16,11 +16,11 @@ from driftform.execution import Executor, Job
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.search import check_fitness
 from driftform.runs.store import DisturbedResult, Store
-from driftform.scenario import Robustness, Scenario, evaluation_seed
+from driftform.scenario import Robustness, evaluation_seed
 from driftform.scenario.disturbances import Condition, draw_conditions
 from driftform.study import Study
+from driftform.trajectory.approach import find_approaches
 from driftform.trajectory.misses import Misses, finite_or_none
-from driftform.trajectory.way import find_target_approaches
 from driftform.types import Evaluation, FloatArray
 
 
@@ -75,6 +75,7 @@ def _fly(
     ``threshold`` is that of :class:`driftform.execution.Job`.
     """
     targets = study.scenario.target_names
+    points = study.scenario.target_array()
     pairs = list(wanted)
     done = store.list_disturbed()
     missing = [pair for pair in pairs if pair not in done]
@@ -89,7 +90,7 @@ def _fly(
         store.add_disturbed(
             [
                 DisturbedResult(
-                    *missing[number], checked.fitness, find_offsets(checked, study.scenario), checked.failure
+                    *missing[number], checked.fitness, find_offsets(checked, points), checked.failure
                 )
                 for number, checked in ((n, check_fitness(e, targets)) for n, e in arrived)
             ],
@@ -100,21 +101,12 @@ def _fly(
     return len(pairs)
 
 
-def find_offsets(evaluation: Evaluation, scenario: Scenario) -> FloatArray:
-    """Return the vector from each target to the closest approach, m, (targets, 3); NaN if the flight failed.
-
-    In a pipe with parts it is as long as the way through the water.
-    """
-    points = scenario.target_array()
+def find_offsets(evaluation: Evaluation, points: FloatArray) -> FloatArray:
+    """Return the vector from each of ``points`` (n, 3) to the closest approach, m, (n, 3); NaN if the flight failed."""
     if evaluation.failure is not None or evaluation.trajectory is None:
         return np.full(points.shape, np.nan)
-    approaches = find_target_approaches(evaluation.trajectory, scenario)
-    offsets = np.array([approach.position for approach in approaches]).reshape(points.shape) - points
-    if scenario.pipe.is_open or scenario.pipe.straight is not None:
-        return np.asarray(offsets)
-    straight = np.maximum(np.linalg.norm(offsets, axis=1), np.finfo(float).tiny)
-    through = np.array([approach.distance for approach in approaches])
-    return np.asarray(offsets * (through / straight)[:, None])
+    approaches = find_approaches(evaluation.trajectory, points)
+    return np.array([approach.position for approach in approaches]).reshape(points.shape) - points
 
 
 def choose_finalists(fitness: FloatArray, count: int) -> list[int]:
@@ -201,7 +193,7 @@ def find_best_agent(study: Study, store: Store, target: str) -> StoredAgent | No
     index = best[0] if winner is None else winner.index
     record = store.read_record(index, targets)
     fitness = float(record.evaluation.fitness[targets.index(target)])
-    offset = find_offsets(record.evaluation, study.scenario)[targets.index(target)]
+    offset = find_offsets(record.evaluation, np.array([study.scenario.targets[target]]))
     promise = {} if winner is None else winner.document()
     result: dict[str, Any] = {
         "target": target,

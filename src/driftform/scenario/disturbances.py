@@ -126,9 +126,7 @@ def _shift_release(scenario: Scenario, across: Sequence[float]) -> tuple[float, 
     shifted = scenario.release_position()
     level, up = draw_normals(scenario.direction())
     offset = across[0] * level + across[1] * up
-    while not scenario.pipe.is_open and not scenario.pipe.contains(
-        tuple(shifted + offset / MAX_RADIUS_SHARE)
-    ):
+    while scenario.pipe.segments and not scenario.pipe.contains(tuple(shifted + offset / MAX_RADIUS_SHARE)):
         offset *= 0.5
         if np.linalg.norm(offset) < 1e-6:
             offset = np.zeros(3)

@@ -150,9 +150,7 @@ class Study:
         from driftform.util.notebook import show_table
 
         plugins = [(seam, self.document[seam]["use"]) for seam in SELECTED if seam in self.document]
-        targets = [
-            (name, *(f"{c:g}" for c in point)) for name, point in self.scenario.target_points().items()
-        ]
+        targets = [(name, *(f"{c:g}" for c in point)) for name, point in self.scenario.targets.items()]
         return show_table(("step", "plugin"), plugins, repr(self)[1:-1]) + show_table(
             ("target", "x m", "y m", "z m"), targets
         )

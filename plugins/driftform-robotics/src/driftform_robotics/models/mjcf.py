@@ -221,7 +221,7 @@ def _make_scene(title: str, scenario: Scenario) -> ET.Element:
                 xyaxes=_format_axes(plank.rotation),
                 rgba="0.6 0.8 0.9 0.15",
             )
-    for name, place in scenario.target_points().items():
+    for name, place in scenario.targets.items():
         add(
             world, "site", name=f"target_{name}", pos=format_numbers(place), size="0.02", rgba="0.9 0.2 0.1 1"
         )

@@ -93,7 +93,7 @@ def add_targets(world: ET.Element, scenario: Scenario, offset: FloatArray) -> ET
     radius = 0.02 * min((segment.radius for segment in scenario.pipe.segments), default=1.0)
     model = add(world, "model", name="targets")
     link = add(model, "link", name="marks")
-    for name, place in scenario.target_points().items():
+    for name, place in scenario.targets.items():
         visual = add(link, "visual", name=name)
         add(visual, "pose", format_pose(np.array(place) + offset))
         _add_material(visual, _RED)
