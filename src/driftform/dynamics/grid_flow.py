@@ -6,6 +6,7 @@ are smooth up to the wall.
 
 from functools import lru_cache
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,8 @@ LINEAR_LAYERS = 3
 """Layers of nodes beyond the water that are extrapolated linearly; further out the velocity is constant."""
 
 BoolArray = NDArray[np.bool_]
+
+Nodes = TypeVar("Nodes", FloatArray, BoolArray)
 
 
 def load_grid(flow: GridFlow, pipe: Pipe, walls: FloatArray) -> FloatArray:
@@ -80,7 +83,7 @@ def make_grid(grid: VelocityGrid, pipe: Pipe, walls: FloatArray) -> FloatArray:
     """
     from scipy.ndimage import spline_filter1d
 
-    known = np.isfinite(grid.velocity).all(axis=3)
+    known = np.asarray(np.isfinite(grid.velocity).all(axis=3))
     if not pipe.is_open:
         known[known] = wall_gaps(grid.nodes()[known], walls)[0] >= -1e-6 * grid.spacing.max()
     _check_nodes(grid, known, pipe, walls)
@@ -141,7 +144,8 @@ def fill_nodes(velocity: FloatArray, known: BoolArray) -> FloatArray:
     """
     from scipy.ndimage import distance_transform_edt
 
-    values, known = np.where(known[..., None], velocity, 0.0), known.copy()
+    values: FloatArray = np.where(known[..., None], velocity, 0.0)
+    known = known.copy()
     if not known.any():
         raise ValueError("has no node in the pipe: do their origins and units agree?")
     for _ in range(LINEAR_LAYERS):
@@ -159,7 +163,7 @@ def fill_nodes(velocity: FloatArray, known: BoolArray) -> FloatArray:
     return np.asarray(values[tuple(nearest)])
 
 
-def _neighbour(values: NDArray[np.generic], axis: int, step: int) -> NDArray[np.generic]:
+def _neighbour(values: Nodes, axis: int, step: int) -> Nodes:
     """Return the values ``step`` nodes further along an axis, 0 beyond the last."""
     shifted = np.zeros_like(values)
     here, there = [slice(None)] * values.ndim, [slice(None)] * values.ndim

@@ -121,8 +121,7 @@ def _sort_nodes(points: FloatArray, velocities: FloatArray) -> VelocityGrid:
         # Coordinates with few digits differ slightly from node to node.
         starts = np.concatenate([[True], np.diff(values) > 1e-5 * (values[-1] - values[0])])
         axes.append(_check_axis("xyz"[a], values[starts]))
-        origin, spacing, count = axes[-1]
-        place = (points[:, a] - origin) / spacing
+        place = (points[:, a] - axes[-1][0]) / axes[-1][1]
         index[:, a] = np.rint(place)
         if np.abs(place - index[:, a]).max() > 10 * UNEVEN:
             raise ValueError(f"is not a regular grid: its nodes are not evenly spaced along {'xyz'[a]}")
