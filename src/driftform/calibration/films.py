@@ -7,8 +7,8 @@ import numpy as np
 
 from driftform.calibration.bench import Bench, ReleaseError
 from driftform.calibration.camera import VIEWS
-from driftform.calibration.problem import Filmed, estimate_noise
-from driftform.calibration.tracks import UNITS, Reading, read_track
+from driftform.calibration.problem import Filmed
+from driftform.calibration.tracks import UNITS, Reading, estimate_noise, read_track
 from driftform.errors import InputError, did_you_mean
 from driftform.geometry import hull_mass
 from driftform.scenario import Factors

@@ -17,11 +17,11 @@ from driftform.calibration.problem import (
     RELEASE_RISE,
     Filmed,
     Problem,
-    estimate_noise,
     factor_of,
     parameter_of,
 )
 from driftform.calibration.solution import Solution, find_best, place_releases, solve_problem
+from driftform.calibration.tracks import estimate_noise
 from driftform.scenario import Calibration
 from driftform.scenario.calibration import LEAST, MOST, NAMES
 from driftform.types import FloatArray

@@ -28,11 +28,14 @@ LIGHTEST = 0.02
 TILT = np.deg2rad(5.0)
 """Standard deviation of the turn of a camera, rad."""
 
+RELEASE_ANGLE = float(np.deg2rad(3.0))
+"""Standard deviation of pitch and yaw of a release by hand, rad."""
+
 ASPECT = 0.002
 """Standard deviation of the width of a picture over its height: 4 degrees towards the camera, or of its own pitch."""
 
-RELEASE_ANGLE = float(np.deg2rad(3.0))
-"""Standard deviation of pitch and yaw of a release by hand, rad."""
+NARROWER = -0.5 * RELEASE_ANGLE**2
+"""Its expected logarithm: an agent that moves towards the camera or away always looks slower."""
 
 RELEASE_SPEED = 0.005
 """Standard deviation of the speed of a release from rest, in each direction, m/s."""
@@ -142,6 +145,7 @@ class Problem:
         self.high = np.array([p.high for p in self.parameters])
         self.prior_rows, self.prior_centre = self._list_priors()
         self._state = lru_cache(maxsize=8)(self._compute_state)
+        self._jacobian = lru_cache(maxsize=2)(self._compute_jacobian)
 
     def _list_factors(self, priors: dict[str, tuple[float, float]]) -> list[Parameter]:
         found = []
@@ -270,8 +274,11 @@ class Problem:
 
     def jacobian(self, x: FloatArray) -> FloatArray:
         """Return the derivatives of :meth:`residuals`, (residuals, parameters)."""
-        state = self._state(x.tobytes())
-        data = [self._derive(x, number, path) for number, (path, _) in enumerate(state)]
+        return self._jacobian(x.tobytes())
+
+    def _compute_jacobian(self, key: bytes) -> FloatArray:
+        x = np.frombuffer(key)
+        data = [self._derive(x, number, path) for number, (path, _) in enumerate(self._state(key))]
         return np.vstack([*data, self.prior_rows])
 
     def _derive(self, x: FloatArray, number: int, path: Path) -> FloatArray:
@@ -352,35 +359,9 @@ def _list_camera(number: int, film: Filmed) -> list[Parameter]:
         found.append(Parameter(number, "scale", 0.0, -6 * width, 6 * width, width))
     if len(film.axes) == 2 and film.seen_axes.all():
         found.append(Parameter(number, "tilt", 0.0, -6 * TILT, 6 * TILT, float(TILT)))
-        found.append(Parameter(number, "aspect", 0.0, -6 * ASPECT, 6 * ASPECT, ASPECT))
+        found.append(Parameter(number, "aspect", NARROWER, -6 * ASPECT, 6 * ASPECT, ASPECT))
     found += [
         Parameter(number, f"offset {axis}", 0.0, -np.inf, np.inf, np.inf)
         for axis in np.flatnonzero(film.seen_axes)
     ]
     return found
-
-
-def estimate_noise(track: Track) -> float:
-    """Return the standard deviation of the error of a track's coordinates, m, without any model of the motion.
-
-    Each point is compared with the cubic through two neighbours on each side. The error of a smooth motion is far
-    smaller; single points that are far off do not matter (median absolute deviation).
-    """
-    spreads = []
-    for marker in track.markers:
-        for values in marker.points.T:
-            known = np.isfinite(values)
-            t, v = track.t[known], values[known]
-            if len(t) < 8:
-                continue
-            offsets = np.column_stack([t[i : len(t) - 4 + i] for i in range(5)])
-            nodes = offsets[:, [0, 1, 3, 4]]
-            weights = np.ones_like(nodes)
-            for j in range(4):
-                for k in range(4):
-                    if j != k:
-                        weights[:, j] *= (offsets[:, 2] - nodes[:, k]) / (nodes[:, j] - nodes[:, k])
-            seen = np.column_stack([v[i : len(v) - 4 + i] for i in (0, 1, 3, 4)])
-            off = (v[2:-2] - (weights * seen).sum(axis=1)) / np.sqrt(1 + (weights**2).sum(axis=1))
-            spreads.append(1.4826 * float(np.median(np.abs(off))))
-    return max(spreads, default=0.0)

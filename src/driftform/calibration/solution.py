@@ -20,6 +20,10 @@ DELAYS = 120
 """Times of release that are tried before the first point of a track, and after it."""
 
 
+ROUNDS, STEADY = 3, 0.05
+"""Most fits in which the noise becomes that of the residuals, and its logarithmic change that does not matter."""
+
+
 @dataclass(frozen=True, eq=False)
 class Solution:
     """The best fit of a problem: the unknowns ``x`` (parameters,), and their covariance (parameters, parameters)."""
@@ -39,14 +43,14 @@ class Solution:
 def solve_problem(problem: Problem, x: FloatArray) -> Solution:
     """Return the best fit from a start that may be far from it.
 
-    The noise sets the weight of what is known of releases and cameras: it is that of the residuals, if they are larger.
+    The noise sets the weight of the tracks against what is known of releases and cameras: it becomes that of the residuals.
     """
     x = _approach(problem, x)
-    for _ in range(2):
-        scales = [_spread(residuals) for residuals in _split(problem, problem.residuals(x))]
-        if max(scales) < 1.2:
+    for _ in range(ROUNDS):
+        scales = [_spread(residuals, lost) for residuals, lost in _list_residuals(problem, x)]
+        if max(abs(np.log(scales))) < STEADY:
             break
-        problem = problem.with_noise([n * max(1.0, s) for n, s in zip(problem.noise, scales, strict=True)])
+        problem = problem.with_noise([n * s for n, s in zip(problem.noise, scales, strict=True)])
         x = find_best(problem, x)
     return Solution(problem, x, estimate_covariance(problem, x))
 
@@ -157,22 +161,33 @@ def _spread(residuals: FloatArray, lost: float = 0.0) -> float:
     return float(np.sqrt((influence**2).sum() / max(1.0, len(residuals) - lost)) / slope)
 
 
+def _list_residuals(problem: Problem, x: FloatArray) -> list[tuple[FloatArray, float]]:
+    """Return the residuals of each track, and how many of them its unknowns have used up."""
+    found = []
+    for block, residuals in zip(_list_blocks(problem, x), _split(problem, problem.residuals(x)), strict=True):
+        plain = block.T @ block
+        known = problem.prior_rows.T @ problem.prior_rows
+        lost = float(np.trace(plain @ np.linalg.pinv(plain + known, hermitian=True)))
+        found.append((residuals, min(lost, 0.5 * len(residuals))))
+    return found
+
+
+def _list_blocks(problem: Problem, x: FloatArray) -> list[FloatArray]:
+    """Return the derivatives of the residuals of each track."""
+    return np.split(problem.jacobian(x)[: sum(problem.counts)], np.cumsum(problem.counts)[:-1])
+
+
 def estimate_covariance(problem: Problem, x: FloatArray) -> FloatArray:
     """Return the covariance of the unknowns, (parameters, parameters).
 
     Residuals of each track have the variance s^2, and along the track the integrated autocorrelation time tau: the track
     counts as if it had 1 / tau as many points. What was known before adds its own information.
     """
-    jacobian, residuals = problem.jacobian(x), problem.residuals(x)
-    known = problem.prior_rows.T @ problem.prior_rows
-    blocks = np.split(jacobian[: sum(problem.counts)], np.cumsum(problem.counts)[:-1])
-    information = known
-    for number, (block, of_track) in enumerate(zip(blocks, _split(problem, residuals), strict=True)):
-        plain = block.T @ block
-        lost = float(np.trace(plain @ np.linalg.pinv(plain + known, hermitian=True)))
-        spread = _spread(of_track, min(lost, 0.5 * len(of_track)))
-        tau = correlation_time(problem, x, number)
-        information = information + plain / (spread**2 * tau)
+    information = problem.prior_rows.T @ problem.prior_rows
+    tracks = zip(_list_blocks(problem, x), _list_residuals(problem, x), strict=True)
+    for number, (block, (residuals, lost)) in enumerate(tracks):
+        spread, tau = _spread(residuals, lost), correlation_time(problem, x, number)
+        information = information + block.T @ block / (spread**2 * tau)
     return np.asarray(np.linalg.pinv(information, hermitian=True))
 
 

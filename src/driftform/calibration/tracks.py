@@ -22,8 +22,11 @@ SLOWEST_FILM = 2.0
 GAP = 5.0
 """Time without a point, over the usual one, that is reported as a gap."""
 
-JUMP = 25.0
-"""Distance between two points, over that between most neighbours, that no motion explains."""
+SMALLEST_JUMP = 0.03
+"""Distance beyond that of the neighbours, over the span of a track, that no motion explains."""
+
+SCATTER = 0.05
+"""Noise of a track over its span that no camera has."""
 
 LIKELY = 0.6
 """Least likelihood of a point, as DeepLabCut states it."""
@@ -248,26 +251,53 @@ def _merge_doubles(label: str, track: Track, notes: list[str]) -> Track:
 
 
 def _check_jumps(label: str, track: Track, notes: list[str]) -> None:
+    noise, span = estimate_noise(track), track.span
+    if noise > SCATTER * span:
+        raise InputError(
+            f"{label}: its points scatter by {noise:.2g} m in {span:.2g} m, as if it followed two objects; keep one"
+        )
     for marker in track.markers:
         known = np.flatnonzero(~np.isnan(marker.points).all(axis=1))
         points, t = np.nan_to_num(marker.points[known]), track.t[known]
-        if len(t) < FEWEST:
+        if len(t) < 2 * FEWEST:
             continue
-        step, wait = np.linalg.norm(np.diff(points, axis=0), axis=1), np.diff(t)
-        # A film may begin before the release: what rests does not set the measure of a jump.
-        speed = float(np.quantile(step / wait, 0.75))
-        jumps = np.flatnonzero((step > JUMP * speed * wait) & (step > 0.02 * np.ptp(points, axis=0).max()))
+        speed = np.linalg.norm(np.diff(points, axis=0), axis=1) / np.diff(t)
+        padded = np.pad(speed, 4, constant_values=np.nan)
+        around = np.array([np.nanmedian(np.delete(padded[k : k + 9], 4)) for k in range(len(speed))])
+        excess = (speed - 3 * around) * np.diff(t)
+        jumps = np.flatnonzero(excess > max(8 * noise, SMALLEST_JUMP * span))
         if not len(jumps):
             continue
         first = jumps[0]
-        if len(jumps) > max(4, 0.1 * len(t)):
+        if len(jumps) % 2 == 1 and min(first, len(speed) - 1 - first) >= FEWEST:
             raise InputError(
-                f"{label}: jumps {len(jumps)} times, by {step[jumps].max():.3g} m at most, as if it followed two "
-                "objects; keep one"
-            )
-        if len(jumps) % 2 == 1 and min(first, len(t) - 2 - first) >= FEWEST:
-            raise InputError(
-                f"{label}: jumps {step[first]:.3g} m between t = {t[first]:.3f} and {t[first + 1]:.3f} s, as if it "
+                f"{label}: jumps {excess[first]:.2g} m between t = {t[first]:.3f} and {t[first + 1]:.3f} s, as if it "
                 "followed another object from there; cut the file there"
             )
         notes.append(f"{len(jumps)} jumps, the first at t = {t[first]:.3f} s: such points count little")
+
+
+def estimate_noise(track: Track) -> float:
+    """Return the standard deviation of the error of a track's coordinates, m, without any model of the motion.
+
+    Each point is compared with the cubic through two neighbours on each side. The error of a smooth motion is far
+    smaller; single points that are far off do not matter (median absolute deviation).
+    """
+    spreads = []
+    for marker in track.markers:
+        for values in marker.points.T:
+            known = np.isfinite(values)
+            t, v = track.t[known], values[known]
+            if len(t) < 8:
+                continue
+            offsets = np.column_stack([t[i : len(t) - 4 + i] for i in range(5)])
+            nodes = offsets[:, [0, 1, 3, 4]]
+            weights = np.ones_like(nodes)
+            for j in range(4):
+                for k in range(4):
+                    if j != k:
+                        weights[:, j] *= (offsets[:, 2] - nodes[:, k]) / (nodes[:, j] - nodes[:, k])
+            seen = np.column_stack([v[i : len(v) - 4 + i] for i in (0, 1, 3, 4)])
+            off = (v[2:-2] - (weights * seen).sum(axis=1)) / np.sqrt(1 + (weights**2).sum(axis=1))
+            spreads.append(1.4826 * float(np.median(np.abs(off))))
+    return max(spreads, default=0.0)
