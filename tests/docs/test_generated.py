@@ -231,6 +231,7 @@ some formats need, are extras: `uv sync --extra robotics --extra film` in a clon
 | `dask` | runs on a cluster | distributed | BSD-3-Clause |
 | `step` | `exporter step` | cadquery-ocp-novtk | Apache-2.0; the Open CASCADE in it is under the LGPL 2.1 with an exception |
 | `png` | PNG of every figure | resvg-py | MIT |
+| `pdf` | assembly sheets as PDF; needs the Cairo library of the system | cairosvg | LGPL-3.0 or later |
 
 driftform and its plugins are under the MIT licence. Exudyn has a licence of its own, the EXUDYN General License 1.0,
 which permits use and redistribution if its notice is kept, and forbids endorsement in the names of its authors. The
@@ -306,7 +307,8 @@ def test_licences_are_as_told(docs: Path) -> None:
     others = {name for name in names if not free.search(licence_of(name))}
     assert others == {"exudyn"} and "EXUDYN-General-License" in licence_of("exudyn")
     told = {"imageio-ffmpeg": "BSD-2-Clause", "pyarrow": "Apache-2.0", "distributed": "BSD-3-Clause"}
-    for name, licence in {**told, "cadquery-ocp-novtk": "Apache-2.0"}.items():
+    told |= {"cairosvg": "LGPL-3.0"}
+    for name, licence in {**told, "cadquery-ocp-novtk": "Apache-2.0", "cairosvg": "LGPL-3.0"}.items():
         assert licence in licence_of(name) and re.search(rf"{name} \| {licence}", page)
     ffmpeg = subprocess.run([get_ffmpeg(), "-version"], capture_output=True, text=True, check=True).stdout
     assert "--enable-gpl --enable-version3" in ffmpeg
