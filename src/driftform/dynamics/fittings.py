@@ -106,8 +106,8 @@ def wall_rows(layout: Layout) -> FloatArray:
     """Return the rows of the parts of a pipe without their flow, and of what lies beyond the inlet and the outlets, (k, PART)."""
     rows = [_row_of_part(placed.part) for placed in layout.parts]
     inlet = layout.inlet
-    x, y, z = inlet.axes
-    rows.append(_row_beyond(Opening(inlet.centre, np.stack([-x, -y, z]), inlet.radius), OUTSIDE))
+    before = inlet.centre - BEYOND * inlet.radius * inlet.axes[0]
+    rows.append(_row_beyond(Opening(before, inlet.axes, inlet.radius), OUTSIDE))
     rows += [_row_beyond(outlet.opening, float(k)) for k, outlet in enumerate(layout.outlets)]
     return np.stack(rows)
 
@@ -200,25 +200,19 @@ def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -
                         row[start + LONG] = min(
                             CHANGE * placed.part.radius / placed.part.bend_radius, 0.5 * placed.part.angle
                         )
-    first, beyond = parts[0], len(parts)
-    straight = Straight(first.entry, rows[beyond, AXES : AXES + 9].reshape(3, 3), first.radius, math.inf)
-    _fill_straight(
-        rows[beyond],
-        straight,
-        -flow.speed,
-        flow,
-        viscosity,
-        [_joint(parts, shares, 0), _joint(parts, shares, None)],
+    beyond, nothing = len(parts), _joint(parts, shares, None)
+    straight = Straight(
+        rows[beyond, ORIGIN : ORIGIN + 3], layout.inlet.axes, layout.inlet.radius, rows[beyond, LENGTH]
     )
+    _fill_straight(rows[beyond], straight, flow.speed, flow, viscosity, [nothing, _joint(parts, shares, 0)])
     for number, outlet in enumerate(layout.outlets):
         row, part = rows[beyond + 1 + number], parts[outlet.part]
         speed = rows[outlet.part, SPEED] * (part.radius / part.end_radius) ** 2
         if isinstance(part, Tee):
             speed *= 1 - part.share
         opening = outlet.opening
-        straight = Straight(opening.centre, opening.axes, opening.radius, math.inf)
-        joints = [_joint(parts, shares, outlet.part), _joint(parts, shares, None)]
-        _fill_straight(row, straight, speed, flow, viscosity, joints)
+        straight = Straight(opening.centre, opening.axes, opening.radius, row[LENGTH])
+        _fill_straight(row, straight, speed, flow, viscosity, [_joint(parts, shares, outlet.part), nothing])
 
 
 def _neighbours(layout: Layout, ahead: Mapping[int, int], k: int) -> tuple[int | None, int | None]:

@@ -7,7 +7,7 @@ import numpy as np
 from driftform.dynamics.buoyancy import buoyant_energy
 from driftform.dynamics.contact import deepest_depth
 from driftform.dynamics.cubic import Cubic, cubic_between, cubic_point, cubic_slope
-from driftform.dynamics.fitting_walls import EXIT, OUTSIDE, RADIUS, find_part, to_part
+from driftform.dynamics.fitting_walls import EXIT, LENGTH, OUTSIDE, RADIUS, find_part, to_part
 from driftform.dynamics.flow import SPEED, water_motion
 from driftform.dynamics.model import (
     BODY_MASS,
@@ -92,11 +92,9 @@ def distance_past_outlet(position: Vector, pipe: FloatArray, fittings: FloatArra
 def distance_upstream(position: Vector, fittings: FloatArray) -> float:
     """Return how far (m) the position lies more than a radius upstream of the inlet of a pipe with parts; not positive elsewhere."""
     o, _ = find_part(position, fittings)
-    return (
-        float(to_part(position, fittings, o)[0] - fittings[o + RADIUS])
-        if fittings[o + EXIT] == OUTSIDE
-        else -1.0
-    )
+    if fittings[o + EXIT] != OUTSIDE:
+        return -1.0
+    return float(fittings[o + LENGTH] - fittings[o + RADIUS] - to_part(position, fittings, o)[0])
 
 
 @compiled
