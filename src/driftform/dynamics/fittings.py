@@ -52,6 +52,7 @@ from driftform.dynamics.fitting_walls import (
     edge_point,
 )
 from driftform.dynamics.flow import profile_parameter
+from driftform.dynamics.grid_flow import load_grid
 from driftform.errors import InputError
 from driftform.geometry.pipe_parts import (
     Bend,
@@ -63,7 +64,7 @@ from driftform.geometry.pipe_parts import (
     exact_cosine,
     exact_sine,
 )
-from driftform.scenario import Flow, Pipe, Scenario
+from driftform.scenario import Flow, GridFlow, Pipe, Scenario
 from driftform.scenario.layout import BEYOND, Layout
 from driftform.types import FloatArray
 
@@ -83,11 +84,19 @@ _WALL = 0.5
 """Thickness of wall, in radii of the bore, in which a point still belongs to its part."""
 
 
+_OPEN_WATER = 1e7
+"""Radius of the bore that stands for open water, m."""
+
+
 def fitting_array(scenario: Scenario) -> FloatArray | None:
-    """Return the pipe of a scenario as one flat array; ``None`` for a straight pipe and in open water.
+    """Return the pipe of a scenario as one flat array; ``None`` for a straight pipe and in open water without a grid.
+
+    A grid of velocities follows the pipe, which may be straight. Open water is then a bore that is wider than any flight.
 
     Its numbers are explained in :mod:`driftform.dynamics.fitting_walls` and :mod:`driftform.dynamics.fitting_flow`.
     """
+    if isinstance(scenario.flow, GridFlow):
+        return load_grid(scenario.flow, scenario.pipe, _wall_array(scenario.pipe))
     if scenario.pipe.is_open or scenario.pipe.straight is not None:
         return None
     return _make_array(scenario.pipe, scenario.flow, scenario.fluid.viscosity)
@@ -100,6 +109,17 @@ def _make_array(pipe: Pipe, flow: Flow, viscosity: float) -> FloatArray:
     values = np.concatenate([[float(len(rows))], rows.ravel()])
     values.flags.writeable = False
     return values
+
+
+def _wall_array(pipe: Pipe) -> FloatArray:
+    """Return the array of a pipe without its flow; of open water, that of a bore without end."""
+    rows = wall_rows(pipe.layout) if not pipe.is_open else np.array([_row_of_open_water()])
+    return np.concatenate([[float(len(rows))], rows.ravel()])
+
+
+def _row_of_open_water() -> FloatArray:
+    centre = np.array([-_OPEN_WATER, 0.0, 0.0])
+    return _row_beyond(Opening(centre, np.eye(3), _OPEN_WATER), INNER)
 
 
 def wall_rows(layout: Layout) -> FloatArray:

@@ -10,9 +10,11 @@ import numpy as np
 
 from driftform.dynamics.cubic import cubic_between, cubic_point, cubic_slope
 from driftform.dynamics.fitting_flow import fitting_flow
+from driftform.dynamics.grid_flow import grid_motion
 from driftform.dynamics.profiles import (
     AT_A_POINT,
     DEVELOPING,
+    GRID,
     LOG_LAW,
     POWER_LAW,
     UNIFORM,
@@ -24,6 +26,7 @@ from driftform.dynamics.vectors import ZERO, Rotation, Vector, add, dot, scale, 
 from driftform.scenario import (
     DevelopingFlow,
     Flow,
+    GridFlow,
     LogLawFlow,
     PowerLawFlow,
     Scenario,
@@ -34,7 +37,10 @@ from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 
 KIND, SPEED, PARAMETER, GUST_STEP = 0, 1, 2, 3
-"""Indices in the array of a flow; the parameter is 1/n (power law), u* / (kappa U) (log law) or nu / U (developing)."""
+"""Indices in the array of a flow; the parameter is 1/n (power law), u* / (kappa U) (log law) or nu / U (developing).
+
+Of a grid it is the factor on the velocities of the file.
+"""
 
 KARMAN = 0.4
 """Von Karman's constant kappa."""
@@ -68,6 +74,8 @@ def flow_array(scenario: Scenario) -> FloatArray:
     match flow:
         case UniformFlow():
             return np.array([UNIFORM, flow.speed, 0.0, scenario.flight.horizon])
+        case GridFlow():
+            return np.array([GRID, flow.speed, flow.speed / flow.reference, 0.0])
         case PowerLawFlow():
             kind = POWER_LAW
         case LogLawFlow() | TurbulentFlow():
@@ -194,14 +202,20 @@ def water_motion(
     The mean flow is taken at the root mean square distance of ``spread`` from the axis: for a parabolic profile, that
     is its mean over the body.
 
-    ``fittings`` is the array of a pipe with parts (:mod:`driftform.dynamics.fittings`), in place of ``pipe``.
+    ``fittings`` is the array of a pipe with parts (:mod:`driftform.dynamics.fittings`), in place of ``pipe``, and of a grid.
 
     In the boundary layer of developing flow the radial velocity is that of continuity; its own change downstream
     is of second order in the layer's slope and left out of the gradient.
     """
     velocity, gradient, rate = (flow[SPEED], 0.0, 0.0), (ZERO, ZERO, ZERO), ZERO
     if fittings is not None:
-        velocity, gradient = fitting_flow(point, fittings, flow[KIND], spread)
+        if flow[KIND] == GRID:
+            velocity, gradient = grid_motion(point, fittings, spread)
+            factor = flow[PARAMETER]
+            velocity = scale(factor, velocity)
+            gradient = (scale(factor, gradient[0]), scale(factor, gradient[1]), scale(factor, gradient[2]))
+        else:
+            velocity, gradient = fitting_flow(point, fittings, flow[KIND], spread)
     elif pipe.shape[0] > 0:
         velocity, gradient = _mean_velocity(point, pipe, flow, spread)
     if gusts.shape[0] > 1:

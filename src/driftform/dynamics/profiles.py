@@ -10,7 +10,7 @@ from typing import TypeAlias
 from driftform.dynamics.vectors import ZERO, Vector, dot
 from driftform.util.compiled import compiled
 
-UNIFORM, POWER_LAW, LOG_LAW, DEVELOPING = 0.0, 1.0, 2.0, 3.0
+UNIFORM, POWER_LAW, LOG_LAW, DEVELOPING, GRID = 0.0, 1.0, 2.0, 3.0, 4.0
 
 Spread: TypeAlias = tuple[Vector, float, float]
 """Where a body is: unit vector along its axis, variance of its volume across the axis and along it (m2)."""

@@ -333,7 +333,7 @@ class Scenario(Table):
         return (x / level, y / level, level, -z) if level > 1e-9 else (1.0, 0.0, 0.0, -z)
 
 
-def _check_flow_in_parts(flow: PipeFlow | UniformFlow) -> None:
+def _check_flow_in_parts(flow: Flow) -> None:
     """Check that a flow is possible in a pipe with parts."""
     if isinstance(flow, DevelopingFlow):
         raise ValueError(
