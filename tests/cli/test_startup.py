@@ -16,6 +16,8 @@ HEAVY = (
     "rich",
     "sqlite3",
     "distributed",
+    "starlette",
+    "uvicorn",
 )
 
 FOR_WORK = (
@@ -34,6 +36,8 @@ FOR_WORK = (
     "rich",
     "sqlite3",
     "distributed",
+    "starlette",
+    "uvicorn",
 )
 """What plugins and commands need for their work, and not to be listed."""
 

@@ -209,7 +209,9 @@ def test_every_command_and_option_has_help() -> None:
 def shipped() -> dict[str, list[Contribution]]:
     """What this repository's distributions bring, by seam."""
     files = [ROOT / "pyproject.toml", *sorted(ROOT.glob("plugins/*/pyproject.toml"))]
-    names = {tomllib.loads(path.read_text(encoding="utf-8"))["project"]["name"] for path in files}
+    projects = [tomllib.loads(path.read_text(encoding="utf-8"))["project"] for path in files]
+    # The studio implements no seam.
+    names = {project["name"] for project in projects if "driftform" in project["entry-points"]}
     rows = [row for row in registry().contributions() if row.distribution in names]
     assert {row.distribution for row in rows if row.cls is not None} == names
     return {seam: [row for row in rows if row.seam == seam] for seam in SEAMS}
@@ -232,6 +234,9 @@ some formats need, are extras: `uv sync --extra robotics --extra film` in a clon
 | `step` | `exporter step` | cadquery-ocp-novtk | Apache-2.0; the Open CASCADE in it is under the LGPL 2.1 with an exception |
 | `png` | PNG of every figure | resvg-py | MIT |
 | `pdf` | assembly sheets as PDF; needs the Cairo library of the system | cairosvg | LGPL-3.0 or later |
+| `grids` | `flow.kind = "grid"` from VTK and NetCDF files | meshio, h5netcdf, h5py | MIT, BSD-3-Clause |
+| `networks` | `driftform network`: pipe networks from EPANET files | driftform-networks, wntr | MIT, BSD-3-Clause |
+| `studio` | `driftform studio`, a page in the browser | driftform-studio, starlette, uvicorn | MIT, BSD-3-Clause |
 
 driftform and its plugins are under the MIT licence. Exudyn has a licence of its own, the EXUDYN General License 1.0,
 which permits use and redistribution if its notice is kept, and forbids endorsement in the names of its authors. The

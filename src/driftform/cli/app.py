@@ -27,6 +27,7 @@ from driftform.cli import (
     sample,
     scenarios,
     simulate,
+    studio,
     trim,
     watch,
 )
@@ -146,6 +147,7 @@ command("resume")(resume.resume)
 command("watch")(watch.watch)
 command("export-data")(export_data.export_data)
 command("report")(report.report)
+command("studio")(studio.studio)
 command("reproduce")(reproduce.reproduce)
 command("sample")(sample.sample)
 command("simulate")(simulate.simulate)

@@ -7,10 +7,10 @@ import numpy as np
 
 from driftform.figures.projection import simplify_polyline
 from driftform.figures.style import SERIES
-from driftform.report.contents import Contents, Entry
+from driftform.report.contents import Contents
 from driftform.scenario import Scenario, UniformFlow
 from driftform.trajectory.interpolation import interpolate_positions
-from driftform.types import FloatArray
+from driftform.types import Agent, FloatArray, Trajectory
 
 MAX_SAMPLES = 240
 """Greatest number of samples of a flight on a page."""
@@ -24,19 +24,41 @@ PROFILE = 9
 
 def viewer_data(contents: Contents) -> dict[str, Any]:
     """Return the data of the page's viewer: agents, flights, pipe and targets; SI units, rounded to what is visible."""
-    scenario = contents.scenario
+    scene = scene_data(contents.scenario, [entry.trajectory.position for entry in contents.entries])
+    longest = max(entry.agent.body.length for entry in contents.entries)
+    return {
+        "agents": [
+            {
+                "targets": [entry.target for entry in group],
+                **agent_data(
+                    group[0].agent,
+                    group[0].trajectory,
+                    [entry.t for entry in group],
+                    SERIES[i % len(SERIES)],
+                ),
+            }
+            for i, group in enumerate(contents.agents)
+        ],
+        **scene,
+        "longest": round(longest, 4),
+        # Agents are many times smaller than their pipe, so the longest is drawn as long as its radius.
+        "magnification": max(1.0, round(scene["size"] / longest, 1)),
+    }
+
+
+def scene_data(scenario: Scenario, paths: Sequence[FloatArray] = ()) -> dict[str, Any]:
+    """Return the data of what surrounds agents: pipe, current, targets, free surface and extent.
+
+    ``paths`` are the positions of flights, m, (n, 3) each, which give open water its extent.
+    """
     rows = scenario.pipe.array()
     seen = np.vstack([rows[:, :3], rows[:, 3:6]])
     if not len(rows):
-        seen = np.vstack(
-            [scenario.target_array(), *(entry.trajectory.position for entry in contents.entries)]
-        )
+        seen = np.vstack([scenario.target_array(), scenario.release_position(), *paths])
     low, high = seen.min(axis=0), seen.max(axis=0)
     length = float(np.linalg.norm(high - low))
     radius = float(rows[:, 6].max()) if len(rows) else length / 8
-    longest = max(entry.agent.body.length for entry in contents.entries)
     return {
-        "agents": [_viewer_agent(group, SERIES[i % len(SERIES)]) for i, group in enumerate(contents.agents)],
         "pipe": [
             {
                 "start": _round(r[:3]),
@@ -54,9 +76,6 @@ def viewer_data(contents: Contents) -> dict[str, Any]:
         "extent": [_round(low[:2] - radius), _round(high[:2] + radius)],
         "length": length,
         "size": radius,
-        "longest": round(longest, 4),
-        # Agents are many times smaller than their pipe, so the longest is drawn as long as its radius.
-        "magnification": max(1.0, round(radius / longest, 1)),
     }
 
 
@@ -77,14 +96,13 @@ def _speed_profile(scenario: Scenario, row: FloatArray) -> FloatArray:
     )
 
 
-def _viewer_agent(group: Sequence[Entry], colour: str) -> dict[str, Any]:
-    body, flight = group[0].agent.body, group[0].trajectory
+def agent_data(agent: Agent, flight: Trajectory, closest: Sequence[float], colour: str) -> dict[str, Any]:
+    """Return the data of an agent and its flight, which passes its targets at the times ``closest``, s."""
+    body = agent.body
     # Evenly in time, and at the closest approaches.
-    closest = [entry.t for entry in group]
     t = np.unique(np.append(np.linspace(flight.t[0], flight.t[-1], MAX_SAMPLES - 1), closest))
     nearest = np.clip(np.searchsorted(flight.t, t), 0, len(flight.t) - 1)
     return {
-        "targets": [entry.target for entry in group],
         "colour": colour,
         "outer": _round(simplify_polyline(body.outer, CONTOUR_TOLERANCE), 6),
         "cavity": _round(simplify_polyline(body.cavity, CONTOUR_TOLERANCE), 6) if len(body.cavity) else [],

@@ -1,0 +1,35 @@
+// Questions to the server. Addresses are relative to that of the page, whose first part is the token.
+
+export class Refused extends Error {
+  constructor(errors) { super(errors.map((error) => error.line ?? error).join("\n")); this.errors = errors; }
+}
+
+export class Offline extends Error {}
+
+export const part = encodeURIComponent;
+const pause = (time) => new Promise((resolve) => setTimeout(resolve, time));
+
+// Answers with the server's document; a document of ours makes it a POST.
+export async function ask(address, document) {
+  let response, answer;
+  try {
+    response = await fetch(address, document === undefined ? {} : {
+      method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(document),
+    });
+    answer = response.headers.get("content-type") === "application/json" ? await response.json() : { errors: [await response.text()] };
+  } catch { throw new Offline("the server does not answer"); }
+  if (!response.ok) throw new Refused(answer.errors);
+  return answer;
+}
+
+// Has the server do what takes a while; `show` is told how far it is.
+export async function perform(address, document, show) {
+  const { task } = await ask(address, document);
+  for (let wait = 60; ; wait = Math.min(400, 1.3 * wait)) {
+    await pause(wait);
+    const { what, done, total, over, errors, result } = await ask(`api/tasks/${task}`);
+    if (errors.length) throw new Refused(errors);
+    if (over) return result;
+    show(total ? `${done} of ${total} ${what}` : "");
+  }
+}
