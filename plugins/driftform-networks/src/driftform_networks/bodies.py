@@ -61,7 +61,7 @@ class Traveller:
         sphere of its diameter, and a friction velocity u* of a twentieth of the mean speed.
         """
         fluid, mass = self.scenario.fluid, self.agent.mass
-        area = np.pi / 4 * self.agent.body.max_diameter ** 2
+        area = np.pi / 4 * self.agent.body.max_diameter**2
         terminal = np.sqrt(abs(mass.net_buoyancy(fluid)) / (0.25 * fluid.density * area))
         return bool(terminal < 0.1 * speed / 20)
 
@@ -98,7 +98,9 @@ def open_traveller(text: str, scenario: str | None = None, settings: Sequence[st
     except ValueError:
         diameter = 0.0
     if not 0.0005 <= diameter <= 2:
-        raise InputError(f"AGENT '{text}': a sphere is named by its diameter from 0.5 to 2000 mm, such as sphere:5mm")
+        raise InputError(
+            f"AGENT '{text}': a sphere is named by its diameter from 0.5 to 2000 mm, such as sphere:5mm"
+        )
     agent = make_sphere(diameter, pipeline.scenario)
     return Traveller(text.replace(":", "-"), agent, pipeline.scenario, pipeline.simulator)
 

@@ -80,10 +80,16 @@ class StraightTask:
         """Make the flights, or read them."""
         if (arrays := load_arrays(self.path)) is not None:
             return StraightFlights(
-                float(arrays["cell"]), arrays["transfer"], arrays["slowness"], arrays["states"], float(arrays["failed"])
+                float(arrays["cell"]),
+                arrays["transfer"],
+                arrays["slowness"],
+                arrays["states"],
+                float(arrays["failed"]),
             )
         found = fly_straight(self.traveller, self.bore, self.speed, self.slope)
-        save_arrays(self.path, {field.name: np.asarray(getattr(found, field.name)) for field in fields(found)})
+        save_arrays(
+            self.path, {field.name: np.asarray(getattr(found, field.name)) for field in fields(found)}
+        )
         return found
 
 
@@ -96,13 +102,15 @@ def fly_straight(traveller: Traveller, bore: float, speed: float, slope: float) 
         if the simulator can fly none of them.
     """
     cell = min(CELL_BORES * bore, CELL_S * speed)
-    scenarios, starts = _make_scenarios(traveller, bore, speed, slope, cell)
+    scenarios, _starts = _make_scenarios(traveller, bore, speed, slope, cell)
     agents = [traveller.agent] * len(scenarios)
     flights = traveller.simulator.screen_batch(agents, scenarios, lambda _, __: False)
     sound = [flight for flight in flights if not flight.end.failed and len(flight.t) > 1]
     if not sound:
         reason = flights[0].failure if flights else "it fits in no attitude"
-        raise WorkFailedError(f"{traveller.name}: cannot be flown in a bore of {1000 * bore:.0f} mm: {reason}")
+        raise WorkFailedError(
+            f"{traveller.name}: cannot be flown in a bore of {1000 * bore:.0f} mm: {reason}"
+        )
     room = max(1 - traveller.agent.body.max_diameter / bore, 1e-3)
     counts, held = np.zeros((BANDS, BANDS)), np.zeros(BANDS)
     times, passed = np.zeros(BANDS), np.zeros(BANDS)
@@ -125,7 +133,9 @@ def fly_straight(traveller: Traveller, bore: float, speed: float, slope: float) 
     with np.errstate(invalid="ignore", divide="ignore"):
         # A band in which no flight has been is like all others together.
         transfer = np.where(total[:, None] > 0, counts / total[:, None], counts.sum(axis=0) / total.sum())
-        slowness = np.where(passed > 0, times / (passed * water), times.sum() / max(passed.sum() * water, 1e-9))
+        slowness = np.where(
+            passed > 0, times / (passed * water), times.sum() / max(passed.sum() * water, 1e-9)
+        )
     return StraightFlights(
         cell, transfer, slowness, np.array(states).reshape(-1, 13), 1 - len(sound) / len(flights)
     )
@@ -163,7 +173,13 @@ def _make_scenarios(
     document = traveller.scenario.model_dump(include={"fluid", "flow", "contact"})
     document["flow"] |= {"speed": max(speed, 1e-4)}
     document["pipe"] = {
-        "segments": [{"start": (0.0, 0.0, 0.0), "end": (float(np.sqrt(length**2 - rise**2)), 0.0, float(rise)), "radius": bore / 2}]
+        "segments": [
+            {
+                "start": (0.0, 0.0, 0.0),
+                "end": (float(np.sqrt(length**2 - rise**2)), 0.0, float(rise)),
+                "radius": bore / 2,
+            }
+        ]
     }
     document["flight"] = {"horizon": PATIENCE * CELLS * cell / speed}
     room = max(1 - traveller.agent.body.max_diameter / bore, 0.0)
@@ -180,7 +196,12 @@ def _make_scenarios(
 
 
 def _release(
-    traveller: Traveller, document: dict[str, object], bore: float, place: FloatArray, numbers: FloatArray, seed: int
+    traveller: Traveller,
+    document: dict[str, object],
+    bore: float,
+    place: FloatArray,
+    numbers: FloatArray,
+    seed: int,
 ) -> Scenario | None:
     """Return the scenario of a release; its place moves to the axis, and its attitude along the pipe, until it fits."""
     pitch, yaw = np.rad2deg(np.arcsin(2 * numbers[0] - 1)), 360 * numbers[1] - 180

@@ -151,5 +151,5 @@ class Geometry:
         forward = snapshot.tail[link] == network.start[index]
         first, last = self._ends[index]
         if forward:
-            return last if at_end else first
-        return -(first if at_end else last)
+            return np.asarray(last if at_end else first)
+        return np.asarray(-(first if at_end else last))

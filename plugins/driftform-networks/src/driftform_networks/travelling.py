@@ -92,7 +92,10 @@ class Traveling:
             for link in range(len(snapshot.links))
             if self._needs_flights(snapshot, link)
         }
-        return [StraightTask(self._traveller, *key, self._path(key)) for key in sorted(keys - self._flights.keys())]
+        return [
+            StraightTask(self._traveller, *key, self._path(key))
+            for key in sorted(keys - self._flights.keys())
+        ]
 
     def _path(self, key: _Key) -> Path:
         return self._folder / f"{hash_content({'body': self._hash, 'straight': key})}.npz"
@@ -229,7 +232,7 @@ def _choose(traveller: Traveller, junction: Junction, points: FloatArray | None)
     chosen = divide_points(places, junction.directions, weigh_outlets(junction.directions, junction.shares))
     counts = np.zeros((BANDS, outlets))
     np.add.at(counts, (bands, chosen), 1.0)
-    return counts / counts.sum(axis=1, keepdims=True)
+    return np.asarray(counts / counts.sum(axis=1, keepdims=True))
 
 
 def make_flights(

@@ -418,7 +418,9 @@ def _outline(scenario: Any) -> dict[str, Any]:
     The axis of each part of the pipe is a line through points with a radius at each; openings look outward, the inlet first.
     """
     segments = scenario.pipe.segments
-    ways = [(np.subtract(s.end, s.start) / np.linalg.norm(np.subtract(s.end, s.start))).tolist() for s in segments]
+    ways = [
+        (np.subtract(s.end, s.start) / np.linalg.norm(np.subtract(s.end, s.start))).tolist() for s in segments
+    ]
     openings = [
         {"centre": list(centre), "direction": [sign * v for v in way], "radius": s.radius}
         for s, way in zip(segments, ways, strict=True)
