@@ -114,17 +114,19 @@ def fill_jacobian_in_plane(
     side, count = 1.0 if off > 0.0 else -1.0, 0
     n_x, n_z, gap = side * plane[ACROSS], side * plane[ACROSS + 1], plane[RADIUS] - side * off
     tilt, upright = c * n_x - s * n_z, s * n_x + c * n_z
+    inverse = 1.0 / smoothed_sine(tilt)
+    share = (1.0 - tilt * tilt) * inverse
     if abs(off) < plane[NEAR]:
         return 0
     for k in range(surfaces.shape[0]):
-        depth, x, r = depth_in_plane(surfaces, k, tilt, gap)
+        depth, x, r = depth_in_plane(surfaces, k, tilt, share, gap)
         if depth > 0.0:
             if count == MOST:
                 return 0
             _fill_spring(tilt, x, r, depth, plane[LAW:RUB], surfaces, k, jacobian, count)
             push = jacobian.pushes[count]
             push[0, 0], push[0, 1] = n_x, n_z
-            push[0, 2] = r * upright / smoothed_sine(tilt) * tilt - x * upright
+            push[0, 2] = r * upright * inverse * tilt - x * upright
             if push.shape[0] > 1:
                 push[1, 0], push[1, 1], push[1, 2] = side * n_z, -side * n_x, side * (gap + depth)
             for i in range(push.shape[0]):
