@@ -151,9 +151,9 @@ def gust_array(scenario: Scenario, slip: float = 0.0, length: float = 0.0) -> Fl
     correlation = math.exp(-apart * flow.crossing / (deviation * flow.memory))
     common *= deviation * math.sqrt((1 + correlation) / 2)
     own *= deviation * math.sqrt(2 * (1 - correlation)) / apart if apart > 0 else 0.0
-    slopes = (CubicSpline(times, walk)(times, 1) for walk in (common, own))
-    rates = list(slopes)
-    return np.column_stack([common, rates[0], own, rates[1]])
+    gusts = np.hstack([common, own])
+    rates = CubicSpline(times, gusts)(times, 1)
+    return np.hstack([common, rates[:, :3], own, rates[:, 3:]])
 
 
 def gust_memory(memory: float, crossing: float, slip: float, deviation: float) -> float:
@@ -178,12 +178,14 @@ def gust_memory(memory: float, crossing: float, slip: float, deviation: float) -
     return memory / math.hypot(1.0, crossing * slip / deviation)
 
 
+@compiled
 def _walk(noise: FloatArray, kept: float) -> FloatArray:
     """Return the stationary process of which each step keeps the share ``kept``, from normal numbers (n, 3)."""
-    walk = np.empty_like(noise)
-    walk[0] = noise[0]
-    for k in range(1, len(noise)):
-        walk[k] = kept * walk[k - 1] + math.sqrt(1 - kept**2) * noise[k]
+    walk, added = np.empty_like(noise), math.sqrt(1.0 - kept * kept)
+    for j in range(noise.shape[1]):
+        walk[0, j] = noise[0, j]
+        for k in range(1, noise.shape[0]):
+            walk[k, j] = kept * walk[k - 1, j] + added * noise[k, j]
     return walk
 
 

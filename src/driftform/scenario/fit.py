@@ -40,6 +40,9 @@ def find_misfit(body: Body, scenario: Scenario) -> str | None:
         return f"it is too wide for the pipe: {show_length(body.max_diameter)} across, in a bore of {show_length(bore)}"
     if not _lies_in_first_straight(body, scenario):
         return _find_misfit_in_parts(body, scenario)
+    offset = np.cross(position - inlet.centre, scenario.direction())
+    if np.linalg.norm(offset) + np.hypot(*body.outer.T).max() < inlet.radius:
+        return None
     reach = farthest_from_line(body.outer, position, axis, inlet.centre, scenario.direction())
     if reach > inlet.radius * (1 + _ROUNDING):
         return (
