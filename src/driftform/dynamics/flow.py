@@ -1,6 +1,6 @@
 """The water's velocity at a point of the pipe, with its derivatives: profiles of pipe flow, and gusts.
 
-All profiles are axisymmetric about the axis of the segment in which the point is farthest from the wall. ``speed`` U
+All profiles are axisymmetric about the axis of the bore. ``speed`` U
 is the bulk velocity, R the bore's radius, y the distance from the wall, x the distance from the inlet along the pipe.
 """
 
@@ -255,7 +255,7 @@ def _mean_velocity(
     point: Vector, pipe: FloatArray, flow: FloatArray, spread: Spread
 ) -> tuple[Vector, Rotation]:
     """Return the velocity of the profile, and its gradient."""
-    axis, outward, radius, x, r = locate_in_segment(point, pipe)
+    axis, outward, radius, x, r = locate_in_bore(point, pipe)
     along, shear, stretch, radial = spread_profile(
         radius, x, r, spread_across(spread, axis), flow[KIND], flow[SPEED], flow[PARAMETER]
     )
@@ -273,28 +273,14 @@ def _mean_velocity(
 
 
 @compiled
-def locate_in_segment(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector, float, float, float]:
-    """Return unit vectors along the segment and away from its axis, its radius, x from the inlet, and r (m)."""
-    best, radius, x, r, before = -np.inf, 0.0, 0.0, 0.0, 0.0
-    along_axis, outward = ZERO, ZERO
-    last = pipe.shape[0] - 1
-    for s in range(pipe.shape[0]):
-        axis = (pipe[s, 3], pipe[s, 4], pipe[s, 5])
-        off = subtract(point, (pipe[s, 0], pipe[s, 1], pipe[s, 2]))
-        along = dot(axis, off)
-        off = subtract(off, scale(along, axis))
-        distance = math.sqrt(dot(off, off))
-        beyond = 0.0
-        if s > 0:
-            beyond = max(beyond, -along)
-        if s < last:
-            beyond = max(beyond, along - pipe[s, 6])
-        gap = pipe[s, 7] - math.sqrt(distance * distance + beyond * beyond)
-        if gap > best:
-            best, radius, x, r, along_axis = gap, pipe[s, 7], before + along, distance, axis
-            outward = scale(1.0 / distance, off) if distance > 0.0 else ZERO
-        before += pipe[s, 6]
-    return along_axis, outward, radius, x, r
+def locate_in_bore(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector, float, float, float]:
+    """Return unit vectors along the bore and away from its axis, its radius, x from the inlet, and r (m)."""
+    axis = (pipe[0, 3], pipe[0, 4], pipe[0, 5])
+    off = subtract(point, (pipe[0, 0], pipe[0, 1], pipe[0, 2]))
+    x = dot(axis, off)
+    off = subtract(off, scale(x, axis))
+    r = math.sqrt(dot(off, off))
+    return axis, scale(1.0 / r, off) if r > 0.0 else ZERO, pipe[0, 7], x, r
 
 
 @compiled
