@@ -127,7 +127,7 @@ def test_an_invalid_flow_is_refused_by_its_key_and_not_by_its_table(kind, key, v
             ["--set flow.memry=1: unknown key 'memry' in [flow]", "did you mean 'memory'?"],
         ),
         (
-            ["flow.exponent=7"],
+            ["flow.kind=log_law", "flow.exponent=7"],
             [
                 "--set flow.exponent=7: unknown key 'exponent' in [flow] of kind 'log_law'; known: ",
                 "kind, roughness, speed",
