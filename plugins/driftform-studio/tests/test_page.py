@@ -616,7 +616,7 @@ def test_a_search_in_a_pipe_of_parts_is_shown_as_one_in_a_straight_pipe(page, se
     server = serve()
     name = server.ask("api/runs", {"draft": draft, "name": "elbow"})["run"]
     page.open(f"{server.address}#run={name}")
-    page.wait_until("Finished")
+    page.wait_for(lambda: page.flights() == 10)
     page.wait_for(lambda: len(page.browser.find_elements("css selector", "#side .flight")) == 2)
     page.find("[aria-label='Show the agent for end']").click()
     page.until("!document.getElementById('agent-shown').hidden")
