@@ -555,6 +555,51 @@ def add_part(page, kind, to="pipe"):
     page.wait_for(lambda: len(page.browser.find_elements("css selector", ".part")) > count)
 
 
+def test_the_command_and_the_study_file_can_be_copied(page, finished, browser):
+    asked = {"permissions": ["clipboardReadWrite", "clipboardSanitizedWrite"], "origin": finished.address}
+    browser.execute_cdp_cmd("Browser.grantPermissions", asked)
+    page.open(f"{finished.address}#run=small")
+    page.wait_until("Finished")
+    page.find("#terminal summary").click()
+    for id in ("command", "study"):
+        page.find(f"[data-copy={id}]").click()
+        page.wait_for(lambda id=id: page.find(f"[data-copy={id}]").text == "Copied")
+        copied = browser.execute_async_script("navigator.clipboard.readText().then(arguments[0])")
+        assert copied == page.text(id) != ""
+    # What was copied is the run's own study file.
+    assert copied == (finished.folder / "small" / "study.toml").read_text()
+
+
+def test_a_search_of_the_command_line_is_watched_on_the_page(
+    page, serve, folder, tmp_path, long_draft, program
+):
+    import subprocess
+
+    import tomli_w
+
+    (tmp_path / "long.toml").write_text(tomli_w.dumps(long_draft), encoding="utf-8")
+    folder.mkdir()
+    command = [program, "evolve", "long.toml", "--out", "runs/mine", "--workers", "1"]
+    with subprocess.Popen(
+        command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    ) as search:
+        try:
+            page.wait_for((folder / "mine" / "run.db").exists)
+            page.open(serve().address)
+            page.find("#open-runs").click()
+            page.wait_for(lambda: "searching" in page.find("#run-list").text)
+            page.find("#run-list button").click()
+            page.wait_until("Searching")
+            before = page.flights()
+            page.wait_for(lambda: page.flights() > before)
+            assert "A terminal works on this run" in page.text("problems")
+            assert not page.find("#pause").is_displayed()
+        finally:
+            search.kill()
+    page.wait_until("Paused")
+    assert page.messages() == []
+
+
 def test_a_pipe_is_laid_of_parts_and_drawn_to_scale(page, finished):
     page.open(finished.address)
     page.set("Length", "4")

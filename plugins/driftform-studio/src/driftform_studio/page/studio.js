@@ -619,8 +619,15 @@ function showCommands(text) {
 }
 for (const button of document.querySelectorAll("[data-copy]"))
   button.addEventListener("click", async () => {
-    await navigator.clipboard.writeText(find(button.dataset.copy).textContent);
-    button.textContent = "Copied";
+    const text = find(button.dataset.copy);
+    try {
+      await navigator.clipboard.writeText(text.textContent);
+      button.textContent = "Copied";
+    } catch {
+      // A browser may forbid it; what is selected can be copied by hand.
+      getSelection().selectAllChildren(text);
+      button.textContent = "Selected";
+    }
     setTimeout(() => { button.textContent = "Copy"; }, 1500);
   });
 
