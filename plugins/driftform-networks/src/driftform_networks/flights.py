@@ -11,8 +11,8 @@ from driftform.scenario import Scenario
 from driftform.scenario.fit import find_misfit
 from driftform.types import End, FloatArray, Trajectory
 from driftform_networks.bodies import Traveller
-from driftform_networks.cache import load_arrays, save_arrays
 from driftform_networks.bore import BANDS, find_band, sample_band
+from driftform_networks.cache import load_arrays, save_arrays
 
 CELLS = 3
 """Cells of a flight; the transfer from band to band is that through one cell."""
