@@ -23,7 +23,7 @@ CELL_BORES, CELL_S = 8.0, 20.0
 PER_BAND = 3
 """Flights that begin in each band."""
 
-PATIENCE = 3.0
+PATIENCE = 1.5
 """Longest flight, relative to the time that the water takes."""
 
 CREEP = 0.02
