@@ -287,7 +287,7 @@ def locate_in_segment(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector, 
             beyond = max(beyond, -along)
         if s < last:
             beyond = max(beyond, along - pipe[s, 6])
-        gap = pipe[s, 7] - math.hypot(distance, beyond)
+        gap = pipe[s, 7] - math.sqrt(distance * distance + beyond * beyond)
         if gap > best:
             best, radius, x, r, along_axis = gap, pipe[s, 7], before + along, distance, axis
             outward = scale(1.0 / distance, off) if distance > 0.0 else ZERO
