@@ -132,7 +132,9 @@ def route_by_branch(
     # Refuses a node that no water leaves, before the flights.
     divide_flow(snapshots[0], node)
     if unsteady:
-        snapshots += [take_snapshot(network, time / 3600) for time in network.hydraulics.times[snapshots[0].step :]]
+        snapshots += [
+            take_snapshot(network, time / 3600) for time in network.hydraulics.times[snapshots[0].step :]
+        ]
     traveller = open_traveller(agent) if isinstance(agent, str) else agent
     traveling = Traveling(traveller, Geometry(network, travel.branch), travel, cache)
     make_flights([traveling], snapshots, workers, progress)

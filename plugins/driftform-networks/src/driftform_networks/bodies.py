@@ -140,7 +140,9 @@ def trim_design(design: "Design", buoyancy: float | None) -> Traveller:
 
 
 def _name_trim(buoyancy: float) -> str:
-    return f"{1000 * buoyancy:+g}mN" if buoyancy else "-neutral"
+    if not buoyancy:
+        return "-neutral"
+    return f"-{'light' if buoyancy > 0 else 'heavy'}-{1000 * abs(buoyancy):g}mN"
 
 
 def make_sphere(diameter: float, scenario: "Scenario", buoyancy: float = 0.0) -> Agent:

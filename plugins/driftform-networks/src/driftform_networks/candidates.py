@@ -103,9 +103,7 @@ def pick_agents(run: Path, count: int, environment: str, settings: Sequence[str]
         genomes = [store.read_record(index, targets).candidate.genome for index in indices]
     made = opened.study.environment()
     return [
-        Design.build(
-            StoredAgent(f"{opened.name}-{index}", genome, made, {}), f"{run}", environment, settings
-        )
+        Design.build(StoredAgent(f"{opened.name}-{index}", genome, made, {}), f"{run}", environment, settings)
         for index, genome in zip(indices, genomes, strict=True)
     ]
 

@@ -32,7 +32,7 @@ def divide_bore(points: FloatArray, directions: FloatArray, shares: FloatArray) 
         of the water, with the sum 1, (outlets,).
     """
     sides, side = np.unique(directions.round(6), axis=0, return_inverse=True)
-    together = np.bincount(side, shares, len(sides))
+    together = np.asarray(np.bincount(side, shares, len(sides)), np.float64)
     chosen = divide_points(points, sides, weigh_outlets(sides, together))
     within = np.where(side == np.arange(len(sides))[:, None], shares, 0.0) / together[:, None]
     return np.asarray(within[chosen])

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from driftform.errors import InputError, did_you_mean
 from driftform.types import FloatArray
 from driftform_networks.bodies import SCENARIO, Traveller
 from driftform_networks.bore import BANDS, spread_points
 from driftform_networks.cache import find_cache, hash_content
 from driftform_networks.fits import find_obstacle
-from driftform_networks.junctions import Geometry, Junction
+from driftform_networks.junctions import SIDES, Geometry, Junction
 from driftform_networks.routing import Routing, RoutingTable, TransferTable
 from driftform_networks.snapshot import Snapshot
 from driftform_networks.streamtubes import divide_bore
@@ -58,6 +59,19 @@ class Travel:
 
     branch: str = "side"
     service_bore: float = SERVICE_BORE
+
+    @classmethod
+    def parse(cls, branch: str, service_bore: float) -> "Travel":
+        """Return what the options say.
+
+        Raises
+        ------
+        InputError
+            if there is no such side.
+        """
+        if branch not in SIDES:
+            raise InputError(f"--branch {branch}: no such side{did_you_mean(branch, SIDES)}")
+        return cls(branch, service_bore)
 
 
 class Traveling:
@@ -242,7 +256,7 @@ def _choose(traveller: Traveller, junction: Junction, points: FloatArray | None)
     np.add.at(counts, bands, divide_bore(points[:, 1:], junction.directions, junction.shares))
     total = counts.sum(axis=1, keepdims=True)
     # In a band where no flight ended, a body is anywhere.
-    return np.where(total > 0, counts / np.maximum(total, 1e-300), mixed)
+    return np.asarray(np.where(total > 0, counts / np.maximum(total, 1e-300), mixed))
 
 
 def make_flights(
