@@ -182,10 +182,14 @@ class Page:
 
 @pytest.fixture
 def page(browser, wait_for):
-    while len(browser.window_handles) > 1:
-        browser.switch_to.window(browser.window_handles[-1])
+    # A tab keeps its design, so each test has a new one.
+    former = browser.window_handles
+    browser.switch_to.new_window("tab")
+    fresh = browser.current_window_handle
+    for handle in former:
+        browser.switch_to.window(handle)
         browser.close()
-    browser.switch_to.window(browser.window_handles[0])
+    browser.switch_to.window(fresh)
     page = Page(browser, wait_for)
     page.look()
     browser.get("about:blank")
@@ -647,6 +651,28 @@ def test_a_pipe_is_laid_of_parts_and_drawn_to_scale(page, finished):
         ].click()
     page.wait_for(lambda: not page.browser.find_elements("css selector", ".part"))
     assert page.field("Length").get_attribute("value") == "4"
+
+
+def test_a_pipe_that_leaves_the_plane_of_the_side_view_is_shown_from_above(page, finished):
+    bores = "const b = document.getElementById('side').querySelector('.bore').parentElement.getBBox();"
+    page.open(finished.address)
+    page.wait_for(lambda: page.browser.find_elements("css selector", "#side .bore"))
+    assert not page.find("#show-above").is_displayed()
+    page.set("Start from", "t-junction")
+    page.wait_for(lambda: page.find("#show-above").is_displayed())
+    page.find("#example-targets").click()
+    page.wait_for(lambda: len(page.browser.find_elements("css selector", "#side .mark")) == 2)
+    side = page.run(f"{bores} return b.width / b.height")
+    page.find("#show-above").click()
+    above = page.run(f"{bores} return b.width / b.height")
+    # From the side 2 m wide and the branch high, from above 2.6 m to the right of the inlet's direction.
+    assert side > 2
+    assert above < 1
+    assert page.targets()["main"] == [2.0, -2.52, 0.0]
+    assert page.run(CONTRASTS) == [] and page.messages() == []
+    page.set("Start from", "pipe-inspection")
+    page.wait_for(lambda: not page.find("#show-above").is_displayed())
+    assert page.find("#show-side").get_attribute("aria-pressed") == "true"
 
 
 def test_a_search_in_a_pipe_of_parts_is_shown_as_one_in_a_straight_pipe(page, serve, folder, draft):
