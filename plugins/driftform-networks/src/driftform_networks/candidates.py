@@ -58,7 +58,7 @@ def collect_candidates(
     if run is not None:
         designs += pick_agents(run, count, environment, settings)
     if not designs:
-        designs += draw_agents(count, seed, environment, settings)
+        designs += draw_agents(count, seed, environment, settings, buoyancies or ())
     found, refused = [], []
     for design in designs:
         for buoyancy in [None] if buoyancies is None else buoyancies:
@@ -118,8 +118,10 @@ def spread_rows(points: FloatArray, count: int) -> IntArray:
     return np.array(chosen, np.int64)
 
 
-def draw_agents(count: int, seed: int, environment: str, settings: Sequence[str]) -> "list[Design]":
-    """Return random agents that can be built and released.
+def draw_agents(
+    count: int, seed: int, environment: str, settings: Sequence[str], buoyancies: Sequence[float] = ()
+) -> "list[Design]":
+    """Return random agents that can be built, released, and trimmed to each of these buoyancies (N).
 
     Raises
     ------
@@ -140,7 +142,10 @@ def draw_agents(count: int, seed: int, environment: str, settings: Sequence[str]
         if pipeline.find_obstacle(genome) is None:
             name = f"random-{seed}-{len(found) + 1}"
             try:
-                found.append(Design.build(StoredAgent(name, genome, made, {}), name))
+                design = Design.build(StoredAgent(name, genome, made, {}), name)
+                for buoyancy in buoyancies:
+                    trim_design(design, buoyancy)
+                found.append(design)
             except DriftformError:
                 continue
     raise WorkFailedError(f"of {_TRIES} random agents only {len(found)} can be built: choose other settings")

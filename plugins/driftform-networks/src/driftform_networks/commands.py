@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated, TypeAlias
 
 from driftform.commands import Argument, CommandGroup, CommandResult, Option
+from driftform.errors import InputError
 
 Net: TypeAlias = Annotated[
     str, Argument("NET", "An EPANET file (.inp), or the name of a network that WNTR ships, such as Net3.")
@@ -228,6 +229,8 @@ def fleet(
     from driftform_networks.results import Outputs, present_fleet
     from driftform_networks.travelling import Travel
 
+    if as_designed and buoyancy:
+        raise InputError("--as-designed and --buoyancy say different things: leave out one of them")
     outputs = Outputs(map, tables, report, agents)
     outputs.check()
     travel = Travel.parse(branch, service_bore)
