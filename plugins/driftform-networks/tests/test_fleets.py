@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from driftform.agents.opening import open_agent
 from driftform_networks.api import trace
 from driftform_networks.candidates import spread_rows
-from driftform_networks.choosing import bound_steering, choose_greedily
+from driftform_networks.choosing import bound_steering, choose_fleet, choose_greedily
 from driftform_networks.passage import find_reachable
 from driftform_networks.snapshot import take_snapshot
 
@@ -51,6 +51,9 @@ def test_the_greedy_choice_and_its_bound_enclose_the_best_choice(seed: int, bodi
     )
     assert (1 - 1 / np.e) * best - 1e-12 <= coverage[-1] <= best + 1e-12 <= bound[-1] + 1e-9
     assert (np.diff(coverage) >= -1e-12).all()
+    chosen, exchanged, _ = choose_fleet(seen, length, size)
+    assert coverage[-1] - 1e-12 <= exchanged[-1] <= best + 1e-12
+    assert exchanged[-1] == pytest.approx(length @ (1 - np.prod(1 - seen[chosen], axis=0)) / length.sum())
 
 
 def test_rows_are_chosen_far_from_each_other() -> None:
