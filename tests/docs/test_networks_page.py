@@ -19,7 +19,8 @@ QUICKLY = {"evolve": ["--evaluations", "40", "--workers", "1"]}
 def _in_an_empty_folder(
     tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    pytest.importorskip("wntr")
+    for module in ("wntr", "resvg_py"):
+        pytest.importorskip(module)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.getbasetemp() / "networks"))
 
