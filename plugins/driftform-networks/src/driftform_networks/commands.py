@@ -196,8 +196,15 @@ def fleet(
         Path | None, Option("--run", "Run, such as one of atlas, whose agents to choose from.", "RUN")
     ] = None,
     count: Annotated[
-        int, Option("--count", "Number of agents of the run, or of random agents without one.", "N", 1, 1000)
-    ] = 2,
+        int | None,
+        Option(
+            "--count",
+            "Number of agents of the run, by default 4, or of random agents without one, by default 1.",
+            "N",
+            1,
+            1000,
+        ),
+    ] = None,
     buoyancy: Buoyancies = None,
     as_designed: Annotated[
         bool, Option("--as-designed", "Leave the agents the cores and the buoyancy of their designs.")
