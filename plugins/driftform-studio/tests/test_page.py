@@ -182,10 +182,14 @@ class Page:
 
 @pytest.fixture
 def page(browser, wait_for):
-    while len(browser.window_handles) > 1:
-        browser.switch_to.window(browser.window_handles[-1])
+    # A tab keeps its design, so each test has a new one.
+    former = browser.window_handles
+    browser.switch_to.new_window("tab")
+    fresh = browser.current_window_handle
+    for handle in former:
+        browser.switch_to.window(handle)
         browser.close()
-    browser.switch_to.window(browser.window_handles[0])
+    browser.switch_to.window(fresh)
     page = Page(browser, wait_for)
     page.look()
     browser.get("about:blank")
@@ -555,6 +559,51 @@ def add_part(page, kind, to="pipe"):
     page.wait_for(lambda: len(page.browser.find_elements("css selector", ".part")) > count)
 
 
+def test_the_command_and_the_study_file_can_be_copied(page, finished, browser):
+    asked = {"permissions": ["clipboardReadWrite", "clipboardSanitizedWrite"], "origin": finished.address}
+    browser.execute_cdp_cmd("Browser.grantPermissions", asked)
+    page.open(f"{finished.address}#run=small")
+    page.wait_until("Finished")
+    page.find("#terminal summary").click()
+    for id in ("command", "study"):
+        page.find(f"[data-copy={id}]").click()
+        page.wait_for(lambda id=id: page.find(f"[data-copy={id}]").text == "Copied")
+        copied = browser.execute_async_script("navigator.clipboard.readText().then(arguments[0])")
+        assert copied == page.text(id) != ""
+    # What was copied is the run's own study file.
+    assert copied == (finished.folder / "small" / "study.toml").read_text()
+
+
+def test_a_search_of_the_command_line_is_watched_on_the_page(
+    page, serve, folder, tmp_path, long_draft, program
+):
+    import subprocess
+
+    import tomli_w
+
+    (tmp_path / "long.toml").write_text(tomli_w.dumps(long_draft), encoding="utf-8")
+    folder.mkdir()
+    command = [program, "evolve", "long.toml", "--out", "runs/mine", "--workers", "1"]
+    with subprocess.Popen(
+        command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    ) as search:
+        try:
+            page.wait_for((folder / "mine" / "run.db").exists)
+            page.open(serve().address)
+            page.find("#open-runs").click()
+            page.wait_for(lambda: "searching" in page.find("#run-list").text)
+            page.find("#run-list button").click()
+            page.wait_until("Searching")
+            before = page.flights()
+            page.wait_for(lambda: page.flights() > before)
+            assert "A terminal works on this run" in page.text("problems")
+            assert not page.find("#pause").is_displayed()
+        finally:
+            search.kill()
+    page.wait_until("Paused")
+    assert page.messages() == []
+
+
 def test_a_pipe_is_laid_of_parts_and_drawn_to_scale(page, finished):
     page.open(finished.address)
     page.set("Length", "4")
@@ -602,6 +651,28 @@ def test_a_pipe_is_laid_of_parts_and_drawn_to_scale(page, finished):
         ].click()
     page.wait_for(lambda: not page.browser.find_elements("css selector", ".part"))
     assert page.field("Length").get_attribute("value") == "4"
+
+
+def test_a_pipe_that_leaves_the_plane_of_the_side_view_is_shown_from_above(page, finished):
+    bores = "const b = document.getElementById('side').querySelector('.bore').parentElement.getBBox();"
+    page.open(finished.address)
+    page.wait_for(lambda: page.browser.find_elements("css selector", "#side .bore"))
+    assert not page.find("#show-above").is_displayed()
+    page.set("Start from", "t-junction")
+    page.wait_for(lambda: page.find("#show-above").is_displayed())
+    page.find("#example-targets").click()
+    page.wait_for(lambda: len(page.browser.find_elements("css selector", "#side .mark")) == 2)
+    side = page.run(f"{bores} return b.width / b.height")
+    page.find("#show-above").click()
+    above = page.run(f"{bores} return b.width / b.height")
+    # From the side 2 m wide and the branch high, from above 2.6 m to the right of the inlet's direction.
+    assert side > 2
+    assert above < 1
+    assert page.targets()["main"] == [2.0, -2.52, 0.0]
+    assert page.run(CONTRASTS) == [] and page.messages() == []
+    page.set("Start from", "pipe-inspection")
+    page.wait_for(lambda: not page.find("#show-above").is_displayed())
+    assert page.find("#show-side").get_attribute("aria-pressed") == "true"
 
 
 def test_a_search_in_a_pipe_of_parts_is_shown_as_one_in_a_straight_pipe(page, serve, folder, draft):

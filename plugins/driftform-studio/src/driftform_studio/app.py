@@ -104,7 +104,8 @@ class Studio:
         try:
             study = load_draft(text)
         except InputError as error:
-            return {"text": text, "errors": locate_errors([str(line) for line in error.args], text)}
+            errors = locate_errors([str(line) for line in error.args], text)
+            return {"text": text, "errors": errors, "outline": _outline_without_targets(draft)}
         self._warm_up()
         return {
             "text": text,
@@ -445,6 +446,14 @@ def _outline(scenario: Any) -> dict[str, Any]:
         "current": scenario.current().tolist(),
         "water": scenario.fluid.water_level,
     }
+
+
+def _outline_without_targets(draft: dict[str, Any]) -> dict[str, Any] | None:
+    """Return the outline of a draft whose targets are wrong, so that they can be moved; ``None`` if more is wrong."""
+    try:
+        return _outline(load_draft(write_draft({**draft, "targets": {}})).scenario)
+    except InputError:
+        return None
 
 
 def _axis_step(part: Any) -> float:

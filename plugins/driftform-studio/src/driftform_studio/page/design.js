@@ -81,7 +81,7 @@ export class Design {
   get segment() { return this.value("pipe", "segments")?.[0] ?? null; }
 
   // The parts of a pipe that is laid of parts; a straight one has none.
-  get parts() { return this.changes.pipe?.parts ?? (this.changes.pipe?.segments ? [] : this.preset.pipe.parts ?? []); }
+  get parts() { return this.segment ? [] : this.value("pipe", "parts") ?? []; }
 
   // A pipe in words: length of a straight one, bore at the inlet, and the angle by which it leads down there.
   get inlet() {
@@ -116,7 +116,7 @@ export class Design {
     const start = segment?.start ?? this.value("pipe", "start") ?? [0, 0, 0];
     const way = segment ? segment.end.map((v, i) => (v - segment.start[i]) / inlet.length) : this.value("pipe", "direction") ?? [1, 0, 0];
     const radius = round(inlet.diameter / 2, 1e-6);
-    if (parts.length === 1 && parts[0].kind === "straight") {
+    if (parts.length === 1 && parts[0].kind === "straight" && !this.preset.pipe.parts?.length) {
       const size = Math.hypot(...way);
       this.setPipe({ segments: [{ start, end: start.map((v, i) => round(v + (parts[0].length * way[i]) / size, 1e-6)), radius }] });
       return;
@@ -131,10 +131,15 @@ const isJunction = ({ kind }) => kind === "tee" || kind === "wye";
 // A pipe with branches has several outlets, and each needs a name.
 function nameOutlets(parts) {
   const ends = [];
-  const visit = (chain) => chain.forEach((part, i) => {
-    if (i === chain.length - 1) ends.push(part); else delete part.outlet;
-    if (isJunction(part)) visit(part.branch);
-  });
+  const visit = (chain) => {
+    // A chain that is longer or shorter than before ends in the same outlet.
+    const end = chain.at(-1), name = chain.findLast(({ outlet }) => outlet)?.outlet;
+    for (const part of chain) {
+      delete part.outlet;
+      if (part === end) { ends.push(part); if (name) part.outlet = name; }
+      if (isJunction(part)) visit(part.branch);
+    }
+  };
   visit(parts);
   if (ends.length === 1) { delete ends[0].outlet; return; }
   const used = new Set();
@@ -143,6 +148,15 @@ function nameOutlets(parts) {
     end.outlet = [..."ABCDEFGHIJKLMNOPQRSTUVWXYZ"].find((letter) => !used.has(letter)) ?? `outlet ${used.size}`;
     used.add(end.outlet);
   }
+}
+
+// Parts without names and outlets that are not given.
+function dropEmpty(parts) {
+  for (const part of parts) {
+    for (const key of ["name", "outlet"]) if (!part[key]) delete part[key];
+    if (part.branch) dropEmpty(part.branch);
+  }
+  return parts;
 }
 
 // What a new part begins with: sizes of the bore that it continues.
@@ -161,7 +175,7 @@ const KINDS = {
   uniform: "Uniform (no wall friction)", power_law: "Power law", log_law: "Logarithmic law (real pipe)", developing: "Developing from the inlet", turbulent: "Logarithmic law with gusts",
 };
 const PART_LABELS = {
-  length: "Length", radius: "Radius", angle_deg: "Angle", roll_deg: "Direction, 180 is down", branch_radius: "Branch radius", share: "Share of the water", fillet: "Rounding", name: "Name", outlet: "Outlet",
+  length: "Length", radius: "Radius", angle_deg: "Angle", roll_deg: "Roll, 180 is down", branch_radius: "Branch radius", share: "Share of the water", fillet: "Rounding", name: "Name", outlet: "Outlet",
 };
 const LABELS = { speed: "Mean speed", roughness: "Wall roughness", exponent: "Exponent n", intensity: "Strength of gusts", memory: "Memory of gusts", crossing: "Crossing (beta)", smoothing: "Smallest eddies", acceleration: "Acceleration" };
 const WATERS = { "Fresh, 15 °C": [999.1, 1.14e-6], "Sea, 20 °C": [1024, 1.05e-6] };
@@ -220,7 +234,7 @@ export class Fields {
   showPipe() {
     const { design } = this;
     const { segment } = design;
-    const parts = copy(design.parts);
+    const parts = dropEmpty(copy(design.parts));
     find("pipe-parts").replaceChildren();
     if (!segment && !parts.length) { find("pipe-fields").replaceChildren(make("p", { class: "hint wide" }, "Open water: no pipe.")); return; }
     const field = (label, unit, key, errors) => this.number(label, unit, design.inlet[key], errors, (value) => design.setInlet({ [key]: value }));

@@ -20,23 +20,51 @@ export class Side {
     this.chosen = this.reach = this.flown = this.profile = null; // chosen: a target, or "" for a picked agent
     this.view = null;
     this.listen();
+    this.fromAbove = false;
     this.width = 0;
     new ResizeObserver(() => { if (Math.abs(svg.clientWidth - this.width) > 1) this.fit(); }).observe(svg);
   }
 
-  // The horizontal direction of the inlet runs to the right, z upward.
+  // The horizontal direction of the inlet runs to the right; z upward from the side, and what lies on the left hand from above.
   get right() {
     const [dx, dy] = this.outline.current;
     const level = Math.hypot(dx, dy);
     return level > 1e-9 ? [dx / level, dy / level, 0] : [1, 0, 0];
   }
 
-  flat(point) { return [dot(point, this.right), point[2]]; }
+  get up() {
+    const [x, y] = this.right;
+    return this.fromAbove ? [-y, x, 0] : [0, 0, 1];
+  }
+
+  flat(point) { return [dot(point, this.right), dot(point, this.up)]; }
+
+  // How far a point is from the plane of the view.
+  depth([x, y, z]) {
+    const [right, up] = [this.right, this.up];
+    return x * (right[1] * up[2] - right[2] * up[1]) + y * (right[2] * up[0] - right[0] * up[2]) + z * (right[0] * up[1] - right[1] * up[0]);
+  }
+
+  // Looks from the side, or from above.
+  turn(fromAbove) {
+    if (fromAbove === this.fromAbove) return;
+    this.fromAbove = fromAbove;
+    this.svg.setAttribute("aria-label", `The pipe from ${fromAbove ? "above" : "the side"}, to scale`);
+    this.bores = this.outline.axes.map((axis) => this.flatten(axis));
+    this.fit();
+  }
+
+  // Whether the view from the side does not show all of the pipe.
+  get isSpatial() {
+    const [x, y] = this.right;
+    const beside = this.outline.axes.flatMap(({ points }) => points.map((p) => p[0] * y - p[1] * x));
+    return Math.max(...beside) - Math.min(...beside) > 1e-6;
+  }
 
   // The point of the world that is seen at a point, as deep as another point.
   world([across, up], depth) {
-    const away = across - dot(depth, this.right);
-    return [depth[0] + away * this.right[0], depth[1] + away * this.right[1], up].map((v) => round(v, 1e-4));
+    const found = plus(depth, this.right, across - dot(depth, this.right));
+    return plus(found, this.up, up - dot(found, this.up)).map((v) => round(v, 1e-4));
   }
 
   get box() {
@@ -130,7 +158,7 @@ export class Side {
   // An axis as it is seen: its points, and the edges of the bore at right angles to it. One that leads into the depth is seen as
   // the balls that roll through it.
   flatten({ points, radii }) {
-    const [depth, ...others] = points.map((p) => p[0] * this.right[1] - p[1] * this.right[0]);
+    const [depth, ...others] = points.map((p) => this.depth(p));
     const isDeep = others.some((v) => Math.abs(v - depth) > 1e-6);
     const middle = points.map((p) => this.flat(p));
     const way = (a, b) => { const size = Math.hypot(...sub(b, a)) || 1e-9; return sub(b, a).map((v) => v / size); };
@@ -174,7 +202,7 @@ export class Side {
       );
     }
     const { water } = this.outline;
-    if (water !== null && this.bores.length) {
+    if (water !== null && this.bores.length && !this.fromAbove) {
       const [x0, x1] = this.box;
       shapes.push(draw("path", { class: "surface", d: this.line([[x0, water], [x1, water]]) }));
     }
@@ -263,7 +291,7 @@ export class Side {
     const where = position.map((v) => v.toFixed(2).replace("-", "−"));
     return draw("g", {
       class: "mark", transform: `translate(${x.toFixed(1)} ${y.toFixed(1)})`, tabindex: 0, role: "button", "data-name": name,
-      "aria-label": `Target ${name} at x ${where[0]} m, z ${where[2]} m.${edit ? " Arrow keys move it, Delete removes it." : ""}`,
+      "aria-label": `Target ${name} at x ${where[0]} m, y ${where[1]} m, z ${where[2]} m.${edit ? " Arrow keys move it, Delete removes it." : ""}`,
     },
       draw("circle", { class: "hit", r: 16 }), draw("circle", { class: "ring", r: 13 }),
       draw("path", { class: "halo", d: cross }), draw("path", { d: cross, stroke: colour(number) }),
@@ -271,7 +299,7 @@ export class Side {
   }
 
   drawReach() {
-    if (!this.reach) return [];
+    if (!this.reach || this.fromAbove) return [];
     const { origin, axes, size, columns, rows, classes, colours } = this.reach;
     const corner = (c, r) => this.flat(plus(plus(origin, axes[0], c * size[0]), axes[1], (r - rows / 2) * size[1]));
     const paths = new Map();
@@ -426,7 +454,7 @@ export class Side {
         event.preventDefault();
         const { position } = this.outline.targets.find((t) => t.name === name);
         const step = event.shiftKey ? 0.1 : 0.01;
-        const moved = plus(plus(position, this.right, step * arrow[0]), [0, 0, 1], step * arrow[1]).map((v) => round(v, 1e-4));
+        const moved = plus(plus(position, this.right, step * arrow[0]), this.up, step * arrow[1]).map((v) => round(v, 1e-4));
         if (this.contains(moved)) { this.acts.move(name, moved); this.tell(name, { point: moved, words: [] }); }
         else this.acts.say(`${name}: the wall is here`);
         return;

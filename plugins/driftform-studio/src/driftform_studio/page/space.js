@@ -47,8 +47,9 @@ function measure(scene, axes) {
   const [low, high] = [Math.min, Math.max].map((most) => [0, 1, 2].map((i) => most(...points.map((p) => p[i]))));
   const size = Math.max(...axes.flatMap(({ radii }) => radii));
   const corner = (end, sign) => [0, 1].map((i) => end[i] + sign * size);
-  // The view is wider than it is high.
-  const length = Math.max(Math.hypot(high[0] - low[0], high[1] - low[1]), 2.6 * (high[2] - low[2] + 2 * size));
+  // The view is wider than it is high, and what is near looks larger.
+  const [dx, dy, dz] = sub(high, low);
+  const length = Math.max(Math.hypot(dx, dy), 2.6 * (dz + 2 * size)) + 0.8 * dy;
   return { ...scene, centre: low.map((v, i) => (v + high[i]) / 2), length, size, extent: [corner(low, -1), corner(high, 1)] };
 }
 

@@ -82,12 +82,15 @@ const check = latest(async () => {
   const others = fields.showErrors(answer.errors);
   find("start").disabled = answer.errors.length > 0;
   showProblems(others.map(({ line }) => ({ line, wrong: true })));
-  if (answer.errors.length) { checked = null; return; }
-  checked = answer;
-  fields.showOutlets(answer.outline);
-  // A target that was dragged on meanwhile stays where it is.
-  side.show({ ...answer.outline, targets: fields.listPlaces() });
-  find("views").dataset.drawn = "";
+  checked = answer.errors.length ? null : answer;
+  if (answer.outline) {
+    fields.showOutlets(answer.outline);
+    // A target that was dragged on meanwhile stays where it is.
+    side.show({ ...answer.outline, targets: fields.listPlaces() });
+    offerViews();
+    find("views").dataset.drawn = "";
+  }
+  if (!checked) return;
   fields.flights.querySelector("input").placeholder = answer.evaluations;
   examineSoon();
 });
@@ -186,6 +189,7 @@ async function openRun(name, key = null) {
   say("");
   side.profile = info.scene.profile;
   side.show(info.outline);
+  offerViews();
   find("views").dataset.drawn = "";
   space.show(info.scene, info.outline);
   showCommands(info.text);
@@ -582,13 +586,22 @@ function showView(name) {
   const spatial = name === "space";
   find("side").toggleAttribute("hidden", spatial);
   find("space-stage").hidden = !spatial;
-  find("show-side").setAttribute("aria-pressed", String(!spatial));
+  find("show-side").setAttribute("aria-pressed", String(name === "side"));
+  find("show-above").setAttribute("aria-pressed", String(name === "above"));
+  if (!spatial) side.turn(name === "above");
   find("show-space").setAttribute("aria-pressed", String(spatial));
   find("reach-choice").hidden = spatial || !run?.info.outline.axes.length;
   find("legend").hidden = spatial || !side.reach;
   if (spatial) { space.draw(); showMoment(); } else { side.draw(); showMoment(); }
 }
 find("show-side").addEventListener("click", () => showView("side"));
+find("show-above").addEventListener("click", () => showView("above"));
+
+// A pipe that leaves the plane of the side view is shown from above, too.
+function offerViews() {
+  find("show-above").hidden = !side.isSpatial;
+  if (!side.isSpatial && side.fromAbove) showView("side");
+}
 find("show-space").addEventListener("click", () => showView("space"));
 const zoom = (factor) => { if (find("space-stage").hidden) side.zoom(factor); else space.view?.zoom(1 / factor); };
 find("zoom-in").addEventListener("click", () => zoom(1.4));
@@ -619,8 +632,15 @@ function showCommands(text) {
 }
 for (const button of document.querySelectorAll("[data-copy]"))
   button.addEventListener("click", async () => {
-    await navigator.clipboard.writeText(find(button.dataset.copy).textContent);
-    button.textContent = "Copied";
+    const text = find(button.dataset.copy);
+    try {
+      await navigator.clipboard.writeText(text.textContent);
+      button.textContent = "Copied";
+    } catch {
+      // A browser may forbid it; what is selected can be copied by hand.
+      getSelection().selectAllChildren(text);
+      button.textContent = "Selected";
+    }
     setTimeout(() => { button.textContent = "Copy"; }, 1500);
   });
 
