@@ -24,7 +24,7 @@ from driftform.testing.films import draw_world, film_flight, place_drop
 
 pytestmark = pytest.mark.slow
 
-TRIALS = int(os.environ.get("COUNT", 100))
+TRIALS = int(os.environ.get("COUNT", "100"))
 PITCHES_DEG = (-45.0, 0.0, 45.0)
 SEED = 23
 ENOUGH = 30
