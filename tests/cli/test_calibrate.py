@@ -159,7 +159,7 @@ def test_drops_are_planned_with_a_page_and_a_study_for_each(call: Call) -> None:
     assert gains == sorted(gains, reverse=True) and gains[-1] > 0
     assert set(plan["expected"]) | set(plan["reasons"]) == FACTORS
     page = Path("plan/protocol.html").read_text(encoding="utf-8")
-    for text in ("Weigh the print", "Place the camera", "Ruler", "200 mm from 0 to 200"):
+    for text in ("Weigh the print", "Place the camera", "Ruler", "150 mm from 0 to 150"):
         assert text in page
     assert "http://" not in page.replace("http://www.w3.org/2000/svg", "") and "https://" not in page
     for number, drop in enumerate(plan["drops"], start=1):
