@@ -20,6 +20,8 @@ from driftform.dynamics.fitting_walls import (
     BEND,
     CURVE,
     END_RADIUS,
+    FIELD,
+    FIELD_SIZE,
     KIND,
     LENGTH,
     RADIUS,
@@ -40,6 +42,7 @@ from driftform.dynamics.profiles import (
     spread_across,
     spread_profile,
 )
+from driftform.dynamics.tee_flow import tee_motion
 from driftform.dynamics.vectors import ZERO, Rotation, Vector
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
@@ -68,6 +71,9 @@ def fitting_flow(point: Vector, f: FloatArray, kind: float, spread: Spread) -> t
         velocity, gradient = _flow_in_bend(p, f, o)
     elif part == REDUCER:
         velocity, gradient = _flow_in_reducer(p, f, o)
+    elif part == TEE:
+        start = int(f[o + FIELD])
+        velocity, gradient = tee_motion(p, f[start : start + int(f[o + FIELD_SIZE])])
     else:
         axis = turn_to_part(spread[0], f, o)
         square = spread_across((axis, spread[1], spread[2]), (1.0, 0.0, 0.0))

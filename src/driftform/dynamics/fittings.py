@@ -33,6 +33,8 @@ from driftform.dynamics.fitting_walls import (
     END_RADIUS,
     EXIT,
     EXTENT,
+    FIELD,
+    FIELD_SIZE,
     FILLET,
     HEAD,
     INNER,
@@ -53,6 +55,7 @@ from driftform.dynamics.fitting_walls import (
 )
 from driftform.dynamics.flow import profile_parameter
 from driftform.dynamics.grid_flow import load_grid
+from driftform.dynamics.tee_flow import tee_field
 from driftform.errors import InputError
 from driftform.geometry.pipe_parts import (
     Bend,
@@ -65,7 +68,7 @@ from driftform.geometry.pipe_parts import (
     exact_sine,
 )
 from driftform.scenario import Flow, GridFlow, Pipe, Scenario
-from driftform.scenario.layout import BEYOND, Layout
+from driftform.scenario.layout import BEYOND, Layout, Placed
 from driftform.types import FloatArray
 
 CHANGE = 2.0
@@ -105,8 +108,8 @@ def fitting_array(scenario: Scenario) -> FloatArray | None:
 @lru_cache(maxsize=16)
 def _make_array(pipe: Pipe, flow: Flow, viscosity: float) -> FloatArray:
     rows = wall_rows(pipe.layout)
-    _fill_flow(rows, pipe.layout, flow, viscosity)
-    values = np.concatenate([[float(len(rows))], rows.ravel()])
+    fields = _fill_flow(rows, pipe.layout, flow, viscosity)
+    values = np.concatenate([[float(len(rows))], rows.ravel(), *fields])
     values.flags.writeable = False
     return values
 
@@ -196,7 +199,10 @@ class _Joint:
     share: float = 0.0
 
 
-def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -> None:
+def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -> list[FloatArray]:
+    """Write the flow of all parts to their rows; return the fields of the tees, which follow the rows."""
+    fields: list[FloatArray] = []
+    place = HEAD + rows.size
     parts = [placed.part for placed in layout.parts]
     ahead: dict[int, int] = {
         p.upstream: k for k, p in enumerate(layout.parts) if p.upstream is not None and not p.by_branch
@@ -207,7 +213,10 @@ def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -
         row[SPEED] = speed
         match placed.part:
             case Tee():
-                raise InputError(f"{placed.key}: flights through a {placed.name} are not possible yet")
+                field = _make_field(placed, speed)
+                row[FIELD], row[FIELD_SIZE] = place, len(field)
+                fields.append(field)
+                place += len(field)
             case Straight():
                 ends = _neighbours(layout, ahead, k)
                 _fill_straight(
@@ -233,6 +242,19 @@ def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -
         opening = outlet.opening
         straight = Straight(opening.centre, opening.axes, opening.radius, row[LENGTH])
         _fill_straight(row, straight, speed, flow, viscosity, [_joint(parts, shares, outlet.part), nothing])
+    return fields
+
+
+def _make_field(placed: Placed, speed: float) -> FloatArray:
+    """Return the flow in a tee that the water enters at the mean ``speed`` (m/s)."""
+    tee = placed.part
+    assert isinstance(tee, Tee)
+    flux = speed * math.pi * tee.radius**2
+    through, side = (1 - tee.share) * flux, tee.share * flux
+    try:
+        return tee_field(tee.radius, tee.branch_radius, tee.angle, tee.fillet, through, side)
+    except ValueError as error:
+        raise InputError(f"{placed.key}: {error}") from None
 
 
 def _neighbours(layout: Layout, ahead: Mapping[int, int], k: int) -> tuple[int | None, int | None]:

@@ -40,7 +40,7 @@ SAFETY_FACTOR = 2.0
 """Estimated error of a flight over its distance from the second integration.
 
 Both integrations sometimes err alike, for example after the same collision, so the estimate is not a bound. Of 2000
-random agents in `pipe-inspection` it is at least the true error for 99.3 %, 17 times that in the median (18 if errors
+random agents in `paper` it is at least the true error for 99.3 %, 17 times that in the median (18 if errors
 were proportional to the tolerance), and at most 100 times for 88 %; 0.2 % are off by more than the millimetre that is
 asked for, by 2.1 mm at most.
 """

@@ -59,7 +59,7 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
     top, magnification = 80.0, 1
     for view in views:
         points = [line, targets, pipe_points(scenario.pipe, view)]
-        if body is not None and not scenario.pipe.segments:
+        if body is not None and scenario.pipe.is_open:
             # Without this margin, a body that hardly moves would fill the window.
             room = 1.5 * max(body.length, body.max_diameter)
             points.append(line[0] + room * np.vstack([np.eye(3), -np.eye(3)]))
@@ -117,7 +117,7 @@ def _write_captions(
     if body is not None:
         scale = "to scale" if magnification == 1 else f"magnified {magnification} times about the core"
         # A magnified body that slides along the wall looks as if it were stuck in the wall.
-        scale += ", so some cross the wall" if magnification > 1 and scenario.pipe.segments else ""
+        scale += ", so some cross the wall" if magnification > 1 and not scenario.pipe.is_open else ""
         captions.append(f"Silhouettes: attitude at equal distances along the path, {scale}.")
     # Two short sentences share a line.
     return [" ".join(captions[:2]), *captions[2:]] if nearest is not None else captions

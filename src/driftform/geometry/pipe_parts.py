@@ -291,6 +291,56 @@ class Tee(PipePart):
         return np.asarray(run | ((along >= 0) & (along <= side + margin) & (across <= self.branch_radius)))
 
 
+def locate_on_axis(
+    part: PipePart, points: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
+    """Return where points of the world frame (m, (n, 3)) lie along the axis of a part.
+
+    That is the distance from the entry along the axis (m, (n,)), the nearest point of the axis (m, (n, 3)), the axes there
+    (downstream, left, up, (n, 3, 3)), and whether that axis is the one of a branch, (n,).
+    """
+    local = part.to_local(points)
+    along, on_branch = local[:, 0], np.zeros(len(points), dtype=bool)
+    feet, directions = _along_x(along), np.tile(np.array([1.0, 0.0, 0.0]), (len(points), 1))
+    match part:
+        case Bend():
+            turn = np.arctan2(local[:, 0], part.bend_radius - local[:, 2])
+            turn = np.where(turn < 0.5 * (part.angle - 2 * np.pi), turn + 2 * np.pi, turn)
+            along, s, c = part.bend_radius * turn, np.sin(turn), np.cos(turn)
+            feet = part.bend_radius * np.column_stack([s, np.zeros(len(s)), 1 - c])
+            directions = np.column_stack([c, np.zeros(len(s)), s])
+        case Tee():
+            ray = np.array([exact_cosine(part.angle), 0.0, exact_sine(part.angle)])
+            t = local @ ray
+            across = np.linalg.norm(local - t[:, None] * ray, axis=1) - part.branch_radius
+            on_branch = (t > 0) & (across < np.hypot(local[:, 1], local[:, 2]) - part.radius)
+            feet = np.where(on_branch[:, None], t[:, None] * ray, feet)
+            directions = np.where(on_branch[:, None], ray, directions)
+            along = part.legs[0] + np.where(on_branch, t, along)
+    unit = directions @ part.axes
+    axes = (
+        np.stack([upright_axes(x, carry_axes(x, part.axes)) for x in unit])
+        if len(unit)
+        else np.empty((0, 3, 3))
+    )
+    return along, part.to_world(feet), axes, on_branch
+
+
+def carry_axes(direction: FloatArray, axes: FloatArray) -> FloatArray:
+    """Return axes (rows, (3, 3)) turned the shortest way so that the first has a ``direction``, a unit vector, (3,)."""
+    x, cosine = axes[0], float(axes[0] @ direction)
+    if cosine > 1 - 1e-12:
+        return axes
+    across = np.cross(x, direction) if cosine > -1 + 1e-12 else axes[1]
+    cross = np.array([[0, -across[2], across[1]], [across[2], 0, -across[0]], [-across[1], across[0], 0]])
+    turn = (
+        np.eye(3) + cross + cross @ cross / (1 + cosine)
+        if cosine > -1 + 1e-12
+        else 2 * np.outer(across, across) - np.eye(3)
+    )
+    return np.asarray(axes @ turn.T)
+
+
 def tee_legs(radius: float, branch_radius: float, angle: float, fillet: float) -> tuple[float, float, float]:
     """Return the distances (m) from the origin of a tee to its upstream end, its downstream end, and the end of its branch.
 

@@ -117,6 +117,10 @@ class Layout:
                 )
         return depths
 
+    def junction_depth(self, index: int) -> float:
+        """Return the distance (m) along the axes from the inlet to where the branch of a tee begins."""
+        return float(self.depths[index] + self._length_to_junction(index))
+
     def find_part(self, points: FloatArray) -> npt.NDArray[np.int64]:
         """Return the index of the first part in which each of ``points`` (m, (n, 3)) lies, -1 for one outside, (n,)."""
         found = np.full(len(points), -1)
@@ -200,7 +204,7 @@ class Layout:
             higher = self.parts[second].upstream
             assert higher is not None
             second = higher
-        return float(self.depths[second] + self._length_to_junction(second))
+        return self.junction_depth(second)
 
 
 class LayoutError(ValueError):
