@@ -51,11 +51,14 @@ def test_the_document_has_factors_residual_and_files(call: Call, track: Path) ->
     assert [Path(path).name for path in found["files"]] == [
         "calibration.toml",
         "agent.json",
+        "report.html",
         "tracks.svg",
         "factors.svg",
     ]
     table = tomllib.loads(Path("found/calibration.toml").read_text(encoding="utf-8"))
     assert table == {"calibration": found["calibration"]}
+    page = Path("found/report.html").read_text(encoding="utf-8")
+    assert page.count("<svg") == 2 and "cross_drag = [" in page and 'class="seen"' in page
     # The agent remembers it, and any study takes it.
     remembered = call("inspect", "found/agent.json", "--json")
     assert json.loads(remembered.stdout)["calibration"]["cross_drag"]["value"] == pytest.approx(

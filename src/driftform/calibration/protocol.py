@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
 from typing import Any
 
 from driftform.calibration.experiment import Drop, Plan, Tank, describe_plan
+from driftform.calibration.page import make_page
 from driftform.figures.drops import DropPicture, drop_svg, ruler_svg
 from driftform.figures.section import section_svg
 from driftform.types import Agent
@@ -18,19 +18,6 @@ TABLES = ("pipe", "flow", "fluid", "release", "contact", "flight", "robustness")
 
 DISTANCE = 8.0
 """Distance of the camera over the length of the tank's picture: nearer, perspective bends the paths."""
-
-_STYLE = """
-body { font: 14px/1.45 system-ui, sans-serif; max-width: 820px; margin: 1.5em auto; padding: 0 1em; color: #1f2a36 }
-h1 { font-size: 1.5em; margin: 0 } h2 { font-size: 1.1em; margin: 1.2em 0 .3em }
-table { border-collapse: collapse; margin: .5em 0 } th, td { padding: .2em .9em .2em 0; text-align: left }
-th { border-bottom: 1px solid #586673 } .drops { display: flex; flex-wrap: wrap; gap: 2% }
-.drops svg { width: 32%; height: auto }
-.blank { border-bottom: 1px solid #586673; min-width: 6em; display: inline-block }
-svg { max-width: 100% } .ruler svg { max-width: none } code { background: #f1f7fb }
-@page { size: A4; margin: 10mm }
-@media print { body { margin: 0; padding: 0; font-size: 10px; line-height: 1.3 } h2 { margin: .5em 0 .1em }
-  .drops svg { width: 25% } .agent svg { max-height: 32mm } }
-"""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -153,9 +140,8 @@ class DropPlan:
             drop_svg(self._picture(numbers), self.agent.body, size.length, size.depth)
             for numbers in self._group_drops()
         )
-        return (
-            f"<!doctype html><html lang=en><meta charset=utf-8><title>Drops of {escape(self.name)}</title>"
-            f"<style>{_STYLE}</style><h1>Drops of {escape(self.name)}</h1>"
+        return make_page(
+            f"Drops of {self.name}",
             f"<p>Tank {1000 * size.length:.0f} x {1000 * size.width:.0f} mm, water {1000 * size.depth:.0f} mm deep.</p>"
             f"<h2>Releases</h2>{show_table(heads, rows)}<div class=drops>{pictures}</div>"
             f"<h2>What to do</h2><ol>{''.join(f'<li>{step}</li>' for step in steps)}</ol>"
@@ -164,7 +150,7 @@ class DropPlan:
             f"<h2>What the films are expected to show</h2>"
             f"{show_table(('factor', 'half of the 90 % interval', 'known'), expected)}"
             f"<h2>Ruler</h2><div class=ruler>{ruler_svg()}</div>"
-            f"<h2>The agent</h2><div class=agent>{section_svg(self.agent, self.name)}</div></html>\n"
+            f"<h2>The agent</h2><div class=agent>{section_svg(self.agent, self.name)}</div>",
         )
 
     def _group_drops(self) -> list[list[int]]:
