@@ -17,6 +17,7 @@ from typer.testing import CliRunner
 from driftform.cli.app import app
 from driftform.study import load_study
 
+ROOT = Path(__file__).parents[2]
 PARTS = Path(__file__).with_name("cli_parts.md")
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 
@@ -202,6 +203,11 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "check": ["check", WORD, "--no-programs"],
         "trim": ["trim", WORD, "--printed-mass", "0.0515", "--simulator", "native"],
         "report": ["report", str(run)],
+        "calibrate": [
+            *("calibrate", "C", str(ROOT / "docs/tracks/ten-cate-e4.csv"), "--fit", "cross_drag"),
+            *("--out", f"{here}/calibration"),
+        ],
+        "drop": ["drop", WORD, "--drops", "1", "--tank", "0.5", "0.5", "0.4", "--out", f"{here}/drops"],
         "plugins list": ["plugins", "list"],
         "plugins show": ["plugins", "show", "paper"],
         "plugins new": ["plugins", "new", "driftform-try", "--seam", "fitness", "--out", f"{here}/try"],

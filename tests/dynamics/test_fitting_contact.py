@@ -166,7 +166,12 @@ def test_a_body_that_bounces_without_loss_keeps_its_energy_and_stays_inside(name
     open_model = flight_model(agent, still_scenario([{"length": 1.0}]))
     spacing = rim_spacing(scenario.pipe.layout)
     rows = rows_of(refined_surfaces(agent.body, spacing))
-    model = open_model._replace(surfaces=rows, fittings=walls_of(scenario), pipe=np.empty((0, 8)))
+    model = open_model._replace(
+        surfaces=rows,
+        touches=np.zeros((len(rows), 10)),
+        fittings=walls_of(scenario),
+        pipe=np.empty((0, 8)),
+    )
     start = release_state(open_model, scenario)
     start[10:] = (3.0, 1.0, -2.0)
     samples = integrate_once(model, start, 3.0, Accuracy(tolerance=1e-9, max_step=0.01))

@@ -15,7 +15,6 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from driftform.dynamics.flow import (
-    MIN_WALL_DISTANCE,
     flow_array,
     friction_factor,
     gust_array,
@@ -24,6 +23,7 @@ from driftform.dynamics.flow import (
     water_motion,
 )
 from driftform.dynamics.model import flight_model
+from driftform.dynamics.profiles import MIN_WALL_DISTANCE
 from driftform.dynamics.terminal import terminal_speed_across
 from driftform.scenario import (
     DevelopingFlow,

@@ -157,6 +157,15 @@ def test_without_conditions_nothing_is_flown(store: Store) -> None:
     assert store.list_disturbed() == set()
 
 
+def test_a_run_of_which_every_evaluation_failed_has_no_last_round(tmp_path: Path) -> None:
+    study, seen = study_of("simulator.step_limit=1"), []
+    executor = InProcess(study.make_pipeline())
+    with Store.create(tmp_path / "run.db", dict(study.document)) as store:
+        run_search(study, store, executor)
+        fly_finalists(study, store, executor, lambda done, total: seen.append((done, total)))
+        assert store.list_disturbed() == set() and seen == []
+
+
 def test_a_robust_fitness_is_the_mean_the_quantile_or_the_worst():
     fitness = np.array([90.0, 95.0, 85.0, 50.0])
     assert robust_fitness(fitness, Robustness(score="mean")) == 80.0

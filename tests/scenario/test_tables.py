@@ -19,7 +19,7 @@ def scenario(**tables):
     return Scenario.model_validate({"pipe": PIPE, **tables})
 
 
-@pytest.mark.parametrize("kind", [kind for kind in FLOWS if kind != "uniform"])
+@pytest.mark.parametrize("kind", [kind for kind in FLOWS if kind not in ("uniform", "grid")])
 def test_a_profile_needs_a_pipe(kind):
     with pytest.raises(ValidationError, match=f"flow.kind = '{kind}' needs a pipe"):
         Scenario.model_validate({"flow": {"kind": kind}})

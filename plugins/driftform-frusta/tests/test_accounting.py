@@ -206,7 +206,7 @@ def test_a_study_of_kits_states_how_they_are_cut_and_its_agents_weigh_more():
     again = load_study(Document("stored", study.document), run={"seed": 0})
     assert again.document["builder"]["kit"]["lap"] == 0.006
     assert again.document["builder"]["kit"]["joint"] == "rabbet"
-    pipeline, plain = again.make_pipeline(), load_study(run={"seed": 0}).make_pipeline()
+    pipeline, plain = again.make_pipeline(), load_study("paper", run={"seed": 0}).make_pipeline()
     genome = plain.grammar.random(np.random.default_rng(5))
     added = pipeline.make_agent(genome).mass.mass - plain.make_agent(genome).mass.mass
     assert 2e-4 < added < 5e-3

@@ -56,7 +56,8 @@ def test_mean_ages_are_those_of_epanet(tmp_path: Path, epanet: Any) -> None:
         part = np.where(reached, visits.node_visits, 0) * snapshot.departure[source]
         flux += part
         sum_of_ages += part * np.where(reached, visits.node_age, 0)
-    ages = epanet.simulate_quality(path, "Age", 60, 20, 1e-4)
+    # The slowest link takes 125 h.
+    ages = epanet.simulate_quality(path, "Age", 400, 300, 1e-4)
     with np.errstate(invalid="ignore"):
         mean = sum_of_ages / flux
     # Of older water, EPANET's simulation has not seen all.

@@ -78,6 +78,37 @@ def test_an_error_of_the_core_is_shown_as_it_is_at_its_field(tables, key, words)
     assert error["key"] == key
 
 
+TEE = {
+    "kind": "tee",
+    "branch_radius": 0.3,
+    "share": 0.4,
+    "branch": [{"kind": "straight", "length": 2.0, "outlet": "B"}],
+}
+"""A tee with its branch."""
+
+
+@pytest.mark.parametrize(
+    ("parts", "key", "words"),
+    [
+        ([{"kind": "bend", "radius": 0.1}], "pipe.parts[1].radius", "tighter than its bore"),
+        ([{"kind": "straight", "length": -1.0}], "pipe.parts[1].length", "greater than or equal"),
+        ([{"kind": "spiral"}], "pipe.parts[1].kind", "unknown kind"),
+        ([{**TEE, "share": 1.4}], "pipe.parts[1].share", "less than or equal to 1"),
+        ([{**TEE, "branch_radius": 3.0}], "pipe.parts[1].branch_radius", "wider than the run"),
+        (
+            [{**TEE, "branch": [{"kind": "bend", "radius": 0.1, "outlet": "B"}], "outlet": "A"}],
+            "pipe.parts[1].branch[0].radius",
+            "tighter than its bore",
+        ),
+        ([TEE], "pipe.parts[1]", "has no name"),
+    ],
+)
+def test_an_error_of_a_part_is_shown_at_its_field_also_in_a_branch(parts, key, words):
+    pipe = {"segments": [], "radius": 1.0, "parts": [{"kind": "straight", "length": 9.0}, *parts]}
+    error = errors_of({"base": "pipe-inspection", "targets": {}, "pipe": pipe})[0]
+    assert error["key"] == key and words in error["line"]
+
+
 def test_an_error_names_the_line_of_the_study_that_the_page_shows():
     draft = check_draft(
         {"base": "pipe-inspection", "title": "Mine", "flow": {"kind": "log_law", "speed": 0}, "targets": {}}

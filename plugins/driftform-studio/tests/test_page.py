@@ -5,6 +5,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import struct
 import time
 import zipfile
@@ -123,7 +124,8 @@ class Page:
     def at(self, x, z):
         """Return the place of a point of the pipe on the side view, px from its middle."""
         return self.run(
-            "const svg = document.getElementById('side'), box = svg.getBoundingClientRect();"
+            "const svg = document.getElementById('side'); svg.scrollIntoView({ block: 'center' });"
+            "const box = svg.getBoundingClientRect();"
             "const bore = svg.querySelector('.bore').getBBox();"
             "return [bore.x + bore.width * arguments[0] / 9 - box.width / 2, bore.y + bore.height * (1 - arguments[1]) / 2 - box.height / 2];",
             x,
@@ -142,7 +144,7 @@ class Page:
         rows = self.browser.find_elements("css selector", ".target:not(.head)")
         return {
             row.find_element("css selector", "input[type=text]").get_attribute("value"): [
-                float(field.get_attribute("value"))
+                float(field.get_attribute("value") or "nan")
                 for field in row.find_elements("css selector", "input[type=number]")
             ]
             for row in rows
@@ -201,7 +203,7 @@ def long_run(serve, long_draft, wait_for):
 
 
 def test_the_whole_way_from_an_empty_page_to_a_kit(page, serve, folder, browser):
-    from selenium.webdriver import ActionChains
+    from selenium.webdriver import ActionChains, Keys
 
     server = serve()
     page.open(server.address)
@@ -221,7 +223,7 @@ def test_the_whole_way_from_an_empty_page_to_a_kit(page, serve, folder, browser)
     page.wait_for(lambda: page.targets()["T2"][2] == -1.0)
     assert "wall" in page.text("hint") and page.targets()["T2"][0] == pytest.approx(7.5, abs=0.1)
     name = page.find(".target[data-name=T2] input[type=text]")
-    name.clear()
+    name.send_keys(Keys.CONTROL, "a")
     name.send_keys("leak\t")
     page.wait_for(lambda: "leak" in page.targets())
     page.click(5.0, 0.5)
@@ -541,6 +543,101 @@ def test_an_error_of_the_core_is_shown_at_its_field(page, finished):
     page.wait_for(lambda: "has no [targets]" in page.text("targets-error"))
     page.field("Inner diameter").send_keys("00000")
     page.wait_for(lambda: "radius" in page.find("form .error[id^=error]").text)
+
+
+def add_part(page, kind, to="pipe"):
+    """Add a part at the end of the pipe, or of the last branch."""
+    from selenium.webdriver.support.ui import Select
+
+    lists = page.browser.find_elements("css selector", f"[aria-label='Add a part to the {to}']")
+    count = len(page.browser.find_elements("css selector", ".part"))
+    Select(lists[-1]).select_by_value(kind)
+    page.wait_for(lambda: len(page.browser.find_elements("css selector", ".part")) > count)
+
+
+def test_a_pipe_is_laid_of_parts_and_drawn_to_scale(page, finished):
+    page.open(finished.address)
+    page.set("Length", "4")
+    add_part(page, "bend")
+    page.wait_for(lambda: "bend" in page.text("study"))
+    # A bend down of 3 m about (4, -3): the outlet is at (7, -3), and looks down.
+    page.wait_for(lambda: len(page.browser.find_elements("css selector", "#side .bore")) == 2)
+    left, top, right, bottom, end = page.run(
+        "const box = (e) => e.getBBox(), bores = [...document.querySelectorAll('#side .bore')].map(box);"
+        "const straight = bores[0], bend = bores[1], metre = straight.width / 4;"
+        "return [bend.x - straight.x, bend.y - straight.y, bend.x + bend.width - straight.x, bend.y + bend.height - straight.y,"
+        "straight.height].map((v) => v / metre);"
+    )
+    assert [left, top, right, bottom, end] == pytest.approx([4, 0, 8, 4, 2], abs=0.03)
+    page.find("[data-outlet=outlet]").click()
+    page.wait_for(lambda: page.targets() == {"out": [7.0, 0.0, -3.0]})
+    assert 'out = "outlet"' in page.text("study")
+    # A tee needs names of its outlets, and gets them.
+    add_part(page, "tee")
+    add_part(page, "reducer", "branch")
+    page.wait_for(lambda: "did you mean" in page.text("targets") or "no such outlet" in page.text("targets"))
+    page.find("[aria-label='Remove out']").click()
+    page.wait_for(lambda: len(page.browser.find_elements("css selector", "[data-outlet]:not(.target)")) == 2)
+    for outlet in "BA":
+        page.find(f"button[data-outlet={outlet}]").click()
+    page.wait_for(lambda: list(page.targets()) == ["outlet-B", "outlet-A"])
+    page.until(
+        "document.querySelectorAll('#side .mark').length === 2 && document.querySelector('#side .current')"
+    )
+    page.picture("parts", ".stage")
+    page.find("#show-space").click()
+    page.wait_for(lambda: page.pixels("space")[0] > 0.002)
+    page.find("#show-side").click()
+    # An error of a part is shown at its field.
+    page.field("Share of the water").clear()
+    page.field("Share of the water").send_keys("2")
+    page.wait_for(lambda: page.field("Share of the water").get_attribute("aria-invalid") == "true")
+    line = page.field("Share of the water").find_element("xpath", "..").text
+    assert "share = 2" in line and "less than or equal to 1" in line
+    assert page.run(CONTRASTS) == [] and page.messages() == []
+    # Without its parts the pipe is straight again.
+    for _ in range(2):
+        page.browser.find_elements("css selector", "[aria-label^='Remove tee'], [aria-label^='Remove bend']")[
+            -1
+        ].click()
+    page.wait_for(lambda: not page.browser.find_elements("css selector", ".part"))
+    assert page.field("Length").get_attribute("value") == "4"
+
+
+def test_a_search_in_a_pipe_of_parts_is_shown_as_one_in_a_straight_pipe(page, serve, folder, draft):
+    parts = [
+        {"kind": "straight", "length": 3.0},
+        {"kind": "bend", "radius": 2.0, "roll_deg": 180},
+        {"kind": "straight", "length": 2.0},
+    ]
+    pipe = {"segments": [], "radius": 0.5, "parts": parts}
+    draft = {**draft, "pipe": pipe, "targets": {"end": "outlet", "low": [4.9, 0.0, -2.0]}}
+    draft |= {"robustness": {"conditions": 0}, "run": {"evaluations": 10, "seed": 1}}
+    server = serve()
+    name = server.ask("api/runs", {"draft": draft, "name": "elbow"})["run"]
+    page.open(f"{server.address}#run={name}")
+    page.wait_for(lambda: page.flights() == 10)
+    page.wait_for(lambda: len(page.browser.find_elements("css selector", "#side .flight")) == 2)
+    page.find("[aria-label='Show the agent for end']").click()
+    page.until("!document.getElementById('agent-shown').hidden")
+    assert "from end" in page.text("moment")
+    page.find("#show-space").click()
+    page.wait_for(lambda: page.pixels("space")[0] > 0.002)
+    assert page.messages() == []
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no signal stops a process")
+def test_whoever_waits_is_shown_that_something_goes_on(page, serve):
+    server = serve()
+    page.open(server.address)
+    os.kill(server.pid, signal.SIGSTOP)
+    try:
+        page.find("#open-runs").click()
+        page.wait_for(lambda: page.find("#busy").is_displayed())
+    finally:
+        os.kill(server.pid, signal.SIGCONT)
+    page.wait_for(lambda: not page.find("#busy").is_displayed())
+    assert page.find("#runs").is_displayed()
 
 
 def test_the_promise_of_a_picked_agent_is_flown_on_demand(page, finished):

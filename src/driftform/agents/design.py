@@ -473,6 +473,8 @@ class Design:
         self,
         *tracks: str | os.PathLike[str],
         scenario: str | None = None,
+        settings: Sequence[str] = (),
+        use: Mapping[str, str | None] | None = None,
         reading: Reading | None = None,
         view: str = "side",
         scale_error: float = 0.005,
@@ -488,6 +490,8 @@ class Design:
             beside ``drop-1.csv``, is the scenario of that film.
         scenario
             of all films, in place of such files; ``None`` for these, or for that of the agent.
+        settings, use
+            of the scenarios of the films, as for :meth:`under`.
         reading
             units, frames and points of the tracks; ``None`` for metres and seconds.
         view
@@ -507,20 +511,19 @@ class Design:
             if the agent cannot be flown.
         """
         from driftform.calibration.bench import Bench
-        from driftform.calibration.films import choose_factors, film_track, weigh_prior
+        from driftform.calibration.films import choose_factors, film_track, find_scenario, weigh_prior
         from driftform.calibration.fit import fit_factors
 
         names, films, scenarios = choose_factors(fit), [], []
         if not tracks:
             raise InputError("name at least one track")
         for path in map(Path, tracks):
-            beside = path.with_suffix(".toml")
-            chosen = scenario or (str(beside) if beside != path and beside.is_file() else None)
-            there = self if chosen is None else self.under(scenario=chosen)
+            chosen = scenario or find_scenario(path)
+            there = self.under(*settings, scenario=chosen, use=use)
             assert there.agent.morphology is not None
             bench = Bench.of(there.pipeline, there.agent.morphology)
             films.append(film_track(path, bench, reading or Reading(), view, scale_error))
-            scenarios.append(chosen or there.study.name)
+            scenarios.append(chosen or "")
         found = fit_factors(films, names, weigh_prior(films[0].bench, printed_mass))
         return CalibrationResult(self.name, found, self.stored, scenarios)
 

@@ -20,8 +20,14 @@ LARGEST_SPAN, SMALLEST_SPAN = 5.0, 0.02
 SURE_SIGN = 0.2
 """Net weight over the weight of the hull above which no print sinks that should rise."""
 
-SCALES = 1e-4
-"""Standard deviation of a weight by scales, kg."""
+SCALES = 1e-3
+"""Standard deviation of a weight by scales, relative to it."""
+
+
+def find_scenario(track: Path) -> str | None:
+    """Return the study file of a film, of the same name beside its track; ``None`` without one."""
+    beside = track.with_suffix(".toml")
+    return str(beside) if beside != track and beside.is_file() else None
 
 
 def film_track(path: Path, bench: Bench, reading: Reading, view: str, scale_error: float) -> Filmed:
@@ -94,7 +100,7 @@ def weigh_prior(bench: Bench, printed_mass: float | None) -> dict[str, tuple[flo
         raise InputError(
             f"--printed-mass {printed_mass:g}: in kg, with the core in; the agent was simulated with {core + hull:.4g} kg"
         )
-    return {"hull_density": ((printed_mass - core) / hull - 1.0, SCALES / hull)}
+    return {"hull_density": ((printed_mass - core) / hull - 1.0, SCALES * printed_mass / hull)}
 
 
 def choose_factors(names: Sequence[str]) -> tuple[str, ...]:

@@ -20,11 +20,17 @@ from driftform.calibration.problem import (
     factor_of,
     parameter_of,
 )
-from driftform.calibration.solution import Solution, find_best, place_releases, solve_problem
+from driftform.calibration.solution import (
+    Solution,
+    find_best,
+    merge_solutions,
+    place_releases,
+    solve_problem,
+)
 from driftform.calibration.tracks import estimate_noise
 from driftform.scenario import Calibration
 from driftform.scenario.calibration import LEAST, MOST, NAMES
-from driftform.types import FloatArray
+from driftform.types import Drag, FloatArray
 
 CONFIDENCE = 0.9
 """Probability that an interval holds the factor."""
@@ -34,6 +40,12 @@ WIDEST = 0.2
 
 WIDEST_HULL = 0.02
 """The same of the density of the hull, if that is wider: nobody prints more exactly."""
+
+PLAUSIBLE = {"axial_drag": (0.25, 4.0), "cross_drag": (0.25, 4.0), "added_mass": (0.5, 2.0)}
+"""Factors beyond which a model does not err: something else acts on the agent."""
+
+ROUND = 0.9
+"""Share of a sphere's drag in that of a body from which the body counts as round."""
 
 ALIKE = 0.8
 """Correlation above which the films cannot tell two factors apart."""
@@ -173,16 +185,33 @@ def fit_factors(
 
 
 def _fit(films: Sequence[Filmed], names: Sequence[str], priors: dict[str, tuple[float, float]] | None) -> Fit:
-    noise = [max(estimate_noise(film.track), LEAST_NOISE * film.track.span) for film in films]
     reasons = list_reasons(films, names)
-    wanted = [name for name in names if name not in reasons]
+    free, last, notes = _solve(films, [name for name in names if name not in reasons], priors)
+    while absurd := _find_absurd(free, last):
+        reasons |= absurd
+        free, last, notes = _solve(films, [name for name in names if name not in reasons], priors)
+    if last is None:
+        reasons |= {
+            name: "no track touches a wall" for name in CONTACT if name in names and name not in reasons
+        }
+        return _finish(free, free, reasons)
+    return _finish(free, last, reasons, notes)
+
+
+def _solve(
+    films: Sequence[Filmed], wanted: Sequence[str], priors: dict[str, tuple[float, float]] | None
+) -> tuple[Solution, Solution | None, list[str]]:
+    """Return the fit to free flight, that to flights with contact (``None`` if nothing touches), and notes.
+
+    If there is too little free flight, both are the fit to flights with contact.
+    """
+    noise = [max(estimate_noise(film.track), LEAST_NOISE * film.track.span) for film in films]
     plain = [name for name in wanted if name not in CONTACT]
     whole = Problem(films, plain, noise, priors)
     x = place_releases(whole, whole.start)
     free, x = _solve_free_flight(whole, x)
     if free is not None and not _touches(whole, x):
-        reasons |= {name: "no track touches a wall" for name in CONTACT if name in wanted}
-        return _finish(free, free, reasons)
+        return free, None, []
     ends = [
         min(c + AFTER_CONTACT, float(f.track.t[-1])) for c, f in zip(_contacts(whole, x), films, strict=True)
     ]
@@ -193,8 +222,34 @@ def _fit(films: Sequence[Filmed], names: Sequence[str], priors: dict[str, tuple[
     noise = list(free.problem.noise) if free is not None else noise
     anchor = None if free is None else free.anchor()
     problem = Problem(shown, wanted, noise, priors, has_contact=True, anchor=anchor)
-    touching = solve_problem(problem, _try_contacts(problem, problem.take_over(whole, x)))
-    return _finish(free or touching, touching, reasons, notes)
+    starts = _list_contacts(problem, problem.take_over(whole, x))
+    touching = merge_solutions([solve_problem(problem, start) for start in starts])
+    return free or touching, touching, notes
+
+
+def _find_absurd(*solutions: Solution | None) -> dict[str, str]:
+    """Return the factor of a fit that no model errs by, though the films seem to show it well, and why it is left at 1.
+
+    Something acts on the agent that the model lacks, such as the history force. Without that factor, the others follow what
+    the films show of them, and the residuals say how well.
+    """
+    found = {}
+    for solution in solutions:
+        if solution is None:
+            continue
+        for j, name in enumerate(solution.problem.names):
+            least, most = PLAUSIBLE.get(name, (LEAST, MOST))
+            value = _limit(factor_of(name, float(solution.x[j])))
+            deviation = float(np.sqrt(solution.covariance[j, j]))
+            if (
+                not least <= value <= most
+                and _find_excess(solution, j, float(solution.x[j]), deviation) < 1.0
+            ):
+                found[name] = value
+    if not found:
+        return {}
+    worst = max(found, key=lambda name: abs(np.log(found[name])))
+    return {worst: f"the tracks ask for {found[worst]:.2g}, so something acts on it that the model lacks"}
 
 
 def _solve_free_flight(whole: Problem, x: FloatArray) -> tuple[Solution | None, FloatArray]:
@@ -237,17 +292,18 @@ def _contacts(problem: Problem, x: FloatArray) -> list[float]:
     return [path.contact + problem.camera(x, k).delay for k, path in enumerate(problem.paths(x))]
 
 
-def _try_contacts(problem: Problem, x: FloatArray) -> FloatArray:
-    """Return the unknowns with the coefficients of contact that fit best among a few."""
+def _list_contacts(problem: Problem, x: FloatArray) -> list[FloatArray]:
+    """Return the unknowns with each start of the last coefficient of contact, and those of the others that fit best with it."""
     places = [j for j, name in enumerate(problem.names) if name in CONTACT]
-    best, found = np.inf, x
+    found: dict[float, tuple[float, FloatArray]] = {}
     for values in product(STARTS, repeat=len(places)):
         trial = x.copy()
         trial[places] = np.clip(values, problem.low[places], problem.high[places])
         cost = float(np.minimum(problem.residuals(trial) ** 2, 100.0).sum())
-        if cost < best:
-            best, found = cost, trial
-    return found
+        last = float(trial[places[-1]]) if places else 0.0
+        if last not in found or cost < found[last][0]:
+            found[last] = (cost, trial)
+    return [trial for _, trial in found.values()]
 
 
 def _touches(problem: Problem, x: FloatArray) -> bool:
@@ -268,7 +324,7 @@ def list_reasons(films: Sequence[Filmed], names: Sequence[str]) -> dict[str, str
         if all(drag is None for drag in drags):
             why = "the agent's model has no drag (hydrodynamics.drag = 'strips')"
             reasons |= {"axial_drag": why, "cross_drag": why}
-        elif not any(drag.friction_area or drag.ahead or drag.astern for drag in drags if drag is not None):
+        elif all(_is_round(drag) for drag in drags if drag is not None):
             reasons["axial_drag"] = "a sphere has one drag, which is that of cross_drag"
     if benches[0].hull_weight == 0.0:
         reasons["hull_density"] = "the agent has no hull"
@@ -313,6 +369,11 @@ def _judge(solution: Solution, names: Sequence[str]) -> _Judgement:
         if not known or max(excess) <= 1.0:
             return _Judgement(tuple(known), moved, deviation)
         known.pop(int(np.argmax(excess)))
+
+
+def _is_round(drag: Drag) -> bool:
+    """Return whether nearly all of a body's drag is that of a sphere."""
+    return bool(drag.round_area > ROUND * 0.25 * np.pi * drag.diameter**2)
 
 
 def _find_excess(solution: Solution, j: int, value: float, deviation: float) -> float:

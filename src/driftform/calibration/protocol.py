@@ -88,11 +88,7 @@ class DropPlan:
         paths = [directory / "protocol.html"]
         for number, drop in enumerate(self.drops, start=1):
             dumped = drop.scenario.model_dump(mode="json", exclude_none=True)
-            kept = {
-                key: value
-                for key, value in self.document_base.items()
-                if key not in (*dumped, "strategy", "run")
-            }
+            kept = {key: value for key, value in self.document_base.items() if key not in (*dumped, "run")}
             study = {
                 **kept,
                 "title": f"Drop {number} of {self.name}",

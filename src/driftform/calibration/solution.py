@@ -1,7 +1,7 @@
 """Solve the least-squares problem of a calibration: a start, the best fit, its noise, and its covariance."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -19,6 +19,12 @@ EVALUATIONS = 60
 DELAYS = 120
 """Times of release that are tried before the first point of a track, and after it."""
 
+
+STUCK = 1.5
+"""Residuals of a track over its noise above which a fit is tried again from elsewhere."""
+
+ASIDE = 0.6
+"""Distance of another start from the expected value of a factor, over its standard deviation."""
 
 ROUNDS, STEADY = 3, 0.05
 """Most fits in which the noise becomes that of the residuals, and its logarithmic change that does not matter."""
@@ -45,7 +51,7 @@ def solve_problem(problem: Problem, x: FloatArray) -> Solution:
 
     The noise sets the weight of the tracks against what is known of releases and cameras: it becomes that of the residuals.
     """
-    x = _approach(problem, x)
+    x = _approach(problem, x) if problem.has_contact else _approach_from_several(problem, x)
     for _ in range(ROUNDS):
         scales = [_spread(residuals, lost) for residuals, lost in _list_residuals(problem, x)]
         if max(abs(np.log(scales))) < STEADY:
@@ -53,6 +59,24 @@ def solve_problem(problem: Problem, x: FloatArray) -> Solution:
         problem = problem.with_noise([n * s for n, s in zip(problem.noise, scales, strict=True)])
         x = find_best(problem, x)
     return Solution(problem, x, estimate_covariance(problem, x))
+
+
+def merge_solutions(solutions: Sequence[Solution]) -> Solution:
+    """Return the best of several solutions of a problem; those that fit nearly as well widen its covariance.
+
+    After a bounce, quite different coefficients may show the same flight. With normal distributions about each solution,
+    the variance about the best one grows by the squares of the distances, weighted by the likelihoods. As in
+    :func:`estimate_covariance`, correlated residuals count less.
+    """
+    noise = solutions[0].problem.noise
+    common = [(_measure_cost(s.problem.with_noise(noise), s.x), s) for s in solutions]
+    least, best = min(common, key=lambda pair: pair[0])
+    covariance = best.covariance.copy()
+    time = np.mean([correlation_time(best.problem, best.x, k) for k in range(len(best.problem.films))])
+    for cost, other in common:
+        away = other.x - best.x
+        covariance += np.exp((least - cost) / (2 * time)) * np.outer(away, away)
+    return replace(best, covariance=covariance)
 
 
 def _approach(problem: Problem, x: FloatArray) -> FloatArray:
@@ -67,6 +91,43 @@ def _approach(problem: Problem, x: FloatArray) -> FloatArray:
             rough = problem.with_noise([n * worst**share for n in problem.noise])
             x = find_best(rough, x, tolerance=1e-3)
     return find_best(problem, x)
+
+
+def _approach_from_several(problem: Problem, x: FloatArray) -> FloatArray:
+    """Return the unknowns that fit best; from other starts too while a track is far off.
+
+    A release that was placed a second too early, or a hull that is far lighter than the model's, are hollows of their own.
+    """
+    best = _approach(problem, x)
+    for start in _list_starts(problem, best):
+        if max(_spread(r) for r in _split(problem, problem.residuals(best))) < STUCK:
+            break
+        trial = _approach(problem, place_releases(problem, start))
+        if _measure_cost(problem, trial) < _measure_cost(problem, best):
+            best = trial
+    return best
+
+
+def _list_starts(problem: Problem, x: FloatArray) -> Iterator[FloatArray]:
+    """Generate starts with releases and cameras as expected: the factors of ``x``, then each aside from what is expected."""
+    count = len(problem.names)
+    yield np.concatenate([x[:count], problem.start[count:]])
+    for name in ("hull_density", "cross_drag", "axial_drag"):
+        if name in problem.names:
+            j = problem.names.index(name)
+            for way in (ASIDE, -ASIDE):
+                start = problem.start.copy()
+                start[j] = np.clip(
+                    start[j] + way * problem.parameters[j].prior, problem.low[j], problem.high[j]
+                )
+                yield start
+
+
+def _measure_cost(problem: Problem, x: FloatArray) -> float:
+    """Return what a fit minimises: soft for data, quadratic for priors."""
+    residuals, data = problem.residuals(x), sum(problem.counts)
+    soft = 2 * ROBUST**2 * (np.sqrt(1 + (residuals[:data] / ROBUST) ** 2) - 1)
+    return float(soft.sum() + (residuals[data:] ** 2).sum())
 
 
 def place_releases(problem: Problem, x: FloatArray) -> FloatArray:

@@ -92,17 +92,21 @@ def calibrate(
     table [calibration] for any study, the calibrated agent, and pictures of the films against the flights.
     """
     from driftform.agents.opening import open_agent
+    from driftform.calibration.films import find_scenario
     from driftform.calibration.tracks import Reading
     from driftform.cli.output import print_json
     from driftform.util.files import check_directory
 
-    settings = settings or []
-    design = open_agent(agent, scenario, settings, {"hydrodynamics": hydrodynamics})
+    settings, use = settings or [], {"hydrodynamics": hydrodynamics}
+    # An agent that does not remember how it was built, such as a word, is built as the study of its first film says.
+    design = open_agent(agent, scenario or find_scenario(tracks[0]), settings, use)
     directory = check_directory(out or Path("calibrations") / design.name)
     reading = Reading(unit, scale, fps, y_down, target, _read_points(point or []))
     found = design.calibrate(
         *tracks,
         scenario=scenario,
+        settings=settings,
+        use=use,
         reading=reading,
         view=view,
         scale_error=scale_error,

@@ -3,13 +3,9 @@
 import math
 from typing import TypeAlias
 
-import numpy as np
-
 from driftform.dynamics.bore import (
-    ANGLE_TOLERANCE,
     AxisLine,
     axis_line,
-    end_of_dome,
     is_clear,
     lever_and_normal,
     smoothed_sine,
@@ -46,49 +42,17 @@ rim (x, r) that touches, m; of a dome, its centre."""
 
 
 @compiled
-def wall_gap(point: Vector, pipe: FloatArray) -> tuple[float, Vector]:
-    """Return the distance from ``point`` to the wall (m, negative outside the pipe), and the unit vector to the wall.
-
-    The pipe (see :class:`driftform.dynamics.model.FlightModel`) is the union of its segments' bores; the first and
-    the last continue beyond their outer ends. If the point lies on an axis, the vector is zero.
-    """
-    best, normal = -np.inf, ZERO
-    last = pipe.shape[0] - 1
-    for s in range(pipe.shape[0]):
-        axis = (pipe[s, 3], pipe[s, 4], pipe[s, 5])
-        off = subtract(point, (pipe[s, 0], pipe[s, 1], pipe[s, 2]))
-        along = dot(axis, off)
-        if s > 0:
-            along = max(along, 0.0)
-        if s < last:
-            along = min(along, pipe[s, 6])
-        off = subtract(off, scale(along, axis))
-        distance = math.sqrt(dot(off, off))
-        if pipe[s, 7] - distance > best:
-            best = pipe[s, 7] - distance
-            normal = scale(1.0 / distance, off) if distance > 0.0 else ZERO
-    return best, normal
-
-
-@compiled
 def is_far_from_wall(
     position: Vector, reach: float, pipe: FloatArray, fittings: FloatArray | None = None
 ) -> bool:
     """Return True if nothing within ``reach`` (m) of ``position`` can touch a wall; ``fittings`` replace ``pipe``."""
     if fittings is not None:
         return is_far_in_fittings(position, reach, fittings)
-    if pipe.shape[0] != 1:
-        return pipe.shape[0] == 0 or wall_gap(position, pipe)[0] > reach
+    if pipe.shape[0] == 0:
+        return True
     off = subtract(position, (pipe[0, 0], pipe[0, 1], pipe[0, 2]))
     along, room = dot(off, (pipe[0, 3], pipe[0, 4], pipe[0, 5])), pipe[0, 7] - reach
     return bool(room > 0.0 and dot(off, off) - along * along < room * room)
-
-
-@compiled
-def farthest_rim_point(centre: Vector, axis: Vector, r: float, normal: Vector) -> Vector:
-    """Return the point of a rim of radius ``r`` (m) that lies farthest along ``normal``, world frame, m."""
-    s = dot(axis, normal)
-    return add(centre, scale(r / smoothed_sine(s), subtract(normal, scale(s, axis))))
 
 
 @compiled
@@ -106,34 +70,15 @@ def surface_depth(
     ``position`` of the body's origin (m) and its ``axis`` are in the world frame. A rim's farthest point defines the
     normal, and the normal defines the point; two rounds suffice in a wide bore.
     """
-    surfaces, pipe = model.surfaces, model.pipe
+    surfaces = model.surfaces
     if fittings is not None:
         return touch_fitting(position, axis, surfaces, surface, fittings)
-    x, r, radius = surfaces[surface, 0], surfaces[surface, 1], surfaces[surface, 2]
-    if pipe.shape[0] == 1:
-        if is_clear(surfaces, surface, line):
-            return 0.0, ZERO, ZERO, x, r
-        x, r, contact = surface_contact(surfaces, surface, line)
-        lever, normal = lever_and_normal(axis, parts[0], parts[1], contact)
-        return max(0.0, contact[0]), lever, normal, x, r
-    centre = add(position, scale(x, axis))
-    gap, normal = wall_gap(centre, pipe)
-    if gap > r + radius:
+    x, r = surfaces[surface, 0], surfaces[surface, 1]
+    if is_clear(surfaces, surface, line):
         return 0.0, ZERO, ZERO, x, r
-    if radius > 0.0:
-        s = dot(axis, normal)
-        if surfaces[surface, 3] <= s <= surfaces[surface, 4]:
-            return radius - gap, add(scale(x, axis), scale(radius, normal)), normal, x, 0.0
-        x, r = end_of_dome(surfaces, surface, s)
-        centre = add(position, scale(x, axis))
-        gap, normal = wall_gap(centre, pipe)
-    point = farthest_rim_point(centre, axis, r, normal)
-    gap, there = wall_gap(point, pipe)
-    turned = subtract(there, normal)
-    if dot(turned, turned) > ANGLE_TOLERANCE * ANGLE_TOLERANCE:
-        point = farthest_rim_point(centre, axis, r, there)
-        gap, there = wall_gap(point, pipe)
-    return max(0.0, -gap), subtract(point, position), there, x, r
+    x, r, contact = surface_contact(surfaces, surface, line)
+    lever, normal = lever_and_normal(axis, parts[0], parts[1], contact)
+    return max(0.0, contact[0]), lever, normal, x, r
 
 
 @compiled

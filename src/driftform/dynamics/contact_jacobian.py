@@ -20,8 +20,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from driftform.dynamics.bore import SINE_SMOOTHING, axis_line, smoothed_sine, transverse_parts
-from driftform.dynamics.contact import is_far_from_wall, surface_depth
+from driftform.dynamics.bore import SINE_SMOOTHING, smoothed_sine
+from driftform.dynamics.contact import axis_in_bore, is_far_from_wall, surface_depth
 from driftform.dynamics.impact import FREQUENCY, common_mass, damper, spring, spring_slope
 from driftform.dynamics.model import FRICTION, INVERSE, LINEAR, REACH, FlightModel
 from driftform.dynamics.plane import ACROSS, LAW, NEAR, RADIUS, RESPONSE, RUB, depth_in_plane, offset_in_plane
@@ -114,17 +114,19 @@ def fill_jacobian_in_plane(
     side, count = 1.0 if off > 0.0 else -1.0, 0
     n_x, n_z, gap = side * plane[ACROSS], side * plane[ACROSS + 1], plane[RADIUS] - side * off
     tilt, upright = c * n_x - s * n_z, s * n_x + c * n_z
+    inverse = 1.0 / smoothed_sine(tilt)
+    share = (1.0 - tilt * tilt) * inverse
     if abs(off) < plane[NEAR]:
         return 0
     for k in range(surfaces.shape[0]):
-        depth, x, r = depth_in_plane(surfaces, k, tilt, gap)
+        depth, x, r = depth_in_plane(surfaces, k, tilt, share, gap)
         if depth > 0.0:
             if count == MOST:
                 return 0
             _fill_spring(tilt, x, r, depth, plane[LAW:RUB], surfaces, k, jacobian, count)
             push = jacobian.pushes[count]
             push[0, 0], push[0, 1] = n_x, n_z
-            push[0, 2] = r * upright / smoothed_sine(tilt) * tilt - x * upright
+            push[0, 2] = r * upright * inverse * tilt - x * upright
             if push.shape[0] > 1:
                 push[1, 0], push[1, 1], push[1, 2] = side * n_z, -side * n_x, side * (gap + depth)
             for i in range(push.shape[0]):
@@ -169,14 +171,13 @@ def edge_curvatures(r: float, c: float) -> tuple[float, float]:
 def fill_jacobian_in_space(y: FloatArray, model: FlightModel, jacobian: ContactJacobian) -> int:
     """Fill the Jacobian at the state ``y`` in space; return the number of surfaces that touch, 0 if it has none."""
     position, count = (y[0], y[1], y[2]), 0
-    if is_far_from_wall(position, model.table[REACH], model.pipe):
+    if is_far_from_wall(position, model.table[REACH], model.pipe, model.fittings):
         return 0
     R = rotation_from_quaternion(y[3], y[4], y[5], y[6])
     axis = body_axis(R)
-    parts = transverse_parts(position, axis, model.pipe)
-    line = axis_line(parts, model.pipe)
+    line, parts = axis_in_bore(position, axis, model.pipe, model.fittings)
     for k in range(model.surfaces.shape[0]):
-        depth, lever, normal, x, r = surface_depth(position, axis, line, parts, k, model)
+        depth, lever, normal, x, r = surface_depth(position, axis, line, parts, k, model, model.fittings)
         if depth > 0.0:
             if count == MOST:
                 return 0

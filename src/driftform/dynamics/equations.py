@@ -26,7 +26,7 @@ from driftform.dynamics.drag import (
     wake_drag,
 )
 from driftform.dynamics.fitting_flow import bore_radius
-from driftform.dynamics.flow import gust_shear, locate_in_segment, velocity_of_path, water_motion
+from driftform.dynamics.flow import gust_shear, velocity_of_path, water_motion
 from driftform.dynamics.model import (
     ACROSS,
     AXIAL_DRAG,
@@ -157,12 +157,7 @@ def _bore_around(position: Vector, pipe: FloatArray, fittings: FloatArray | None
     """Return the radius of the bore around a position, m, infinite in open water."""
     if fittings is not None:
         return bore_radius(position, fittings)
-    bore = np.inf
-    if pipe.shape[0] > 0:
-        bore = pipe[0, 7]
-    if pipe.shape[0] > 1:
-        bore = locate_in_segment(position, pipe)[2]
-    return bore
+    return pipe[0, 7] if pipe.shape[0] > 0 else np.inf
 
 
 @compiled

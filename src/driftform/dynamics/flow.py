@@ -1,6 +1,6 @@
 """The water's velocity at a point of the pipe, with its derivatives: profiles of pipe flow, and gusts.
 
-All profiles are axisymmetric about the axis of the segment in which the point is farthest from the wall. ``speed`` U
+All profiles are axisymmetric about the axis of the bore. ``speed`` U
 is the bulk velocity, R the bore's radius, y the distance from the wall, x the distance from the inlet along the pipe.
 """
 
@@ -151,9 +151,9 @@ def gust_array(scenario: Scenario, slip: float = 0.0, length: float = 0.0) -> Fl
     correlation = math.exp(-apart * flow.crossing / (deviation * flow.memory))
     common *= deviation * math.sqrt((1 + correlation) / 2)
     own *= deviation * math.sqrt(2 * (1 - correlation)) / apart if apart > 0 else 0.0
-    slopes = (CubicSpline(times, walk)(times, 1) for walk in (common, own))
-    rates = list(slopes)
-    return np.column_stack([common, rates[0], own, rates[1]])
+    gusts = np.hstack([common, own])
+    rates = CubicSpline(times, gusts)(times, 1)
+    return np.hstack([common, rates[:, :3], own, rates[:, 3:]])
 
 
 def gust_memory(memory: float, crossing: float, slip: float, deviation: float) -> float:
@@ -178,12 +178,14 @@ def gust_memory(memory: float, crossing: float, slip: float, deviation: float) -
     return memory / math.hypot(1.0, crossing * slip / deviation)
 
 
+@compiled
 def _walk(noise: FloatArray, kept: float) -> FloatArray:
     """Return the stationary process of which each step keeps the share ``kept``, from normal numbers (n, 3)."""
-    walk = np.empty_like(noise)
-    walk[0] = noise[0]
-    for k in range(1, len(noise)):
-        walk[k] = kept * walk[k - 1] + math.sqrt(1 - kept**2) * noise[k]
+    walk, added = np.empty_like(noise), math.sqrt(1.0 - kept * kept)
+    for j in range(noise.shape[1]):
+        walk[0, j] = noise[0, j]
+        for k in range(1, noise.shape[0]):
+            walk[k, j] = kept * walk[k - 1, j] + added * noise[k, j]
     return walk
 
 
@@ -253,7 +255,7 @@ def _mean_velocity(
     point: Vector, pipe: FloatArray, flow: FloatArray, spread: Spread
 ) -> tuple[Vector, Rotation]:
     """Return the velocity of the profile, and its gradient."""
-    axis, outward, radius, x, r = locate_in_segment(point, pipe)
+    axis, outward, radius, x, r = locate_in_bore(point, pipe)
     along, shear, stretch, radial = spread_profile(
         radius, x, r, spread_across(spread, axis), flow[KIND], flow[SPEED], flow[PARAMETER]
     )
@@ -271,28 +273,14 @@ def _mean_velocity(
 
 
 @compiled
-def locate_in_segment(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector, float, float, float]:
-    """Return unit vectors along the segment and away from its axis, its radius, x from the inlet, and r (m)."""
-    best, radius, x, r, before = -np.inf, 0.0, 0.0, 0.0, 0.0
-    along_axis, outward = ZERO, ZERO
-    last = pipe.shape[0] - 1
-    for s in range(pipe.shape[0]):
-        axis = (pipe[s, 3], pipe[s, 4], pipe[s, 5])
-        off = subtract(point, (pipe[s, 0], pipe[s, 1], pipe[s, 2]))
-        along = dot(axis, off)
-        off = subtract(off, scale(along, axis))
-        distance = math.sqrt(dot(off, off))
-        beyond = 0.0
-        if s > 0:
-            beyond = max(beyond, -along)
-        if s < last:
-            beyond = max(beyond, along - pipe[s, 6])
-        gap = pipe[s, 7] - math.hypot(distance, beyond)
-        if gap > best:
-            best, radius, x, r, along_axis = gap, pipe[s, 7], before + along, distance, axis
-            outward = scale(1.0 / distance, off) if distance > 0.0 else ZERO
-        before += pipe[s, 6]
-    return along_axis, outward, radius, x, r
+def locate_in_bore(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector, float, float, float]:
+    """Return unit vectors along the bore and away from its axis, its radius, x from the inlet, and r (m)."""
+    axis = (pipe[0, 3], pipe[0, 4], pipe[0, 5])
+    off = subtract(point, (pipe[0, 0], pipe[0, 1], pipe[0, 2]))
+    x = dot(axis, off)
+    off = subtract(off, scale(x, axis))
+    r = math.sqrt(dot(off, off))
+    return axis, scale(1.0 / r, off) if r > 0.0 else ZERO, pipe[0, 7], x, r
 
 
 @compiled

@@ -300,10 +300,11 @@ def press_in_plane(
         see :func:`accelerations_in_plane`; what friction adds to their rates is added.
     """
     law = plane[LAW:RUB]
-    outward = upright / smoothed_sine(s)
+    inverse = 1.0 / smoothed_sine(s)
+    outward, share = upright * inverse, (1.0 - s * s) * inverse
     total, pressed, moment, mass, count = 0.0, 0.0, 0.0, 0.0, 0
     for k in range(surfaces.shape[0]):
-        depth, x, r = depth_in_plane(surfaces, k, s, gap)
+        depth, x, r = depth_in_plane(surfaces, k, s, share, gap)
         if depth > 0.0:
             mass, energy, force, turning = spring(s, x, r, depth, law)
             arm, row = x * upright - r * outward * s, touches[count]
@@ -340,17 +341,20 @@ def press_in_plane(
 
 
 @compiled
-def depth_in_plane(surfaces: FloatArray, k: int, s: float, gap: float) -> tuple[float, float, float]:
+def depth_in_plane(
+    surfaces: FloatArray, k: int, s: float, share: float, gap: float
+) -> tuple[float, float, float]:
     """Return the depth (m) of a surface in the wall, negative if it is clear, and the rim (x, r) that touches, m.
 
-    Of a dome, that is its centre. ``s`` and ``gap`` are those of :func:`press_in_plane`.
+    Of a dome, that is its centre. ``s`` and ``gap`` are those of :func:`press_in_plane`, ``share`` is (1 - s^2) over the
+    smoothed sine of s.
     """
     x, r, radius = surfaces[k, 0], surfaces[k, 1], surfaces[k, 2]
     if radius > 0.0:
         if surfaces[k, 3] <= s <= surfaces[k, 4]:
             return x * s + radius - gap, x, r
         x, r = end_of_dome(surfaces, k, s)
-    return x * s + r * (1.0 - s * s) / smoothed_sine(s) - gap, x, r
+    return x * s + r * share - gap, x, r
 
 
 @compiled

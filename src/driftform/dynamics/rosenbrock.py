@@ -99,75 +99,84 @@ def take_implicit_step(
 def _factorise(rate: float, touching: int, work: WorkSpace) -> None:
     """Fill ``matrix`` with the LU factors of the equations, 1/(gamma h) = ``rate`` (1/s), without pivots.
 
-    The matrix is one plus the product of the inverse mass with matrices that have no negative eigenvalue.
+    The matrix is one plus the product of the inverse mass with matrices that have no negative eigenvalue. The inverse of
+    each pivot takes its place.
     """
     fast, stiff, matrix = work.jacobian.fast, work.jacobian.stiff, work.matrix
-    v = stiff.shape[0]
+    v, step = stiff.shape[0], 1.0 / rate
     n = v + touching * (work.jacobian.pushes.shape[1] - 1)
     for i in range(n):
         for j in range(n):
             matrix[i, j] = -fast[i, j]
-            if i < v and j < v:
-                matrix[i, j] -= stiff[i, j] / rate
-        matrix[i, i] += rate
+    for i in range(v):
+        for j in range(v):
+            matrix[i, j] -= step * stiff[i, j]
     for k in range(n):
+        matrix[k, k] += rate
+    for k in range(n):
+        matrix[k, k] = 1.0 / matrix[k, k]
         for i in range(k + 1, n):
-            factor = matrix[i, k] / matrix[k, k]
+            factor = matrix[i, k] * matrix[k, k]
             matrix[i, k] = factor
-            if factor != 0.0:
-                for j in range(k + 1, n):
-                    matrix[i, j] -= factor * matrix[k, j]
+            for j in range(k + 1, n):
+                matrix[i, j] -= factor * matrix[k, j]
 
 
 @compiled
 def _solve(rate: float, y: FloatArray, u: FloatArray, touching: int, omega: float, work: WorkSpace) -> None:
     """Replace the right-hand side ``u`` of the equations of a stage by their solution."""
-    stiff, z, pose = work.jacobian.stiff, work.unknowns, work.pose
+    stiff, z, pose, step = work.jacobian.stiff, work.unknowns, work.pose, 1.0 / rate
     v, d = stiff.shape[0], work.jacobian.pushes.shape[1] - 1
     first, bristles = (4, 7) if v == 3 else (7, 13)
-    pose[0], pose[1] = u[0], u[1]
+    pose[0], pose[1] = step * u[0], step * u[1]
     if v == 3:
-        pose[2] = 2.0 * (y[2] * u[3] - y[3] * u[2])
+        pose[2] = 2.0 * step * (y[2] * u[3] - y[3] * u[2])
     else:
-        pose[2] = u[2]
+        pose[2] = step * u[2]
         # The rate of a turn is twice the product of the conjugate quaternion with the quaternion's rate.
-        _, pose[3], pose[4], pose[5] = quaternion_product(
-            2.0 * y[3], -2.0 * y[4], -2.0 * y[5], -2.0 * y[6], u[3], u[4], u[5], u[6]
-        )
+        _, a, b, c = quaternion_product(y[3], -y[4], -y[5], -y[6], u[3], u[4], u[5], u[6])
+        pose[3], pose[4], pose[5] = 2.0 * step * a, 2.0 * step * b, 2.0 * step * c
     for i in range(v):
-        z[i] = u[first + i]
+        total = u[first + i]
         for j in range(v):
-            z[i] += stiff[i, j] * pose[j] / rate
+            total += stiff[i, j] * pose[j]
+        z[i] = total
     for i in range(touching):
+        bent = bristles + d * int(work.jacobian.touching[i])
         for j in range(d):
-            z[v + i * d + j] = u[bristles + d * int(work.jacobian.touching[i]) + j]
+            z[v + i * d + j] = u[bent + j]
     _substitute(work.matrix, z, v + touching * d)
+    decay = 1.0 / (rate + omega)
     for j in range(bristles, y.shape[0]):
-        u[j] /= rate + omega
+        u[j] *= decay
     for i in range(touching):
+        bent = bristles + d * int(work.jacobian.touching[i])
         for j in range(d):
-            u[bristles + d * int(work.jacobian.touching[i]) + j] = z[v + i * d + j]
+            u[bent + j] = z[v + i * d + j]
     for i in range(v):
         u[first + i] = z[i]
-    u[0], u[1] = (u[0] + z[0]) / rate, (u[1] + z[1]) / rate
+    u[0], u[1] = step * (u[0] + z[0]), step * (u[1] + z[1])
     if v == 3:
-        u[2], u[3] = (u[2] - 0.5 * y[3] * z[2]) / rate, (u[3] + 0.5 * y[2] * z[2]) / rate
+        u[2], u[3] = step * (u[2] - 0.5 * y[3] * z[2]), step * (u[3] + 0.5 * y[2] * z[2])
     else:
-        u[2] = (u[2] + z[2]) / rate
         w, a, b, c = quaternion_rate(y[3], y[4], y[5], y[6], 0.0, z[4], z[5])
-        u[3], u[4], u[5], u[6] = (u[3] + w) / rate, (u[4] + a) / rate, (u[5] + b) / rate, (u[6] + c) / rate
+        u[2], u[3], u[4] = step * (u[2] + z[2]), step * (u[3] + w), step * (u[4] + a)
+        u[5], u[6] = step * (u[5] + b), step * (u[6] + c)
         # The angle of the spin is the last number; nothing depends on it.
-        u[y.shape[0] - 1] *= (rate + omega) / rate
+        u[y.shape[0] - 1] *= step / decay
 
 
 @compiled
 def _substitute(factors: FloatArray, z: FloatArray, n: int) -> None:
     """Replace the right-hand side ``z`` (n,) by the solution of the equations with these LU factors."""
     for i in range(n):
+        total = z[i]
         for j in range(i):
-            z[i] -= factors[i, j] * z[j]
+            total -= factors[i, j] * z[j]
+        z[i] = total
     for k in range(n):
         i = n - 1 - k
+        total = z[i]
         for j in range(i + 1, n):
-            z[i] -= factors[i, j] * z[j]
-        z[i] /= factors[i, i]
+            total -= factors[i, j] * z[j]
+        z[i] = total * factors[i, i]

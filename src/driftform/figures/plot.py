@@ -147,9 +147,9 @@ def draw_walls(root: ET.Element, window: Window, pipe: Pipe) -> None:
     """Draw the walls of a straight pipe as solid lines, and the open ends of any pipe as dashed ones."""
     if pipe.parts and pipe.straight is None:
         for opening in list_openings(pipe):
-            ends = svg.path_data(window.to_page(_widest_line(opening, window.view)))
-            svg.add(root, "path", d=ends, stroke=WATER, stroke_width=6)
-            svg.add(root, "path", d=ends, stroke=WALL, stroke_width=0.8, stroke_dasharray="3 4")
+            line = svg.path_data(window.to_page(_widest_line(opening, window.view)))
+            svg.add(root, "path", d=line, stroke=WATER, stroke_width=6)
+            svg.add(root, "path", d=line, stroke=WALL, stroke_width=0.8, stroke_dasharray="3 4")
     for a, b, c, d in _segment_corners(window, pipe):
         for ends in ((a, b), (d, c)):
             svg.add(

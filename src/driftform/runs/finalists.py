@@ -31,13 +31,13 @@ def fly_finalists(
 ) -> None:
     """Fly the finalists of each target under the conditions of the choice, and the winners under those of the promise.
 
-    Without disturbed conditions nothing is flown, and what is stored already is not flown again. ``on_flights`` is
+    Without disturbed conditions, and if every evaluation failed, nothing is flown, and what is stored already is not flown again. ``on_flights`` is
     called with the number of flights that are done, and with the total, which is an upper bound during the choice.
     """
     robustness, targets = study.scenario.robustness, study.scenario.target_names
-    if not robustness.conditions:
+    scores = read_scores(study, store) if robustness.conditions else {}
+    if not scores:
         return
-    scores = read_scores(study, store)
     fitness = np.array(list(scores.values())).reshape(-1, len(targets))
     finalists = [list(scores)[row] for row in choose_finalists(fitness, robustness.finalists)]
     conditions = draw_rounds(study.scenario, study.seed)

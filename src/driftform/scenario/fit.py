@@ -40,13 +40,22 @@ def find_misfit(body: Body, scenario: Scenario) -> str | None:
         return f"it is too wide for the pipe: {show_length(body.max_diameter)} across, in a bore of {show_length(bore)}"
     if not _lies_in_first_straight(body, scenario):
         return _find_misfit_in_parts(body, scenario)
-    reach = farthest_from_line(body.outer, position, axis, inlet.centre, scenario.direction())
+    reach = _reach_from_axis(body, scenario)
     if reach > inlet.radius * (1 + _ROUNDING):
         return (
             f"it is released in the wall: it reaches {show_length(reach)} from the axis of a bore with the radius "
             f"{show_length(inlet.radius)}; it is {show_length(body.length)} long: change release.position, pitch_deg or yaw_deg"
         )
     return None
+
+
+def _reach_from_axis(body: Body, scenario: Scenario) -> float:
+    """Return the greatest distance (m) of a released body from the axis of the inlet; a bound of it if that fits already."""
+    inlet, position, direction = scenario.pipe.layout.inlet, scenario.release_position(), scenario.direction()
+    bound = np.linalg.norm(np.cross(position - inlet.centre, direction)) + np.hypot(*body.outer.T).max()
+    if bound < inlet.radius:
+        return float(bound)
+    return farthest_from_line(body.outer, position, scenario.release_axis(), inlet.centre, direction)
 
 
 def _lies_in_first_straight(body: Body, scenario: Scenario) -> bool:

@@ -191,7 +191,7 @@ class Scenario(Table):
             raise ValueError("targets need a pipe: fitness is relative to the farthest point of its volume")
         if isinstance(self.flow, PipeFlow) and self.pipe.is_open:
             raise ValueError(
-                f"flow.kind = '{self.flow.kind}' needs a pipe; in open water it must be 'uniform'"
+                f"flow.kind = '{self.flow.kind}' needs a pipe; in open water it must be 'uniform' or 'grid'"
             )
         if isinstance(self.flow, LogLawFlow | TurbulentFlow):
             most = 0.1 * self.pipe.layout.narrowest

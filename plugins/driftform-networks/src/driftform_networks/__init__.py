@@ -6,15 +6,25 @@ Importing this package imports nothing heavy: its functions are imported when th
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from driftform_networks.api import trace
+    from driftform_networks.api import route, trace
+    from driftform_networks.bodies import open_traveller
+    from driftform_networks.fleets import plan_fleet
     from driftform_networks.reading import open_network
 
-__all__ = ["open_network", "trace"]
+_MODULES = {
+    "open_network": "reading",
+    "open_traveller": "bodies",
+    "plan_fleet": "fleets",
+    "route": "api",
+    "trace": "api",
+}
+
+__all__ = ["open_network", "open_traveller", "plan_fleet", "route", "trace"]
 
 
 def __getattr__(name: str) -> Any:
-    if name not in __all__:
+    if name not in _MODULES:
         raise AttributeError(f"module 'driftform_networks' has no attribute '{name}'")
-    from driftform_networks import api, reading
+    from importlib import import_module
 
-    return getattr(reading if name == "open_network" else api, name)
+    return getattr(import_module(f"driftform_networks.{_MODULES[name]}"), name)

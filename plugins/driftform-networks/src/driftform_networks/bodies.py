@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +15,7 @@ from driftform.errors import InputError
 from driftform.types import Agent, Body, Coefficients, Core
 
 if TYPE_CHECKING:
+    from driftform.agents.design import Design
     from driftform.interfaces import Simulator
     from driftform.scenario import Scenario
 
@@ -38,12 +39,15 @@ class Traveller:
         fluid, wall and flow profile; pipe, speed and release are those of each flight.
     simulator
         flies it.
+    design
+        what its files are made of; ``None`` for a sphere.
     """
 
     name: str
     agent: Agent
     scenario: "Scenario"
     simulator: "Simulator[Any]"
+    design: "Design | None" = None
 
     def hash(self) -> str:
         """Return a hash of all that decides its flights: body, environment, simulator, and the code of driftform."""
@@ -66,29 +70,32 @@ class Traveller:
         return bool(terminal < 0.1 * speed / 20)
 
 
-def open_traveller(text: str, scenario: str | None = None, settings: Sequence[str] = ()) -> Traveller:
+def open_traveller(
+    text: str, scenario: str | None = None, settings: Sequence[str] = (), buoyancy: float | None = None
+) -> Traveller:
     """Open an agent to travel through a network.
 
     Parameters
     ----------
     text
-        AGENT as every command takes it, or ``sphere:5mm`` for a neutral sphere of that diameter.
+        AGENT as every command takes it, or ``sphere:5mm`` for a homogeneous sphere of that diameter.
     scenario
         scenario or study whose environment to use; ``None`` for that of water mains.
     settings
         ``key=value`` of the study, as ``--set`` takes them.
+    buoyancy
+        net buoyancy to which the core trims it, N, upward positive; ``None`` for that of its design, and for 0 of a sphere.
 
     Raises
     ------
     InputError
-        if there is no such agent.
+        if there is no such agent, or no core gives it that buoyancy.
     """
     from driftform.agents.opening import open_agent
 
     environment = scenario or str(SCENARIO)
     if not text.startswith(_SPHERE):
-        design = open_agent(text, environment, settings)
-        return Traveller(design.name, design.agent, design.scenario, design.pipeline.simulator)
+        return trim_design(open_agent(text, environment, settings), buoyancy)
     from driftform.study import load_study
 
     pipeline = load_study(environment, settings, run={"seed": 0}).make_pipeline()
@@ -101,12 +108,45 @@ def open_traveller(text: str, scenario: str | None = None, settings: Sequence[st
         raise InputError(
             f"AGENT '{text}': a sphere is named by its diameter from 0.5 to 2000 mm, such as sphere:5mm"
         )
-    agent = make_sphere(diameter, pipeline.scenario)
-    return Traveller(text.replace(":", "-"), agent, pipeline.scenario, pipeline.simulator)
+    agent = make_sphere(diameter, pipeline.scenario, buoyancy or 0.0)
+    if agent.mass.mass <= 0:
+        raise InputError(f"--buoyancy {buoyancy:g}: {text} displaces too little water for it")
+    name = text.replace(":", "-") + (_name_trim(buoyancy) if buoyancy else "")
+    return Traveller(name, agent, pipeline.scenario, pipeline.simulator)
 
 
-def make_sphere(diameter: float, scenario: "Scenario") -> Agent:
-    """Return a neutral homogeneous sphere, whose added mass is half of that of the water it displaces."""
+def trim_design(design: "Design", buoyancy: float | None) -> Traveller:
+    """Return an agent that travels as designed, or whose core has the mass that gives it a net buoyancy (N).
+
+    Raises
+    ------
+    InputError
+        if it is too heavy for this buoyancy without a core.
+    """
+    if buoyancy is None:
+        return Traveller(design.name, design.agent, design.scenario, design.pipeline.simulator, design)
+    fluid, core = design.scenario.fluid, design.agent.body.core.mass
+    surplus = (design.agent.mass.net_buoyancy(fluid) - buoyancy) / fluid.gravity
+    if core + surplus < 0:
+        raise InputError(
+            f"--buoyancy {buoyancy:g}: {design.name} is {-1000 * (core + surplus):.1f} g too heavy for it even without its "
+            "core: choose another agent, or a thinner wall"
+        )
+    environment = design.study.environment()
+    builder = {**environment["builder"], "core": "custom", "core_mass": core + surplus}
+    stored = replace(design.stored, environment={**environment, "builder": builder}, result={})
+    stored = replace(stored, name=design.name + _name_trim(buoyancy))
+    return trim_design(type(design).build(stored, stored.name), None)
+
+
+def _name_trim(buoyancy: float) -> str:
+    if not buoyancy:
+        return "-neutral"
+    return f"-{'light' if buoyancy > 0 else 'heavy'}-{1000 * abs(buoyancy):g}mN"
+
+
+def make_sphere(diameter: float, scenario: "Scenario", buoyancy: float = 0.0) -> Agent:
+    """Return a homogeneous sphere, whose added mass is half of that of the water it displaces; ``buoyancy`` in N."""
     from driftform.geometry import mass_properties
     from driftform.hydrodynamics.drag import estimate_drag
 
@@ -114,10 +154,16 @@ def make_sphere(diameter: float, scenario: "Scenario") -> Agent:
     angle = np.linspace(0, np.pi, 65)
     outer = np.column_stack([-radius * np.cos(angle), radius * np.sin(angle)])
     outer[[0, -1], 1] = 0.0
-    body = Body(outer, np.zeros((0, 2)), np.array([-radius, radius]), Core(0.0, 0.0), radius, fluid.density)
-    mass = mass_properties(body)
-    added = np.diag([mass.mass / 2] * 3 + [0.0] * 3)
-    return Agent(body, mass, Coefficients(added, drag=estimate_drag(body, fluid.viscosity, 0.0)))
+
+    def make_body(density: float) -> Body:
+        return Body(outer, np.zeros((0, 2)), np.array([-radius, radius]), Core(0.0, 0.0), radius, density)
+
+    displaced = mass_properties(make_body(fluid.density)).mass
+    body = make_body(fluid.density * (1 - buoyancy / (fluid.gravity * displaced)))
+    added = np.diag([displaced / 2] * 3 + [0.0] * 3)
+    return Agent(
+        body, mass_properties(body), Coefficients(added, drag=estimate_drag(body, fluid.viscosity, 0.0))
+    )
 
 
 @cache

@@ -11,8 +11,8 @@ from driftform.scenario import Scenario
 from driftform.scenario.fit import find_misfit
 from driftform.types import End, FloatArray, Trajectory
 from driftform_networks.bodies import Traveller
-from driftform_networks.cache import load_arrays, save_arrays
 from driftform_networks.bore import BANDS, find_band, sample_band
+from driftform_networks.cache import load_arrays, save_arrays
 
 CELLS = 3
 """Cells of a flight; the transfer from band to band is that through one cell."""
@@ -23,7 +23,7 @@ CELL_BORES, CELL_S = 8.0, 20.0
 PER_BAND = 3
 """Flights that begin in each band."""
 
-PATIENCE = 3.0
+PATIENCE = 1.5
 """Longest flight, relative to the time that the water takes."""
 
 CREEP = 0.02
@@ -50,8 +50,8 @@ class StraightFlights:
     slowness
         time for a cell from each band, relative to that of the water, (bands,).
     states
-        bodies at the ends of cells: band, position to the right and upward relative to the bore's radius, quaternion,
-        velocity over ground in the body frame, (n, 13).
+        bodies at the ends of cells: band, place of the centre of the displaced water to the right and upward relative
+        to the bore's radius, quaternion, velocity over ground in the body frame, (n, 13).
     failed
         share of the flights that the simulator could not fly.
     """
@@ -103,13 +103,15 @@ def fly_straight(traveller: Traveller, bore: float, speed: float, slope: float) 
     """
     cell = min(CELL_BORES * bore, CELL_S * speed)
     scenarios, _starts = _make_scenarios(traveller, bore, speed, slope, cell)
+    if not scenarios:
+        # It fits in no attitude: it is held at once.
+        return StraightFlights(cell, np.zeros((BANDS, BANDS)), np.ones(BANDS), np.zeros((0, 13)), 0.0)
     agents = [traveller.agent] * len(scenarios)
     flights = traveller.simulator.screen_batch(agents, scenarios, lambda _, __: False)
     sound = [flight for flight in flights if not flight.end.failed and len(flight.t) > 1]
     if not sound:
-        reason = flights[0].failure if flights else "it fits in no attitude"
         raise WorkFailedError(
-            f"{traveller.name}: cannot be flown in a bore of {1000 * bore:.0f} mm: {reason}"
+            f"{traveller.name}: cannot be flown in a bore of {1000 * bore:.0f} mm: {flights[0].failure}"
         )
     room = max(1 - traveller.agent.body.max_diameter / bore, 1e-3)
     counts, held = np.zeros((BANDS, BANDS)), np.zeros(BANDS)
@@ -118,7 +120,8 @@ def fly_straight(traveller: Traveller, bore: float, speed: float, slope: float) 
     for flight in sound:
         frame = scenarios[0].release_frame()
         rows = _cross_cells(flight, frame, _LEAD * bore, cell)
-        where = _relative(flight.position[rows] @ frame, bore)
+        middle = _locate_middle(flight, rows, traveller.agent.mass.cob)
+        where = _relative(middle @ frame, bore)
         bands = find_band(where, room)
         for before, after, start, end in zip(bands, bands[1:], rows, rows[1:], strict=False):
             counts[before, after] += 1
@@ -234,6 +237,13 @@ def _cross_cells(flight: Trajectory, frame: FloatArray, start: float, cell: floa
             break
         rows.append(int(beyond[0]))
     return rows
+
+
+def _locate_middle(flight: Trajectory, rows: list[int], middle: FloatArray) -> FloatArray:
+    """Return where the centre of the displaced water is: the core may lie at one end of a long body, (rows, 3) in m."""
+    w, axis = flight.quaternion[rows, :1], flight.quaternion[rows, 1:]
+    turned = np.cross(axis, middle)
+    return np.asarray(flight.position[rows] + middle + 2 * (w * turned + np.cross(axis, turned)))
 
 
 def _relative(points: FloatArray, bore: float) -> FloatArray:

@@ -71,13 +71,13 @@ class Geometry:
     """
 
     def __init__(self, network: Network, branch: str) -> None:
-        self._network, self._branch = network, branch
+        self.network, self._branch = network, branch
         self.to_scale = is_to_scale(network) is not None
         self._ends = np.array([self._end_directions(link) for link in range(len(network.links))])
 
     def _end_directions(self, link: int) -> tuple[FloatArray, FloatArray]:
         """Return unit vectors on the map along the link at its start and at its end, from start to end."""
-        line = self._network.polyline(link)
+        line = self.network.polyline(link)
         steps = np.diff(line, axis=0)
         steps = steps[np.linalg.norm(steps, axis=1) > 0]
         if not len(steps):
@@ -89,14 +89,14 @@ class Geometry:
         """Return the angles by which a link turns at its vertices, rad; none if the map is not to scale."""
         if not self.to_scale:
             return np.zeros(0)
-        steps = np.diff(self._network.polyline(link), axis=0)
+        steps = np.diff(self.network.polyline(link), axis=0)
         steps = steps[np.linalg.norm(steps, axis=1) > 0]
         unit = steps / np.linalg.norm(steps, axis=1)[:, None]
         return np.asarray(np.arccos(np.clip((unit[:-1] * unit[1:]).sum(axis=1), -1, 1)))
 
     def describe(self, snapshot: Snapshot, link: int) -> Junction:
         """Return what a body meets at the downstream end of a link of a snapshot."""
-        network, node = self._network, int(snapshot.head[link])
+        network, node = self.network, int(snapshot.head[link])
         outlets = snapshot.outlets[node]
         flow = snapshot.flow[outlets]
         bores = network.diameter[snapshot.links[outlets]]
@@ -139,8 +139,8 @@ class Geometry:
             turns[:] = np.deg2rad(BRANCH_DEG)
             turns[ahead] = 0.0
             sides = np.array([1 if number % 2 == 0 else -1 for number in range(len(outlets))])
-            if ahead % 2 == 0:
-                sides[ahead + 1 :] *= -1
+            # Right and left alternate among the branches.
+            sides[ahead + 1 :] *= -1
         if ahead >= 0:
             sides[ahead] = 0
         return turns, sides.tolist()

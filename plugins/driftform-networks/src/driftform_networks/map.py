@@ -1,7 +1,7 @@
 """Maps of a network as SVG: what is seen of each link, arrival times, and where bodies end."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -22,6 +22,7 @@ from driftform.figures.layout import (
 from driftform.figures.projection import resample_polyline
 from driftform.figures.style import BLUE, INK, MUTED, VERMILLION
 from driftform.types import FloatArray
+from driftform_networks.fleets import Fleet
 from driftform_networks.network import Network
 from driftform_networks.passage import Ending, Passage
 from driftform_networks.scale import is_to_scale
@@ -63,6 +64,27 @@ def passage_svg(passage: Passage, title: str) -> str:
     subtitle += f"; {100 * lost:.1f} % stuck" if lost > 5e-4 else ""
     marks = [Mark(passage.release, network.nodes[passage.release], VERMILLION), *_choose_times(passage)]
     return network_svg(network, shares, marks, title, subtitle, stuck)
+
+
+def fleet_svg(fleet: Fleet, title: str) -> str:
+    """Return the map of a fleet: the probability that any member sees a link, and where members are stuck.
+
+    Raises
+    ------
+    InputError
+        if the network has no coordinates.
+    """
+    network, size = fleet.network, len(fleet.members)
+    shares = np.where(fleet.reachable, fleet.seen, np.nan)
+    kilometres = network.length[fleet.reachable].sum() / 1000
+    subtitle = f"{size} bodies see {100 * fleet.coverage:.1f} % of the {kilometres:.1f} km reachable"
+    stuck = [replace(end, probability=end.probability / size) for end in fleet.stuck]
+    if (lost := sum(end.probability for end in stuck)) > 5e-4:
+        subtitle += f"; {100 * lost:.1f} % of them end in the pipes"
+    nodes = dict.fromkeys(member.passage.release for member in fleet.members)
+    marks = [Mark(node, network.nodes[node], VERMILLION) for node in nodes]
+    legend = "probability that the fleet sees the link"
+    return network_svg(network, shares, marks, title, subtitle, stuck, legend)
 
 
 def network_svg(

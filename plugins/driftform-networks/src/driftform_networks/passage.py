@@ -1,7 +1,7 @@
 """Where a body goes in a network, when it arrives, what it sees and where it ends."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -44,6 +44,10 @@ class Ending:
     place: str
     probability: float
     reason: str = ""
+
+    def as_document(self) -> dict[str, Any]:
+        """Return it as plain values for JSON."""
+        return asdict(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,10 +127,8 @@ class Passage:
             "links": links,
             "coverage": self.coverage,
             "reachable_length": float(self.network.length[self.reachable].sum()),
-            "ends": [
-                {"kind": end.kind, "place": end.place, "probability": end.probability, "reason": end.reason}
-                for end in self.ends
-            ],
+            "ends": [end.as_document() for end in self.ends],
+            "stuck": [end.as_document() for end in self.stuck],
         }
 
     def node_table(self) -> dict[str, list[Any]]:
@@ -199,7 +201,7 @@ def summarise_visits(visits: Visits, routing: Routing) -> Passage:
         visits.node_age,
         seen,
         find_reachable(network, visits.release, [snapshot.step]),
-        _sort(_list_ends(visits, routing)),
+        _sort(_merge(_list_ends(visits, routing))),
     )
 
 
@@ -281,10 +283,14 @@ def _find_obstacle(routings: Sequence[Routing], how: int, place: int) -> str:
 
 
 def _merge(ends: Sequence[Ending]) -> list[Ending]:
-    """Return the ends with those under way as one."""
-    under_way = sum(end.probability for end in ends if end.kind == "under way")
-    others = [end for end in ends if end.kind != "under way"]
-    return others + ([Ending("under way", "", under_way)] if under_way else [])
+    """Return ends of the same kind at the same place as one; those under way are in no particular place."""
+    found: dict[tuple[str, str], Ending] = {}
+    for end in ends:
+        place = "" if end.kind == "under way" else end.place
+        before = found.get((end.kind, place))
+        total = float(end.probability) + (before.probability if before else 0.0)
+        found[end.kind, place] = Ending(end.kind, place, total, before.reason if before else end.reason)
+    return list(found.values())
 
 
 def _sort(ends: Sequence[Ending]) -> tuple[Ending, ...]:

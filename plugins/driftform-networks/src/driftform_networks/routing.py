@@ -70,12 +70,15 @@ class Routing:
         at the downstream end of each link of the snapshot.
     release
         for a body that is released at a node: bands that it enters each outlet in, (bands,).
+    retained
+        whether the body is too wide for the pipes through which demand leaves.
     """
 
     snapshot: Snapshot
     transfers: Sequence[TransferTable]
     tables: Sequence[RoutingTable]
     release: FloatArray
+    retained: bool = False
 
     @property
     def bands(self) -> int:

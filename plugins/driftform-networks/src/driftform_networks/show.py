@@ -10,7 +10,7 @@ from driftform_networks.chain import find_loops
 from driftform_networks.map import Mark, network_svg
 from driftform_networks.network import Network
 from driftform_networks.reading import open_network
-from driftform_networks.results import check_files, write_map
+from driftform_networks.results import Outputs, write_map
 from driftform_networks.scale import is_to_scale
 from driftform_networks.snapshot import STILL, Snapshot, take_snapshot
 
@@ -20,7 +20,7 @@ _ROUNDING = 1e-9
 
 def show_network(source: str, hour: float, map: Path | None, cache: Path | None) -> CommandResult:
     """Return what ``driftform network show`` prints, and draw the map if it is asked for."""
-    check_files(map, None)
+    Outputs(map).check()
     network = open_network(source, cache)
     snapshot = take_snapshot(network, hour)
     document: dict[str, Any] = describe_network(network, snapshot)

@@ -13,19 +13,35 @@ from driftform.types import FloatArray
 from driftform_networks.bore import spread_points
 from driftform_networks.network import IntArray
 
-_ROUNDS, _HALVINGS = 40, 50
+_ROUNDS = 40
+
+
+def divide_bore(points: FloatArray, directions: FloatArray, shares: FloatArray) -> FloatArray:
+    """Return the probability that the water at each point of the bore flows into each outlet, (n, outlets).
+
+    Outlets that leave at the same side share the water there in proportion to their flows.
+
+    Parameters
+    ----------
+    points
+        to the right and upward as seen downstream, relative to the radius of the bore, (n, 2).
+    directions
+        unit vectors towards the side where each outlet leaves, to the right and upward as seen downstream;
+        zero for an outlet straight ahead, (outlets, 2).
+    shares
+        of the water, with the sum 1, (outlets,).
+    """
+    sides, side = np.unique(directions.round(6), axis=0, return_inverse=True)
+    together = np.asarray(np.bincount(side, shares, len(sides)), np.float64)
+    chosen = divide_points(points, sides, weigh_outlets(sides, together))
+    within = np.where(side == np.arange(len(sides))[:, None], shares, 0.0) / together[:, None]
+    return np.asarray(within[chosen])
 
 
 def weigh_outlets(directions: FloatArray, shares: FloatArray) -> FloatArray:
     """Return the weights w with which the points x of the bore where n_i . x + w_i is greatest flow into outlet i.
 
-    Parameters
-    ----------
-    directions
-        unit vectors n towards the side where each outlet leaves, to the right and upward as seen downstream;
-        zero for an outlet straight ahead, (outlets, 2).
-    shares
-        of the water, with the sum 1, (outlets,).
+    ``directions`` n must differ from each other; they and ``shares`` are those of :func:`divide_bore`.
     """
     points = spread_points(1.0)
     height = points @ directions.T

@@ -30,13 +30,16 @@ def follow(routing: Routing, release: int) -> Visits:
     InputError
         if no water flows from the node into a pipe.
     """
-    first = divide_flow(routing.snapshot, release)[:, None] * routing.release
+    first = divide_flow(routing.snapshot, release, routing.retained)[:, None] * routing.release
     return solve_chain(routing.make_chain(), release, first.ravel())
 
 
-def route_tracers(snapshot: Snapshot) -> Routing:
-    """Return the tables of point tracers: water mixes completely at each node, as EPANET assumes."""
-    departure = snapshot.departure
+def route_tracers(snapshot: Snapshot, retained: bool = False) -> Routing:
+    """Return the tables of point tracers: water mixes completely at each node, as EPANET assumes.
+
+    Tracers that are ``retained`` do not leave with the demand of a node from which water flows on; at a dead end they do.
+    """
+    departure = snapshot.departure - (snapshot.exit if retained else 0.0)
     tables = []
     for node in snapshot.head.tolist():
         outlets = snapshot.outlets[node]
@@ -44,11 +47,13 @@ def route_tracers(snapshot: Snapshot) -> Routing:
         if len(outlets) and not snapshot.stores[node]:
             choice[0] = snapshot.flow[outlets] / departure[node]
         tables.append(RoutingTable(choice, np.ones((1, len(outlets), 1)), 1 - choice.sum(axis=1)))
-    return Routing(snapshot, [_STRAIGHT] * len(tables), tables, np.ones(1))
+    return Routing(snapshot, [_STRAIGHT] * len(tables), tables, np.ones(1), retained)
 
 
-def divide_flow(snapshot: Snapshot, node: int) -> FloatArray:
+def divide_flow(snapshot: Snapshot, node: int, retained: bool = False) -> FloatArray:
     """Return the probability that water at a node flows into each link of the snapshot, (links,).
+
+    Bodies that are ``retained`` do not leave with the demand of the node.
 
     Raises
     ------
@@ -62,5 +67,6 @@ def divide_flow(snapshot: Snapshot, node: int) -> FloatArray:
             "choose a node upstream, or another hour"
         )
     first = np.zeros(len(snapshot.links))
-    first[outlets] = snapshot.flow[outlets] / snapshot.departure[node]
+    whole = snapshot.departure[node] - (snapshot.exit[node] if retained else 0.0)
+    first[outlets] = snapshot.flow[outlets] / whole
     return first

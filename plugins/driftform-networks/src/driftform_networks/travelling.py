@@ -2,21 +2,23 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from driftform.errors import InputError, did_you_mean
 from driftform.types import FloatArray
 from driftform_networks.bodies import SCENARIO, Traveller
-from driftform_networks.bore import BANDS, find_band, spread_points
+from driftform_networks.bore import BANDS, spread_points
 from driftform_networks.cache import find_cache, hash_content
 from driftform_networks.fits import find_obstacle
-from driftform_networks.junctions import Geometry, Junction
+from driftform_networks.junctions import SIDES, Geometry, Junction
 from driftform_networks.routing import Routing, RoutingTable, TransferTable
 from driftform_networks.snapshot import Snapshot
-from driftform_networks.streamtubes import divide_points, weigh_outlets
+from driftform_networks.streamtubes import divide_bore
 
 if TYPE_CHECKING:
     from driftform_networks.flights import StraightFlights, StraightTask
@@ -58,6 +60,19 @@ class Travel:
     branch: str = "side"
     service_bore: float = SERVICE_BORE
 
+    @classmethod
+    def parse(cls, branch: str, service_bore: float) -> "Travel":
+        """Return what the options say.
+
+        Raises
+        ------
+        InputError
+            if there is no such side.
+        """
+        if branch not in SIDES:
+            raise InputError(f"--branch {branch}: no such side{did_you_mean(branch, SIDES)}")
+        return cls(branch, service_bore)
+
 
 class Traveling:
     """Routes one body through the snapshots of a network.
@@ -76,11 +91,19 @@ class Traveling:
 
     def __init__(self, traveller: Traveller, geometry: Geometry, travel: Travel, cache: Path | None) -> None:
         self._traveller, self._geometry, self._travel = traveller, geometry, travel
+        self._retained = traveller.agent.body.max_diameter >= travel.service_bore
         self._folder = find_cache(cache)
         self._hash = traveller.hash()
         self._flights: dict[_Key, StraightFlights] = {}
         self._transfers: dict[tuple[object, ...], TransferTable] = {}
         self._bends: dict[int, str] = {}
+
+    def with_branch(self, branch: str) -> "Traveling":
+        """Return the same body where branches leave the pipes at another side; it shares the flights."""
+        other = copy(self)
+        other._geometry = Geometry(self._geometry.network, branch)
+        other._travel = replace(self._travel, branch=branch)
+        return other
 
     def list_tasks(self, snapshots: Iterable[Snapshot]) -> "list[StraightTask]":
         """Return the flights that these snapshots need and that were not read yet."""
@@ -111,7 +134,7 @@ class Traveling:
         for link in range(len(snapshot.links)):
             transfers.append(self._transfer(snapshot, link))
             tables.append(self._divide(snapshot, link))
-        return Routing(snapshot, transfers, tables, MIXED)
+        return Routing(snapshot, transfers, tables, MIXED, self._retained)
 
     def _needs_flights(self, snapshot: Snapshot, link: int) -> bool:
         network, index = snapshot.network, snapshot.links[link]
@@ -222,17 +245,18 @@ def _choose(traveller: Traveller, junction: Junction, points: FloatArray | None)
         return np.ones((BANDS, 1))
     bore = junction.bore or float(junction.bores.max())
     room = max(1 - traveller.agent.body.max_diameter / bore, 1e-3)
-    anywhere = spread_points(room)
-    bands, places = find_band(anywhere, room), anywhere
-    if points is not None and len(points):
-        seen = points[:, 0].astype(np.int64)
-        # In a band where no flight ended, a body is anywhere.
-        rest = ~np.isin(bands, seen)
-        bands, places = np.concatenate([seen, bands[rest]]), np.vstack([points[:, 1:], places[rest]])
-    chosen = divide_points(places, junction.directions, weigh_outlets(junction.directions, junction.shares))
+    # All water carries the body, also that within its radius of the wall: there its centre is as near as it can be.
+    anywhere = spread_points(1.0)
+    anywhere = anywhere * np.minimum(1.0, room / np.linalg.norm(anywhere, axis=1))[:, None]
+    mixed = divide_bore(anywhere, junction.directions, junction.shares).mean(axis=0)
+    if points is None or not len(points):
+        return np.tile(mixed, (BANDS, 1))
+    bands = points[:, 0].astype(np.int64)
     counts = np.zeros((BANDS, outlets))
-    np.add.at(counts, (bands, chosen), 1.0)
-    return np.asarray(counts / counts.sum(axis=1, keepdims=True))
+    np.add.at(counts, bands, divide_bore(points[:, 1:], junction.directions, junction.shares))
+    total = counts.sum(axis=1, keepdims=True)
+    # In a band where no flight ended, a body is anywhere.
+    return np.asarray(np.where(total > 0, counts / np.maximum(total, 1e-300), mixed))
 
 
 def make_flights(

@@ -197,7 +197,7 @@ class _Walk:
         self._first = _accumulate(routings[0].release)
         self._bands = routings[0].bands
         self._flow = np.where(np.abs(flow) > STILL, flow, 0.0)
-        self._exit = np.array([routing.snapshot.exit for routing in routings])
+        self._exit = np.array([routing.snapshot.exit * (not routing.retained) for routing in routings])
         self._times = np.append(times, end)
         self._near = _list_neighbours(network)
         self._sides = np.column_stack([network.start, network.end])

@@ -35,7 +35,7 @@ def describe_agent(run: Run, key: str, stored: StoredAgent) -> dict[str, Any]:
     flight = _read_flight(run, design)
     scenario, agent, result = run.study.scenario, design.agent, stored.result
     is_best = key in scenario.targets
-    point = scenario.targets[key] if is_best else tuple(result["point"])
+    point = scenario.target_points()[key] if is_best else tuple(result["point"])
     [distance], [t] = closest_approach(flight, np.array([point], dtype=np.float64))
     colour = SERIES[list(scenario.targets).index(key) % len(SERIES)] if is_best else SERIES[-1]
     names = list(scenario.targets)

@@ -1,5 +1,6 @@
 """The addresses of the page: what each answers, and which function of the core it calls."""
 
+import math
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from importlib.resources import files
@@ -18,6 +19,7 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
 
 from driftform.errors import DriftformError, InputError, describe_error
+from driftform.geometry.pipe_parts import Bend, Reducer, Straight
 from driftform_studio.draft import check_draft, load_draft, locate_errors, write_draft
 from driftform_studio.folder import RunsFolder
 from driftform_studio.searches import Searches
@@ -31,6 +33,12 @@ REPORT_POLICY = "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-i
 
 MAX_OPEN = 16
 """Runs whose state is kept in memory."""
+
+BEND_STEP = math.radians(4)
+"""Angle between two points of the axis of a bend on the page, rad."""
+
+REDUCER_STEPS = 16
+"""Pieces of the axis of a reducer on the page."""
 
 Parameters = Mapping[str, str]
 
@@ -67,7 +75,8 @@ class Studio:
 
     def begin(self, parameters: Parameters, document: Any) -> Any:
         """Return what an empty page begins with: the built-in scenarios with every default filled in."""
-        from driftform.scenario import FLOWS, Pipe
+        from driftform.scenario import FLOWS
+        from driftform.scenario.parts import PARTS
         from driftform.study import load_study
         from driftform.study.sources import read_scenarios
 
@@ -85,7 +94,7 @@ class Studio:
             "folder": str(self.given),
             "presets": presets,
             "flows": {kind: _list_fields(model) for kind, model in FLOWS.items()},
-            "parts": "parts" in Pipe.model_fields,
+            "parts": {kind: _list_fields(model) for kind, model in PARTS.items()},
         }
 
     def check(self, parameters: Parameters, document: Any) -> Any:
@@ -106,11 +115,10 @@ class Studio:
 
     def examine(self, parameters: Parameters, document: Any) -> Any:
         """Return what takes a moment of a sound draft: the current over the section, and what is likely to be wrong."""
-        from driftform.report.viewer import scene_data
         from driftform.study.advice import list_warnings
 
         study = load_draft(write_draft(check_draft(document)))
-        return {"scene": scene_data(study.scenario), "warnings": list_warnings(study)}
+        return {"scene": _scene(study.scenario), "warnings": list_warnings(study)}
 
     def _warm_up(self) -> None:
         """Import what the next questions need, once a first picture is on its way."""
@@ -164,8 +172,6 @@ class Studio:
 
     def show_run(self, parameters: Parameters, document: Any) -> Any:
         """Return what of a run does not change: its study, its surroundings, its commands."""
-        from driftform.report.viewer import scene_data
-
         live = self._find(parameters)
         run = live.run
         scenario = run.study.scenario
@@ -179,13 +185,13 @@ class Studio:
             "text": text,
             "seed": run.study.seed,
             "outline": _outline(scenario),
-            "scene": scene_data(scenario, self._find_paths(live)),
+            "scene": _scene(scenario, self._find_paths(live)),
             "conditions": scenario.robustness.conditions,
         }
 
     def _find_paths(self, live: Any) -> list[Any]:
         """Return the path of a flight, if the scenario has no pipe that gives it an extent."""
-        if live.run.study.scenario.pipe.segments:
+        if not live.run.study.scenario.pipe.is_open:
             return []
         with live.run.read() as store:
             first = next(store.read_trajectories(), None)
@@ -415,26 +421,54 @@ def _read_page() -> dict[str, bytes]:
 def _outline(scenario: Any) -> dict[str, Any]:
     """Return what the side view draws of a scenario: pipe, openings, release, targets, current, free surface.
 
-    The axis of each part of the pipe is a line through points with a radius at each; openings look outward, the inlet first.
+    The axis of each part of the pipe is a line through points with a radius at each; openings look outward, the inlet
+    first. ``pipe`` is the pipe as one straight segment, empty if it is none.
     """
-    segments = scenario.pipe.segments
-    ways = [
-        (np.subtract(s.end, s.start) / np.linalg.norm(np.subtract(s.end, s.start))).tolist() for s in segments
-    ]
-    openings = [
-        {"centre": list(centre), "direction": [sign * v for v in way], "radius": s.radius}
-        for s, way in zip(segments, ways, strict=True)
-        for centre, sign in ((s.start, -1), (s.end, 1))
-    ]
+    pipe = scenario.pipe
+    straight, outlets = pipe.straight, pipe.layout.outlets
+    ends = [] if pipe.is_open else [(pipe.layout.inlet, -1), *((outlet.opening, 1) for outlet in outlets)]
+    targets = scenario.target_points().items()
     return {
-        "pipe": [{"start": list(s.start), "end": list(s.end), "radius": s.radius} for s in segments],
-        "axes": [{"points": [list(s.start), list(s.end)], "radii": [s.radius, s.radius]} for s in segments],
-        "openings": openings,
+        "pipe": [straight.model_dump(mode="json")] if straight else [],
+        "axes": [
+            {"points": np.round(axis.points, 6).tolist(), "radii": np.round(axis.radii, 6).tolist()}
+            for placed in pipe.layout.parts
+            for axis in placed.part.list_axes(_axis_step(placed.part))
+        ],
+        "openings": [
+            {"centre": end.centre.tolist(), "direction": (sign * end.axes[0]).tolist(), "radius": end.radius}
+            for end, sign in ends
+        ],
+        "outlets": [outlet.name for outlet in outlets],
         "release": scenario.release_position().tolist(),
-        "targets": [{"name": name, "position": list(point)} for name, point in scenario.targets.items()],
+        "targets": [{"name": name, "position": list(point)} for name, point in targets],
         "current": scenario.current().tolist(),
         "water": scenario.fluid.water_level,
     }
+
+
+def _axis_step(part: Any) -> float:
+    """Return the distance at which points of the axis of a part are drawn, m: two points for a straight axis of one bore."""
+    if isinstance(part, Bend):
+        return part.bend_radius * BEND_STEP
+    return part.length / REDUCER_STEPS if isinstance(part, Reducer) else math.inf
+
+
+def _scene(scenario: Any, paths: Any = ()) -> dict[str, Any]:
+    """Return the scene of the 3-D view, and the profile of the current at the inlet, empty if there is none."""
+    from driftform.report.viewer import scene_data
+    from driftform.scenario import Pipe, Segment
+
+    scene = scene_data(scenario, paths)
+    pipe, profile = scenario.pipe, scene["pipe"]
+    if not profile and not pipe.is_open and isinstance(pipe.layout.parts[0].part, Straight):
+        # The first part carries the profile of a straight pipe.
+        start, end = pipe.layout.inlet.centre, pipe.layout.parts[0].part.list_exits()[0].centre
+        inlet = Segment(start=tuple(start.tolist()), end=tuple(end.tolist()), radius=pipe.layout.inlet.radius)
+        profile = scene_data(scenario.model_copy(update={"pipe": Pipe(segments=(inlet,)), "targets": {}}))[
+            "pipe"
+        ]
+    return {**scene, "profile": profile[0]["speeds"] if profile else []}
 
 
 def _list_fields(model: Any) -> list[dict[str, Any]]:

@@ -88,6 +88,8 @@ def load_draft(text: str) -> Study:
 def locate_errors(lines: list[str], text: str) -> list[dict[str, str]]:
     """Return each error with the key on the line of the study that it names, empty if it names none.
 
+    A line may hold a list of tables: the error then names the key within them itself.
+
     >>> locate_errors(["study.toml:2: flow.speed = -1: should be more"], "[flow]\\nspeed = -1\\n")
     [{'line': 'study.toml:2: flow.speed = -1: should be more', 'key': 'flow.speed'}]
     """
@@ -98,8 +100,9 @@ def locate_errors(lines: list[str], text: str) -> list[dict[str, str]]:
         keys[number] = max(keys.get(number, ""), key, key=len)
     found = []
     for line in lines:
-        match = re.match(rf"{re.escape(FILE)}:(\d+): ", line)
-        found.append({"line": line, "key": keys.get(int(match[1]), "") if match else ""})
+        match = re.match(rf"{re.escape(FILE)}:(\d+): ([\w.\[\]-]*)", line)
+        key = keys.get(int(match[1]), "") if match else ""
+        found.append({"line": line, "key": match[2] if match and key and match[2].startswith(key) else key})
     return found
 
 

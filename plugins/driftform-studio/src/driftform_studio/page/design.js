@@ -80,29 +80,88 @@ export class Design {
 
   get segment() { return this.value("pipe", "segments")?.[0] ?? null; }
 
-  // A straight pipe in words: length, bore, and the angle by which it leads down.
-  get straight() {
+  // The parts of a pipe that is laid of parts; a straight one has none.
+  get parts() { return this.changes.pipe?.parts ?? (this.changes.pipe?.segments ? [] : this.preset.pipe.parts ?? []); }
+
+  // A pipe in words: length of a straight one, bore at the inlet, and the angle by which it leads down there.
+  get inlet() {
     const { segment } = this;
-    if (!segment) return null;
-    const way = segment.end.map((v, i) => v - segment.start[i]);
+    const way = segment ? segment.end.map((v, i) => v - segment.start[i]) : this.value("pipe", "direction") ?? [1, 0, 0];
     const length = Math.hypot(...way);
-    return { length: round(length, 1e-4), diameter: round(2 * segment.radius, 1e-4), slope: round((-180 / Math.PI) * Math.asin(way[2] / length), 1e-3) };
+    const radius = segment ? segment.radius : this.value("pipe", "radius");
+    return { length: round(length, 1e-4), diameter: round(2 * radius, 1e-4), slope: round((-180 / Math.PI) * Math.asin(way[2] / length), 1e-3) };
   }
 
-  setStraight(changed) {
-    const { length, diameter, slope } = { ...this.straight, ...changed };
-    const { start, end } = this.segment;
-    const level = Math.hypot(end[0] - start[0], end[1] - start[1]);
-    const ahead = level > 1e-9 ? [(end[0] - start[0]) / level, (end[1] - start[1]) / level] : [1, 0];
+  setInlet(changed) {
+    const { length, diameter, slope } = { ...this.inlet, ...changed };
+    const { segment } = this;
+    const way = segment ? segment.end.map((v, i) => v - segment.start[i]) : this.value("pipe", "direction") ?? [1, 0, 0];
+    const level = Math.hypot(way[0], way[1]);
+    const ahead = level > 1e-9 ? [way[0] / level, way[1] / level] : [1, 0];
     const angle = (slope * Math.PI) / 180;
     const to = [ahead[0] * Math.cos(angle), ahead[1] * Math.cos(angle), -Math.sin(angle)];
-    const segments = [{ start, end: start.map((v, i) => round(v + length * to[i], 1e-6)), radius: round(diameter / 2, 1e-6) }];
-    this.set("pipe", "segments", segments);
+    const radius = round(diameter / 2, 1e-6);
+    if (segment) this.set("pipe", "segments", [{ start: segment.start, end: segment.start.map((v, i) => round(v + length * to[i], 1e-6)), radius }]);
+    else this.setPipe({ ...this.changes.pipe, radius, direction: to.map((v) => round(v, 1e-9)) });
+  }
+
+  setPipe(pipe) {
+    this.changes = { ...this.changes, pipe };
+    this.keep();
+  }
+
+  // Lays a pipe of parts; one that is a single straight becomes a segment again, and one without parts is not a pipe.
+  setParts(parts) {
+    const { segment, inlet } = this;
+    const start = segment?.start ?? this.value("pipe", "start") ?? [0, 0, 0];
+    const way = segment ? segment.end.map((v, i) => (v - segment.start[i]) / inlet.length) : this.value("pipe", "direction") ?? [1, 0, 0];
+    const radius = round(inlet.diameter / 2, 1e-6);
+    if (parts.length === 1 && parts[0].kind === "straight") {
+      const size = Math.hypot(...way);
+      this.setPipe({ segments: [{ start, end: start.map((v, i) => round(v + (parts[0].length * way[i]) / size, 1e-6)), radius }] });
+      return;
+    }
+    nameOutlets(parts);
+    this.setPipe({ segments: [], radius, start, direction: way.map((v) => round(v, 1e-9)), parts });
+  }
+}
+
+const isJunction = ({ kind }) => kind === "tee" || kind === "wye";
+
+// A pipe with branches has several outlets, and each needs a name.
+function nameOutlets(parts) {
+  const ends = [];
+  const visit = (chain) => chain.forEach((part, i) => {
+    if (i === chain.length - 1) ends.push(part); else delete part.outlet;
+    if (isJunction(part)) visit(part.branch);
+  });
+  visit(parts);
+  if (ends.length === 1) { delete ends[0].outlet; return; }
+  const used = new Set();
+  for (const end of ends) if (used.has(end.outlet)) delete end.outlet; else used.add(end.outlet);
+  for (const end of ends.filter(({ outlet }) => !outlet)) {
+    end.outlet = [..."ABCDEFGHIJKLMNOPQRSTUVWXYZ"].find((letter) => !used.has(letter)) ?? `outlet ${used.size}`;
+    used.add(end.outlet);
+  }
+}
+
+// What a new part begins with: sizes of the bore that it continues.
+function newPart(kind, radius) {
+  const size = (factor) => Number((factor * radius).toPrecision(2));
+  switch (kind) {
+    case "bend": return { kind, radius: size(3), angle_deg: 90, roll_deg: 180 };
+    case "reducer": return { kind, length: size(2), radius: size(0.7) };
+    case "tee": return { kind, branch_radius: size(0.5), share: 0.3, roll_deg: 180, branch: [newPart("straight", radius)] };
+    case "wye": return { kind, branch_radius: size(0.5), share: 0.3, angle_deg: 60, roll_deg: 180, branch: [newPart("straight", radius)] };
+    default: return { kind, length: size(4) };
   }
 }
 
 const KINDS = {
   uniform: "Uniform (no wall friction)", power_law: "Power law", log_law: "Logarithmic law (real pipe)", developing: "Developing from the inlet", turbulent: "Logarithmic law with gusts",
+};
+const PART_LABELS = {
+  length: "Length", radius: "Radius", angle_deg: "Angle", roll_deg: "Direction, 180 is down", branch_radius: "Branch radius", share: "Share of the water", fillet: "Rounding", name: "Name", outlet: "Outlet",
 };
 const LABELS = { speed: "Mean speed", roughness: "Wall roughness", exponent: "Exponent n", intensity: "Strength of gusts", memory: "Memory of gusts", crossing: "Crossing (beta)", smoothing: "Smallest eddies", acceleration: "Acceleration" };
 const WATERS = { "Fresh, 15 °C": [999.1, 1.14e-6], "Sea, 20 °C": [1024, 1.05e-6] };
@@ -110,11 +169,12 @@ const WATERS = { "Fresh, 15 °C": [999.1, 1.14e-6], "Sea, 20 °C": [1024, 1.05e-
 // A study in a few words: what a run was made of.
 export function describe(document) {
   const { pipe, flow, fluid, targets, run, simulator, strategy } = document;
-  const [first, ...others] = pipe.segments;
+  const [first] = pipe.segments ?? [];
+  const wide = (radius) => `${Number((2 * radius).toPrecision(4))} m wide`;
   const size = (s) => Number(Math.hypot(...s.end.map((v, i) => v - s.start[i])).toPrecision(4));
   const water = Object.entries(WATERS).find(([, pair]) => same(pair, [fluid.density, fluid.viscosity]))?.[0] ?? `${fluid.density} kg/m³`;
   return [
-    ["pipe", first ? `${size(first)} m long, ${Number((2 * first.radius).toPrecision(4))} m wide${others.length ? ", …" : ""}` : "open water"],
+    ["pipe", first ? `${size(first)} m long, ${wide(first.radius)}` : pipe.parts?.length ? `${pipe.parts.length} parts, ${wide(pipe.radius)}` : "open water"],
     ["current", `${flow.speed} m/s, ${(KINDS[flow.kind] ?? flow.kind).toLowerCase().replace(/ \(.*/, "")}`],
     ["water", water], ["targets", `${Object.keys(targets).length}`],
     ["search", `${strategy?.use ?? ""}, ${simulator.use}`], ["seed", `${run.seed}`],
@@ -159,15 +219,67 @@ export class Fields {
 
   showPipe() {
     const { design } = this;
-    const { straight } = design;
-    if (!straight) { find("pipe-fields").replaceChildren(make("p", { class: "hint wide" }, "Open water: no pipe.")); return; }
-    const field = (label, unit, key, errors) => this.number(label, unit, straight[key], errors, (value) => design.setStraight({ [key]: value }));
+    const { segment } = design;
+    const parts = copy(design.parts);
+    find("pipe-parts").replaceChildren();
+    if (!segment && !parts.length) { find("pipe-fields").replaceChildren(make("p", { class: "hint wide" }, "Open water: no pipe.")); return; }
+    const field = (label, unit, key, errors) => this.number(label, unit, design.inlet[key], errors, (value) => design.setInlet({ [key]: value }));
     find("pipe-fields").replaceChildren(
-      field("Length", "m", "length", "pipe.segments[0].end pipe.segments[0] pipe.segments pipe"),
-      field("Inner diameter", "m", "diameter", "pipe.segments[0].radius"),
-      field("Slope, down", "°", "slope", "pipe.segments[0].start"),
+      ...(segment ? [field("Length", "m", "length", "pipe.segments[0].end pipe.segments[0] pipe.segments pipe")] : []),
+      field(segment ? "Inner diameter" : "Inlet diameter", "m", "diameter", "pipe.segments[0].radius pipe.radius"),
+      field(segment ? "Slope, down" : "Inlet slope, down", "°", "slope", "pipe.segments[0].start pipe.direction"),
       this.number("Water level", "m", design.value("fluid", "water_level"), "fluid.water_level", (value) => design.set("fluid", "water_level", value), { placeholder: "full" }),
     );
+    if (segment) parts.push({ kind: "straight", length: design.inlet.length });
+    const act = (again) => {
+      // The length of a straight pipe may have changed since its rows were made.
+      if (design.segment) parts[0].length = design.inlet.length;
+      design.setParts(parts);
+      if (again) this.showPipe();
+      this.changed(again);
+    };
+    find("pipe-parts").append(this.makeChain(parts, "pipe.parts", () => design.inlet.diameter / 2, act, segment !== null));
+  }
+
+  // The parts of a run or of a branch, one row each, after a bore of a `radius`; `act` keeps what was changed, and shows
+  // the rows again if asked to.
+  makeChain(parts, key, radius, act, bare) {
+    const rows = bare ? [] : parts.map((part, i) => this.makePart(parts, i, `${key}[${i}]`, radius, act));
+    const label = key === "pipe.parts" ? "Add a part to the pipe" : "Add a part to the branch";
+    const add = make("select", { "aria-label": label, onchange: (event) => {
+      // A bore that a reducer has changed goes on with its new radius.
+      const bore = parts.findLast(({ kind }) => kind === "reducer")?.radius ?? radius();
+      parts.push(newPart(event.target.value, bore));
+      act(true);
+      [...document.querySelectorAll(".part")].find((row) => row.dataset.errors === `${key}[${parts.length - 1}]`)?.querySelector("input")?.focus();
+    } }, make("option", { value: "" }, `${label} …`), ...Object.keys(this.begin.parts).map((kind) => make("option", { value: kind }, kind)));
+    return make("div", { class: "chain" }, ...rows, make("div", { class: "field" }, add));
+  }
+
+  makePart(parts, i, key, radius, act) {
+    const part = parts[i];
+    const isEnd = i === parts.length - 1;
+    const title = `${part.name || part.kind} ${part.name ? "" : i + 1}`.trim();
+    const move = (to) => () => { parts.splice(to, 0, ...parts.splice(i, 1)); act(true); };
+    const fields = [], rare = [];
+    for (const { option, type, unit, help, default: usual } of this.begin.parts[part.kind]) {
+      if (option === "kind" || option === "branch" || (option === "outlet" && !(isEnd && part.outlet))) continue;
+      const label = PART_LABELS[option] ?? option;
+      const attributes = { title: help, "aria-label": `${label} of ${title}`, "data-errors": `${key}.${option}` };
+      const set = (value) => { if (value === null || value === "") delete part[option]; else part[option] = value; act(false); };
+      const isText = type === "str";
+      const field = isText
+        ? make("label", { class: "field" }, label, make("input", { type: "text", maxlength: 40, value: part[option] ?? "", ...attributes, onchange: (event) => set(event.target.value.trim()) }))
+        : this.number(label, unit === "deg" ? "°" : unit, part[option] ?? (usual === "None" ? "" : usual), `${key}.${option}`, (value) => set(value), { ...attributes, ...(usual === "None" ? { placeholder: "usual" } : {}) });
+      (["name", "fillet"].includes(option) ? rare : fields).push(field);
+    }
+    const button = (text, words, work, disabled = false) => make("button", { type: "button", class: "square", "aria-label": `${words} ${title}`, disabled, onclick: work }, text);
+    return make("fieldset", { class: "part", "data-errors": key },
+      make("legend", {}, title),
+      make("div", { class: "bar" }, button("↑", "Move up", move(i - 1), i === 0), button("↓", "Move down", move(i + 1), isEnd), button("×", "Remove", () => { parts.splice(i, 1); act(true); }, parts.length === 1)),
+      make("div", { class: "fields" }, ...fields),
+      ...(rare.length ? [make("details", {}, make("summary", {}, "More"), make("div", { class: "fields" }, ...rare))] : []),
+      ...(isJunction(part) ? [make("h4", {}, "Branch"), this.makeChain(part.branch, `${key}.branch`, () => part.branch_radius, act, false)] : []));
   }
 
   showFlow() {
@@ -228,14 +340,14 @@ export class Fields {
     const list = find("targets");
     const names = Object.keys(targets);
     const rows = [...list.querySelectorAll(".target:not(.head)")];
-    if (!same(rows.map((row) => row.dataset.name), names)) {
+    if (!same(rows.map((row) => [row.dataset.name, row.dataset.outlet]), names.map((name) => [name, this.outletOf(name)]))) {
       const head = make("div", { class: "target head", "aria-hidden": "true" }, ...["", "name", "x m", "y m", "z m", ""].map((text) => make("span", {}, text)));
       list.replaceChildren(...(names.length ? [head] : []), ...names.map((name, number) => this.makeTarget(name, number)));
       return;
     }
     rows.forEach((row) => [...row.querySelectorAll("input[type=number]")].forEach((input, i) => {
-      const value = targets[row.dataset.name][i];
-      if (input !== document.activeElement && Number(input.value) !== value) input.value = value;
+      const value = this.pointOf(row.dataset.name)[i];
+      if (input !== document.activeElement && (input.value === "" || Number(input.value) !== value)) input.value = value;
     }));
   }
 
@@ -251,19 +363,55 @@ export class Fields {
       this.changed(true);
     };
     const coordinate = (axis, i) => make("input", {
-      type: "number", step: "0.01", value: design.targets[name][i], "aria-label": `${axis} of ${name}, m`,
+      type: "number", step: "0.01", value: this.pointOf(name)[i], "aria-label": `${axis} of ${name}, m`,
       oninput: (event) => {
         if (event.target.value === "") return;
-        const point = [...design.targets[name]];
+        const point = [...this.pointOf(name)];
         point[i] = Number(event.target.value);
         design.setTargets({ ...design.targets, [name]: point });
         this.changed();
       },
     });
-    return make("div", { class: "target", "data-name": name, "data-errors": `targets.${name}` }, dot,
+    const outlet = this.outletOf(name);
+    return make("div", { class: "target", "data-name": name, "data-outlet": outlet, "data-errors": `targets.${name}` }, dot,
       make("input", { type: "text", value: name, maxlength: 60, "aria-label": `Name of target ${name}`, onchange: rename }),
       ...["x", "y", "z"].map(coordinate),
-      make("button", { type: "button", class: "square", "aria-label": `Remove ${name}`, onclick: () => this.remove(name) }, "×"));
+      make("button", { type: "button", class: "square", "aria-label": `Remove ${name}`, onclick: () => this.remove(name) }, "×"),
+      ...(outlet ? [make("span", { class: "note" }, `outlet ${outlet}: moves with the pipe`)] : []));
+  }
+
+  outletOf(name) { return typeof this.design.targets[name] === "string" ? this.design.targets[name] : ""; }
+
+  // The place of a target; that of an outlet is known once the pipe is laid.
+  pointOf(name) {
+    const target = this.design.targets[name];
+    return typeof target === "string" ? this.places?.get(name) ?? ["", "", ""] : target;
+  }
+
+  // The targets that have a place, as the side view draws them.
+  listPlaces() {
+    return Object.keys(this.design.targets).map((name) => ({ name, position: this.pointOf(name) })).filter(({ position }) => position.every((v) => Number.isFinite(v)));
+  }
+
+  // What the laid pipe offers: the places of targets that are outlets, and a button for each outlet.
+  showOutlets({ outlets, targets }) {
+    this.places = new Map(targets.map(({ name, position }) => [name, position.map((v) => round(v, 1e-4))]));
+    const names = outlets.map((name) => name || "outlet");
+    const box = find("outlets");
+    if (!same([...box.children].map((button) => button.dataset.outlet), names)) box.replaceChildren(...names.map((name) => make("button", {
+      type: "button", "data-outlet": name, onclick: () => this.placeOutlet(name),
+    }, names.length > 1 ? `Add outlet ${name}` : "Add the outlet")));
+    this.showTargets();
+  }
+
+  placeOutlet(outlet) {
+    const stem = outlet.replace(/[^\p{L}\p{N}_-]+/gu, "-").replace(/^outlet-?/, "") || "out";
+    const { targets } = this.design;
+    let name = stem.length < 3 && stem !== "out" ? `outlet-${stem}` : stem;
+    for (let number = 2; name in targets; number++) name = `${stem}-${number}`;
+    this.design.setTargets({ ...targets, [name]: outlet });
+    this.showTargets();
+    this.changed(true);
   }
 
   place(point) {
@@ -297,12 +445,15 @@ export class Fields {
     const fields = [...document.querySelectorAll("[data-errors]")].map((field) => ({ field, keys: field.dataset.errors.split(" ") }));
     return errors.filter(({ line, key }, number) => {
       if (key === "targets") { find("targets-error").textContent = line; find("targets-error").hidden = false; return false; }
-      const found = key && fields.find(({ field, keys }) => keys.includes(key) || field.dataset.errors === key);
+      const answers = (name) => fields.find(({ field, keys }) => keys.includes(name) || field.dataset.errors === name);
+      let found = key && answers(key);
+      // An error of a part without a field of its own is shown at the part.
+      for (let outer = key; !found && outer.startsWith("pipe.parts"); ) { outer = outer.replace(/(\.[^.[\]]+|\[\d+\])$/, ""); found = answers(outer); }
       if (!found) return true;
       const { field } = found;
       const id = `error-${number}`;
       (field.matches("input, select") ? field.closest("label") : field).append(make("p", { class: "error", id, role: "alert" }, line));
-      for (const input of field.matches("input, select") ? [field] : field.querySelectorAll("input")) {
+      for (const input of field.matches("input, select") ? [field] : field.matches(".target") ? field.querySelectorAll("input") : []) {
         input.setAttribute("aria-invalid", "true");
         input.setAttribute("aria-describedby", id);
       }

@@ -101,6 +101,13 @@ export class Side {
     else this.draw();
   }
 
+  // Draws targets where they are now; the server, which checks them, answers a moment later.
+  showTargets(targets) {
+    if (JSON.stringify(targets) === JSON.stringify(this.outline.targets)) return;
+    this.outline = { ...this.outline, targets };
+    this.draw();
+  }
+
   draw() {
     if (!this.view) return;
     const held = document.activeElement?.closest?.(".mark")?.dataset.name;
@@ -120,15 +127,19 @@ export class Side {
     for (const mark of this.svg.querySelectorAll(".mark")) if (mark.dataset.name === name) mark.focus({ preventScroll: true });
   }
 
-  // An axis as it is seen: its points, and the edges of the bore at right angles to it.
+  // An axis as it is seen: its points, and the edges of the bore at right angles to it. One that leads into the depth is seen as
+  // the balls that roll through it.
   flatten({ points, radii }) {
+    const [depth, ...others] = points.map((p) => p[0] * this.right[1] - p[1] * this.right[0]);
+    const isDeep = others.some((v) => Math.abs(v - depth) > 1e-6);
     const middle = points.map((p) => this.flat(p));
-    const normals = middle.map((_, i) => {
-      const [a, b] = [middle[Math.max(0, i - 1)], middle[Math.min(middle.length - 1, i + 1)]];
-      const size = Math.hypot(b[0] - a[0], b[1] - a[1]) || 1e-9;
-      return [-(b[1] - a[1]) / size, (b[0] - a[0]) / size];
-    });
-    return { points, radii, middle, edges: [1, -1].map((side) => middle.map((p, i) => plus(p, normals[i], side * radii[i]))) };
+    const way = (a, b) => { const size = Math.hypot(...sub(b, a)) || 1e-9; return sub(b, a).map((v) => v / size); };
+    const last = middle.length - 1;
+    const ways = middle.map((_, i) => way(middle[Math.max(0, i - 1)], middle[Math.min(last, i + 1)]));
+    // The chord at an end of a bend leads half a step beside its axis.
+    if (last > 1) for (const [end, next] of [[0, 1], [last, last - 1]]) ways[end] = sub(plus(ways[end], ways[end]), ways[next]);
+    const normals = ways.map(([x, y]) => { const size = Math.hypot(x, y) || 1e-9; return [-y / size, x / size]; });
+    return { points, radii, middle, isDeep, edges: [1, -1].map((side) => middle.map((p, i) => plus(p, normals[i], side * radii[i]))) };
   }
 
   hatch() {
@@ -137,12 +148,14 @@ export class Side {
   }
 
   // The bores cover the inner half of the walls, also where one part leads into another.
-  drawWalls() {
-    return this.bores.map(({ edges: [upper, lower] }) => draw("path", { class: "wall", d: this.line([...upper, ...[...lower].reverse()], true) }));
-  }
+  drawWalls() { return this.drawBores("wall", 7); }
 
-  drawBore() {
-    return this.bores.map(({ edges: [upper, lower] }) => draw("path", { class: "bore", d: this.line([...upper, ...[...lower].reverse()], true) }));
+  drawBore() { return this.drawBores("bore", 0); }
+
+  drawBores(kind, more) {
+    return this.bores.flatMap(({ isDeep, middle, radii, edges: [upper, lower] }) => isDeep
+      ? middle.slice(1).map((p, i) => draw("path", { class: `${kind} deep`, d: this.line([middle[i], p]), "stroke-width": (radii[i] + radii[i + 1]) * this.view.scale + more }))
+      : [draw("path", { class: kind, d: this.line([...upper, ...[...lower].reverse()], true) })]);
   }
 
   drawOpenings() {
@@ -193,7 +206,7 @@ export class Side {
   // The profile of the current at the inlet: an arrow is as long as the water goes there in a moment.
   drawCurrent() {
     const inlet = this.outline.openings[0];
-    if (!inlet || !this.profile || this.reach) return [];
+    if (!inlet || !this.profile?.length || this.reach) return [];
     // The inlet's opening looks outward.
     const [a, along] = [this.flat(inlet.centre), this.flat(inlet.direction).map((v) => -v)];
     if (Math.hypot(...along) < 1e-6) return [];

@@ -1,5 +1,5 @@
 // The pipe and the agent in three dimensions: the viewer of the report, fed with what the page knows.
-/* global View, ball, bore, colourOf, drift, hex, identity, momentOf, moveOffWall, poseMatrix, revolve, rings, section, surfaceMesh, tube */
+/* global View, ball, bore, colourOf, cross, dot, drift, hex, momentOf, moveOffWall, poseMatrix, revolve, rings, scale, section, sub, surfaceMesh, tube, unit */
 import { find, hexColour, make } from "./parts.js";
 
 function meshesOf(agent) {
@@ -8,6 +8,48 @@ function meshesOf(agent) {
     outer: revolve(agent.outer, false), cavity: revolve(agent.cavity, true), core: ball(agent.core), section: section(agent.outer, agent.cavity),
     joints: rings(agent.outer, agent.joints), flown: revolve(agent.outer, false), tube: (radius) => tube(path, radius),
   };
+}
+
+// The bores of parts as rings, and eight lines along each.
+function boresOf(axes) {
+  const places = [];
+  for (const { points, radii } of axes) {
+    const ways = points.map((_, i) => unit(sub(points[Math.min(points.length - 1, i + 1)], points[Math.max(0, i - 1)])));
+    let aside = unit(cross(ways[0], Math.abs(ways[0][2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
+    const frames = ways.map((way) => {
+      // The frame of a point is that of the one before it, turned no more than the axis turns.
+      aside = unit(sub(aside, scale(way, dot(aside, way))));
+      return [aside, cross(aside, way)];
+    });
+    const at = (i, share, angle) => points[i].map((v, k) => {
+      const j = Math.min(points.length - 1, i + 1);
+      const mix = (a, b) => a + share * (b - a);
+      const radius = mix(radii[i], radii[j]);
+      return mix(v, points[j][k]) + radius * (Math.cos(angle) * frames[i][0][k] + Math.sin(angle) * frames[i][1][k]);
+    });
+    const ring = (i, share) => { for (let k = 0; k < 48; k++) for (const j of [k, k + 1]) places.push(...at(i, share, (Math.PI * j) / 24)); };
+    let since = Infinity;
+    for (let i = 0; i + 1 < points.length; i++) {
+      const length = Math.hypot(...sub(points[i + 1], points[i]));
+      const count = Math.max(1, Math.round(length / radii[i]));
+      for (let n = 0; n < count; n++) if ((since += length / count) >= 0.6 * radii[i]) { ring(i, n / count); since = 0; }
+      for (let k = 0; k < 8; k++) places.push(...at(i, 0, (Math.PI * k) / 4), ...at(i + 1, 0, (Math.PI * k) / 4));
+    }
+    ring(points.length - 1, 0);
+  }
+  return { places };
+}
+
+// A scene without a straight pipe has the extent of its parts.
+function measure(scene, axes) {
+  if (scene.pipe.length || !axes.length) return scene;
+  const points = axes.flatMap(({ points: p }) => p);
+  const [low, high] = [Math.min, Math.max].map((most) => [0, 1, 2].map((i) => most(...points.map((p) => p[i]))));
+  const size = Math.max(...axes.flatMap(({ radii }) => radii));
+  const corner = (end, sign) => [0, 1].map((i) => end[i] + sign * size);
+  // The view is wider than it is high.
+  const length = Math.max(Math.hypot(high[0] - low[0], high[1] - low[1]), 2.6 * (high[2] - low[2] + 2 * size));
+  return { ...scene, centre: low.map((v, i) => (v + high[i]) / 2), length, size, extent: [corner(low, -1), corner(high, 1)] };
 }
 
 // The pipe, its current, targets and flights.
@@ -22,9 +64,10 @@ export class Space {
     this.follow = false;
   }
 
-  show(scene) {
+  show(shown, { axes }) {
+    const scene = measure(shown, axes);
     this.scene = scene;
-    this.pipe = bore(scene.pipe);
+    this.pipe = scene.pipe.length ? bore(scene.pipe) : boresOf(axes);
     this.drifting = scene.pipe.length ? drift(scene.pipe) : () => [];
     this.surface = scene.water === null ? null : surfaceMesh(scene);
     find("names").replaceChildren();

@@ -19,7 +19,7 @@ let checked = null; // the server's answer to the latest sound design
 const paths = new Map(); // of evaluations of the run
 
 const side = new Side(find("side"), {
-  place: (point) => { const name = fields.place(point); focusSoon = name; },
+  place: (point) => place(point),
   move: (name, point) => fields.move(name, point),
   remove: (name) => fields.remove(name),
   choose: (name) => { if (run) openAgent(name); },
@@ -28,7 +28,6 @@ const side = new Side(find("side"), {
 });
 const space = new Space(find("space"));
 const turntable = new Turntable(find("agent-view"), find("cut"));
-let focusSoon = null;
 
 const say = (text) => { find("hint").textContent = text; };
 const isOver = (status) => ["paused", "finished", "failed"].includes(status.state);
@@ -85,10 +84,11 @@ const check = latest(async () => {
   showProblems(others.map(({ line }) => ({ line, wrong: true })));
   if (answer.errors.length) { checked = null; return; }
   checked = answer;
-  side.show(answer.outline);
+  fields.showOutlets(answer.outline);
+  // A target that was dragged on meanwhile stays where it is.
+  side.show({ ...answer.outline, targets: fields.listPlaces() });
   find("views").dataset.drawn = "";
   fields.flights.querySelector("input").placeholder = answer.evaluations;
-  if (focusSoon) { side.focus(focusSoon); focusSoon = null; }
   examineSoon();
 });
 
@@ -96,13 +96,18 @@ const examine = latest(async () => {
   if (run || !checked) return;
   const { scene, warnings } = await ask("api/examine", design.document());
   if (run || !checked) return;
-  side.profile = scene.pipe[0]?.speeds ?? null;
+  side.profile = scene.profile;
   side.draw();
-  space.show(scene);
+  space.show(scene, checked.outline);
   showProblems(warnings.map((line) => ({ line })));
 });
 const examineSoon = delayed(examine, 350);
 const checkSoon = delayed(check, 60);
+const change = (soon) => {
+  side.showTargets(fields.listPlaces());
+  checkSoon(soon);
+};
+const place = (point) => side.focus(fields.place(point));
 
 function openDesign(next) {
   const wasRun = run !== null;
@@ -130,12 +135,12 @@ function openDesign(next) {
 }
 
 find("add-target").addEventListener("click", () => {
-  focusSoon = fields.place(side.middle);
+  place(side.middle);
 });
 find("example-targets").addEventListener("click", () => {
   design.setTargets({ ...design.preset.targets });
   fields.showTargets();
-  checkSoon(true);
+  change(true);
 });
 find("start").addEventListener("click", async () => {
   const button = find("start");
@@ -172,16 +177,17 @@ async function openRun(name, key = null) {
   find("start").hidden = true;
   find("change").hidden = false;
   find("reach-choice").hidden = !info.outline.axes.length;
+  find("reach-words").textContent = info.outline.pipe.length ? "Reach map" : "Pick any point";
   find("reach").checked = false;
   find("legend").hidden = true;
   find("place").textContent = [name, info.title].filter(Boolean).join(" · ");
   document.title = `${name} · driftform studio`;
   showProblems([]);
   say("");
-  side.profile = info.scene.pipe[0]?.speeds ?? null;
+  side.profile = info.scene.profile;
   side.show(info.outline);
   find("views").dataset.drawn = "";
-  space.show(info.scene);
+  space.show(info.scene, info.outline);
   showCommands(info.text);
   const wanted = `#run=${part(name)}`;
   if (!location.hash.startsWith(wanted)) history.pushState(null, "", wanted);
@@ -310,7 +316,11 @@ find("reach").addEventListener("change", async () => {
   side.reach = null;
   find("legend").hidden = true;
   side.mode = "look";
-  if (find("reach").checked) {
+  if (find("reach").checked && !run.info.outline.pipe.length) {
+    // The core maps straight pipes; any point of others can be picked all the same.
+    side.mode = "pick";
+    say("Click any point for the agent that passes there.");
+  } else if (find("reach").checked) {
     const asked = run;
     say("Mapping what the flights reach …");
     try {
@@ -378,7 +388,7 @@ async function openAgent(key) {
 function showAgent(key, data) {
   const again = agent?.key === key && agent.data.evaluation === data.evaluation;
   const { number } = data;
-  const magnified = Math.max(1, Math.round((10 * run.info.scene.size) / data.longest) / 10);
+  const magnified = Math.max(1, Math.round((10 * space.scene.size) / data.longest) / 10);
   agent = { key, data, number, magnified };
   const dot = make("i", { class: "dot" });
   dot.style.background = colour(number);
@@ -661,5 +671,5 @@ for (let wait = 300; ; wait = Math.min(3000, 2 * wait)) {
   }
 }
 offline(false);
-fields = new Fields(begin, checkSoon);
+fields = new Fields(begin, change);
 await open().catch(report);
