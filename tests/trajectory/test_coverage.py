@@ -301,7 +301,7 @@ def test_a_pipe_with_parts_is_unrolled_along_its_axes():
     cells, layout = PipeGrid.of_scenario(scenario), scenario.pipe.layout
     for index, placed in enumerate(layout.parts):
         run = placed.part.list_axes(0.01)[0]
-        place = cells.to_map(run.points[1:-1] + [0.0, 0.0, 0.004 if index < 2 else 0.0])
+        place = cells.to_map(np.add(run.points[1:-1], [0.0, 0.0, 0.004 if index < 2 else 0.0]))
         # No two points of the pipe have the same place, and the chain of the run begins at the inlet.
         assert (np.diff(place[:, 0]) > 0).all()
         lengths = np.linspace(0, placed.part.length, len(run.points))[1:-1]
