@@ -14,7 +14,8 @@ _LEFT, _RIGHT, _TALLEST = 62.0, 24.0, 420.0
 
 def pipe_svg(scenario: Scenario, title: str) -> str:
     """Return the pipe as SVG, to scale, axes in metres: a side view, and a plan view of a pipe that is not straight."""
-    layout, windows, top = scenario.pipe.layout, [], 92.0
+    layout, top = scenario.pipe.layout, 92.0
+    windows: list[Window] = []
     places = np.vstack([scenario.release_position()[None], scenario.target_array()])
     for view in (SIDE,) if scenario.pipe.straight is not None else (SIDE, PLAN):
         shown = np.vstack([places, pipe_points(scenario.pipe, view)])

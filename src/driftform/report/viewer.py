@@ -84,7 +84,7 @@ def scene_data(scenario: Scenario, paths: Sequence[FloatArray] = ()) -> dict[str
 
 def _list_chords(pipe: Pipe) -> list[tuple[FloatArray, FloatArray, float]]:
     """Return the bores of a pipe with parts as short straight pieces: start, end, and radius, m."""
-    chords = []
+    chords: list[tuple[FloatArray, FloatArray, float]] = []
     for placed in pipe.layout.parts:
         part = placed.part
         for axis in part.list_axes(part.length if isinstance(part, Straight) else 0.5 * part.end_radius):
