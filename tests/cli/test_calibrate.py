@@ -51,11 +51,14 @@ def test_the_document_has_factors_residual_and_files(call: Call, track: Path) ->
     assert [Path(path).name for path in found["files"]] == [
         "calibration.toml",
         "agent.json",
+        "report.html",
         "tracks.svg",
         "factors.svg",
     ]
     table = tomllib.loads(Path("found/calibration.toml").read_text(encoding="utf-8"))
     assert table == {"calibration": found["calibration"]}
+    page = Path("found/report.html").read_text(encoding="utf-8")
+    assert page.count("<svg") == 2 and "cross_drag = [" in page and 'class="seen"' in page
     # The agent remembers it, and any study takes it.
     remembered = call("inspect", "found/agent.json", "--json")
     assert json.loads(remembered.stdout)["calibration"]["cross_drag"]["value"] == pytest.approx(
@@ -159,7 +162,7 @@ def test_drops_are_planned_with_a_page_and_a_study_for_each(call: Call) -> None:
     assert gains == sorted(gains, reverse=True) and gains[-1] > 0
     assert set(plan["expected"]) | set(plan["reasons"]) == FACTORS
     page = Path("plan/protocol.html").read_text(encoding="utf-8")
-    for text in ("Weigh the print", "Place the camera", "Ruler", "200 mm from 0 to 200"):
+    for text in ("Weigh the print", "Place the camera", "Ruler", "150 mm from 0 to 150"):
         assert text in page
     assert "http://" not in page.replace("http://www.w3.org/2000/svg", "") and "https://" not in page
     for number, drop in enumerate(plan["drops"], start=1):

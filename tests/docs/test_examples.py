@@ -270,6 +270,22 @@ def test_no_field_of_a_list_is_left_out(outputs: dict[str, Any]) -> None:
     assert set(outputs["inspect"]["modules"][0]) == modules
 
 
+# docs/junctions.md
+
+
+def test_the_side_branch_has_two_outlets_as_targets(
+    tmp_path: Path, blocks: list[Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_files(tmp_path, "junctions.md", blocks)
+    scenario = load_study("side-branch.toml").scenario
+    assert [outlet.name for outlet in scenario.pipe.layout.outlets] == ["left", "right on"]
+    assert set(scenario.target_names) == {"left", "on"}
+    # Left of the water that flows along x is +y.
+    points = scenario.target_points()
+    assert points["left"][1] > 0.5 and abs(points["on"][1]) < 1e-9
+
+
 def test_a_run_directory_holds_what_dataflow_tells(pages: dict[str, str], outputs: dict[str, Any]) -> None:
     run = Path(outputs["evolve"]["run"])
     section = pages["dataflow.md"].partition("## The run directory")[2].partition("\n## ")[0]

@@ -22,6 +22,7 @@ from driftform.interfaces import SEAMS
 from driftform.options import find_table
 from driftform.registry import Contribution, registry
 from driftform.scenario import FLOWS, Scenario
+from driftform.scenario.parts import PARTS as PIPE_PARTS
 from driftform.study import RunOptions
 
 Check = Callable[[Path, str], None]
@@ -41,7 +42,7 @@ def type_text(annotation: Any) -> str:
     if origin is Literal:
         return " or ".join(f'`"{value}"`' for value in arguments)
     if origin in (Union, UnionType):
-        return " or ".join(type_text(a) for a in arguments if a is not NoneType)
+        return " or ".join(dict.fromkeys(type_text(a) for a in arguments if a is not NoneType))
     if origin is tuple:
         if len(arguments) == 2 and arguments[1] is Ellipsis:
             return f"list of {type_text(arguments[0])}s"
@@ -375,11 +376,21 @@ def scenario_keys() -> list[str]:
                 "",
                 f"{field.description or ''}: each key is a name, each value a point ",
             ]
-            lines[-1] += f"`[x, y, z]` of the world frame in {unit}. Default: none."
+            lines[-1] += f"`[x, y, z]` of the world frame in {unit}, or the name of an outlet. Default: none."
             lines.append("")
             continue
         lines += [f"### `[{name}]`", "", markdown(model.__doc__ or ""), "", *keys_table(model), ""]
         for key, item in model.model_fields.items():
+            if (name, key) == ("pipe", "parts"):
+                for kind, part in PIPE_PARTS.items():
+                    lines += [
+                        f'### `[[pipe.parts]]` with `kind = "{kind}"`',
+                        "",
+                        markdown(part.__doc__ or ""),
+                        "",
+                    ]
+                    lines += [*keys_table(part), ""]
+                continue
             inner = inner_table(item.annotation)
             if inner is not None:
                 lines += [

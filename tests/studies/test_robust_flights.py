@@ -71,7 +71,7 @@ def flights_of(study, dragged: bool, count: int, workers) -> Iterator[Flown]:
     pipeline, rng = study.make_pipeline(), np.random.default_rng(SEED)
     for start in range(0, count, BLOCK):
         indices = range(start, min(start + BLOCK, count))
-        agents = [pipeline.agent(pipeline.grammar.random(rng)) for _ in indices]
+        agents = [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in indices]
         if dragged:
             agents = [with_drag(agent) for agent in agents]
         scenarios = [pipeline.scenario.of_evaluation(SEED, index) for index in indices]

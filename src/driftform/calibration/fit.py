@@ -423,9 +423,13 @@ def _estimate(
             found[name] = FactorEstimate(middle, low, high, True)
             continue
         others = [k for k in range(len(problem.names)) if k != j and abs(correlation[j, k]) > ALIKE]
-        low, _, high = _find_interval(solution, name, float(solution.x[j]), float(own[j]))
+        low, middle, high = _find_interval(solution, name, float(solution.x[j]), float(own[j]))
         if own[j] > 0.9 * problem.parameters[j].prior:
             why = "it has no effect on these tracks"
+        elif _find_excess(solution, j, float(solution.x[j]), float(own[j])) <= 1.0:
+            left = [k for k in range(len(problem.names)) if k != j and k not in judgement.known]
+            most = max(left, key=lambda k: abs(correlation[j, k] * solution.x[k] / own[k]), default=j)
+            why = f"it would be {middle:.2g}, but depends on {_name(problem.names[most])}, which is not known"
         elif others:
             why = f"the tracks cannot tell it from {' and '.join(_name(problem.names[k]) for k in others)}"
         else:

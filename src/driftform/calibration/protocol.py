@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
 from typing import Any
 
 from driftform.calibration.experiment import Drop, Plan, Tank, describe_plan
+from driftform.calibration.page import make_page
 from driftform.figures.drops import DropPicture, drop_svg, ruler_svg
 from driftform.figures.section import section_svg
 from driftform.types import Agent
@@ -18,16 +18,6 @@ TABLES = ("pipe", "flow", "fluid", "release", "contact", "flight", "robustness")
 
 DISTANCE = 8.0
 """Distance of the camera over the length of the tank's picture: nearer, perspective bends the paths."""
-
-_STYLE = """
-body { font: 14px/1.45 system-ui, sans-serif; max-width: 820px; margin: 1.5em auto; padding: 0 1em; color: #1f2a36 }
-h1 { font-size: 1.5em; margin: 0 } h2 { font-size: 1.1em; margin: 1.2em 0 .3em }
-table { border-collapse: collapse; margin: .5em 0 } th, td { padding: .2em .9em .2em 0; text-align: left }
-th { border-bottom: 1px solid #586673 } .drops { display: flex; flex-wrap: wrap; gap: 12px }
-.blank { border-bottom: 1px solid #586673; min-width: 6em; display: inline-block }
-svg { max-width: 100% } .ruler svg { max-width: none } code { background: #f1f7fb }
-@media print { body { margin: 0; font-size: 11px } }
-"""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -117,7 +107,7 @@ class DropPlan:
         heads = ("drop", "pitch", "core below the surface", "ballast", "film", "tells")
         ballasts = any(drop.ballast for drop in self.drops)
         expected = [
-            (name.replace("_", " "), f"{100 * half:.0f} %", "yes" if known else "no, it stays at 1")
+            (name.replace("_", " "), f"{100 * half:.0f} %", _describe_known(name, known))
             for name, (half, known) in self._expected().items()
         ]
         expected += [
@@ -147,12 +137,11 @@ class DropPlan:
         )
         tracks = " ".join(f"drop-{n}.csv" for n in range(1, len(self.drops) + 1))
         pictures = "".join(
-            drop_svg(self._picture(number, drop), self.agent.body, size.length, size.depth)
-            for number, drop in enumerate(self.drops, start=1)
+            drop_svg(self._picture(numbers), self.agent.body, size.length, size.depth)
+            for numbers in self._group_drops()
         )
-        return (
-            f"<!doctype html><html lang=en><meta charset=utf-8><title>Drops of {escape(self.name)}</title>"
-            f"<style>{_STYLE}</style><h1>Drops of {escape(self.name)}</h1>"
+        return make_page(
+            f"Drops of {self.name}",
             f"<p>Tank {1000 * size.length:.0f} x {1000 * size.width:.0f} mm, water {1000 * size.depth:.0f} mm deep.</p>"
             f"<h2>Releases</h2>{show_table(heads, rows)}<div class=drops>{pictures}</div>"
             f"<h2>What to do</h2><ol>{''.join(f'<li>{step}</li>' for step in steps)}</ol>"
@@ -161,14 +150,23 @@ class DropPlan:
             f"<h2>What the films are expected to show</h2>"
             f"{show_table(('factor', 'half of the 90 % interval', 'known'), expected)}"
             f"<h2>Ruler</h2><div class=ruler>{ruler_svg()}</div>"
-            f"<h2>The agent</h2>{section_svg(self.agent, self.name)}</html>\n"
+            f"<h2>The agent</h2><div class=agent>{section_svg(self.agent, self.name)}</div>",
         )
 
-    def _picture(self, number: int, drop: Drop) -> DropPicture:
+    def _group_drops(self) -> list[list[int]]:
+        """Return the numbers of drops that are alike, from 1, in the order of the first of each."""
+        groups: dict[tuple[float, float], list[int]] = {}
+        for number, drop in enumerate(self.drops, start=1):
+            groups.setdefault((drop.pitch_deg, drop.ballast), []).append(number)
+        return list(groups.values())
+
+    def _picture(self, numbers: Sequence[int]) -> DropPicture:
+        drop = self.drops[numbers[0] - 1]
+        title = f"Drop{'s' if len(numbers) > 1 else ''} {' and '.join(map(str, numbers))}"
         caption = f"pitch {drop.pitch_deg:+.0f} deg" + (
             f", {1000 * drop.ballast:.1f} g of ballast" if drop.ballast else ""
         )
-        return DropPicture(f"Drop {number}", caption, drop.scenario.release_quaternion(), drop.path)
+        return DropPicture(title, caption, drop.scenario.release_quaternion(), drop.path)
 
     def __repr__(self) -> str:
         return f"<DropPlan of {self.name}: {len(self.drops)} drops>"
@@ -189,6 +187,13 @@ class DropPlan:
 
 def _rename(name: str) -> str:
     return "net_weight" if name == "hull_density" else name
+
+
+def _describe_known(name: str, known: bool) -> str:
+    """Return whether a factor will count as known, in words."""
+    if known:
+        return "yes"
+    return "only if the print is weighed" if name == "net_weight" else "no, it stays at 1"
 
 
 def _describe_attitude(pitch_deg: float) -> str:

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from driftform.calibration.camera import see_points
 from driftform.calibration.fit import FactorEstimate, Fit
+from driftform.calibration.page import make_page
 from driftform.figures.track import TrackPanel, intervals_svg, tracks_svg
 from driftform.runs.agent_file import StoredAgent, write_agent
 from driftform.scenario import Calibration
@@ -23,7 +25,7 @@ SHOWN = ("axial_drag", "cross_drag", "added_mass", "net_weight", "restitution", 
 STATIONS = 300
 """Points of a path that is drawn."""
 
-FILES = ("calibration.toml", "agent.json", "tracks.svg", "factors.svg")
+FILES = ("calibration.toml", "agent.json", "report.html", "tracks.svg", "factors.svg")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -123,9 +125,24 @@ class CalibrationResult:
         paths = [directory / name for name in FILES]
         write_text(paths[0], self.toml())
         write_agent(paths[1], self.calibrated())
-        write_text(paths[2], self.tracks_svg())
-        write_text(paths[3], self.factors_svg())
+        write_text(paths[2], self.html())
+        write_text(paths[3], self.tracks_svg())
+        write_text(paths[4], self.factors_svg())
         return paths
+
+    def html(self) -> str:
+        """Return a page with the factors, the films against the flights, and what was found on the way."""
+        rows = [(name.replace("_", " "), *describe_estimate(found)) for name, found in self.factors.items()]
+        notes = "".join(f"<li>{escape(note)}</li>" for note in self.notes)
+        return make_page(
+            f"Calibration of {self.name}",
+            f"<p>Root mean square distance of films and flights: {1000 * self.fit.before:.1f} mm before, "
+            f"{1000 * self.residual:.1f} mm after.</p>"
+            f"<h2>Factors</h2>{show_table(('factor', 'value', '90 % interval', ''), rows)}{self.factors_svg()}"
+            f"<h2>Films and flights</h2>{self.tracks_svg()}"
+            + (f"<h2>Notes</h2><ul>{notes}</ul>" if notes else "")
+            + f"<h2>For any study</h2><pre>{escape(self.toml())}</pre>",
+        )
 
     def tracks_svg(self) -> str:
         """Return the films against the model before and after calibration, as SVG."""

@@ -148,7 +148,7 @@ def _print(found: "CalibrationResult", paths: list[Path]) -> None:
     ]
     print_table(("factor", "value", "90 % interval", ""), rows, right=(1,))
     hull = found.fit.estimates["hull_density"]
-    if hull.known:
+    if hull.low is not None and hull.high is not None and not hull.low < 1 < hull.high:
         print_text(f"the hull weighs {hull.value:.4g} times what was simulated: that changes the net weight")
     document = found.document()
     print()

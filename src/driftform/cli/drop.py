@@ -98,7 +98,7 @@ def _print(plan: "DropPlan", paths: list[Path]) -> None:
                 (
                     name.replace("_", " "),
                     f"+-{100 * row['half_width']:.0f} %",
-                    "" if row["known"] else "too wide: left at 1",
+                    _describe_width(name, row["known"]),
                 )
                 for name, row in document["expected"].items()
             ),
@@ -106,8 +106,16 @@ def _print(plan: "DropPlan", paths: list[Path]) -> None:
         ),
         right=(1,),
     )
-    print_text(f"weigh the print with its core: {1000 * document['mass']:.2f} g as simulated")
+    print_text(
+        f"weigh the print with its core: {1000 * document['mass']:.2f} g as simulated; calibrate takes it as --printed-mass"
+    )
     for path in paths:
         print(f"wrote {path}")
     tracks = " ".join(f"{path.with_suffix('.csv')}" for path in paths[1:])
     print(f"next: driftform calibrate AGENT {tracks}")
+
+
+def _describe_width(name: str, known: bool) -> str:
+    if known:
+        return ""
+    return "known only if the print is weighed" if name == "net_weight" else "too wide: left at 1"

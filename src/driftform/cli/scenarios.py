@@ -1,5 +1,6 @@
 """``driftform scenarios``."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -63,17 +64,26 @@ def check(
             metavar="FILE", help="Study file, or the name of a built-in scenario.", show_default=False
         ),
     ],
+    picture: Annotated[
+        Path | None,
+        typer.Option("--picture", metavar="FILE", help="Draw the pipe with its targets to an SVG file."),
+    ] = None,
     json: Json = False,
 ) -> None:
     """Check a study without running it: list its errors, or show its contents and what no flight can do."""
     from driftform.cli.output import print_json
     from driftform.errors import escape_controls
+    from driftform.figures.pipe import pipe_svg
     from driftform.study import NAMED, SELECTED, load_study
     from driftform.study.advice import list_warnings
+    from driftform.util.files import check_directory, write_text
 
     study = load_study(file)
     warnings = list_warnings(study)
     document, scenario = study.document, study.scenario
+    if picture is not None:
+        check_directory(picture.parent, "--picture")
+        write_text(picture, pipe_svg(scenario, document.get("title", "") or file))
     found = {
         "file": file,
         "title": document.get("title", ""),
@@ -86,6 +96,7 @@ def check(
         "evaluations": study.evaluations,
         "formats": list(study.run.formats),
         "warnings": warnings,
+        "picture": None if picture is None else str(picture),
     }
     if json:
         print_json(found)
@@ -111,3 +122,5 @@ def check(
         print(f"  {name:{width}}  {value}")
     for warning in warnings:
         print(f"warning: {warning}")
+    if picture is not None:
+        print(f"picture: {picture}")

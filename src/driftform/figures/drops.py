@@ -53,7 +53,7 @@ def drop_svg(drop: DropPicture, body: Body, length: float, depth: float) -> str:
     return svg.render(root)
 
 
-def ruler_svg(length_mm: int = 200) -> str:
+def ruler_svg(length_mm: int = 150) -> str:
     """Return a ruler as SVG whose natural size is its length: to print, and to hang where the agent falls."""
     width, height = length_mm + 20.0, 26.0
     px = svg.PX_PER_MM

@@ -203,7 +203,7 @@ def _part_hulls(window: Window, pipe: Pipe) -> list[FloatArray]:
     """Return convex polygons whose union is the silhouette of a pipe with parts, px; none of a straight pipe."""
     if not pipe.parts or pipe.straight is not None:
         return []
-    hulls = []
+    hulls: list[FloatArray] = []
     for rims in list_rims(pipe):
         seen = rims[:, :, list(window.view)]
         pairs = (convex_hull(np.vstack(pair)) for pair in pairwise(seen))

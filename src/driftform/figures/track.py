@@ -22,7 +22,7 @@ from driftform.figures.plot import Window, draw_axes
 from driftform.figures.style import BLUE, GRID, INK, MUTED, VERMILLION, tint
 from driftform.types import FloatArray
 
-LEFT, TOP, TALLEST, LOWEST, GAP = 62.0, 112.0, 300.0, 150.0, 88.0
+LEFT, TOP, TALLEST, LOWEST, GAP = 62.0, 138.0, 300.0, 150.0, 88.0
 MIDDLE = 420.0
 """Left edge of the plots of distances, px."""
 

@@ -453,7 +453,7 @@ function start() {
     return { items, centre: [(first + last) / 2, 0, 0], size: last - first };
   };
 
-  const pipe = bore(data.pipe);
+  const pipe = bore([...data.pipe, ...data.chords]);
   const drifting = data.pipe.length ? drift(data.pipe) : () => [];
   const current = { places: [] };
   const marks = data.targets.map(({ name, position }) => {

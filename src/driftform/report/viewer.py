@@ -7,8 +7,9 @@ import numpy as np
 
 from driftform.figures.projection import simplify_polyline
 from driftform.figures.style import SERIES
+from driftform.geometry.pipe_parts import Straight
 from driftform.report.contents import Contents
-from driftform.scenario import Scenario, UniformFlow
+from driftform.scenario import Pipe, Scenario, UniformFlow
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Agent, FloatArray, Trajectory
 
@@ -52,12 +53,13 @@ def scene_data(scenario: Scenario, paths: Sequence[FloatArray] = ()) -> dict[str
     ``paths`` are the positions of flights, m, (n, 3) each, which give open water its extent.
     """
     rows = scenario.pipe.array()
-    seen = np.vstack([rows[:, :3], rows[:, 3:6]])
-    if not len(rows):
+    chords = _list_chords(scenario.pipe) if scenario.pipe.straight is None else []
+    seen = np.vstack([rows[:, :3], rows[:, 3:6], *(np.array([start, end]) for start, end, _ in chords)])
+    if not len(seen):
         seen = np.vstack([scenario.target_array(), scenario.release_position(), *paths])
     low, high = seen.min(axis=0), seen.max(axis=0)
     length = float(np.linalg.norm(high - low))
-    radius = float(rows[:, 6].max()) if len(rows) else length / 8
+    radius = float(max([*rows[:, 6], *(r for _, _, r in chords)], default=length / 8))
     return {
         "pipe": [
             {
@@ -68,6 +70,7 @@ def scene_data(scenario: Scenario, paths: Sequence[FloatArray] = ()) -> dict[str
             }
             for r in rows
         ],
+        "chords": [{"start": _round(a), "end": _round(b), "radius": r} for a, b, r in chords],
         "targets": [
             {"name": name, "position": list(point)} for name, point in scenario.target_points().items()
         ],
@@ -77,6 +80,17 @@ def scene_data(scenario: Scenario, paths: Sequence[FloatArray] = ()) -> dict[str
         "length": length,
         "size": radius,
     }
+
+
+def _list_chords(pipe: Pipe) -> list[tuple[FloatArray, FloatArray, float]]:
+    """Return the bores of a pipe with parts as short straight pieces: start, end, and radius, m."""
+    chords: list[tuple[FloatArray, FloatArray, float]] = []
+    for placed in pipe.layout.parts:
+        part = placed.part
+        for axis in part.list_axes(part.length if isinstance(part, Straight) else 0.5 * part.end_radius):
+            radii = 0.5 * (axis.radii[1:] + axis.radii[:-1])
+            chords += list(zip(axis.points[:-1], axis.points[1:], radii.tolist(), strict=True))
+    return chords
 
 
 def _speed_profile(scenario: Scenario, row: FloatArray) -> FloatArray:

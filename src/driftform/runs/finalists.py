@@ -20,7 +20,7 @@ from driftform.runs.survey import read_scores
 from driftform.scenario import Robustness
 from driftform.study import Study
 from driftform.trajectory.misses import Misses, finite_or_none
-from driftform.types import FloatArray
+from driftform.types import FloatArray, Verdict
 
 
 def fly_finalists(
@@ -82,20 +82,24 @@ class Winner:
         by which it was chosen, %.
     misses
         of its flights under the conditions of the promise, ``None`` before they are flown.
+    reached
+        share of these flights that reach the target, as the fitness judges it.
     """
 
     index: int
     score: float
     misses: Misses | None
+    reached: float | None = None
 
     def document(self) -> dict[str, Any]:
-        """Return what an agent file and a JSON document hold of it: flights, failures, score; misses in m."""
+        """Return what an agent file and a JSON document hold of it: flights, failures, share that reach the target, score; misses in m."""
         if self.misses is None:
             return {"score": self.score}
         return {
             "score": self.score,
             "flights": self.misses.count,
             "failed": self.misses.failed,
+            "reached": self.reached,
             "median": finite_or_none(self.misses.median[0]),
             "p90": finite_or_none(self.misses.promised[0]),
         }
@@ -108,6 +112,7 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
         return None
     conditions = draw_rounds(study.scenario, study.seed)
     judged, checked = range(robustness.conditions), range(robustness.conditions, len(conditions))
+    fitness = study.make_plugin("fitness")
     found: Winner | None = None
     for index, flights in store.read_disturbed(target).items():
         if not all(number in flights for number in judged):
@@ -120,7 +125,9 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
                 if len(rest) == len(checked)
                 else None
             )
-            found = Winner(index, score, misses)
+            judged_as = [fitness.judge(flights[number][0]) for number in checked if number in flights]
+            reached = judged_as.count(Verdict.REACHED) / len(checked) if misses else None
+            found = Winner(index, score, misses, reached)
     return found
 
 

@@ -121,19 +121,22 @@ def trim_design(design: "Design", buoyancy: float | None) -> Traveller:
     Raises
     ------
     InputError
-        if it is too heavy for this buoyancy without a core.
+        if it is too heavy for this buoyancy without a core, or too light for it with one of lead.
     """
     if buoyancy is None:
         return Traveller(design.name, design.agent, design.scenario, design.pipeline.simulator, design)
-    fluid, core = design.scenario.fluid, design.agent.body.core.mass
-    surplus = (design.agent.mass.net_buoyancy(fluid) - buoyancy) / fluid.gravity
-    if core + surplus < 0:
+    from driftform.agents.inspection import LEAD
+
+    fluid, core = design.scenario.fluid, design.agent.body.core
+    mass = core.mass + (design.agent.mass.net_buoyancy(fluid) - buoyancy) / fluid.gravity
+    heaviest = LEAD * 4 / 3 * np.pi * core.radius**3
+    if not 0 <= mass <= heaviest:
         raise InputError(
-            f"--buoyancy {buoyancy:g}: {design.name} is {-1000 * (core + surplus):.1f} g too heavy for it even without its "
-            "core: choose another agent, or a thinner wall"
+            f"--buoyancy {buoyancy:g}: {design.name} needs a core of {1000 * mass:.1f} g for it; one of "
+            f"{2000 * core.radius:.0f} mm in lead has {1000 * heaviest:.1f} g: choose another agent"
         )
     environment = design.study.environment()
-    builder = {**environment["builder"], "core": "custom", "core_mass": core + surplus}
+    builder = {**environment["builder"], "core": "custom", "core_mass": mass}
     stored = replace(design.stored, environment={**environment, "builder": builder}, result={})
     stored = replace(stored, name=design.name + _name_trim(buoyancy))
     return trim_design(type(design).build(stored, stored.name), None)

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 BUOYANCIES = (0.0, 0.001, -0.001)
 """Net buoyancies to which each agent is trimmed by default, N: a tenth of a gram lighter or heavier than water."""
 
-COUNT = 2
-"""Number of agents by default: the tables of each take minutes."""
+RANDOM, FROM_RUN = 1, 4
+"""Number of agents by default: the flights of each take minutes."""
 
 _TRIES = 1000
 
@@ -27,7 +27,7 @@ _TRIES = 1000
 def collect_candidates(
     agents: Sequence[str],
     run: Path | None,
-    count: int,
+    count: int | None,
     seed: int,
     buoyancies: Sequence[float] | None,
     scenario: str | None = None,
@@ -42,7 +42,7 @@ def collect_candidates(
     run
         run from which ``count`` agents are taken besides.
     count, seed
-        number of random agents, and their seed, if there are neither agents nor a run.
+        number of random agents, and their seed, if there are neither agents nor a run; ``None`` for the default.
     buoyancies
         net buoyancies to which each is trimmed, N; ``None`` for that of their designs.
     scenario, settings
@@ -56,9 +56,9 @@ def collect_candidates(
     environment = scenario or str(SCENARIO)
     designs: list[Design | str] = list(agents)
     if run is not None:
-        designs += pick_agents(run, count, environment, settings)
+        designs += pick_agents(run, count or FROM_RUN, environment, settings)
     if not designs:
-        designs += draw_agents(count, seed, environment, settings)
+        designs += draw_agents(count or RANDOM, seed, environment, settings, buoyancies or ())
     found, refused = [], []
     for design in designs:
         for buoyancy in [None] if buoyancies is None else buoyancies:
@@ -118,8 +118,10 @@ def spread_rows(points: FloatArray, count: int) -> IntArray:
     return np.array(chosen, np.int64)
 
 
-def draw_agents(count: int, seed: int, environment: str, settings: Sequence[str]) -> "list[Design]":
-    """Return random agents that can be built and released.
+def draw_agents(
+    count: int, seed: int, environment: str, settings: Sequence[str], buoyancies: Sequence[float] = ()
+) -> "list[Design]":
+    """Return random agents that can be built, released, and trimmed to each of these buoyancies (N).
 
     Raises
     ------
@@ -140,7 +142,10 @@ def draw_agents(count: int, seed: int, environment: str, settings: Sequence[str]
         if pipeline.find_obstacle(genome) is None:
             name = f"random-{seed}-{len(found) + 1}"
             try:
-                found.append(Design.build(StoredAgent(name, genome, made, {}), name))
+                design = Design.build(StoredAgent(name, genome, made, {}), name)
+                for buoyancy in buoyancies:
+                    trim_design(design, buoyancy)
+                found.append(design)
             except DriftformError:
                 continue
     raise WorkFailedError(f"of {_TRIES} random agents only {len(found)} can be built: choose other settings")

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated, TypeAlias
 
 from driftform.commands import Argument, CommandGroup, CommandResult, Option
+from driftform.errors import InputError
 
 Net: TypeAlias = Annotated[
     str, Argument("NET", "An EPANET file (.inp), or the name of a network that WNTR ships, such as Net3.")
@@ -195,8 +196,15 @@ def fleet(
         Path | None, Option("--run", "Run, such as one of atlas, whose agents to choose from.", "RUN")
     ] = None,
     count: Annotated[
-        int, Option("--count", "Number of agents of the run, or of random agents without one.", "N", 1, 1000)
-    ] = 2,
+        int | None,
+        Option(
+            "--count",
+            "Number of agents of the run, by default 4, or of random agents without one, by default 1.",
+            "N",
+            1,
+            1000,
+        ),
+    ] = None,
     buoyancy: Buoyancies = None,
     as_designed: Annotated[
         bool, Option("--as-designed", "Leave the agents the cores and the buoyancy of their designs.")
@@ -228,6 +236,8 @@ def fleet(
     from driftform_networks.results import Outputs, present_fleet
     from driftform_networks.travelling import Travel
 
+    if as_designed and buoyancy:
+        raise InputError("--as-designed and --buoyancy say different things: leave out one of them")
     outputs = Outputs(map, tables, report, agents)
     outputs.check()
     travel = Travel.parse(branch, service_bore)

@@ -11,7 +11,7 @@ from driftform.figures.style import BLUE, GRID, INK, MUTED, VERMILLION
 from driftform.types import FloatArray
 from driftform_networks.fleets import Fleet
 
-_TOP, _HEIGHT, _LEFT, _LABELS = 88.0, 320.0, 60.0, 190.0
+_TOP, _HEIGHT, _LEFT, _LABELS = 88.0, 320.0, 60.0, 210.0
 
 
 def curve_svg(fleet: Fleet, title: str) -> str:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from driftform.types import FloatArray
 from driftform_networks.bodies import Traveller
-from driftform_networks.choosing import bound_steering, choose_greedily
+from driftform_networks.choosing import bound_steering, choose_fleet
 from driftform_networks.junctions import Geometry
 from driftform_networks.network import Network
 from driftform_networks.passage import Ending, Passage, find_reachable, summarise_visits
@@ -211,18 +211,19 @@ def plan_fleet(
     Raises
     ------
     InputError
-        if there is no such node or hour, no water leaves a node, or EPANET finds negative pressures.
+        if there is no such node or hour, no water leaves a node at any of the hours, or EPANET finds negative pressures.
     WorkFailedError
         if a body cannot be flown.
     """
     travel, cases = travel or Travel(), []
     nodes = [network.find_node(name) for name in dict.fromkeys(releases)]
     snapshots = [take_snapshot(network, hour) for hour in dict.fromkeys(hours)]
-    for snapshot in snapshots:
-        for node in nodes:
+    for node in nodes:
+        open_hours = [snapshot for snapshot in snapshots if len(snapshot.outlets[node])]
+        if not open_hours:
             # Refuses a node that no water leaves, before the work.
-            divide_flow(snapshot, node)
-            cases.append((snapshot, node))
+            divide_flow(snapshots[0], node)
+        cases += [(snapshot, node) for snapshot in open_hours]
     geometry = Geometry(network, travel.branch)
     travelings = [Traveling(traveller, geometry, travel, cache) for traveller in travellers]
     make_flights(travelings, snapshots, workers, progress)
@@ -234,10 +235,11 @@ def plan_fleet(
         names += [traveller.name] * len(cases)
         passages += [_follow(routings[snapshot.hour], node) for snapshot, node in cases]
     seen = np.array([passage.seen for passage in passages])
-    chosen, curve, choice_bound = choose_greedily(seen, length, size)
+    chosen, curve, choice_bound = choose_fleet(seen, length, size)
+    missed = np.cumprod(1 - seen[chosen], axis=0) @ length / length.sum()
     members = tuple(
         Member(names[row], passages[row], float(seen[row] @ length / length.sum()), float(gain))
-        for row, gain in zip(chosen.tolist(), np.diff(curve, prepend=0.0).tolist(), strict=True)
+        for row, gain in zip(chosen.tolist(), (-np.diff(missed, prepend=1.0)).tolist(), strict=True)
     )
     return Fleet(
         network,
@@ -262,4 +264,4 @@ def _choose_water(
     """Return the curve of tracers that are released at the best places."""
     routings = {snapshot.hour: route_tracers(snapshot, retained) for snapshot, _ in cases}
     seen = np.array([_follow(routings[snapshot.hour], node).seen for snapshot, node in cases])
-    return choose_greedily(seen, length, size)[1]
+    return choose_fleet(seen, length, size)[1]

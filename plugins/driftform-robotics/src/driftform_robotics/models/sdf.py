@@ -98,7 +98,8 @@ class SdfExporter(ModelExporter[SdfOptions]):
         warnings = _list_warnings(model, gazebo, PUSH)
         alone = ET.Element("sdf", version=gazebo.sdf)
         _add_model(alone, model, gazebo, warnings)
-        pipes = [make_bore(segment).make_mesh() for segment in scenario.pipe.segments]
+        straight = scenario.pipe.straight
+        pipes = [] if straight is None else [make_bore(straight).make_mesh()]
         files = {
             "world.sdf": format_document(_make_world(model, gazebo, step, warnings)),
             "model.sdf": format_document(alone),
@@ -203,7 +204,7 @@ def _make_world(
         add(change, "density", "0")
     add(buoyancy, "enable", model.title)
     add_scene(world)
-    pipe = add_pipe(world, scenario, np.zeros(3), [PIPE] * len(scenario.pipe.segments))
+    pipe = add_pipe(world, scenario, np.zeros(3), [] if scenario.pipe.straight is None else [PIPE])
     around = [pipe, add_targets(world, scenario, np.zeros(3))]
     if passing is None:
         make_static(around)
