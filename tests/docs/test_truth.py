@@ -47,6 +47,7 @@ def parse(words: list[str]) -> None:
         name, command, words = command.resolve_command(context, words)
 
 
+@pytest.mark.peers
 def test_commands_exist(prose: dict[str, str], blocks: list[Any]) -> None:
     lines = command_lines(prose, blocks)
     assert len(lines) >= 15
