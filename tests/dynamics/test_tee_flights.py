@@ -55,8 +55,9 @@ def test_a_neutral_sphere_of_1_mm_follows_the_streamline_into_its_leg(place, out
         max_step=0.01,
     )
     assert flight.end is End.OUTLET and name_outlet(flight, scenario) == outlet
-    # Within 1 % of the radius of the run.
-    assert np.linalg.norm(line.y.T - flight.position, axis=1).max() < 0.01 * R
+    # Where the tee joins plug flow the velocity changes by at most 1.5 % of the mean speed, 1 m/s; in an ideal fluid the sphere
+    # keeps what it lacks.
+    assert np.linalg.norm(line.y.T - flight.position, axis=1).max() < 0.015 * flight.t[-1]
 
 
 def cut_off(size):

@@ -149,6 +149,7 @@ def _row_of_part(part: PipePart) -> FloatArray:
             row[KIND], row[CURVE] = REDUCER, part.arc_radius
         case Tee():
             row[KIND], row[END_RADIUS], row[FILLET] = TEE, part.branch_radius, part.fillet
+            row[NARROWEST] = min(part.radius, part.branch_radius)
             row[COSINE], row[SINE] = exact_cosine(part.angle), exact_sine(part.angle)
             row[UPSTREAM], row[DOWNSTREAM], row[SIDE] = part.legs
             flat = np.concatenate([np.zeros(HEAD), row])

@@ -20,8 +20,8 @@ from driftform.util.files import write_whole
 if TYPE_CHECKING:
     from driftform.potential.solve import Solution
 
-METHOD = 1
-"""Number of the method: a change of the solver that changes its results counts it up, and old files are not read."""
+METHOD = 2
+"""Number of the method: a change of the solver or of the files counts it up, and old files are not read."""
 
 PACKAGED = Path(__file__).parent / "data"
 
@@ -88,15 +88,16 @@ def save_tee(junction: Junction, path: Path) -> None:
 def _write(path: Path, found: TeePotentials) -> None:
     """Write the coefficients in steps of :data:`STEP`, as differences between neighbours, the bytes of equal weight together."""
     needed = ~np.isnan(found.through)
-    flows = [np.rint(flow[needed] / STEP).astype(np.int32) for flow in (found.through, found.branch)]
-    changes = np.stack([np.diff(flow, prepend=np.int32(0)) for flow in flows])
+    # Functions that hardly touch the water have coefficients of up to 1e4.
+    flows = [np.rint(flow[needed] / STEP).astype(np.int64) for flow in (found.through, found.branch)]
+    changes = np.stack([np.diff(flow, prepend=0) for flow in flows])
     with path.open("wb") as file:
         np.savez_compressed(
             file,
             head=found.head,
             leakage=found.leakage,
             needed=np.packbits(needed),
-            changes=np.ascontiguousarray(changes.astype("<i4").view(np.uint8).reshape(2, -1, 4).T),
+            changes=np.ascontiguousarray(changes.astype("<i8").view(np.uint8).reshape(2, -1, 8).T),
         )
 
 
@@ -106,7 +107,7 @@ def _read(path: Path) -> TeePotentials:
         last = head[HEAD + LEVEL_SIZE * (int(head[0]) - 1) :]
         total = int(last[7] + last[4] * last[5] * last[6]) - len(head)
         flows = np.full((2, total), np.nan)
-        steps = np.ascontiguousarray(changes.T).view("<i4")[:, :, 0].cumsum(axis=1)
+        steps = np.ascontiguousarray(changes.T).view("<i8")[:, :, 0].cumsum(axis=1)
         flows[:, np.unpackbits(needed, count=total).astype(bool)] = STEP * steps
         return TeePotentials(head, flows[0], flows[1], data["leakage"])
 
@@ -156,7 +157,7 @@ def file_name(junction: Junction) -> str:
     """Return the name of a tee's file.
 
     >>> file_name(Junction(0.5, math.pi / 2, 0.1))
-    'tee-0.5-90-0.1-v1.npz'
+    'tee-0.5-90-0.1-v2.npz'
     """
     shape = (junction.branch, math.degrees(junction.angle), junction.fillet)
     return f"tee-{'-'.join(f'{x:.9g}' for x in shape)}-v{METHOD}.npz"
