@@ -64,10 +64,7 @@ def test_the_default_study(default: dict[str, Any], pages: dict[str, str]) -> No
     assert f"{np.sum(np.abs(default['net']) < 0.01)} of the 2000 are within 1 % of neutral" in notes
     assert f"instead of {default['diameter'].max():.2f} m" in notes
     assert not default["wide"].any()
-    assert (
-        f"Of 2000 random agents of the default study, {percent(default['lambda_max'] > 17 / 3)} lie"
-        in dataflow
-    )
+    assert f"Of 2000 random agents in `paper`, {percent(default['lambda_max'] > 17 / 3)} lie" in dataflow
 
 
 def test_where_places_are_skipped(default: dict[str, Any], pages: dict[str, str]) -> None:

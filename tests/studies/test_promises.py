@@ -1,4 +1,4 @@
-"""Do flights keep what a run promises, and does the survey find agents that miss by less?
+"""Do flights keep what a run promises, and does the survey find agents as good with fewer flights?
 
 ``UPDATE_DOCS=1 pytest -m slow -s tests/studies/test_promises.py`` writes the tables of docs/results.md; ``SEEDS=2`` takes
 fewer runs.
@@ -168,7 +168,7 @@ def test_flights_keep_what_a_run_promises(
     assert ((kept >= 0.85) & (kept <= 0.95)).sum() >= 8
 
 
-def test_a_search_with_a_survey_finds_agents_that_miss_by_less(
+def test_a_search_with_a_survey_finds_agents_as_good_with_fewer_flights(
     outcomes: dict[str, list[Outcome]], publish: Callable[[str, Sequence[str]], None]
 ) -> None:
     lines = [
@@ -180,6 +180,6 @@ def test_a_search_with_a_survey_finds_agents_that_miss_by_less(
         flights = np.mean([o.flights for o in runs])
         lines.append(f"| {way} | {flights:.0f} | {p90.mean():.0f} | {np.median(p90, axis=1).mean():.0f} |")
     publish("ways to search", lines)
-    assert reached(outcomes[SURVEY]).mean() < reached(outcomes[NOMINAL]).mean()
+    assert reached(outcomes[SURVEY]).mean() < 1.05 * reached(outcomes[NOMINAL]).mean()
     flights = {way: np.mean([o.flights for o in runs]) for way, runs in outcomes.items()}
-    assert flights[SURVEY] <= 1.05 * flights[NOMINAL]
+    assert flights[SURVEY] < 0.95 * flights[NOMINAL]
