@@ -201,7 +201,7 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         ],
         "export-flight": ["export-flight", WORD, "--simulator", "native", "--out", f"{here}/samples"],
         "check": ["check", WORD, "--no-programs"],
-        "trim": ["trim", WORD, "--printed-mass", "0.0515", "--simulator", "native"],
+        "trim": ["trim", WORD, "--printed-mass", "0.0345", "--simulator", "native"],
         "report": ["report", str(run)],
         "calibrate": [
             *("calibrate", "C", str(ROOT / "docs/tracks/ten-cate-e4.csv"), "--fit", "cross_drag"),
