@@ -25,7 +25,7 @@ WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 
 def small(**run: int) -> Study:
     return df.load_study(
-        "pipe-inspection",
+        "paper",
         targets=["TP3", "TP7"],
         use={"simulator": "native"},
         run={"seed": 1, "evaluations": 20, **run},
@@ -66,7 +66,7 @@ def test_a_name_is_imported_when_it_is_asked_for_and_not_before() -> None:
 def test_evolve_leaves_the_run_that_the_command_leaves(run: Run, tmp_path: Path) -> None:
     words = ["--target", "TP3", "--target", "TP7", "--simulator", "native", "--evaluations", "20"]
     result = CliRunner().invoke(
-        app, ["evolve", *words, "--seed", "1", "--workers", "1", "--out", str(tmp_path / "run")]
+        app, ["evolve", "paper", *words, "--seed", "1", "--workers", "1", "--out", str(tmp_path / "run")]
     )
     assert result.exit_code == 0, result.stderr
     for target in run:
@@ -171,7 +171,7 @@ def test_a_script_needs_no_guard_for_its_workers(run: Run, tmp_path: Path) -> No
     script = tmp_path / "script.py"
     script.write_text(
         "import driftform as df\n"
-        "study = df.load_study('pipe-inspection', targets=['TP3', 'TP7'], use={'simulator': 'native'},\n"
+        "study = df.load_study('paper', targets=['TP3', 'TP7'], use={'simulator': 'native'},\n"
         "                      run={'seed': 1, 'evaluations': 20})\n"
         "print(df.evolve(study, 'run', workers=2, progress=False).best())\n"
         "print(__file__)\n"
@@ -225,7 +225,7 @@ def test_a_flight_as_columns_is_its_trajectory(run: Run) -> None:
 
 
 def test_other_surroundings_add_up_and_leave_the_agent_as_it_is() -> None:
-    agent = df.agent(WORD, use={"simulator": "native"})
+    agent = df.agent(WORD, scenario="paper", use={"simulator": "native"})
     other = agent.under("flow.speed=0.8").under("fluid.density=1025")
     assert (other.scenario.flow.speed, other.scenario.fluid.density) == (0.8, 1025)
     assert (agent.scenario.flow.speed, other.result, other.genome) == (1.0, {}, agent.genome)
@@ -235,7 +235,7 @@ def test_other_surroundings_add_up_and_leave_the_agent_as_it_is() -> None:
 
 
 def test_a_written_agent_holds_the_surroundings_it_was_put_in(tmp_path: Path) -> None:
-    agent = df.agent(WORD).under("fluid.density=1025")
+    agent = df.agent(WORD, scenario="paper").under("fluid.density=1025")
     [path] = agent.export("3mf", tmp_path / "new" / "word.3mf")
     import json
     import zipfile
@@ -245,7 +245,7 @@ def test_a_written_agent_holds_the_surroundings_it_was_put_in(tmp_path: Path) ->
 
 
 def test_an_unknown_setting_or_format_is_told_in_one_line() -> None:
-    agent = df.agent(WORD)
+    agent = df.agent(WORD, scenario="paper")
     with pytest.raises(InputError, match="did you mean 'speed'"):
         agent.under("flow.sped=1")
     with pytest.raises(InputError, match="did you mean 'stl'"):
@@ -253,7 +253,7 @@ def test_an_unknown_setting_or_format_is_told_in_one_line() -> None:
 
 
 def test_facts_are_those_that_inspect_tells() -> None:
-    agent = df.agent(WORD, use={"simulator": "native"})
+    agent = df.agent(WORD, scenario="paper", use={"simulator": "native"})
     facts = agent.inspect()
     assert facts["mass"] == agent.mass.mass and facts["length"] == agent.length
     assert facts["net_buoyancy"] == pytest.approx(agent.net_buoyancy)
@@ -293,5 +293,5 @@ def test_a_study_shows_its_plugins_and_targets_and_fits_a_line() -> None:
 
 
 def test_names_of_others_are_text_in_html() -> None:
-    study = df.load_study("pipe-inspection", ['title="<script>alert(1)</script>"'], run={"seed": 1})
+    study = df.load_study("paper", ['title="<script>alert(1)</script>"'], run={"seed": 1})
     assert "<script>" not in study._repr_html_()

@@ -135,7 +135,11 @@ class Run(StoredRun, Mapping[str, Design]):
         return f"<Run {self.path}: {len(self)} targets>"
 
     def _repr_html_(self) -> str:
-        places, best, fitness = self.study.scenario.targets, self.best(), self.study.make_plugin("fitness")
+        places, best, fitness = (
+            self.study.scenario.target_points(),
+            self.best(),
+            self.study.make_plugin("fitness"),
+        )
         rows = (
             (
                 target,

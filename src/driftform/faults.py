@@ -7,13 +7,14 @@ names seam, plugin and method.
 import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
 
 from driftform.errors import DriftformError, WorkFailedError, describe_error
 from driftform.interfaces import SEAMS, Plugin
-from driftform.types import Candidate, End, Trajectory, WrittenFile
+from driftform.types import Candidate, End, Evaluation, Trajectory, WrittenFile
 
 T = TypeVar("T")
 
@@ -138,3 +139,12 @@ def _describe(value: object) -> str:
 
 def _refuse(plugin: Plugin[Any], method: str, what: str, expected: str) -> WorkFailedError:
     return WorkFailedError(f"{name_plugin(plugin)} returned {what} from {method}(), expected {expected}")
+
+
+def check_fitness(evaluation: Evaluation, targets: Sequence[str]) -> Evaluation:
+    """Return the evaluation, as a failure if its fitness is not one number from 0 to 100 for each target."""
+    fitness = evaluation.fitness
+    if len(fitness) == len(targets) and bool(np.all((fitness >= 0) & (fitness <= 100))):
+        return evaluation
+    reason = f"its fitness is {fitness.tolist()}, expected {len(targets)} numbers from 0 to 100"
+    return replace(evaluation, fitness=np.zeros(len(targets)), failure=evaluation.failure or reason)

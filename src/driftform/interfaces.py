@@ -187,6 +187,8 @@ class Fitness(Plugin[OptionsT_co]):
     """The unit beside a single value."""
     goal: ClassVar[str] = "a fitness of at least 99 %"
     """What a target that is reached has, in words."""
+    share: ClassVar[str] = ""
+    """Heading of the column with the share of the disturbed flights that reach the target; empty for none."""
 
     @abstractmethod
     def score(self, trajectory: Trajectory, scenario: Scenario, agent: Agent) -> FloatArray:

@@ -300,16 +300,21 @@ class Drag:
     def __post_init__(self) -> None:
         object.__setattr__(self, "strips", freeze(self.strips, (None, 4), "Drag.strips"))
 
-    def scale(self, factor: float) -> "Drag":
-        """Return the drag with all resistances times ``factor``; lift and carrying speed are unchanged."""
+    def scale(self, axial: float, across: float | None = None) -> "Drag":
+        """Return the drag with the resistances times ``axial`` along the axis, and times ``across`` across it.
+
+        Without ``across`` both are the same. The friction of a spin is that along the axis; a sphere's drag counts as
+        drag across it. Lift and carrying speed are unchanged.
+        """
+        across = axial if across is None else across
         return replace(
             self,
-            strips=self.strips * (1.0, 1.0, 1.0, factor),
-            friction_area=factor * self.friction_area,
-            ahead=factor * self.ahead,
-            astern=factor * self.astern,
-            round_area=factor * self.round_area,
-            spin=factor * self.spin,
+            strips=self.strips * (1.0, 1.0, 1.0, across),
+            friction_area=axial * self.friction_area,
+            ahead=axial * self.ahead,
+            astern=axial * self.astern,
+            round_area=across * self.round_area,
+            spin=axial * self.spin,
         )
 
 
@@ -346,13 +351,20 @@ class Coefficients:
         for name in ("added_mass", "linear_damping", "quadratic_damping"):
             object.__setattr__(self, name, freeze(getattr(self, name), (6, 6), f"Coefficients.{name}"))
 
-    def scale_damping(self, factor: float) -> "Coefficients":
-        """Return the coefficients with damping and drag times ``factor``."""
+    def scale_damping(self, axial: float, across: float | None = None) -> "Coefficients":
+        """Return the coefficients with damping and drag times ``axial`` along the axis, and ``across`` across it.
+
+        Without ``across`` both are the same. Surge and roll are along the axis; what couples them with other motions has
+        the geometric mean.
+        """
+        across = axial if across is None else across
+        each = np.array([axial, across, across, axial, across, across])
+        factors = np.sqrt(np.outer(each, each))
         return replace(
             self,
-            linear_damping=factor * self.linear_damping,
-            quadratic_damping=factor * self.quadratic_damping,
-            drag=None if self.drag is None else self.drag.scale(factor),
+            linear_damping=factors * self.linear_damping,
+            quadratic_damping=factors * self.quadratic_damping,
+            drag=None if self.drag is None else self.drag.scale(axial, across),
         )
 
 

@@ -18,7 +18,7 @@ PERCENT = 2e-3
 @pytest.fixture(scope="module")
 def neutral() -> str:
     """The setting of a core that makes the agent weigh what it displaces: it flies far before it touches a wall."""
-    heavy = open_agent(WORD, use=NATIVE)
+    heavy = open_agent(WORD, "paper", use=NATIVE)
     core = heavy.study.scenario.fluid.density * heavy.agent.mass.volume - hull_mass(heavy.agent.body)
     return f"builder.core_mass={core!r}"
 
@@ -29,7 +29,7 @@ SHORT = "flow.speed=2.0"
 
 @pytest.fixture(scope="module")
 def opened(neutral: str) -> Design:
-    return open_agent(WORD, settings=[neutral, SHORT], use=NATIVE)
+    return open_agent(WORD, "paper", settings=[neutral, SHORT], use=NATIVE)
 
 
 def test_a_gram_of_hull_is_a_denser_hull(opened: Design, neutral: str) -> None:
@@ -38,7 +38,9 @@ def test_a_gram_of_hull_is_a_denser_hull(opened: Design, neutral: str) -> None:
     hull = hull_mass(opened.agent.body)
     for change, errors in ((-GRAM, found.lighter), (0.0, found.as_simulated), (GRAM, found.heavier)):
         density = opened.agent.body.hull_density * (hull + change) / hull
-        other = open_agent(WORD, settings=[neutral, SHORT, f"builder.hull_density={density!r}"], use=NATIVE)
+        other = open_agent(
+            WORD, "paper", settings=[neutral, SHORT, f"builder.hull_density={density!r}"], use=NATIVE
+        )
         [flight] = other.pipeline.simulate([other.agent], "agent")
         np.testing.assert_allclose(errors, 100 - flight.fitness, atol=PERCENT)
     # A gram is 2 % of its mass, and takes it to another wall.
@@ -46,6 +48,6 @@ def test_a_gram_of_hull_is_a_denser_hull(opened: Design, neutral: str) -> None:
 
 
 def test_a_hull_of_less_than_a_gram_has_none_to_lose() -> None:
-    light = open_agent("C", settings=["builder.hull_density=500.0"], use=NATIVE)
+    light = open_agent("C", "paper", settings=["builder.hull_density=500.0"], use=NATIVE)
     assert hull_mass(light.agent.body) < GRAM
     assert measure_gram_sensitivity(light.pipeline, light.agent, "agent") is None

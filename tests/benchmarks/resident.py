@@ -20,7 +20,7 @@ def resident() -> int:
 
 def main(use: str, count: int) -> None:
     """Print megabytes after the warm-up, and how many more there are in the end and at most."""
-    study = load_study(use={"simulator": use}, run={"seed": 1})
+    study = load_study("paper", use={"simulator": use}, run={"seed": 1})
     executor, grammar, rng = (
         InProcess(study.make_pipeline()),
         study.make_plugin("grammar"),

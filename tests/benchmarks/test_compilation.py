@@ -16,7 +16,7 @@ import numpy as np
 
 from driftform.study import load_study
 
-study = load_study(settings=['flow.kind="KIND"'], use={"simulator": "native"}, run={"seed": 0})
+study = load_study("paper", settings=['flow.kind="KIND"'], use={"simulator": "native"}, run={"seed": 0})
 pipeline, rng = study.make_pipeline(), np.random.default_rng(0)
 genomes = [pipeline.grammar.random(rng) for _ in range(3)]
 began = time.process_time()

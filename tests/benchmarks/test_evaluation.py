@@ -28,7 +28,7 @@ SIMULATORS = ("native", "exudyn")
 
 
 def test_stages_of_an_evaluation(publish, count_of, milliseconds):
-    pipelines = {use: load_study(use={"simulator": use}).make_pipeline() for use in SIMULATORS}
+    pipelines = {use: load_study("paper", use={"simulator": use}).make_pipeline() for use in SIMULATORS}
     pipeline, rng = pipelines["native"], np.random.default_rng(0)
     scenario = pipeline.scenario
     genomes = [pipeline.grammar.random(rng) for _ in range(count_of("AGENTS", 60))]
@@ -76,7 +76,7 @@ def test_errors_of_unchecked_flights(publish, count_of, tmp_path):
         "|---|---|---|---|---|---|---|---|",
     ]
     for use, number in zip(SIMULATORS, (count, count // 10), strict=True):
-        study = load_study(use={"simulator": use}, run={"seed": 1, "evaluations": number})
+        study = load_study("paper", use={"simulator": use}, run={"seed": 1, "evaluations": number})
         pipeline, rng = study.make_pipeline(), np.random.default_rng(1)
         search = Recorder(InProcess(pipeline))
         with Store.create(tmp_path / f"{use}.db", {}) as store:
@@ -130,7 +130,7 @@ def test_evaluations_per_second_with_two_workers(publish, count_of):
         "|---|---|---|---|---|---|",
     ]
     for use in SIMULATORS:
-        study = load_study(use={"simulator": use}, run={"seed": 1})
+        study = load_study("paper", use={"simulator": use}, run={"seed": 1})
         grammar, rng = study.make_plugin("grammar"), np.random.default_rng(1)
         jobs = [Job(index, grammar.random(rng)) for index in range(count)]
 
@@ -170,7 +170,7 @@ def test_what_a_search_takes_for_an_evaluation(publish, count_of, tmp_path):
     for use, number in zip(SIMULATORS, (count, count // 4), strict=True):
         for strategy in ("evolution", "random"):
             study = load_study(
-                use={"simulator": use, "strategy": strategy}, run={"seed": 1, "evaluations": number}
+                "paper", use={"simulator": use, "strategy": strategy}, run={"seed": 1, "evaluations": number}
             )
             executor = InProcess(study.make_pipeline())
             search = Recorder(executor)

@@ -13,8 +13,9 @@ from numba import njit
 from scipy.integrate import solve_ivp
 
 from driftform.dynamics.flight import SAMPLE, finish_trajectory, has_left_pipe, release_state
-from driftform.dynamics.integrator import Accuracy, fill_rate_in_space, integrate
+from driftform.dynamics.integrator import Accuracy, integrate
 from driftform.dynamics.model import flight_model, pack, unpack
+from driftform.dynamics.rates import fill_rate_in_space
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
 from driftform.trajectory.compression import encode
@@ -130,7 +131,7 @@ def by_mujoco(ready) -> None:
 
 @pytest.fixture(scope="module")
 def pipelines():
-    return {use: load_study(use={"simulator": use}).make_pipeline() for use in ("native", "exudyn")}
+    return {use: load_study("paper", use={"simulator": use}).make_pipeline() for use in ("native", "exudyn")}
 
 
 def trimmed(agents, pipeline):

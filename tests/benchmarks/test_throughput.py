@@ -69,7 +69,7 @@ def test_what_store_and_strategy_take_for_an_evaluation(publish: Callable[..., N
     taken = {}
     for strategy in ("random", "paper"):
         use = {"simulator": "native", "strategy": strategy}
-        study = load_study(use=use, run={"seed": 1, "evaluations": count})
+        study = load_study("paper", use=use, run={"seed": 1, "evaluations": count})
         replayed, times = Replayed(study), []
         for attempt in range(3):
             with Store.create(tmp_path / f"{strategy}-{attempt}.db", dict(study.document)) as store:
@@ -200,7 +200,7 @@ def test_a_second_dask_worker_almost_doubles_the_rate(
 ) -> None:
     count, simulator = count_of("EVALUATIONS", 1000), os.environ.get("SIMULATOR", "exudyn")
     settings = ["simulator.pause=0.03"] if simulator == "fake" else []
-    study = load_study(None, settings, use={"simulator": simulator}, run={"seed": 1})
+    study = load_study("paper", settings, use={"simulator": simulator}, run={"seed": 1})
     grammar, rng = study.make_plugin("grammar"), np.random.default_rng(1)
     jobs = [Job(index, grammar.random(rng)) for index in range(count)]
     # Beside processes of driftform's own, which tell what the machine has to give just now.

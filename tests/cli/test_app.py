@@ -13,6 +13,7 @@ FIGURE_2 = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 Call = Callable[..., Any]
 
 
+@pytest.mark.usefixtures("ideal_water")
 def test_an_agent_opens_by_its_file_by_its_run_and_by_its_text(
     finished_run: tuple[Path, Any], call: Call
 ) -> None:
@@ -52,9 +53,7 @@ def test_a_builder_that_raises_is_told_in_one_line(
 
 def test_an_agent_keeps_its_body_in_another_scenario(finished_run: tuple[Path, Any], call: Call) -> None:
     agent = f"{finished_run[0]}:TP1"
-    Path("lake.toml").write_text(
-        'base = "pipe-inspection"\n[fluid]\ndensity = 1000.0\n[builder]\nwall = 0.0015\n'
-    )
+    Path("lake.toml").write_text('base = "paper"\n[fluid]\ndensity = 1000.0\n[builder]\nwall = 0.0015\n')
     at_home = json.loads(call("inspect", agent, "--json").stdout)
     away = json.loads(call("inspect", agent, "--scenario", "lake.toml", "--json").stdout)
     assert away["mass"] == at_home["mass"]

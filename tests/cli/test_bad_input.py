@@ -11,7 +11,7 @@ import pytest
 
 Refused = Callable[..., str]
 
-BASE = 'base = "pipe-inspection"\n'
+BASE = 'base = "paper"\n'
 SEGMENT = BASE + "[[pipe.segments]]\nstart = [0, 0, 0]\nend = [9, 0, 0]\n"
 OUT = ("--evaluations", 1, "--workers", 1, "--out", "run")
 
@@ -45,7 +45,10 @@ OUT = ("--evaluations", 1, "--workers", 1, "--out", "run")
             ("--set", "flow.kind=parabolic"),
             ["--set flow.kind=parabolic", "unknown kind", "known: developing"],
         ),
-        (("--set", "flow.exponent=7"), ["'exponent' in [flow] of kind 'uniform'; known: ", "kind, speed"]),
+        (
+            ("--set", "flow.exponent=7"),
+            ["'exponent' in [flow] of kind 'log_law'; known: ", "kind, roughness, speed"],
+        ),
         (
             ("--set", "builder.hull_density=-5"),
             ["builder.hull_density = -5", "greater than or equal to 1 kg/m3"],
@@ -204,7 +207,7 @@ def test_a_study_that_is_no_text_file(refused: Refused, tmp_path: Path) -> None:
 def test_an_out_that_cannot_be_a_directory(refused: Refused, tmp_path: Path, command: str) -> None:
     (tmp_path / "file").write_text("mine")
     args = {
-        "evolve": ("evolve", "--evaluations", 1),
+        "evolve": ("evolve", "paper", "--evaluations", 1),
         "sample": ("sample", "--count", 1),
         "export": ("export", "C", "--format", "scad"),
         "simulate": ("simulate", "C", "--simulator", "native"),
@@ -222,18 +225,18 @@ def test_an_out_that_cannot_be_a_directory(refused: Refused, tmp_path: Path, com
 @pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="the superuser may write anywhere")
 def test_an_out_that_may_not_be_written(refused: Refused, tmp_path: Path) -> None:
     (tmp_path / "fixed").mkdir(mode=0o500)
-    assert "choose another --out" in refused("evolve", "--evaluations", 1, "--out", "fixed/run")
+    assert "choose another --out" in refused("evolve", "paper", "--evaluations", 1, "--out", "fixed/run")
 
 
 def test_an_out_that_is_in_use(refused: Refused, run_copy: Path, tmp_path: Path) -> None:
-    line = refused("evolve", "--evaluations", 1, "--out", "run")
+    line = refused("evolve", "paper", "--evaluations", 1, "--out", "run")
     assert "already holds a run" in line
     assert line.endswith("driftform resume run")
     run_copy.rename(tmp_path / "my run")
-    assert refused("evolve", "--out", "my run").endswith("driftform resume 'my run'")
+    assert refused("evolve", "paper", "--out", "my run").endswith("driftform resume 'my run'")
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter.txt").write_text("dear")
-    assert "mine is not empty; choose another --out" in refused("evolve", "--out", "mine")
+    assert "mine is not empty; choose another --out" in refused("evolve", "paper", "--out", "mine")
     assert "mine is not an empty directory" in refused("sample", "--count", 1, "--out", "mine")
 
 

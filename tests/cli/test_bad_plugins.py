@@ -14,7 +14,7 @@ Program = Callable[..., subprocess.CompletedProcess[str]]
 
 pytestmark = pytest.mark.usefixtures("fakes")
 
-STUDY = ("evolve", "--strategy", "paper", "--simulator", "fake", "--target", "TP1", "--evaluations", 4)
+STUDY = ("evolve", "paper", "--simulator", "fake", "--target", "TP1", "--evaluations", 4)
 RUN = ("--seed", 1, "--workers", 1, "--out", "run")
 
 
@@ -65,8 +65,7 @@ def test_a_simulator_that_misbehaves_fails_the_evaluation_by_name(call: Call, de
 def test_a_strategy_that_misbehaves_stops_the_run_by_name_and_again_on_resume(
     call: Call, deed: str, text: str
 ) -> None:
-    arguments = [word if word != "paper" else "deed" for word in STUDY]
-    result = call(*arguments, "--set", f"strategy.deed='{deed}'", *RUN)
+    result = call(*STUDY, "--strategy", "deed", "--set", f"strategy.deed='{deed}'", *RUN)
     assert result.exit_code == 1
     assert last_line(result).startswith(f"error: {text}")
     result = call("resume", "run", "--workers", 1)

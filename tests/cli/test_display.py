@@ -171,7 +171,18 @@ def test_on_a_terminal_the_run_is_shown_live_and_ctrl_c_leaves_the_command_that_
     import pty
 
     ours, theirs = pty.openpty()
-    args = ("evolve", "--target", "TP1", "--seed", "1", "--simulator", "fake", "--evaluations", "5000")
+    args = (
+        "evolve",
+        "paper",
+        "--target",
+        "TP1",
+        "--seed",
+        "1",
+        "--simulator",
+        "fake",
+        "--evaluations",
+        "5000",
+    )
     process = subprocess.Popen(
         [
             sys.executable,

@@ -58,7 +58,7 @@ BEST = ("agent.json", "trajectory.csv", "section.svg", "agent.stl")
 
 
 def test_the_study_is_kept_as_it_was_given(finished_run: Finished) -> None:
-    assert (finished_run[0] / "study.toml").read_text() == read_scenarios()["pipe-inspection"]
+    assert (finished_run[0] / "study.toml").read_text() == read_scenarios()["paper"]
 
 
 def test_the_resolved_study_loads_as_the_same_study(finished_run: Finished) -> None:
@@ -105,7 +105,6 @@ def test_two_workers_find_what_one_finds_to_the_last_digit(
     result = run(
         *(
             "evolve",
-            "--strategy",
             "paper",
             "--evaluations",
             20,
@@ -126,7 +125,7 @@ def test_two_workers_find_what_one_finds_to_the_last_digit(
 
 
 def test_without_json_a_table_and_where_the_files_are(call: Callable[..., Any], fakes: None) -> None:
-    result = call("evolve", "--evaluations", 3, "--seed", 7, "--workers", 1, "--simulator", "fake")
+    result = call("evolve", "paper", "--evaluations", 3, "--seed", 7, "--workers", 1, "--simulator", "fake")
     assert result.exit_code == 0, result.stderr
     lines = result.stdout.splitlines()
     assert lines[0].split()[:1] == ["target"]
@@ -134,13 +133,13 @@ def test_without_json_a_table_and_where_the_files_are(call: Callable[..., Any], 
     assert "of 10 targets are reached" in lines[11]
     assert lines[12].startswith("3 evaluations (0 failed) in ")
     assert lines[12].endswith("seed 7")
-    assert Path("runs/pipe-inspection-1/figures/overview.svg").is_file()
+    assert Path("runs/paper-1/figures/overview.svg").is_file()
 
 
 def test_a_seed_that_was_drawn_is_recorded(call: Callable[..., Any], fakes: None) -> None:
-    args = ("evolve", "--evaluations", 2, "--workers", 1, "--simulator", "fake", "--json")
+    args = ("evolve", "paper", "--evaluations", 2, "--workers", 1, "--simulator", "fake", "--json")
     documents = [json.loads(call(*args).stdout) for _ in range(2)]
-    assert [document["run"] for document in documents] == [f"runs/pipe-inspection-{n}" for n in (1, 2)]
+    assert [document["run"] for document in documents] == [f"runs/paper-{n}" for n in (1, 2)]
     for document in documents:
         environment = json.loads((Path(document["run"]) / "environment.json").read_text())
         assert environment["seed"] == document["seed"]
@@ -151,7 +150,6 @@ def test_one_generation_after_the_other_is_reported(call: Callable[..., Any], fa
     result = call(
         *(
             "evolve",
-            "--strategy",
             "paper",
             "--target",
             "TP1",
@@ -172,7 +170,20 @@ def test_a_format_that_cannot_hold_an_agent_is_told_at_the_end_and_keeps_nothing
     call: Callable[..., Any], fakes: None
 ) -> None:
     result = call(
-        *("evolve", "--target", "TP1", "--target", "TP2", "--evaluations", 2, "--seed", 1, "--workers", 1),
+        *(
+            "evolve",
+            "paper",
+            "--target",
+            "TP1",
+            "--target",
+            "TP2",
+            "--evaluations",
+            2,
+            "--seed",
+            1,
+            "--workers",
+            1,
+        ),
         *("--simulator", "fake", "--out", "run", "--json", "--set", 'run.formats=["refusing", "stl"]'),
     )
     assert result.exit_code == 1
@@ -185,7 +196,7 @@ def test_a_format_that_cannot_hold_an_agent_is_told_at_the_end_and_keeps_nothing
 
 
 def test_a_study_file_of_ones_own_is_evolved(call: Callable[..., Any], fakes: None) -> None:
-    text = 'base = "pipe-inspection"\n[targets]\nleak = [4.0, 0.0, -0.9]\n[simulator]\nuse = "fake"\n'
+    text = 'base = "paper"\n[targets]\nleak = [4.0, 0.0, -0.9]\n[simulator]\nuse = "fake"\n'
     Path("my study.toml").write_text(text)
     result = call("evolve", "my study.toml", "--evaluations", 2, "--workers", 1, "--json")
     document = json.loads(result.stdout)
@@ -199,7 +210,7 @@ def test_in_turbulent_flow_each_evaluation_has_gusts_of_its_own_and_its_agent_fl
 ) -> None:
     study = tmp_path / "gusty.toml"
     study.write_text(
-        'base = "pipe-inspection"\n[flow]\nkind = "turbulent"\n[simulator]\nuse = "native"\n[flight]\nhorizon = 3.0\n'
+        'base = "paper"\n[flow]\nkind = "turbulent"\n[simulator]\nuse = "native"\n[flight]\nhorizon = 3.0\n'
     )
 
     def evolved(name: str, workers: int) -> dict[str, Any]:

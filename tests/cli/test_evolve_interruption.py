@@ -21,7 +21,6 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX sig
 
 EVALUATIONS = 60
 STUDY = (
-    "--strategy",
     "paper",
     "--target",
     "TP1",
@@ -231,7 +230,20 @@ def test_a_worker_that_is_killed_costs_nothing(
 def test_genomes_that_kill_their_process_are_counted_and_the_rest_is_a_result(
     call: Callable[..., Any], fakes: None
 ) -> None:
-    args = ("--evaluations", 20, "--target", "TP1", "--seed", 5, "--workers", 2, "--out", "run", "--json")
+    args = (
+        "paper",
+        "--evaluations",
+        20,
+        "--target",
+        "TP1",
+        "--seed",
+        5,
+        "--workers",
+        2,
+        "--out",
+        "run",
+        "--json",
+    )
     result = call("evolve", *args, "--simulator", "fake", "--set", "simulator.die=0.1")
     assert result.exit_code == 0, result.stderr
     document = json.loads(result.stdout)
@@ -258,7 +270,19 @@ def test_resuming_a_finished_run_changes_nothing(
 def test_all_evaluations_failing_ends_with_the_reason_of_the_first(
     call: Callable[..., Any], fakes: None
 ) -> None:
-    args = ("--simulator", "fake", "--set", "simulator.fail=1", "--workers", 1, "--out", "run", "--seed", 1)
+    args = (
+        "paper",
+        "--simulator",
+        "fake",
+        "--set",
+        "simulator.fail=1",
+        "--workers",
+        1,
+        "--out",
+        "run",
+        "--seed",
+        1,
+    )
     result = call("evolve", *args, "--evaluations", 4, "--target", "TP1", "--json")
     assert result.exit_code == 1
     assert result.stdout == ""

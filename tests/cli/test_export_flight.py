@@ -108,7 +108,7 @@ def test_a_flight_that_failed_is_written_and_told_as_failed(call: Call) -> None:
         ),
         (("--set", "recorder.parqet.seed=1"), "did you mean 'parquet'?"),
         pytest.param(("--set", "recorder.mcap.namespace=a/b"), "namespace", marks=pytest.mark.peers),
-        (("--scenario", "water-mian"), "did you mean 'water-main'?"),
+        (("--scenario", "pipe-inspektion"), "did you mean 'pipe-inspection'?"),
     ],
 )
 def test_what_is_wrong_is_one_line(refused: Refused, arguments: tuple[str, ...], reason: str) -> None:

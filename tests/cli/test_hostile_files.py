@@ -108,7 +108,7 @@ def test_nasty_strings_in_a_study_are_only_strings(
         "table": f"[{json.dumps(evil)}]",
     }
     path = tmp_path / "study.toml"
-    path.write_text(f'base = "pipe-inspection"\n{lines[key]}\n')
+    path.write_text(f'base = "paper"\n{lines[key]}\n')
     out = tmp_path / "out"
     result = call("sample", "--scenario", "study.toml", "--count", 1, "--out", "out")
     if key == "title":

@@ -14,7 +14,7 @@ Program = Callable[..., subprocess.CompletedProcess[str]]
 
 
 def test_a_title_cannot_steer_the_terminal(call: Call, tmp_path: Path) -> None:
-    (tmp_path / "study.toml").write_text('base = "pipe-inspection"\ntitle = "\\u001b[2Jcleared"\n')
+    (tmp_path / "study.toml").write_text('base = "paper"\ntitle = "\\u001b[2Jcleared"\n')
     result = call("scenarios", "check", "study.toml")
     assert result.exit_code == 0, result.stderr
     assert "\x1b" not in result.stdout
@@ -25,7 +25,7 @@ def test_letters_that_the_encoding_of_the_terminal_lacks_are_shown_as_escapes(
     run: Program, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PYTHONIOENCODING", "ascii")
-    (tmp_path / "study.toml").write_text('base = "pipe-inspection"\ntitle = "\u03a9"\n', encoding="utf-8")
+    (tmp_path / "study.toml").write_text('base = "paper"\ntitle = "\u03a9"\n', encoding="utf-8")
     result = run("scenarios", "check", "study.toml", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     assert result.stdout.splitlines()[0].endswith(": \\u03a9")

@@ -20,7 +20,6 @@ Program = Callable[..., subprocess.CompletedProcess[str]]
 Rows = Callable[[Path], list[tuple[Any, ...]]]
 
 STUDY = (
-    "--strategy",
     "paper",
     "--target",
     "TP1",

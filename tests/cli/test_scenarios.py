@@ -10,12 +10,12 @@ Call = Callable[..., Any]
 
 
 def test_a_sound_study_is_told_by_what_it_holds(call: Call) -> None:
-    lines = ['base = "pipe-inspection"', "[targets]", "leak = [1, 0, 0]", "[exporter.stl]", "segments = 32"]
+    lines = ['base = "paper"', "[targets]", "leak = [1, 0, 0]", "[exporter.stl]", "segments = 32"]
     Path("mine.toml").write_text("\n".join(lines))
     told = json.loads(call("scenarios", "check", "mine.toml", "--json").stdout)
     assert told["targets"] == {"leak": [1, 0, 0]}
     assert (told["pipe"], told["flow"], told["evaluations"]) == (1, "uniform", 50)
-    assert told["plugins"]["strategy"] == "evolution"
+    assert told["plugins"]["strategy"] == "paper"
     assert told["options"] == {"exporter": ["stl"], "recorder": [], "renderer": [], "checker": []}
     text = call("scenarios", "check", "mine.toml").stdout
     assert text.startswith("mine.toml is sound")
@@ -24,7 +24,7 @@ def test_a_sound_study_is_told_by_what_it_holds(call: Call) -> None:
 
 
 def test_all_that_is_wrong_with_a_study_is_told_with_its_line(call: Call) -> None:
-    lines = ['base = "pipe-inspection"', "[flow]", "sped = 1", "[fitness]", 'use = "closest"']
+    lines = ['base = "paper"', "[flow]", "sped = 1", "[fitness]", 'use = "closest"']
     Path("mine.toml").write_text("\n".join(lines))
     for more in ((), ("--json",)):
         result = call("scenarios", "check", "mine.toml", *more)

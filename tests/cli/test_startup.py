@@ -16,6 +16,8 @@ HEAVY = (
     "rich",
     "sqlite3",
     "distributed",
+    "starlette",
+    "uvicorn",
 )
 
 FOR_WORK = (
@@ -34,6 +36,8 @@ FOR_WORK = (
     "rich",
     "sqlite3",
     "distributed",
+    "starlette",
+    "uvicorn",
 )
 """What plugins and commands need for their work, and not to be listed."""
 
@@ -63,7 +67,7 @@ def after_running(*arguments: str) -> set[str]:
     )
 
 
-@pytest.mark.parametrize("page", [["--help"], ["evolve", "--help"], ["plugins", "list", "--help"]])
+@pytest.mark.parametrize("page", [["--help"], ["evolve", "paper", "--help"], ["plugins", "list", "--help"]])
 def test_a_help_page_imports_nothing_heavy(page: list[str]) -> None:
     # To find a command, typer reads the options before its name, and checks them by pydantic.
     expected = {"pydantic"} if len(page) > 1 else set()

@@ -1,6 +1,7 @@
 """``driftform trim``: what is told is what then flies, and what makes no sense is refused."""
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -8,6 +9,8 @@ from typing import Any
 import pytest
 
 from driftform.types import WrittenFile
+
+pytestmark = pytest.mark.usefixtures("ideal_water")
 
 Call = Callable[..., Any]
 Refused = Callable[..., str]
@@ -111,6 +114,57 @@ def test_ballast_comes_with_the_way_it_goes_in_and_what_holds_it(call: Call) -> 
     text = call("trim", WORD, *NEUTRAL, "--printed-mass", 0.0305, "--simulator", "native").stdout
     assert "put it in through the joint at the core, before the core" in text
     assert "set it in epoxy putty" in text
+    assert "a kit can be printed with a seat for it: --kit" in text
+
+
+def test_ballast_of_a_kit_is_held_by_a_seat_that_the_kit_can_print(call: Call, tmp_path: Path) -> None:
+    facts = told(call, "--kit", "--printed-mass", 0.0292)
+    [piece], [ball] = facts["pieces"], facts["held"]
+    assert (ball["x"], ball["diameter"]) == pytest.approx((piece["x"], piece["diameter"]), abs=2e-5)
+    assert ball["held_by"] == "seat" and ball["part"] == "fore shell"
+    # The seat weighs something itself: print, seat and ball weigh and balance as simulated.
+    assert facts["seat_mass"] > 1e-4
+    whole = 0.0292 + facts["seat_mass"] + piece["mass"]
+    assert whole == pytest.approx(facts["simulated_mass"], abs=2e-6)
+    assert facts["residual_moment"] == pytest.approx(0, abs=5e-5 * piece["mass"])
+    assert facts["trimmed"] == pytest.approx(facts["simulated"], abs=0.3)
+    # The option that is printed makes that kit ...
+    text = call("trim", WORD, *NEUTRAL, "--kit", "--printed-mass", 0.0292, "--simulator", "native").stdout
+    option = re.search(r"--option (ballast=\S+)", text)[1]
+    command = (
+        "export",
+        WORD,
+        *NEUTRAL,
+        "--kit",
+        "--option",
+        option,
+        "--format",
+        "stl",
+        "--out",
+        "kit",
+        "--json",
+    )
+    kit = next(file["kit"] for file in json.loads(call(*command).stdout)["files"] if "kit" in file)
+    assert kit["ballast"][0]["part"] == "fore shell"
+    # ... and weighed again it takes the same ball.
+    weighed = 0.0292 + facts["seat_mass"]
+    again = told(call, "--kit", "--printed-mass", weighed, "--set", f"exporter.stl.{option}")
+    assert again["seat_mass"] == 0
+    assert again["pieces"][0]["diameter"] == pytest.approx(piece["diameter"], abs=2e-5)
+    assert again["residual_moment"] == pytest.approx(0, abs=5e-5 * piece["mass"])
+
+
+def test_the_last_gram_lies_on_the_seat_that_is_there_and_the_rest_is_told(call: Call) -> None:
+    seat = ("--set", "exporter.stl.ballast=[[0.02,0.004]]")
+    facts = told(call, "--kit", "--printed-mass", 0.0292, *seat)
+    assert [piece["x"] for piece in facts["pieces"]] == [0.02]
+    assert facts["residual_moment"] == pytest.approx(
+        facts["ballast_mass"] * (0.02 - facts["ballast_x"]), rel=1e-6
+    )
+    text = call(
+        "trim", WORD, *NEUTRAL, "--kit", "--printed-mass", 0.0292, *seat, "--simulator", "native"
+    ).stdout
+    assert "the seat is for a ball of 4.0 mm" in text
 
 
 @pytest.fixture
@@ -146,6 +200,14 @@ def test_the_parts_of_a_real_kit_are_accounted_for(call: Call) -> None:
     assert len(parts) == 2
     assert facts["printed_mass"] == pytest.approx(0.02507 + sum(part["mass_kg"] for part in parts), rel=1e-5)
     assert facts["ballast_mass"] < 0
+
+
+@pytest.mark.usefixtures("kit_of_34_grams")
+def test_an_exporter_that_makes_no_seats_is_trimmed_with_putty(call: Call) -> None:
+    facts = told(call, "--kit", "--printed-mass", 0.0292)
+    assert facts["held"] == [] and facts["seat_mass"] == 0
+    assert facts["unheld"] == "the exporter of the kit does not say how it holds ballast"
+    assert facts["trimmed"] is not None
 
 
 @pytest.mark.usefixtures("kit_of_34_grams")

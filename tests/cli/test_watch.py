@@ -28,7 +28,6 @@ Program = Callable[..., subprocess.CompletedProcess[str]]
 
 EVALUATIONS = 36
 STUDY = (
-    "--strategy",
     "paper",
     "--target",
     "TP1",

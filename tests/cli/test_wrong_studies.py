@@ -16,6 +16,8 @@ from driftform.errors import InputError
 from driftform.study import load_study
 from driftform.study.advice import list_warnings
 
+pytestmark = pytest.mark.usefixtures("ideal_water")
+
 Call = Callable[..., Any]
 
 PIPE = "pipe.segments=[{start=[0,0,0],end=[%s],radius=%s}]"
@@ -107,11 +109,11 @@ WRONG: dict[str, tuple[list[str], str, str]] = {
 
 
 def load_and_list(settings: list[str]) -> list[str]:
-    return list_warnings(load_study(settings=[*settings, "run.seed=1"]))
+    return list_warnings(load_study("paper", settings=[*settings, "run.seed=1"]))
 
 
 def test_the_built_in_scenarios_give_no_warning() -> None:
-    for name in ("pipe-inspection", "water-main"):
+    for name in ("paper", "pipe-inspection"):
         assert list_warnings(load_study(name)) == []
 
 
@@ -158,7 +160,7 @@ def test_a_study_that_can_do_it_gives_no_warning(settings: list[str]) -> None:
 
 
 def test_the_check_lists_warnings_as_text_and_as_json(call: Call) -> None:
-    Path("mine.toml").write_text('base = "pipe-inspection"\n[targets]\nA = [4, 0.3, 0]\n[flow]\nspeed = 0\n')
+    Path("mine.toml").write_text('base = "paper"\n[targets]\nA = [4, 0.3, 0]\n[flow]\nspeed = 0\n')
     text = call("scenarios", "check", "mine.toml")
     assert text.exit_code == 0
     assert text.stdout.startswith("mine.toml is valid, with 2 warnings")
@@ -170,7 +172,7 @@ def test_the_check_lists_warnings_as_text_and_as_json(call: Call) -> None:
 
 def test_the_check_refuses_a_pipe_that_no_body_fits(call: Call) -> None:
     Path("mine.toml").write_text(
-        'base = "pipe-inspection"\n[[pipe.segments]]\nstart=[0,0,0]\nend=[9,0,0]\nradius=0.01\n[targets]\nA=[1,0,0]\n'
+        'base = "paper"\n[[pipe.segments]]\nstart=[0,0,0]\nend=[9,0,0]\nradius=0.01\n[targets]\nA=[1,0,0]\n'
     )
     result = call("scenarios", "check", "mine.toml")
     assert (result.exit_code, result.stdout) == (2, "")
@@ -182,7 +184,17 @@ def test_the_check_refuses_a_pipe_that_no_body_fits(call: Call) -> None:
 
 
 def test_a_search_warns_before_its_first_flight_and_keeps_stdout_for_json(run: Call, tmp_path: Path) -> None:
-    settings = ("--set", "targets={A=[1,0.3,0]}", "--evaluations", 2, "--workers", 1, "--simulator", "native")
+    settings = (
+        "paper",
+        "--set",
+        "targets={A=[1,0.3,0]}",
+        "--evaluations",
+        2,
+        "--workers",
+        1,
+        "--simulator",
+        "native",
+    )
     done = run("evolve", *settings, "--out", "run", "--json", cwd=tmp_path)
     first = done.stderr.splitlines()[0]
     assert first.startswith("warning: no flight leaves the vertical plane")
@@ -206,25 +218,33 @@ def test_a_search_warns_before_its_first_flight_and_keeps_stdout_for_json(run: C
 )
 def test_a_number_beyond_its_bounds_is_refused(setting: str) -> None:
     with pytest.raises(InputError, match=r"should be (less|greater) than or equal to"):
-        load_study(settings=[setting])
+        load_study("paper", settings=[setting])
 
 
 def test_a_bound_has_its_unit() -> None:
     with pytest.raises(InputError, match=r"radius = 1e-06: should be greater than or equal to 0.001 m$"):
-        load_study(settings=["pipe.segments.0.radius=1e-6"])
+        load_study("paper", settings=["pipe.segments.0.radius=1e-6"])
     with pytest.raises(InputError, match=r"flow.speed = 1000: should be less than or equal to 100 m/s$"):
-        load_study(settings=["flow.speed=1000"])
+        load_study("paper", settings=["flow.speed=1000"])
 
 
 def test_a_billion_workers_are_refused(call: Call) -> None:
-    result = call("evolve", "--workers", 10**9, "--out", "run")
+    result = call("evolve", "paper", "--workers", 10**9, "--out", "run")
     assert result.exit_code == 2
     assert "1024" in result.stderr
     assert not Path("run").exists()
 
 
 def test_a_run_says_the_commonest_reason_of_its_failures(run: Call, tmp_path: Path) -> None:
-    settings = ("--set", "pipe.segments.0.radius=0.0135", "--set", "targets={A=[1,0,0]}", "--seed", 1)
+    settings = (
+        "paper",
+        "--set",
+        "pipe.segments.0.radius=0.0135",
+        "--set",
+        "targets={A=[1,0,0]}",
+        "--seed",
+        1,
+    )
     options = ("--evaluations", 12, "--workers", 1, "--simulator", "native", "--strategy", "random")
     printed = run("evolve", *settings, *options, "--out", "run", cwd=tmp_path).stdout
     found = json.loads(run("resume", "run", "--workers", 1, "--json", cwd=tmp_path).stdout)

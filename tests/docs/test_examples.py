@@ -17,6 +17,7 @@ from typer.testing import CliRunner
 from driftform.cli.app import app
 from driftform.study import load_study
 
+ROOT = Path(__file__).parents[2]
 PARTS = Path(__file__).with_name("cli_parts.md")
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
 
@@ -62,12 +63,13 @@ def test_the_merging_rules_are_as_told(study_folder: dict[str, str]) -> None:
     other = load_study("short-pipe.toml", use={"strategy": "random"})
     assert "population" not in other.document["strategy"]
     # --set comes after the choice of plugins, and numbers of the run last.
-    assert load_study(None, ["run.seed=1"], run={"seed": 2}).seed == 2
+    assert load_study("paper", ["run.seed=1"], run={"seed": 2}).seed == 2
     assert (
-        load_study(None, ["strategy.batch=7"], use={"strategy": "random"}).document["strategy"]["batch"] == 7
+        load_study("paper", ["strategy.batch=7"], use={"strategy": "random"}).document["strategy"]["batch"]
+        == 7
     )
     # A word that is no TOML value is a string.
-    assert load_study(None, ["grammar.occupied=skip"]).document["grammar"]["occupied"] == "skip"
+    assert load_study("paper", ["grammar.occupied=skip"]).document["grammar"]["occupied"] == "skip"
     # --set adds a target, or moves one; a file states them anew.
     more = load_study("short-pipe.toml", ["targets.leak=[1,0,0]", "targets.bend=[2,0,0]"])
     assert more.scenario.target_names == ("leak", "valve", "bend")
@@ -199,8 +201,13 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         ],
         "export-flight": ["export-flight", WORD, "--simulator", "native", "--out", f"{here}/samples"],
         "check": ["check", WORD, "--no-programs"],
-        "trim": ["trim", WORD, "--printed-mass", "0.0515", "--simulator", "native"],
+        "trim": ["trim", WORD, "--printed-mass", "0.0345", "--simulator", "native"],
         "report": ["report", str(run)],
+        "calibrate": [
+            *("calibrate", "C", str(ROOT / "docs/tracks/ten-cate-e4.csv"), "--fit", "cross_drag"),
+            *("--out", f"{here}/calibration"),
+        ],
+        "drop": ["drop", WORD, "--drops", "1", "--tank", "0.5", "0.5", "0.4", "--out", f"{here}/drops"],
         "plugins list": ["plugins", "list"],
         "plugins show": ["plugins", "show", "paper"],
         "plugins new": ["plugins", "new", "driftform-try", "--seam", "fitness", "--out", f"{here}/try"],
@@ -261,6 +268,22 @@ def test_no_field_of_a_list_is_left_out(outputs: dict[str, Any]) -> None:
         assert set(outputs[name][key][0]) == fields, name
     modules = {p.removeprefix("modules[].") for p in told["inspect"] if p.startswith("modules[].")}
     assert set(outputs["inspect"]["modules"][0]) == modules
+
+
+# docs/junctions.md
+
+
+def test_the_side_branch_has_two_outlets_as_targets(
+    tmp_path: Path, blocks: list[Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_files(tmp_path, "junctions.md", blocks)
+    scenario = load_study("side-branch.toml").scenario
+    assert [outlet.name for outlet in scenario.pipe.layout.outlets] == ["left", "right on"]
+    assert set(scenario.target_names) == {"left", "on"}
+    # Left of the water that flows along x is +y.
+    points = scenario.target_points()
+    assert points["left"][1] > 0.5 and abs(points["on"][1]) < 1e-9
 
 
 def test_a_run_directory_holds_what_dataflow_tells(pages: dict[str, str], outputs: dict[str, Any]) -> None:

@@ -22,6 +22,7 @@ from driftform.interfaces import SEAMS
 from driftform.options import find_table
 from driftform.registry import Contribution, registry
 from driftform.scenario import FLOWS, Scenario
+from driftform.scenario.parts import PARTS as PIPE_PARTS
 from driftform.study import RunOptions
 
 Check = Callable[[Path, str], None]
@@ -41,7 +42,7 @@ def type_text(annotation: Any) -> str:
     if origin is Literal:
         return " or ".join(f'`"{value}"`' for value in arguments)
     if origin in (Union, UnionType):
-        return " or ".join(type_text(a) for a in arguments if a is not NoneType)
+        return " or ".join(dict.fromkeys(type_text(a) for a in arguments if a is not NoneType))
     if origin is tuple:
         if len(arguments) == 2 and arguments[1] is Ellipsis:
             return f"list of {type_text(arguments[0])}s"
@@ -209,7 +210,9 @@ def test_every_command_and_option_has_help() -> None:
 def shipped() -> dict[str, list[Contribution]]:
     """What this repository's distributions bring, by seam."""
     files = [ROOT / "pyproject.toml", *sorted(ROOT.glob("plugins/*/pyproject.toml"))]
-    names = {tomllib.loads(path.read_text(encoding="utf-8"))["project"]["name"] for path in files}
+    projects = [tomllib.loads(path.read_text(encoding="utf-8"))["project"] for path in files]
+    # The studio implements no seam.
+    names = {project["name"] for project in projects if "driftform" in project["entry-points"]}
     rows = [row for row in registry().contributions() if row.distribution in names]
     assert {row.distribution for row in rows if row.cls is not None} == names
     return {seam: [row for row in rows if row.seam == seam] for seam in SEAMS}
@@ -231,6 +234,10 @@ some formats need, are extras: `uv sync --extra robotics --extra film` in a clon
 | `dask` | runs on a cluster | distributed | BSD-3-Clause |
 | `step` | `exporter step` | cadquery-ocp-novtk | Apache-2.0; the Open CASCADE in it is under the LGPL 2.1 with an exception |
 | `png` | PNG of every figure | resvg-py | MIT |
+| `pdf` | assembly sheets as PDF; needs the Cairo library of the system | cairosvg | LGPL-3.0 or later |
+| `grids` | `flow.kind = "grid"` from VTK and NetCDF files | meshio, h5netcdf, h5py | MIT, BSD-3-Clause |
+| `networks` | `driftform network show` and the like: pipe networks from EPANET files | driftform-networks, wntr | MIT, BSD-3-Clause |
+| `studio` | `driftform studio`, a page in the browser | driftform-studio, starlette, uvicorn | MIT, BSD-3-Clause |
 
 driftform and its plugins are under the MIT licence. Exudyn has a licence of its own, the EXUDYN General License 1.0,
 which permits use and redistribution if its notice is kept, and forbids endorsement in the names of its authors. The
@@ -306,7 +313,8 @@ def test_licences_are_as_told(docs: Path) -> None:
     others = {name for name in names if not free.search(licence_of(name))}
     assert others == {"exudyn"} and "EXUDYN-General-License" in licence_of("exudyn")
     told = {"imageio-ffmpeg": "BSD-2-Clause", "pyarrow": "Apache-2.0", "distributed": "BSD-3-Clause"}
-    for name, licence in {**told, "cadquery-ocp-novtk": "Apache-2.0"}.items():
+    told |= {"cairosvg": "LGPL-3.0"}
+    for name, licence in {**told, "cadquery-ocp-novtk": "Apache-2.0", "cairosvg": "LGPL-3.0"}.items():
         assert licence in licence_of(name) and re.search(rf"{name} \| {licence}", page)
     ffmpeg = subprocess.run([get_ffmpeg(), "-version"], capture_output=True, text=True, check=True).stdout
     assert "--enable-gpl --enable-version3" in ffmpeg
@@ -368,11 +376,21 @@ def scenario_keys() -> list[str]:
                 "",
                 f"{field.description or ''}: each key is a name, each value a point ",
             ]
-            lines[-1] += f"`[x, y, z]` of the world frame in {unit}. Default: none."
+            lines[-1] += f"`[x, y, z]` of the world frame in {unit}, or the name of an outlet. Default: none."
             lines.append("")
             continue
         lines += [f"### `[{name}]`", "", markdown(model.__doc__ or ""), "", *keys_table(model), ""]
         for key, item in model.model_fields.items():
+            if (name, key) == ("pipe", "parts"):
+                for kind, part in PIPE_PARTS.items():
+                    lines += [
+                        f'### `[[pipe.parts]]` with `kind = "{kind}"`',
+                        "",
+                        markdown(part.__doc__ or ""),
+                        "",
+                    ]
+                    lines += [*keys_table(part), ""]
+                continue
             inner = inner_table(item.annotation)
             if inner is not None:
                 lines += [

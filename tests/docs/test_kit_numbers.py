@@ -13,7 +13,7 @@ def test_of_a_hundred_random_agents(pages: dict[str, str]) -> None:
     from driftform_frusta.kit.pieces import make_kit
     from driftform_frusta.parts import PartOptions
 
-    pipeline, rng = load_study(run={"seed": 0}).make_pipeline(), np.random.default_rng(1)
+    pipeline, rng = load_study("paper", run={"seed": 0}).make_pipeline(), np.random.default_rng(1)
     options = PartOptions(kit=True)
     added, places = [], []
     for _ in range(100):

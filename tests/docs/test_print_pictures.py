@@ -30,7 +30,7 @@ AGENTS: dict[str, tuple[str | int, tuple[str, ...]]] = {
 
 def job(name: str) -> ExportJob:
     source, settings = AGENTS[name]
-    study = load_study(settings=settings, run={"seed": 0})
+    study = load_study("paper", settings=settings, run={"seed": 0})
     pipeline, rng = study.make_pipeline(), np.random.default_rng(3)
     if isinstance(source, str):
         genome = pipeline.grammar.parse(source)

@@ -13,7 +13,10 @@ COUNT = 2000
 
 def facts(*settings: str) -> dict[str, Any]:
     """Columns over the same 2000 random genotypes."""
-    pipeline, rng = load_study(settings=settings, run={"seed": 0}).make_pipeline(), np.random.default_rng(1)
+    pipeline, rng = (
+        load_study("paper", settings=settings, run={"seed": 0}).make_pipeline(),
+        np.random.default_rng(1),
+    )
     density = pipeline.scenario.fluid.density
     rows = []
     for _ in range(COUNT):
@@ -61,10 +64,7 @@ def test_the_default_study(default: dict[str, Any], pages: dict[str, str]) -> No
     assert f"{np.sum(np.abs(default['net']) < 0.01)} of the 2000 are within 1 % of neutral" in notes
     assert f"instead of {default['diameter'].max():.2f} m" in notes
     assert not default["wide"].any()
-    assert (
-        f"Of 2000 random agents of the default study, {percent(default['lambda_max'] > 17 / 3)} lie"
-        in dataflow
-    )
+    assert f"Of 2000 random agents in `paper`, {percent(default['lambda_max'] > 17 / 3)} lie" in dataflow
 
 
 def test_where_places_are_skipped(default: dict[str, Any], pages: dict[str, str]) -> None:
@@ -84,7 +84,7 @@ def test_tilts_against_the_neighbour(pages: dict[str, str]) -> None:
 
 
 def test_one_to_thirty_nine_modules_by_construction() -> None:
-    study = load_study(settings=["grammar.occupied=skip"], run={"seed": 0})
+    study = load_study("paper", settings=["grammar.occupied=skip"], run={"seed": 0})
     grammar = study.make_plugin("grammar")
     for move, modules in (("moveN", 1), ("moveF", 39)):
         rule = "-".join([f"addF-tiltp-0-S-{move}"] * 3)

@@ -47,6 +47,7 @@ def parse(words: list[str]) -> None:
         name, command, words = command.resolve_command(context, words)
 
 
+@pytest.mark.peers
 def test_commands_exist(prose: dict[str, str], blocks: list[Any]) -> None:
     lines = command_lines(prose, blocks)
     assert len(lines) >= 15
@@ -166,8 +167,11 @@ def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
     from driftform.registry import registry
     from driftform.study import load_study
 
-    study = load_study(run={"seed": 0})
-    tables = {name: set(table) for name, table in study.document.items() if isinstance(table, dict)}
+    tables: dict[str, set[str]] = {}
+    for scenario in ("paper", "pipe-inspection"):
+        for name, table in load_study(scenario, run={"seed": 0}).document.items():
+            if isinstance(table, dict):
+                tables[name] = tables.get(name, set()) | set(table)
     tables["run"] |= {"seed"}
     strategies = [row.cls for row in registry().seam("strategy") if row.cls is not None]
     tables["strategy"] |= {key for cls in strategies for key in cls.Options.model_fields}
@@ -186,10 +190,12 @@ def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
                 continue
             if found[2] not in tables[found[1]] and found[2] != "use":
                 wrong.append(f"{name}: {span}: no such key")
+            elif (found[1], found[2]) == ("flow", "kind"):
+                assert found[3] is None or found[3].strip('"') in FLOWS, span  # A grid needs a file.
             elif found[3] is not None:
                 chosen = [cls.name for cls in strategies if found[2] in cls.Options.model_fields]
                 use = {"strategy": chosen[0]} if found[1] == "strategy" and found[2] != "use" else {}
-                load_study(settings=[f"{found[1]}.{found[2]}={found[3]}"], use=use, run={"seed": 0})
+                load_study("paper", settings=[f"{found[1]}.{found[2]}={found[3]}"], use=use, run={"seed": 0})
     assert wrong == []
 
 

@@ -27,6 +27,8 @@ def lines_of(block: Any, text: str) -> list[str]:
 def without_numbers(text: str) -> str:
     # Which target is the worst depends on the numbers.
     text = re.sub(r"(at worst \S+) \(.*?\)", r"\1", text)
+    # So does the side to which an agent tends.
+    text = re.sub(r"\(it (floats|sinks)\)", "", text)
     return re.sub(r"[ \n]+", " ", re.sub(r"[+-]?\d+(\.\d+)?(e[+-]\d+)?", "#", text))
 
 
@@ -116,6 +118,6 @@ def test_the_message_of_another_study_is_as_told_for_python(troubled: Path) -> N
     import driftform as df
     from driftform.errors import InputError
 
-    study = load_study(use={"simulator": "native"}, run={"seed": 2, "evaluations": 2})
+    study = load_study("paper", use={"simulator": "native"}, run={"seed": 2, "evaluations": 2})
     with pytest.raises(InputError, match="holds a run with other settings"):
         df.evolve(study, troubled / "r1", progress=False)

@@ -9,10 +9,8 @@ from scipy.spatial.transform import Rotation
 from driftform.dynamics.bore import axis_line, is_clear, transverse_parts
 from driftform.dynamics.contact import (
     deepest_depth,
-    farthest_rim_point,
     is_far_from_wall,
     surface_depth,
-    wall_gap,
     wall_wrench,
 )
 from driftform.dynamics.impact import contact_law, spring
@@ -21,7 +19,6 @@ from driftform.scenario import Scenario
 from driftform.testing.agents import sphere_agent
 
 PIPE = np.array([[0.0, 0, 0, 1, 0, 0, 9, 1.0]])
-ELBOW = np.array([[0.0, 0, 0, 1, 0, 0, 5, 1.0], [5.0, 0, 0, 0, 0, 1, 4, 1.0]])
 OMEGA = 300.0
 INERTIA = np.diag([0.4, 0.5, 0.5, 1e-4, 8e-4, 8e-4])
 """Of a body whose added mass is larger across than along."""
@@ -38,50 +35,6 @@ def rotation(matrix):
     return tuple(vector(row) for row in matrix)
 
 
-def gap(point, pipe=PIPE):
-    distance, normal = wall_gap(vector(point), pipe)
-    return distance, np.array(normal)
-
-
-@given(st.floats(0, 9), st.floats(-2, 2), st.floats(-2, 2))
-def test_the_gap_in_a_straight_pipe_is_radius_less_distance_from_the_axis(x, y, z):
-    distance, normal = gap([x, y, z])
-    assert distance == pytest.approx(1 - np.hypot(y, z), abs=1e-12)
-    if np.hypot(y, z) > 1e-3:
-        assert normal == pytest.approx(np.array([0, y, z]) / np.hypot(y, z), abs=1e-12)
-
-
-def test_the_pipe_runs_on_beyond_its_ends():
-    assert gap([-0.2, 0, 0.5])[0] == pytest.approx(0.5)
-    assert gap([9.4, 0, 0.5])[0] == pytest.approx(0.5)
-
-
-def test_inside_one_of_two_segments_is_inside_the_pipe():
-    assert gap([5.5, 0, 2.0], ELBOW)[0] == pytest.approx(0.5)
-    assert gap([2.0, 0, -0.5], ELBOW)[0] == pytest.approx(0.5)
-    assert gap([2.0, 0, 2.0], ELBOW)[0] == pytest.approx(-1.0)
-
-
-@given(st.floats(-1, 7), st.floats(-2, 2), st.floats(-2, 5))
-def test_the_gap_in_an_elbow_is_that_of_the_segment_which_the_point_is_deepest_in(x, y, z):
-    # The first runs on upstream, the second downstream; where they meet each ends in a sphere.
-    first = 1 - np.hypot(np.hypot(y, z), max(x - 5, 0))
-    second = 1 - np.hypot(np.hypot(x - 5, y), max(-z, 0))
-    assert gap([x, y, z], ELBOW)[0] == pytest.approx(max(first, second), abs=1e-12)
-
-
-@given(turns, angles, st.floats(0.01, 0.1))
-def test_no_point_of_a_rim_lies_farther_along_the_normal_than_its_contact_point(turn, angle, r):
-    R = Rotation.from_rotvec(turn).as_matrix()
-    normal = np.array([0, np.cos(angle), np.sin(angle)])
-    point = np.array(farthest_rim_point(vector(0.05 * R[:, 0]), vector(R[:, 0]), r, vector(normal)))
-    phi = np.linspace(0, 2 * np.pi, 721)
-    rim = np.column_stack([np.full_like(phi, 0.05), r * np.cos(phi), r * np.sin(phi)]) @ R.T
-    # A blunt rim touches with a little less than its radius, at most 1e-3 of it (see BLUNT).
-    assert (rim @ normal).max() <= point @ normal + 1e-3 * r
-    assert (rim @ normal).max() >= point @ normal - 1e-4 * r
-
-
 SPHERE = flight_model(sphere_agent(0.02, 0.05), Scenario())
 
 
@@ -96,13 +49,25 @@ def model_of(surfaces, pipe=PIPE, friction=0.0, restitution=0.7, total=INERTIA):
     table[FRICTION], table[REACH] = friction, (np.hypot(rows[:, 0], rows[:, 1]) + rows[:, 2]).max()
     law = contact_law(table[INVERSE:LINEAR], OMEGA, restitution, 1e-3, 0.02)
     bristles = np.zeros((2 * len(rows) if friction else 0, 3))
-    return SPHERE._replace(table=table, surfaces=rows, law=law, pipe=pipe, bristles=bristles)
+    return SPHERE._replace(
+        table=table,
+        surfaces=rows,
+        law=law,
+        pipe=pipe,
+        touches=np.zeros((len(rows), 10)),
+        bristles=bristles,
+    )
 
 
 def depth_of(position, R, model, k=0):
     place, axis = vector(position), vector(np.asarray(R)[:, 0])
-    line, parts = axis_line(place, axis, model.pipe), transverse_parts(place, axis, model.pipe)
+    parts = transverse_parts(place, axis, model.pipe)
+    line = axis_line(parts, model.pipe)
     return surface_depth(place, axis, line, parts, k, model)
+
+
+def line_of(position, axis, pipe):
+    return axis_line(transverse_parts(vector(position), vector(axis), pipe), pipe)
 
 
 RIM = ((0.1, 0.02),)
@@ -269,7 +234,7 @@ def reaches_beyond_the_wall(points, pipe):
 @given(poses())
 def test_a_rim_that_is_called_clear_touches_nowhere(pose):
     position, R, x, r, pipe = pose
-    line, model = axis_line(vector(position), vector(R[:, 0]), pipe), model_of([(x, r)], pipe)
+    line, model = line_of(position, R[:, 0], pipe), model_of([(x, r)], pipe)
     if is_clear(model.surfaces, 0, line):
         assert reaches_beyond_the_wall(ring(position, R, x, r), pipe) < 1e-12
         assert depth_of(position, R, model)[0] == 0.0
@@ -299,29 +264,6 @@ def test_a_rim_is_as_deep_as_its_farthest_point_but_for_what_the_bore_falls_away
         assert np.linalg.norm(lever) <= r * (1 + 1e-12)
 
 
-@given(poses(), st.booleans(), turns, turns, st.sampled_from([0.0, 0.4]))
-def test_a_pipe_in_two_pieces_pushes_like_a_whole_one(pose, coplanar, velocity, omega, friction):
-    # In pieces it is a network, whose walls are looked for point by point; in one there are closed forms.
-    position, R, x, r, pipe = pose
-    start, downstream, size = pipe[0, :3], pipe[0, 3:6], pipe[0, 7]
-    if coplanar:
-        along = (position - start) @ downstream
-        out = position - start - along * downstream
-        side = np.cross(downstream, out) if np.linalg.norm(out) > 1e-3 else np.cross(downstream, R[:, 1])
-        side /= np.linalg.norm(side)
-        ahead = R[:, 0] - (R[:, 0] @ side) * side
-        ahead /= np.linalg.norm(ahead)
-        R = np.column_stack([ahead, side, np.cross(ahead, side)])
-    surfaces = [(x, r), (x - 0.3 * r, 0.8 * r), (-x, 0.5 * r), (0.2 * x, 0.0, 0.6 * r, -0.7, 0.4)]
-    pieces = np.array([[*start, *downstream, 4.0, size], [*(start + 4 * downstream), *downstream, 5.0, size]])
-    whole, parts = (
-        force_on(position, velocity, omega, R, surfaces, pipe=lines, friction=friction)
-        for lines in (pipe, pieces)
-    )
-    # What the first look at a rim calls clear, but its second look would not, is deeper by less than a micrometre.
-    assert whole == pytest.approx(parts, rel=1e-5, abs=2e-2 * max(1e-3, np.abs(whole).max()))
-
-
 @given(poses())
 def test_the_deepest_rim_is_found_behind_all_short_cuts(pose):
     position, R, x, r, pipe = pose
@@ -333,7 +275,7 @@ def test_the_deepest_rim_is_found_behind_all_short_cuts(pose):
 def test_the_short_cuts_are_taken_wherever_they_matter():
     middle, ahead = (2.0, 0.1, -0.2), (1.0, 0.0, 0.0)
     assert is_far_from_wall(middle, 0.3, PIPE)
-    assert is_clear(model_of([(0.1, 0.05)]).surfaces, 0, axis_line(middle, ahead, PIPE))
+    assert is_clear(model_of([(0.1, 0.05)]).surfaces, 0, line_of(middle, ahead, PIPE))
     assert is_far_from_wall(middle, 5.0, np.empty((0, 8))), "open water has no wall"
     # A body of 0.2 m beside a wall that it does not touch: most of its rims need no closer look.
     rng = np.random.default_rng(1)
@@ -341,62 +283,8 @@ def test_the_short_cuts_are_taken_wherever_they_matter():
     for _ in range(1000):
         axis = Rotation.random(rng=rng).as_matrix()[:, 0]
         beside = (2.0, *(0.85 * Rotation.random(rng=rng).as_matrix()[0, :2]).tolist())
-        taken += is_clear(model_of([(0.05, 0.02)]).surfaces, 0, axis_line(beside, vector(axis), PIPE))
+        taken += is_clear(model_of([(0.05, 0.02)]).surfaces, 0, line_of(beside, axis, PIPE))
     assert taken > 950
-
-
-@given(st.floats(0, 6), st.floats(-0.9, 0.9), st.floats(-0.9, 3), st.floats(0.01, 2))
-def test_no_point_within_reach_of_a_body_far_from_an_elbows_wall_is_outside(x, y, z, reach):
-    if not is_far_from_wall((x, y, z), reach, ELBOW):
-        return
-    ball = np.random.default_rng(1).normal(size=(50, 3))
-    ball *= reach / np.linalg.norm(ball, axis=1, keepdims=True)
-    assert min(gap(point, ELBOW)[0] for point in ball + np.array([x, y, z])) > -1e-12
-
-
-# Segments that meet.
-
-
-def test_a_pipe_of_two_segments_in_line_is_one_pipe():
-    pipe = np.array([[0.0, 0, 0, 1, 0, 0, 4, 1.0], [4.0, 0, 0, 1, 0, 0, 5, 1.0]])
-    R = Rotation.from_rotvec([0.2, -0.1, 0.3]).as_matrix()
-    for x in (3.7, 3.95, 4.0, 4.2):
-        here, there = (
-            force_on([x, 0.3, 0.93], [0.4, -0.1, 0.2], [0.3, 1.0, -0.2], R, TWO_RIMS, pipe=p, friction=0.4)
-            for p in (PIPE, pipe)
-        )
-        assert np.abs(here).max() > 1.0
-        assert there == pytest.approx(here, rel=1e-9, abs=1e-9)
-
-
-@pytest.mark.parametrize("side", [0.0, 0.4, -0.9])
-def test_the_push_of_the_wall_is_continuous_round_the_outside_of_an_elbow(side):
-    # The middle of a rim of 0.2 mm goes round the corner 0.1 mm from where it would touch at its side.
-    r = 2e-4
-    phi = np.linspace(-0.3, 0.5 * np.pi + 0.3, 20_001)
-    out = np.column_stack([np.sin(phi), np.full_like(phi, side), -np.cos(phi)])
-    out /= np.linalg.norm(out, axis=1, keepdims=True)
-    # Beyond the sphere about the joint, the bores are cylinders, on whose wall the path goes on.
-    sides = np.hypot(out[:, 1], np.where(phi < 0, out[:, 2], np.where(phi > np.pi / 2, out[:, 0], 1)))
-    way = out / np.where((phi < 0) | (phi > np.pi / 2), sides, 1)[:, None] * (1 + 1e-4)
-    way += (5.0, 0.0, 0.0)
-    force = np.array([force_on(p, surfaces=((0.0, r),), pipe=ELBOW)[:3] for p in way[::20]])
-    size = np.linalg.norm(force, axis=1)
-    assert size.min() > 0.01 * size.max()
-    change = np.linalg.norm(np.diff(force, axis=0), axis=1)
-    assert change.max() < 0.05 * size.max()
-
-
-@pytest.mark.parametrize("side", [0.0, 0.3])
-def test_a_rim_that_crosses_the_inner_corner_of_an_elbow_is_always_pushed_back_into_a_bore(side):
-    r = 0.005
-    for x in np.linspace(3.8, 4.02, 45):
-        z = 5.0 - x + 0.003
-        position = np.array([x, side, z])
-        force = force_on(position, surfaces=((0.0, r),), pipe=ELBOW)[:3]
-        if gap(position, ELBOW)[0] < -r:
-            moved = position + 1e-3 * force / np.linalg.norm(force)
-            assert gap(moved, ELBOW)[0] > gap(position, ELBOW)[0]
 
 
 # Friction.

@@ -7,13 +7,13 @@ from hypothesis import strategies as st
 
 from driftform.dynamics.coordinates import describe_motion
 from driftform.dynamics.flight import SAMPLE, has_left_pipe, release_state
-from driftform.dynamics.integrator import fill_rate_in_space
 from driftform.dynamics.model import flight_model
+from driftform.dynamics.rates import fill_rate_in_space
 from driftform.dynamics.rotations import quaternion_from_rotation_vector, rotation_vector_from_quaternion
 from driftform.scenario import Contact, Fluid, Pipe, Release, Scenario, Segment, TurbulentFlow
 from driftform.study import load_study
 
-PIPELINE = load_study().make_pipeline()
+PIPELINE = load_study("paper").make_pipeline()
 CALM = PIPELINE.scenario
 SHEARED = CALM.model_copy(update={"flow": TurbulentFlow(seed=3)})
 WILD = CALM.model_copy(

@@ -15,7 +15,6 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from driftform.dynamics.flow import (
-    MIN_WALL_DISTANCE,
     flow_array,
     friction_factor,
     gust_array,
@@ -24,6 +23,7 @@ from driftform.dynamics.flow import (
     water_motion,
 )
 from driftform.dynamics.model import flight_model
+from driftform.dynamics.profiles import MIN_WALL_DISTANCE
 from driftform.dynamics.terminal import terminal_speed_across
 from driftform.scenario import (
     DevelopingFlow,
@@ -503,7 +503,7 @@ def test_a_tracer_spreads_by_16_cm_on_its_way_through_the_pipe():
 
 
 def test_a_body_with_drag_meets_gusts_that_differ_along_it_and_one_without_does_not():
-    pipeline = load_study(None, ["hydrodynamics.drag=strips"], use={"simulator": "native"}).make_pipeline()
+    pipeline = load_study("paper", ["hydrodynamics.drag=strips"], use={"simulator": "native"}).make_pipeline()
     agent = pipeline.make_agent(pipeline.grammar.random(np.random.default_rng(1)))
     table = {}
     for crossing in (0.0, 0.5):

@@ -8,9 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftform.dynamics.flight import release_state
-from driftform.dynamics.integrator import Accuracy, fill_rate_in_space, greatest_distance, integrate
+from driftform.dynamics.integrator import Accuracy, greatest_distance, integrate
 from driftform.dynamics.model import DAMPED, flight_model
 from driftform.dynamics.plane import STATE_INDICES, fill_rate_in_plane, plane_model, stays_in_plane
+from driftform.dynamics.rates import fill_rate_in_space
 from driftform.scenario import (
     Contact,
     DevelopingFlow,
@@ -31,8 +32,8 @@ from driftform.types import Drag
 HORIZON = 9.0
 RELEASE = Release(position=(0.5, 0.0, 0.0))
 
-PIPELINE = load_study(use={"simulator": "native"}).make_pipeline()
-DRAGGED = load_study(None, ["hydrodynamics.drag=strips"], use={"simulator": "native"}).make_pipeline()
+PIPELINE = load_study("paper", use={"simulator": "native"}).make_pipeline()
+DRAGGED = load_study("paper", ["hydrodynamics.drag=strips"], use={"simulator": "native"}).make_pipeline()
 
 
 def agent_of(seed, pipeline=PIPELINE):
@@ -66,28 +67,42 @@ SLOPING = pytest.mark.parametrize(
     attitude=st.floats(0, 2 * np.pi),
     velocity=st.tuples(st.floats(-2, 2), st.floats(-2, 2)),
     q=st.floats(-20, 20),
+    friction=st.sampled_from([0.0, 0.3]),
+    bent=st.floats(-1, 1),
 )
 def test_the_rate_of_a_state_is_what_it_is_in_space(
-    end, pipeline, flow, seed, along, off, attitude, velocity, q
+    end, pipeline, flow, seed, along, off, attitude, velocity, q, friction, bent
 ):
     axis, start = np.array(end) / np.linalg.norm(end), np.zeros(13)
-    scenario = scenario_of(end, release=Release(position=tuple(axis), frame="world"), flow=flow)
+    release = Release(position=tuple(axis), frame="world")
+    scenario = scenario_of(end, release=release, flow=flow, contact=Contact(friction=friction))
     model = flight_model(agent_of(seed, pipeline), scenario)
     start[:3] = along * axis + off * np.array([-axis[2], 0.0, axis[0]])
     start[3], start[5] = np.cos(attitude / 2), np.sin(attitude / 2)
     start[7], start[9], start[11] = *velocity, q
     assert stays_in_plane(start, model)
-    whole, part, places = np.empty(13), np.empty(7), list(STATE_INDICES)
-    fill_rate_in_space(0.0, start, model, whole)
-    fill_rate_in_plane(start[places], plane_model(model), model.surfaces, part)
+    places = list(STATE_INDICES)
+    # Bristles bend along the pipe.
+    count = len(model.bristles) // 2
+    bristles = bent * np.linspace(1.0, 2.0, count)
+    state, flat = (
+        np.concatenate([start, np.outer(bristles, axis).ravel()]),
+        np.concatenate([start[places], bristles]),
+    )
+    whole, part = np.empty(len(state)), np.empty(len(flat))
+    fill_rate_in_space(0.0, state, model, whole)
+    fill_rate_in_plane(flat, plane_model(model), model.surfaces, model.touches, np.empty(2 * count), part)
     # Rounding, of a weight and a lift that cancel each other all but a thousandth, and of a micrometre's depth.
-    assert part == pytest.approx(whole[places], rel=1e-6, abs=1e-9 + 1e-7 * np.abs(whole).max())
-    assert np.delete(whole, places) == pytest.approx(np.zeros(6), abs=0)
+    error = 1e-9 + 1e-7 * np.abs(whole).max()
+    assert part[:7] == pytest.approx(whole[places], rel=1e-6, abs=error)
+    assert np.outer(part[7:], axis).ravel() == pytest.approx(whole[13:], rel=1e-6, abs=error)
+    assert np.delete(whole[:13], places) == pytest.approx(np.zeros(6), abs=0 if not count else error)
 
 
+@pytest.mark.parametrize("friction", [0.0, 0.3])
 @pytest.mark.parametrize("seed", range(8))
-def test_a_flight_is_the_same_in_the_plane_and_in_space(seed):
-    agent, scenario = agent_of(seed), scenario_of()
+def test_a_flight_is_the_same_in_the_plane_and_in_space(seed, friction):
+    agent, scenario = agent_of(seed), scenario_of(contact=Contact(friction=friction))
     model = flight_model(agent, scenario)
     start = release_state(model, scenario)
     damped = model._replace(table=model.table.copy())
@@ -108,6 +123,7 @@ def test_level_agents_in_calm_water_stay_in_the_plane():
     assert in_plane(agent_of(3), scenario_of(release=Release(position=(0.5, 0.0, 0.2), pitch_deg=30.0)))
     assert in_plane(agent_of(3), Scenario(pipe=Pipe(segments=())))
     assert in_plane(agent_of(3, DRAGGED), scenario_of(flow=LogLawFlow()))
+    assert in_plane(agent_of(3), scenario_of(contact=Contact(friction=0.3)))
 
 
 @pytest.mark.parametrize(
@@ -123,7 +139,6 @@ def test_level_agents_in_calm_water_stay_in_the_plane():
         {"flow": LogLawFlow(), "fluid": Fluid(flow_force="paper")},
         {"flow": UniformFlow(speed=1.0, acceleration=0.1)},
         {"fluid": Fluid(water_level=0.4)},
-        {"contact": Contact(friction=0.1)},
     ],
     ids=lambda parts: next(iter(parts)),
 )

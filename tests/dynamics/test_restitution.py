@@ -10,8 +10,9 @@ from scipy.integrate import solve_ivp
 from driftform.dynamics.contact import deepest_depth
 from driftform.dynamics.flight import energies, release_state
 from driftform.dynamics.impact import DEEPEST
-from driftform.dynamics.integrator import Accuracy, fill_rate_in_space, integrate
+from driftform.dynamics.integrator import Accuracy, integrate
 from driftform.dynamics.model import flight_model
+from driftform.dynamics.rates import fill_rate_in_space
 from driftform.dynamics.rotations import rotation_from_quaternion
 from driftform.scenario import Contact, FlightLimits, Fluid, Pipe, Release, Scenario, Segment, UniformFlow
 from driftform.testing.agents import DENSITY, Spheroid, sphere_agent

@@ -9,7 +9,7 @@ from driftform.dynamics.surfaces import touching_rims, touching_surfaces
 from driftform.study import load_study
 from driftform.testing.bodies import cylinder_body, dome_body, make_body, spheroid_body
 
-PIPELINE = load_study().make_pipeline()
+PIPELINE = load_study("paper").make_pipeline()
 
 
 @pytest.mark.parametrize("edges", [24, 72, 144])

@@ -34,7 +34,7 @@ STUDY = (
 
 @pytest.fixture
 def study(fakes: None) -> Study:
-    return load_study(None, use={"simulator": "fake"}, targets=["TP1"], run={"seed": 1})
+    return load_study("paper", use={"simulator": "fake"}, targets=["TP1"], run={"seed": 1})
 
 
 def job(study: Study) -> Job:

@@ -45,12 +45,12 @@ COUNT = 24
 def study_of(timeout: float = 60.0, **options: Any) -> Study:
     settings = [f"simulator.{key}={json.dumps(value)}" for key, value in options.items()]
     settings.append(f"run.evaluation_timeout={timeout}")
-    return load_study(None, settings, use={"simulator": "fake"}, targets=["TP1", "TP6"], run={"seed": 1})
+    return load_study("paper", settings, use={"simulator": "fake"}, targets=["TP1", "TP6"], run={"seed": 1})
 
 
 @pytest.fixture(scope="module")
 def jobs() -> list[Job]:
-    grammar = load_study().make_plugin("grammar")
+    grammar = load_study("paper").make_plugin("grammar")
     rng = np.random.default_rng(5)
     return [Job(10 + index, grammar.random(rng)) for index in range(COUNT)]
 

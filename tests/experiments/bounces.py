@@ -10,6 +10,8 @@ impact, with `contact.restitution = 0.97`, added mass 1/2 and the drag of a sphe
 microseconds: `contact.frequency = 5000`. Heights are of the lowest point, times
 since the impact.
 
+The dry value 0.97 was not checked against the paper.
+
 Left out: the history force. The law of the restitution is a fit to many spheres; near a Stokes number of 27, where it falls
 steeply, single measured rebounds differ from it as much as this one does.
 """

@@ -292,7 +292,7 @@ def test_the_wake_and_the_ends_can_be_left_out():
 
 def test_a_study_leaves_out_what_its_option_names():
     study = load_study(
-        None,
+        "paper",
         ["hydrodynamics.drag=strips", 'hydrodynamics.drag_without=["roll", "wake"]'],
         use={"simulator": "native"},
     )
@@ -350,9 +350,7 @@ def test_any_body_has_finite_drag(morphology):
 
 
 def test_random_agents_fly_with_drag():
-    study = load_study(
-        "pipe-inspection", ["hydrodynamics.drag=strips", "flow.speed=0.0"], use={"simulator": "native"}
-    )
+    study = load_study("paper", ["hydrodynamics.drag=strips", "flow.speed=0.0"], use={"simulator": "native"})
     pipeline = study.make_pipeline()
     rng = np.random.default_rng(3)
     agents = [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(10)]

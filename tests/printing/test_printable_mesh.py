@@ -51,9 +51,10 @@ def output_of(*command):
 def exported(request, tmp_path_factory):
     """The exported files by format, and the mass (kg) of the hull that ``inspect`` states; not to be changed."""
     folder = tmp_path_factory.mktemp("exported")
-    files = run_json("export", request.param, "--format", "stl,scad", "--out", str(folder))["files"]
+    hull = ("--set", "builder.made_as=hull")
+    files = run_json("export", request.param, "--format", "stl,scad", "--out", str(folder), *hull)["files"]
     # The flights of ``inspect`` take the faster simulator: the hull weighs the same.
-    facts = run_json("inspect", request.param, "--set", "simulator.use='native'")
+    facts = run_json("inspect", request.param, "--set", "simulator.use='native'", *hull)
     return {f["format"]: f for f in files}, facts["hull_mass"]
 
 

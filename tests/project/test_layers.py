@@ -12,9 +12,9 @@ PLUGINS = sorted(path.parent for path in ROOT.glob("plugins/*/src/*/__init__.py"
 
 LAYERS = (
     *("errors", "types", "options", "scenarios", "util"),
-    *("geometry", "scenario", "hydrodynamics", "dynamics", "trajectory", "tables"),
-    *("interfaces", "faults", "hookspecs", "pipeline", "registry", "study", "execution"),
-    *("figures", "runs", "printing", "agents", "report", "reproduction"),
+    *("geometry", "potential", "scenario", "hydrodynamics", "dynamics", "trajectory", "tables"),
+    *("interfaces", "faults", "hookspecs", "commands", "pipeline", "registry", "study", "execution"),
+    *("figures", "runs", "printing", "calibration", "agents", "report", "reproduction"),
     *("builtin", "testing", "scaffold", "api", "cli"),
 )
 """The modules and packages of the core from the ground up: each may import those before it, and no others."""

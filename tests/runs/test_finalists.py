@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from driftform.execution import InProcess
+from driftform.runs.disturbed import draw_rounds
 from driftform.runs.finalists import (
     choose_finalists,
-    draw_rounds,
     find_best_agent,
     find_winner,
     fly_finalists,
@@ -26,6 +26,7 @@ SETTINGS = ("robustness.conditions=4", "robustness.finalists=2", "robustness.che
 
 def study_of(*settings: str) -> Study:
     return load_study(
+        "paper",
         settings=(*SETTINGS, *settings),
         targets=["TP2", "TP6"],
         use={"simulator": "native", "strategy": "random"},
@@ -68,7 +69,7 @@ def test_what_is_stored_is_what_the_pipeline_finds_under_that_condition(store: S
     fly_finalists(study, store, InProcess(study.make_pipeline()))
     index, flights = next(iter(store.read_disturbed("TP6").items()))
     genome = store.read_record(index, ("TP2", "TP6")).candidate.genome
-    conditions = draw_rounds(study.scenario.robustness, study.seed)
+    conditions = draw_rounds(study.scenario, study.seed)
     # Flights of the choice are unchecked, and those of the promise are checked.
     unchecked = [(np.inf, np.inf)] * 4
     evaluations = study.make_pipeline().evaluate(
@@ -87,7 +88,7 @@ def test_what_is_stored_is_what_the_pipeline_finds_under_that_condition(store: S
 
 
 def test_the_conditions_of_the_promise_are_not_those_of_the_choice() -> None:
-    drawn = draw_rounds(study_of().scenario.robustness, 2)
+    drawn = draw_rounds(study_of().scenario, 2)
     assert len(drawn) == 7
     assert len(set(drawn)) == 7
     assert not {c.gusts for c in drawn[:4]} & {c.gusts for c in drawn[4:]}
@@ -154,6 +155,15 @@ def test_without_conditions_nothing_is_flown(store: Store) -> None:
     study = study_of("robustness.conditions=0")
     fly_finalists(study, store, InProcess(study.make_pipeline()))
     assert store.list_disturbed() == set()
+
+
+def test_a_run_of_which_every_evaluation_failed_has_no_last_round(tmp_path: Path) -> None:
+    study, seen = study_of("simulator.step_limit=1"), []
+    executor = InProcess(study.make_pipeline())
+    with Store.create(tmp_path / "run.db", dict(study.document)) as store:
+        run_search(study, store, executor)
+        fly_finalists(study, store, executor, lambda done, total: seen.append((done, total)))
+        assert store.list_disturbed() == set() and seen == []
 
 
 def test_a_robust_fitness_is_the_mean_the_quantile_or_the_worst():

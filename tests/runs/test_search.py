@@ -12,9 +12,10 @@ import pytest
 
 from driftform.errors import InputError, WorkFailedError
 from driftform.execution import InProcess, Job, Outcome
+from driftform.faults import check_fitness
 from driftform.pipeline import MARGIN
 from driftform.runs.results import write_results
-from driftform.runs.search import BestFitness, check_fitness, run_search
+from driftform.runs.search import BestFitness, run_search
 from driftform.runs.store import Record, Store
 from driftform.study import Study, load_study
 from driftform.types import Evaluation, Genome
@@ -24,7 +25,7 @@ pytestmark = pytest.mark.usefixtures("fakes")
 
 def study_of(*settings: str, evaluations: int = 25, strategy: str = "paper", **more: Any) -> Study:
     return load_study(
-        None,
+        "paper",
         settings,
         use={"simulator": "fake", "strategy": strategy},
         targets=["TP1", "TP6"],
@@ -96,7 +97,7 @@ def test_stopped_anywhere_it_goes_on_to_the_same_result_and_flies_nothing_twice(
 def screened_study(strategy: str) -> Study:
     batch = {"random": "strategy.batch=10", "evolution": "strategy.random=10"}[strategy]
     return load_study(
-        None,
+        "paper",
         [batch],
         use={"simulator": "native", "strategy": strategy},
         targets=["TP5", "TP8"],
@@ -145,7 +146,7 @@ def error_of(record: Record) -> float | None:
 
 def test_a_strategy_that_uses_every_fitness_has_every_flight_checked(store: Store) -> None:
     study = load_study(
-        None, use={"simulator": "native", "strategy": "paper"}, targets=["TP1"], run={"evaluations": 20}
+        "paper", use={"simulator": "native", "strategy": "paper"}, targets=["TP1"], run={"evaluations": 20}
     )
     run_search(study, store, InProcess(study.make_pipeline()))
     assert all(flight.error is not None for _, flight in store.read_trajectories())
@@ -175,7 +176,7 @@ def test_a_finished_run_is_replayed_without_a_flight(store: Store) -> None:
 
 def test_a_run_that_its_study_would_not_make_now_is_refused(store: Store) -> None:
     run_search(study_of(), store, Counting(study_of()))
-    other = load_study(None, use={"simulator": "fake"}, targets=["TP1", "TP6"], run={"seed": 4})
+    other = load_study("paper", use={"simulator": "fake"}, targets=["TP1", "TP6"], run={"seed": 4})
     with pytest.raises(InputError, match=r"evaluation 0 of this run is not the one .* environment\.json"):
         run_search(other, store, Counting(other))
 
@@ -250,7 +251,7 @@ def test_writing_the_best_again_gives_the_same_files(store: Store, tmp_path: Pat
 def test_three_hundred_targets_start_and_end_within_seconds(store: Store, tmp_path: Path) -> None:
     places = ", ".join(f"T{n} = [{0.5 + 8 * n / 300:.3f}, 0.0, {0.7 * np.sin(n):.3f}]" for n in range(300))
     study = load_study(
-        None,
+        "paper",
         [f"targets={{{places}}}"],
         use={"simulator": "fake", "strategy": "evolution"},
         targets=[f"T{n}" for n in range(300)],

@@ -190,6 +190,7 @@ def test_a_study_evolves_with_its_fitness_and_its_strategy(site, tmp_path):
         site,
         tmp_path,
         "evolve",
+        "paper",
         *("--evaluations", "4", "--target", "TP1", "--workers", "1", "--seed", "1", "--out", "run"),
         *("--strategy", "stubborn", "--set", f"strategy.genome={WORD}"),
         *("--set", "fitness.use=progress", "--set", "fitness.scale=2.5"),
@@ -208,7 +209,7 @@ def test_a_study_evolves_with_its_fitness_and_its_strategy(site, tmp_path):
 
 
 def test_its_options_are_validated_like_those_of_driftform(site, tmp_path):
-    command = [PROGRAM, "evolve", "--set", "fitness.use=progress", "--set", "fitness.scael=2"]
+    command = [PROGRAM, "evolve", "paper", "--set", "fitness.use=progress", "--set", "fitness.scael=2"]
     done = run(command, site, tmp_path)
     assert done.returncode == 2
     assert "fitness.scael" in done.stderr or "'scael'" in done.stderr

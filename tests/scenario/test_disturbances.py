@@ -69,7 +69,7 @@ def test_the_same_seed_draws_the_same_conditions_and_another_one_others():
 
 
 def test_a_condition_without_deviations_changes_nothing():
-    scenario = load_study("pipe-inspection").scenario
+    scenario = load_study("paper").scenario
     assert disturb_scenario(CALM, scenario) == scenario
     assert hull_mass(disturb_body(CALM, hollow_body())) == hull_mass(hollow_body())
 
@@ -97,8 +97,8 @@ def test_disturbed_flights_meet_gusts_in_a_flow_that_has_their_mean():
 
 
 def test_a_disturbed_wall_weighs_as_much_as_a_hull_with_a_thicker_wall():
-    pipeline = load_study(settings=["builder.wall=0.00125"]).make_pipeline()
-    thicker = load_study(settings=["builder.wall=0.00127"]).make_pipeline()
+    pipeline = load_study("paper", settings=["builder.wall=0.00125"]).make_pipeline()
+    thicker = load_study("paper", settings=["builder.wall=0.00127"]).make_pipeline()
     rng = np.random.default_rng(4)
     for _ in range(20):
         morphology = pipeline.express(pipeline.grammar.random(rng))
@@ -130,7 +130,7 @@ def test_the_normals_of_a_direction_are_square_to_it_and_to_each_other(direction
 
 
 def test_disturbed_flights_do_not_depend_on_the_rest_of_their_batch():
-    pipeline = load_study(use={"simulator": "native"}).make_pipeline()
+    pipeline = load_study("paper", use={"simulator": "native"}).make_pipeline()
     conditions = draw_conditions(Robustness(), 3, (5,))
     rng = np.random.default_rng(1)
     first, second = pipeline.grammar.random(rng), pipeline.grammar.random(rng)

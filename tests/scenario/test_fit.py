@@ -107,7 +107,7 @@ def test_a_disturbed_release_stays_where_the_body_has_room():
 
 def test_an_evaluation_says_why_its_genome_does_not_fit_and_flies_the_others():
     study = load_study(
-        settings=["pipe.segments.0.radius=0.013", "targets={A=[1,0,0]}", "simulator.use=native"]
+        "paper", settings=["pipe.segments.0.radius=0.013", "targets={A=[1,0,0]}", "simulator.use=native"]
     )
     pipeline, rng = study.make_pipeline(), np.random.default_rng(3)
     genomes = [pipeline.grammar.random(rng) for _ in range(12)]
@@ -125,7 +125,7 @@ def test_an_evaluation_says_why_its_genome_does_not_fit_and_flies_the_others():
 
 def test_a_single_flight_is_refused_with_the_name_of_the_agent():
     study = load_study(
-        settings=["pipe.segments.0.radius=0.05", "targets={A=[1,0,0]}", "release.pitch_deg=90"]
+        "paper", settings=["pipe.segments.0.radius=0.05", "targets={A=[1,0,0]}", "release.pitch_deg=90"]
     )
     pipeline = study.make_pipeline()
     agent = pipeline.make_agent(pipeline.grammar.random(np.random.default_rng(0)))

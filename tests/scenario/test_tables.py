@@ -19,7 +19,7 @@ def scenario(**tables):
     return Scenario.model_validate({"pipe": PIPE, **tables})
 
 
-@pytest.mark.parametrize("kind", [kind for kind in FLOWS if kind != "uniform"])
+@pytest.mark.parametrize("kind", [kind for kind in FLOWS if kind not in ("uniform", "grid")])
 def test_a_profile_needs_a_pipe(kind):
     with pytest.raises(ValidationError, match=f"flow.kind = '{kind}' needs a pipe"):
         Scenario.model_validate({"flow": {"kind": kind}})
@@ -55,7 +55,7 @@ def test_gusts_of_an_evaluation_are_those_of_its_seed_and_index_alone():
 
 @pytest.mark.parametrize("name", ["uniform", "flow", "pipe"])
 def test_a_target_may_have_the_name_of_a_kind_or_a_table(name):
-    moved = load_study(settings=[f"targets={{{name}=[1, 0, 0]}}"])
+    moved = load_study("paper", settings=[f"targets={{{name}=[1, 0, 0]}}"])
     assert moved.scenario.target_names == (name,)
     with pytest.raises(InputError, match=rf"targets\.{name}\[2\] = 'a': should be a number"):
-        load_study(settings=[f'targets={{{name}=[1, 0, "a"]}}'])
+        load_study("paper", settings=[f'targets={{{name}=[1, 0, "a"]}}'])

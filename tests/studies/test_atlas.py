@@ -61,7 +61,7 @@ def random_points(scenario) -> np.ndarray:
 
 def lit(folder: Path, strategy: str, seed: int, flights: int) -> Lit:
     study = load_study(
-        "pipe-inspection",
+        "paper",
         use={"simulator": "native", "strategy": strategy},
         run={"seed": seed, "evaluations": flights},
     )
@@ -108,7 +108,7 @@ def test_the_atlas_lights_what_any_strategy_ever_reached_and_points_that_were_no
     cells = runs[0].reach.cells
     ever = np.any([run.reach.reached for run in runs], axis=0)
     everything = int(np.count_nonzero(ever))
-    scenario = load_study("pipe-inspection", run={"seed": 0}).scenario
+    scenario = load_study("paper", run={"seed": 0}).scenario
     points = random_points(scenario)
     counts = [milestone for milestone in MILESTONES if any(milestone in run.milestones for run in runs)]
     lines = [
@@ -148,7 +148,7 @@ def test_the_atlas_lights_what_any_strategy_ever_reached_and_points_that_were_no
 
 def test_pick_finds_the_flight_that_a_search_through_all_of_them_finds(runs: list[Lit], call) -> None:
     run = runs[0]
-    scenario = load_study("pipe-inspection", run={"seed": 0}).scenario
+    scenario = load_study("paper", run={"seed": 0}).scenario
     for (x, y, z), expected in list(zip(random_points(scenario), run.distances, strict=True))[:3]:
         result = call("pick", run.directory, float(x), float(y), float(z), "--json")
         assert result.exit_code == 0, result.output

@@ -37,7 +37,7 @@ class Flown:
 
 @pytest.fixture(scope="module")
 def agents():
-    pipeline, rng = load_study(use={"simulator": "native"}).make_pipeline(), np.random.default_rng(2)
+    pipeline, rng = load_study("paper", use={"simulator": "native"}).make_pipeline(), np.random.default_rng(2)
     genomes = [pipeline.grammar.random(rng) for _ in range(1000)]
     return lambda count: [pipeline.make_agent(genome) for genome in genomes[:count]]
 
@@ -48,11 +48,11 @@ def flown(agents, workers, count_of):
     drawn = agents(count_of("AGENTS", 100))
 
     def fly(use: str, divisor: float = 1.0, *more: str, tightened: bool = True, exact: bool = False) -> Flown:
-        usual = load_study(use={"simulator": use}).document["simulator"]["tolerance"]
+        usual = load_study("paper", use={"simulator": use}).document["simulator"]["tolerance"]
         settings = [f"simulator.tolerance={EXACT if exact else usual / divisor!r}", *more]
         if exact or not tightened:
             settings.append("simulator.accuracy=1e3")
-        pipeline = load_study(None, settings, use={"simulator": use}).make_pipeline()
+        pipeline = load_study("paper", settings, use={"simulator": use}).make_pipeline()
         flights = list(workers.map(pipeline.simulator.simulate, drawn, repeat(pipeline.scenario)))
         fitness = [
             pipeline.fitness.score(trajectory, pipeline.scenario, agent)
@@ -106,7 +106,7 @@ def history(agent, trajectory: Trajectory, radius: float) -> str:
 
 def test_a_tighter_tolerance_changes_no_fitness(flown, publish, sensitivity):
     agents, fly = flown
-    scenario = load_study().scenario
+    scenario = load_study("paper").scenario
     lines, kept, others = list(HEAD), [], {}
     for use in SIMULATORS:
         for tightened in (True, False):
@@ -130,7 +130,7 @@ def test_a_tighter_tolerance_changes_no_fitness(flown, publish, sensitivity):
 
 def test_both_simulators_find_the_same_fitness(flown, publish, sensitivity):
     agents, fly = flown
-    scenario = load_study().scenario
+    scenario = load_study("paper").scenario
     native, exudyn = (fly(use) for use in SIMULATORS)
     change = changes(native, exudyn)
     away = [

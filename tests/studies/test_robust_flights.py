@@ -71,7 +71,7 @@ def flights_of(study, dragged: bool, count: int, workers) -> Iterator[Flown]:
     pipeline, rng = study.make_pipeline(), np.random.default_rng(SEED)
     for start in range(0, count, BLOCK):
         indices = range(start, min(start + BLOCK, count))
-        agents = [pipeline.agent(pipeline.grammar.random(rng)) for _ in indices]
+        agents = [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in indices]
         if dragged:
             agents = [with_drag(agent) for agent in agents]
         scenarios = [pipeline.scenario.of_evaluation(SEED, index) for index in indices]
@@ -113,7 +113,7 @@ def complaints(flown: Flown, pipeline) -> Iterator[str]:
 def true_errors(sound: list[Flown], settings, workers) -> tuple[list[float], int]:
     """How far (m) flights are from the same flown again, to 0.01 mm; and how many cannot be flown so exactly."""
     tight = ("simulator.tolerance=1e-9", "simulator.accuracy=1e-5", "simulator.tightest=1e-12")
-    exact = load_study(None, [*settings, *tight], use={"simulator": "native"}).make_pipeline()
+    exact = load_study("paper", [*settings, *tight], use={"simulator": "native"}).make_pipeline()
     again = list(workers.map(exact.simulator.simulate, [f.agent for f in sound], [f.scenario for f in sound]))
     errors = []
     for flown, trajectory in zip(sound, again, strict=True):
@@ -138,7 +138,7 @@ def test_no_flight_of_a_random_agent_fails_unseen(occupied, count_of, workers, s
     unsound, beyond, checked = [], 0, 0
     for name, settings in SURROUNDINGS.items():
         study = load_study(
-            None,
+            "paper",
             [f"grammar.occupied='{occupied}'", *settings],
             use={"simulator": "native"},
             run={"seed": SEED},

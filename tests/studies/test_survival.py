@@ -26,6 +26,7 @@ pytestmark = [
 
 EVALUATIONS = 1500
 STUDY = (
+    "paper",
     *("--simulator", "fake", "--set", "simulator.pause=0.05", "--evaluations", EVALUATIONS, "--seed", 5),
     *("--target", "TP1", "--target", "TP8"),
 )

@@ -22,7 +22,7 @@ DRAG_IN_LOG_LAW = ["flow.kind=log_law", "hydrodynamics.use=panels", "hydrodynami
 
 @pytest.fixture(scope="module")
 def pipelines():
-    return {use: load_study(use={"simulator": use}).make_pipeline() for use in SIMULATORS}
+    return {use: load_study("paper", use={"simulator": use}).make_pipeline() for use in SIMULATORS}
 
 
 @pytest.fixture
@@ -129,7 +129,8 @@ def test_flights_with_drag_in_the_logarithmic_law_agree_with_the_textbook_up_to_
     agents, workers, publish
 ):
     pipelines = {
-        use: load_study(None, DRAG_IN_LOG_LAW, use={"simulator": use}).make_pipeline() for use in SIMULATORS
+        use: load_study("paper", DRAG_IN_LOG_LAW, use={"simulator": use}).make_pipeline()
+        for use in SIMULATORS
     }
     native, rng = pipelines["native"], np.random.default_rng(3)
     drawn = [native.make_agent(agent.genome) for agent in agents(2)]

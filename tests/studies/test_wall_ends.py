@@ -12,7 +12,7 @@ from driftform.types import End
 pytestmark = pytest.mark.slow
 
 
-@pytest.mark.parametrize("study", ["pipe-inspection", "water-main"])
+@pytest.mark.parametrize("study", ["paper", "pipe-inspection"])
 def test_no_agent_on_a_rough_wall_reaches_the_step_limit(study, workers, count_of):
     count = count_of("AGENTS", 1000)
     pipeline = load_study(study, ["contact.friction=0.3"], use={"simulator": "native"}).make_pipeline()

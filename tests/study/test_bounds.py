@@ -22,26 +22,32 @@ def read_bounds(metadata: Any) -> set[str]:
     return {name for m in inner for name in (*LOWER, *UPPER) if getattr(m, name, None) is not None}
 
 
-def find_unbounded(annotation: Any, bounds: set[str], path: str) -> Iterator[str]:
+def find_unbounded(
+    annotation: Any, bounds: set[str], path: str, above: tuple[type[BaseModel], ...] = ()
+) -> Iterator[str]:
     """Yield the path of each number in a type whose bounds, with those around it, are not two."""
     origin, arguments = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
-        yield from find_unbounded(arguments[0], bounds | read_bounds(arguments[1:]), path)
+        yield from find_unbounded(arguments[0], bounds | read_bounds(arguments[1:]), path, above)
     elif origin in (Union, UnionType, tuple, dict, list):
         inner = bounds if origin in (Union, UnionType) else set()
         for part in arguments:
-            yield from find_unbounded(part, inner, path)
+            yield from find_unbounded(part, inner, path, above)
     elif isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        yield from walk(annotation, path)
+        # A branch of a pipe has parts, which may have branches.
+        if annotation not in above:
+            yield from walk(annotation, path, above)
     elif annotation in (int, float) and not (bounds & set(LOWER) and bounds & set(UPPER)):
         yield path
 
 
-def walk(model: type[BaseModel], path: str) -> Iterator[str]:
+def walk(model: type[BaseModel], path: str, above: tuple[type[BaseModel], ...] = ()) -> Iterator[str]:
     for name, field in model.model_fields.items():
         extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
         if not extra.get("unbounded"):
-            yield from find_unbounded(field.annotation, read_bounds(field.metadata), f"{path}.{name}")
+            yield from find_unbounded(
+                field.annotation, read_bounds(field.metadata), f"{path}.{name}", (*above, model)
+            )
 
 
 def list_plugins() -> list[type[Plugin[Any]]]:

@@ -58,10 +58,10 @@ def test_errors_in_it_name_it_and_the_line(site: Path) -> None:
 
 def test_a_built_in_scenario_cannot_be_replaced(site: Path) -> None:
     install(site, "one", {"pipe-inspection.toml": NARROW})
-    assert "The paper's pipe" in read_scenarios()["pipe-inspection"]
+    assert "a water main" in read_scenarios()["pipe-inspection"]
 
 
 def test_a_plugin_that_cannot_be_imported_hides_no_other(site: Path) -> None:
     install(site, "one", {"narrow.toml": NARROW})
     install(site, "two", {}, package="driftform_missing.scenarios")
-    assert {"narrow", "pipe-inspection", "water-main"} <= set(read_scenarios())
+    assert {"narrow", "paper", "pipe-inspection"} <= set(read_scenarios())

@@ -45,7 +45,7 @@ def test_a_file_contains_only_what_differs_from_its_base(write: Write) -> None:
     study = load_study(write(BASE + "[flow]\nspeed = 0.5\n[fluid]\ngravity = 1.62\n"))
     base = load_study()
     assert study.scenario.flow.speed == 0.5
-    assert (study.scenario.fluid.gravity, study.scenario.fluid.density) == (1.62, 1024.0)
+    assert (study.scenario.fluid.gravity, study.scenario.fluid.density) == (1.62, 999.1)
     assert study.scenario.pipe == base.scenario.pipe
     assert study.document["simulator"] == base.document["simulator"]
 
@@ -201,16 +201,22 @@ def test_every_fault_is_an_argument_of_the_error(write: Write) -> None:
     assert str(caught.value).count("\n") == 2
 
 
-def test_the_water_main_is_the_same_pipe_with_the_effects_that_the_paper_neglects():
-    paper, main = load_study("pipe-inspection").scenario, load_study("water-main").scenario
+def test_the_default_is_the_papers_pipe_with_the_effects_that_the_paper_neglects() -> None:
+    paper, main = load_study("paper").scenario, load_study().scenario
     assert (main.pipe, main.targets, main.release) == (paper.pipe, paper.targets, paper.release)
-    assert (main.flow.kind, main.contact.friction > 0) == ("turbulent", True)
-    pipeline = load_study("water-main", run={"seed": 1}).make_pipeline()
-    genome = pipeline.grammar.random(np.random.default_rng(1))
-    agent = pipeline.make_agent(genome)
+    assert (main.flow.kind, main.contact.friction > 0) == ("log_law", True)
+    assert main.robustness.conditions > 0 and paper.robustness.conditions == 0
+    pipeline = load_study(run={"seed": 1}).make_pipeline()
+    agent = pipeline.make_agent(pipeline.grammar.random(np.random.default_rng(1)))
     assert pipeline.hydrodynamics.name == "panels"
     assert agent.coefficients.drag is not None
-    # Two evaluations of one genome meet gusts of their own.
+    assert agent.body.core.mass == pytest.approx(0.0328, abs=5e-5)
+    assert agent.body.fittings is not None
+
+
+def test_two_evaluations_of_one_genome_in_turbulent_water_meet_gusts_of_their_own() -> None:
+    pipeline = load_study(settings=["flow.kind=turbulent"], run={"seed": 1}).make_pipeline()
+    genome = pipeline.grammar.random(np.random.default_rng(1))
     first, second = pipeline.evaluate([genome, genome], [evaluation_seed(1, 0), evaluation_seed(1, 1)])
     assert first.failure is None and second.failure is None
     assert not np.array_equal(first.fitness, second.fitness)
@@ -235,7 +241,8 @@ def test_a_wrong_item_is_named_with_the_setting() -> None:
 
 
 def test_another_kind_of_flow_drops_what_only_the_former_has() -> None:
-    resolved = Document("agent", load_study(settings=["flow.speed=0.7", "flow.acceleration=0.1"]).document)
+    settings = ["flow.kind=uniform", "flow.speed=0.7", "flow.acceleration=0.1"]
+    resolved = Document("agent", load_study(settings=settings).document)
     flow = load_study(resolved, ["flow.kind=turbulent"]).document["flow"]
     assert flow["speed"] == 0.7
     assert flow["kind"] == "turbulent"
@@ -251,14 +258,14 @@ def test_another_kind_keeps_a_misspelt_key_for_its_error(write: Write) -> None:
 
 @pytest.mark.parametrize("seam", ["hydrodynamics", "simulator", "strategy"])
 def test_every_other_plugin_can_be_chosen_for_a_resolved_study(seam: str) -> None:
-    resolved = Document("agent", load_study("water-main").document)
+    resolved = Document("agent", load_study("pipe-inspection").document)
     for row in registry().seam(seam):
         if row.available:
             assert load_study(resolved, use={seam: row.name}).document[seam]["use"] == row.name
 
 
 def test_another_model_of_added_mass_keeps_the_drag() -> None:
-    study = load_study("water-main", use={"hydrodynamics": "striptheory"})
+    study = load_study("pipe-inspection", use={"hydrodynamics": "striptheory"})
     assert study.document["hydrodynamics"]["drag"] == "strips"
 
 

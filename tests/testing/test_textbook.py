@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from driftform.dynamics.integrator import fill_rate_in_space
 from driftform.dynamics.model import flight_model
+from driftform.dynamics.rates import fill_rate_in_space
 from driftform.hydrodynamics.drag import estimate_drag
 from driftform.study import load_study
 from driftform.testing.agents import solid_agent
@@ -22,7 +22,7 @@ SETTINGS = ["flow.kind=log_law", "hydrodynamics.use=panels", "hydrodynamics.drag
 
 
 def pipeline_of(simulator, *settings):
-    return load_study(None, [*SETTINGS, *settings], use={"simulator": simulator}).make_pipeline()
+    return load_study("paper", [*SETTINGS, *settings], use={"simulator": simulator}).make_pipeline()
 
 
 @pytest.mark.parametrize("simulator", ["native", "exudyn"])

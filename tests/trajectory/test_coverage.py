@@ -278,3 +278,50 @@ def test_a_map_counts_its_flights_and_those_without_an_estimate_of_their_error()
     flight = straight((0.0, 0.0, 0.3), (9.0, 0.0, 0.3))
     reach = map_coverage([(0, flight), (1, replace(flight, error=0.0)), (2, flight)], CELLS)
     assert (reach.flights, reach.unchecked) == (3, 2)
+
+
+BRANCHED = {
+    "radius": 0.1,
+    "parts": [
+        {"length": 1.0},
+        {"kind": "bend", "radius": 0.3, "roll_deg": 90},
+        {
+            "kind": "tee",
+            "branch_radius": 0.05,
+            "share": 0.3,
+            "branch": [{"length": 0.5, "outlet": "up"}],
+        },
+        {"length": 1.0, "outlet": "on"},
+    ],
+}
+
+
+def test_a_pipe_with_parts_is_unrolled_along_its_axes():
+    scenario = Scenario.model_validate({"pipe": BRANCHED})
+    cells, layout = PipeGrid.of_scenario(scenario), scenario.pipe.layout
+    for index, placed in enumerate(layout.parts):
+        run = placed.part.list_axes(0.01)[0]
+        place = cells.to_map(np.add(run.points[1:-1], [0.0, 0.0, 0.004 if index < 2 else 0.0]))
+        # No two points of the pipe have the same place, and the chain of the run begins at the inlet.
+        assert (np.diff(place[:, 0]) > 0).all()
+        lengths = np.linspace(0, placed.part.length, len(run.points))[1:-1]
+        assert place[:, 0] - lengths == pytest.approx(place[0, 0] - lengths[0], abs=1e-6)
+        if placed.outlet != 0:
+            assert place[0, 0] == pytest.approx(layout.depths[index] + lengths[0], abs=1e-6)
+        if index < 2:
+            assert place[:, 1] == pytest.approx(0.004, abs=1e-9)
+        assert place[:, 2] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_flight_around_a_bend_crosses_the_cells_along_its_axis():
+    scenario = Scenario.model_validate({"pipe": BRANCHED})
+    cells, layout = PipeGrid.of_scenario(scenario), scenario.pipe.layout
+    points = np.concatenate([placed.part.list_axes(0.01)[0].points[:-1] for placed in layout.parts[:2]])
+    t = np.linspace(0, 1, len(points))
+    velocity = np.zeros((len(t), 6))
+    velocity[:, :3] = np.gradient(points, t, axis=0)
+    path = Trajectory(t, points, np.tile([1.0, 0, 0, 0], (len(t), 1)), velocity, End.HORIZON)
+    crossed, distance = cells.find_crossed(path)
+    columns = np.unique(crossed // cells.shape[1])
+    assert columns.tolist() == list(range(int(layout.depths[2] / cells.size[0])))
+    assert distance.max() < np.linalg.norm(cells.size) / 2

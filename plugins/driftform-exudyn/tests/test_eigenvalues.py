@@ -45,7 +45,7 @@ def exudyn_frequencies(model, height, pitch):
 
 
 def test_a_floating_body_bobs_and_swings_as_exudyn_says():
-    pipeline = load_study("pipe-inspection", ["flow.speed=0.0", "fluid.water_level=0.0"]).make_pipeline()
+    pipeline = load_study("paper", ["flow.speed=0.0", "fluid.water_level=0.0"]).make_pipeline()
     rng = np.random.default_rng(2)
     compared = 0
     while compared < 3:
@@ -63,7 +63,7 @@ def test_a_floating_body_bobs_and_swings_as_exudyn_says():
 
 
 def test_a_body_that_sinks_swings_with_its_righting_moment_over_the_inertia_that_it_swings_with():
-    pipeline = load_study("pipe-inspection").make_pipeline()
+    pipeline = load_study("paper").make_pipeline()
     rng = np.random.default_rng(2)
     for _ in range(5):
         agent = pipeline.make_agent(pipeline.grammar.random(rng))

@@ -12,7 +12,7 @@ from driftform.dynamics.model import DAMPED, flight_model
 from driftform.study import load_study
 from driftform_exudyn.integration import integrate_motion, make_settings
 
-PIPELINE = load_study().make_pipeline()
+PIPELINE = load_study("paper").make_pipeline()
 SETTINGS = make_settings("DOPRI5", horizon=2.0, tolerance=1e-8, max_step=0.05)
 
 

@@ -202,13 +202,13 @@ def test_a_builder_refuses_kits_that_it_could_not_make(options, reason):
 
 def test_a_study_of_kits_states_how_they_are_cut_and_its_agents_weigh_more():
     settings = ["builder.made_as=kit", "builder.kit.joint=rabbet"]
-    study = load_study(settings=settings, run={"seed": 0})
+    study = load_study("paper", settings=settings, run={"seed": 0})
     again = load_study(Document("stored", study.document), run={"seed": 0})
     assert again.document["builder"]["kit"]["lap"] == 0.006
     assert again.document["builder"]["kit"]["joint"] == "rabbet"
-    pipeline, plain = again.make_pipeline(), load_study(run={"seed": 0}).make_pipeline()
+    pipeline, plain = again.make_pipeline(), load_study("paper", run={"seed": 0}).make_pipeline()
     genome = plain.grammar.random(np.random.default_rng(5))
     added = pipeline.make_agent(genome).mass.mass - plain.make_agent(genome).mass.mass
     assert 2e-4 < added < 5e-3
     with pytest.raises(InputError, match=r"--set builder.kit.lapp=1: unknown key 'lapp' in \[builder.kit\]"):
-        load_study(settings=[*settings, "builder.kit.lapp=1"])
+        load_study("paper", settings=[*settings, "builder.kit.lapp=1"])

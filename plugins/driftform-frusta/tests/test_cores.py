@@ -75,7 +75,7 @@ def test_a_mass_or_a_radius_beside_a_name_is_refused(key, value):
 
 
 def test_the_core_of_a_resolved_study_can_be_replaced_by_another():
-    steel = load_study(settings=['builder.core="steel-20mm"'], run={"seed": 0}).document
+    steel = load_study("paper", settings=['builder.core="steel-20mm"'], run={"seed": 0}).document
     assert steel["builder"]["core_mass"] == CORES["steel-20mm"].mass
     brass = load_study(Document("stored", steel), ['builder.core="brass-16mm"']).document
     assert brass["builder"]["core_radius"] == 0.008

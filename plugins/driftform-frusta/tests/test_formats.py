@@ -32,7 +32,7 @@ UPRIGHT = 1e3 * np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 
 
 def jobs(occupied: str, count: int) -> list[ExportJob]:
-    pipeline = load_study(settings=[f"grammar.occupied={occupied}"], run={"seed": 0}).make_pipeline()
+    pipeline = load_study("paper", settings=[f"grammar.occupied={occupied}"], run={"seed": 0}).make_pipeline()
     rng = np.random.default_rng(6)
     agents = [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(count)]
     document = {"format": "driftform-agent", "name": "<a> & b"}
@@ -43,7 +43,7 @@ def export(exporter, job, folder, **options):
     """The files that hold solids; the assembly sheet of a kit has tests of its own."""
     made = exporter(exporter.Options(**options))
     written = made.write(job, folder / f"agent{made.suffix}")
-    return [file for file in written if not file.path.endswith("-assembly.svg")]
+    return [file for file in written if "-assembly." not in file.path]
 
 
 def read_3mf(path):

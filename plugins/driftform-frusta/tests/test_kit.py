@@ -409,7 +409,7 @@ def test_a_kit_weighs_what_its_closed_form_says_whatever_the_segments():
 @pytest.mark.slow
 @pytest.mark.parametrize("occupied", ["insert", "skip"])
 def test_kits_of_a_hundred_random_agents(occupied):
-    pipeline = load_study(settings=[f"grammar.occupied={occupied}"], run={"seed": 0}).make_pipeline()
+    pipeline = load_study("paper", settings=[f"grammar.occupied={occupied}"], run={"seed": 0}).make_pipeline()
     rng = np.random.default_rng(20)
     for _ in range(100):
         check(pipeline.make_agent(pipeline.grammar.random(rng)).body)

@@ -1,6 +1,8 @@
 """The assembly sheet of a kit: its numbers, its order, its scale and its page."""
 
+import math
 import re
+import sys
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -200,3 +202,53 @@ def test_lines_are_no_wider_than_their_column_unless_a_word_is():
     lines = wrap("one two three\u00a0four " + "x" * 40, 11, 80)
     assert all(text_width(line, 11) <= 80 for line in lines[:-1])
     assert " ".join(lines) == "one two three\u00a0four " + "x" * 40
+
+
+def test_ballast_with_a_seat_goes_in_before_its_part_is_joined():
+    sheet = sheet_of(straight(6, 4), ballast=[[0.045, 0.008]])
+    [held] = sheet.kit.ballast
+    [number] = [part.number for part in sheet.parts if part.place == held.part]
+    [step] = [i for i, text in enumerate(sheet.steps) if "ballast, a ball of 8.0" in text]
+    first = [i for i, text in enumerate(sheet.steps) if f"part {number}" in text]
+    assert step == first[0]
+    assert f"into part {number} by its aft end" in sheet.steps[step]
+    assert (
+        f"{1e3 * (0.045 - sheet.kit.hull.skin[0, 0] / 1e3):.1f}\u00a0mm from the aft end" in sheet.steps[step]
+    )
+
+    root = ET.fromstring(sheet_svg(sheet))
+    [ball], [core] = find(root, "ballast", "circle"), find(root, "core", "circle")
+    assert float(ball.get("r")) / float(core.get("r")) == pytest.approx(4 / 10, rel=1e-2)
+    assert (float(ball.get("cx")) - float(core.get("cx"))) / float(core.get("r")) == pytest.approx(
+        4.5, rel=1e-2
+    )
+
+
+def test_a_sheet_is_written_as_svg_and_without_the_extra_as_nothing_else(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "cairosvg", None)
+    files = StlExporter(PartOptions(kit=True)).write(job_of(straight(3, 2)), tmp_path / "a.stl")
+    assert [file.path for file in files if "assembly" in file.path] == [str(tmp_path / "a-assembly.svg")]
+
+
+@pytest.mark.peers
+def test_with_the_extra_it_is_a_page_of_a4_as_pdf_too(tmp_path):
+    pytest.importorskip("cairosvg")
+    StlExporter(PartOptions(kit=True)).write(job_of(straight(3, 2)), tmp_path / "a.stl")
+    data = (tmp_path / "a-assembly.pdf").read_bytes()
+    assert data.startswith(b"%PDF-")
+    [box] = re.findall(rb"/MediaBox \[ ([\d. ]+) \]", data)
+    points = 72 / 25.4
+    assert [float(n) for n in box.split()] == pytest.approx([0, 0, 210 * points, 297 * points], abs=0.1)
+    # Drawn as lines and text, not as a picture.
+    assert b"/Subtype /Image" not in data
+
+
+def test_ballast_beyond_a_neck_has_the_height_of_a_pause():
+    narrow, wide = (Module(0.01, tilt) for tilt in (-math.radians(20), math.radians(20)))
+    body = FrustaBuilder(FrustaOptions()).build(
+        Morphology((*[narrow] * 3, *[wide] * 3, Module(0.02, 0.0)), ())
+    )
+    sheet = sheet_of(body, ballast=[[0.065, 0.010]])
+    [held] = sheet.kit.ballast
+    [text] = [text for text in sheet.steps if "put in while it is printed" in text]
+    assert f"pause at a height of {sheet.kit.find_pause(held):.1f}\u00a0mm" in text

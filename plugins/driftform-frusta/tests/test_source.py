@@ -18,7 +18,7 @@ from driftform_frusta.source import write_source
 
 
 def agents(settings, count, seed=3):
-    pipeline = load_study(settings=settings, run={"seed": 0}).make_pipeline()
+    pipeline = load_study("paper", settings=settings, run={"seed": 0}).make_pipeline()
     rng = np.random.default_rng(seed)
     return [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(count)]
 

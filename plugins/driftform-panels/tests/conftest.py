@@ -18,7 +18,7 @@ publish, published = _TESTS["publish"], _TESTS["published"]
 @pytest.fixture(scope="session")
 def random_bodies() -> Callable[[int, int], list[Body]]:
     """Bodies of random genomes of the default study: how many, and the seed."""
-    pipeline = load_study("pipe-inspection").make_pipeline()
+    pipeline = load_study("paper").make_pipeline()
 
     def drawn(count: int, seed: int) -> list[Body]:
         rng = np.random.default_rng(seed)

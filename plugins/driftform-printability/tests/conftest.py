@@ -21,7 +21,7 @@ WORD = (
 
 @pytest.fixture(scope="session")
 def opened() -> Design:
-    return open_agent(WORD, use={"simulator": "native"})
+    return open_agent(WORD, "paper", use={"simulator": "native"})
 
 
 @pytest.fixture(scope="session")

@@ -28,7 +28,7 @@ from driftform_robotics.models.uuv import UuvExporter, UuvOptions
 
 @pytest.fixture(scope="session")
 def study() -> Study:
-    return load_study(use={"simulator": "native"}, run={"seed": 0})
+    return load_study("paper", use={"simulator": "native"}, run={"seed": 0})
 
 
 def _random_agent(study: Study, seed: int, drag: str) -> Agent:

@@ -9,8 +9,12 @@ from typing import Any, Self
 
 import numpy as np
 
+from driftform.agents.departures import list_departures
 from driftform.agents.flight import Flight
 from driftform.agents.inspection import compare_added_mass, inspect_agent
+from driftform.calibration.protocol import DropPlan
+from driftform.calibration.result import CalibrationResult
+from driftform.calibration.tracks import Reading
 from driftform.errors import InputError, WorkFailedError, describe_error
 from driftform.faults import require_files
 from driftform.figures.section import section_svg
@@ -18,9 +22,10 @@ from driftform.interfaces import ExportJob, Printer, Renderer
 from driftform.pipeline import Pipeline
 from driftform.printing.check import check_print_job, list_formats, require_findings, write_print_job
 from driftform.printing.exporter_settings import list_kit_settings
-from driftform.printing.trim import LEAD, measure_kit, trim_agent, weigh_print
+from driftform.printing.kit import Balls, KitReport, measure_kit
+from driftform.printing.trim import LEAD, trim_agent, weigh_print
 from driftform.runs.agent_file import StoredAgent, agent_document
-from driftform.runs.finalists import find_offsets
+from driftform.runs.disturbed import find_offsets
 from driftform.scenario import Scenario
 from driftform.scenario.disturbances import draw_conditions
 from driftform.study import Document, Study, load_study
@@ -157,9 +162,17 @@ class Design:
         """Return the agent as exporters and recorders receive it."""
         return ExportJob(self.name, self.agent, self.scenario, agent_document(self.stored))
 
+    def list_departures(self) -> list[str]:
+        """Return in what water, pipe, wall and weight depart from those that a run evolved it for, one line each."""
+        if not self.result:
+            return []
+        design = load_study(Document(self.name, self.stored.environment), run={"seed": 0}).make_pipeline()
+        return list_departures(self.agent, self.pipeline, design.make_agent(self.stored.genome), design)
+
     def inspect(self) -> dict[str, Any]:
         """Return what ``driftform inspect --json`` prints; some of it takes flights."""
-        return inspect_agent(self.pipeline, self.agent, self.name, self.result.get("target"))
+        found = inspect_agent(self.pipeline, self.agent, self.name, self.result.get("target"))
+        return found | {"warnings": [*found["warnings"], *self.list_departures()]}
 
     def compare_added_mass(self) -> dict[str, Any]:
         """Return the added mass, (6, 6), about the centre of buoyancy by each hydrodynamics model installed."""
@@ -217,14 +230,15 @@ class Design:
 
         ``[robustness]`` of its scenario says what varies.
         """
-        conditions = draw_conditions(self.scenario.robustness, flights, (seed, flights))
-        points = self.scenario.target_array()
+        conditions = draw_conditions(
+            self.scenario.robustness, flights, (seed, flights), self.scenario.calibration
+        )
         offsets: list[FloatArray] = []
         for condition in conditions:
             [evaluation] = self.pipeline.evaluate([self.stored.genome], conditions=[condition])
-            offsets.append(find_offsets(evaluation, points))
+            offsets.append(find_offsets(evaluation, self.scenario))
             progress(len(offsets), flights)
-        return Misses(conditions, np.array(offsets).reshape(flights, len(points), 3))
+        return Misses(conditions, np.array(offsets).reshape(flights, len(self.scenario.targets), 3))
 
     def export(self, format: str, path: str | os.PathLike[str] | None = None) -> list[Path]:
         """Write it as a file for printers and other programs, and return the paths of what was written.
@@ -444,12 +458,121 @@ class Design:
             if a flight fails.
         """
 
-        def measure() -> tuple[float, float]:
-            exporter = self.under("exporter.stl.kit=true").study.make_exporter("stl")
-            return measure_kit(exporter, self.export_job())
+        if not kit:
+            weight = weigh_print(self.agent, printed_mass, printed_cog)
+            return trim_agent(self.pipeline, self.agent, self.name, weight, ballast_density)
+        exporter, job = self.under("exporter.stl.kit=true").study.make_exporter("stl"), self.export_job()
 
-        weight = weigh_print(self.agent, printed_mass, printed_cog, measure if kit else None)
-        return trim_agent(self.pipeline, self.agent, self.name, weight, ballast_density)
+        def measure(balls: Balls | None = None) -> KitReport:
+            return measure_kit(exporter, job, balls)
+
+        weight = weigh_print(self.agent, printed_mass, printed_cog, measure())
+        return trim_agent(self.pipeline, self.agent, self.name, weight, ballast_density, measure)
+
+    def calibrate(
+        self,
+        *tracks: str | os.PathLike[str],
+        scenario: str | None = None,
+        settings: Sequence[str] = (),
+        use: Mapping[str, str | None] | None = None,
+        reading: Reading | None = None,
+        view: str = "side",
+        scale_error: float = 0.005,
+        fit: Sequence[str] = (),
+        printed_mass: float | None = None,
+    ) -> CalibrationResult:
+        """Return what films of its flights show of the model, as ``driftform calibrate`` does.
+
+        Parameters
+        ----------
+        tracks
+            files of tracks, one for each film. A study file of the same name beside a track, such as ``drop-1.toml``
+            beside ``drop-1.csv``, is the scenario of that film.
+        scenario
+            of all films, in place of such files; ``None`` for these, or for that of the agent.
+        settings, use
+            of the scenarios of the films, as for :meth:`under`.
+        reading
+            units, frames and points of the tracks; ``None`` for metres and seconds.
+        view
+            of the camera: ``"side"``, ``"top"`` or ``"front"``; tracks with x, y and z have none.
+        scale_error
+            standard deviation of a film's scale, relative to it.
+        fit
+            names of the factors to fit; empty for all.
+        printed_mass
+            what the agent weighs with its core, kg, by scales; ``None`` if it was not weighed.
+
+        Raises
+        ------
+        InputError
+            if a track is not that of a flight of this agent.
+        WorkFailedError
+            if the agent cannot be flown.
+        """
+        from driftform.calibration.bench import Bench
+        from driftform.calibration.films import choose_factors, film_track, find_scenario, weigh_prior
+        from driftform.calibration.fit import fit_factors
+
+        names, films, scenarios = choose_factors(fit), [], []
+        if not tracks:
+            raise InputError("name at least one track")
+        for path in map(Path, tracks):
+            chosen = scenario or find_scenario(path)
+            there = self.under(*settings, scenario=chosen, use=use)
+            assert there.agent.morphology is not None
+            bench = Bench.of(there.pipeline, there.agent.morphology)
+            films.append(film_track(path, bench, reading or Reading(), view, scale_error))
+            scenarios.append(chosen or "")
+        found = fit_factors(films, names, weigh_prior(films[0].bench, printed_mass))
+        return CalibrationResult(self.name, found, self.stored, scenarios)
+
+    def drop(
+        self,
+        tank: tuple[float, float, float] = (1.0, 0.5, 0.5),
+        *,
+        drops: int = 3,
+        fps: float = 60.0,
+        noise: float = 0.002,
+        progress: Progress = ignore,
+    ) -> DropPlan:
+        """Return the drops in a tank whose films tell most about the model, in the water of its scenario.
+
+        Parameters
+        ----------
+        tank
+            inside of the tank: along the picture, across it, and the depth of the water, m.
+        drops
+            number of drops.
+        fps
+            frames of the films for each second.
+        noise
+            standard deviation of a tracked point, m.
+        progress
+            called with the number of releases that were examined, and of all.
+
+        Raises
+        ------
+        InputError
+            if the tank is smaller than the agent.
+        WorkFailedError
+            if no release can be filmed.
+        """
+        from driftform.calibration.experiment import Tank, plan_drops
+
+        if not all(0 < size < 50 for size in tank):
+            raise InputError(
+                f"--tank {' '.join(f'{size:g}' for size in tank)}: sizes should be from 0 to 50 m"
+            )
+        smallest, reach = min(tank), max(self.length, self.max_diameter)
+        if smallest < self.max_diameter or max(tank) < reach:
+            raise InputError(
+                f"--tank {' '.join(f'{size:g}' for size in tank)}: the agent is {self.length:.3g} m long and "
+                f"{self.max_diameter:.3g} m wide; the tank must be larger, in m"
+            )
+        assert self.agent.morphology is not None
+        plan = plan_drops(self.pipeline, self.agent.morphology, Tank(*tank), drops, fps, noise, progress)
+        return DropPlan(self.name, self.agent, Tank(*tank), plan, self.study.document)
 
     def __repr__(self) -> str:
         modules = self.agent.morphology.modules if self.agent.morphology else ()

@@ -7,7 +7,7 @@ from functools import cached_property
 from driftform.figures.flight import flight_svg
 from driftform.scenario import Scenario
 from driftform.tables.columns import FLIGHT_COLUMNS
-from driftform.trajectory.approach import closest_approach
+from driftform.trajectory.way import approach_targets, name_outlet
 from driftform.types import Agent, End, FloatArray, Trajectory
 from driftform.util.notebook import show_picture, show_table
 
@@ -41,6 +41,11 @@ class Flight:
         """Why the flight ended."""
         return self.trajectory.end
 
+    @cached_property
+    def outlet(self) -> str | None:
+        """Name of the outlet by which it left the pipe; ``None`` if it did not."""
+        return name_outlet(self.trajectory, self.scenario)
+
     @property
     def duration(self) -> float:
         """From the release to the end, s."""
@@ -48,8 +53,8 @@ class Flight:
 
     @cached_property
     def approaches(self) -> dict[str, tuple[float, float]]:
-        """Distance (m) and time (s) of the closest approach to each target."""
-        distance, t = closest_approach(self.trajectory, self.scenario.target_array())
+        """Distance (m, through the water) and time (s) of the closest approach to each target."""
+        distance, t = approach_targets(self.trajectory, self.scenario)
         rows = zip(distance.tolist(), t.tolist(), strict=True)
         return dict(zip(self.scenario.target_names, rows, strict=True))
 

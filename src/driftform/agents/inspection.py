@@ -16,7 +16,8 @@ from driftform.geometry import hull_mass
 from driftform.hydrodynamics.drag import estimate_drag, wake_factor
 from driftform.pipeline import Pipeline
 from driftform.registry import registry
-from driftform.scenario import Fluid, Scenario
+from driftform.scenario import Calibration, Fluid, Scenario
+from driftform.scenario.calibration import NAMES
 from driftform.types import Agent, FloatArray
 
 LEAD = 11_340.0
@@ -81,9 +82,24 @@ def inspect_agent(pipeline: Pipeline, agent: Agent, name: str, target: str | Non
         "righting_moment": _righting_moment(agent, fluid),
         "terminal_speeds": _terminal_speeds(agent, fluid, net, rest.pitch),
         "lambda_max": lambda_max,
+        "calibration": describe_calibration(pipeline.scenario.calibration),
         "sensitivity": _measure_sensitivity(pipeline, agent, name, target),
         "warnings": _list_warnings(agent, pipeline.scenario, float((own + added)[2, 2]), lambda_max),
     }
+
+
+def describe_calibration(calibration: Calibration) -> dict[str, dict[str, float | None]]:
+    """Return value, low and high of the factors that are not 1 or have an interval; ``None`` without an interval."""
+    intervals = calibration.intervals
+    found: dict[str, dict[str, float | None]] = {}
+    for name in NAMES:
+        value = float(getattr(calibration.factors, name))
+        if name in intervals:
+            _, low, high = intervals[name]
+            found[name] = {"value": value, "low": low, "high": high}
+        elif value != 1.0:
+            found[name] = {"value": value, "low": None, "high": None}
+    return found
 
 
 def compare_added_mass(pipeline: Pipeline, agent: Agent, name: str) -> dict[str, FloatArray]:
@@ -155,8 +171,8 @@ def _list_warnings(agent: Agent, scenario: Scenario, heaving: float, lambda_max:
     if core_density > LEAD:
         warnings.append(f"the core is denser than lead: {core_density:.0f} kg/m3")
     net = mass.net_buoyancy(scenario.fluid)
-    if scenario.pipe.segments and net != 0:
-        time = math.sqrt(2 * scenario.pipe.segments[0].radius * heaving / abs(net))
+    if not scenario.pipe.is_open and net != 0:
+        time = math.sqrt(2 * scenario.pipe.layout.inlet.radius * heaving / abs(net))
         if time < 1.0:
             verb = "rises" if net > 0 else "sinks"
             warnings.append(

@@ -26,7 +26,7 @@ def list_limits(agent: Agent, scenario: Scenario) -> list[str]:
         lines.append(
             f"nearly a sphere, and {ratio:.2f} times as dense as the water: such bodies rise in zigzags, which no flight has"
         )
-    radius = min((segment.radius for segment in scenario.pipe.segments), default=float("inf"))
+    radius = float("inf") if scenario.pipe.is_open else scenario.pipe.layout.narrowest
     filled = 0.5 * body.max_diameter / radius
     if filled > WIDEST:
         lines.append(

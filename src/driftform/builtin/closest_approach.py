@@ -1,12 +1,10 @@
 """The paper's fitness (equation 25): the closest approach to each target, relative to the farthest possible distance."""
 
-from functools import lru_cache
-
 import numpy as np
 
 from driftform.interfaces import Fitness
 from driftform.options import Table
-from driftform.scenario import Pipe, Scenario, Vector
+from driftform.scenario import Scenario
 from driftform.types import Agent, FloatArray, Trajectory, Verdict
 
 
@@ -15,7 +13,8 @@ class ClosestApproach(Fitness[Table]):
 
     d_min is the least distance of the core's centre from the target along the whole flight, also between samples;
     d_max is the distance from the target to the farthest point of the pipe's volume. ``100 - fitness`` is the
-    error in percent of d_max.
+    error in percent of d_max. In a pipe with parts both are distances through the water
+    (:mod:`driftform.trajectory.way`).
     """
 
     name = "closest-approach"
@@ -35,13 +34,8 @@ class ClosestApproach(Fitness[Table]):
 
     def score(self, trajectory: Trajectory, scenario: Scenario, agent: Agent) -> FloatArray:
         """Return the fitness for each target, 0 to 100, (targets,)."""
-        from driftform.trajectory.approach import closest_approach
+        from driftform.trajectory.way import approach_targets, farthest_distances
 
-        d_min, _ = closest_approach(trajectory, scenario.target_array())
-        d_max = _farthest_distances(scenario.pipe, tuple(scenario.targets.values()))
+        d_min, _ = approach_targets(trajectory, scenario)
+        d_max = farthest_distances(scenario)
         return np.asarray(np.maximum(0.0, 100 * (1 - d_min / d_max)), dtype=np.float64)
-
-
-@lru_cache(maxsize=16)
-def _farthest_distances(pipe: Pipe, targets: tuple[Vector, ...]) -> FloatArray:
-    return np.array([pipe.farthest_distance(np.array(target)) for target in targets])

@@ -9,11 +9,12 @@ if TYPE_CHECKING:
 
 
 @hookimpl
-def driftform_fitness() -> "type[Fitness[Any]]":
-    """Return the paper's fitness, equation 25."""
+def driftform_fitness() -> "list[type[Fitness[Any]]]":
+    """Return the paper's fitness, equation 25, and that of outlets."""
     from driftform.builtin.closest_approach import ClosestApproach
+    from driftform.builtin.outlet import OutletFitness
 
-    return ClosestApproach
+    return [ClosestApproach, OutletFitness]
 
 
 @hookimpl

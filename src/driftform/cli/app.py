@@ -11,7 +11,9 @@ import typer
 
 from driftform import __version__
 from driftform.cli import (
+    calibrate,
     check,
+    drop,
     evolve,
     export,
     export_data,
@@ -25,6 +27,7 @@ from driftform.cli import (
     sample,
     scenarios,
     simulate,
+    studio,
     trim,
     watch,
 )
@@ -40,6 +43,21 @@ class Commands(Group):
 
     0 done, 1 the work failed, 2 the input is wrong, 130 interrupted.
     """
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a command of the core, or the group of commands that a plugin adds under a name."""
+        found = super().get_command(ctx, cmd_name)
+        if found is not None:
+            return found
+        from driftform.cli.plugin_commands import make_group
+
+        return make_group(cmd_name)
+
+    def list_added(self) -> list[tuple[str, str]]:
+        """Return names and helps of the commands that plugins add."""
+        from driftform.cli.plugin_commands import list_groups
+
+        return [(name, help) for name, help in list_groups() if name not in self.commands]
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read the options before the name of a command."""
@@ -129,6 +147,7 @@ command("resume")(resume.resume)
 command("watch")(watch.watch)
 command("export-data")(export_data.export_data)
 command("report")(report.report)
+command("studio")(studio.studio)
 command("reproduce")(reproduce.reproduce)
 command("sample")(sample.sample)
 command("simulate")(simulate.simulate)
@@ -138,5 +157,7 @@ command("export")(export.export)
 command("export-flight")(export_flight.export_flight)
 command("check")(check.check)
 command("trim")(trim.trim)
+command("drop")(drop.drop)
+command("calibrate")(calibrate.calibrate)
 app.add_typer(plugins.app, name="plugins")
 app.add_typer(scenarios.app, name="scenarios")

@@ -49,6 +49,14 @@ def evolve(
     scheduler: Scheduler = None,
     simulator: Simulator = None,
     hydrodynamics: Hydrodynamics = None,
+    calibration: Annotated[
+        str | None,
+        typer.Option(
+            "--calibration",
+            metavar="FILE",
+            help="What filmed flights have shown of the model: a calibration.toml of 'driftform calibrate'.",
+        ),
+    ] = None,
     out: OutDirectory = None,
     settings: Settings = None,
     json: Json = False,
@@ -59,8 +67,8 @@ def evolve(
     seed gives the same result, whatever the workers and wherever they are. An interrupted or killed run continues
     with 'driftform resume'.
 
-    With --robust the best agents of the search are flown again under disturbed conditions. The one that is chosen for
-    a target is then flown under fresh conditions, which show the miss that 9 of 10 flights stay within.
+    The best agents of the search are flown again under disturbed conditions. The one that is chosen for a target is
+    then flown under fresh conditions, which show the miss that 9 of 10 flights stay within. --robust 0 leaves this out.
     """
     from driftform.cli.executors import open_executor
     from driftform.cli.running import advance_run
@@ -76,6 +84,7 @@ def evolve(
         targets=target or (),
         use={"strategy": strategy, "simulator": simulator, "hydrodynamics": hydrodynamics},
         run={"seed": seed, "evaluations": evaluations},
+        calibration=calibration,
     )
     check_targets(checked)
     if out is not None:

@@ -44,6 +44,7 @@ def export(
     from driftform.cli.formats import parse_formats
     from driftform.cli.output import print_json
     from driftform.errors import InputError
+    from driftform.geometry import hull_mass
     from driftform.printing.exporter_settings import list_exporter_settings
     from driftform.util.files import make_directory
 
@@ -59,6 +60,13 @@ def export(
     written = list(
         {file.path: file for name, path in paths.items() for file in design.export_files(name, path)}.values()
     )
+    body = design.agent.body
+    if body.fittings.material.volume and any("mass_kg" in w.facts and "kit" not in w.facts for w in written):
+        typer.echo(
+            f"note: {design.name} was simulated as a kit, whose parts weigh {1000 * hull_mass(body):.2f} g: "
+            "write them with --kit",
+            err=True,
+        )
     if json:
         print_json({"files": [{"format": w.format, "path": w.path, **w.facts} for w in written]})
         return

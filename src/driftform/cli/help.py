@@ -20,8 +20,13 @@ class Group(TyperGroup):
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the name of each command and its first sentence."""
         rows = [(name, command.get_short_help_str(_LONGEST)) for name, command in self.commands.items()]
+        rows += self.list_added()
         with formatter.section("Commands"):
             formatter.write_dl(rows)
+
+    def list_added(self) -> list[tuple[str, str]]:
+        """Return names and helps of commands that are added to the group when they are asked for."""
+        return []
 
 
 def make_group(help: str, list_all: Callable[[bool], None]) -> Typer:

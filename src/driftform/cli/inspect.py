@@ -73,6 +73,10 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]") -> None:
         ("added over own mass", f"at most {facts['lambda_max']:.3g}"),
         ("a gram of hull", _describe_gram(facts["sensitivity"], fitness)),
     ]
+    rows += [
+        (f"calibrated {name.replace('_', ' ')}", _describe_factor(found))
+        for name, found in facts["calibration"].items()
+    ]
     print_table(("agent", facts["agent"]), rows)
     if modules:
         print("\nmodules from aft to fore")
@@ -113,6 +117,12 @@ def _describe_gram(sensitivity: dict[str, Any] | None, fitness: "Fitness[Any]") 
         fitness.describe(100 - errors[case]) for case in ("as_simulated", "lighter", "heavier")
     )
     return f"{fitness.heading} for {sensitivity['target']}: {now}; 1 g less {lighter}, 1 g more {heavier}"
+
+
+def _describe_factor(found: dict[str, float | None]) -> str:
+    """A factor on the model with its interval, in words."""
+    value = f"{found['value']:.3g} times the model's"
+    return value if found["low"] is None else f"{value}, {found['low']:.3g} to {found['high']:.3g} with 90 %"
 
 
 def _describe_rest(rest: dict[str, Any]) -> str:

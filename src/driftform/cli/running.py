@@ -83,6 +83,24 @@ def _describe_stop(run: "Run") -> str:
     )
 
 
+def _format_share(share: float | None) -> str:
+    return "-" if share is None else f"{100 * share:.0f}"
+
+
+def _summarise_misses(results: "list[Best]") -> str:
+    """Return in one line how far the promised misses reach."""
+    from statistics import median
+
+    from driftform.cli.output import format_miss
+
+    reach = {best.target: float("inf") if best.p90 is None else best.p90 for best in results}
+    worst = max(reach, key=lambda target: reach[target])
+    return (
+        f"9 of 10 disturbed flights pass their target within {format_miss(median(reach.values()))} mm in the median over "
+        f"targets, within {format_miss(reach[worst])} mm at worst ({worst})"
+    )
+
+
 def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path], seconds: float) -> None:
     from driftform.cli.output import format_miss, print_table, print_text
     from driftform.runs.wording import list_cells, list_headings, summarise
@@ -90,16 +108,18 @@ def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path
     fitness = run.study.make_plugin("fitness")
     promised = any(best.robust for best in results)
     misses = ("nominal mm", "median mm", "90 % mm") if promised else ("nominal mm",)
-    header = ("target", "x m", "y m", "z m", *list_headings(fitness), *misses)
+    shared = (fitness.share,) if promised and fitness.share else ()
+    header = ("target", "x m", "y m", "z m", *list_headings(fitness), *misses, *shared)
     print_table(
         header,
         (
             (
                 best.target,
-                *(f"{c:g}" for c in run.study.scenario.targets[best.target]),
+                *(f"{c:g}" for c in run.study.scenario.target_points()[best.target]),
                 *list_cells(fitness, best.fitness),
                 f"{1000 * best.nominal:.1f}",
                 *((format_miss(best.median), format_miss(best.p90)) if promised else ()),
+                *(_format_share(best.robust.get("reached")) for _ in shared),
             )
             for best in results
         ),
@@ -107,7 +127,13 @@ def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path
     )
     if results:
         print_text(summarise(fitness, {best.target: best.fitness for best in results}))
-    if promised:
+    if shared:
+        print_text(
+            f"{fitness.share}: share of {run.study.scenario.robustness.checks} flights under fresh disturbed conditions "
+            f"with what reaches a target: {fitness.goal}"
+        )
+    elif promised:
+        print_text(_summarise_misses(results))
         print_text(
             "nominal: the undisturbed flight; median and 90 %: half, and 9 of 10, of "
             f"{run.study.scenario.robustness.checks} flights under fresh disturbed conditions miss by less"

@@ -1,5 +1,6 @@
 """``driftform scenarios``."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -63,28 +64,39 @@ def check(
             metavar="FILE", help="Study file, or the name of a built-in scenario.", show_default=False
         ),
     ],
+    picture: Annotated[
+        Path | None,
+        typer.Option("--picture", metavar="FILE", help="Draw the pipe with its targets to an SVG file."),
+    ] = None,
     json: Json = False,
 ) -> None:
     """Check a study without running it: list its errors, or show its contents and what no flight can do."""
     from driftform.cli.output import print_json
     from driftform.errors import escape_controls
+    from driftform.figures.pipe import pipe_svg
     from driftform.study import NAMED, SELECTED, load_study
     from driftform.study.advice import list_warnings
+    from driftform.util.files import check_directory, write_text
 
     study = load_study(file)
     warnings = list_warnings(study)
     document, scenario = study.document, study.scenario
+    if picture is not None:
+        check_directory(picture.parent, "--picture")
+        write_text(picture, pipe_svg(scenario, document.get("title", "") or file))
     found = {
         "file": file,
         "title": document.get("title", ""),
         "targets": dict(scenario.targets),
-        "pipe": len(scenario.pipe.segments),
+        "pipe": len(scenario.pipe.layout.parts),
+        "outlets": [outlet.name for outlet in scenario.pipe.layout.outlets],
         "flow": scenario.flow.kind,
         "plugins": {seam: document[seam]["use"] for seam in SELECTED},
         "options": {seam: list(document[seam]) for seam in NAMED},
         "evaluations": study.evaluations,
         "formats": list(study.run.formats),
         "warnings": warnings,
+        "picture": None if picture is None else str(picture),
     }
     if json:
         print_json(found)
@@ -94,10 +106,11 @@ def check(
     )
     print(f"{file} {verdict}" + (f": {escape_controls(found['title'])}" if found["title"] else ""))
     targets = f"{len(scenario.targets)}: {', '.join(scenario.targets)}" if scenario.targets else "none"
-    segments = f"{found['pipe']} segment{'s' * (found['pipe'] != 1)}" if found["pipe"] else "none: open water"
+    outlets = found["outlets"]
+    pipe = f"{found['pipe']} part{'s' * (found['pipe'] != 1)}" if found["pipe"] else "none: open water"
     rows = {
         "targets": targets,
-        "pipe": segments,
+        "pipe": pipe + (f"; outlets {', '.join(outlets)}" if len(outlets) > 1 else ""),
         "flow": found["flow"],
         **found["plugins"],
         **{seam: f"options of {', '.join(names)}" for seam, names in found["options"].items() if names},
@@ -109,3 +122,5 @@ def check(
         print(f"  {name:{width}}  {value}")
     for warning in warnings:
         print(f"warning: {warning}")
+    if picture is not None:
+        print(f"picture: {picture}")

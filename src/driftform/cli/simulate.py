@@ -87,6 +87,9 @@ def simulate(
     if film is not None:
         with count_progress("frames") as progress:
             design.film(film, renderer=renderer, flight=flight, progress=progress)
+    departures = design.list_departures()
+    for line in departures:
+        typer.echo(f"warning: {line}", err=True)
     misses = None
     if robust:
         with count_progress("disturbed flights") as progress:
@@ -103,6 +106,7 @@ def simulate(
                     "t": flight.duration,
                     "position": flight.trajectory.position[-1],
                     "reason": str(flight.end),
+                    "outlet": flight.outlet,
                 },
                 "contact": flight.trajectory.contact,
                 "energy_drift": flight.trajectory.energy_drift,
@@ -111,6 +115,7 @@ def simulate(
                 "picture": str(svg),
                 "film": None if film is None else str(film),
                 "still": None if still is None else str(still),
+                "warnings": departures,
                 "disturbed": misses and _document(misses, flight.scenario.target_names),
             }
         )
@@ -159,7 +164,10 @@ def _print(design: "Design", flight: "Flight", misses: "Misses | None") -> None:
     )
     pipeline, (x, y, z) = design.pipeline, flight.trajectory.position[-1]
     print(f"{design.name} flown by {pipeline.simulator.name}, {pipeline.hydrodynamics.name} coefficients")
-    print(f"ended at the {flight.end} after {flight.duration:.3f} s at x {x:.3f}, y {y:.3f}, z {z:.3f} m")
+    end = f"ended at the {flight.end}"
+    if flight.outlet is not None and len(flight.scenario.pipe.layout.outlets) > 1:
+        end = f"left through outlet {flight.outlet}"
+    print(f"{end} after {flight.duration:.3f} s at x {x:.3f}, y {y:.3f}, z {z:.3f} m")
     print(_describe_accuracy(flight.trajectory))
     if misses is not None:
         _print_misses(misses, flight)

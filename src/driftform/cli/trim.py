@@ -10,6 +10,13 @@ if TYPE_CHECKING:
     from driftform.interfaces import Fitness
 
 
+_SAME_SIZE = 0.1
+"""Share of its diameter by which a ball may differ from that of its seat: it then lies within a twentieth of it."""
+
+_NEAR = 5e-5
+"""m: ballast lies where it should if it is off by less than this; nobody can lay it more accurately."""
+
+
 def trim(
     agent: Agent,
     printed_mass: Annotated[
@@ -75,14 +82,11 @@ def _print(facts: dict[str, Any], density: float, fitness: "Fitness[Any]") -> No
         "hull": "; not measured: where the hull's material has it",
         "kit": "; not measured: where the parts of the kit have it",
     }[facts["cog_source"]]
-    print_table(
-        ("", "mass", "centre of gravity"),
-        [
-            ("simulated", f"{1000 * facts['simulated_mass']:.3f} g", place(facts["simulated_cog"])),
-            ("printed", f"{1000 * facts['printed_mass']:.3f} g", place(facts["printed_cog"]) + source),
-        ],
-        right=(1,),
-    )
+    rows = [
+        ("simulated", f"{1000 * facts['simulated_mass']:.3f} g", place(facts["simulated_cog"])),
+        ("printed", f"{1000 * facts['printed_mass']:.3f} g", place(facts["printed_cog"]) + source),
+    ]
+    print_table(("", "mass", "centre of gravity"), rows, right=(1,))
     print()
     for line in _remedy(facts, density, place):
         print(line)
@@ -136,7 +140,7 @@ def _remedy(facts: dict[str, Any], density: float, place: Any) -> list[str]:
             f"at {density:g} kg/m3 there is no room for it inside that it can be put to: a ball must pass the bore from the "
             "joint at the core, and a filling be 1 mm thick; take something denser or lighter, or print it heavier",
         ]
-    exact = abs(facts["residual_moment"]) < 1e-3 * abs(mass) * 1e-3
+    exact = abs(facts["residual_moment"]) < _NEAR * mass
     lines.append(
         "there is room for it:" if exact else "it cannot lie there; the nearest that there is room for:"
     )
@@ -150,10 +154,46 @@ def _remedy(facts: dict[str, Any], density: float, place: Any) -> list[str]:
     if len(facts["pieces"]) == 1 and facts["pieces"][0]["diameter"] is not None:
         balls = ", ".join(f"{name} {1000 * ball_diameter(mass, d):.1f} mm" for name, d in MATERIALS.items())
         lines.append(f"balls of that mass: {balls}")
-    lines += [
-        "put it in through the joint at the core, before the core; a kit has no seat for it:",
-        "set it in epoxy putty, which counts as ballast, and weigh the print again",
-    ]
+    lines += _describe_holding(facts)
     if not exact:
         lines.append(f"its moment is then off by {1e6 * facts['residual_moment']:+.3g} g mm")
+    return lines
+
+
+def _describe_holding(facts: dict[str, Any]) -> list[str]:
+    """How the ballast gets in, and what holds it there."""
+    aft, held = facts["aft_end"], facts["held"]
+    if not held:
+        unheld = facts["unheld"]
+        return [
+            "put it in through the joint at the core, before the core, and set it in epoxy putty, which counts as ballast;",
+            "then weigh the print again",
+            f"no seat for it can be printed: {unheld}"
+            if unheld
+            else "a kit can be printed with a seat for it: --kit",
+        ]
+    lines = []
+    for ball in held:
+        way = (
+            f"put it in by the joint {1000 * (ball['mouth'] - aft):.1f} mm from the aft end"
+            if ball["pause"] is None
+            else f"put it in while that is printed, by a pause at {1000 * ball['pause']:.1f} mm"
+        )
+        lines.append(
+            f"{'a seat' if ball['held_by'] == 'seat' else 'the wall'} in the {ball['part']} holds it: {way}, and fix it "
+            "with a drop of glue"
+        )
+    if facts["seat_mass"] >= 1e-5:
+        balls = ",".join(f"[{ball['x']:.5g},{ball['diameter']:.5g}]" for ball in held)
+        parts = " and the ".join(dict.fromkeys(ball["part"] for ball in held if ball["held_by"] == "seat"))
+        lines += [
+            f"print the {parts} again, with {1000 * facts['seat_mass']:.3f} g of seat, which is counted above:",
+            f"  driftform export AGENT --kit --option ballast=[{balls}]",
+            "then weigh it and trim again, with --set exporter.stl.ballast of the same value",
+        ]
+    for ball, piece in zip(held, facts["pieces"], strict=False):
+        if abs(piece["diameter"] - ball["diameter"]) > _SAME_SIZE * ball["diameter"]:
+            lines.append(
+                f"the seat is for a ball of {1000 * ball['diameter']:.1f} mm: of another size it lies elsewhere"
+            )
     return lines

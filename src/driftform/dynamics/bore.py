@@ -32,25 +32,25 @@ Contact: TypeAlias = tuple[float, float, float, float, float, float]
 
 
 @compiled
-def axis_line(position: Vector, axis: Vector, pipe: FloatArray) -> AxisLine:
-    """Return the position of the body's ``axis`` in the bore.
+def transverse_parts(position: Vector, axis: Vector, pipe: FloatArray) -> tuple[Vector, Vector]:
+    """Return o (m) and a of a body's origin and ``axis`` in the bore of the first segment, world frame."""
+    downstream = (pipe[0, 3], pipe[0, 4], pipe[0, 5])
+    off = subtract(position, (pipe[0, 0], pipe[0, 1], pipe[0, 2]))
+    o = subtract(off, scale(dot(off, downstream), downstream))
+    return o, subtract(axis, scale(dot(axis, downstream), downstream))
+
+
+@compiled
+def axis_line(parts: tuple[Vector, Vector], pipe: FloatArray) -> AxisLine:
+    """Return the position in the bore of a body's axis with these ``parts`` o and a.
 
     The point x of the body's axis is sqrt(o.o + 2 o.a x + a.a x^2) away from the axis of the bore. In a pipe of
     several segments this formula does not hold, and the radius is 0.
     """
     if pipe.shape[0] != 1:
         return 0.0, 0.0, 0.0, 0.0
-    o, a = transverse_parts(position, axis, pipe)
+    o, a = parts
     return dot(o, o), dot(o, a), dot(a, a), pipe[0, 7]
-
-
-@compiled
-def transverse_parts(position: Vector, axis: Vector, pipe: FloatArray) -> tuple[Vector, Vector]:
-    """Return o (m) and a in the bore of the first segment, world frame."""
-    downstream = (pipe[0, 3], pipe[0, 4], pipe[0, 5])
-    off = subtract(position, (pipe[0, 0], pipe[0, 1], pipe[0, 2]))
-    o = subtract(off, scale(dot(off, downstream), downstream))
-    return o, subtract(axis, scale(dot(axis, downstream), downstream))
 
 
 @compiled

@@ -3,19 +3,17 @@
 import math
 from typing import TypeAlias
 
-import numpy as np
-
 from driftform.dynamics.bore import (
-    ANGLE_TOLERANCE,
     AxisLine,
     axis_line,
-    end_of_dome,
     is_clear,
     lever_and_normal,
     smoothed_sine,
     surface_contact,
     transverse_parts,
 )
+from driftform.dynamics.fitting_contact import touch_fitting
+from driftform.dynamics.fitting_walls import is_far_in_fittings
 from driftform.dynamics.impact import FREQUENCY, common_mass, damper, spring
 from driftform.dynamics.model import FRICTION, INVERSE, LINEAR, REACH, FlightModel
 from driftform.dynamics.vectors import (
@@ -44,45 +42,17 @@ rim (x, r) that touches, m; of a dome, its centre."""
 
 
 @compiled
-def wall_gap(point: Vector, pipe: FloatArray) -> tuple[float, Vector]:
-    """Return the distance from ``point`` to the wall (m, negative outside the pipe), and the unit vector to the wall.
-
-    The pipe (see :class:`driftform.dynamics.model.FlightModel`) is the union of its segments' bores; the first and
-    the last continue beyond their outer ends. If the point lies on an axis, the vector is zero.
-    """
-    best, normal = -np.inf, ZERO
-    last = pipe.shape[0] - 1
-    for s in range(pipe.shape[0]):
-        axis = (pipe[s, 3], pipe[s, 4], pipe[s, 5])
-        off = subtract(point, (pipe[s, 0], pipe[s, 1], pipe[s, 2]))
-        along = dot(axis, off)
-        if s > 0:
-            along = max(along, 0.0)
-        if s < last:
-            along = min(along, pipe[s, 6])
-        off = subtract(off, scale(along, axis))
-        distance = math.sqrt(dot(off, off))
-        if pipe[s, 7] - distance > best:
-            best = pipe[s, 7] - distance
-            normal = scale(1.0 / distance, off) if distance > 0.0 else ZERO
-    return best, normal
-
-
-@compiled
-def is_far_from_wall(position: Vector, reach: float, pipe: FloatArray) -> bool:
-    """Return True if nothing within ``reach`` (m) of ``position`` can touch a wall."""
-    if pipe.shape[0] != 1:
-        return pipe.shape[0] == 0 or wall_gap(position, pipe)[0] > reach
+def is_far_from_wall(
+    position: Vector, reach: float, pipe: FloatArray, fittings: FloatArray | None = None
+) -> bool:
+    """Return True if nothing within ``reach`` (m) of ``position`` can touch a wall; ``fittings`` replace ``pipe``."""
+    if fittings is not None:
+        return is_far_in_fittings(position, reach, fittings)
+    if pipe.shape[0] == 0:
+        return True
     off = subtract(position, (pipe[0, 0], pipe[0, 1], pipe[0, 2]))
     along, room = dot(off, (pipe[0, 3], pipe[0, 4], pipe[0, 5])), pipe[0, 7] - reach
     return bool(room > 0.0 and dot(off, off) - along * along < room * room)
-
-
-@compiled
-def farthest_rim_point(centre: Vector, axis: Vector, r: float, normal: Vector) -> Vector:
-    """Return the point of a rim of radius ``r`` (m) that lies farthest along ``normal``, world frame, m."""
-    s = dot(axis, normal)
-    return add(centre, scale(r / smoothed_sine(s), subtract(normal, scale(s, axis))))
 
 
 @compiled
@@ -93,49 +63,44 @@ def surface_depth(
     parts: tuple[Vector, Vector],
     surface: int,
     model: FlightModel,
+    fittings: FloatArray | None = None,
 ) -> Touch:
     """Return how a surface of the model touches the wall; ``line`` and ``parts`` are those of the body's axis in the bore.
 
     ``position`` of the body's origin (m) and its ``axis`` are in the world frame. A rim's farthest point defines the
     normal, and the normal defines the point; two rounds suffice in a wide bore.
     """
-    surfaces, pipe = model.surfaces, model.pipe
-    x, r, radius = surfaces[surface, 0], surfaces[surface, 1], surfaces[surface, 2]
-    if pipe.shape[0] == 1:
-        if is_clear(surfaces, surface, line):
-            return 0.0, ZERO, ZERO, x, r
-        x, r, contact = surface_contact(surfaces, surface, line)
-        lever, normal = lever_and_normal(axis, parts[0], parts[1], contact)
-        return max(0.0, contact[0]), lever, normal, x, r
-    centre = add(position, scale(x, axis))
-    gap, normal = wall_gap(centre, pipe)
-    if gap > r + radius:
+    surfaces = model.surfaces
+    if fittings is not None:
+        return touch_fitting(position, axis, surfaces, surface, fittings)
+    x, r = surfaces[surface, 0], surfaces[surface, 1]
+    if is_clear(surfaces, surface, line):
         return 0.0, ZERO, ZERO, x, r
-    if radius > 0.0:
-        s = dot(axis, normal)
-        if surfaces[surface, 3] <= s <= surfaces[surface, 4]:
-            return radius - gap, add(scale(x, axis), scale(radius, normal)), normal, x, 0.0
-        x, r = end_of_dome(surfaces, surface, s)
-        centre = add(position, scale(x, axis))
-        gap, normal = wall_gap(centre, pipe)
-    point = farthest_rim_point(centre, axis, r, normal)
-    gap, there = wall_gap(point, pipe)
-    turned = subtract(there, normal)
-    if dot(turned, turned) > ANGLE_TOLERANCE * ANGLE_TOLERANCE:
-        point = farthest_rim_point(centre, axis, r, there)
-        gap, there = wall_gap(point, pipe)
-    return max(0.0, -gap), subtract(point, position), there, x, r
+    x, r, contact = surface_contact(surfaces, surface, line)
+    lever, normal = lever_and_normal(axis, parts[0], parts[1], contact)
+    return max(0.0, contact[0]), lever, normal, x, r
+
+
+@compiled
+def axis_in_bore(
+    position: Vector, axis: Vector, pipe: FloatArray, fittings: FloatArray | None
+) -> tuple[AxisLine, tuple[Vector, Vector]]:
+    """Return the position of the body's axis in a straight bore; zeros in a pipe with parts, where it means nothing."""
+    if fittings is not None:
+        return (0.0, 0.0, 0.0, 0.0), (ZERO, ZERO)
+    parts = transverse_parts(position, axis, pipe)
+    return axis_line(parts, pipe), parts
 
 
 @compiled
 def deepest_depth(position: Vector, R: Rotation, model: FlightModel) -> float:
     """Return the depth (m) of the deepest surface of the model in the wall, 0 if none touches."""
     deepest = 0.0
-    if not is_far_from_wall(position, model.table[REACH], model.pipe):
+    if not is_far_from_wall(position, model.table[REACH], model.pipe, model.fittings):
         axis = body_axis(R)
-        line, parts = axis_line(position, axis, model.pipe), transverse_parts(position, axis, model.pipe)
+        line, parts = axis_in_bore(position, axis, model.pipe, model.fittings)
         for k in range(model.surfaces.shape[0]):
-            deepest = max(deepest, surface_depth(position, axis, line, parts, k, model)[0])
+            deepest = max(deepest, surface_depth(position, axis, line, parts, k, model, model.fittings)[0])
     return deepest
 
 
@@ -159,19 +124,20 @@ def wall_wrench(position: Vector, R: Rotation, velocity: Vector, omega: Vector, 
     for k in range(bristles):
         for j in range(3):
             model.bristles[bristles + k, j] = -model.law[FREQUENCY] * model.bristles[k, j]
-    if is_far_from_wall(position, model.table[REACH], model.pipe):
+    if is_far_from_wall(position, model.table[REACH], model.pipe, model.fittings):
         return ZERO, ZERO
     axis, w = body_axis(R), to_world(R, omega)
-    line, parts = axis_line(position, axis, model.pipe), transverse_parts(position, axis, model.pipe)
-    springs, total, pressed, mass, last, count = (ZERO, ZERO), 0.0, 0.0, 0.0, 0, 0
+    line, parts = axis_in_bore(position, axis, model.pipe, model.fittings)
+    springs, total, pressed, mass, count = (ZERO, ZERO), 0.0, 0.0, 0.0, 0
     for k in range(model.surfaces.shape[0]):
-        depth, lever, normal, x, r = surface_depth(position, axis, line, parts, k, model)
+        depth, lever, normal, x, r = surface_depth(position, axis, line, parts, k, model, model.fittings)
         if depth > 0.0:
-            mass, energy, force, _ = spring(dot(axis, normal), x, r, depth, model.law)
+            mass, energy, force, turning = spring(dot(axis, normal), x, r, depth, model.law)
             total += energy * energy
             pressed += energy * force
             springs = add_wrenches(springs, force_wrench(lever, scale(-energy * force, normal)))
-            last, count = k, count + 1
+            _keep_touch(model.touches[count], k, lever, normal, energy, force, turning)
+            count += 1
     if not total > 0.0:
         return ZERO, ZERO
     root = math.sqrt(total)
@@ -180,21 +146,30 @@ def wall_wrench(position: Vector, R: Rotation, velocity: Vector, omega: Vector, 
         a, alpha = multiply(model.table[INVERSE:LINEAR], F, T)
         mass = common_mass(pressed, dot(F, a) + dot(T, alpha), model.law)
     wrench = (ZERO, ZERO)
-    for k in range(last if count == 1 else 0, last + 1):
-        depth, lever, normal, x, r = surface_depth(position, axis, line, parts, k, model)
-        if depth > 0.0:
-            moving, s = add(velocity, cross(w, lever)), dot(axis, normal)
-            speed = dot(normal, moving)
-            _, energy, force, turning = spring(s, x, r, depth, model.law)
-            force *= energy / root * damper(root / mass, speed, mass, model.law)
-            wrench = add_wrenches(wrench, force_wrench(lever, scale(-force, normal)))
-            turn = scale(-turning * energy / (root * smoothed_sine(s)), cross(axis, normal))
-            wrench = add_wrenches(wrench, (ZERO, turn))
-            if bristles > 0:
-                sliding = subtract(moving, scale(speed, normal))
-                rub = bristle_force(sliding, normal, model.table[FRICTION] * force, k, model)
-                wrench = add_wrenches(wrench, force_wrench(lever, scale(-1.0, rub)))
+    for i in range(count):
+        row = model.touches[i]
+        lever, normal = (row[0], row[1], row[2]), (row[3], row[4], row[5])
+        moving, share = add(velocity, cross(w, lever)), row[6] / root
+        speed = dot(normal, moving)
+        force = row[7] * share * damper(root / mass, speed, mass, model.law)
+        push = scale(-force, normal)
+        if bristles > 0:
+            sliding = subtract(moving, scale(speed, normal))
+            most = model.table[FRICTION] * force
+            push = subtract(push, bristle_force(sliding, normal, most, int(row[9]), model))
+        turn = scale(-row[8] * share / smoothed_sine(dot(axis, normal)), cross(axis, normal))
+        wrench = add_wrenches(wrench, (push, add(cross(lever, push), turn)))
     return to_body(R, wrench[0]), to_body(R, wrench[1])
+
+
+@compiled
+def _keep_touch(
+    row: FloatArray, k: int, lever: Vector, normal: Vector, energy: float, force: float, turning: float
+) -> None:
+    """Fill a row of :attr:`FlightModel.touches`."""
+    for j in range(3):
+        row[j], row[3 + j] = lever[j], normal[j]
+    row[6], row[7], row[8], row[9] = energy, force, turning, k
 
 
 @compiled

@@ -17,8 +17,10 @@ from driftform.dynamics.flight import has_left_pipe, is_finite
 from driftform.dynamics.model import REACH, FlightModel, pack, unpack
 from driftform.dynamics.plane import (
     MODEL_SIZE,
+    RUB,
     accelerations_in_plane,
     has_left_in_plane,
+    is_near_in_plane,
     plane_model,
     stays_in_plane,
 )
@@ -43,7 +45,7 @@ class Motion:
     coordinates, rates
         at the release, (6,) in space, (3,) in the vertical plane: SI units and radians.
     values
-        numbers of the model; pass them to both functions.
+        numbers of the model; pass them to all functions.
     bristles
         numbers b of the bristles of friction, all zero at the release; 0 without friction. Write them to
         ``values[-2 * b:-b]`` before ``accelerations`` is called; it writes their rates to ``values[-b:]``. Where
@@ -72,32 +74,62 @@ def describe_motion(model: FlightModel, start: FloatArray) -> Motion:
         return Motion(
             np.array([start[0], start[2], pitch]),
             start[[7, 9, 11]],
-            np.concatenate([plane_model(model), model.surfaces.ravel()]),
+            np.concatenate(
+                [
+                    plane_model(model),
+                    model.surfaces.ravel(),
+                    model.touches.ravel(),
+                    np.zeros(len(model.bristles)),
+                ]
+            ),
             _accelerations_in_plane,
             _fill_sample_in_plane,
+            len(model.bristles) // 2,
+            _can_touch_in_plane,
         )
-    return Motion(
-        np.concatenate([start[:3], rotation_vector_from_quaternion(start[3:7])]),
-        start[7:],
-        pack(model),
-        _accelerations_in_space,
-        _fill_sample_in_space,
-        model.bristles.size // 2,
-        _can_touch,
-    )
+    coordinates = np.concatenate([start[:3], rotation_vector_from_quaternion(start[3:7])])
+    bristles, fittings = model.bristles.size // 2, model.fittings
+    if fittings is None:
+        functions = _accelerations_in_space, _fill_sample_in_space, bristles, _can_touch
+        return Motion(coordinates, start[7:], pack(model), *functions)
+
+    def accelerate(
+        t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
+    ) -> tuple[float, ...]:
+        return _accelerations_in_space(t, coordinates, rates, values, fittings)
+
+    def fill_sample(
+        sample: FloatArray, t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
+    ) -> bool:
+        return _fill_sample_in_space(sample, t, coordinates, rates, values, fittings)
+
+    def can_touch(coordinates: FloatArray, values: FloatArray) -> bool:
+        return _can_touch(coordinates, values, fittings)
+
+    return Motion(coordinates, start[7:], pack(model), accelerate, fill_sample, bristles, can_touch)
 
 
 @compiled
-def _can_touch(coordinates: FloatArray, values: FloatArray) -> bool:
+def _can_touch(coordinates: FloatArray, values: FloatArray, fittings: FloatArray | None = None) -> bool:
     """Return True if a surface may touch a wall."""
-    model = unpack(values)
+    model = unpack(values, fittings)
     position = (coordinates[0], coordinates[1], coordinates[2])
-    return not is_far_from_wall(position, model.table[REACH], model.pipe)
+    return not is_far_from_wall(position, model.table[REACH], model.pipe, model.fittings)
+
+
+@compiled
+def _can_touch_in_plane(coordinates: FloatArray, values: FloatArray) -> bool:
+    """Return True if a surface may touch a wall."""
+    return is_near_in_plane((coordinates[0], coordinates[1]), borrow(values))
 
 
 @compiled
 def _accelerations_in_space(
-    t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
+    t: float,
+    coordinates: FloatArray,
+    rates: FloatArray,
+    values: FloatArray,
+    fittings: FloatArray | None = None,
 ) -> tuple[float, float, float, float, float, float]:
     R = rotation_from_vector(coordinates[3], coordinates[4], coordinates[5])
     a, alpha = accelerations(
@@ -106,7 +138,7 @@ def _accelerations_in_space(
         R,
         (rates[0], rates[1], rates[2]),
         (rates[3], rates[4], rates[5]),
-        unpack(values),
+        unpack(values, fittings),
     )
     return _bound(a[0]), _bound(a[1]), _bound(a[2]), _bound(alpha[0]), _bound(alpha[1]), _bound(alpha[2])
 
@@ -121,7 +153,12 @@ def _bound(acceleration: float) -> float:
 
 @compiled
 def _fill_sample_in_space(
-    sample: FloatArray, t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
+    sample: FloatArray,
+    t: float,
+    coordinates: FloatArray,
+    rates: FloatArray,
+    values: FloatArray,
+    fittings: FloatArray | None = None,
 ) -> bool:
     x, y, z = coordinates[3], coordinates[4], coordinates[5]
     half = 0.5 * math.sqrt(x * x + y * y + z * z)
@@ -133,7 +170,7 @@ def _fill_sample_in_space(
         sample[8 + i] = rates[i]
         sample[11 + i] = rates[3 + i]
     position = (coordinates[0], coordinates[1], coordinates[2])
-    return is_finite(sample) and not has_left_pipe(position, unpack(values).pipe)
+    return is_finite(sample) and not has_left_pipe(position, unpack(values).pipe, fittings)
 
 
 @compiled
@@ -142,9 +179,20 @@ def _accelerations_in_plane(
 ) -> tuple[float, float, float]:
     plane = borrow(values)
     attitude = math.cos(coordinates[2]), math.sin(coordinates[2])
-    velocity, surfaces = (rates[0], rates[1]), plane[MODEL_SIZE:].reshape(-1, 7)
-    position = (coordinates[0], coordinates[1])
-    a_x, a_z, alpha = accelerations_in_plane(position, attitude, velocity, rates[2], plane, surfaces)
+    position, velocity = (coordinates[0], coordinates[1]), (rates[0], rates[1])
+    # Each surface has 17 numbers, and with friction two for its bristle.
+    count = (plane.shape[0] - MODEL_SIZE) // (19 if plane[RUB] > 0.0 else 17)
+    touches, bristles = MODEL_SIZE + 7 * count, MODEL_SIZE + 17 * count
+    a_x, a_z, alpha = accelerations_in_plane(
+        position,
+        attitude,
+        velocity,
+        rates[2],
+        plane,
+        plane[MODEL_SIZE:touches].reshape(-1, 7),
+        plane[touches:bristles].reshape(-1, 10),
+        plane[bristles:],
+    )
     return _bound(a_x), _bound(a_z), _bound(alpha)
 
 

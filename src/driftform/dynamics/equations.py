@@ -25,7 +25,8 @@ from driftform.dynamics.drag import (
     strip_drag,
     wake_drag,
 )
-from driftform.dynamics.flow import gust_shear, locate_in_segment, water_motion
+from driftform.dynamics.fitting_flow import bore_radius
+from driftform.dynamics.flow import gust_shear, velocity_of_path, water_motion
 from driftform.dynamics.model import (
     ACROSS,
     AXIAL_DRAG,
@@ -152,6 +153,14 @@ def drag_wrench(
 
 
 @compiled
+def _bore_around(position: Vector, pipe: FloatArray, fittings: FloatArray | None) -> float:
+    """Return the radius of the bore around a position, m, infinite in open water."""
+    if fittings is not None:
+        return bore_radius(position, fittings)
+    return pipe[0, 7] if pipe.shape[0] > 0 else np.inf
+
+
+@compiled
 def _velocity_at(x: float, moving: Vector, omega: Vector, shear: Vector, middle: float) -> Vector:
     """Return the velocity relative to the water of the point at ``x`` of the axis; see :func:`drag_wrench`."""
     along = x - middle
@@ -173,11 +182,11 @@ def water_motion_at_cob(
     table, centre = model.table, _read_vector(model.table[COB])
     place = add(position, to_world(R, centre))
     spread = (body_axis(R), table[ACROSS], table[LENGTHWISE])
-    speed, gradient, rate = water_motion(place, t, model.pipe, model.flow, model.gusts, spread)
-    # The velocity of the path along which the water's velocity changes: the water's own, or the body's. A gust is
-    # given along the path already, so its rate is all of its acceleration: the mean shear on top would drag a body along the
-    # wall.
-    path = speed if model.gusts.shape[0] == 0 else ZERO
+    speed, gradient, rate = water_motion(
+        place, t, model.pipe, model.flow, model.gusts, spread, model.fittings
+    )
+    # The velocity of the path along which the water's velocity changes: the water's own, or the body's.
+    path = velocity_of_path(speed, t, model.flow, model.gusts, model.fittings)
     if table[FROUDE_KRYLOV] == 0.0:
         path = add(velocity, to_world(R, cross(omega, centre)))
     shear = to_body(R, add(to_world(gradient, body_axis(R)), gust_shear(t, model.flow, model.gusts)))
@@ -226,11 +235,7 @@ def accelerations(
     if table[DAMPED] != 0.0:
         wrench = add_wrenches(wrench, damping_wrench(moving, omega, table))
     if model.strips.shape[0] > 0:
-        bore = np.inf
-        if model.pipe.shape[0] > 0:
-            bore = model.pipe[0, 7]
-        if model.pipe.shape[0] > 1:
-            bore = locate_in_segment(position, model.pipe)[2]
+        bore = _bore_around(position, model.pipe, model.fittings)
         wrench = add_wrenches(wrench, drag_wrench(position[2], R, moving, omega, shear, model, bore))
         if table[STEADY] == 0.0 and table[SHEAR_VOLUME] > 0.0:
             there = add(moving, cross(omega, centre))

@@ -7,6 +7,7 @@ import numpy as np
 from driftform.dynamics.buoyancy import buoyant_energy
 from driftform.dynamics.contact import deepest_depth
 from driftform.dynamics.cubic import Cubic, cubic_between, cubic_point, cubic_slope
+from driftform.dynamics.fitting_walls import EXIT, LENGTH, OUTSIDE, RADIUS, find_part, to_part
 from driftform.dynamics.flow import SPEED, water_motion
 from driftform.dynamics.model import (
     BODY_MASS,
@@ -24,6 +25,7 @@ from driftform.dynamics.model import (
     pack,
     unpack,
 )
+from driftform.dynamics.profiles import AT_A_POINT
 from driftform.dynamics.rotations import quaternion_rate, rotation_from_quaternion
 from driftform.dynamics.vectors import Vector, dot, scale, subtract, to_body
 from driftform.scenario import Scenario
@@ -45,7 +47,7 @@ def release_state(model: FlightModel, scenario: Scenario) -> FloatArray:
 def _water_velocity(point: Vector, model: FlightModel) -> tuple[float, ...]:
     """Return the water's velocity (m/s, world frame) at the release."""
     if model.table[STEADY] == 0.0 or len(model.pipe) == 0:
-        return water_motion(point, 0.0, model.pipe, model.flow, model.gusts)[0]
+        return water_motion(point, 0.0, model.pipe, model.flow, model.gusts, AT_A_POINT, model.fittings)[0]
     # The same in uniform water, whose kernel need not be compiled then. Adding zero turns -0 into 0, as the kernel does.
     return tuple((model.flow[SPEED] * model.pipe[0, 3:6] + 0.0).tolist())
 
@@ -60,18 +62,39 @@ def is_finite(values: FloatArray) -> bool:
 
 
 @compiled
-def has_left_pipe(position: Vector, pipe: FloatArray) -> bool:
-    """Return True if the body's origin is past the outlet, or more than a radius upstream of the inlet."""
+def has_left_pipe(position: Vector, pipe: FloatArray, fittings: FloatArray | None = None) -> bool:
+    """Return True if the body's origin is past an outlet, or more than a radius upstream of the inlet."""
+    if fittings is not None:
+        return (
+            distance_past_outlet(position, pipe, fittings) >= 0.0
+            or distance_upstream(position, fittings) > 0.0
+        )
     if pipe.shape[0] == 0:
         return False
-    return distance_past_outlet(position, pipe) >= 0.0 or _distance_along(position, pipe[0]) < -pipe[0, 7]
+    return (
+        distance_past_outlet(position, pipe, fittings) >= 0.0
+        or _distance_along(position, pipe[0]) < -pipe[0, 7]
+    )
 
 
 @compiled
-def distance_past_outlet(position: Vector, pipe: FloatArray) -> float:
-    """Return the distance (m) of the position past the outlet; negative before it."""
+def distance_past_outlet(position: Vector, pipe: FloatArray, fittings: FloatArray | None = None) -> float:
+    """Return the distance (m) of the position past an outlet; negative before it."""
+    if fittings is not None:
+        o, _ = find_part(position, fittings)
+        # Of a pipe with parts only whether it is past the outlet: that is all that is asked for.
+        return to_part(position, fittings, o)[0] if fittings[o + EXIT] >= 0.0 else -1.0
     last = pipe[pipe.shape[0] - 1]
     return float(_distance_along(position, last) - last[6])
+
+
+@compiled
+def distance_upstream(position: Vector, fittings: FloatArray) -> float:
+    """Return how far (m) the position lies more than a radius upstream of the inlet of a pipe with parts; not positive elsewhere."""
+    o, _ = find_part(position, fittings)
+    if fittings[o + EXIT] != OUTSIDE:
+        return -1.0
+    return float(fittings[o + LENGTH] - fittings[o + RADIUS] - to_part(position, fittings, o)[0])
 
 
 @compiled
@@ -98,10 +121,10 @@ def finish_trajectory(
     if not end.failed and error is not None and not error <= accepted:
         end = End.NOT_CONVERGED
     values = pack(model)
-    touched, time = _find_contact(rows, values)
+    touched, time = find_contact(rows, values, model.fittings)
     contact, drift = time if touched < len(rows) else None, _energy_drift(rows, values, touched)
-    if len(rows) > 1 and len(model.pipe) > 0:
-        _cut_at_outlet(rows[-2], rows[-1], model.pipe)
+    if len(rows) > 1 and (len(model.pipe) > 0 or model.fittings is not None):
+        _cut_at_outlet(rows[-2], rows[-1], model.pipe, model.fittings)
         contact = None if contact is not None and contact > rows[-1, 0] else contact
     return Trajectory(
         rows[:, 0],
@@ -119,8 +142,8 @@ def _find_end(rows: FloatArray, broken: bool, too_long: bool, model: FlightModel
     position = (rows[-1, 1], rows[-1, 2], rows[-1, 3])
     if broken:
         return End.NON_FINITE
-    if has_left_pipe(position, model.pipe):
-        return End.OUTLET if distance_past_outlet(position, model.pipe) >= 0 else End.INLET
+    if has_left_pipe(position, model.pipe, model.fittings):
+        return End.OUTLET if distance_past_outlet(position, model.pipe, model.fittings) >= 0 else End.INLET
     if rows[-1, 0] >= horizon * (1 - 1e-9):
         return End.HORIZON
     return End.STEP_LIMIT if too_long else End.NON_FINITE
@@ -141,22 +164,24 @@ def _keep_finite(samples: FloatArray) -> tuple[FloatArray, bool]:
 
 
 @compiled
-def _cut_at_outlet(before: FloatArray, after: FloatArray, pipe: FloatArray) -> None:
+def _cut_at_outlet(
+    before: FloatArray, after: FloatArray, pipe: FloatArray, fittings: FloatArray | None
+) -> None:
     """Move the sample ``after`` back to the outlet's plane if it lies past that plane and ``before`` does not.
 
     Between the two, position and quaternion are cubics through the values and rates of both, and the velocities are
     their derivatives.
     """
     if (
-        distance_past_outlet(position_of(after), pipe) < 0.0
-        or distance_past_outlet(position_of(before), pipe) >= 0.0
+        distance_past_outlet(position_of(after), pipe, fittings) < 0.0
+        or distance_past_outlet(position_of(before), pipe, fittings) >= 0.0
     ):
         return
     h, path = after[0] - before[0], sample_path(before, after)
     low, u = 0.0, 1.0
     for _ in range(60):
         middle = 0.5 * (low + u)
-        if distance_past_outlet(cubic_point(path, middle), pipe) < 0.0:
+        if distance_past_outlet(cubic_point(path, middle), pipe, fittings) < 0.0:
             low = middle
         else:
             u = middle
@@ -199,9 +224,11 @@ def _body_velocity(rows: FloatArray) -> FloatArray:
 
 
 @compiled
-def _find_contact(rows: FloatArray, values: FloatArray) -> tuple[int, float]:
+def find_contact(
+    rows: FloatArray, values: FloatArray, fittings: FloatArray | None = None
+) -> tuple[int, float]:
     """Return the first sample at which a surface touches, and the time (s) of the contact; the number of samples without one."""
-    model = unpack(values)
+    model = unpack(values, fittings)
     for k in range(rows.shape[0]):
         if _contact_depth(rows[k], model) > 0.0:
             return k, rows[0, 0] if k == 0 else _locate_contact(rows[k - 1], rows[k], model)

@@ -1,38 +1,49 @@
 """The water's velocity at a point of the pipe, with its derivatives: profiles of pipe flow, and gusts.
 
-All profiles are axisymmetric about the axis of the segment in which the point is farthest from the wall. ``speed`` U
+All profiles are axisymmetric about the axis of the bore. ``speed`` U
 is the bulk velocity, R the bore's radius, y the distance from the wall, x the distance from the inlet along the pipe.
 """
 
 import math
-from typing import TypeAlias
 
 import numpy as np
 
 from driftform.dynamics.cubic import cubic_between, cubic_point, cubic_slope
+from driftform.dynamics.fitting_flow import fitting_flow
+from driftform.dynamics.grid_flow import grid_motion
+from driftform.dynamics.profiles import (
+    AT_A_POINT,
+    DEVELOPING,
+    GRID,
+    LOG_LAW,
+    POWER_LAW,
+    UNIFORM,
+    Spread,
+    spread_across,
+    spread_profile,
+)
 from driftform.dynamics.vectors import ZERO, Rotation, Vector, add, dot, scale, subtract
-from driftform.scenario import DevelopingFlow, LogLawFlow, PowerLawFlow, Scenario, TurbulentFlow, UniformFlow
+from driftform.scenario import (
+    DevelopingFlow,
+    Flow,
+    GridFlow,
+    LogLawFlow,
+    PowerLawFlow,
+    Scenario,
+    TurbulentFlow,
+    UniformFlow,
+)
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 
-UNIFORM, POWER_LAW, LOG_LAW, DEVELOPING = 0.0, 1.0, 2.0, 3.0
-
 KIND, SPEED, PARAMETER, GUST_STEP = 0, 1, 2, 3
-"""Indices in the array of a flow; the parameter is 1/n (power law), u* / (kappa U) (log law) or nu / U (developing)."""
+"""Indices in the array of a flow; the parameter is 1/n (power law), u* / (kappa U) (log law) or nu / U (developing).
 
-Spread: TypeAlias = tuple[Vector, float, float]
-"""Where a body is: unit vector along its axis, variance of its volume across the axis and along it (m2)."""
-
-AT_A_POINT: Spread = (ZERO, 0.0, 0.0)
+Of a grid it is the factor on the velocities of the file.
+"""
 
 KARMAN = 0.4
 """Von Karman's constant kappa."""
-
-MIN_WALL_DISTANCE = 1e-3
-"""Distance from the wall over R below which the profiles are constant.
-
-The centre of an agent does not come as near as that, and the laws do not hold there.
-"""
 
 
 def friction_factor(reynolds: float, roughness: float = 0.0) -> float:
@@ -58,25 +69,45 @@ def friction_factor(reynolds: float, roughness: float = 0.0) -> float:
 
 def flow_array(scenario: Scenario) -> FloatArray:
     """Return a scenario's flow as :func:`water_motion` reads it: kind, speed, parameter, time step of gusts, (4,)."""
-    flow = scenario.flow
+    flow, kind = scenario.flow, UNIFORM
+    step = flow.smoothing if isinstance(flow, TurbulentFlow) else 0.0
+    match flow:
+        case UniformFlow():
+            return np.array([UNIFORM, flow.speed, 0.0, scenario.flight.horizon])
+        case GridFlow():
+            return np.array([GRID, flow.speed, flow.speed / flow.reference, 0.0])
+        case PowerLawFlow():
+            kind = POWER_LAW
+        case LogLawFlow() | TurbulentFlow():
+            kind = LOG_LAW
+        case DevelopingFlow():
+            kind = DEVELOPING
+    parameter = profile_parameter(
+        flow, scenario.pipe.layout.inlet.radius, flow.speed, scenario.fluid.viscosity
+    )
+    return np.array([kind, flow.speed, parameter, step])
+
+
+def profile_parameter(flow: Flow, radius: float, speed: float, viscosity: float) -> float:
+    """Return the parameter of a profile in a bore of ``radius`` (m) at the mean ``speed`` (m/s): see :data:`PARAMETER`."""
     match flow:
         case PowerLawFlow():
-            return np.array([POWER_LAW, flow.speed, 1 / flow.exponent, 0.0])
+            return 1 / flow.exponent
         case LogLawFlow() | TurbulentFlow():
-            step = flow.smoothing if isinstance(flow, TurbulentFlow) else 0.0
-            return np.array([LOG_LAW, flow.speed, _friction_velocity(scenario) / (KARMAN * flow.speed), step])
+            # The velocity of water at rest does not depend on its profile.
+            speed = max(speed, 1e-12)
+            return friction_velocity(flow, radius, speed, viscosity) / (KARMAN * speed)
         case DevelopingFlow():
-            return np.array([DEVELOPING, flow.speed, scenario.fluid.viscosity / flow.speed, 0.0])
-    return np.array([UNIFORM, flow.speed, 0.0, scenario.flight.horizon])
+            return viscosity / flow.speed
+    return 0.0
 
 
-def _friction_velocity(scenario: Scenario) -> float:
-    """Return u* = U sqrt(f / 8), m/s."""
-    flow, radius = scenario.flow, scenario.pipe.segments[0].radius
+def friction_velocity(flow: Flow, radius: float, speed: float, viscosity: float) -> float:
+    """Return u* = U sqrt(f / 8), m/s, in a bore of ``radius`` (m) at the mean ``speed`` U, m/s."""
     # Below 4000 the flow would be laminar; all profiles here are turbulent.
-    reynolds = max(4e3, 2 * radius * flow.speed / scenario.fluid.viscosity)
+    reynolds = max(4e3, 2 * radius * speed / viscosity)
     roughness = flow.roughness if isinstance(flow, LogLawFlow | TurbulentFlow) else 0.0
-    return flow.speed * math.sqrt(friction_factor(reynolds, roughness / (2 * radius)) / 8)
+    return speed * math.sqrt(friction_factor(reynolds, roughness / (2 * radius)) / 8)
 
 
 def gust_array(scenario: Scenario, slip: float = 0.0, length: float = 0.0) -> FloatArray:
@@ -110,7 +141,8 @@ def gust_array(scenario: Scenario, slip: float = 0.0, length: float = 0.0) -> Fl
         return np.empty((0, 12))
     from scipy.interpolate import CubicSpline
 
-    deviation = flow.intensity * _friction_velocity(scenario)
+    radius, viscosity = scenario.pipe.layout.inlet.radius, scenario.fluid.viscosity
+    deviation = flow.intensity * friction_velocity(flow, radius, flow.speed, viscosity)
     times = flow.smoothing * np.arange(math.ceil(scenario.flight.horizon / flow.smoothing) + 3)
     kept = math.exp(-flow.smoothing / gust_memory(flow.memory, flow.crossing, slip, deviation))
     rng = np.random.default_rng(flow.seed)
@@ -119,9 +151,9 @@ def gust_array(scenario: Scenario, slip: float = 0.0, length: float = 0.0) -> Fl
     correlation = math.exp(-apart * flow.crossing / (deviation * flow.memory))
     common *= deviation * math.sqrt((1 + correlation) / 2)
     own *= deviation * math.sqrt(2 * (1 - correlation)) / apart if apart > 0 else 0.0
-    slopes = (CubicSpline(times, walk)(times, 1) for walk in (common, own))
-    rates = list(slopes)
-    return np.column_stack([common, rates[0], own, rates[1]])
+    gusts = np.hstack([common, own])
+    rates = CubicSpline(times, gusts)(times, 1)
+    return np.hstack([common, rates[:, :3], own, rates[:, 3:]])
 
 
 def gust_memory(memory: float, crossing: float, slip: float, deviation: float) -> float:
@@ -146,12 +178,14 @@ def gust_memory(memory: float, crossing: float, slip: float, deviation: float) -
     return memory / math.hypot(1.0, crossing * slip / deviation)
 
 
+@compiled
 def _walk(noise: FloatArray, kept: float) -> FloatArray:
     """Return the stationary process of which each step keeps the share ``kept``, from normal numbers (n, 3)."""
-    walk = np.empty_like(noise)
-    walk[0] = noise[0]
-    for k in range(1, len(noise)):
-        walk[k] = kept * walk[k - 1] + math.sqrt(1 - kept**2) * noise[k]
+    walk, added = np.empty_like(noise), math.sqrt(1.0 - kept * kept)
+    for j in range(noise.shape[1]):
+        walk[0, j] = noise[0, j]
+        for k in range(1, noise.shape[0]):
+            walk[k, j] = kept * walk[k - 1, j] + added * noise[k, j]
     return walk
 
 
@@ -163,22 +197,49 @@ def water_motion(
     flow: FloatArray,
     gusts: FloatArray,
     spread: Spread = AT_A_POINT,
+    fittings: FloatArray | None = None,
 ) -> tuple[Vector, Rotation, Vector]:
     """Return the water's velocity (m/s), its gradient du_i/dx_j (rows i, 1/s) and its rate du/dt in place (m/s2).
 
     The mean flow is taken at the root mean square distance of ``spread`` from the axis: for a parabolic profile, that
     is its mean over the body.
 
+    ``fittings`` is the array of a pipe with parts (:mod:`driftform.dynamics.fittings`), in place of ``pipe``, and of a grid.
+
     In the boundary layer of developing flow the radial velocity is that of continuity; its own change downstream
     is of second order in the layer's slope and left out of the gradient.
     """
     velocity, gradient, rate = (flow[SPEED], 0.0, 0.0), (ZERO, ZERO, ZERO), ZERO
-    if pipe.shape[0] > 0:
+    if fittings is not None:
+        if flow[KIND] == GRID:
+            velocity, gradient = grid_motion(point, fittings, spread)
+            factor = flow[PARAMETER]
+            velocity = scale(factor, velocity)
+            gradient = (scale(factor, gradient[0]), scale(factor, gradient[1]), scale(factor, gradient[2]))
+        else:
+            velocity, gradient = fitting_flow(point, fittings, flow[KIND], spread)
+    elif pipe.shape[0] > 0:
         velocity, gradient = _mean_velocity(point, pipe, flow, spread)
     if gusts.shape[0] > 1:
         gust, rate = _interpolate_gust(t, gusts, flow[GUST_STEP], 0)
         velocity = add(velocity, gust)
     return velocity, gradient, rate
+
+
+@compiled
+def velocity_of_path(
+    speed: Vector, t: float, flow: FloatArray, gusts: FloatArray, fittings: FloatArray | None
+) -> Vector:
+    """Return the velocity (m/s) along which the mean flow's gradient accelerates the water, whose velocity is ``speed``.
+
+    A gust is given along the path already, so its rate is all of its acceleration: the mean shear on top would drag a body along
+    the wall. In a fitting the mean flow itself accelerates.
+    """
+    if gusts.shape[0] == 0:
+        return speed
+    if fittings is not None:
+        return subtract(speed, _interpolate_gust(t, gusts, flow[GUST_STEP], 0)[0])
+    return ZERO
 
 
 @compiled
@@ -194,7 +255,7 @@ def _mean_velocity(
     point: Vector, pipe: FloatArray, flow: FloatArray, spread: Spread
 ) -> tuple[Vector, Rotation]:
     """Return the velocity of the profile, and its gradient."""
-    axis, outward, radius, x, r = locate_in_segment(point, pipe)
+    axis, outward, radius, x, r = locate_in_bore(point, pipe)
     along, shear, stretch, radial = spread_profile(
         radius, x, r, spread_across(spread, axis), flow[KIND], flow[SPEED], flow[PARAMETER]
     )
@@ -212,28 +273,14 @@ def _mean_velocity(
 
 
 @compiled
-def locate_in_segment(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector, float, float, float]:
-    """Return unit vectors along the segment and away from its axis, its radius, x from the inlet, and r (m)."""
-    best, radius, x, r, before = -np.inf, 0.0, 0.0, 0.0, 0.0
-    along_axis, outward = ZERO, ZERO
-    last = pipe.shape[0] - 1
-    for s in range(pipe.shape[0]):
-        axis = (pipe[s, 3], pipe[s, 4], pipe[s, 5])
-        off = subtract(point, (pipe[s, 0], pipe[s, 1], pipe[s, 2]))
-        along = dot(axis, off)
-        off = subtract(off, scale(along, axis))
-        distance = math.sqrt(dot(off, off))
-        beyond = 0.0
-        if s > 0:
-            beyond = max(beyond, -along)
-        if s < last:
-            beyond = max(beyond, along - pipe[s, 6])
-        gap = pipe[s, 7] - math.hypot(distance, beyond)
-        if gap > best:
-            best, radius, x, r, along_axis = gap, pipe[s, 7], before + along, distance, axis
-            outward = scale(1.0 / distance, off) if distance > 0.0 else ZERO
-        before += pipe[s, 6]
-    return along_axis, outward, radius, x, r
+def locate_in_bore(point: Vector, pipe: FloatArray) -> tuple[Vector, Vector, float, float, float]:
+    """Return unit vectors along the bore and away from its axis, its radius, x from the inlet, and r (m)."""
+    axis = (pipe[0, 3], pipe[0, 4], pipe[0, 5])
+    off = subtract(point, (pipe[0, 0], pipe[0, 1], pipe[0, 2]))
+    x = dot(axis, off)
+    off = subtract(off, scale(x, axis))
+    r = math.sqrt(dot(off, off))
+    return axis, scale(1.0 / r, off) if r > 0.0 else ZERO, pipe[0, 7], x, r
 
 
 @compiled
@@ -247,65 +294,3 @@ def _interpolate_gust(t: float, gusts: FloatArray, step: float, column: int) -> 
     q, w = (b[c], b[c + 1], b[c + 2]), (b[c + 3], b[c + 4], b[c + 5])
     curve = cubic_between(p, v, q, w, step)
     return cubic_point(curve, u), scale(1.0 / step, cubic_slope(curve, u))
-
-
-@compiled
-def spread_across(spread: Spread, axis: Vector) -> float:
-    """Return the mean square distance (m2) of a body from a line along ``axis`` through its centre."""
-    along = dot(axis, spread[0])
-    return 2.0 * spread[1] + (spread[2] - spread[1]) * max(0.0, 1.0 - along * along)
-
-
-@compiled
-def spread_profile(
-    radius: float, x: float, r: float, square: float, kind: float, U: float, parameter: float
-) -> tuple[float, float, float, float]:
-    """Return what :func:`velocity_profile` does at sqrt(r^2 + ``square``), with derivatives with respect to r."""
-    if square == 0.0:
-        return velocity_profile(radius, x, r, kind, U, parameter)
-    distance = math.sqrt(r * r + square)
-    along, shear, stretch, radial = velocity_profile(radius, x, distance, kind, U, parameter)
-    return along, shear * r / distance, stretch, radial * r / distance
-
-
-@compiled
-def velocity_profile(
-    radius: float, x: float, r: float, kind: float, U: float, parameter: float
-) -> tuple[float, float, float, float]:
-    """Return the axial velocity u, du/dr, du/dx, and the radial velocity at r from the axis, x from the inlet.
-
-    * power law: u/U = (n + 1)(2n + 1) / (2 n^2) (y/R)^(1/n);
-    * log law: u/U = 1 + u* / (kappa U) (3/2 + ln(y/R)), the velocity-defect law over the whole bore;
-    * developing: a layer of thickness d = 0.37 x Re_x^(-1/5) (Schlichting) with u ~ (y/d)^(1/7), and a core whose
-      speed U / (1 - d/(4R) + d^2/(15 R^2)) keeps the volume flow.
-    """
-    if kind == UNIFORM:
-        return U, 0.0, 0.0, 0.0
-    y = max(radius - r, MIN_WALL_DISTANCE * radius)
-    moving = 1.0 if radius - r > MIN_WALL_DISTANCE * radius else 0.0
-    if kind == POWER_LAW:
-        power = parameter
-        n = 1.0 / power
-        u = U * (n + 1) * (2 * n + 1) / (2 * n * n) * (y / radius) ** power
-        return u, -moving * power * u / y, 0.0, 0.0
-    if kind == LOG_LAW:
-        defect = U * parameter
-        u = U + defect * (1.5 + math.log(y / radius))
-        # Near a very rough wall the law would give a negative velocity.
-        return (u, -moving * defect / y, 0.0, 0.0) if u > 0.0 else (0.0, 0.0, 0.0, 0.0)
-    x = max(x, MIN_WALL_DISTANCE * radius)
-    layer = 0.37 * x**0.8 * parameter**0.2
-    growth = 0.8 * layer / x
-    if layer > radius:
-        layer, growth = radius, 0.0
-    ratio = layer / radius
-    narrowing = 1 - ratio / 4 + ratio * ratio / 15
-    core = U / narrowing
-    core_stretch = core / narrowing * (0.25 - ratio * 2 / 15) * growth / radius
-    if y >= layer:
-        return core, 0.0, core_stretch, -0.5 * core_stretch * r
-    shape = (y / layer) ** (1 / 7)
-    factor = core_stretch - core * growth / (7 * layer)
-    # r v = integral from r to R of s du/dx ds, with du/dx = factor (y / d)^(1/7) and s = R - y.
-    radial = factor * shape * y * (7 / 8 * radius - 7 / 15 * y) / r
-    return core * shape, -moving * core * shape / (7 * y), factor * shape, radial

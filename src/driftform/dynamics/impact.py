@@ -116,6 +116,12 @@ def spring(s: float, x: float, r: float, depth: float, law: FloatArray) -> tuple
 
 
 @compiled
+def spring_slope(mass: float, depth: float, law: FloatArray) -> float:
+    """Return half of the second derivative of e with respect to the depth, N/m; beyond DEEPEST that at it."""
+    return float(mass * law[FREQUENCY] ** 2 * (1.0 + 5.0 * (min(depth, DEEPEST) / STIFF_DEPTH) ** 4))
+
+
+@compiled
 def common_mass(pressed: float, power: float, law: FloatArray) -> float:
     """Return the effective mass (kg) of several springs that press together.
 

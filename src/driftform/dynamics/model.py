@@ -4,10 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from driftform.dynamics.flow import UNIFORM, flow_array, gust_array
+from driftform.dynamics.fittings import fitting_array, rim_spacing
+from driftform.dynamics.flow import flow_array, gust_array
 from driftform.dynamics.impact import contact_law
 from driftform.dynamics.inertia import added_mass_at, rigid_body_mass
-from driftform.dynamics.surfaces import touching_surfaces
+from driftform.dynamics.profiles import UNIFORM
+from driftform.dynamics.surfaces import refined_surfaces, touching_surfaces
 from driftform.dynamics.terminal import terminal_speed_across
 from driftform.geometry.slices import slice_solid
 from driftform.scenario import Scenario, TurbulentFlow
@@ -32,6 +34,7 @@ FROUDE_KRYLOV, FRICTION, REACH = (30, 0), (30, 1), (30, 2)
 ROUND_AREA, DIAMETER = (AXIAL_DRAG, 4), (AXIAL_DRAG, 5)
 SPIN, SHEAR_VOLUME = (TAILS, 4), (TAILS, 5)
 ACROSS, LENGTHWISE, BLOCKING, CENTRE = (32, 0), (32, 1), (32, 2), (32, 3)
+AXISYMMETRIC = (32, 4)
 
 _FEWEST, _MOST_SLICES = 16, 64
 
@@ -50,7 +53,7 @@ class FlightModel(NamedTuple):
         without one); (1 if the pressure gradient of accelerating water acts on the body, coefficient of friction,
         greatest distance of a surface from the origin); (x and lift area of the tail for
         motion ahead, the same for motion astern, spin, shear volume); (spread across and along, blocking diameter,
-        centre of the drag of a sphere): see :class:`driftform.types.Drag`.
+        centre of the drag of a sphere: see :class:`driftform.types.Drag`; 1 if a roll changes nothing).
     surfaces
         rims and domes of the body that can touch a wall: the five numbers of
         :func:`driftform.dynamics.surfaces.touching_surfaces`, greatest fall of the bore from its tangent within the
@@ -58,17 +61,24 @@ class FlightModel(NamedTuple):
     law
         of the force of a contact, (8,): see :func:`driftform.dynamics.impact.contact_law`.
     pipe
-        rows of start (3), unit vector downstream (3), length, radius, (segments, 8).
+        rows of start (3), unit vector downstream (3), length, radius, (segments, 8); (0, 8) in open water and for a pipe
+        with parts.
     flow, gusts
         see :mod:`driftform.dynamics.flow`.
     slices
         of the displaced volume: x, radius (m), volume (m3), width (m), (n, 4); (0, 4) if the pipe is full.
     strips
         of drag: see :class:`driftform.types.Drag`, (n, 4); (0, 4) without any.
+    touches
+        room for what is known of each surface that touches, (surfaces, 10): in space its lever, the wall's normal, twice the
+        energy of the spring, half of its derivatives by depth and angle, and the index of the surface.
     bristles
         of the surfaces, if there is friction: their deflections times the contact's frequency, world frame, m/s (rows
         of the first half), and room for the rates of these, m/s2 (second half); (2 surfaces, 3) or (0, 3). See
         :func:`driftform.dynamics.contact.wall_wrench`.
+    fittings
+        a pipe with parts, shared by all flights in it (:mod:`driftform.dynamics.fittings`); ``None`` for a straight pipe and in open
+        water, where nothing of it is compiled.
     """
 
     table: FloatArray
@@ -79,14 +89,18 @@ class FlightModel(NamedTuple):
     gusts: FloatArray
     slices: FloatArray
     strips: FloatArray
+    touches: FloatArray
     bristles: FloatArray
+    fittings: FloatArray | None = None
 
 
 def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     """Return the arrays of an agent in a scenario."""
     mass, fluid, coefficients = agent.mass, scenario.fluid, agent.coefficients
+    contact = scenario.calibrated_contact()
     total = rigid_body_mass(mass) + added_mass_at(coefficients, np.zeros(3))
     inverse = invert_mass(total, max(agent.body.length, agent.body.max_diameter))
+    fittings = fitting_array(scenario)
     surfaces = _surface_rows(agent.body, inverse, scenario)
     flow, gusts = flow_array(scenario), _gusts(agent, scenario)
     drag = coefficients.drag or Drag(np.empty((0, 4)))
@@ -98,7 +112,7 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     table[DAMPING_POINT, :3] = coefficients.origin
     table[DAMPED] = np.any(table[LINEAR:COG])
     table[CURRENT, :3] = scenario.current()
-    table[STEADY] = flow[0] == UNIFORM and not len(gusts) and len(scenario.pipe.segments) <= 1
+    table[STEADY] = flow[0] == UNIFORM and not len(gusts) and fittings is None
     table[AXIAL_DRAG] = (
         drag.friction_area,
         drag.length,
@@ -110,13 +124,14 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     table[TAILS] = *drag.wake_ahead, *drag.wake_astern, drag.spin, drag.shear_volume
     table[ACROSS], table[LENGTHWISE] = drag.spread
     table[BLOCKING], table[CENTRE] = drag.blocking, drag.centre
+    table[AXISYMMETRIC] = _is_axisymmetric(table)
     table[BODY_MASS], table[DISPLACED_MASS] = mass.mass, fluid.density * mass.volume
     table[GRAVITY], table[DENSITY], table[VISCOSITY] = fluid.gravity, fluid.density, fluid.viscosity
     table[WATER_LEVEL] = np.inf if fluid.water_level is None else fluid.water_level
     table[FROUDE_KRYLOV] = fluid.flow_force == "full"
-    table[FRICTION] = scenario.contact.friction
+    table[FRICTION] = contact.friction
     table[REACH] = (np.hypot(surfaces[:, 0], surfaces[:, 1]) + surfaces[:, 2]).max(initial=0.0)
-    contact, viscosity = scenario.contact, fluid.density * fluid.viscosity
+    viscosity = fluid.density * fluid.viscosity
     radius = 0.5 * agent.body.max_diameter
     law = contact_law(inverse, contact.frequency, contact.restitution, viscosity, radius)
     return FlightModel(
@@ -128,40 +143,52 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
         gusts,
         np.empty((0, 4)) if fluid.water_level is None else _buoyancy_slices(agent),
         _drag_strips(agent),
+        np.zeros((len(surfaces), 10)),
         np.zeros((2 * len(surfaces) if contact.friction > 0.0 else 0, 3)),
+        fittings,
     )
 
 
 def pack(model: FlightModel) -> FloatArray:
-    """Return all arrays of a model as one, which is cheaper to pass to a kernel; see :func:`unpack`."""
-    flat: list[FloatArray] = [np.array([float(len(array)) for array in model])]
-    flat.extend(array.ravel() for array in model)
+    """Return all arrays of a model but its fittings as one, which is cheaper to pass to a kernel; see :func:`unpack`."""
+    arrays = [array for array in model[:-1] if array is not None]
+    flat: list[FloatArray] = [np.array([float(len(array)) for array in arrays])]
+    flat.extend(array.ravel() for array in arrays)
     return np.concatenate(flat)
 
 
 @compiled
-def unpack(values: FloatArray) -> FlightModel:
-    """Return the model that :func:`pack` put into one array; its arrays share that memory."""
+def unpack(values: FloatArray, fittings: FloatArray | None = None) -> FlightModel:
+    """Return the model that :func:`pack` put into one array, with its fittings; its arrays share that memory."""
     values = borrow(values)
-    surfaces = 9 + 6 * int(values[0])
+    surfaces = 10 + 6 * int(values[0])
     law = surfaces + 7 * int(values[1])
     pipe = law + int(values[2])
     flow = pipe + 8 * int(values[3])
     gusts = flow + int(values[4])
     cuts = gusts + 12 * int(values[5])
     strips = cuts + 4 * int(values[6])
-    bristles = strips + 4 * int(values[7])
+    touches = strips + 4 * int(values[7])
+    bristles = touches + 10 * int(values[8])
     return FlightModel(
-        values[9:surfaces].reshape(-1, 6),
+        values[10:surfaces].reshape(-1, 6),
         values[surfaces:law].reshape(-1, 7),
         values[law:pipe],
         values[pipe:flow].reshape(-1, 8),
         values[flow:gusts],
         values[gusts:cuts].reshape(-1, 12),
         values[cuts:strips].reshape(-1, 4),
-        values[strips:bristles].reshape(-1, 4),
+        values[strips:touches].reshape(-1, 4),
+        values[touches:bristles].reshape(-1, 10),
         values[bristles:].reshape(-1, 3),
+        _borrow_fittings(fittings),
     )
+
+
+@compiled
+def _borrow_fittings(fittings: FloatArray | None) -> FloatArray | None:
+    # numba compiles no branch for an argument that is None.
+    return borrow(fittings) if fittings is not None else None
 
 
 def invert_mass(total: FloatArray, length: float) -> FloatArray:
@@ -182,8 +209,21 @@ def invert_mass(total: FloatArray, length: float) -> FloatArray:
     return np.where(np.abs(inverse) > 1e-14 * np.abs(inverse).max(), inverse, 0.0)
 
 
+def _is_axisymmetric(table: FloatArray) -> bool:
+    """Return True if mass, damping and all centres of a table are the same after a roll."""
+    parts = [table[row : row + 6] for row in (MASS, LINEAR, QUADRATIC)]
+    if table[[COG, COB, DAMPING_POINT], 1:3].any() or not np.isfinite(parts).all():
+        return False
+    c, s = np.cos(1.0), np.sin(1.0)
+    turn = np.kron(np.eye(2), [[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+    return all(np.abs(turn @ part @ turn.T - part).max() <= 1e-12 * np.abs(part).max() for part in parts)
+
+
 def _surface_rows(body: Body, inverse: FloatArray, scenario: Scenario) -> FloatArray:
-    surfaces = touching_surfaces(body)
+    if scenario.pipe.is_open or scenario.pipe.straight is not None:
+        surfaces = touching_surfaces(body)
+    else:
+        surfaces = refined_surfaces(body, rim_spacing(scenario.pipe.layout))
     x, r = surfaces[:, 0], surfaces[:, 1] + surfaces[:, 2]
     # 1 / (effective mass) of a push at (x, 0, r) is J M^-1 J^T, with J of a force along the axis, and around it.
     push = np.zeros((2, len(surfaces), 6))
@@ -192,12 +232,16 @@ def _surface_rows(body: Body, inverse: FloatArray, scenario: Scenario) -> FloatA
     with np.errstate(divide="ignore", invalid="ignore"):
         along, around = 1 / np.einsum("aki,ij,akj->ak", push, inverse, push)
     # A bore of radius R falls away from its tangent by r^2 / (2 R) within r.
-    narrowest = min((segment.radius for segment in scenario.pipe.segments), default=np.inf)
+    narrowest = np.inf if scenario.pipe.is_open else scenario.pipe.layout.narrowest
     return np.column_stack([surfaces, surfaces[:, 1] ** 2 / narrowest, np.minimum(along, around)])
 
 
 def _pipe_rows(scenario: Scenario) -> FloatArray:
-    rows = scenario.pipe.array()
+    """Return the straight pipe; no rows for another one and in open water."""
+    segment = scenario.pipe.straight
+    if segment is None:
+        return np.empty((0, 8))
+    rows = np.array([[*segment.start, *segment.end, segment.radius]])
     axis = rows[:, 3:6] - rows[:, :3]
     length = np.linalg.norm(axis, axis=1, keepdims=True)
     return np.column_stack([rows[:, :3], axis / length, length, rows[:, 6]])

@@ -1,8 +1,8 @@
 """Motion in the vertical plane: surge, heave and pitch only, for a fraction of the work of motion in space.
 
 A body of revolution that is released without yaw, in a steady flow parallel to a pipe in the vertical plane, never
-leaves the plane of its axis and the pipe's: sway, roll and yaw are always zero, and so are their forces. The remaining
-terms of :mod:`driftform.dynamics.equations` are written out here. With u, v the velocities relative to the water along the
+leaves the plane of its axis and the pipe's: sway, roll and yaw are always zero, and so are their forces. Friction on the
+wall acts along the pipe, and bends one number per bristle. The remaining terms of :mod:`driftform.dynamics.equations` are written out here. With u, v the velocities relative to the water along the
 body's x and z axes, q the pitch rate, and (P_x, P_z, H) = M (u, v, q) the momentum,::
 
     P_x' = X - P_z q        P_z' = Z + P_x q        H' = N + P_z u - P_x v
@@ -18,8 +18,8 @@ import numpy as np
 
 from driftform.dynamics.bore import end_of_dome, smoothed_sine
 from driftform.dynamics.drag import SLOWEST
-from driftform.dynamics.flow import KIND, LOG_LAW, PARAMETER, POWER_LAW, SPEED, UNIFORM, spread_profile
-from driftform.dynamics.impact import common_mass, damper, spring
+from driftform.dynamics.flow import KIND, PARAMETER, SPEED
+from driftform.dynamics.impact import FREQUENCY, common_mass, damper, spring
 from driftform.dynamics.model import (
     ACROSS as SPREAD_ACROSS,
 )
@@ -50,6 +50,7 @@ from driftform.dynamics.model import (
     WATER_LEVEL,
     FlightModel,
 )
+from driftform.dynamics.profiles import LOG_LAW, POWER_LAW, UNIFORM, spread_profile
 from driftform.hydrodynamics.drag_coefficients import (
     blockage_factor,
     crossflow_drag,
@@ -79,7 +80,8 @@ TAIL_AHEAD, TAIL_ASTERN = 40, 42
 STRIP, STRIPS = 44, 5
 """Rows of x, 1/2 rho C dx d (kg/m), viscosity over d; the strips must be as many."""
 LAW = STRIP + 3 * STRIPS
-MODEL_SIZE = LAW + 8
+RUB = LAW + 8
+MODEL_SIZE = RUB + 1
 
 
 def stays_in_plane(start: FloatArray, model: FlightModel) -> bool:
@@ -88,7 +90,7 @@ def stays_in_plane(start: FloatArray, model: FlightModel) -> bool:
     The conditions: all components across the plane are exactly zero; the water is steady, and uniform or parallel to the
     pipe; the pipe is full and straight, and its radius is at least twice the greatest distance of a surface from the
     origin (the near wall is then the same all along the body); and only weight, buoyancy, added mass, drag and the
-    frictionless wall act.
+    wall act.
     """
     table, pipe = model.table, model.pipe
     parallel = (
@@ -96,9 +98,9 @@ def stays_in_plane(start: FloatArray, model: FlightModel) -> bool:
     )
     if table[STEADY] == 0.0 and not parallel:
         return False
-    if table[WATER_LEVEL] < np.inf or table[DAMPED] != 0.0 or table[FRICTION] != 0.0:
+    if table[WATER_LEVEL] < np.inf or table[DAMPED] != 0.0:
         return False
-    if len(model.strips) not in (0, STRIPS) or len(pipe) > 1:
+    if len(model.strips) not in (0, STRIPS) or len(pipe) > 1 or model.fittings is not None:
         return False
     coupling = table[MASS:LINEAR].reshape(2, 6, 6)
     across = [*start[4:13:2], table[COG, 1], table[COB, 1], table[CURRENT, 1]]
@@ -110,13 +112,14 @@ def stays_in_plane(start: FloatArray, model: FlightModel) -> bool:
 
 
 def plane_model(model: FlightModel) -> FloatArray:
-    """Return the input of :func:`accelerations_in_plane` except the surfaces, (67,).
+    """Return the input of :func:`accelerations_in_plane` except the surfaces and bristles, (68,).
 
     Total mass and its inverse; weight less buoyancy (N), their moments about the origin from heights and from lengths along
     the body (N m); the water's velocity (x, z); the bore's radius, and the distance from its axis beyond which a surface may
     touch (m); in the world frame, the unit vector across the bore and a point on its axis (x, z each); the bore's
     length (m). Then the velocity profile (kind, speed, parameter), the COB in body axes (x, z) and the spread of the body;
-    then its drag, with densities, viscosity and the narrowness of the bore multiplied in; then the law of the contacts.
+    then its drag, with densities, viscosity and the narrowness of the bore multiplied in; then the law of the contacts, and
+    the coefficient of friction.
     """
     table, out = model.table, np.zeros(MODEL_SIZE)
     out[INERTIA:NET_WEIGHT] = table[MASS:LINEAR].reshape(2, 6, 6)[:, _UPPER[0], _UPPER[1]].ravel()
@@ -126,7 +129,7 @@ def plane_model(model: FlightModel) -> FloatArray:
         out[NET_WEIGHT] = weight - lift
         out[HANGING] = weight * table[COG, 2] - lift * table[COB, 2]
         out[TRIM] = weight * table[COG, 0] - lift * table[COB, 0]
-    out[LAW:] = model.law
+    out[LAW:RUB], out[RUB] = model.law, table[FRICTION]
     out[STREAM], out[STREAM + 1] = table[CURRENT, 0], table[CURRENT, 2]
     out[NEAR] = out[LENGTH] = math.inf
     if len(model.pipe) == 1:
@@ -162,22 +165,44 @@ def _fill_drag(model: FlightModel, out: FloatArray) -> None:
 
 
 @compiled
-def fill_rate_in_plane(y: FloatArray, plane: FloatArray, surfaces: FloatArray, out: FloatArray) -> None:
-    """Fill ``out`` (7,) with the time derivative of ``y`` (7,), the numbers of a state at :data:`STATE_INDICES`.
+def fill_rate_in_plane(
+    y: FloatArray,
+    plane: FloatArray,
+    surfaces: FloatArray,
+    touches: FloatArray,
+    bristles: FloatArray,
+    out: FloatArray,
+) -> None:
+    """Fill ``out`` with the time derivative of ``y``, the numbers of a state at :data:`STATE_INDICES`, (7,), and the bristles.
 
-    ``plane`` is the result of :func:`plane_model`, ``surfaces`` are those of its :class:`FlightModel`.
+    ``plane`` is the result of :func:`plane_model`; ``surfaces`` and ``touches`` are those of its :class:`FlightModel`, and
+    ``bristles`` is room for twice as many numbers as there are bristles.
     """
     w, h, q = y[2], y[3], y[6]
     double = 2.0 / (w * w + h * h)
     attitude = 1.0 - double * h * h, double * w * h
+    count = y.shape[0] - 7
+    for k in range(count):
+        bristles[k] = y[7 + k]
     out[0], out[1] = y[4], y[5]
     out[2], out[3] = -0.5 * h * q, 0.5 * w * q
-    out[4], out[5], out[6] = accelerations_in_plane((y[0], y[1]), attitude, (y[4], y[5]), q, plane, surfaces)
+    out[4], out[5], out[6] = accelerations_in_plane(
+        (y[0], y[1]), attitude, (y[4], y[5]), q, plane, surfaces, touches, bristles
+    )
+    for k in range(count):
+        out[7 + k] = bristles[count + k]
 
 
 @compiled
 def accelerations_in_plane(
-    position: Point, attitude: Point, velocity: Point, q: float, plane: FloatArray, surfaces: FloatArray
+    position: Point,
+    attitude: Point,
+    velocity: Point,
+    q: float,
+    plane: FloatArray,
+    surfaces: FloatArray,
+    touches: FloatArray,
+    bristles: FloatArray,
 ) -> tuple[float, float, float]:
     """Return the accelerations along x and z of the world (m/s2), and the pitch acceleration (rad/s2).
 
@@ -191,15 +216,18 @@ def accelerations_in_plane(
         pitch rate (rad/s).
     plane
         the result of :func:`plane_model`.
-    surfaces
+    surfaces, touches
         those of its :class:`FlightModel`.
+    bristles
+        the components along the pipe of what :attr:`FlightModel.bristles` holds, m/s; the second half is filled with their
+        rates, m/s2.
     """
     c, s = attitude
     along, upward = velocity[0] - plane[STREAM], velocity[1] - plane[STREAM + 1]
     u, v = c * along - s * upward, s * along + c * upward
     X, Z = plane[NET_WEIGHT] * s, -plane[NET_WEIGHT] * c
     N = plane[HANGING] * s + plane[TRIM] * c
-    off = plane[ACROSS] * (position[0] - plane[INLET]) + plane[ACROSS + 1] * (position[1] - plane[INLET + 1])
+    off = offset_in_plane(position, plane)
     # The unit vector across the pipe, in body axes; that along the pipe is (n_b, -n_a).
     n_a = c * plane[ACROSS] - s * plane[ACROSS + 1]
     n_b = s * plane[ACROSS] + c * plane[ACROSS + 1]
@@ -210,14 +238,20 @@ def accelerations_in_plane(
     if plane[IS_DRAGGED] != 0.0:
         F_x, F_z, torque = _drag(u, v, q, -n_a * n_a * shear, shear, plane)
         X, Z, N = X + F_x, Z + F_z, N + torque
+    count = bristles.shape[0] // 2
+    for k in range(count):
+        bristles[count + k] = -plane[LAW + FREQUENCY] * bristles[k]
     if abs(off) >= plane[NEAR]:
         side = 1.0 if off > 0.0 else -1.0
-        n_x, n_z = side * plane[ACROSS], side * plane[ACROSS + 1]
-        tilt, upright = c * n_x - s * n_z, s * n_x + c * n_z
-        gap, speed = plane[RADIUS] - side * off, n_x * velocity[0] + n_z * velocity[1]
+        across = plane[ACROSS] * velocity[0] + plane[ACROSS + 1] * velocity[1]
+        sliding = plane[ACROSS + 1] * velocity[0] - plane[ACROSS] * velocity[1]
         # The cross product of axis and normal is -upright along y.
-        force, torque = press_in_plane(tilt, upright, gap, speed, q, plane, surfaces)
-        X, Z, N = X - force * tilt, Z - force * upright, N + torque
+        gap, n_a, n_b = plane[RADIUS] - side * off, side * n_a, side * n_b
+        force, rub, torque = press_in_plane(
+            n_a, n_b, gap, side * across, sliding, q, side, plane, surfaces, touches, bristles
+        )
+        rub *= side
+        X, Z, N = X - force * n_a - rub * n_b, Z - force * n_b + rub * n_a, N + torque
     P_x = plane[INERTIA] * u + plane[INERTIA + 1] * v + plane[INERTIA + 2] * q
     P_z = plane[INERTIA + 1] * u + plane[INERTIA + 3] * v + plane[INERTIA + 4] * q
     X, Z, N = X - P_z * q, Z + P_x * q, N + P_z * u - P_x * v
@@ -228,10 +262,27 @@ def accelerations_in_plane(
 
 
 @compiled
+def offset_in_plane(position: Point, plane: FloatArray) -> float:
+    """Return the distance (m) of the position (x, z) from the axis of the pipe, along the unit vector across it."""
+    x, z = position[0] - plane[INLET], position[1] - plane[INLET + 1]
+    return float(plane[ACROSS] * x + plane[ACROSS + 1] * z)
+
+
+@compiled
 def press_in_plane(
-    s: float, upright: float, gap: float, speed: float, q: float, plane: FloatArray, surfaces: FloatArray
-) -> tuple[float, float]:
-    """Return the force along the wall's normal (N) and the moment (N m) of all surfaces on the body.
+    s: float,
+    upright: float,
+    gap: float,
+    speed: float,
+    sliding: float,
+    q: float,
+    side: float,
+    plane: FloatArray,
+    surfaces: FloatArray,
+    touches: FloatArray,
+    bristles: FloatArray,
+) -> tuple[float, float, float]:
+    """Return the forces of all surfaces on the wall, normal to it and along the pipe (N), and the moment (N m) on the body.
 
     Parameters
     ----------
@@ -239,58 +290,71 @@ def press_in_plane(
         components of the normal along the body's x and z axes.
     gap
         distance from the body's origin to the wall along the normal, m.
-    speed, q
-        velocity of the body's origin along the normal, m/s, and pitch rate, rad/s.
+    speed, sliding, q
+        velocity of the body's origin along the normal and along the pipe, m/s, and pitch rate, rad/s.
+    side
+        sign of the normal's component across the pipe.
+    touches
+        is filled with depth, arm, twice the energy of the spring, half of its derivatives, and index of all surfaces that touch.
+    bristles
+        see :func:`accelerations_in_plane`; what friction adds to their rates is added.
     """
-    law = plane[LAW:MODEL_SIZE]
-    outward = upright / smoothed_sine(s)
-    total, pressed, moment, mass, last, count = 0.0, 0.0, 0.0, 0.0, 0, 0
-    arm, force, turning = 0.0, 0.0, 0.0
+    law = plane[LAW:RUB]
+    inverse = 1.0 / smoothed_sine(s)
+    outward, share = upright * inverse, (1.0 - s * s) * inverse
+    total, pressed, moment, mass, count = 0.0, 0.0, 0.0, 0.0, 0
     for k in range(surfaces.shape[0]):
-        depth, x, r = depth_in_plane(surfaces, k, s, gap)
+        depth, x, r = depth_in_plane(surfaces, k, s, share, gap)
         if depth > 0.0:
             mass, energy, force, turning = spring(s, x, r, depth, law)
-            arm = x * upright - r * outward * s
+            arm, row = x * upright - r * outward * s, touches[count]
             total += energy * energy
             pressed += energy * force
             moment += energy * force * arm
-            last, count = k, count + 1
+            row[0], row[1], row[2], row[3], row[4], row[5] = depth, arm, energy, force, turning, k
+            count += 1
     if not total > 0.0:
-        return 0.0, 0.0
-    root = math.sqrt(total)
-    if count == 1:
-        force *= damper(root / mass, speed - arm * q, mass, law)
-        return force, force * arm + turning * outward
-    # The wrench of all springs, and the acceleration that it gives to the body.
-    X, Z = pressed * s, pressed * upright
-    a_x = plane[RESPONSE] * X + plane[RESPONSE + 1] * Z - plane[RESPONSE + 2] * moment
-    a_z = plane[RESPONSE + 1] * X + plane[RESPONSE + 3] * Z - plane[RESPONSE + 4] * moment
-    alpha = plane[RESPONSE + 2] * X + plane[RESPONSE + 4] * Z - plane[RESPONSE + 5] * moment
-    mass = common_mass(pressed, X * a_x + Z * a_z - moment * alpha, law)
-    pressed, moment = 0.0, 0.0
-    for k in range(last + 1):
-        depth, x, r = depth_in_plane(surfaces, k, s, gap)
-        if depth > 0.0:
-            arm = x * upright - r * outward * s
-            _, energy, force, turning = spring(s, x, r, depth, law)
-            force *= energy / root * damper(root / mass, speed - arm * q, mass, law)
-            pressed += force
-            moment += force * arm + turning * energy / root * outward
-    return pressed, moment
+        return 0.0, 0.0, 0.0
+    if count > 1:
+        # The wrench of all springs, and the acceleration that it gives to the body.
+        X, Z = pressed * s, pressed * upright
+        a_x = plane[RESPONSE] * X + plane[RESPONSE + 1] * Z - plane[RESPONSE + 2] * moment
+        a_z = plane[RESPONSE + 1] * X + plane[RESPONSE + 3] * Z - plane[RESPONSE + 4] * moment
+        alpha = plane[RESPONSE + 2] * X + plane[RESPONSE + 4] * Z - plane[RESPONSE + 5] * moment
+        mass = common_mass(pressed, X * a_x + Z * a_z - moment * alpha, law)
+    root, rates = math.sqrt(total), bristles.shape[0] // 2
+    pressed, moment, rubbed = 0.0, 0.0, 0.0
+    for i in range(count):
+        row = touches[i]
+        arm, share = row[1], row[2] / root
+        force = row[3] * share * damper(root / mass, speed - arm * q, mass, law)
+        pressed += force
+        moment += force * arm + row[4] * share * outward
+        if rates > 0:
+            k, height, most = int(row[5]), side * (gap + row[0]), plane[RUB] * force
+            rub = surfaces[k, 6] * law[FREQUENCY] * (sliding + height * q + bristles[k])
+            rub = min(most, max(-most, rub))
+            bristles[rates + k] += rub / surfaces[k, 6]
+            rubbed += rub
+            moment -= rub * height
+    return pressed, rubbed, moment
 
 
 @compiled
-def depth_in_plane(surfaces: FloatArray, k: int, s: float, gap: float) -> tuple[float, float, float]:
+def depth_in_plane(
+    surfaces: FloatArray, k: int, s: float, share: float, gap: float
+) -> tuple[float, float, float]:
     """Return the depth (m) of a surface in the wall, negative if it is clear, and the rim (x, r) that touches, m.
 
-    Of a dome, that is its centre. ``s`` and ``gap`` are those of :func:`press_in_plane`.
+    Of a dome, that is its centre. ``s`` and ``gap`` are those of :func:`press_in_plane`, ``share`` is (1 - s^2) over the
+    smoothed sine of s.
     """
     x, r, radius = surfaces[k, 0], surfaces[k, 1], surfaces[k, 2]
     if radius > 0.0:
         if surfaces[k, 3] <= s <= surfaces[k, 4]:
             return x * s + radius - gap, x, r
         x, r = end_of_dome(surfaces, k, s)
-    return x * s + r * (1.0 - s * s) / smoothed_sine(s) - gap, x, r
+    return x * s + r * share - gap, x, r
 
 
 @compiled
@@ -356,3 +420,9 @@ def has_left_in_plane(position: Point, plane: FloatArray) -> bool:
     x, z = position[0] - plane[INLET], position[1] - plane[INLET + 1]
     along = plane[ACROSS + 1] * x - plane[ACROSS] * z
     return bool(along >= plane[LENGTH] or along < -plane[RADIUS])
+
+
+@compiled
+def is_near_in_plane(position: Point, plane: FloatArray) -> bool:
+    """Return True if a surface of a body at the position (x, z), m, may touch the wall."""
+    return bool(abs(offset_in_plane(position, plane)) >= plane[NEAR])

@@ -37,6 +37,19 @@ def rotation_from_quaternion(w: float, x: float, y: float, z: float) -> Rotation
 
 
 @compiled
+def quaternion_product(
+    w: float, x: float, y: float, z: float, W: float, X: float, Y: float, Z: float
+) -> tuple[float, float, float, float]:
+    """Return the product of the quaternions (w, x, y, z) and (W, X, Y, Z): the second turn, then the first."""
+    return (
+        w * W - x * X - y * Y - z * Z,
+        w * X + x * W + y * Z - z * Y,
+        w * Y - x * Z + y * W + z * X,
+        w * Z + x * Y - y * X + z * W,
+    )
+
+
+@compiled
 def quaternion_rate(
     w: float, x: float, y: float, z: float, p: float, q: float, r: float
 ) -> tuple[float, float, float, float]:

@@ -1,5 +1,8 @@
 """Surfaces of a body that can touch a wall: rims, which are circles about its axis, and domes, which are spheres."""
 
+import math
+from itertools import pairwise
+
 import numpy as np
 
 from driftform.types import Body, FloatArray
@@ -63,6 +66,33 @@ def touching_surfaces(body: Body) -> FloatArray:
                 rows.append((*vertices[k].tolist(), 0.0, 0.0, 0.0))
             k += 1
     return np.array(rows).reshape(-1, 5)
+
+
+def refined_surfaces(body: Body, spacing: float) -> FloatArray:
+    """Return the surfaces of a body with more rims on its flanks and end faces, at most ``spacing`` (m) apart, (k, 5).
+
+    A wall that bulges into the water may touch there: :mod:`driftform.dynamics.fitting_contact`. A rim of no radius is a
+    point of the axis.
+    """
+    surfaces, vertices = touching_surfaces(body), touching_vertices(body)
+    domes = surfaces[surfaces[:, 2] > 0.0]
+    ends = np.vstack([[vertices[0, 0], 0.0], vertices, [vertices[-1, 0], 0.0]])
+    rows = []
+    for a, b in pairwise(ends):
+        apart = [np.abs(np.hypot(x - domes[:, 0], r) - domes[:, 2]) for x, r in (a, b)]
+        on_dome = np.logical_and(*(d <= 1e2 * ROUNDNESS * domes[:, 2] for d in apart))
+        count = math.ceil(float(np.hypot(*(b - a))) / spacing)
+        if count > 0 and not on_dome.any():
+            shares = np.arange(1, count)[:, None] / count
+            rows.extend((a + shares * (b - a)).tolist())
+    rows += [
+        end.tolist()
+        for end in ends[[0, -1]]
+        if not np.isclose(np.hypot(end[0] - domes[:, 0], end[1]), domes[:, 2]).any()
+    ]
+    added = np.zeros((len(rows), 5))
+    added[:, :2] = np.array(rows).reshape(-1, 2)
+    return np.vstack([surfaces, added])
 
 
 def _end_of_dome(vertices: FloatArray, start: int) -> int:

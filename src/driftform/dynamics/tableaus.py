@@ -1,7 +1,8 @@
-"""Coefficients of the two explicit Runge-Kutta pairs, after Hairer, Norsett and Wanner.
+"""Coefficients of two explicit Runge-Kutta pairs and a Rosenbrock method.
 
-Solving Ordinary Differential Equations I (2nd ed., 1993): DOPRI5 of Dormand and Prince, table 5.2 of section II.5,
-and DOP853 with its two error estimates, section II.10 and the authors' program.
+Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (2nd ed., 1993): DOPRI5 of Dormand and Prince, table
+5.2 of section II.5, and DOP853 with its two error estimates, section II.10 and the authors' program. Rang and Angermann,
+BIT Numerical Mathematics 45 (2005), 761: ROS34PW2.
 """
 
 from typing import NamedTuple
@@ -30,6 +31,32 @@ class RungeKuttaPair(NamedTuple):
     c: FloatArray
     error: FloatArray
     second: FloatArray
+    power: float
+
+
+class RosenbrockPair(NamedTuple):
+    """A Rosenbrock method of s stages for y' = f(t, y), in the form that needs no product with the Jacobian J::
+
+        (1 / (gamma h) - J) u_k = f(t + c_k h, y + sum of a_kl u_l) + sum of solved_kl u_l / h
+
+    The result is y + sum of b_k u_k.
+
+    Attributes
+    ----------
+    a, solved, gamma, c, b
+        the coefficients: (s, s), (s, s), a number, (s,), (s,).
+    error
+        weights of the error estimate, (s,).
+    power
+        see :class:`RungeKuttaPair`.
+    """
+
+    a: FloatArray
+    solved: FloatArray
+    gamma: float
+    c: FloatArray
+    b: FloatArray
+    error: FloatArray
     power: float
 
 
@@ -212,4 +239,22 @@ DOP853 = RungeKuttaPair(
         ]
     ),
     power=8.0,
+)
+
+ROS34PW2 = RosenbrockPair(
+    a=_lower_triangle(
+        (2.0,),
+        (1.4192173174557647, -0.2592322116729697),
+        (4.18476048231916, -0.28519201735549593, 2.294280360279042),
+    ),
+    solved=_lower_triangle(
+        (-4.588560720558084,),
+        (-4.18476048231916, 0.28519201735549593),
+        (-6.368179200128359, -6.795620944466837, 2.8700986043310563),
+    ),
+    gamma=0.435866521508459,
+    c=np.array([0.0, 0.871733043016918, 0.7315799577888524, 1.0]),
+    b=np.array([4.1847604823191595, -0.28519201735549565, 2.2942803602790414, 1.0]),
+    error=np.array([0.2777499476479681, -1.4032398951759992, 1.7726301276675507, 0.5]),
+    power=3.0,
 )

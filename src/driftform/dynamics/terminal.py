@@ -2,11 +2,16 @@
 
 from collections.abc import Callable
 
-from driftform.dynamics.drag import still_water_wrench
+import numpy as np
+
+from driftform.dynamics.drag import sphere_drag, still_water_wrench, strip_drag
 from driftform.dynamics.vectors import ZERO
-from driftform.types import Drag
+from driftform.types import Drag, FloatArray
+from driftform.util.compiled import compiled
 
 _MAX_SPEED = 100.0
+
+_HALVINGS = 60
 
 
 def terminal_speeds(
@@ -33,16 +38,32 @@ def terminal_speeds(
 
 def terminal_speed_across(drag: Drag, net: float, density: float, viscosity: float) -> float:
     """Return the terminal speed (m/s) across the axis; see :func:`terminal_speeds`."""
+    return _balance_across(
+        np.array(drag.strips), drag.round_area, drag.diameter, abs(net), density, viscosity
+    )
 
-    def across(speed: float) -> float:
-        return float(abs(still_water_wrench(drag, (0.0, 0.0, speed), ZERO, density, viscosity)[2]))
 
-    return _balance_speed(across, abs(net))
+@compiled
+def _balance_across(
+    strips: FloatArray, round_area: float, diameter: float, net: float, density: float, viscosity: float
+) -> float:
+    low, high = 0.0, _MAX_SPEED
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        moving = (0.0, 0.0, middle)
+        total = -sphere_drag(moving, density, viscosity, round_area, diameter)[2]
+        for k in range(strips.shape[0]):
+            total -= strip_drag(moving, ZERO, ZERO, 0.0, (density, viscosity, 1.0), strips[k])[2]
+        if total < net:
+            low = middle
+        else:
+            high = middle
+    return (low + high) / 2
 
 
 def _balance_speed(drag: Callable[[float], float], force: float) -> float:
     low, high = 0.0, _MAX_SPEED
-    for _ in range(60):
+    for _ in range(_HALVINGS):
         middle = (low + high) / 2
         low, high = (middle, high) if drag(middle) < force else (low, middle)
     return (low + high) / 2

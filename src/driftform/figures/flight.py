@@ -18,8 +18,9 @@ from driftform.figures.plot import (
 from driftform.figures.projection import PLAN, SIDE, drawing_times, resample_polyline
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, VERMILLION, tint
 from driftform.scenario import Scenario
-from driftform.trajectory.approach import Approach, find_approaches
+from driftform.trajectory.approach import Approach
 from driftform.trajectory.interpolation import interpolate_pose, interpolate_positions
+from driftform.trajectory.way import find_target_approaches
 from driftform.types import Body, FloatArray, Trajectory
 
 _LEFT, _RIGHT = 62.0, 24.0
@@ -49,7 +50,7 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
     """
     line = interpolate_positions(trajectory, drawing_times(trajectory))
     targets = scenario.target_array()
-    approaches = find_approaches(trajectory, targets) if len(targets) else []
+    approaches = find_target_approaches(trajectory, scenario)
     nearest = int(np.argmin([a.distance for a in approaches])) if approaches else None
 
     sideways = float(np.ptp(line[:, 1])) > _SIDEWAYS
@@ -58,7 +59,7 @@ def flight_svg(trajectory: Trajectory, scenario: Scenario, title: str = "", body
     top, magnification = 80.0, 1
     for view in views:
         points = [line, targets, pipe_points(scenario.pipe, view)]
-        if body is not None and not scenario.pipe.segments:
+        if body is not None and scenario.pipe.is_open:
             # Without this margin, a body that hardly moves would fill the window.
             room = 1.5 * max(body.length, body.max_diameter)
             points.append(line[0] + room * np.vstack([np.eye(3), -np.eye(3)]))
@@ -116,7 +117,7 @@ def _write_captions(
     if body is not None:
         scale = "to scale" if magnification == 1 else f"magnified {magnification} times about the core"
         # A magnified body that slides along the wall looks as if it were stuck in the wall.
-        scale += ", so some cross the wall" if magnification > 1 and scenario.pipe.segments else ""
+        scale += ", so some cross the wall" if magnification > 1 and not scenario.pipe.is_open else ""
         captions.append(f"Silhouettes: attitude at equal distances along the path, {scale}.")
     # Two short sentences share a line.
     return [" ".join(captions[:2]), *captions[2:]] if nearest is not None else captions

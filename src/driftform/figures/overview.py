@@ -12,8 +12,8 @@ from driftform.figures.plot import Window, draw_cross, draw_scene, label_points,
 from driftform.figures.projection import SIDE, drawing_times, resample_polyline
 from driftform.figures.style import INK, MUTED, SERIES, tint
 from driftform.scenario import Scenario
-from driftform.trajectory.approach import find_approaches
 from driftform.trajectory.interpolation import interpolate_positions
+from driftform.trajectory.way import find_target_approaches
 from driftform.types import FloatArray
 
 _LEFT, _RIGHT = 58.0, 22.0
@@ -68,9 +68,9 @@ def _describe_flights(count: int, result: str) -> str:
 
 def _find_end(flight: GalleryEntry, scenario: Scenario) -> float:
     """Return when (s) it comes closest to its target, or, if the scenario lacks that, to any; infinite without targets."""
-    target = scenario.targets.get(flight.name)
-    points = scenario.target_array() if target is None else np.array([target])
-    approaches = find_approaches(flight.trajectory, points) if len(points) else []
+    approaches = find_target_approaches(flight.trajectory, scenario)
+    if flight.name in scenario.targets:
+        return approaches[scenario.target_names.index(flight.name)].t
     return min(approaches, key=lambda approach: approach.distance).t if approaches else np.inf
 
 

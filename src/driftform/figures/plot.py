@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -17,13 +18,17 @@ from driftform.figures.layout import (
     tick_values,
     write,
 )
-from driftform.figures.projection import View, resample_polyline, silhouette, simplify_polyline
+from driftform.figures.projection import View, convex_hull, resample_polyline, silhouette, simplify_polyline
 from driftform.figures.style import GRID, INK, MUTED, WALL, WATER
+from driftform.geometry.pipe_parts import Opening, Straight
 from driftform.scenario import Pipe, Scenario
 from driftform.trajectory.interpolation import Pose
 from driftform.types import Body, FloatArray
 
 _NAMES = "xyz"
+
+_RIM = 36
+"""Points of a circle on the wall of a pipe with parts."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,13 +133,23 @@ def draw_scene(root: ET.Element, window: Window, scenario: Scenario) -> None:
 
 
 def draw_water(root: ET.Element, window: Window, pipe: Pipe) -> None:
-    """Fill the inside of the pipe."""
+    """Fill the inside of the pipe; a pipe with parts gets its wall, too, as the outline of all of them."""
+    if hulls := _part_hulls(window, pipe):
+        data = "".join(svg.path_data(hull, closed=True) for hull in hulls)
+        # The filling covers the inner strokes, so that only the outline of the union remains.
+        svg.add(root, "path", class_="wall", d=data, stroke=WALL, stroke_width=5, stroke_linejoin="round")
+        svg.add(root, "path", class_="water", d=data, fill=WATER, stroke=WATER, stroke_width=0.4)
     for corners in _segment_corners(window, pipe):
         svg.add(root, "path", class_="water", d=svg.path_data(corners, closed=True), fill=WATER)
 
 
 def draw_walls(root: ET.Element, window: Window, pipe: Pipe) -> None:
-    """Draw the pipe's walls as solid lines, and its open ends as dashed ones."""
+    """Draw the walls of a straight pipe as solid lines, and the open ends of any pipe as dashed ones."""
+    if pipe.parts and pipe.straight is None:
+        for opening in list_openings(pipe):
+            line = svg.path_data(window.to_page(_widest_line(opening, window.view)))
+            svg.add(root, "path", d=line, stroke=WATER, stroke_width=6)
+            svg.add(root, "path", d=line, stroke=WALL, stroke_width=0.8, stroke_dasharray="3 4")
     for a, b, c, d in _segment_corners(window, pipe):
         for ends in ((a, b), (d, c)):
             svg.add(
@@ -159,7 +174,52 @@ def draw_walls(root: ET.Element, window: Window, pipe: Pipe) -> None:
 
 def pipe_points(pipe: Pipe, view: View) -> FloatArray:
     """Return world points, (n, 3) in m, that bound the pipe in this view."""
-    return np.vstack([np.zeros((0, 3)), *(_section_corners(row, view) for row in pipe.array())])
+    rims = [rim.reshape(-1, 3) for rim in list_rims(pipe)] if pipe.straight is None else []
+    return np.vstack([np.zeros((0, 3)), *(_section_corners(row, view) for row in pipe.array()), *rims])
+
+
+def list_rims(pipe: Pipe) -> list[FloatArray]:
+    """Return circles on the wall of each bore of a pipe with parts, in the order of its axis, m, (k, n, 3) each."""
+    rims = []
+    angle = np.linspace(0, 2 * np.pi, _RIM, endpoint=False)
+    for placed in pipe.layout.parts:
+        part = placed.part
+        step = part.length if isinstance(part, Straight) else 0.2 * part.end_radius
+        for axis in part.list_axes(step):
+            along = np.gradient(axis.points, axis=0)
+            first = np.cross(along, part.axes[1])
+            first /= np.linalg.norm(first, axis=1, keepdims=True)
+            circle = np.cos(angle)[:, None] * first[:, None] + np.sin(angle)[:, None] * part.axes[1]
+            rims.append(axis.points[:, None] + axis.radii[:, None, None] * circle)
+    return rims
+
+
+def list_openings(pipe: Pipe) -> list[Opening]:
+    """Return the inlet and the outlets of a pipe."""
+    return [pipe.layout.inlet, *(outlet.opening for outlet in pipe.layout.outlets)]
+
+
+def _part_hulls(window: Window, pipe: Pipe) -> list[FloatArray]:
+    """Return convex polygons whose union is the silhouette of a pipe with parts, px; none of a straight pipe."""
+    if not pipe.parts or pipe.straight is not None:
+        return []
+    hulls: list[FloatArray] = []
+    for rims in list_rims(pipe):
+        seen = rims[:, :, list(window.view)]
+        pairs = (convex_hull(np.vstack(pair)) for pair in pairwise(seen))
+        hulls += [window.to_page(hull) for hull in pairs if len(hull) > 2]
+    return hulls
+
+
+def _widest_line(opening: Opening, view: View) -> FloatArray:
+    """Return the two points of the rim of an opening that are farthest apart in a view, m, (2, 3)."""
+    across = np.zeros(3)
+    along = opening.axes[0]
+    across[view[0]], across[view[1]] = -along[view[1]], along[view[0]]
+    if np.linalg.norm(across) < 1e-9:
+        across[view[0]] = 1.0
+    across *= opening.radius / np.linalg.norm(across)
+    return np.array([opening.centre + across, opening.centre - across])
 
 
 def _section_corners(row: FloatArray, view: View) -> FloatArray:
@@ -177,7 +237,7 @@ def _section_corners(row: FloatArray, view: View) -> FloatArray:
 
 def pipe_ink(window: Window, pipe: Pipe) -> FloatArray:
     """Return points along the walls and ends, 3 px apart, for labels to avoid; px, (n, 2)."""
-    corners = _segment_corners(window, pipe)
+    corners = _segment_corners(window, pipe) or _part_hulls(window, pipe)
     return np.vstack([np.zeros((0, 2)), *(resample_polyline(np.vstack([c, c[:1]]), 3) for c in corners)])
 
 

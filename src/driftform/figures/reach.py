@@ -48,7 +48,7 @@ def reach_svg(reach: CoverageMap, scenario: Scenario, title: str) -> str:
     Cells that no flight crosses are white and hatched.
     """
     cells = reach.cells
-    is_world = bool(np.allclose(cells.axes[:2], ((1, 0, 0), (0, 0, 1))))
+    is_world = cells.is_straight and bool(np.allclose(cells.axes[:2], ((1, 0, 0), (0, 0, 1))))
     shift = cells.origin[[0, 2]] if is_world else np.zeros(2)
     pipe = _straighten(cells, shift)
     window = Window.around(SIDE, pipe_points(pipe, SIDE), _LEFT, 92, WIDTH - _LEFT - _RIGHT, 460, 14)

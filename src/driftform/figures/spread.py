@@ -83,7 +83,7 @@ def _draw_panel(
     draw_water(root, window, scenario.pipe)
     draw_axes(root, window)
     draw_walls(root, window, scenario.pipe)
-    target = np.array(scenario.targets[repeated.name])
+    target = np.array(scenario.target_points()[repeated.name])
     paths, mean, deviation = compute_band(repeated.trajectories, target)
     up = np.array([0.0, 0.0, 1.0])
     edge = [window.to_page(mean + sign * deviation[:, None] * up) for sign in (1, -1)]

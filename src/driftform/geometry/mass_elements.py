@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -99,3 +100,36 @@ def reweigh(agent: Agent, mass: float, x: float | None = None) -> Agent:
     """
     elements = (printed_hull_element(agent.body, mass, x), core_element(agent.body))
     return replace(agent, mass=combine(elements, agent.mass))
+
+
+class Ballast(Protocol):
+    """What hangs on an agent's outside, as :class:`driftform.scenario.Release` has it."""
+
+    @property
+    def ballast(self) -> float:
+        """Mass, kg."""
+
+    @property
+    def ballast_x(self) -> float:
+        """Where it hangs along the axis, m."""
+
+    @property
+    def ballast_density(self) -> float:
+        """Density, kg/m3."""
+
+
+def load_ballast(mass: MassProperties, load: Ballast) -> MassProperties:
+    """Return the mass properties with a ballast that hangs on the outside of the agent, in its water.
+
+    The ballast is a point on the axis. It displaces water of its own volume; its drag is neglected.
+    """
+    if load.ballast == 0.0:
+        return mass
+    volume, offset = load.ballast / load.ballast_density, np.array([load.ballast_x, 0.0, 0.0])
+    total, displaced = mass.mass + load.ballast, mass.volume + volume
+    cog = (mass.mass * mass.cog + load.ballast * offset) / total
+    cob = (mass.volume * mass.cob + volume * offset) / displaced
+    across = np.diag([0.0, 1.0, 1.0])
+    inertia = mass.inertia + mass.mass * (mass.cog[0] - cog[0]) ** 2 * across
+    inertia = inertia + load.ballast * (load.ballast_x - cog[0]) ** 2 * across
+    return MassProperties(total, cog, inertia, displaced, cob)

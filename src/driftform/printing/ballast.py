@@ -28,6 +28,9 @@ NEGLIGIBLE = 1e-6
 THINNEST = 1e-3
 """m: a filling along the bore that is thinner than this cannot be laid evenly."""
 
+SMALLEST = 1e-3
+"""m: diameter of the smallest ball that is one of two."""
+
 _STATIONS = 240
 _SLICES = 2000
 _WAY = 400
@@ -70,12 +73,10 @@ def ball_diameter(mass: float, density: float) -> float:
     return float(np.cbrt(6 * mass / (np.pi * density)))
 
 
-def place_ballast(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
-    """Return ballast of the mass and the moment of ``wanted`` that can be put into the hull beside its core.
-
-    The first of these that fits: one ball on the axis; two balls, one on either side of that position; a filling of the
-    whole bore, such as shot or putty. The hull opens at the core's equator, before the core is in: a ball must pass the
-    bore from there to its place, and a filling must be at least :data:`THINNEST` long. Empty if none of them fits.
+def place_one_ball(
+    body: Body, wanted: RequiredBallast, density: float, in_kit: bool = False
+) -> tuple[Piece, ...]:
+    """Return a ball on the axis of the mass and the moment of ``wanted``, beside the core; empty if it has no room.
 
     Parameters
     ----------
@@ -85,41 +86,129 @@ def place_ballast(body: Body, wanted: RequiredBallast, density: float) -> tuple[
         the result is empty unless its mass is positive.
     density
         of the ballast, kg/m3.
+    in_kit
+        as for :func:`max_ball_radius`.
     """
-    if not len(body.cavity) or wanted.x is None or wanted.mass < 0:
+    if not _can_hold(body, wanted) or wanted.x is None:
         return ()
+    piece = make_ball(wanted.mass, wanted.x, density)
+    room = max_ball_radius(body, np.array([wanted.x]), in_kit)
+    return (piece,) if room[0] >= piece.element.x - piece.start else ()
+
+
+def place_two_balls(
+    body: Body,
+    wanted: RequiredBallast,
+    density: float,
+    in_kit: bool = False,
+    between: float = 0.0,
+) -> tuple[Piece, ...]:
+    """Return two balls, one on either side of the position of ``wanted``; empty if no pair has room.
+
+    It is the closest pair with at least ``between`` (m) between them, because that changes the inertia least; the
+    other parameters are those of :func:`place_one_ball`.
+    """
+    if not _can_hold(body, wanted) or wanted.x is None:
+        return ()
+    mass, x, stations = wanted.mass, wanted.x, _stations(body)
+    room = max_ball_radius(body, stations, in_kit)
+    aft, fore = stations[stations < x], stations[stations > x]
+    if not len(aft) or not len(fore):
+        return ()
+    share = (x - aft[:, None]) / (fore[None] - aft[:, None])
+    radius = np.cbrt(3 * mass * np.stack((1 - share, share)) / (4 * np.pi * density))
+    fits = (radius[0] <= room[stations < x][:, None]) & (radius[1] <= room[stations > x][None])
+    fits &= (radius >= SMALLEST / 2).all(axis=0)
+    fits &= fore[None] - aft[:, None] >= radius.sum(axis=0) + between
+    if not fits.any():
+        return ()
+    i, j = np.unravel_index(np.where(fits, fore[None] - aft[:, None], np.inf).argmin(), fits.shape)
+    heavier = float(share[i, j])
     return (
-        _place_one_ball(body, wanted.mass, wanted.x, density)
-        or _place_two_balls(body, wanted.mass, wanted.x, density)
-        or _place_filling(body, wanted.mass, wanted.x, density)
+        make_ball(mass * (1 - heavier), float(aft[i]), density),
+        make_ball(mass * heavier, float(fore[j]), density),
     )
+
+
+def place_filling(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
+    """Return a filling of the whole bore, such as shot or putty, of the mass and the moment of ``wanted``.
+
+    It is at least :data:`THINNEST` long. Empty if there is none; the parameters are those of :func:`place_one_ball`.
+    """
+    # scipy.optimize takes half a second to import, and most prints need no filling.
+    from scipy.optimize import brentq
+
+    if not _can_hold(body, wanted):
+        return ()
+    bore, volume = _Bore(body), wanted.mass / density
+    if volume > bore.volume:
+        return ()
+    latest = bore.volume - volume
+
+    def excess(first: float) -> float:
+        return bore.fill(first, volume, density).element.x - wanted.moment / wanted.mass
+
+    # The centre moves forward with the aft end of the filling, so that it passes x once at most.
+    if not excess(0.0) <= 0 <= excess(latest):
+        return ()
+    first = brentq(excess, 0.0, latest, xtol=1e-12 * bore.volume, rtol=1e-12)
+    piece = bore.fill(float(first), volume, density)
+    return (piece,) if piece.end - piece.start >= THINNEST else ()
+
+
+def place_ballast(
+    body: Body, wanted: RequiredBallast, density: float, in_kit: bool = False
+) -> tuple[Piece, ...]:
+    """Return the first of these that fits: one ball, two balls, a filling; the parameters are those of :func:`place_one_ball`."""
+    return (
+        place_one_ball(body, wanted, density, in_kit)
+        or place_two_balls(body, wanted, density, in_kit)
+        or place_filling(body, wanted, density)
+    )
+
+
+def place_nearest_ball(
+    body: Body, wanted: RequiredBallast, density: float, in_kit: bool = False
+) -> tuple[Piece, ...]:
+    """Return the ball of that mass whose centre is nearest to the wanted one; empty if it fits nowhere."""
+    if not _can_hold(body, wanted):
+        return ()
+    x = _stations(body)
+    fits = max_ball_radius(body, x, in_kit) >= ball_diameter(wanted.mass, density) / 2
+    if not fits.any():
+        return ()
+    nearest = np.abs(x[fits] - wanted.moment / wanted.mass).argmin()
+    return (make_ball(wanted.mass, float(x[fits][nearest]), density),)
 
 
 def place_nearest(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
     """Return the ball or the filling of that mass whose centre is nearest to the wanted one; empty if neither fits."""
-    if not len(body.cavity) or wanted.x is None or wanted.mass < 0:
+    if ball := place_nearest_ball(body, wanted, density):
+        return ball
+    if not _can_hold(body, wanted):
         return ()
-    place = wanted.x
-    x = _stations(body)
-    fits = max_ball_radius(body, x) >= ball_diameter(wanted.mass, density) / 2
-    if fits.any():
-        return (_make_ball(wanted.mass, float(x[fits][np.abs(x[fits] - place).argmin()]), density),)
-    bore = _Bore(body)
-    volume = wanted.mass / density
+    bore, volume = _Bore(body), wanted.mass / density
     if volume > bore.volume:
         return ()
     at_the_ends = [bore.fill(first, volume, density) for first in (0.0, bore.volume - volume)]
     thick = [piece for piece in at_the_ends if piece.end - piece.start >= THINNEST]
-    return (min(thick, key=lambda piece: abs(piece.element.x - place)),) if thick else ()
+    return (
+        (min(thick, key=lambda piece: abs(piece.element.x - wanted.moment / wanted.mass)),) if thick else ()
+    )
 
 
-def max_ball_radius(body: Body, x: FloatArray) -> FloatArray:
+def _can_hold(body: Body, wanted: RequiredBallast) -> bool:
+    return bool(len(body.cavity)) and wanted.mass >= NEGLIGIBLE
+
+
+def max_ball_radius(body: Body, x: FloatArray, in_kit: bool = False) -> FloatArray:
     """Return the radius (m) of the largest ball that can be put to each ``x`` (n,) on the axis, beside the core, or 0.
 
-    It passes the bore from the core's equator, where the hull opens and the core itself passes later.
+    A hull opens at the core's equator: the ball passes the bore from there, before the core. How a ball gets into a kit,
+    with ``in_kit``, is up to the kit.
     """
     free = np.minimum(_distance_to_wall(body, x), np.abs(x) - body.core.radius)
-    for side, end in enumerate(body.cavity[[0, -1], 0]):
+    for side, end in enumerate(body.cavity[[0, -1], 0]) if not in_kit else ():
         way = np.linspace(0.0, end, _WAY)
         narrowest = np.minimum.accumulate(np.minimum(_distance_to_wall(body, way), body.core.radius))
         # The ball has passed all of the way up to the station before x.
@@ -139,56 +228,10 @@ def _stations(body: Body) -> FloatArray:
     return np.linspace(body.cavity[0, 0], body.cavity[-1, 0], _STATIONS + 2)[1:-1]
 
 
-def _make_ball(mass: float, x: float, density: float) -> Piece:
+def make_ball(mass: float, x: float, density: float) -> Piece:
+    """Return a ball of ballast of some mass (kg) at x (m), of a material of some density (kg/m3)."""
     diameter = ball_diameter(mass, density)
     return Piece(ball_element(mass, x, diameter / 2), x - diameter / 2, x + diameter / 2, diameter)
-
-
-def _place_one_ball(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
-    piece = _make_ball(mass, x, density)
-    return (piece,) if max_ball_radius(body, np.array([x]))[0] >= piece.element.x - piece.start else ()
-
-
-def _place_two_balls(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
-    """Return the closest pair of balls that fits, which changes the inertia least."""
-    stations = _stations(body)
-    room = max_ball_radius(body, stations)
-    aft, fore = stations[stations < x], stations[stations > x]
-    if not len(aft) or not len(fore):
-        return ()
-    share = (x - aft[:, None]) / (fore[None] - aft[:, None])
-    radius = np.cbrt(3 * mass * np.stack((1 - share, share)) / (4 * np.pi * density))
-    fits = (radius[0] <= room[stations < x][:, None]) & (radius[1] <= room[stations > x][None])
-    fits &= fore[None] - aft[:, None] >= radius.sum(axis=0)
-    if not fits.any():
-        return ()
-    i, j = np.unravel_index(np.where(fits, fore[None] - aft[:, None], np.inf).argmin(), fits.shape)
-    heavier = float(share[i, j])
-    return (
-        _make_ball(mass * (1 - heavier), float(aft[i]), density),
-        _make_ball(mass * heavier, float(fore[j]), density),
-    )
-
-
-def _place_filling(body: Body, mass: float, x: float, density: float) -> tuple[Piece, ...]:
-    # scipy.optimize takes half a second to import, and most prints need no filling.
-    from scipy.optimize import brentq
-
-    bore = _Bore(body)
-    volume = mass / density
-    if volume > bore.volume:
-        return ()
-    latest = bore.volume - volume
-
-    def excess(first: float) -> float:
-        return bore.fill(first, volume, density).element.x - x
-
-    # The centre moves forward with the aft end of the filling, so that it passes x once at most.
-    if not excess(0.0) <= 0 <= excess(latest):
-        return ()
-    first = brentq(excess, 0.0, latest, xtol=1e-12 * bore.volume, rtol=1e-12)
-    piece = bore.fill(float(first), volume, density)
-    return (piece,) if piece.end - piece.start >= THINNEST else ()
 
 
 class _Bore:

@@ -2,15 +2,13 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
-from tempfile import TemporaryDirectory
+from dataclasses import asdict, dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from driftform.errors import InputError, WorkFailedError
-from driftform.faults import require_files
 from driftform.geometry.mass_elements import (
     MassElement,
     combine,
@@ -18,7 +16,6 @@ from driftform.geometry.mass_elements import (
     printed_hull_element,
     reweigh,
 )
-from driftform.interfaces import Exporter, ExportJob
 from driftform.pipeline import Pipeline
 from driftform.printing.ballast import (
     FOAM,
@@ -26,14 +23,28 @@ from driftform.printing.ballast import (
     NEGLIGIBLE,
     Piece,
     RequiredBallast,
+    make_ball,
     place_ballast,
     place_nearest,
+    place_nearest_ball,
+    place_one_ball,
+    place_two_balls,
     required_ballast,
 )
-from driftform.types import Agent
+from driftform.printing.kit import HeldBall, KitReport, MeasureKit
+from driftform.types import Agent, FloatArray
 
 GRAMS_FOR_KG = 20
 """A printed mass of more than this many times the simulated one was given in another unit."""
+
+_BETWEEN = (0.0, 0.01, 0.02, 0.04)
+"""Distances (m) tried between two balls, so that the seat of one has room before the other."""
+
+_ROUNDS = 16
+"""Most times that ballast is placed anew because of the mass of its seats."""
+
+_SETTLED = 2e-4
+"""Relative change of the ballast by its seats that is left; 0.05 mm at a quarter of a metre."""
 
 LEAD = MATERIALS["lead"]
 """kg/m3, of the ballast where nothing else is asked for."""
@@ -62,7 +73,7 @@ def weigh_print(
     agent: Agent,
     mass: float | None,
     cog: float | None,
-    measure_kit: Callable[[], tuple[float, float]] | None = None,
+    kit: KitReport | None = None,
 ) -> PrintWeight:
     """Return what a print weighs, from what was measured of it and what its kit weighs.
 
@@ -74,8 +85,8 @@ def weigh_print(
         of the print with its core, kg; ``None`` for that of its kit.
     cog
         x of its centre of gravity, m; ``None`` if it was not measured.
-    measure_kit
-        returns mass (kg) and centre of gravity (m) of the kit with its core; ``None`` for a hull in one piece.
+    kit
+        as its exporter accounts for it; ``None`` for a hull in one piece.
 
     Raises
     ------
@@ -83,40 +94,24 @@ def weigh_print(
         if the mass is missing.
     """
     core = agent.body.core.mass
-    if mass is None and (measure_kit is None or cog is not None):
+    if mass is None and (kit is None or cog is not None):
         raise InputError("--printed-mass is missing: weigh the print with its core in, kg")
-    if mass is not None and (cog is not None or measure_kit is None or mass <= core):
+    if mass is not None and (cog is not None or kit is None or mass <= core):
         return PrintWeight(mass, cog, "hull" if cog is None else "measured")
-    assert measure_kit is not None
-    whole, x = measure_kit()
+    assert kit is not None
     if mass is None:
-        return PrintWeight(whole, x, "kit")
+        return PrintWeight(kit.mass, kit.cog, "kit")
     # The core's mass is known, at the origin: the difference is spread as the parts of the kit are.
-    return PrintWeight(mass, (mass - core) / mass * (whole * x / (whole - core)), "kit")
-
-
-def measure_kit(exporter: Exporter[Any], job: ExportJob) -> tuple[float, float]:
-    """Return mass (kg) and centre of gravity (x, m) of a kit with its core, as its exporter accounts for them.
-
-    Raises
-    ------
-    WorkFailedError
-        if the exporter does not account for them.
-    """
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / f"{job.name}{exporter.suffix}"
-        written = require_files(exporter.write(job, path), exporter)
-    for file in written:
-        for row in file.facts.get("kit", {}).get("balance", ()):
-            if row["of"] == "printed":
-                return float(row["mass_kg"]), float(row["cog_mm"]) / 1000
-    raise WorkFailedError(
-        f"exporter '{exporter.name}' does not report how its kit balances; weigh the kit, and leave --kit out"
-    )
+    return PrintWeight(mass, (mass - core) / mass * (kit.mass * kit.cog / (kit.mass - core)), "kit")
 
 
 def trim_agent(
-    pipeline: Pipeline, agent: Agent, name: str, weight: PrintWeight, ballast_density: float = LEAD
+    pipeline: Pipeline,
+    agent: Agent,
+    name: str,
+    weight: PrintWeight,
+    ballast_density: float = LEAD,
+    measure_kit: MeasureKit | None = None,
 ) -> dict[str, Any]:
     """Return the ballast that makes a print fly as simulated, and the flights with and without it.
 
@@ -134,6 +129,8 @@ def trim_agent(
         of the print.
     ballast_density
         kg/m3.
+    measure_kit
+        measures its kit with seats for ballast; ``None`` for a hull in one piece.
 
     Raises
     ------
@@ -144,8 +141,9 @@ def trim_agent(
     """
     _check(agent, name, weight, ballast_density)
     printed = reweigh(agent, weight.mass, weight.cog)
-    required = required_ballast(agent.mass, printed.mass)
-    trimmed, remedy = _load(pipeline, agent, weight, required, ballast_density)
+    water = pipeline.scenario.fluid.density
+    plan = _plan(agent, weight, ballast_density, water, measure_kit)
+    trimmed, remedy = _load(agent, plan, water)
     agents = {"simulated": agent, "untrimmed": printed} | ({"trimmed": trimmed} if trimmed else {})
     flights = dict(zip(agents, pipeline.fly_named(list(agents.values()), name), strict=True))
     targets = pipeline.scenario.target_names
@@ -163,8 +161,9 @@ def trim_agent(
         "printed_cog": printed.mass.cog[0],
         "cog_source": weight.source,
         "aft_end": agent.body.outer[:, 0].min(),
-        "ballast_mass": required.mass,
-        "ballast_x": required.x,
+        "ballast_mass": plan.required.mass,
+        "ballast_x": plan.required.x,
+        "ballast_density": ballast_density,
         **remedy,
         **{case: scores.get(case) for case in ("simulated", "untrimmed", "trimmed")},
         "ends": {
@@ -208,27 +207,160 @@ def _check(agent: Agent, name: str, weight: PrintWeight, density: float) -> None
         )
 
 
-def _load(
-    pipeline: Pipeline, agent: Agent, weight: PrintWeight, required: RequiredBallast, density: float
-) -> tuple[Agent | None, dict[str, Any]]:
-    """The agent with its ballast or buoyancy, ``None`` if there is no room for it, and what that is."""
-    body, fluid = agent.body, pipeline.scenario.fluid
-    hull = printed_hull_element(body, weight.mass, weight.cog)
-    elements = [hull, core_element(body)]
-    if density <= fluid.density and required.mass > 0:
-        raise InputError(
-            f"--ballast-density {density:g}: is no more than the water's {fluid.density:g} kg/m3"
-        )
+@dataclass(frozen=True)
+class _Plan:
+    """Ballast for a print.
+
+    Attributes
+    ----------
+    weight
+        of the print with the seats.
+    required
+        mass and moment that it lacks then.
+    pieces
+        of ballast; empty if there is no room, or if none is needed.
+    held
+        the balls that the kit holds.
+    seats
+        mass of seats that are to be printed yet, kg.
+    unheld
+        why the kit holds none.
+    """
+
+    weight: PrintWeight
+    required: RequiredBallast
     pieces: tuple[Piece, ...] = ()
+    held: tuple[HeldBall, ...] = ()
+    seats: float = 0.0
+    unheld: str = ""
+
+
+def _plan(
+    agent: Agent, weight: PrintWeight, density: float, water: float, measure_kit: MeasureKit | None
+) -> _Plan:
+    required = _find_required(agent, weight)
+    if required.mass < NEGLIGIBLE:
+        return _Plan(weight, required)
+    if density <= water:
+        raise InputError(f"--ballast-density {density:g}: is no more than the water's {water:g} kg/m3")
+    if measure_kit is None:
+        pieces = place_ballast(agent.body, required, density) or place_nearest(agent.body, required, density)
+        return _Plan(weight, required, pieces)
+    kit = measure_kit(None)
+    if kit.held:
+        return _Plan(weight, required, _fill_seats(kit.held, required, density), kit.held)
+    return _plan_seats(agent, weight, required, density, kit, measure_kit)
+
+
+def _find_required(agent: Agent, weight: PrintWeight) -> RequiredBallast:
+    return required_ballast(agent.mass, reweigh(agent, weight.mass, weight.cog).mass)
+
+
+def _fill_seats(held: Sequence[HeldBall], required: RequiredBallast, density: float) -> tuple[Piece, ...]:
+    """The balls that lie on the seats of a kit: mass and moment are right with two of them, the mass with one."""
+    if len(held) == 1:
+        return (make_ball(required.mass, held[0].x, density),)
+    aft, fore = sorted(ball.x for ball in held)
+    share = min(max((required.moment / required.mass - aft) / (fore - aft), 0.0), 1.0)
+    masses = ((aft, (1 - share) * required.mass), (fore, share * required.mass))
+    return tuple(make_ball(mass, x, density) for x, mass in masses if mass >= NEGLIGIBLE)
+
+
+def _plan_seats(
+    agent: Agent,
+    weight: PrintWeight,
+    required: RequiredBallast,
+    density: float,
+    kit: KitReport,
+    measure_kit: MeasureKit,
+) -> _Plan:
+    """Ballast that the kit holds by seats, which weigh too; or any of the right moment; or the nearest ball that it holds."""
+    body = agent.body
+    reasons: list[str] = []
+    exact: list[Callable[..., tuple[Piece, ...]]] = [place_one_ball]
+    exact += [partial(place_two_balls, between=distance) for distance in _BETWEEN]
+    for place in exact:
+        try:
+            plan = _settle(agent, weight, density, kit, measure_kit, place)
+        except WorkFailedError as error:
+            reasons.append(str(error))
+        else:
+            if plan is not None:
+                return plan
+    if pieces := place_ballast(body, required, density):
+        return _Plan(weight, required, pieces, unheld=_name_first(reasons))
+    try:
+        plan = _settle(agent, weight, density, kit, measure_kit, place_nearest_ball)
+    except WorkFailedError as error:
+        reasons.append(str(error))
+        plan = None
+    return plan or _Plan(
+        weight, required, place_nearest(body, required, density), unheld=_name_first(reasons)
+    )
+
+
+def _name_first(reasons: Sequence[str]) -> str:
+    return reasons[0] if reasons else "no ball has room where it is needed"
+
+
+def _settle(
+    agent: Agent,
+    weight: PrintWeight,
+    density: float,
+    kit: KitReport,
+    measure_kit: MeasureKit,
+    place: Callable[..., tuple[Piece, ...]],
+) -> _Plan | None:
+    """Repeat until the ballast is that of a print with the seats for it; ``None`` if no balls have room."""
+    core = agent.body.core.mass
+    # The seats are printed as the rest of the hull was.
+    flow = (weight.mass - core) / (kit.mass - core)
+    assumed = np.zeros(2)  # mass and moment of the seats
+    for _ in range(_ROUNDS):
+        required = _find_required(agent, _add(agent, weight, assumed))
+        pieces = place(agent.body, required, density, in_kit=True)
+        if not pieces and assumed[0]:
+            raise WorkFailedError(
+                f"with the mass of a seat, {1000 * assumed[0]:.2f} g, no ball has room where it is needed"
+            )
+        if not pieces:
+            return None
+        made = measure_kit([(round(p.element.x, 5), round(p.diameter or 0.0, 5)) for p in pieces])
+        if len(made.held) != len(pieces):
+            raise WorkFailedError("the exporter of the kit does not say how it holds ballast")
+        seats = flow * np.array([made.mass - kit.mass, made.mass * made.cog - kit.mass * kit.cog])
+        off = np.abs(seats - assumed)
+        if off[0] < _SETTLED * required.mass and off[1] < _SETTLED * abs(required.moment):
+            seated = _add(agent, weight, seats)
+            return _Plan(seated, _find_required(agent, seated), pieces, made.held, float(seats[0]))
+        # A heavier seat makes the ballast smaller, and that the seat lighter: the mean comes to rest.
+        assumed = (assumed + seats) / 2
+    raise WorkFailedError(
+        f"the mass of its seat, about {1000 * assumed[0]:.2f} g, depends too much on its place"
+    )
+
+
+def _add(agent: Agent, weight: PrintWeight, seats: FloatArray) -> PrintWeight:
+    """The weight of a print with seats of some mass (kg) and moment (kg m)."""
+    printed = reweigh(agent, weight.mass, weight.cog).mass
+    whole = weight.mass + seats[0]
+    return PrintWeight(float(whole), float((printed.mass * printed.cog[0] + seats[1]) / whole), weight.source)
+
+
+def _load(agent: Agent, plan: _Plan, water: float) -> tuple[Agent | None, dict[str, Any]]:
+    """The agent with its ballast or buoyancy, ``None`` if there is no room for it, and what that is."""
+    hull = printed_hull_element(agent.body, plan.weight.mass, plan.weight.cog)
+    elements, required = [hull, core_element(agent.body)], plan.required
     buoyancy = None
     trimmed: Agent | None
     if abs(required.mass) < NEGLIGIBLE:
         trimmed = _combine(agent, elements)
     elif required.mass > 0:
-        pieces = place_ballast(body, required, density) or place_nearest(body, required, density)
-        trimmed = _combine(agent, elements + [piece.element for piece in pieces]) if pieces else None
+        trimmed = (
+            _combine(agent, elements + [piece.element for piece in plan.pieces]) if plan.pieces else None
+        )
     else:
-        trimmed, buoyancy = _lift(agent, elements, required, fluid.density)
+        trimmed, buoyancy = _lift(agent, elements, required, water)
         buoyancy["hull_excess"] = -required.mass / hull.mass
     residual = None
     if trimmed is not None and buoyancy is None:
@@ -242,8 +374,11 @@ def _load(
                 "end": piece.end,
                 "diameter": piece.diameter,
             }
-            for piece in pieces
+            for piece in plan.pieces
         ],
+        "held": [asdict(ball) for ball in plan.held],
+        "seat_mass": plan.seats,
+        "unheld": plan.unheld or None,
         "residual_moment": residual,
         "buoyancy": buoyancy,
     }

@@ -12,6 +12,7 @@ from driftform.figures.overview import overview_svg
 from driftform.figures.reach import reach_svg
 from driftform.figures.section import section_svg
 from driftform.figures.strip import Strip, strip_svg
+from driftform.figures.track import intervals_svg
 from driftform.figures.trend import Trend, trend_svg
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.finalists import find_best_agent, find_winner
@@ -20,10 +21,10 @@ from driftform.runs.store import Store
 from driftform.runs.wording import describe_worst
 from driftform.scenario import Scenario
 from driftform.study import Study
-from driftform.trajectory.approach import closest_approach
 from driftform.trajectory.coverage import PipeGrid, map_coverage
 from driftform.trajectory.dependence import divide_spread
 from driftform.trajectory.misses import Misses
+from driftform.trajectory.way import approach_targets
 from driftform.types import Agent, Trajectory
 from driftform.util.progress import track_progress
 
@@ -105,15 +106,15 @@ def collect_contents(run: Run) -> Contents:
                 assert trajectory is not None
                 flown[index] = pipeline.make_agent(stored.genome), trajectory
             agent, flight = flown[index]
-            point = np.array([study.scenario.targets[target]])
-            distance, t = closest_approach(flight, point)
+            distances, times = approach_targets(flight, study.scenario)
+            place = study.scenario.target_names.index(target)
             entries.append(
                 Entry(
                     target,
                     index,
                     stored.result["fitness"],
-                    float(distance[0]),
-                    float(t[0]),
+                    float(distances[place]),
+                    float(times[place]),
                     stored,
                     agent,
                     flight,
@@ -139,6 +140,10 @@ def collect_contents(run: Run) -> Contents:
             for e in entries
             if (won := find_winner(study, store, e.target)) is not None and won.misses is not None
         }
+        if intervals := study.scenario.calibration.intervals:
+            count = study.scenario.calibration.tracks
+            heading = f"Calibration by {count} filmed flights" if count else "Calibration"
+            figures["Calibration"] = intervals_svg(intervals, heading)
         strips = [
             Strip(e.target, e.distance, misses.distances[:, 0], float(misses.promised[0]))
             for e in entries

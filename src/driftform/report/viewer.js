@@ -398,6 +398,18 @@ function colourOf(name, alpha = 1) {
   return [1, 3, 5].map((i) => parseInt(text.slice(i, i + 2), 16) / 255).concat(alpha);
 }
 
+// The place and the attitude of a flight at a time.
+function momentOf({ t, position, quaternion }, time) {
+  let i = t.findIndex((value) => value >= time);
+  i = Math.min(Math.max(i < 0 ? t.length - 1 : i, 1), t.length - 1);
+  if (t.length < 2) return { time: 0, place: position[0], attitude: quaternion[0] };
+  const u = (time - t[i - 1]) / (t[i] - t[i - 1] || 1);
+  const place = position[i].map((v, j) => position[i - 1][j] + u * (v - position[i - 1][j]));
+  const sign = dot(quaternion[i], quaternion[i - 1]) < 0 ? -1 : 1;
+  const attitude = unit(quaternion[i].map((v, j) => quaternion[i - 1][j] * (1 - u) + sign * u * v));
+  return { time, place, attitude };
+}
+
 const hex = (text) => [1, 3, 5].map((i) => parseInt(text.slice(i, i + 2), 16) / 255).concat(1);
 
 function start() {
@@ -423,16 +435,8 @@ function start() {
   };
 
   const atTime = () => {
-    const { t, position, quaternion } = data.agents[chosen].flight;
-    const time = (slider.value / slider.max) * t[t.length - 1];
-    let i = t.findIndex((value) => value >= time);
-    i = Math.min(Math.max(i < 0 ? t.length - 1 : i, 1), t.length - 1);
-    if (t.length < 2) return { time: 0, place: position[0], attitude: quaternion[0] };
-    const u = (time - t[i - 1]) / (t[i] - t[i - 1] || 1);
-    const place = position[i].map((v, j) => position[i - 1][j] + u * (v - position[i - 1][j]));
-    const sign = dot(quaternion[i], quaternion[i - 1]) < 0 ? -1 : 1;
-    const attitude = unit(quaternion[i].map((v, j) => quaternion[i - 1][j] * (1 - u) + sign * u * v));
-    return { time, place, attitude };
+    const { flight } = data.agents[chosen];
+    return momentOf(flight, (slider.value / slider.max) * flight.t[flight.t.length - 1]);
   };
 
   const agentScene = () => {
@@ -449,7 +453,7 @@ function start() {
     return { items, centre: [(first + last) / 2, 0, 0], size: last - first };
   };
 
-  const pipe = bore(data.pipe);
+  const pipe = bore([...data.pipe, ...data.chords]);
   const drifting = data.pipe.length ? drift(data.pipe) : () => [];
   const current = { places: [] };
   const marks = data.targets.map(({ name, position }) => {
@@ -559,4 +563,5 @@ function surfaceMesh(data) {
   return { places: corners.flatMap(([x, y]) => [x, y, data.water]), normals: corners.flatMap(() => [0, 0, 1]) };
 }
 
-document.addEventListener("DOMContentLoaded", start);
+// A page without data, such as that of the studio, calls what it needs itself.
+document.addEventListener("DOMContentLoaded", () => { if (document.getElementById("data")) start(); });

@@ -7,10 +7,11 @@ import numpy as np
 
 from driftform.figures.projection import simplify_polyline
 from driftform.figures.style import SERIES
-from driftform.report.contents import Contents, Entry
-from driftform.scenario import Scenario, UniformFlow
+from driftform.geometry.pipe_parts import Straight
+from driftform.report.contents import Contents
+from driftform.scenario import Pipe, Scenario, UniformFlow
 from driftform.trajectory.interpolation import interpolate_positions
-from driftform.types import FloatArray
+from driftform.types import Agent, FloatArray, Trajectory
 
 MAX_SAMPLES = 240
 """Greatest number of samples of a flight on a page."""
@@ -24,19 +25,42 @@ PROFILE = 9
 
 def viewer_data(contents: Contents) -> dict[str, Any]:
     """Return the data of the page's viewer: agents, flights, pipe and targets; SI units, rounded to what is visible."""
-    scenario = contents.scenario
-    rows = scenario.pipe.array()
-    seen = np.vstack([rows[:, :3], rows[:, 3:6]])
-    if not len(rows):
-        seen = np.vstack(
-            [scenario.target_array(), *(entry.trajectory.position for entry in contents.entries)]
-        )
-    low, high = seen.min(axis=0), seen.max(axis=0)
-    length = float(np.linalg.norm(high - low))
-    radius = float(rows[:, 6].max()) if len(rows) else length / 8
+    scene = scene_data(contents.scenario, [entry.trajectory.position for entry in contents.entries])
     longest = max(entry.agent.body.length for entry in contents.entries)
     return {
-        "agents": [_viewer_agent(group, SERIES[i % len(SERIES)]) for i, group in enumerate(contents.agents)],
+        "agents": [
+            {
+                "targets": [entry.target for entry in group],
+                **agent_data(
+                    group[0].agent,
+                    group[0].trajectory,
+                    [entry.t for entry in group],
+                    SERIES[i % len(SERIES)],
+                ),
+            }
+            for i, group in enumerate(contents.agents)
+        ],
+        **scene,
+        "longest": round(longest, 4),
+        # Agents are many times smaller than their pipe, so the longest is drawn as long as its radius.
+        "magnification": max(1.0, round(scene["size"] / longest, 1)),
+    }
+
+
+def scene_data(scenario: Scenario, paths: Sequence[FloatArray] = ()) -> dict[str, Any]:
+    """Return the data of what surrounds agents: pipe, current, targets, free surface and extent.
+
+    ``paths`` are the positions of flights, m, (n, 3) each, which give open water its extent.
+    """
+    rows = scenario.pipe.array()
+    chords = _list_chords(scenario.pipe) if scenario.pipe.straight is None else []
+    seen = np.vstack([rows[:, :3], rows[:, 3:6], *(np.array([start, end]) for start, end, _ in chords)])
+    if not len(seen):
+        seen = np.vstack([scenario.target_array(), scenario.release_position(), *paths])
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    length = float(np.linalg.norm(high - low))
+    radius = float(max([*rows[:, 6], *(r for _, _, r in chords)], default=length / 8))
+    return {
         "pipe": [
             {
                 "start": _round(r[:3]),
@@ -46,16 +70,27 @@ def viewer_data(contents: Contents) -> dict[str, Any]:
             }
             for r in rows
         ],
-        "targets": [{"name": name, "position": list(point)} for name, point in scenario.targets.items()],
+        "chords": [{"start": _round(a), "end": _round(b), "radius": r} for a, b, r in chords],
+        "targets": [
+            {"name": name, "position": list(point)} for name, point in scenario.target_points().items()
+        ],
         "water": scenario.fluid.water_level,
         "centre": _round((low + high) / 2),
         "extent": [_round(low[:2] - radius), _round(high[:2] + radius)],
         "length": length,
         "size": radius,
-        "longest": round(longest, 4),
-        # Agents are many times smaller than their pipe, so the longest is drawn as long as its radius.
-        "magnification": max(1.0, round(radius / longest, 1)),
     }
+
+
+def _list_chords(pipe: Pipe) -> list[tuple[FloatArray, FloatArray, float]]:
+    """Return the bores of a pipe with parts as short straight pieces: start, end, and radius, m."""
+    chords: list[tuple[FloatArray, FloatArray, float]] = []
+    for placed in pipe.layout.parts:
+        part = placed.part
+        for axis in part.list_axes(part.length if isinstance(part, Straight) else 0.5 * part.end_radius):
+            radii = 0.5 * (axis.radii[1:] + axis.radii[:-1])
+            chords += list(zip(axis.points[:-1], axis.points[1:], radii.tolist(), strict=True))
+    return chords
 
 
 def _speed_profile(scenario: Scenario, row: FloatArray) -> FloatArray:
@@ -75,14 +110,13 @@ def _speed_profile(scenario: Scenario, row: FloatArray) -> FloatArray:
     )
 
 
-def _viewer_agent(group: Sequence[Entry], colour: str) -> dict[str, Any]:
-    body, flight = group[0].agent.body, group[0].trajectory
+def agent_data(agent: Agent, flight: Trajectory, closest: Sequence[float], colour: str) -> dict[str, Any]:
+    """Return the data of an agent and its flight, which passes its targets at the times ``closest``, s."""
+    body = agent.body
     # Evenly in time, and at the closest approaches.
-    closest = [entry.t for entry in group]
     t = np.unique(np.append(np.linspace(flight.t[0], flight.t[-1], MAX_SAMPLES - 1), closest))
     nearest = np.clip(np.searchsorted(flight.t, t), 0, len(flight.t) - 1)
     return {
-        "targets": [entry.target for entry in group],
         "colour": colour,
         "outer": _round(simplify_polyline(body.outer, CONTOUR_TOLERANCE), 6),
         "cavity": _round(simplify_polyline(body.cavity, CONTOUR_TOLERANCE), 6) if len(body.cavity) else [],

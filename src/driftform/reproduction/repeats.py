@@ -62,7 +62,7 @@ def load_repeat(
 ) -> Study:
     """Return the study of one repeat."""
     return load_study(
-        "pipe-inspection",
+        "paper",
         settings,
         use={"strategy": strategy, "simulator": simulator},
         run={"seed": seed, "evaluations": None},

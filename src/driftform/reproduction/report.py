@@ -136,7 +136,7 @@ def _again_table(scenario: Scenario, again: Resimulation) -> list[str]:
         "|---|---|---|---|---|---|",
     ]
     for number, target in enumerate(scenario.target_names):
-        point = np.array(scenario.targets[target])
+        point = np.array(scenario.target_points()[target])
         _, _, deviation = compute_band(again.turbulent.flights[number], point)
         same, other = 100 - again.same.fitness[number], 100 - again.turbulent.fitness[number]
         rows.append(

@@ -69,7 +69,11 @@ def lock_run(directory: Path) -> Iterator[None]:
 
 def is_worked_on(directory: Path) -> bool:
     """Return whether a process holds the run; nothing is written, and another process may begin."""
-    path = directory / _LOCK
+    return is_locked(directory / _LOCK)
+
+
+def is_locked(path: Path) -> bool:
+    """Return whether a process holds a lock file; nothing is written."""
     if not path.exists():
         return False
     if sys.platform == "win32":

@@ -4,7 +4,7 @@ The conditions of the choice are not those of the promise: whoever wins among ma
 that the choice never saw show how far the winner misses.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from math import inf
@@ -12,16 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from driftform.execution import Executor, Job
+from driftform.execution import Executor
 from driftform.runs.agent_file import StoredAgent
-from driftform.runs.search import check_fitness
-from driftform.runs.store import DisturbedResult, Store
-from driftform.scenario import Robustness, evaluation_seed
-from driftform.scenario.disturbances import Condition, draw_conditions
+from driftform.runs.disturbed import draw_rounds, find_offsets, fly_disturbed
+from driftform.runs.store import Store
+from driftform.runs.survey import read_scores
+from driftform.scenario import Robustness
 from driftform.study import Study
-from driftform.trajectory.approach import find_approaches
 from driftform.trajectory.misses import Misses, finite_or_none
-from driftform.types import Evaluation, FloatArray
+from driftform.types import FloatArray, Verdict
 
 
 def fly_finalists(
@@ -32,81 +31,25 @@ def fly_finalists(
 ) -> None:
     """Fly the finalists of each target under the conditions of the choice, and the winners under those of the promise.
 
-    Without disturbed conditions nothing is flown, and what is stored already is not flown again. ``on_flights`` is
+    Without disturbed conditions, and if every evaluation failed, nothing is flown, and what is stored already is not flown again. ``on_flights`` is
     called with the number of flights that are done, and with the total, which is an upper bound during the choice.
     """
     robustness, targets = study.scenario.robustness, study.scenario.target_names
-    if not robustness.conditions:
+    scores = read_scores(study, store) if robustness.conditions else {}
+    if not scores:
         return
-    sound = [brief for brief in store.read_summaries(targets) if brief.failure is None]
-    fitness = np.array([b.fitness for b in sound]).reshape(-1, len(targets))
-    finalists = [sound[row].index for row in choose_finalists(fitness, robustness.finalists)]
-    conditions = draw_rounds(robustness, study.seed)
+    fitness = np.array(list(scores.values())).reshape(-1, len(targets))
+    finalists = [list(scores)[row] for row in choose_finalists(fitness, robustness.finalists)]
+    conditions = draw_rounds(study.scenario, study.seed)
     judged = [(index, number) for index in finalists for number in range(robustness.conditions)]
     to_come = min(len(finalists), len(targets)) * robustness.checks
-    fly = partial(_fly, study, store, executor, conditions)
+    fly = partial(fly_disturbed, study, store, executor, conditions)
     # The error of an unchecked flight is far below the differences that decide; what is promised is checked.
     done = fly(judged, lambda count: on_flights(count, len(judged) + to_come), (inf,) * len(targets))
     winners = sorted({won.index for t in targets if (won := find_winner(study, store, t)) is not None})
     numbers = range(robustness.conditions, robustness.conditions + robustness.checks)
     checked = [(index, number) for index in winners for number in numbers]
     fly(checked, lambda count: on_flights(done + count, done + len(checked)))
-
-
-def draw_rounds(robustness: Robustness, seed: int) -> tuple[Condition, ...]:
-    """Return the conditions of the choice, and after them those of the promise, for a run with this seed."""
-    return (
-        *draw_conditions(robustness, robustness.conditions, (seed, 0)),
-        *draw_conditions(robustness, robustness.checks, (seed, 1)),
-    )
-
-
-def _fly(
-    study: Study,
-    store: Store,
-    executor: Executor,
-    conditions: Sequence[Condition],
-    wanted: Iterable[tuple[int, int]],
-    on_flights: Callable[[int], None],
-    threshold: tuple[float, ...] | None = None,
-) -> int:
-    """Fly each missing pair of an evaluation and a condition, and store it; return the number of all pairs.
-
-    ``threshold`` is that of :class:`driftform.execution.Job`.
-    """
-    targets = study.scenario.target_names
-    points = study.scenario.target_array()
-    pairs = list(wanted)
-    done = store.list_disturbed()
-    missing = [pair for pair in pairs if pair not in done]
-    genomes = {index: store.read_record(index, targets).candidate.genome for index in {i for i, _ in missing}}
-    jobs = [
-        Job(number, genomes[index], evaluation_seed(study.seed, index), conditions[condition], threshold)
-        for number, (index, condition) in enumerate(missing)
-    ]
-    count = len(pairs) - len(missing)
-    on_flights(count)
-    for arrived in executor.evaluate(jobs):
-        store.add_disturbed(
-            [
-                DisturbedResult(
-                    *missing[number], checked.fitness, find_offsets(checked, points), checked.failure
-                )
-                for number, checked in ((n, check_fitness(e, targets)) for n, e in arrived)
-            ],
-            targets,
-        )
-        count += len(arrived)
-        on_flights(count)
-    return len(pairs)
-
-
-def find_offsets(evaluation: Evaluation, points: FloatArray) -> FloatArray:
-    """Return the vector from each of ``points`` (n, 3) to the closest approach, m, (n, 3); NaN if the flight failed."""
-    if evaluation.failure is not None or evaluation.trajectory is None:
-        return np.full(points.shape, np.nan)
-    approaches = find_approaches(evaluation.trajectory, points)
-    return np.array([approach.position for approach in approaches]).reshape(points.shape) - points
 
 
 def choose_finalists(fitness: FloatArray, count: int) -> list[int]:
@@ -139,20 +82,24 @@ class Winner:
         by which it was chosen, %.
     misses
         of its flights under the conditions of the promise, ``None`` before they are flown.
+    reached
+        share of these flights that reach the target, as the fitness judges it.
     """
 
     index: int
     score: float
     misses: Misses | None
+    reached: float | None = None
 
     def document(self) -> dict[str, Any]:
-        """Return what an agent file and a JSON document hold of it: flights, failures, score; misses in m."""
+        """Return what an agent file and a JSON document hold of it: flights, failures, share that reach the target, score; misses in m."""
         if self.misses is None:
             return {"score": self.score}
         return {
             "score": self.score,
             "flights": self.misses.count,
             "failed": self.misses.failed,
+            "reached": self.reached,
             "median": finite_or_none(self.misses.median[0]),
             "p90": finite_or_none(self.misses.promised[0]),
         }
@@ -163,8 +110,9 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     robustness = study.scenario.robustness
     if not robustness.conditions:
         return None
-    conditions = draw_rounds(robustness, study.seed)
+    conditions = draw_rounds(study.scenario, study.seed)
     judged, checked = range(robustness.conditions), range(robustness.conditions, len(conditions))
+    fitness = study.make_plugin("fitness")
     found: Winner | None = None
     for index, flights in store.read_disturbed(target).items():
         if not all(number in flights for number in judged):
@@ -177,7 +125,9 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
                 if len(rest) == len(checked)
                 else None
             )
-            found = Winner(index, score, misses)
+            judged_as = [fitness.judge(flights[number][0]) for number in checked if number in flights]
+            reached = judged_as.count(Verdict.REACHED) / len(checked) if misses else None
+            found = Winner(index, score, misses, reached)
     return found
 
 
@@ -193,7 +143,7 @@ def find_best_agent(study: Study, store: Store, target: str) -> StoredAgent | No
     index = best[0] if winner is None else winner.index
     record = store.read_record(index, targets)
     fitness = float(record.evaluation.fitness[targets.index(target)])
-    offset = find_offsets(record.evaluation, np.array([study.scenario.targets[target]]))
+    offset = find_offsets(record.evaluation, study.scenario)[targets.index(target)]
     promise = {} if winner is None else winner.document()
     result: dict[str, Any] = {
         "target": target,

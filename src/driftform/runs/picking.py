@@ -10,7 +10,7 @@ from driftform.pipeline import Pipeline
 from driftform.runs.agent_file import StoredAgent, write_agent
 from driftform.runs.run import Run
 from driftform.runs.store import Store
-from driftform.scenario import Scenario, Vector
+from driftform.scenario import Pipe, Scenario, Vector
 from driftform.trajectory.compression import compress_evaluation
 from driftform.trajectory.coverage import ClosestPass, find_passes
 from driftform.util.files import make_directory
@@ -94,9 +94,15 @@ def check_point(point: Vector, scenario: Scenario) -> None:
     given = "X Y Z = " + " ".join(f"{value:g}" for value in point)
     if not all(map(isfinite, point)):
         raise InputError(f"{given}: should be three finite numbers, in m")
-    if scenario.pipe.segments and not scenario.pipe.contains(point):
-        pipes = ", then ".join(
-            f"from {list(s.start)} to {list(s.end)} with radius {s.radius:g} m"
-            for s in scenario.pipe.segments
+    if not scenario.pipe.is_open and not scenario.pipe.contains(point):
+        raise InputError(f"{given} lies outside the pipe, {_describe_way(scenario.pipe)}")
+
+
+def _describe_way(pipe: Pipe) -> str:
+    segment = pipe.straight
+    if segment is not None:
+        return (
+            f"which leads from {list(segment.start)} to {list(segment.end)} with radius {segment.radius:g} m"
         )
-        raise InputError(f"{given} lies outside the pipe, which leads {pipes}")
+    names = [placed.name for placed in pipe.layout.parts]
+    return f"whose parts are {', '.join(names)}"

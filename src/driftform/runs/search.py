@@ -1,14 +1,14 @@
 """The ask/tell loop over a stored run, and what a run leaves behind."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from driftform.errors import InputError
 from driftform.execution import Executor, Job
-from driftform.faults import report_faults, require_candidates
+from driftform.faults import check_fitness, report_faults, require_candidates
 from driftform.runs.store import Record, Store
+from driftform.runs.survey import survey
 from driftform.scenario import Robustness, evaluation_seed
 from driftform.study import Study
 from driftform.types import Evaluation
@@ -87,7 +87,7 @@ def _search(
                 outcomes[record.index] = record.evaluation
                 on_record(record)
         ordered = [outcomes[first + i] for i in range(len(candidates))]
-        strategy.tell(first, ordered)
+        strategy.tell(first, survey(study, store, executor, first, candidates, ordered))
         best.add(ordered)
         first += len(candidates)
         on_generation(first)
@@ -124,12 +124,3 @@ class BestFitness:
 def count_finalists(robustness: Robustness) -> int:
     """Return the number of best evaluations that a run shows, or flies again, for each target."""
     return robustness.finalists if robustness.conditions else 1
-
-
-def check_fitness(evaluation: Evaluation, targets: Sequence[str]) -> Evaluation:
-    """Return the evaluation, as a failure if its fitness is not one number from 0 to 100 for each target."""
-    fitness = evaluation.fitness
-    if len(fitness) == len(targets) and bool(np.all((fitness >= 0) & (fitness <= 100))):
-        return evaluation
-    reason = f"its fitness is {fitness.tolist()}, expected {len(targets)} numbers from 0 to 100"
-    return replace(evaluation, fitness=np.zeros(len(targets)), failure=evaluation.failure or reason)

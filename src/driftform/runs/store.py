@@ -77,6 +77,9 @@ CREATE TABLE disturbed (
 ) WITHOUT ROWID;
 """
 
+MAX_INDEX = 2**62
+"""Larger than the index of any evaluation."""
+
 
 def _normalise(statement: str) -> str:
     """Return a statement without comments and without what only lays it out."""
@@ -371,18 +374,21 @@ class Store:
                 )
             }
 
-    def read_disturbed(self, target: str) -> dict[int, dict[int, tuple[float, FloatArray]]]:
+    def read_disturbed(
+        self, target: str, first: int = 0, end: int = MAX_INDEX
+    ) -> dict[int, dict[int, tuple[float, FloatArray]]]:
         """Return fitness (%) and offset (m, (3,)) of every disturbed flight: by evaluation, and by condition.
 
-        The offset is the vector from the target to the closest approach, NaN for a failed flight.
+        The offset is the vector from the target to the closest approach, NaN for a failed flight. Evaluations are those
+        from ``first`` up to ``end``, exclusive.
         """
         query = (
-            "SELECT evaluation, condition, fitness, x, y, z FROM disturbed WHERE target = ? "
-            "ORDER BY evaluation, condition"
+            "SELECT evaluation, condition, fitness, x, y, z FROM disturbed "
+            "WHERE target = ? AND evaluation >= ? AND evaluation < ? ORDER BY evaluation, condition"
         )
         found: dict[int, dict[int, tuple[float, FloatArray]]] = {}
         with self._reading():
-            for index, condition, fitness, *offset in self._connection.execute(query, (target,)):
+            for index, condition, fitness, *offset in self._connection.execute(query, (target, first, end)):
                 flights = found.setdefault(check_integer(index, "an evaluation"), {})
                 flights[check_integer(condition, "a condition")] = (
                     _check_fitness(fitness),

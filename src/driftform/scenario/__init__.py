@@ -1,9 +1,11 @@
 """The environment as data: pipe, flow, fluid, release, contact, targets, and their disturbances."""
 
+from driftform.scenario.calibration import Calibration, Factors
 from driftform.scenario.flow import (
     FLOWS,
     DevelopingFlow,
     Flow,
+    GridFlow,
     LogLawFlow,
     PipeFlow,
     PowerLawFlow,
@@ -23,11 +25,14 @@ from driftform.scenario.tables import (
 
 __all__ = [
     "FLOWS",
+    "Calibration",
     "Contact",
     "DevelopingFlow",
+    "Factors",
     "FlightLimits",
     "Flow",
     "Fluid",
+    "GridFlow",
     "LogLawFlow",
     "Number",
     "Pipe",

@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from driftform.scenario import LogLawFlow, Robustness, Scenario, TurbulentFlow
+from driftform.scenario import Calibration, LogLawFlow, Robustness, Scenario, TurbulentFlow
+from driftform.scenario.calibration import DRAGS
 from driftform.types import Body, FloatArray
 
 MAX_DEVIATION = 3.0
@@ -36,9 +37,12 @@ class Condition:
     wall
         increase of the thickness of the printed wall, m.
     drag
-        factor on all forces of drag and damping.
+        factor on all forces of drag and damping that no filmed flights have calibrated.
     gusts
         seed of the gusts, ``None`` for steady water.
+    calibrated
+        values of the factors that have an interval in ``[calibration]``, in the order of
+        :attr:`driftform.scenario.Calibration.intervals`.
     """
 
     across: tuple[float, float]
@@ -50,10 +54,13 @@ class Condition:
     wall: float
     drag: float
     gusts: int | None
+    calibrated: tuple[float, ...] = ()
 
 
-def draw_conditions(robustness: Robustness, count: int, seed: Sequence[int]) -> tuple[Condition, ...]:
-    """Return ``count`` disturbed conditions, drawn from a seed.
+def draw_conditions(
+    robustness: Robustness, count: int, seed: Sequence[int], calibration: Calibration | None = None
+) -> tuple[Condition, ...]:
+    """Return ``count`` disturbed conditions, drawn from a seed; factors with an interval are those of ``calibration``.
 
     Latin hypercube (McKay, Beckman and Conover 1979, Technometrics 21(2)): for every quantity, each of the n conditions
     lies in a different one of n equally likely intervals. All distributions are normal, truncated at
@@ -69,14 +76,17 @@ def draw_conditions(robustness: Robustness, count: int, seed: Sequence[int]) -> 
         *(robustness.current, robustness.density, robustness.mass, robustness.wall, robustness.drag),
     ]
     rng = np.random.default_rng(tuple(seed))
-    shares = qmc.LatinHypercube(len(deviations), rng=rng).random(count)
-    drawn = truncnorm.ppf(shares, -MAX_DEVIATION, MAX_DEVIATION) * deviations
+    calibration = calibration or Calibration()
+    shares = qmc.LatinHypercube(len(deviations) + len(calibration.intervals), rng=rng).random(count)
+    deviates = truncnorm.ppf(shares, -MAX_DEVIATION, MAX_DEVIATION)
+    drawn = deviates[:, : len(deviations)] * deviations
+    factors = calibration.draw_factors(deviates[:, len(deviations) :]).tolist()
     gusts: list[int | None] = [None] * count
     if robustness.gusts:
         gusts = rng.integers(2**32, size=count).tolist()
     return tuple(
-        Condition((x[0], x[1]), x[2], x[3], 1 + x[4], 1 + x[5], 1 + x[6], x[7], 1 + x[8], gust)
-        for x, gust in zip(drawn.tolist(), gusts, strict=True)
+        Condition((x[0], x[1]), x[2], x[3], 1 + x[4], 1 + x[5], 1 + x[6], x[7], 1 + x[8], gust, tuple(known))
+        for x, gust, known in zip(drawn.tolist(), gusts, factors, strict=True)
     )
 
 
@@ -97,7 +107,23 @@ def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
         }
     )
     fluid = scenario.fluid.model_copy(update={"density": scenario.fluid.density * condition.density})
-    return scenario.model_copy(update={"flow": flow, "release": release, "fluid": fluid})
+    return scenario.model_copy(
+        update={
+            "flow": flow,
+            "release": release,
+            "fluid": fluid,
+            "calibration": _disturb_calibration(condition, scenario.calibration),
+        }
+    )
+
+
+def _disturb_calibration(condition: Condition, calibration: Calibration) -> Calibration:
+    """Return the factors under a condition: drawn from their intervals; drags without one are disturbed together."""
+    drawn = dict(zip(calibration.intervals, condition.calibrated, strict=True))
+    for name in DRAGS:
+        if name not in drawn and condition.drag != 1.0:
+            drawn[name] = condition.drag * getattr(calibration.factors, name)
+    return calibration.with_factors(replace(calibration.factors, **drawn)) if drawn else calibration
 
 
 def disturb_body(condition: Condition, body: Body) -> Body:
@@ -126,7 +152,9 @@ def _shift_release(scenario: Scenario, across: Sequence[float]) -> tuple[float, 
     shifted = scenario.release_position()
     level, up = draw_normals(scenario.direction())
     offset = across[0] * level + across[1] * up
-    while scenario.pipe.segments and not scenario.pipe.contains(tuple(shifted + offset / MAX_RADIUS_SHARE)):
+    while not scenario.pipe.is_open and not scenario.pipe.contains(
+        tuple(shifted + offset / MAX_RADIUS_SHARE)
+    ):
         offset *= 0.5
         if np.linalg.norm(offset) < 1e-6:
             offset = np.zeros(3)

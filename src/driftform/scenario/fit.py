@@ -1,8 +1,11 @@
 """Whether a body fits into its pipe where it is released, and is in the water there."""
 
+from itertools import pairwise
+
 import numpy as np
 
 from driftform.geometry.clearance import farthest_from_line, lowest_along
+from driftform.geometry.pipe_parts import Straight
 from driftform.scenario import Scenario
 from driftform.types import Body
 
@@ -10,6 +13,9 @@ _ROUNDING = 1e-9
 """Overlap, relative to the radius of the bore, that counts as touching."""
 
 _HALVINGS = 20
+
+_AROUND, _BETWEEN = 48, 8
+"""Points of a body's surface, around its axis and along each edge of its contour, that must lie in a pipe with parts."""
 
 
 def find_misfit(body: Body, scenario: Scenario) -> str | None:
@@ -26,20 +32,61 @@ def find_misfit(body: Body, scenario: Scenario) -> str | None:
                 f"it is released above the water: its lowest point is at z {bottom:.4g} m, and fluid.water_level is "
                 f"{level:g} m"
             )
-    if not scenario.pipe.segments:
+    if scenario.pipe.is_open:
         return None
-    first = scenario.pipe.segments[0]
-    bore = 2 * first.radius
+    inlet = scenario.pipe.layout.inlet
+    bore = 2 * inlet.radius
     if body.max_diameter > bore * (1 + _ROUNDING):
         return f"it is too wide for the pipe: {show_length(body.max_diameter)} across, in a bore of {show_length(bore)}"
-    start = np.array(first.start)
-    reach = farthest_from_line(body.outer, position, axis, start, scenario.direction())
-    if reach > first.radius * (1 + _ROUNDING):
+    if not _lies_in_first_straight(body, scenario):
+        return _find_misfit_in_parts(body, scenario)
+    reach = _reach_from_axis(body, scenario)
+    if reach > inlet.radius * (1 + _ROUNDING):
         return (
             f"it is released in the wall: it reaches {show_length(reach)} from the axis of a bore with the radius "
-            f"{show_length(first.radius)}; it is {show_length(body.length)} long: change release.position, pitch_deg or yaw_deg"
+            f"{show_length(inlet.radius)}; it is {show_length(body.length)} long: change release.position, pitch_deg or yaw_deg"
         )
     return None
+
+
+def _reach_from_axis(body: Body, scenario: Scenario) -> float:
+    """Return the greatest distance (m) of a released body from the axis of the inlet; a bound of it if that fits already."""
+    inlet, position, direction = scenario.pipe.layout.inlet, scenario.release_position(), scenario.direction()
+    bound = np.linalg.norm(np.cross(position - inlet.centre, direction)) + np.hypot(*body.outer.T).max()
+    if bound < inlet.radius:
+        return float(bound)
+    return farthest_from_line(body.outer, position, scenario.release_axis(), inlet.centre, direction)
+
+
+def _lies_in_first_straight(body: Body, scenario: Scenario) -> bool:
+    """Return whether a body that is released in a pipe lies in its first straight part, or behind the inlet."""
+    if scenario.pipe.straight is not None:
+        return True
+    first = scenario.pipe.layout.parts[0].part
+    along = float((scenario.release_position() - first.entry) @ first.axes[0])
+    return isinstance(first, Straight) and along + float(np.hypot(*body.outer.T).max()) <= first.length
+
+
+def _find_misfit_in_parts(body: Body, scenario: Scenario) -> str | None:
+    layout, axis = scenario.pipe.layout, scenario.release_axis()
+    across = np.linalg.svd(axis[None])[2][1:]
+    angle = np.linspace(0, 2 * np.pi, _AROUND, endpoint=False)
+    circle = np.cos(angle)[:, None] * across[0] + np.sin(angle)[:, None] * across[1]
+    steps = np.linspace(0, 1, _BETWEEN, endpoint=False)
+    contour = np.concatenate([a + steps[:, None] * (b - a) for a, b in pairwise(body.outer)])
+    rings = contour[:, :1, None] * axis + contour[:, 1, None, None] * circle
+    points = scenario.release_position() + rings.reshape(-1, 3)
+    inlet = layout.inlet
+    off = (points - inlet.centre) @ inlet.axes.T
+    behind = (off[:, 0] <= 0) & (np.hypot(off[:, 1], off[:, 2]) <= inlet.radius)
+    outside = (layout.find_part(points) < 0) & ~behind
+    if not outside.any():
+        return None
+    x, y, z = points[outside][0].tolist()
+    return (
+        f"it is released in the wall, at x {x:.4g}, y {y:.4g}, z {z:.4g} m; it is {show_length(body.length)} long: "
+        "change release.position, pitch_deg or yaw_deg, or begin the pipe with a longer straight"
+    )
 
 
 def ease_release(body: Body, nominal: Scenario, disturbed: Scenario) -> Scenario:

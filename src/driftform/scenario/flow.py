@@ -71,12 +71,33 @@ class TurbulentFlow(PipeFlow):
     )
 
 
+class GridFlow(Table):
+    """Velocities on a regular grid from a file, such as the result of a CFD program: CSV, NetCDF or VTK."""
+
+    kind: Literal["grid"] = option("grid", "name of the flow profile")
+    file: str = option(
+        ...,
+        "file with the velocities, in the world frame and SI units: .csv, .nc, .vtk or .vtu; a relative path begins at the "
+        "folder of the study file",
+        min_length=1,
+    )
+    speed: float = option(
+        1.0,
+        "mean speed at the inlet: the velocities in the file times speed / reference",
+        "m/s",
+        ge=1e-4,
+        le=100,
+    )
+    reference: float = option(1.0, "mean speed at the inlet in the file", "m/s", ge=1e-4, le=100)
+
+
 FLOWS: dict[str, type[Table]] = {
     "uniform": UniformFlow,
     "power_law": PowerLawFlow,
     "log_law": LogLawFlow,
     "developing": DevelopingFlow,
     "turbulent": TurbulentFlow,
+    "grid": GridFlow,
 }
 """The flow profiles by name."""
 
@@ -91,7 +112,8 @@ Flow: TypeAlias = Annotated[
     | Annotated[PowerLawFlow, Tag("power_law")]
     | Annotated[LogLawFlow, Tag("log_law")]
     | Annotated[DevelopingFlow, Tag("developing")]
-    | Annotated[TurbulentFlow, Tag("turbulent")],
+    | Annotated[TurbulentFlow, Tag("turbulent")]
+    | Annotated[GridFlow, Tag("grid")],
     Discriminator(_read_kind),
 ]
 """The velocity of the water: one of :data:`FLOWS`, by its ``kind``."""

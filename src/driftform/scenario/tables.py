@@ -1,12 +1,21 @@
 """The tables of a scenario: pipe, flow, fluid, release, contact, targets. Validated here, read by kernels as arrays."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
+from driftform.errors import did_you_mean
 from driftform.options import Table, option
-from driftform.scenario.flow import Flow, LogLawFlow, PipeFlow, TurbulentFlow, UniformFlow
+from driftform.scenario.calibration import Calibration, calibrate_restitution
+from driftform.scenario.flow import (
+    DevelopingFlow,
+    Flow,
+    LogLawFlow,
+    PipeFlow,
+    TurbulentFlow,
+    UniformFlow,
+)
 from driftform.scenario.pipe import Pipe, Vector
 from driftform.types import FloatArray
 
@@ -56,6 +65,15 @@ class Release(Table):
     velocity: Literal["current", "rest"] | Vector = option(
         "current", "'current' (moving with the water), 'rest', or a velocity", "m/s"
     )
+    ballast: float = option(
+        0.0, "mass that hangs on the agent's outside, such as a sinker on a tape", "kg", ge=0, le=1e4
+    )
+    ballast_x: float = option(
+        0.0, "where along the axis it hangs, from the core's centre, fore positive", "m", ge=-100, le=100
+    )
+    ballast_density: float = option(
+        11_340.0, "density of the ballast; by default that of lead", "kg/m3", ge=100, le=30_000
+    )
 
 
 class Contact(Table):
@@ -86,13 +104,23 @@ class Robustness(Table):
     """
 
     conditions: int = option(
-        0,
+        20,
         "disturbed flights of each finalist, by which the best is chosen; 0 to choose by the undisturbed flight alone",
         ge=0,
         le=10_000,
     )
+    survey: int = option(
+        2,
+        "disturbed flights, among those of the choice, of each agent that may be among the best of the search; the search "
+        "goes by their mean fitness, or by that of the undisturbed flight if 0",
+        ge=0,
+        le=10_000,
+    )
     finalists: int = option(
-        5, "finalists for each target: the agents with the best undisturbed flights", gt=0, le=10_000
+        4,
+        "finalists for each target: the agents that are the best by what the search goes by",
+        gt=0,
+        le=10_000,
     )
     score: Literal["mean", "quantile", "worst"] = option(
         "quantile", "score of a finalist, from its fitness over all conditions"
@@ -120,7 +148,14 @@ class Robustness(Table):
     drag: float = option(0.2, "of drag and damping, relative to them", ge=0, le=0.3)
 
 
-def _check_names(targets: dict[str, Vector]) -> dict[str, Vector]:
+Target: TypeAlias = Annotated[
+    Annotated[Vector, Tag("point")] | Annotated[str, Tag("outlet")],
+    Discriminator(lambda value: "outlet" if isinstance(value, str) else "point"),
+]
+"""A point in the world frame, or the name of an outlet, whose centre is the point."""
+
+
+def _check_names(targets: dict[str, Target]) -> dict[str, Target]:
     for name in targets:
         if not name.replace("-", "").replace("_", "").isalnum():
             raise ValueError(
@@ -141,22 +176,25 @@ class Scenario(Table):
     robustness: Robustness = Field(
         default=Robustness(), description="disturbances of the finalists' flights, and their score"
     )
-    targets: Annotated[dict[str, Vector], AfterValidator(_check_names)] = Field(
+    calibration: Calibration = Field(
+        default=Calibration(), description="what filmed flights have shown of the model"
+    )
+    targets: Annotated[dict[str, Target], AfterValidator(_check_names)] = Field(
         default={},
-        description="points to reach: name and position in the world frame",
+        description="points to reach: name and position in the world frame, or the name of an outlet",
         json_schema_extra={"unit": "m"},
     )
 
     @model_validator(mode="after")
     def _check_together(self) -> "Scenario":
-        if self.targets and not self.pipe.segments:
+        if self.targets and self.pipe.is_open:
             raise ValueError("targets need a pipe: fitness is relative to the farthest point of its volume")
-        if isinstance(self.flow, PipeFlow) and not self.pipe.segments:
+        if isinstance(self.flow, PipeFlow) and self.pipe.is_open:
             raise ValueError(
-                f"flow.kind = '{self.flow.kind}' needs a pipe; in open water it must be 'uniform'"
+                f"flow.kind = '{self.flow.kind}' needs a pipe; in open water it must be 'uniform' or 'grid'"
             )
         if isinstance(self.flow, LogLawFlow | TurbulentFlow):
-            most = 0.1 * min(segment.radius for segment in self.pipe.segments)
+            most = 0.1 * self.pipe.layout.narrowest
             if self.flow.roughness > most:
                 raise ValueError(
                     f"flow.roughness = {self.flow.roughness} is too large for the logarithmic law in this pipe: "
@@ -167,39 +205,72 @@ class Scenario(Table):
                 f"flow.smoothing = {self.flow.smoothing:g} s is too short for flight.horizon = {self.flight.horizon:g} s: "
                 f"a flight has at most {MAX_GUSTS} gusts"
             )
-        if not self.pipe.segments:
+        if self.pipe.is_open:
             return self
+        if self.pipe.straight is None:
+            _check_flow_in_parts(self.flow)
         start = self.release_position()
         if not self.pipe.contains((start[0], start[1], start[2])):
             where = (
                 "" if self.release.frame == "world" else " (it is relative to the inlet: see release.frame)"
             )
             raise ValueError(f"release.position = {list(self.release.position)} lies outside the pipe{where}")
-        for name, point in self.targets.items():
-            if not self.pipe.contains(point):
-                raise ValueError(f"targets.{name} = {list(point)} lies outside the pipe")
+        self._check_targets()
         return self
+
+    def _check_targets(self) -> None:
+        outlets = {outlet.name: outlet.opening.centre for outlet in self.pipe.layout.outlets}
+        for name, target in self.targets.items():
+            if isinstance(target, str):
+                if target not in outlets:
+                    raise ValueError(
+                        f"targets.{name} = '{target}': the pipe has no such outlet{did_you_mean(target, outlets)}"
+                    )
+            elif not self.pipe.contains(target):
+                raise ValueError(f"targets.{name} = {list(target)} lies outside the pipe")
 
     @property
     def target_names(self) -> tuple[str, ...]:
         """Names of the targets, in the order of every fitness vector."""
         return tuple(self.targets)
 
+    def target_points(self) -> dict[str, Vector]:
+        """Return the positions of the targets in the world frame, m, by name; that of an outlet is its centre."""
+        openings = {outlet.name: outlet.opening for outlet in self.pipe.layout.outlets}
+        points: dict[str, Vector] = {}
+        for name, target in self.targets.items():
+            if isinstance(target, str):
+                x, y, z = openings[target].centre.tolist()
+                points[name] = (x, y, z)
+            else:
+                points[name] = target
+        return points
+
     def target_array(self) -> FloatArray:
         """Return the positions of the targets in the world frame, m, (targets, 3)."""
-        return np.array(list(self.targets.values()), dtype=np.float64).reshape(-1, 3)
+        return np.array(list(self.target_points().values()), dtype=np.float64).reshape(-1, 3)
 
     def direction(self) -> FloatArray:
         """Return the unit vector downstream at the inlet, in the world frame, (3,); along x in open water."""
-        if not self.pipe.segments:
+        if self.pipe.is_open:
             return np.array([1.0, 0.0, 0.0])
-        first = self.pipe.segments[0]
-        axis = np.subtract(first.end, first.start)
-        return np.asarray(axis / np.linalg.norm(axis), dtype=np.float64)
+        return np.asarray(self.pipe.layout.inlet.axes[0])
 
     def current(self) -> FloatArray:
         """Return the mean velocity of the water at the inlet, in the world frame, m/s, (3,)."""
         return self.flow.speed * self.direction()
+
+    def calibrated_contact(self) -> Contact:
+        """Return the contact with the coefficients that filmed flights have shown."""
+        factors = self.calibration.factors
+        if factors.restitution == factors.friction == 1.0:
+            return self.contact
+        return self.contact.model_copy(
+            update={
+                "restitution": calibrate_restitution(factors, self.contact.restitution),
+                "friction": factors.friction * self.contact.friction,
+            }
+        )
 
     def of_evaluation(self, seed: int, index: int) -> "Scenario":
         """Return the scenario of evaluation ``index`` of a run with this seed, with the gusts of that evaluation."""
@@ -218,7 +289,7 @@ class Scenario(Table):
 
     def release_position(self) -> FloatArray:
         """Return the position of the core's centre at the release, in the world frame, m, (3,)."""
-        start = np.zeros(3) if self._released_in_world else np.array(self.pipe.segments[0].start)
+        start = np.zeros(3) if self._released_in_world else self.pipe.layout.inlet.centre
         return np.asarray(start + self.release_frame() @ self.release.position)
 
     def release_quaternion(self) -> FloatArray:
@@ -250,7 +321,7 @@ class Scenario(Table):
     @property
     def _released_in_world(self) -> bool:
         """True if the release is given in the world frame; in open water there is no other."""
-        return self.release.frame == "world" or not self.pipe.segments
+        return self.release.frame == "world" or self.pipe.is_open
 
     def _frame_angles(self) -> tuple[float, float, float, float]:
         """Return cosine and sine of the yaw, then of the pitch, of the release's frame."""
@@ -260,6 +331,20 @@ class Scenario(Table):
         level = float(np.hypot(x, y))
         # A vertical pipe has no yaw.
         return (x / level, y / level, level, -z) if level > 1e-9 else (1.0, 0.0, 0.0, -z)
+
+
+def _check_flow_in_parts(flow: Flow) -> None:
+    """Check that a flow is possible in a pipe with parts."""
+    if isinstance(flow, DevelopingFlow):
+        raise ValueError(
+            "flow.kind = 'developing' is the flow behind the inlet of a straight pipe: take 'log_law' in a pipe with parts"
+        )
+    if isinstance(flow, UniformFlow) and flow.acceleration:
+        raise ValueError("flow.acceleration is for a straight pipe: leave it out in a pipe with parts")
+    if flow.speed < 0:
+        raise ValueError(
+            f"flow.speed = {flow.speed:g}: the water of a pipe with parts flows from the inlet to the outlets"
+        )
 
 
 def _halve_angle(c: float, s: float) -> tuple[float, float]:

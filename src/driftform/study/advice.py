@@ -12,6 +12,7 @@ import numpy as np
 from driftform.errors import InputError, find_commonest
 from driftform.pipeline import Pipeline
 from driftform.scenario import Scenario, TurbulentFlow, UniformFlow
+from driftform.scenario.calibration import DRAGS
 from driftform.scenario.fit import find_misfit, show_length
 from driftform.scenario.flow import PowerLawFlow
 from driftform.study.study import Study
@@ -72,8 +73,10 @@ class _Advice:
         found = [*self._check_units(), *self._check_water()]
         if bare is not None:
             found += self._check_bare(bare)
-        if self.scenario.pipe.segments:
-            found += [*self._check_plane(), *self._check_drift(), *self._check_limits()]
+        if self.scenario.pipe.straight is not None:
+            found += [*self._check_plane(), *self._check_drift()]
+        if not self.scenario.pipe.is_open:
+            found += self._check_limits()
         return [*found, *self._check_targets(), *self._check_random_agents()]
 
     def _build_bare(self) -> Body | None:
@@ -85,20 +88,27 @@ class _Advice:
             return None
 
     @cached_property
+    def _pipe_length(self) -> float:
+        """Length of the way from the inlet to the farthest outlet, m."""
+        layout = self.scenario.pipe.layout
+        ends = [depth + placed.part.length for depth, placed in zip(layout.depths, layout.parts, strict=True)]
+        return float(max(ends))
+
+    @cached_property
     def _start(self) -> FloatArray:
         return self.scenario.release_position()
 
     def _check_units(self) -> Iterator[str]:
         fluid, flow = self.scenario.fluid, self.scenario.flow
-        for segment in self.scenario.pipe.segments:
-            length = float(np.linalg.norm(np.subtract(segment.end, segment.start)))
-            if length > 1000 or segment.radius > 10:
+        if not self.scenario.pipe.is_open:
+            length, radius = self._pipe_length, self.scenario.pipe.layout.inlet.radius
+            if length > 1000 or radius > 10:
                 yield (
-                    f"the pipe is {length:g} m long with a radius of {segment.radius:g} m: lengths are in metres; "
+                    f"the pipe is {length:g} m long with a radius of {radius:g} m: lengths are in metres; "
                     "divide millimetres by 1000"
                 )
-            elif length < 2 * segment.radius:
-                yield f"the pipe is {length:g} m long and {2 * segment.radius:g} m wide: check start, end and radius"
+            elif length < 2 * radius:
+                yield f"the pipe is {length:g} m long and {2 * radius:g} m wide: check start, end and radius"
         if abs(flow.speed) > 10:
             yield f"flow.speed = {flow.speed:g} m/s is more than water mains have (about 3 m/s): it is in m/s"
         if not 500 <= fluid.density <= 1500:
@@ -113,18 +123,22 @@ class _Advice:
 
     def _check_water(self) -> Iterator[str]:
         level = self.scenario.fluid.water_level
-        for segment in self.scenario.pipe.segments if level is not None else ():
+        for segment in (self.scenario.pipe.straight,):
+            if segment is None or level is None:
+                continue
             axis = np.subtract(segment.end, segment.start) / np.linalg.norm(
                 np.subtract(segment.end, segment.start)
             )
             top = max(segment.start[2], segment.end[2]) + segment.radius * float(np.hypot(axis[0], axis[1]))
-            if level is not None and level > top:
+            if level > top:
                 yield (
                     f"fluid.water_level = {level:g} m is above the whole pipe, whose top is at z {top:g} m: "
                     "leave it out for a full pipe"
                 )
         heights = {
-            name: point[2] - level for name, point in self.scenario.targets.items() if level is not None
+            name: point[2] - level
+            for name, point in self.scenario.target_points().items()
+            if level is not None
         }
         dry = {name: height for name, height in heights.items() if height > NEGLIGIBLE}
         if dry:
@@ -143,12 +157,13 @@ class _Advice:
             )
         if not 10 <= bare.hull_density <= DENSEST:
             yield f"the hull's material has {bare.hull_density:g} kg/m3, ABS has 1050: densities are in kg/m3"
-        for segment in self.scenario.pipe.segments:
-            share = bare.max_diameter / (2 * segment.radius)
+        if not self.scenario.pipe.is_open:
+            radius = self.scenario.pipe.layout.narrowest
+            share = bare.max_diameter / (2 * radius)
             if share > FREE_SHARE:
                 yield (
                     f"the smallest body is {show_length(bare.max_diameter)} across, {100 * share:.0f} % of the bore of "
-                    f"{show_length(2 * segment.radius)}: above {100 * FREE_SHARE:.0f} % it blocks the flow, and how "
+                    f"{show_length(2 * radius)}: above {100 * FREE_SHARE:.0f} % it blocks the flow, and how "
                     "fast it drifts is uncertain; take a wider pipe or a smaller core"
                 )
 
@@ -161,7 +176,7 @@ class _Advice:
         scenario, axis = self.scenario, self.scenario.direction()
         if isinstance(scenario.flow, TurbulentFlow) and scenario.flow.intensity > 0:
             return
-        centre = np.array(scenario.pipe.segments[0].start)
+        centre = scenario.pipe.layout.inlet.centre
         normal = np.cross(axis, [0.0, 0.0, 1.0])
         name = "the vertical plane through the pipe's axis"
         if np.linalg.norm(normal) < 1e-9:
@@ -178,7 +193,7 @@ class _Advice:
             return
         off = {
             name: self._distance_off(np.array(point) - centre, axis, normal)
-            for name, point in scenario.targets.items()
+            for name, point in scenario.target_points().items()
         }
         missed = {target: distance for target, distance in off.items() if distance > NEGLIGIBLE}
         if missed:
@@ -192,7 +207,7 @@ class _Advice:
     def _released_vectors(self) -> list[FloatArray]:
         """What a plane of symmetry must contain: offset of the release from the inlet, the body's axis, its velocity."""
         given = self.scenario.release_velocity()
-        offset = self._start - np.array(self.scenario.pipe.segments[0].start)
+        offset = self._start - self.scenario.pipe.layout.inlet.centre
         return [offset, self.scenario.release_axis(), *([] if given is None else [given])]
 
     @staticmethod
@@ -206,7 +221,9 @@ class _Advice:
         scenario = self.scenario
         horizon, axis = scenario.flight.horizon, scenario.direction()
         low, high = self._find_drift(horizon)
-        off = {name: float((np.array(p) - self._start) @ axis) for name, p in scenario.targets.items()}
+        off = {
+            name: float((np.array(p) - self._start) @ axis) for name, p in scenario.target_points().items()
+        }
         # A body is as long as the way to a target that counts as near.
         reach = 0.1
         upstream = {name: s for name, s in off.items() if s < low - reach}
@@ -240,23 +257,33 @@ class _Advice:
 
     def _check_limits(self) -> Iterator[str]:
         scenario, robustness = self.scenario, self.scenario.robustness
-        [segment] = scenario.pipe.segments
-        horizon = scenario.flight.horizon
-        needed = _find_time(self._find_drift, float(np.linalg.norm(np.subtract(segment.end, segment.start))))
+        radius, horizon = scenario.pipe.layout.inlet.radius, scenario.flight.horizon
+        needed = _find_time(self._find_drift, self._pipe_length)
+        if needed is not None and scenario.pipe.straight is None and horizon < needed:
+            yield (
+                f"flight.horizon = {horizon:g} s is less than the {needed:.3g} s in which the water passes {self._pipe_length:.3g} m "
+                "at its speed at the inlet, the way to the farthest outlet"
+            )
         if needed is not None and horizon > PATIENCE * needed:
             yield (
                 f"flight.horizon = {horizon:g} s is more than {PATIENCE} times the {needed:.3g} s in which the water passes the "
                 "pipe: an agent that comes to rest is simulated that long; it is in seconds"
             )
-        if robustness.conditions and robustness.position > 0.5 * segment.radius:
+        if robustness.conditions and robustness.position > 0.5 * radius:
             yield (
-                f"robustness.position = {robustness.position:g} m is large in a bore with a radius of {segment.radius:g} m: "
+                f"robustness.position = {robustness.position:g} m is large in a bore with a radius of {radius:g} m: "
                 "it is a standard deviation, in metres"
             )
         if isinstance(scenario.flow, TurbulentFlow) and scenario.flow.smoothing > scenario.flow.memory:
             yield (
                 f"flow.smoothing = {scenario.flow.smoothing:g} s is longer than flow.memory = {scenario.flow.memory:g} s: "
                 "the smallest eddies cannot outlast the largest"
+            )
+        drags = [name for name in DRAGS if getattr(scenario.calibration, name) is not None]
+        if drags and self.pipeline.hydrodynamics.options.drag == "none":
+            yield (
+                f"calibration.{drags[0]} has no effect: hydrodynamics.drag is 'none'; set it to 'strips', as in the flights "
+                "that were filmed"
             )
         if scenario.contact.friction > 1.5:
             yield (
@@ -291,7 +318,7 @@ class _Advice:
 
     def _check_targets(self) -> Iterator[str]:
         points: dict[Any, str] = {}
-        for name, point in self.scenario.targets.items():
+        for name, point in self.scenario.target_points().items():
             if point in points:
                 yield f"targets {points[point]} and {name} are the same point: remove one of them"
             points.setdefault(point, name)

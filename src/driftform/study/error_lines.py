@@ -56,7 +56,8 @@ def format_errors(
             message = str(item["ctx"]["error"])
             lines.append(f"{locate_key(layers, _find_key(message, path, document))}: {message}")
         elif item["type"] == "union_tag_invalid":
-            members = _find_members(_find_annotation(table, keys[-1]))
+            last = next(key for key in reversed(keys) if isinstance(key, str))
+            members = _find_members(_find_annotation(table, last))
             path = (*path, *_find_tag(next(iter(members.values()), None))[:1])
             lines.append(
                 f"{locate_key(layers, path)}: {join_path(path)} = {_show_value(find_value(document, path))}: "
@@ -118,9 +119,12 @@ def _name_table(path: KeyPath) -> str:
 
 def _find_key(message: str, path: KeyPath, document: Mapping[str, Any]) -> KeyPath:
     """Return the key that a message about several keys names: its first word, or a word in quotes."""
-    first = message.split(maxsplit=1)[0] if message else ""
+    first = message.split(maxsplit=1)[0].rstrip(":") if message else ""
+    named = tuple(int(name) if name.isdecimal() else name for name in re.findall(r"[^.[\]]+", first))
     quoted = re.findall(r"'(.*?)'", message)
-    for candidate in (tuple(first.split(".")), ("targets", first), *((*path, name) for name in quoted)):
+    for candidate in (named, named[:-1], ("targets", first), *((*path, name) for name in quoted)):
+        if not candidate:
+            continue
         if find_value(document, candidate) is not NOTHING:
             return candidate
     return path
@@ -146,8 +150,9 @@ def _trace_path(model: type[Table], loc: KeyPath) -> tuple[KeyPath, type[Table] 
             continue
         keys = (*keys, name)
         if isinstance(name, str):
+            # The keys of a table without a model, such as [targets], are names: its values may be of several kinds.
             table, annotation = inner, _find_annotation(inner, name)
-            members = _find_members(annotation)
+            members = members if inner is None else _find_members(annotation)
             inner = next(filter(_is_table, (annotation, *get_args(annotation))), None)
     return keys, table
 
@@ -162,13 +167,12 @@ def _is_table(annotation: Any) -> bool:
 
 
 def _find_members(annotation: Any) -> dict[str, type[Table]]:
-    """Return the models of a table of several possible kinds, by their kind; empty for any other annotation."""
-    return {
-        mark.tag: get_args(member)[0]
-        for member in get_args(annotation)
-        for mark in getattr(member, "__metadata__", ())
-        if isinstance(mark, Tag)
-    }
+    """Return the models of a table of several possible kinds, or of a list of such tables, by their kind; or nothing."""
+    found: dict[str, type[Table]] = {}
+    for member in get_args(annotation):
+        tags = [mark.tag for mark in getattr(member, "__metadata__", ()) if isinstance(mark, Tag)]
+        found.update({tag: get_args(member)[0] for tag in tags} if tags else _find_members(member))
+    return found
 
 
 def _find_tag(table: type[Table] | None) -> tuple[str, ...]:

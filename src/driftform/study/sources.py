@@ -5,7 +5,7 @@ Each source is a layer that overrides those before it. An error names the source
 
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import metadata, resources
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,9 @@ from driftform.util.files import is_directory, is_file
 
 REPLACED = ("targets",)
 """Tables of a study file that replace those of its base instead of extending them; ``--set targets.name=...`` extends."""
+
+CALIBRATION = "calibration"
+"""The table that ``driftform calibrate`` writes."""
 
 SCENARIOS = "driftform.scenarios"
 """The package of the built-in scenario files, and the group of entry points for the scenario files of plugins."""
@@ -110,14 +113,8 @@ def read_sources(source: str, above: tuple[str, ...] = (), named_by: str = "") -
     key = str(path.resolve()) if is_file(path) else label
     if key in above:
         raise InputError(f"{named_by}'base' leads back to {label}")
-    try:
-        check_keys(text)
-        data = tomllib.loads(text)
-    except RecursionError:
-        raise InputError(f"{label}: is not valid TOML: nested too deeply") from None
-    except ValueError as error:
-        raise InputError(f"{label}: is not valid TOML: {error}") from None
-    layer = Source(label, data, find_key_lines(text), text=text)
+    layer = _parse(label, text)
+    data = layer.data
     base = data.get("base")
     if base is None:
         return [layer]
@@ -126,6 +123,33 @@ def read_sources(source: str, above: tuple[str, ...] = (), named_by: str = "") -
     beside = path.parent / base
     named_by = f"{layer.locate(('base',))}: "
     return [*read_sources(str(beside) if is_file(beside) else base, (*above, key), named_by), layer]
+
+
+def read_calibration(path: str) -> Source:
+    """Read a file with the table ``[calibration]``, which replaces that of a study.
+
+    Raises
+    ------
+    InputError
+        if there is no such file, or it holds something else.
+    """
+    if not is_file(Path(path)):
+        raise InputError(f"--calibration {path}: is not a file; 'driftform calibrate' writes one")
+    layer = _parse(path, _read(Path(path)))
+    if set(layer.data) != {CALIBRATION}:
+        raise InputError(f"{path}: should hold the table [{CALIBRATION}] and nothing else")
+    return replace(layer, is_option=True, replaces=(CALIBRATION,))
+
+
+def _parse(label: str, text: str) -> Source:
+    try:
+        check_keys(text)
+        data = tomllib.loads(text)
+    except RecursionError:
+        raise InputError(f"{label}: is not valid TOML: nested too deeply") from None
+    except ValueError as error:
+        raise InputError(f"{label}: is not valid TOML: {error}") from None
+    return Source(label, data, find_key_lines(text), text=text)
 
 
 def _read(path: Path) -> str:

@@ -21,7 +21,14 @@ from driftform.pipeline import Pipeline
 from driftform.registry import registry
 from driftform.scenario import Scenario
 from driftform.study.error_lines import format_errors
-from driftform.study.sources import Source, locate_key, merge_source, parse_setting, read_sources
+from driftform.study.sources import (
+    Source,
+    locate_key,
+    merge_source,
+    parse_setting,
+    read_calibration,
+    read_sources,
+)
 
 DEFAULT = "pipe-inspection"
 """The default scenario."""
@@ -150,7 +157,9 @@ class Study:
         from driftform.util.notebook import show_table
 
         plugins = [(seam, self.document[seam]["use"]) for seam in SELECTED if seam in self.document]
-        targets = [(name, *(f"{c:g}" for c in point)) for name, point in self.scenario.targets.items()]
+        targets = [
+            (name, *(f"{c:g}" for c in point)) for name, point in self.scenario.target_points().items()
+        ]
         return show_table(("step", "plugin"), plugins, repr(self)[1:-1]) + show_table(
             ("target", "x m", "y m", "z m"), targets
         )
@@ -184,6 +193,7 @@ def load_study(
     targets: Sequence[str] = (),
     use: Mapping[str, str | None] | None = None,
     run: Mapping[str, Any] | None = None,
+    calibration: str | None = None,
 ) -> Study:
     """Read, merge and check a study.
 
@@ -200,6 +210,8 @@ def load_study(
         plugin by seam, if not ``None``.
     run
         values of ``[run]``, if not ``None``.
+    calibration
+        path of a file with the table ``[calibration]``, which replaces that of the study.
 
     Raises
     ------
@@ -213,6 +225,8 @@ def load_study(
         label = DEFAULT if source is None else source
         layers = read_sources(label)
     given = layers[-1].text
+    if calibration is not None:
+        layers.append(read_calibration(calibration))
     for seam, name in (use or {}).items():
         if name is not None:
             layers.append(Source(f"--{seam}", {seam: {"use": name}}, is_option=True))

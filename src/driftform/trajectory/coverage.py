@@ -7,13 +7,21 @@ import numpy as np
 import numpy.typing as npt
 
 from driftform.errors import InputError
-from driftform.scenario import Scenario, Segment, Vector
+from driftform.geometry.pipe_parts import locate_on_axis
+from driftform.scenario import Pipe, Scenario, Segment, Vector
+from driftform.scenario.layout import Layout
 from driftform.types import FloatArray, Trajectory
 
 IntArray = npt.NDArray[np.int64]
 
 _ROWS, _COLUMNS = 20, 1000
 """Default number of cells across the pipe, and greatest default number along it."""
+
+_APART = 0.2
+"""Distance between the run and a branch on a map of a pipe with parts, m."""
+
+_FINE = 0.1
+"""Step along a path through a pipe with parts, in sides of a cell."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,17 +74,22 @@ class PipeGrid:
 
     @classmethod
     def of_scenario(cls, scenario: Scenario, side: float | None = None) -> "PipeGrid":
-        """Return the grid of a scenario's pipe; see :meth:`of_segment`.
+        """Return the grid of a scenario's pipe; see :meth:`of_segment` and :class:`UnrolledGrid`.
 
         Raises
         ------
         InputError
             if the scenario is open water, which has no section.
         """
-        if not scenario.pipe.segments:
+        if scenario.pipe.is_open:
             raise InputError("a map of what flights reach needs a pipe; this scenario is open water")
-        [segment] = scenario.pipe.segments
-        return cls.of_segment(segment, side)
+        segment = scenario.pipe.straight
+        return UnrolledGrid.of_pipe(scenario.pipe, side) if segment is None else cls.of_segment(segment, side)
+
+    @property
+    def is_straight(self) -> bool:
+        """Whether the map is a plane of the world."""
+        return True
 
     @property
     def cell_count(self) -> int:
@@ -132,6 +145,113 @@ class PipeGrid:
         if offset:
             scaled += np.array([0.0, self.shape[1] / 2, 0.5]) - self.origin @ to_cells
         return np.asarray(scaled)
+
+
+@dataclass(frozen=True, eq=False)
+class UnrolledGrid(PipeGrid):
+    """Grid of cells over the section of a pipe with parts, unrolled: the run from inlet to outlet, then each branch.
+
+    The coordinates are the distance along the axes and the height above them; in a vertical part, the axes that the pipe
+    carries along take the place of up and aside. A branch begins at the axis of its run, :data:`_APART` behind the end of
+    the chain before it on the map. All chains have rows for the widest bore.
+
+    ``origin`` and ``axes`` are those of the inlet.
+
+    Attributes
+    ----------
+    layout
+        the parts.
+    starts
+        what to add to the distance along the axes from the inlet to get the place of each part on the map, m, (parts,).
+    """
+
+    layout: Layout
+    starts: FloatArray
+
+    @classmethod
+    def of_pipe(cls, pipe: Pipe, side: float | None = None) -> "UnrolledGrid":
+        """Return the grid of a pipe with parts; see :meth:`PipeGrid.of_segment` for ``side``."""
+        layout = pipe.layout
+        firsts, ends = list(range(len(layout.parts))), layout.depths.copy()
+        for index, placed in enumerate(layout.parts):
+            ends[index] += placed.part.length
+            if placed.upstream is not None and not placed.by_branch:
+                firsts[index] = firsts[placed.upstream]
+        chains, starts, at = np.array(firsts), np.zeros(len(firsts)), 0.0
+        for first in np.unique(chains):
+            placed, chain = layout.parts[first], chains == first
+            if placed.upstream is not None:
+                starts[chain] = at + _APART - layout.junction_depth(placed.upstream)
+            at = float((starts + ends)[chain].max())
+        inlet = layout.inlet
+        radius = max(placed.part.radius for placed in layout.parts)
+        side = side or max(2 * radius / _ROWS, at / _COLUMNS)
+        columns, rows = max(1, round(at / side)), max(1, round(2 * radius / side))
+        size = np.array([at / columns, 2 * radius / rows, 2 * radius / rows])
+        axes = inlet.axes[[0, 2, 1]] * [[1], [1], [-1]]
+        return cls(inlet.centre, axes, size, (columns, rows), layout, starts)
+
+    @property
+    def is_straight(self) -> bool:
+        """Whether the map is a plane of the world."""
+        return False
+
+    def to_map(self, points: FloatArray) -> FloatArray:
+        """Return world points (n, 3) as place along, height above and distance beside the axis, m, (n, 3).
+
+        A point outside the pipe counts for the first part.
+        """
+        parts, found = np.maximum(self.layout.find_part(points), 0), np.empty((len(points), 3))
+        for index in np.unique(parts):
+            here = parts == index
+            along, foot, axes, on_branch = locate_on_axis(self.layout.parts[index].part, points[here])
+            start = self.starts[index] + np.zeros(len(along))
+            if on_branch.any():
+                branch = next(
+                    k
+                    for k, placed in enumerate(self.layout.parts)
+                    if placed.by_branch and placed.upstream == index
+                )
+                start[on_branch] = self.starts[branch]
+            off = points[here] - foot
+            found[here, 0] = start + self.layout.depths[index] + along
+            found[here, 1] = (off * axes[:, 2]).sum(axis=1)
+            found[here, 2] = -(off * axes[:, 1]).sum(axis=1)
+        return found
+
+    def cell_of(self, points: FloatArray) -> IntArray:
+        """Return the cell that contains each world point (n, 3), or -1, (n,)."""
+        return self._cell_at(self._place(points))
+
+    def find_crossed(self, trajectory: Trajectory) -> tuple[IntArray, FloatArray]:
+        """Return the cells that a flight crosses, ascending (k,), and its least distances from their centres, m, (k,).
+
+        The path between samples is their cubic Hermite curve, in steps of a tenth of a cell.
+        """
+        from driftform.trajectory.interpolation import interpolate_positions
+
+        t, step = trajectory.t, _FINE * float(self.size.min())
+        lengths = np.linalg.norm(np.diff(trajectory.position, axis=0), axis=1)
+        pieces = np.maximum(1, np.ceil(lengths / step)).astype(np.int64)
+        between = np.concatenate([[0.0], np.cumsum(pieces)])
+        times = np.interp(np.arange(between[-1] + 1), between, t)
+        points = interpolate_positions(trajectory, times)
+        place = self._place(points[self.layout.find_part(points) >= 0])
+        cells = self._cell_at(place)
+        offset = np.linalg.norm((place - np.floor(place) - 0.5) * self.size, axis=1)
+        nearest = np.full(self.cell_count, np.inf)
+        np.minimum.at(nearest, cells[cells >= 0], offset[cells >= 0])
+        found = np.flatnonzero(np.isfinite(nearest))
+        return found, nearest[found]
+
+    def _place(self, points: FloatArray) -> FloatArray:
+        """Return world points on the map, in sides of a cell from the lower corner, (n, 3)."""
+        return np.asarray(self.to_map(points) / self.size + [0.0, self.shape[1] / 2, 0.5])
+
+    def _cell_at(self, place: FloatArray) -> IntArray:
+        cell = np.floor(place).astype(np.int64)
+        inside = ((cell >= 0) & (cell < (*self.shape, 1))).all(axis=1)
+        return np.where(inside, cell[:, 0] * self.shape[1] + cell[:, 1], -1)
 
 
 class CoverageMap:

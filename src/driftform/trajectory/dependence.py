@@ -58,8 +58,13 @@ QUANTITIES = (
     ),
     Quantity(
         "drag",
-        "this is the uncertainty of the drag model: film a test flight and compare",
+        "this is the uncertainty of the drag model: film some drops, and run 'driftform calibrate'",
         lambda condition: (condition.drag,),
+    ),
+    Quantity(
+        "calibration",
+        "film more drops: 'driftform drop' plans those that tell most",
+        lambda condition: condition.calibrated,
     ),
 )
 """The disturbed quantities; what none of them explains is due to gusts, and to effects that are not linear."""
@@ -97,7 +102,11 @@ def divide_spread(misses: Misses, target: int) -> list[Effect] | None:
     sound = ~np.isnan(misses.offsets[:, target, 0])
     if sound.sum() < MIN_FLIGHTS:
         return None
-    columns = [np.array([quantity.read(c) for c in misses.conditions])[sound] for quantity in QUANTITIES]
+    count = len(misses.conditions)
+    columns = [
+        np.array([quantity.read(c) for c in misses.conditions]).reshape(count, -1)[sound]
+        for quantity in QUANTITIES
+    ]
     offsets = misses.offsets[sound, target]
     offsets = offsets - offsets.mean(axis=0)
     deviations = np.hstack(columns)
@@ -113,6 +122,8 @@ def divide_spread(misses: Misses, target: int) -> list[Effect] | None:
     for quantity, column in zip(QUANTITIES, columns, strict=True):
         rows = slice(first, first + column.shape[1])
         first = rows.stop
+        if not column.shape[1]:
+            continue
         effects.append(
             Effect(quantity.name, _sum_effect(slopes[rows], rest / len(offsets), used[rows]), quantity.advice)
         )

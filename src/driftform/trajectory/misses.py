@@ -42,7 +42,7 @@ class Misses:
         of each flight.
     offsets
         vector from each target to the closest approach of each flight, world frame, m, (flights, targets, 3); NaN for a
-        failed flight.
+        failed flight. In a pipe with parts it is as long as the way through the water.
     """
 
     conditions: Sequence[Condition]

@@ -27,7 +27,7 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 
-KERNELS = ("hydrodynamics", "dynamics", "trajectory")
+KERNELS = ("potential", "hydrodynamics", "dynamics", "trajectory")
 """The packages of the core that contain kernels."""
 
 COMPILATION_S = 10

@@ -1,9 +1,10 @@
-"""Progress of work in many equal steps: a bar on a terminal, occasional lines elsewhere."""
+"""Progress of work in many equal steps: a bar on a terminal, occasional lines elsewhere, or what a program shows."""
 
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
+from contextvars import ContextVar
 from typing import TypeVar
 
 T = TypeVar("T")
@@ -14,13 +15,29 @@ REFRESH = 4.0
 FIRST_LINE_S = 2.0
 """Time before the progress is shown, s."""
 
+_shown: ContextVar[Callable[[str, int, int], None] | None] = ContextVar("shown", default=None)
+
+
+@contextmanager
+def show_progress(show: Callable[[str, int, int], None]) -> Iterator[None]:
+    """Call ``show`` with what is counted, the finished steps and all steps, in place of printing them in this context."""
+    token = _shown.set(show)
+    try:
+        yield
+    finally:
+        _shown.reset(token)
+
 
 @contextmanager
 def count_progress(what: str) -> Iterator[Callable[[int, int], None]]:
-    """Show on stderr the number of finished ``what``: a bar on a terminal, a line for each tenth elsewhere.
+    """Show the number of finished ``what``: a bar on a terminal, a line of stderr for each tenth elsewhere.
 
-    Yields a function of the number of finished steps and the number of all steps.
+    Yields a function of the number of finished steps and the number of all steps. Inside :func:`show_progress` nothing
+    is printed.
     """
+    if (show := _shown.get()) is not None:
+        yield lambda done, total: show(what, done, total)
+        return
     if not (sys.stdout.isatty() and sys.stderr.isatty()):
         yield lambda done, total: _print_tenths(done, total, what)
         return

@@ -198,5 +198,5 @@ def test_open_water_is_refused_in_one_line():
 
 
 def test_a_study_gives_its_strategy_the_scenario():
-    study = load_study(use={"strategy": "atlas"}, run={"seed": 0})
+    study = load_study("paper", use={"strategy": "atlas"}, run={"seed": 0})
     assert study.make_strategy().space.scenario is study.scenario

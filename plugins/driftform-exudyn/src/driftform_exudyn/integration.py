@@ -62,18 +62,22 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
     nowhere = (np.nan,) * len(motion.rates)
     samples = np.empty((1024, SAMPLE))
     count, tries, b = 0, 0, motion.bristles
-
-    def force(_: Any, t: float, *__: Any) -> tuple[float, ...]:
-        nonlocal tries
-        tries += 1
-        if b:
-            values[-2 * b : -b] = bristles
-        return accelerations(t, coordinates, rates, values) if tries <= MAX_TRIES else nowhere
+    known: tuple[float, ...] | None = None
 
     def bristle_rates(_: Any, t: float, *__: Any) -> FloatArray:
+        nonlocal known
         values[-2 * b : -b] = bristles
-        accelerations(t, coordinates, rates, values)
+        known = accelerations(t, coordinates, rates, values)
         return values[-b:]
+
+    def force(_: Any, t: float, *__: Any) -> tuple[float, ...]:
+        # Exudyn asks for the rates of the bristles at a state first, and they are computed together.
+        nonlocal tries, known
+        tries += 1
+        found, known = known, None
+        if tries > MAX_TRIES:
+            return nowhere
+        return accelerations(t, coordinates, rates, values) if found is None else found
 
     def after_step(_: Any, t: float) -> bool:
         nonlocal samples, count, tries

@@ -79,7 +79,7 @@ class Scene:
     def make_targets(self, radius: float, focus: FloatArray, near: float = np.inf) -> list[Shape]:
         """Return the targets within ``near`` (m) of ``focus`` as balls of ``radius`` (m), with their names."""
         shapes = []
-        for name, place in self.scenario.targets.items():
+        for name, place in self.scenario.target_points().items():
             if np.linalg.norm(focus - place) < near:
                 beside = np.array(place) + 1.6 * radius * self.axes[0]
                 shapes += [

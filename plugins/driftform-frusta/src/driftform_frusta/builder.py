@@ -62,9 +62,14 @@ class FrustaOptions(Table):
     @model_validator(mode="before")
     @classmethod
     def _take_default_kit(cls, values: Any) -> Any:
-        """Fill in the options of the kit that is weighed, so that a resolved study states them."""
-        if isinstance(values, Mapping) and values.get("made_as") == "kit" and values.get("kit") is None:
+        """Fill in the options of the kit that is weighed, so that a resolved study states them, and drop them for a hull."""
+        if not isinstance(values, Mapping):
+            return values
+        kit, made_as = values.get("kit"), values.get("made_as")
+        if made_as == "kit" and kit is None:
             return {**values, "kit": {}}
+        if made_as == "hull" and kit == KitOptions().model_dump(mode="json"):
+            return {**values, "kit": None}
         return values
 
     @model_validator(mode="before")
@@ -88,6 +93,10 @@ class FrustaOptions(Table):
         if self.made_as == "hull" and self.kit is not None:
             raise ValueError(
                 "kit has options, but made_as is 'hull': set made_as to 'kit', or leave them out"
+            )
+        if self.kit is not None and self.kit.ballast:
+            raise ValueError(
+                "kit.ballast is for the kit of one agent, and a builder makes many: set it for the exporter"
             )
         if self.made_as == "kit" and self.wall_model == "paper":
             raise ValueError(

@@ -1,11 +1,13 @@
 """Added mass of a body's outer contour by panels."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from driftform.interfaces import Hydrodynamics
 from driftform.scenario import Fluid
 from driftform.types import Body, Coefficients
-from driftform_panels.solve import PanelOptions, solve
+from driftform_panels.solve import PanelOptions, PanelSolution, solve
 
 
 class PanelMethod(Hydrodynamics[PanelOptions]):
@@ -23,5 +25,12 @@ class PanelMethod(Hydrodynamics[PanelOptions]):
 
     def coefficients(self, body: Body, fluid: Fluid) -> Coefficients:
         """Return the added mass about the centre of buoyancy."""
-        solution = solve(body.outer, self.options)
+        contour = np.ascontiguousarray(body.outer, dtype=np.float64)
+        solution = _solve_once(contour.tobytes(), self.options.panels, self.options.corner)
         return Coefficients(fluid.density * solution.matrix(), origin=np.array([solution.origin, 0.0, 0.0]))
+
+
+@lru_cache(maxsize=128)
+def _solve_once(contour: bytes, panels: int, corner: float) -> PanelSolution:
+    """Solve for a contour, (n, 2) as bytes; the same hull is flown in water of many densities."""
+    return solve(np.frombuffer(contour).reshape(-1, 2), PanelOptions(panels=panels, corner=corner))

@@ -82,6 +82,6 @@ class Leak(Fitness[LeakOptions]):
         where = point_positions(flight, np.array(self.options.sensor))
         plumes = [
             make_plume(scenario, point, self.options.rate, self.options.diffusivity)
-            for point in scenario.targets.values()
+            for point in scenario.target_points().values()
         ]
         return flight.t, [(plume, plume.concentration(where)) for plume in plumes]

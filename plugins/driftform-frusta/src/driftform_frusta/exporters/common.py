@@ -32,7 +32,8 @@ def save(path: Path, data: bytes | str) -> None:
 
 
 def write_sheet(name: str, job: ExportJob, options: "PartOptions", path: Path) -> tuple[WrittenFile, ...]:
-    """Write the assembly sheet of a kit beside the file ``path`` of a format; nothing without a kit.
+    """Write the assembly sheet of a kit beside the file ``path`` of a format, as SVG, and as PDF if the extra ``pdf`` is
+    installed; nothing without a kit.
 
     Raises
     ------
@@ -41,12 +42,19 @@ def write_sheet(name: str, job: ExportJob, options: "PartOptions", path: Path) -
     """
     if not options.kit:
         return ()
+    from driftform.figures.files import make_pdf
     from driftform_frusta.sheet.contents import plan_sheet
     from driftform_frusta.sheet.drawing import sheet_svg
 
     target = path.with_name(f"{path.stem}-assembly.svg")
-    save(target, sheet_svg(plan_sheet(job, options)))
-    return (WrittenFile(name, str(target)),)
+    drawn = sheet_svg(plan_sheet(job, options))
+    save(target, drawn)
+    printed = make_pdf(drawn)
+    if printed is None:
+        return (WrittenFile(name, str(target)),)
+    page = target.with_suffix(".pdf")
+    save(page, printed)
+    return (WrittenFile(name, str(target)), WrittenFile(name, str(page)))
 
 
 def path_of_part(path: Path, part: "Part", parts: "Sequence[Part]") -> Path:

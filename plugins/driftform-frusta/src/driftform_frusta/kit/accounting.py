@@ -91,7 +91,9 @@ def kit_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
     """Return the facts of a job's kit, under the key ``kit``; an empty dictionary without a kit.
 
     ``joint``: its ``kind``, where it cuts (``x_mm``), and ``why``. ``parts``: of each its ``name``, ``mass_kg``,
-    ``height_mm`` and ``bed_end``. ``balance``: mass (kg), x of the centres of gravity and of buoyancy (mm) and net
+    ``height_mm`` and ``bed_end``. ``ballast``: of each ball of the options its ``x_mm`` and ``diameter_mm``, the ``part`` that
+    holds it, the joint that it goes in by (``mouth_mm``) or the height at which the printer pauses for it (``pause_mm``),
+    and ``held_by``: ``seat`` or ``wall``. ``balance``: mass (kg), x of the centres of gravity and of buoyancy (mm) and net
     buoyancy (N) of the simulated agent and of the printed one. With holes also ``flooded_kg``, the mass of the
     water that enters through an open hole.
     """
@@ -103,6 +105,17 @@ def kit_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
     facts: dict[str, Any] = {
         "joint": {"kind": first.kind, "x_mm": first.z, "why": kit.core_joint.reason},
         "parts": [_facts_of_piece(piece, body.hull_density) for piece in kit.pieces],
+        "ballast": [
+            {
+                "x_mm": held.ball.z,
+                "diameter_mm": 2 * held.ball.radius,
+                "part": kit.pieces[held.part].name,
+                "mouth_mm": None if held.mouth is None else kit.joints[held.mouth].z,
+                "pause_mm": kit.find_pause(held),
+                "held_by": "wall" if held.seat is None else "seat",
+            }
+            for held in kit.ballast
+        ],
         "balance": [
             _balance(name, mass, fluid)
             for name, mass in (("simulated", mass_properties(body)), ("printed", kit_mass(body, options)))

@@ -2,7 +2,7 @@
 
 A hull that narrows on both sides of the core holds it. If one side is wide, the core could move along the axis: a
 seat is added there, a cone that runs from the wall to the core, normal to the core's surface. Its slope is at most 45
-degrees, so that it prints without support with the closed end of its part on the bed.
+degrees, so that it prints without support with the closed end of its part on the bed. Balls of ballast get the same seats.
 """
 
 import math
@@ -13,10 +13,14 @@ import numpy as np
 from manifold3d import CrossSection, OpType
 
 from driftform.errors import WorkFailedError
+from driftform.types import FloatArray
 from driftform_frusta.kit.meridian import Hull, grow, make_disc, make_polygon, take_right
 
 SEAT = 1.2
 """mm, thickness of a seat: three lines of the usual nozzle."""
+
+LEAST_TUBE = 1.0
+"""mm: least radius inside a tube that holds a ball."""
 
 PLAY = 0.5
 """mm that the core may move along the axis without a seat."""
@@ -34,6 +38,18 @@ _AREA = 1e-3
 """mm2: sections that share less than this do not meet."""
 
 
+@dataclass(frozen=True)
+class Ball:
+    """A ball on the axis: z of its centre, and its radius, mm."""
+
+    z: float
+    radius: float
+
+    def draw(self, gap: float = 0.0) -> CrossSection:
+        """Return its disc, with a gap all round."""
+        return make_disc(self.radius + gap).translate((0.0, self.z))
+
+
 @dataclass(frozen=True, eq=False)
 class Seat:
     """A seat's section, and the index of the part that carries it."""
@@ -42,9 +58,9 @@ class Seat:
     part: int
 
 
-def is_held(parts: Sequence[CrossSection], core: float, side: int, gap: float) -> bool:
-    """Return whether a core of radius ``core`` touches a part as soon as it moves along the axis to one side."""
-    moved = make_disc(core).translate((0.0, side * max(PLAY, PLAY_OF_SEATS * gap)))
+def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) -> bool:
+    """Return whether a ball touches a part as soon as it moves along the axis to one side."""
+    moved = ball.draw().translate((0.0, side * max(PLAY, PLAY_OF_SEATS * gap)))
     return any((moved ^ part).area() > _AREA for part in parts)
 
 
@@ -67,37 +83,73 @@ def place_seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: t
     WorkFailedError
         if a seat is needed and has no room.
     """
-    found = []
+    found, core = [], Ball(0.0, hull.core)
     for side in (-1, 1):
-        if not is_held(parts, hull.core, side, gap):
-            found.append(_place_seat(hull, parts, side, gap, shells[0 if side < 0 else 1]))
+        if is_held(parts, core, side, gap):
+            continue
+        part = shells[0 if side < 0 else 1]
+        others = [p for i, p in enumerate(parts) if i != part]
+        section = draw_seat(hull, core, parts[part], others, side, gap)
+        if section is None:
+            raise WorkFailedError(
+                f"no kit can be made: the core is not held on its {'fore' if side > 0 else 'aft'} side, and a seat has "
+                "no room beside the joint; set joint to 'rabbet', or lap to less"
+            )
+        found.append(Seat(section, part))
     return found
 
 
-def _place_seat(hull: Hull, parts: Sequence[CrossSection], side: int, gap: float, part: int) -> Seat:
-    others = CrossSection.batch_boolean([p for i, p in enumerate(parts) if i != part], OpType.Add)
+def draw_seat(
+    hull: Hull, ball: Ball, part: CrossSection, others: Sequence[CrossSection], side: int, gap: float
+) -> CrossSection | None:
+    """Return the section of a cone on one side of a ball that merges with a part and is clear of others; ``None`` without room."""
+    taken = CrossSection.batch_boolean(list(others), OpType.Add)
     for latitude in _LATITUDES_DEG:
-        section = _draw_cone(hull, math.radians(latitude), side, gap)
-        held = (grow(section, _TOUCHING) ^ parts[part]).area() > _AREA
-        clear = (grow(section, gap) ^ others).area() < _AREA
-        if held and clear:
-            return Seat(section, part)
-    raise WorkFailedError(
-        f"no kit can be made: the core is not held on its {'fore' if side > 0 else 'aft'} side, and a seat has "
-        "no room beside the joint; set joint to 'rabbet', or lap to less"
-    )
+        section = _draw_cone(hull, ball, math.radians(latitude), side, gap)
+        if _fits(section, part, taken, gap):
+            return section
+    return None
 
 
-def _draw_cone(hull: Hull, latitude: float, side: int, gap: float) -> CrossSection:
-    """The section of a cone about the ray from the origin at a latitude, from the core to the nearest wall."""
+def draw_tube(
+    hull: Hull, ball: Ball, part: CrossSection, others: Sequence[CrossSection], side: int, gap: float
+) -> CrossSection | None:
+    """Return the section of a tube along the axis, from the wall to one side of a ball, as :func:`draw_seat`.
+
+    In a wide bore, near its end, it is lighter than a cone. The ball lies in its mouth, at a latitude of 45 degrees.
+    """
+    taken = CrossSection.batch_boolean(list(others), OpType.Add)
+    inner = max(math.sqrt(0.5) * (ball.radius + gap), LEAST_TUBE)
+    far = 2 * float(np.abs(hull.skin).max())
+    corners = np.array([(inner, 0.0), (inner, side * far), (inner + SEAT, side * far), (inner + SEAT, 0.0)])
+    section = _cut_nearest(hull, ball, corners, gap)
+    return section if _fits(section, part, taken, gap) else None
+
+
+def _fits(section: CrossSection, part: CrossSection, taken: CrossSection, gap: float) -> bool:
+    held = (grow(section, _TOUCHING) ^ part).area() > _AREA
+    return bool(held and (grow(section, gap) ^ taken).area() < _AREA)
+
+
+def _draw_cone(hull: Hull, ball: Ball, latitude: float, side: int, gap: float) -> CrossSection:
+    """The section of a cone about the ray from a ball's centre at a latitude, from the ball to the nearest wall."""
     along = np.array([math.cos(latitude), side * math.sin(latitude)])
     across = np.array([-along[1], along[0]]) * SEAT / 2
     far = 2 * float(np.abs(hull.skin).max())
-    strip = make_polygon([-across, far * along - across, far * along + across, across])
-    pieces = ((take_right(strip) ^ hull.inside) - make_disc(hull.core + gap)).decompose()
-    nearest = min(pieces, key=_distance)
+    return _cut_nearest(
+        hull, ball, np.array([-across, far * along - across, far * along + across, across]), gap
+    )
+
+
+def _cut_nearest(hull: Hull, ball: Ball, corners: FloatArray, gap: float) -> CrossSection:
+    """The piece of a strip, given from a ball's centre, between the ball and the nearest wall."""
+    strip = make_polygon(corners + np.array([0.0, ball.z]))
+    pieces = ((take_right(strip) ^ hull.inside) - ball.draw(gap)).decompose()
+    if not pieces:
+        return CrossSection()
+
+    def distance(section: CrossSection) -> float:
+        return min(float(np.hypot(ring[:, 0], ring[:, 1] - ball.z).min()) for ring in section.to_polygons())
+
+    nearest = min(pieces, key=distance)
     return nearest + nearest.mirror((1.0, 0.0))
-
-
-def _distance(section: CrossSection) -> float:
-    return min(float(np.linalg.norm(ring, axis=1).min()) for ring in section.to_polygons())

@@ -75,6 +75,11 @@ class Joint:
         return make_slab(ends[0], ends[1])
 
 
+def takes_core_aft(joint: Joint) -> bool:
+    """Return whether the core is laid into the aft shell: the one with more of it, at the equator that with the socket."""
+    return joint.z > 0 if joint.z else joint.side > 0
+
+
 def trace_mouth(hull: Hull, joint: Joint) -> FloatArray:
     """Return the radius of the cavity along the socket, decreasing from the cut inward: s and r, mm, (n, 2).
 

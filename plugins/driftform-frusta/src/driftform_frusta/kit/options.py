@@ -19,6 +19,11 @@ GROOVE_MARGIN = 0.001
 
 _Length = Annotated[float, Field(gt=0, le=10, strict=True)]
 
+_Ballast = tuple[
+    Annotated[float, Field(ge=-10, le=10, strict=True)], Annotated[float, Field(ge=0.0005, le=1, strict=True)]
+]
+"""x of the centre of a ball, and its diameter, m."""
+
 
 class KitOptions(Table):
     """How a hull is cut into parts that enclose the core."""
@@ -59,6 +64,13 @@ class KitOptions(Table):
         "largest size of a part: width, depth and height; longer parts are cut at joints of modules",
         "m",
     )
+    ballast: tuple[_Ballast, ...] = option(
+        (),
+        "balls of ballast that get a seat, as 'driftform trim' computes them: of each x of its centre, from the core's, and "
+        "its diameter",
+        "m",
+        max_length=2,
+    )
     drain: float = option(
         0.0,
         "diameter of holes on the axis through both ends, to fill and to drain the hull; 0: no holes",
@@ -71,10 +83,10 @@ class KitOptions(Table):
     engrave_depth: float = option(0.0004, "depth of the engraving", "m", gt=0, le=0.005)
     engrave_size: float = option(0.005, "height of its capital letters", "m", ge=0.001, le=0.1)
 
-    @field_validator("bed", mode="before")
+    @field_validator("bed", "ballast", mode="before")
     @classmethod
     def _from_a_list(cls, value: object) -> object:
-        return tuple(value) if isinstance(value, list) else value
+        return tuple(map(cls._from_a_list, value)) if isinstance(value, list) else value
 
     @field_validator("engrave")
     @classmethod

@@ -9,7 +9,8 @@ from manifold3d import CrossSection
 from driftform.errors import WorkFailedError
 from driftform.geometry import hull_volume
 from driftform.types import Body
-from driftform_frusta.kit.bay import Seat, place_seats
+from driftform_frusta.kit.ballast import HeldBall, hold_ballast, pause_height
+from driftform_frusta.kit.bay import Ball, Seat, place_seats
 from driftform_frusta.kit.cut import CoreJoint, choose_bed_joints, choose_core_joint
 from driftform_frusta.kit.drain import add_drain
 from driftform_frusta.kit.engraving import Engraving, engrave, list_occupied
@@ -72,7 +73,9 @@ class Kit:
     core_joint
         the joint through which the core is inserted.
     seats
-        added to hold the core.
+        added to hold the core and the ballast.
+    ballast
+        the balls of ballast, and what holds them.
     """
 
     hull: Hull
@@ -80,6 +83,11 @@ class Kit:
     joints: tuple[Joint, ...]
     core_joint: CoreJoint
     seats: tuple[Seat, ...]
+    ballast: tuple[HeldBall, ...]
+
+    def find_pause(self, held: HeldBall) -> float | None:
+        """Return the height above the bed at which the printer pauses for a ball, mm; ``None`` if it goes in by a joint."""
+        return pause_height(held, self.pieces[held.part].rings) if held.mouth is None else None
 
     @property
     def engravings(self) -> tuple[Engraving, ...]:
@@ -115,6 +123,9 @@ def make_kit(body: Body, options: KitOptions) -> Kit:
     found = tuple(place_seats(hull, sections, gap, (inner, inner + 1)))
     for seat in found:
         sections[seat.part] += seat.section
+    balls = [Ball(MM * x, MM * diameter / 2) for x, diameter in options.ballast]
+    ballast = hold_ballast(hull, sections, joints, chosen.joint, gap, balls)
+    found += tuple(held.seat for held in ballast if held.seat is not None)
     if options.drain:
         for end, side in ((0, -1), (-1, 1)):
             sections[end] = add_drain(hull, sections[end], side, MM * options.drain)
@@ -122,7 +133,7 @@ def make_kit(body: Body, options: KitOptions) -> Kit:
     polygons = [_take_rings(section, name) for section, name in zip(sections, names, strict=True)]
     engraved = _engrave_parts(hull, joints, found, options)
     pieces = [Piece(name, drawn, text) for name, drawn, text in zip(names, polygons, engraved, strict=True)]
-    return Kit(hull, tuple(pieces), joints, chosen, found)
+    return Kit(hull, tuple(pieces), joints, chosen, found, ballast)
 
 
 def _draw_parts(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[CrossSection]:

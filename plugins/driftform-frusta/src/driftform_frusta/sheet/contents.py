@@ -8,7 +8,8 @@ from driftform.interfaces import ExportJob
 from driftform.types import MassProperties
 from driftform_frusta.cores import CUSTOM, name_core
 from driftform_frusta.kit.accounting import kit_mass, measure_flooding, piece_mass
-from driftform_frusta.kit.joint import Joint, groove_diameter
+from driftform_frusta.kit.ballast import HeldBall
+from driftform_frusta.kit.joint import Joint, groove_diameter, takes_core_aft
 from driftform_frusta.kit.meridian import MM, Ring
 from driftform_frusta.kit.options import PartOptions
 from driftform_frusta.kit.pieces import Kit, Piece, make_kit
@@ -171,11 +172,6 @@ def _number_parts(kit: Kit, density: float) -> tuple[SheetPart, ...]:
     )
 
 
-def takes_core_aft(joint: Joint) -> bool:
-    """Return whether the core is laid into the aft shell: the one with more of it, at the equator that with the socket."""
-    return joint.z > 0 if joint.z else joint.side > 0
-
-
 def _grams(mass: float) -> str:
     return f"{1000 * mass:.2f}{_NBSP}g"
 
@@ -194,8 +190,8 @@ def _describe_remedy(target: MassProperties, closed: MassProperties, core: float
         )
     x = MM * float(target.mass * target.cog[0] - closed.mass * closed.cog[0]) / lack - aft
     return (
-        f"The closed kit is {_grams(lack)} too light. {balance} Add that mass as ballast, centred {x:.1f}{_NBSP}mm from "
-        "the aft end."
+        f"The closed kit without ballast is {_grams(lack)} too light. {balance} Add that mass as ballast, centred "
+        f"{x:.1f}{_NBSP}mm from the aft end."
     )
 
 
@@ -221,6 +217,7 @@ def _list_steps(
     ]
     by_place = {part.place: part for part in parts}
     for part in parts:
+        steps += [_describe_ballast(held, part, kit, aft) for held in kit.ballast if held.part == part.place]
         if part.number == 1:
             steps.append(
                 f"Lay the core ({core}) into part 1, the {part.piece.name}. It must reach its seat and not jam."
@@ -244,6 +241,21 @@ def _list_steps(
         "ballast, where it goes, and the flights with and without it. Then hold the agent under water: no bubbles."
     )
     return steps
+
+
+def _describe_ballast(held: HeldBall, part: SheetPart, kit: Kit, aft: float) -> str:
+    ball = f"the ballast, a ball of {2 * held.ball.radius:.1f}{_NBSP}mm"
+    place = "its seat" if held.seat is not None else "the wall that holds it"
+    where = f"{place} {held.ball.z - aft:.1f}{_NBSP}mm from the aft end, and fix it with a drop of glue"
+    pause = kit.find_pause(held)
+    if pause is not None:
+        return (
+            f"Part {part.number} has {ball}, put in while it is printed: pause at a height of {pause:.1f}{_NBSP}mm, lay the "
+            f"ball on {where}."
+        )
+    assert held.mouth is not None
+    end = "fore" if kit.joints[held.mouth].z > held.ball.z else "aft"
+    return f"Put {ball}, into part {part.number} by its {end} end, down to {where}."
 
 
 def _describe_joint(

@@ -98,6 +98,11 @@ def _draw_closed(root: ET.Element, sheet: Sheet, top: float) -> float:
         root, "circle", class_="core", cx=x_of, cy=axis, r=scale * sheet.kit.hull.core, fill=tint(ORANGE, 0.6),
         stroke=INK, stroke_width=0.8,
     )  # fmt: skip
+    for held in sheet.kit.ballast:
+        svg.add(
+            root, "circle", class_="ballast", cx=x_of + scale * held.ball.z, cy=axis, r=scale * held.ball.radius,
+            fill=tint(INK, 0.5), stroke=INK, stroke_width=0.8,
+        )  # fmt: skip
     line = svg.path_data([(start - 12, axis), (start + scale * length + 12, axis)])
     svg.add_line(root, line, INK, 0.6, "axis", stroke_dasharray="12 3 2 3")
     bounds = [sheet.aft, *(joint.z for joint in sheet.kit.joints), sheet.aft + length]

@@ -17,7 +17,7 @@ from driftform_robotics.models.ellipsoid import Ellipsoid, fit_ellipsoid
 from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
 from driftform_robotics.models.folder import HULL, piece_path
 from driftform_robotics.models.mujoco_path import REACH, compare_paths
-from driftform_robotics.models.pipe import make_bore
+from driftform_robotics.models.pipe import list_bores
 from driftform_robotics.models.xml import add, add_comment, format_document, format_number, format_numbers
 
 BUOYANT_MASS = 1e-9
@@ -48,7 +48,7 @@ class MjcfExporter(ModelExporter[ModelOptions]):
 def _list_warnings(model: Model, ellipsoid: Ellipsoid) -> list[str]:
     link, scenario = model.link, model.job.scenario
     fluid = scenario.fluid
-    reach = min((segment.radius for segment in scenario.pipe.segments), default=REACH)
+    reach = REACH if scenario.pipe.is_open else scenario.pipe.layout.narrowest
     surge, sway = link.added_mass[0, 0] / link.mass, link.added_mass[1, 1] / link.mass
     pitch = float(link.added_mass[4, 4] - link.added_mass[1, 5] ** 2 / link.added_mass[1, 1])
     found = [
@@ -90,7 +90,7 @@ def _make_agent(model: Model, ellipsoid: Ellipsoid, step: float, warnings: list[
         viscosity="0",
         wind=format_numbers(scenario.current()),
     )
-    friction = scenario.contact.friction
+    friction = scenario.calibrated_contact().friction
     default = add(add(root, "default"), "default", class_="contact")
     # MuJoCo's solver fails for three zero coefficients: contacts without friction have one dimension instead.
     rubbing = (
@@ -192,17 +192,17 @@ def _make_scene(title: str, scenario: Scenario) -> ET.Element:
     root = ET.Element("mujoco", model=f"{title} in the pipe")
     add_comment(root, ["Start at the keyframe 'release', which also sets the velocity."])
     add(root, "include", file="agent.xml")
-    extent = max(
-        (float(np.linalg.norm(np.subtract(s.end, s.start))) for s in scenario.pipe.segments), default=1.0
-    )
+    bores = list_bores(scenario.pipe)
+    extent = max((bore.length for bore in bores), default=1.0)
+    if len(bores) > 1:
+        extent = float(np.ptp([bore.position for bore in bores], axis=0).max())
     add(root, "statistic", extent=format_number(extent / 2))
     add(add(root, "visual"), "headlight", ambient="0.5 0.5 0.5", diffuse="0.5 0.5 0.5")
     sky = {"type": "skybox", "builtin": "gradient", "rgb1": "0.8 0.9 1", "rgb2": "0.4 0.5 0.6"}
     add(add(root, "asset"), "texture", width="64", height="64", **sky)
     world = add(root, "worldbody")
     add(world, "light", pos="0 0 5", dir="0 0 -1", directional="true")
-    for index, segment in enumerate(scenario.pipe.segments):
-        bore = make_bore(segment)
+    for index, bore in enumerate(bores):
         pipe = add(
             world,
             "body",
@@ -221,7 +221,7 @@ def _make_scene(title: str, scenario: Scenario) -> ET.Element:
                 xyaxes=_format_axes(plank.rotation),
                 rgba="0.6 0.8 0.9 0.15",
             )
-    for name, place in scenario.targets.items():
+    for name, place in scenario.target_points().items():
         add(
             world, "site", name=f"target_{name}", pos=format_numbers(place), size="0.02", rgba="0.9 0.2 0.1 1"
         )

@@ -1,15 +1,23 @@
 """The pipe for other simulators: a ring of planks for collisions, and a tube for display."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
-from driftform.scenario import Segment
+from driftform.geometry.pipe_parts import Bend, PipePart, Straight, Tee
+from driftform.scenario import Pipe, Segment
 from driftform.types import FloatArray
 from driftform_robotics.models.meshes import Mesh, make_tube
 
 PLANKS = 64
 """Number of planks around the bore: their faces lie within 0.08 % of its radius from the circle."""
+
+CHORD_PLANKS = 24
+"""The same in a pipe with parts, whose bores are many short chords: within 0.6 %."""
+
+CHORD = 0.25
+"""Length of these chords, in radii of the bore."""
 
 RELATIVE_THICKNESS = 0.02
 """Thickness of the wall, relative to the radius of the bore."""
@@ -28,13 +36,16 @@ class Plank:
 class Bore:
     """A straight pipe about the x axis of its frame, whose origin is the middle of the pipe.
 
-    ``position`` (m) and ``rotation`` (3, 3) give that frame in the world.
+    ``position`` (m) and ``rotation`` (3, 3) give that frame in the world. The wall has ``planks`` around it, but none where it
+    lies in another bore of its ``part``.
     """
 
     length: float
     radius: float
     position: FloatArray
     rotation: FloatArray
+    planks: int = PLANKS
+    part: PipePart | None = None
 
     @property
     def thickness(self) -> float:
@@ -50,25 +61,57 @@ class Bore:
 
         The polygon of their inner faces has the area of the bore.
         """
-        half = np.pi / PLANKS
+        half = np.pi / self.planks
         apothem = self.radius * np.sqrt(half / np.tan(half))
         size = np.array([self.length, 2 * (apothem + self.thickness) * np.tan(half), self.thickness])
         axis = np.array([1.0, 0.0, 0.0])
         found = []
-        for angle in 2 * half * np.arange(PLANKS):
+        for angle in 2 * half * np.arange(self.planks):
             outward = np.array([0.0, np.cos(angle), np.sin(angle)])
             rotation = np.column_stack((axis, np.cross(outward, axis), outward))
             found.append(Plank(size, (apothem + self.thickness / 2) * outward, rotation))
-        return found
+        if self.part is None:
+            return found
+        middles = self.position + np.array([plank.position for plank in found]) @ self.rotation.T
+        inside = self.part.find_inside(self.part.to_local(middles))
+        return [plank for plank, hidden in zip(found, inside, strict=True) if not hidden]
+
+
+def list_bores(pipe: Pipe) -> list[Bore]:
+    """Return the bores of a pipe: one of a straight pipe, short chords of the axes of one with parts, none in open water."""
+    if pipe.is_open:
+        return []
+    if pipe.straight is not None:
+        return [make_bore(pipe.straight)]
+    bores = []
+    for placed in pipe.layout.parts:
+        part = placed.part
+        for axis in part.list_axes(part.length if isinstance(part, Straight) else CHORD * part.end_radius):
+            for (start, end), (first, last) in zip(pairwise(axis.points), pairwise(axis.radii), strict=True):
+                length, position, rotation = _frame_chord(start, end)
+                hidden = part if isinstance(part, Tee) else None
+                # Outside a bend, chords of the axis' own length would leave wedges between them.
+                length += (
+                    (first + last) * np.tan(0.5 * part.angle / (len(axis.points) - 1))
+                    if isinstance(part, Bend)
+                    else 0.0
+                )
+                bores.append(Bore(length, 0.5 * (first + last), position, rotation, CHORD_PLANKS, hidden))
+    return bores
 
 
 def make_bore(segment: Segment) -> Bore:
     """Return a segment of a scenario's pipe with its frame."""
-    start, end = np.array(segment.start), np.array(segment.end)
+    length, position, rotation = _frame_chord(np.array(segment.start), np.array(segment.end))
+    return Bore(length, segment.radius, position, rotation)
+
+
+def _frame_chord(start: FloatArray, end: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+    """Return length, middle and axes (columns) of a bore between two points."""
     length = float(np.linalg.norm(end - start))
     axis = (end - start) / length
     # Any direction across will do; the axis of the world with the smallest component is far from parallel.
     across = np.cross(np.eye(3)[int(np.argmin(np.abs(axis)))], axis)
     across /= np.linalg.norm(across)
     rotation = np.column_stack((axis, across, np.cross(axis, across)))
-    return Bore(length, segment.radius, (start + end) / 2, rotation)
+    return length, (start + end) / 2, rotation

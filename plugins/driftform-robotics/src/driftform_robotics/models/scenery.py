@@ -7,7 +7,7 @@ import numpy as np
 
 from driftform.scenario import Scenario
 from driftform.types import FloatArray
-from driftform_robotics.models.pipe import make_bore
+from driftform_robotics.models.pipe import list_bores
 from driftform_robotics.models.xml import add, add_comment, format_number, format_numbers, format_pose
 
 _GLASS, _RED = "0.6 0.8 0.9 1", "0.9 0.2 0.1 1"
@@ -50,9 +50,9 @@ def add_pipe(
 ) -> ET.Element | None:
     """Append the pipe, moved by ``offset`` (m), and return its model, or ``None`` in open water.
 
-    The wall collides as planks. It is displayed as ``meshes``, one for each segment, or, without meshes, as the planks.
+    The wall collides as planks. It is displayed as ``meshes``, one for each bore, or, without meshes, as the planks.
     """
-    if not scenario.pipe.segments:
+    if scenario.pipe.is_open:
         return None
     model = add(world, "model", name="pipe")
     link = add(model, "link", name="wall")
@@ -60,8 +60,7 @@ def add_pipe(
         link,
         ["The wall is a ring of planks: simulators replace a mesh by its convex hull, which is solid."],
     )
-    for index, segment in enumerate(scenario.pipe.segments):
-        bore = make_bore(segment)
+    for index, bore in enumerate(list_bores(scenario.pipe)):
         if meshes:
             visual = add(link, "visual", name=f"segment_{index}")
             add(visual, "pose", format_pose(bore.position + offset, bore.rotation))
@@ -69,7 +68,7 @@ def add_pipe(
             add_mesh(visual, meshes[index])
         for k, plank in enumerate(bore.make_planks()):
             shapes = [add(link, "collision", name=f"plank_{index}_{k}")]
-            add_friction(shapes[0], scenario.contact.friction)
+            add_friction(shapes[0], scenario.calibrated_contact().friction)
             if not meshes:
                 shapes.append(add(link, "visual", name=f"segment_{index}_{k}"))
                 _add_glass(shapes[1])
@@ -90,10 +89,10 @@ def add_targets(world: ET.Element, scenario: Scenario, offset: FloatArray) -> ET
     """Append the targets as marks without collision, moved by ``offset`` (m); return their model, ``None`` without targets."""
     if not scenario.targets:
         return None
-    radius = 0.02 * min((segment.radius for segment in scenario.pipe.segments), default=1.0)
+    radius = 0.02 * (1.0 if scenario.pipe.is_open else scenario.pipe.layout.narrowest)
     model = add(world, "model", name="targets")
     link = add(model, "link", name="marks")
-    for name, place in scenario.targets.items():
+    for name, place in scenario.target_points().items():
         visual = add(link, "visual", name=name)
         add(visual, "pose", format_pose(np.array(place) + offset))
         _add_material(visual, _RED)

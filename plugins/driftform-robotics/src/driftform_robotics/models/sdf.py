@@ -98,7 +98,8 @@ class SdfExporter(ModelExporter[SdfOptions]):
         warnings = _list_warnings(model, gazebo, PUSH)
         alone = ET.Element("sdf", version=gazebo.sdf)
         _add_model(alone, model, gazebo, warnings)
-        pipes = [make_bore(segment).make_mesh() for segment in scenario.pipe.segments]
+        straight = scenario.pipe.straight
+        pipes = [] if straight is None else [make_bore(straight).make_mesh()]
         files = {
             "world.sdf": format_document(_make_world(model, gazebo, step, warnings)),
             "model.sdf": format_document(alone),
@@ -203,7 +204,7 @@ def _make_world(
         add(change, "density", "0")
     add(buoyancy, "enable", model.title)
     add_scene(world)
-    pipe = add_pipe(world, scenario, np.zeros(3), [PIPE] * len(scenario.pipe.segments))
+    pipe = add_pipe(world, scenario, np.zeros(3), [] if scenario.pipe.straight is None else [PIPE])
     around = [pipe, add_targets(world, scenario, np.zeros(3))]
     if passing is None:
         make_static(around)
@@ -276,7 +277,7 @@ def _add_model(
         collision = add(element, "collision", name=f"piece_{index}")
         add(collision, "pose", format_pose(model.axis_point(piece.x)))
         add_mesh(collision, piece_path(index))
-        add_friction(collision, job.scenario.contact.friction)
+        add_friction(collision, job.scenario.calibrated_contact().friction)
     if job.scenario.fluid.water_level is not None:
         _add_spheres(element, model)
     # After the link: a frame can be attached only to a link that is already defined.

@@ -81,7 +81,13 @@ class UuvExporter(ModelExporter[UuvOptions]):
 def _list_warnings(model: Model, offset: FloatArray) -> list[str]:
     scenario = model.job.scenario
     found = warn_of_divergence(model.link, SMOOTHING) + model.list_warnings()
-    top = max((max(s.start[2], s.end[2]) + s.radius for s in scenario.pipe.segments), default=-np.inf)
+    parts = [placed.part for placed in scenario.pipe.layout.parts]
+    highest = [
+        float((axis.points[:, 2] + axis.radii).max())
+        for part in parts
+        for axis in part.list_axes(part.length)
+    ]
+    top = max(highest, default=-np.inf)
     if scenario.fluid.water_level is None and top + offset[2] >= 0:
         found.append(f"The pipe rises {top + offset[2]:.3g} m above the water: set a larger depth.")
     if scenario.fluid.gravity == 0:
@@ -109,7 +115,7 @@ def _make_robot(model: Model, warnings: list[str]) -> ET.Element:
     add_link(root, name, model, f"file://$(find {title})")
     surface = add(root, "gazebo", reference=name)
     for tag in ("mu1", "mu2"):
-        add(surface, tag, format_number(scenario.contact.friction))
+        add(surface, tag, format_number(scenario.calibrated_contact().friction))
     plugin = add(
         add(root, "gazebo"), "plugin", name="uuv_plugin", filename="libuuv_underwater_object_ros_plugin.so"
     )

@@ -92,7 +92,7 @@ class FlightTopics:
         on_wall = gaps < ON_WALL * scenario.pipe.segments[0].radius
         return [
             make_plume(scenario, point, self.options.leak_rate, self.options.diffusivity)
-            for point, leaks in zip(scenario.targets.values(), on_wall, strict=True)
+            for point, leaks in zip(scenario.target_points().values(), on_wall, strict=True)
             if leaks
         ]
 
@@ -267,7 +267,7 @@ class FlightTopics:
             size = np.array([2 * segment.radius, 2 * segment.radius, np.linalg.norm(end - start)])
             found.append(self._make_marker(stamp, "pipe", "CYLINDER", GREY, pose=pose, size=size))
         straight = np.array([1.0, 0.0, 0.0, 0.0])
-        for name, point in scenario.targets.items():
+        for name, point in scenario.target_points().items():
             size = np.full(3, 0.05 * scenario.pipe.segments[0].radius)
             pose = self.ros.make_pose(np.array(point), straight)
             found.append(self._make_marker(stamp, "targets", "SPHERE", VERMILLION, pose=pose, size=size))

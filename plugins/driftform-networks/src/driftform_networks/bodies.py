@@ -1,0 +1,188 @@
+"""Bodies that travel through a network, and the water and walls that they meet there."""
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, is_dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import driftform
+from driftform.errors import InputError
+from driftform.types import Agent, Body, Coefficients, Core
+
+if TYPE_CHECKING:
+    from driftform.agents.design import Design
+    from driftform.interfaces import Simulator
+    from driftform.scenario import Scenario
+
+SCENARIO = Path(__file__).with_name("network.toml")
+"""The environment of flights in a network, if no other is named."""
+
+_SPHERE = "sphere:"
+
+
+@dataclass(frozen=True, eq=False)
+class Traveller:
+    """A body that travels through a network.
+
+    Attributes
+    ----------
+    name
+        its name.
+    agent
+        the body, with its masses and coefficients.
+    scenario
+        fluid, wall and flow profile; pipe, speed and release are those of each flight.
+    simulator
+        flies it.
+    design
+        what its files are made of; ``None`` for a sphere.
+    """
+
+    name: str
+    agent: Agent
+    scenario: "Scenario"
+    simulator: "Simulator[Any]"
+    design: "Design | None" = None
+
+    def hash(self) -> str:
+        """Return a hash of all that decides its flights: body, environment, simulator, and the code of driftform."""
+        scenario = self.scenario.model_dump(include={"fluid", "flow", "contact"})
+        simulator = (self.simulator.name, self.simulator.options.model_dump())
+        # The mass properties and coefficients hold what builder and hydrodynamics made of the genome.
+        parts = [_plain(self.agent.body), _plain(self.agent.mass), _plain(self.agent.coefficients)]
+        content = json.dumps([parts, scenario, simulator, hash_code()], sort_keys=True)
+        return hashlib.sha256(content.encode()).hexdigest()
+
+    def is_mixed(self, speed: float) -> bool:
+        """Return whether the water mixes the body over the bore like itself, at a mean speed (m/s).
+
+        That is so for a Rouse number w / (kappa u*) below about a quarter, with its terminal speed w, here that of a
+        sphere of its diameter, and a friction velocity u* of a twentieth of the mean speed.
+        """
+        fluid, mass = self.scenario.fluid, self.agent.mass
+        area = np.pi / 4 * self.agent.body.max_diameter**2
+        terminal = np.sqrt(abs(mass.net_buoyancy(fluid)) / (0.25 * fluid.density * area))
+        return bool(terminal < 0.1 * speed / 20)
+
+
+def open_traveller(
+    text: str, scenario: str | None = None, settings: Sequence[str] = (), buoyancy: float | None = None
+) -> Traveller:
+    """Open an agent to travel through a network.
+
+    Parameters
+    ----------
+    text
+        AGENT as every command takes it, or ``sphere:5mm`` for a homogeneous sphere of that diameter.
+    scenario
+        scenario or study whose environment to use; ``None`` for that of water mains.
+    settings
+        ``key=value`` of the study, as ``--set`` takes them.
+    buoyancy
+        net buoyancy to which the core trims it, N, upward positive; ``None`` for that of its design, and for 0 of a sphere.
+
+    Raises
+    ------
+    InputError
+        if there is no such agent, or no core gives it that buoyancy.
+    """
+    from driftform.agents.opening import open_agent
+
+    environment = scenario or str(SCENARIO)
+    if not text.startswith(_SPHERE):
+        return trim_design(open_agent(text, environment, settings), buoyancy)
+    from driftform.study import load_study
+
+    pipeline = load_study(environment, settings, run={"seed": 0}).make_pipeline()
+    number = text.removeprefix(_SPHERE).removesuffix("mm")
+    try:
+        diameter = float(number) / 1000
+    except ValueError:
+        diameter = 0.0
+    if not 0.0005 <= diameter <= 2:
+        raise InputError(
+            f"AGENT '{text}': a sphere is named by its diameter from 0.5 to 2000 mm, such as sphere:5mm"
+        )
+    agent = make_sphere(diameter, pipeline.scenario, buoyancy or 0.0)
+    if agent.mass.mass <= 0:
+        raise InputError(f"--buoyancy {buoyancy:g}: {text} displaces too little water for it")
+    name = text.replace(":", "-") + (_name_trim(buoyancy) if buoyancy else "")
+    return Traveller(name, agent, pipeline.scenario, pipeline.simulator)
+
+
+def trim_design(design: "Design", buoyancy: float | None) -> Traveller:
+    """Return an agent that travels as designed, or whose core has the mass that gives it a net buoyancy (N).
+
+    Raises
+    ------
+    InputError
+        if it is too heavy for this buoyancy without a core, or too light for it with one of lead.
+    """
+    if buoyancy is None:
+        return Traveller(design.name, design.agent, design.scenario, design.pipeline.simulator, design)
+    from driftform.agents.inspection import LEAD
+
+    fluid, core = design.scenario.fluid, design.agent.body.core
+    mass = core.mass + (design.agent.mass.net_buoyancy(fluid) - buoyancy) / fluid.gravity
+    heaviest = LEAD * 4 / 3 * np.pi * core.radius**3
+    if not 0 <= mass <= heaviest:
+        raise InputError(
+            f"--buoyancy {buoyancy:g}: {design.name} needs a core of {1000 * mass:.1f} g for it; one of "
+            f"{2000 * core.radius:.0f} mm in lead has {1000 * heaviest:.1f} g: choose another agent"
+        )
+    environment = design.study.environment()
+    builder = {**environment["builder"], "core": "custom", "core_mass": mass}
+    stored = replace(design.stored, environment={**environment, "builder": builder}, result={})
+    stored = replace(stored, name=design.name + _name_trim(buoyancy))
+    return trim_design(type(design).build(stored, stored.name), None)
+
+
+def _name_trim(buoyancy: float) -> str:
+    if not buoyancy:
+        return "-neutral"
+    return f"-{'light' if buoyancy > 0 else 'heavy'}-{1000 * abs(buoyancy):g}mN"
+
+
+def make_sphere(diameter: float, scenario: "Scenario", buoyancy: float = 0.0) -> Agent:
+    """Return a homogeneous sphere, whose added mass is half of that of the water it displaces; ``buoyancy`` in N."""
+    from driftform.geometry import mass_properties
+    from driftform.hydrodynamics.drag import estimate_drag
+
+    radius, fluid = diameter / 2, scenario.fluid
+    angle = np.linspace(0, np.pi, 65)
+    outer = np.column_stack([-radius * np.cos(angle), radius * np.sin(angle)])
+    outer[[0, -1], 1] = 0.0
+
+    def make_body(density: float) -> Body:
+        return Body(outer, np.zeros((0, 2)), np.array([-radius, radius]), Core(0.0, 0.0), radius, density)
+
+    displaced = mass_properties(make_body(fluid.density)).mass
+    body = make_body(fluid.density * (1 - buoyancy / (fluid.gravity * displaced)))
+    added = np.diag([displaced / 2] * 3 + [0.0] * 3)
+    return Agent(
+        body, mass_properties(body), Coefficients(added, drag=estimate_drag(body, fluid.viscosity, 0.0))
+    )
+
+
+@cache
+def hash_code() -> str:
+    """Return a hash of the source files that decide how a body flies: results of other versions are not used."""
+    core, plugin = Path(driftform.__file__).parent, Path(__file__).parent
+    folders = [core / name for name in ("dynamics", "hydrodynamics", "geometry", "trajectory", "scenario")]
+    files = [file for folder in folders for file in sorted(folder.glob("*.py"))]
+    files += [plugin / name for name in ("bore.py", "flights.py")]
+    return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
+
+
+def _plain(value: Any) -> Any:
+    """Return a dataclass of arrays as lists and numbers."""
+    if is_dataclass(value):
+        return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return [_plain(item) for item in value] if isinstance(value, tuple) else value

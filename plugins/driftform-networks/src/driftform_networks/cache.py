@@ -1,0 +1,57 @@
+"""Results on disk under the hash of what they were made of: made once, shared by all runs, never changed."""
+
+import hashlib
+import json
+import os
+import sys
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from driftform.util.files import write_whole
+
+Arrays = dict[str, npt.NDArray[Any]]
+
+
+def find_cache(directory: Path | None = None) -> Path:
+    """Return the directory for results: the given one, or ``driftform/networks`` in the user's directory for caches."""
+    if directory is not None:
+        return directory
+    match sys.platform:
+        case "win32":
+            base = os.environ.get("LOCALAPPDATA", "~/AppData/Local")
+        case "darwin":
+            base = "~/Library/Caches"
+        case _:
+            base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+    return Path(base).expanduser() / "driftform" / "networks"
+
+
+def hash_content(content: Mapping[str, Any]) -> str:
+    """Return the SHA-256 of plain values, in hexadecimal digits."""
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def load_arrays(path: Path) -> Arrays | None:
+    """Return the arrays of a file, ``None`` if there is no such file or it is damaged."""
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    except Exception:
+        # A file that cannot be read is made again.
+        return None
+
+
+def save_arrays(path: Path, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
+    """Write a file of arrays, completely or not at all; without room for it the next run makes them again."""
+    with suppress(OSError):
+        write_whole(path, lambda part: _write(part, arrays))
+
+
+def _write(path: Path, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
+    with path.open("wb") as file:
+        np.savez_compressed(file, allow_pickle=False, **arrays)

@@ -1,0 +1,122 @@
+"""Which bodies to release so that together they see most, and how much any choice could see."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+from scipy import sparse
+from scipy.optimize import linprog
+
+from driftform.errors import WorkFailedError
+from driftform.types import FloatArray
+from driftform_networks.network import IntArray
+from driftform_networks.snapshot import Snapshot
+
+
+def choose_greedily(
+    seen: FloatArray, length: FloatArray, size: int
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Choose bodies one after the other, each the one that adds most; any may be chosen more than once.
+
+    Bodies travel independently, so that a fleet sees a link with 1 - prod(1 - p). The expected length that it sees is a
+    monotone submodular function of the fleet: the greedy choice sees at least 1 - 1/e of what the best choice of this
+    size sees (Nemhauser, Wolsey and Fisher 1978, doi:10.1007/BF01588971). The bound that is returned is usually closer:
+    k more bodies add at most k times what the best of them adds now (Leskovec et al. 2007, doi:10.1145/1281192.1281239).
+
+    Parameters
+    ----------
+    seen
+        probability that each body sees each link, (bodies, links).
+    length
+        of each link, m, (links,).
+    size
+        number of bodies to choose.
+
+    Returns
+    -------
+    chosen, coverage, bound
+        row of each body that is chosen, in order; the share of the length that the first 1, 2, ... of them see; and an
+        upper bound on the share that any choice of so many rows sees, (size,) each.
+    """
+    missed, total = np.ones(len(length)), length.sum()
+    chosen, coverage = np.empty(size, np.int64), np.empty(size)
+    bound, numbers = np.full(size, np.inf), np.arange(1, size + 1)
+    for step in range(size):
+        gain = seen @ (length * missed)
+        covered = total - length @ missed
+        np.minimum(bound, covered + numbers * gain.max(), out=bound)
+        # Rounding must not decide between equals: the first of them is chosen on every machine.
+        chosen[step] = np.flatnonzero(gain >= gain.max() * (1 - 1e-9))[0]
+        missed = missed * (1 - seen[chosen[step]])
+        coverage[step] = (total - length @ missed) / total
+    return chosen, coverage, np.maximum(np.minimum(bound / total, 1.0), coverage)
+
+
+def choose_fleet(seen: FloatArray, length: FloatArray, size: int) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Return the choice of :func:`choose_greedily`, improved by exchanges of one body for another while they help.
+
+    The first body of the greedy choice is the one that sees most alone, which may be a poor partner for the others. The
+    coverage of the whole fleet is that after the exchanges; those of the smaller ones are without. The bound still holds.
+    """
+    chosen, coverage, bound = choose_greedily(seen, length, size)
+    total = length.sum()
+    improved = True
+    while improved:
+        improved = False
+        for place in range(size):
+            others = np.prod(1 - np.delete(seen[chosen], place, axis=0), axis=0)
+            sees = (total - (1 - seen) @ (length * others)) / total
+            best = int(np.flatnonzero(sees >= sees.max() * (1 - 1e-9))[0])
+            if sees[best] > sees[chosen[place]] * (1 + 1e-9):
+                chosen[place], improved = best, True
+                coverage[-1] = sees[best]
+    return chosen, coverage, bound
+
+
+def bound_steering(
+    snapshots: Sequence[Snapshot], releases: Sequence[int], reachable: npt.NDArray[np.bool_], size: int
+) -> float:
+    """Return an upper bound on the share of the reachable length that bodies see that choose their way at every node.
+
+    A linear program: bodies are a flow of ``size`` from the releases along the water, which may end anywhere; a link is seen
+    by as much of this flow as passes it in all hours, and at most once. Whole bodies, and chance, see less.
+
+    Raises
+    ------
+    WorkFailedError
+        if the solver finds no solution.
+    """
+    network = snapshots[0].network
+    length, nodes = np.where(reachable, network.length, 0.0), len(network.nodes)
+    links, widths = len(network.links), [len(snapshot.links) for snapshot in snapshots]
+    moves = sum(widths)
+    # Columns: share of each link that is seen, bodies in each link of each snapshot, bodies from each release.
+    start = len(snapshots) * len(releases)
+    balance, sight = [], []
+    for snapshot, width in zip(snapshots, widths, strict=True):
+        ones, column = np.ones(width), np.arange(width)
+        leave = sparse.csr_array((ones, (snapshot.tail, column)), (nodes, width))
+        enter = sparse.csr_array((ones, (snapshot.head, column)), (nodes, width))
+        balance.append(leave - enter)
+        sight.append(sparse.csr_array((-ones, (snapshot.links, column)), (links, width)))
+    source = sparse.csr_array(
+        (-np.ones(len(releases)), (releases, np.arange(len(releases)))), (nodes, len(releases))
+    )
+    conserved = sparse.hstack([
+        sparse.csr_array((nodes * len(snapshots), links)),
+        sparse.block_diag(balance),
+        sparse.block_diag([source] * len(snapshots)),
+    ])  # fmt: skip
+    seen = sparse.hstack([sparse.eye_array(links), *sight, sparse.csr_array((links, start))])
+    found = linprog(
+        np.concatenate([-length / length.sum(), np.zeros(moves + start)]),
+        A_ub=sparse.vstack([conserved, seen]).tocsr(),
+        b_ub=np.zeros(nodes * len(snapshots) + links),
+        A_eq=sparse.csr_array(np.concatenate([np.zeros(links + moves), np.ones(start)])[None]),
+        b_eq=[float(size)],
+        bounds=[(0, 1)] * links + [(0, None)] * (moves + start),
+        method="highs",
+    )
+    if not found.success:
+        raise WorkFailedError(f"the bound of perfect steering cannot be computed: {found.message}")
+    return min(1.0, -float(found.fun))

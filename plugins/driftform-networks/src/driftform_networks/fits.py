@@ -1,0 +1,69 @@
+"""Whether a body fits through a bore and around a corner."""
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from driftform.types import Body, FloatArray
+
+_LEAST_TURN = np.deg2rad(1.0)
+
+
+def longest_rod(first: float, second: float, turn: float, width: float) -> float:
+    """Return the length of the longest rod that passes a sharp corner between two bores, m.
+
+    The rod lies in the plane of the corner, touches the outer walls of both bores with its ends and the inner edge with
+    its side: of all its attitudes, the shortest such line decides (the problem of the ladder, for a ladder of some
+    width). A rounded corner lets longer rods pass.
+
+    Parameters
+    ----------
+    first, second
+        diameters of the bores, m.
+    turn
+        angle between them, rad, from 0 to less than pi; there is no limit without a turn.
+    width
+        diameter of the rod, m.
+
+    >>> round(longest_rod(1.0, 1.0, np.pi / 2, 0.0), 6)
+    2.828427
+    """
+    if width >= min(first, second):
+        return 0.0
+    if turn < _LEAST_TURN:
+        return float("inf")
+    inner = np.pi - turn
+    # Outer walls along these unit vectors from the outer corner; the inner edge is as far from each as the bores are wide.
+    one, two = np.array([1.0, 0.0]), np.array([np.cos(inner), np.sin(inner)])
+    edge = np.array([(second + first * np.cos(inner)) / np.sin(inner), first])
+
+    def span(angle: float) -> float:
+        normal = np.array([np.cos(angle), np.sin(angle)])
+        distance = normal @ edge - width
+        if distance <= 0:
+            return 0.0
+        return float(np.linalg.norm(distance / (normal @ one) * one - distance / (normal @ two) * two))
+
+    # The normal of the rod points from the outer corner towards the inner edge.
+    low, high = inner - np.pi / 2, np.pi / 2
+    angles: FloatArray = np.linspace(low, high, 66)[1:-1]
+    lengths = [span(angle) for angle in angles]
+    best = int(np.argmin(lengths))
+    found = minimize_scalar(
+        span, bounds=(angles[max(best - 1, 0)], angles[min(best + 1, 63)]), method="bounded"
+    )
+    return float(min(found.fun, lengths[best]))
+
+
+def find_obstacle(body: Body, first: float, second: float, turn: float) -> str:
+    """Return why a body cannot pass from a bore into another, in a few words; empty if it can, or a bore is unknown."""
+    if not second:
+        return ""
+    if body.max_diameter > second:
+        return f"too wide: {1000 * body.max_diameter:.0f} mm in a bore of {1000 * second:.0f} mm"
+    longest = longest_rod(first, second, turn, body.max_diameter) if first else float("inf")
+    if body.length > longest:
+        return (
+            f"too long: {1000 * body.length:.0f} mm, and a turn of {np.rad2deg(turn):.0f} degrees from a bore of "
+            f"{1000 * first:.0f} into {1000 * second:.0f} mm lets {1000 * longest:.0f} mm pass"
+        )
+    return ""

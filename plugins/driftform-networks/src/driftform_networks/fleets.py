@@ -1,0 +1,267 @@
+"""Fleets: which bodies, released where and when, see most of a network together."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from driftform.types import FloatArray
+from driftform_networks.bodies import Traveller
+from driftform_networks.choosing import bound_steering, choose_fleet
+from driftform_networks.junctions import Geometry
+from driftform_networks.network import Network
+from driftform_networks.passage import Ending, Passage, find_reachable, summarise_visits
+from driftform_networks.routing import Routing
+from driftform_networks.snapshot import Snapshot, take_snapshot
+from driftform_networks.tracers import divide_flow, follow, route_tracers
+from driftform_networks.travelling import Progress, Travel, Traveling, make_flights
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """A member of a fleet.
+
+    Attributes
+    ----------
+    agent
+        name of the body.
+    passage
+        where it goes, with node and hour of its release.
+    coverage
+        share of the length within reach of the fleet that it sees alone.
+    gain
+        what it adds to that of the members before it.
+    """
+
+    agent: str
+    passage: Passage
+    coverage: float
+    gain: float
+
+    @property
+    def release(self) -> str:
+        """Name of the node of its release."""
+        return self.passage.network.nodes[self.passage.release]
+
+
+@dataclass(frozen=True, eq=False)
+class Fleet:
+    """A fleet beside what others see; a curve has the share of the reachable length that 1, 2, ... bodies see, (size,).
+
+    Attributes
+    ----------
+    network
+        the network.
+    reachable
+        whether water from any of the releases reaches each link, (links,).
+    seen
+        probability that any member sees each link, (links,).
+    members
+        in the order of the choice.
+    curve
+        of the fleet.
+    choice_bound
+        of the best choice among the same candidates, an upper bound.
+    tracers
+        of point tracers, which divide like the water, at the best releases.
+    retained
+        of bodies that divide like the water but stay in the pipes where demand leaves them, at the best releases.
+    bound
+        of bodies that choose their way at every node, an upper bound.
+    """
+
+    network: Network
+    reachable: npt.NDArray[np.bool_]
+    seen: FloatArray
+    members: tuple[Member, ...]
+    curve: FloatArray
+    choice_bound: FloatArray
+    tracers: FloatArray
+    retained: FloatArray
+    bound: FloatArray
+
+    @property
+    def coverage(self) -> float:
+        """Expected share of the reachable length that the fleet sees."""
+        return float(self.curve[-1])
+
+    @property
+    def gap_closed(self) -> float:
+        """Share of the way from point tracers to perfect steering; 0 if there is no way between them."""
+        return close_gap(self.curve[-1], self.tracers[-1], self.bound[-1])
+
+    @property
+    def stuck(self) -> tuple[Ending, ...]:
+        """Where members are stuck, with the number of them that is expected there in place of a probability."""
+        found: dict[tuple[str, str], Ending] = {}
+        for end in (end for member in self.members for end in member.passage.stuck):
+            before = found.get((end.kind, end.place))
+            expected = end.probability + (before.probability if before else 0.0)
+            found[end.kind, end.place] = Ending(end.kind, end.place, expected, end.reason)
+        return tuple(sorted(found.values(), key=lambda end: (-end.probability, end.place)))
+
+    def as_document(self) -> dict[str, Any]:
+        """Return the fleet as plain values for JSON."""
+        return {
+            "network": self.network.name,
+            "size": len(self.members),
+            "members": [
+                {
+                    "agent": member.agent,
+                    "release": member.release,
+                    "hour": member.passage.hour,
+                    "probability": member.coverage,
+                    "gain": member.gain,
+                    "stuck": sum(end.probability for end in member.passage.stuck),
+                }
+                for member in self.members
+            ],
+            "coverage": self.coverage,
+            "split_by_flow": float(self.tracers[-1]),
+            "retained": float(self.retained[-1]),
+            "bound": float(self.bound[-1]),
+            "choice_bound": float(self.choice_bound[-1]),
+            "gap_closed": self.gap_closed,
+            "reachable_length": float(self.network.length[self.reachable].sum()),
+            "curve": self.curve_table(),
+            "links": {
+                name: float(share)
+                for name, share, reachable in zip(self.network.links, self.seen, self.reachable, strict=True)
+                if reachable
+            },
+            "stuck": [
+                {"kind": end.kind, "place": end.place, "expected": end.probability, "reason": end.reason}
+                for end in self.stuck
+            ],
+        }
+
+    def member_table(self) -> dict[str, list[Any]]:
+        """Return the members as columns, for ``pandas.DataFrame(fleet.member_table())``."""
+        return {
+            "agent": [member.agent for member in self.members],
+            "release": [member.release for member in self.members],
+            "hour": [member.passage.hour for member in self.members],
+            "probability": [member.coverage for member in self.members],
+            "gain": [member.gain for member in self.members],
+        }
+
+    def curve_table(self) -> dict[str, list[Any]]:
+        """Return the curves as columns."""
+        return {
+            "size": list(range(1, len(self.curve) + 1)),
+            "coverage": self.curve.tolist(),
+            "choice_bound": self.choice_bound.tolist(),
+            "split_by_flow": self.tracers.tolist(),
+            "retained": self.retained.tolist(),
+            "bound": self.bound.tolist(),
+        }
+
+    def link_table(self) -> dict[str, list[Any]]:
+        """Return the reachable links as columns."""
+        rows = np.flatnonzero(self.reachable)
+        return {
+            "link": [self.network.links[row] for row in rows],
+            "length_m": self.network.length[rows].tolist(),
+            "seen": self.seen[rows].tolist(),
+        }
+
+
+def close_gap(coverage: float, split: float, bound: float) -> float:
+    """Return which share of the way from ``split`` to ``bound`` a coverage is, 0 if there is none.
+
+    >>> close_gap(0.7, 0.5, 0.9)
+    0.5
+    """
+    return round(float((coverage - split) / (bound - split)), 12) if bound - split > 1e-9 else 0.0
+
+
+def plan_fleet(
+    network: Network,
+    travellers: Sequence[Traveller],
+    releases: Sequence[str],
+    size: int,
+    *,
+    hours: Sequence[float] = (0.0,),
+    travel: Travel | None = None,
+    workers: int = 1,
+    cache: Path | None = None,
+    progress: Progress = lambda _, __: None,
+) -> Fleet:
+    """Choose a fleet: bodies, each released at a node and an hour, that see most together.
+
+    Each body travels by the flows of the hour of its release, which do not change on its way, and independently of the
+    others; a body may be chosen more than once.
+
+    Parameters
+    ----------
+    network
+        from :func:`driftform_networks.open_network`.
+    travellers
+        bodies to choose from.
+    releases, hours
+        nodes and hours to choose from.
+    size
+        number of members.
+    travel, workers, cache, progress
+        as for :func:`driftform_networks.api.route`.
+
+    Raises
+    ------
+    InputError
+        if there is no such node or hour, no water leaves a node at any of the hours, or EPANET finds negative pressures.
+    WorkFailedError
+        if a body cannot be flown.
+    """
+    travel, cases = travel or Travel(), []
+    nodes = [network.find_node(name) for name in dict.fromkeys(releases)]
+    snapshots = [take_snapshot(network, hour) for hour in dict.fromkeys(hours)]
+    for node in nodes:
+        open_hours = [snapshot for snapshot in snapshots if len(snapshot.outlets[node])]
+        if not open_hours:
+            # Refuses a node that no water leaves, before the work.
+            divide_flow(snapshots[0], node)
+        cases += [(snapshot, node) for snapshot in open_hours]
+    geometry = Geometry(network, travel.branch)
+    travelings = [Traveling(traveller, geometry, travel, cache) for traveller in travellers]
+    make_flights(travelings, snapshots, workers, progress)
+    reachable = np.any([find_reachable(network, node, [snap.step]) for snap, node in cases], axis=0)
+    length = np.where(reachable, network.length, 0.0)
+    names, passages = [], []
+    for traveller, traveling in zip(travellers, travelings, strict=True):
+        routings = {snapshot.hour: traveling.route(snapshot) for snapshot in snapshots}
+        names += [traveller.name] * len(cases)
+        passages += [_follow(routings[snapshot.hour], node) for snapshot, node in cases]
+    seen = np.array([passage.seen for passage in passages])
+    chosen, curve, choice_bound = choose_fleet(seen, length, size)
+    missed = np.cumprod(1 - seen[chosen], axis=0) @ length / length.sum()
+    members = tuple(
+        Member(names[row], passages[row], float(seen[row] @ length / length.sum()), float(gain))
+        for row, gain in zip(chosen.tolist(), (-np.diff(missed, prepend=1.0)).tolist(), strict=True)
+    )
+    return Fleet(
+        network,
+        reachable,
+        1 - np.prod(1 - seen[chosen], axis=0),
+        members,
+        curve,
+        choice_bound,
+        _choose_water(cases, length, size, retained=False),
+        _choose_water(cases, length, size, retained=True),
+        np.array([bound_steering(snapshots, nodes, reachable, count + 1) for count in range(size)]),
+    )
+
+
+def _follow(routing: Routing, node: int) -> Passage:
+    return summarise_visits(follow(routing, node), routing)
+
+
+def _choose_water(
+    cases: Sequence[tuple[Snapshot, int]], length: FloatArray, size: int, retained: bool
+) -> FloatArray:
+    """Return the curve of tracers that are released at the best places."""
+    routings = {snapshot.hour: route_tracers(snapshot, retained) for snapshot, _ in cases}
+    seen = np.array([_follow(routings[snapshot.hour], node).seen for snapshot, node in cases])
+    return choose_fleet(seen, length, size)[1]

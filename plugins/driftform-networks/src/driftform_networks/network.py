@@ -1,0 +1,131 @@
+"""A water network: nodes, links, and the flows that EPANET computes for them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from driftform.errors import InputError, did_you_mean
+from driftform.types import FloatArray
+
+IntArray = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Hydraulics:
+    """What EPANET computes; a row holds from its time until the next one.
+
+    Attributes
+    ----------
+    times
+        start of each hydraulic step, s, (steps,), from 0.
+    end
+        end of the last step, s; equal to its start in a network without a duration.
+    flow
+        volume flow of each link, m3/s, positive from its start to its end, (steps, links).
+    outflow
+        water that leaves the pipes at each node, m3/s, (steps, nodes): demand of a junction, or what a tank or a
+        reservoir takes in; negative where water comes in.
+    head
+        hydraulic head of each node, m, (steps, nodes).
+    warnings
+        what EPANET warned of, one line each.
+    """
+
+    times: FloatArray
+    end: float
+    flow: FloatArray
+    outflow: FloatArray
+    head: FloatArray
+    warnings: tuple[str, ...] = ()
+
+    def find_step(self, hour: float) -> int:
+        """Return the index of the step that covers an hour of the simulation.
+
+        Raises
+        ------
+        InputError
+            if the simulation does not cover it.
+        """
+        if not 0 <= hour * 3600 <= self.end:
+            raise InputError(f"--at {hour:g}: the simulation lasts from hour 0 to hour {self.end / 3600:g}")
+        return int(np.searchsorted(self.times, hour * 3600 + 1e-6, side="right")) - 1
+
+
+@dataclass(frozen=True, eq=False)
+class Network:
+    """A water network with its flows.
+
+    Attributes
+    ----------
+    name
+        name of its file, without suffix.
+    digest
+        SHA-256 of its file.
+    nodes, links
+        names of nodes and links.
+    node_kinds
+        ``"junction"``, ``"tank"`` or ``"reservoir"``.
+    link_kinds
+        ``"pipe"``, ``"pump"`` or ``"valve"``.
+    elevation
+        elevation of each node, m, (nodes,).
+    places
+        coordinates of each node on the map of the file, in the file's unit, (nodes, 2).
+    vertices
+        points of each link between its ends, on the same map, (k, 2) each.
+    start, end
+        index of the nodes at the ends of each link, (links,).
+    length
+        length of each link, m, (links,); 0 for pumps and valves.
+    diameter
+        inner diameter of each link, m, (links,); 0 for pumps.
+    hydraulics
+        flows.
+    """
+
+    name: str
+    digest: str
+    nodes: tuple[str, ...]
+    node_kinds: tuple[str, ...]
+    elevation: FloatArray
+    places: FloatArray
+    links: tuple[str, ...]
+    link_kinds: tuple[str, ...]
+    start: IntArray
+    end: IntArray
+    length: FloatArray
+    diameter: FloatArray
+    vertices: tuple[FloatArray, ...] = field(repr=False)
+    hydraulics: Hydraulics = field(repr=False)
+
+    def find_node(self, name: str, option: str = "--release") -> int:
+        """Return the index of a node.
+
+        Raises
+        ------
+        InputError
+            if no node has the name.
+        """
+        if name not in self.nodes:
+            raise InputError(f"{option} {name}: {self.name} has no such node{_suggest(name, self.nodes)}")
+        return self.nodes.index(name)
+
+    @property
+    def area(self) -> FloatArray:
+        """Cross-section of each link, m2, (links,)."""
+        return np.asarray(np.pi / 4 * self.diameter**2)
+
+    def polyline(self, link: int) -> FloatArray:
+        """Return the points of a link on the map, from its start to its end, (k, 2)."""
+        ends = self.places[[self.start[link], self.end[link]]]
+        return np.vstack([ends[:1], self.vertices[link].reshape(-1, 2), ends[1:]])
+
+
+def _suggest(name: str, known: Sequence[str], most: int = 12) -> str:
+    """Return a suggestion, or some names if there are many."""
+    hint = did_you_mean(name, known)
+    if not hint.startswith("; known") or len(known) <= most:
+        return hint
+    return f"; it has {len(known)}, such as {', '.join(known[:3])}"

@@ -1,0 +1,98 @@
+"""The report of a passage or a fleet: one HTML page with its figures and tables, which loads nothing over the network."""
+
+from collections.abc import Sequence
+from importlib.resources import files
+
+from driftform.commands import TextTable
+
+_PAGE = """<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="generator" content="driftform">
+<link rel="icon" href="data:,">
+<title>{{ title }}</title>
+<style>
+{{ style | safe }}</style>
+</head>
+<body>
+<main>
+<h1>{{ title }}</h1>
+{% for line in lead %}
+<p class="lead">{{ line }}</p>
+{% endfor %}
+{% for name, picture in figures %}
+<h2>{{ name }}</h2>
+<div class="card figure" tabindex="0" role="region" aria-label="{{ name }}">{{ picture | safe }}</div>
+{% endfor %}
+{% for table in tables %}
+<div class="card scroll" tabindex="0" role="region" aria-label="{{ table.header[0] }}">
+<table>
+<thead><tr>{% for name in table.header %}<th scope="col">{{ name }}</th>{% endfor %}</tr></thead>
+<tbody>
+{% for row in table.rows %}
+<tr>{% for cell in row %}<td>{{ cell }}</td>{% endfor %}</tr>
+{% endfor %}
+</tbody>
+</table>
+</div>
+{% endfor %}
+<h2>What this assumes</h2>
+<ul>
+{% for line in assumptions %}
+<li>{{ line }}</li>
+{% endfor %}
+</ul>
+</main>
+</body>
+</html>
+"""
+
+WATER = (
+    "Flows are those of EPANET; water mixes completely at each node.",
+    "Without --unsteady the flows remain those of the hour of the release.",
+)
+"""Assumptions of all passages."""
+
+BODIES = (
+    *WATER,
+    "In straight runs a body moves as in flights of its shape at that bore, speed and slope; a body so neutral that "
+    "turbulence mixes it is anywhere in the bore.",
+    "At a junction a body goes with the water around its centre, which flat surfaces divide among the outlets. Its own "
+    "motion within the fitting is left out, and so are swirl, separation and two bodies that meet.",
+    "A body that is wider than the service pipes does not leave with the demand; it ends where the water of a pipe does.",
+    "Angles of fittings are those of the map if it is drawn to scale, else 90 degrees for each branch; the side where a "
+    "branch leaves is an input, --branch.",
+)
+"""Assumptions of the routes of bodies."""
+
+
+def report_html(
+    title: str,
+    text: Sequence[str | TextTable],
+    figures: Sequence[tuple[str, str]],
+    assumptions: Sequence[str],
+) -> str:
+    """Return the page of a result.
+
+    Parameters
+    ----------
+    text
+        lines and tables as a command prints them; the lines come first.
+    figures
+        headings and SVG pictures.
+    """
+    from jinja2 import Environment, StrictUndefined
+
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    return environment.from_string(_PAGE).render(
+        title=title,
+        style=files("driftform.report").joinpath("page.css").read_text(encoding="utf-8"),
+        lead=[part for part in text if isinstance(part, str)],
+        tables=[part for part in text if not isinstance(part, str)],
+        figures=figures,
+        assumptions=assumptions,
+    )

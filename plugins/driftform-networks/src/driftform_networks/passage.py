@@ -1,0 +1,309 @@
+"""Where a body goes in a network, when it arrives, what it sees and where it ends."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy import sparse
+from scipy.sparse.csgraph import breadth_first_order
+
+from driftform.types import FloatArray
+from driftform_networks.chain import LOST, Visits
+from driftform_networks.network import Network
+from driftform_networks.routing import Routing
+from driftform_networks.snapshot import STILL
+from driftform_networks.walkers import HELD_AT_NODE, HELD_IN_LINK, LEFT, UNDER_WAY, Walks
+
+QUANTILES = (0.05, 0.5, 0.95)
+"""Quantiles of arrival times."""
+
+_LEAST = 1e-6
+"""Probability below which an end is left out."""
+
+
+@dataclass(frozen=True)
+class Ending:
+    """One way in which bodies end.
+
+    Attributes
+    ----------
+    kind
+        ``"demand"``, ``"tank"`` or ``"reservoir"`` for bodies that leave the pipes; ``"stuck"``; ``"circling"`` for those
+        that go round in a loop without an exit; ``"under way"`` at the end of the simulation.
+    place
+        name of the node or link; empty for a loop.
+    probability
+        of this end.
+    reason
+        why it is stuck there, in a few words.
+    """
+
+    kind: str
+    place: str
+    probability: float
+    reason: str = ""
+
+    def as_document(self) -> dict[str, Any]:
+        """Return it as plain values for JSON."""
+        return asdict(self)
+
+
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """Where a body goes that enters a network at a node.
+
+    Attributes
+    ----------
+    network
+        the network.
+    release
+        node of the release.
+    hour
+        hour of the release.
+    probability
+        probability that it ever arrives at each node, (nodes,).
+    age
+        mean time from the release to its arrivals at each node, s, (nodes,); NaN where it never comes.
+    seen
+        expected share of each link that it passes, (links,).
+    reachable
+        whether the water of the release reaches each link, (links,).
+    ends
+        how it ends, most probable first.
+    quantiles
+        arrival times of :data:`QUANTILES` of those that arrive at each node, s, (nodes, 3); NaN where none arrives, empty if
+        no walks were made.
+    unsteady
+        whether the flows changed on the way.
+    """
+
+    network: Network
+    release: int
+    hour: float
+    probability: FloatArray
+    age: FloatArray
+    seen: FloatArray
+    reachable: npt.NDArray[np.bool_]
+    ends: tuple[Ending, ...]
+    quantiles: FloatArray = field(default_factory=lambda: np.zeros((0, len(QUANTILES))))
+    unsteady: bool = False
+
+    @property
+    def coverage(self) -> float:
+        """Expected share of the reachable length that the body sees."""
+        return measure_coverage(self.network, self.seen, self.reachable)
+
+    @property
+    def stuck(self) -> tuple[Ending, ...]:
+        """Places where bodies are stuck."""
+        return tuple(end for end in self.ends if end.kind in ("stuck", "circling"))
+
+    def with_quantiles(self, quantiles: FloatArray) -> "Passage":
+        """Return the passage with quantiles of arrival times; none for nodes that are never reached."""
+        known = np.where((self.probability > 0)[:, None], quantiles, np.nan)
+        return replace(self, quantiles=known)
+
+    def as_document(self) -> dict[str, Any]:
+        """Return the passage as plain values for JSON: nodes that are reached, coverage, ends."""
+        names = self.network.nodes
+        nodes: dict[str, dict[str, Any]] = {}
+        for node in np.flatnonzero(self.probability > _LEAST):
+            nodes[names[node]] = {"probability": float(self.probability[node]), "age": float(self.age[node])}
+            if len(self.quantiles):
+                nodes[names[node]]["age_quantiles"] = self.quantiles[node].tolist()
+        links = {
+            name: float(share)
+            for name, share, reachable in zip(self.network.links, self.seen, self.reachable, strict=True)
+            if reachable
+        }
+        return {
+            "network": self.network.name,
+            "release": names[self.release],
+            "hour": self.hour,
+            "unsteady": self.unsteady,
+            "nodes": nodes,
+            "links": links,
+            "coverage": self.coverage,
+            "reachable_length": float(self.network.length[self.reachable].sum()),
+            "ends": [end.as_document() for end in self.ends],
+            "stuck": [end.as_document() for end in self.stuck],
+        }
+
+    def node_table(self) -> dict[str, list[Any]]:
+        """Return the nodes that are reached as columns, for ``pandas.DataFrame(passage.node_table())``."""
+        rows = np.flatnonzero(self.probability > _LEAST)
+        columns: dict[str, list[Any]] = {
+            "node": [self.network.nodes[row] for row in rows],
+            "kind": [self.network.node_kinds[row] for row in rows],
+            "probability": self.probability[rows].tolist(),
+            "age_s": self.age[rows].tolist(),
+        }
+        if len(self.quantiles):
+            for number, share in enumerate(QUANTILES):
+                columns[f"age_{100 * share:g}_percent_s"] = self.quantiles[rows, number].tolist()
+        return columns
+
+    def link_table(self) -> dict[str, list[Any]]:
+        """Return the reachable links as columns."""
+        rows, network = np.flatnonzero(self.reachable), self.network
+        return {
+            "link": [network.links[row] for row in rows],
+            "kind": [network.link_kinds[row] for row in rows],
+            "start": [network.nodes[network.start[row]] for row in rows],
+            "end": [network.nodes[network.end[row]] for row in rows],
+            "length_m": network.length[rows].tolist(),
+            "diameter_m": network.diameter[rows].tolist(),
+            "seen": self.seen[rows].tolist(),
+        }
+
+    def end_table(self) -> dict[str, list[Any]]:
+        """Return the ends as columns."""
+        return {
+            name: [getattr(end, name) for end in self.ends]
+            for name in ("kind", "place", "probability", "reason")
+        }
+
+
+def measure_coverage(network: Network, seen: FloatArray, reachable: npt.NDArray[np.bool_]) -> float:
+    """Return the expected share of the reachable length that is seen; 0 if nothing is reachable."""
+    length = np.where(reachable, network.length, 0.0)
+    return float(length @ seen / length.sum()) if length.sum() > 0 else 0.0
+
+
+def find_reachable(network: Network, release: int, steps: Sequence[int]) -> npt.NDArray[np.bool_]:
+    """Return whether water of a node may reach each link by the flows of some hydraulic steps, (links,)."""
+    flow = network.hydraulics.flow[list(steps)]
+    forward, backward = (flow > STILL).any(axis=0), (flow < -STILL).any(axis=0)
+    tails = np.concatenate([network.start[forward], network.end[backward]])
+    heads = np.concatenate([network.end[forward], network.start[backward]])
+    graph = sparse.csr_array((np.ones(len(tails)), (tails, heads)), (len(network.nodes),) * 2)
+    reached = np.zeros(len(network.nodes), bool)
+    reached[breadth_first_order(graph, release, return_predecessors=False)] = True
+    return np.asarray((forward & reached[network.start]) | (backward & reached[network.end]))
+
+
+def summarise_visits(visits: Visits, routing: Routing) -> Passage:
+    """Return the passage of a body through the flows of one hour."""
+    chain, snapshot = visits.chain, visits.chain.snapshot
+    network, entries = snapshot.network, visits.entries
+    passes = np.bincount(chain.link, entries * (1 - chain.held), len(snapshot.links))
+    entered = np.bincount(chain.link, entries, len(snapshot.links))
+    seen = np.zeros(len(network.links))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        seen[snapshot.links] = np.where(entered > 0, visits.link_probability * passes / entered, 0.0)
+    return Passage(
+        network,
+        visits.release,
+        snapshot.hour,
+        visits.node_probability,
+        visits.node_age,
+        seen,
+        find_reachable(network, visits.release, [snapshot.step]),
+        _sort(_merge(_list_ends(visits, routing))),
+    )
+
+
+def _list_ends(visits: Visits, routing: Routing) -> list[Ending]:
+    chain, snapshot = visits.chain, visits.chain.snapshot
+    network, entries = snapshot.network, visits.entries
+    links, nodes = len(snapshot.links), len(network.nodes)
+    head = snapshot.head[chain.link]
+    left = np.bincount(head, entries * chain.leaves, nodes)
+    left[visits.release] += max(0.0, 1 - visits.first)
+    stays = np.bincount(chain.link, entries * chain.stays, links)
+    held = np.bincount(chain.link, entries * chain.held, links)
+    ends = [_leave(network, node, left[node]) for node in np.flatnonzero(left > _LEAST).tolist()]
+    ends += [
+        Ending("stuck", network.nodes[snapshot.head[link]], stays[link], routing.tables[link].obstacle)
+        for link in np.flatnonzero(stays > _LEAST).tolist()
+    ]
+    ends += [
+        Ending("stuck", snapshot.name(link), held[link], routing.transfers[link].obstacle)
+        for link in np.flatnonzero(held > _LEAST).tolist()
+    ]
+    if (lost := LOST * float(entries.sum())) > _LEAST:
+        ends.append(Ending("circling", "", lost, "a loop without an exit"))
+    return ends
+
+
+def _leave(network: Network, node: int, probability: float) -> Ending:
+    kind = network.node_kinds[node]
+    return Ending("demand" if kind == "junction" else kind, network.nodes[node], float(probability))
+
+
+def summarise_walks(walks: Walks, routings: Sequence[Routing], steps: Sequence[int]) -> Passage:
+    """Return the passage of bodies that were followed one by one, with quantiles of their arrival times."""
+    network = walks.network
+    nodes = len(network.nodes)
+    _, node, time = walks.first_arrivals()
+    probability = np.bincount(node, minlength=nodes) / walks.count
+    with np.errstate(invalid="ignore"):
+        age = np.bincount(node, time, nodes) / np.bincount(node, minlength=nodes)
+    probability[walks.release], age[walks.release] = 1.0, 0.0
+    _, link, share = walks.covered()
+    seen = np.bincount(link, share, len(network.links)) / walks.count
+    ends: list[Ending] = []
+    for how in (LEFT, HELD_IN_LINK, HELD_AT_NODE, UNDER_WAY):
+        places, counts = np.unique(walks.place[walks.ends == how], return_counts=True)
+        for place, count in zip(places.tolist(), (counts / walks.count).tolist(), strict=True):
+            match how:
+                case _ if how == LEFT:
+                    ends.append(_leave(network, place, count))
+                case _ if how == UNDER_WAY:
+                    ends.append(Ending("under way", "", count))
+                case _:
+                    name = (network.links if how == HELD_IN_LINK else network.nodes)[place]
+                    ends.append(Ending("stuck", name, count, _find_obstacle(routings, how, place)))
+    return Passage(
+        network,
+        walks.release,
+        float(walks.began.min()) / 3600,
+        probability,
+        age,
+        seen,
+        find_reachable(network, walks.release, steps),
+        _sort(_merge(ends)),
+        measure_quantiles(walks),
+        unsteady=True,
+    )
+
+
+def _find_obstacle(routings: Sequence[Routing], how: int, place: int) -> str:
+    """Return the first obstacle that the tables name at a place."""
+    for routing in routings:
+        snapshot = routing.snapshot
+        at = snapshot.links == place if how == HELD_IN_LINK else snapshot.head == place
+        tables = routing.transfers if how == HELD_IN_LINK else routing.tables
+        for link in np.flatnonzero(at).tolist():
+            if tables[link].obstacle:
+                return str(tables[link].obstacle)
+    return ""
+
+
+def _merge(ends: Sequence[Ending]) -> list[Ending]:
+    """Return ends of the same kind at the same place as one; those under way are in no particular place."""
+    found: dict[tuple[str, str], Ending] = {}
+    for end in ends:
+        place = "" if end.kind == "under way" else end.place
+        before = found.get((end.kind, place))
+        total = float(end.probability) + (before.probability if before else 0.0)
+        found[end.kind, place] = Ending(end.kind, place, total, before.reason if before else end.reason)
+    return list(found.values())
+
+
+def _sort(ends: Sequence[Ending]) -> tuple[Ending, ...]:
+    return tuple(sorted(ends, key=lambda end: (-end.probability, end.kind, end.place)))
+
+
+def measure_quantiles(walks: Walks) -> FloatArray:
+    """Return quantiles of the first arrivals at each node, s, (nodes, quantiles); NaN where no walk arrives."""
+    found = np.full((len(walks.network.nodes), len(QUANTILES)), np.nan)
+    _, node, time = walks.first_arrivals()
+    order = np.argsort(node, kind="stable")
+    nodes, starts = np.unique(node[order], return_index=True)
+    for place, times in zip(nodes, np.split(time[order], starts[1:]), strict=True):
+        found[place] = np.quantile(times, QUANTILES)
+    found[walks.release] = 0.0
+    return found

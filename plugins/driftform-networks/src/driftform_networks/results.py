@@ -1,0 +1,272 @@
+"""What the commands print and write of passages and fleets: lines, tables, maps, reports."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from driftform.commands import CommandResult, TextTable
+from driftform.errors import InputError
+from driftform.figures.files import write_picture
+from driftform.util.files import check_directory, make_directory, write_text
+from driftform_networks.bodies import Traveller
+from driftform_networks.candidates import save_agents
+from driftform_networks.curve import curve_svg
+from driftform_networks.fleets import Fleet, Member
+from driftform_networks.map import fleet_svg, format_time, passage_svg
+from driftform_networks.page import BODIES, WATER, report_html
+from driftform_networks.passage import Passage
+
+MOST_ROWS = 12
+"""Rows of a table on the screen; all are in the files of ``--tables``, and in the JSON document."""
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """Files that a command writes besides what it prints; ``None`` for those that are not asked for.
+
+    Attributes
+    ----------
+    map
+        SVG file.
+    tables
+        directory for CSV files.
+    report
+        HTML file.
+    agents
+        directory for agent.json files.
+    """
+
+    map: Path | None = None
+    tables: Path | None = None
+    report: Path | None = None
+    agents: Path | None = None
+
+    def check(self) -> None:
+        """Refuse files that cannot be written, before work that takes time.
+
+        Raises
+        ------
+        InputError
+            if a directory cannot be written to, or a file has the wrong suffix.
+        """
+        for option, path, suffix in (("--map", self.map, ".svg"), ("--report", self.report, ".html")):
+            if path is None:
+                continue
+            if path.suffix != suffix:
+                raise InputError(f"{option} {path}: the name of this file must end in {suffix}")
+            check_directory(path.parent, option)
+        for option, path in (("--tables", self.tables), ("--agents", self.agents)):
+            if path is not None:
+                check_directory(path, option)
+
+
+def present_passage(
+    passage: Passage,
+    title: str,
+    outputs: Outputs,
+    assumptions: Sequence[str] = WATER,
+    branches: Mapping[str, Passage] | None = None,
+) -> CommandResult:
+    """Write the files of a passage, and return what a command prints of it.
+
+    ``branches`` are the passages with branches at other sides of the pipes.
+    """
+    length = passage.network.length[passage.reachable].sum() / 1000
+    lines = [f"sees {100 * passage.coverage:.1f} % of the {length:.1f} km that its water reaches"]
+    if passage.stuck:
+        lines.append(f"{100 * sum(end.probability for end in passage.stuck):.1f} % end in the pipes")
+    tables = [*_table_nodes(passage), *_table_ends(passage)]
+    document = passage.as_document()
+    if branches:
+        document["branches"] = {side: _compare(passage, other) for side, other in branches.items()}
+        tables.append(_table_branches(document["branches"]))
+    files = _write_figures(
+        outputs, title, lambda: {"Map": passage_svg(passage, title)}, [*lines, *tables], assumptions
+    )
+    if outputs.tables is not None:
+        files += write_tables(
+            outputs.tables,
+            {"nodes": passage.node_table(), "links": passage.link_table(), "ends": passage.end_table()},
+        )
+    document["files"] = [str(file) for file in files]
+    return CommandResult(document, [title, *tables, *lines, *(f"wrote {file}" for file in files)])
+
+
+def present_fleet(
+    fleet: Fleet, title: str, outputs: Outputs, travellers: Sequence[Traveller]
+) -> CommandResult:
+    """Write the files of a fleet, and return what a command prints of it."""
+    document, size = fleet.as_document(), len(fleet.members)
+    kilometres = document["reachable_length"] / 1000
+    lines = [
+        f"{size} bodies see {100 * fleet.coverage:.1f} % of the {kilometres:.1f} km that water from the releases reaches",
+        f"{100 * fleet.gap_closed:.1f} % of the gap from point tracers to perfect steering is closed",
+    ]
+    if fleet.coverage <= fleet.retained[-1] + 1e-9:
+        lines.append(
+            "shape brings nothing here: bodies that divide like the water, too wide for service pipes, see as much"
+        )
+    tables: list[str | TextTable] = [_table_members(fleet), _table_curves(fleet)]
+
+    def draw() -> dict[str, str]:
+        return {"Map": fleet_svg(fleet, title), "Coverage": curve_svg(fleet, title)}
+
+    files = _write_figures(outputs, title, draw, [*lines, *tables], BODIES)
+    if outputs.tables is not None:
+        columns = {"members": fleet.member_table(), "curve": fleet.curve_table(), "links": fleet.link_table()}
+        files += write_tables(outputs.tables, columns)
+    if outputs.agents is not None:
+        chosen = {member.agent for member in fleet.members}
+        files += save_agents([one for one in travellers if one.name in chosen], outputs.agents)
+    document["files"] = [str(file) for file in files]
+    return CommandResult(document, [title, *tables, *lines, *(f"wrote {file}" for file in files)])
+
+
+def _write_figures(
+    outputs: Outputs,
+    title: str,
+    draw: Callable[[], dict[str, str]],
+    text: Sequence[str | TextTable],
+    assumptions: Sequence[str],
+) -> list[Path]:
+    """Write the map and the report, if they are asked for."""
+    files: list[Path] = []
+    if outputs.map is None and outputs.report is None:
+        return files
+    figures = draw()
+    if outputs.map is not None:
+        files += write_map(figures["Map"], outputs.map)
+    if outputs.report is not None:
+        make_directory(outputs.report.parent, "--report")
+        write_text(outputs.report, report_html(title, text, list(figures.items()), assumptions))
+        files.append(outputs.report)
+    return files
+
+
+def write_map(picture: str, path: Path) -> tuple[Path, ...]:
+    """Write a map, and return the paths of its files."""
+    make_directory(path.parent, "--map")
+    return write_picture(path, picture)
+
+
+def write_tables(folder: Path, tables: Mapping[str, dict[str, list[Any]]]) -> list[Path]:
+    """Write tables as CSV files, and return their paths."""
+    make_directory(folder, "--tables")
+    written = []
+    for name, columns in tables.items():
+        path = folder / f"{name}.csv"
+        write_text(path, format_csv(columns))
+        written.append(path)
+    return written
+
+
+def format_csv(columns: dict[str, list[Any]]) -> str:
+    """Return columns as CSV text."""
+    import csv
+    import io
+
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(zip(*columns.values(), strict=True))
+    return buffer.getvalue()
+
+
+def _table_nodes(passage: Passage) -> list[str | TextTable]:
+    network = passage.network
+    order = sorted(
+        (
+            node
+            for node in range(len(network.nodes))
+            if passage.probability[node] > 1e-6 and node != passage.release
+        ),
+        key=lambda node: (-passage.probability[node], passage.age[node]),
+    )
+    rows = []
+    for node in order[:MOST_ROWS]:
+        row = [network.nodes[node], f"{100 * passage.probability[node]:.2f}", format_time(passage.age[node])]
+        if len(passage.quantiles):
+            low, _, high = passage.quantiles[node]
+            row.append(f"{format_time(low)} to {format_time(high)}")
+        rows.append(row)
+    header = ["node", "probability %", "mean age"] + (
+        ["9 of 10 arrive after"] if len(passage.quantiles) else []
+    )
+    left = [f"and {len(order) - MOST_ROWS} more nodes"] if len(order) > MOST_ROWS else []
+    return [TextTable(header, rows, right=(1,)), *left]
+
+
+def _table_ends(passage: Passage) -> list[str | TextTable]:
+    shown = [end for end in passage.ends if end.probability >= 5e-5][:MOST_ROWS]
+    rows = [[end.kind, end.place, f"{100 * end.probability:.2f}", end.reason] for end in shown]
+    left = [f"and {len(passage.ends) - len(shown)} more ends"] if len(passage.ends) > len(shown) else []
+    return [TextTable(("ends by", "place", "probability %", "reason"), rows, right=(2,)), *left]
+
+
+def _compare(passage: Passage, other: Passage) -> dict[str, Any]:
+    """Return what changes if branches leave the pipes at another side."""
+    change = np.abs(other.probability - passage.probability)
+    most = int(np.argmax(change))
+    return {
+        "coverage": other.coverage,
+        "stuck": sum(end.probability for end in other.stuck),
+        "largest_change": float(change[most]),
+        "node": passage.network.nodes[most] if change[most] > 0 else "",
+    }
+
+
+def _table_branches(branches: Mapping[str, Mapping[str, Any]]) -> TextTable:
+    rows = [
+        [
+            side,
+            f"{100 * facts['coverage']:.1f}",
+            f"{100 * facts['stuck']:.1f}",
+            f"{100 * facts['largest_change']:.1f}" + (f" at {facts['node']}" if facts["node"] else ""),
+        ]
+        for side, facts in branches.items()
+    ]
+    return TextTable(("branches at", "sees %", "stuck %", "largest change, points"), rows, right=(1, 2))
+
+
+def _table_members(fleet: Fleet) -> TextTable:
+    """Return the members, those that are alike in one row."""
+    groups: dict[tuple[str, str, float], list[Member]] = {}
+    for member in fleet.members:
+        groups.setdefault((member.agent, member.release, member.passage.hour), []).append(member)
+    rows = [
+        [
+            f"{len(members)}",
+            shorten_name(agent),
+            release,
+            f"{hour:g}",
+            f"{100 * members[0].coverage:.1f}",
+            f"{100 * sum(member.gain for member in members):.1f}",
+        ]
+        for (agent, release, hour), members in groups.items()
+    ]
+    return TextTable(
+        ("number", "agent", "release", "hour", "alone sees %", "adds %"), rows, right=(0, 3, 4, 5)
+    )
+
+
+def _table_curves(fleet: Fleet) -> TextTable:
+    size = len(fleet.curve)
+    counts = sorted({count for count in (1, 2, 5, 10, 20, 50, 100) if count < size} | {size})
+    rows = [
+        [f"{count}"]
+        + [
+            f"{100 * curve[count - 1]:.1f}"
+            for curve in (fleet.tracers, fleet.retained, fleet.curve, fleet.choice_bound, fleet.bound)
+        ]
+        for count in counts
+    ]
+    header = ("bodies see %", "tracers", "retained", "fleet", "any choice", "steered")
+    return TextTable(header, rows, right=(0, 1, 2, 3, 4, 5))
+
+
+def shorten_name(name: str, most: int = 30) -> str:
+    """Return a name that fits into a table."""
+    return name if len(name) <= most else f"{name[: most - 3]}..."

@@ -1,0 +1,121 @@
+"""The flow of a network at one moment, as links that are directed downstream."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from driftform.errors import InputError
+from driftform.types import FloatArray
+from driftform_networks.network import IntArray, Network
+
+STILL = 1.114e-5 * 0.3048**3
+"""Flow below which the water of a link stands still, m3/s: EPANET's Q_STAGNANT of 1.114e-5 ft3/s (its types.h)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """The links of a network in which water flows at one moment, each directed downstream.
+
+    Attributes
+    ----------
+    network
+        the network.
+    hour
+        hour of the simulation.
+    step
+        index of the hydraulic step.
+    links
+        index of each of these links in the network, (n,).
+    tail, head
+        nodes at the upstream and the downstream end of each link, (n,).
+    flow
+        volume flow, m3/s, positive, (n,).
+    exit
+        demand at each junction, m3/s, at least 0, (nodes,).
+    stores
+        whether each node is a tank or a reservoir: what arrives there has left the pipes, (nodes,).
+    """
+
+    network: Network
+    hour: float
+    step: int
+    links: IntArray
+    tail: IntArray
+    head: IntArray
+    flow: FloatArray
+    exit: FloatArray
+    stores: npt.NDArray[np.bool_]
+    outlets: tuple[IntArray, ...] = field(repr=False, default=())
+    """For each node, the links of this snapshot that lead away from it."""
+
+    @property
+    def length(self) -> FloatArray:
+        """Length of each link, m, (n,)."""
+        return np.asarray(self.network.length[self.links])
+
+    @property
+    def speed(self) -> FloatArray:
+        """Mean speed of the water in each link, m/s, (n,); infinite in pumps, which have no volume."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(self.flow / self.network.area[self.links])
+
+    @property
+    def duration(self) -> FloatArray:
+        """Time that water takes through each link, s, (n,)."""
+        return np.asarray(self.length / self.speed)
+
+    @property
+    def departure(self) -> FloatArray:
+        """Water that leaves each node, through links or with the demand, m3/s, (nodes,)."""
+        through = np.bincount(self.tail, self.flow, len(self.network.nodes))
+        return np.asarray(through + self.exit)
+
+    def name(self, link: int) -> str:
+        """Return the name of a link of this snapshot."""
+        return str(self.network.links[int(self.links[link])])
+
+
+def take_snapshot(network: Network, hour: float = 0.0) -> Snapshot:
+    """Return the flow of a network at an hour of the simulation.
+
+    Raises
+    ------
+    InputError
+        if the simulation does not cover the hour, or EPANET found a negative pressure at that time, with which its
+        flows are not those of a real network.
+    """
+    hydraulics = network.hydraulics
+    step = hydraulics.find_step(hour)
+    check_pressure(network, step)
+    flow = hydraulics.flow[step]
+    links = np.flatnonzero(np.abs(flow) > STILL)
+    forward = flow[links] > 0
+    tail = np.where(forward, network.start[links], network.end[links])
+    head = np.where(forward, network.end[links], network.start[links])
+    stores = np.array([kind != "junction" for kind in network.node_kinds])
+    exit = np.where(stores, 0.0, np.maximum(hydraulics.outflow[step], 0.0))
+    order = np.argsort(tail, kind="stable")
+    outlets = np.split(order, np.searchsorted(tail[order], np.arange(1, len(network.nodes))))
+    return Snapshot(network, hour, step, links, tail, head, np.abs(flow[links]), exit, stores, tuple(outlets))
+
+
+def check_pressure(network: Network, step: int) -> None:
+    """Refuse a step with negative pressure at a junction that delivers water.
+
+    Raises
+    ------
+    InputError
+        if there is one; the message names the lowest.
+    """
+    hydraulics = network.hydraulics
+    pressure = hydraulics.head[step] - network.elevation
+    delivers = np.array([kind == "junction" for kind in network.node_kinds]) & (hydraulics.outflow[step] > 0)
+    negative = delivers & (pressure < -1e-3)
+    if negative.any():
+        lowest = int(np.argmin(np.where(negative, pressure, np.inf)))
+        raise InputError(
+            f"{network.name}: EPANET finds a negative pressure at {int(negative.sum())} junctions at hour "
+            f"{hydraulics.times[step] / 3600:g}, the lowest {pressure[lowest]:.3g} m at {network.nodes[lowest]}: its flows "
+            "are not those of a real network; correct the demands or the pumps of the file, or choose another hour"
+        )

@@ -1,0 +1,159 @@
+"""Networks that WNTR ships, and EPANET's own quality engine on flows that no longer change."""
+
+import ctypes
+import re
+from collections.abc import Callable
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from driftform.types import FloatArray
+from driftform_networks.network import Network
+
+GPM, FOOT = 6.30901964e-05, 0.3048
+_QUALITY = 12
+"""Code of the EPANET toolkit: EN_QUALITY of a node."""
+
+
+def find_library_file(name: str) -> Path:
+    """The file of a network that WNTR ships."""
+    spec = find_spec("wntr")
+    assert spec is not None and spec.origin is not None
+    return Path(spec.origin).parent / "library" / "networks" / f"{name}.inp"
+
+
+@cache
+def read_library(name: str) -> Network:
+    from driftform_networks.epanet import run_epanet
+
+    return run_epanet(find_library_file(name))
+
+
+def read_sections(name: str) -> dict[str, str]:
+    """The lines of each section of a network that WNTR ships."""
+    text = find_library_file(name).read_text("latin-1")
+    return dict(re.findall(r"^\[(\w+)\][^\n]*\n(.*?)(?=^\[|\Z)", text, re.MULTILINE | re.DOTALL))
+
+
+def list_rows(section: str) -> list[list[str]]:
+    """The words of each line of a section, without comments."""
+    return [words for line in section.splitlines() if (words := line.partition(";")[0].split())]
+
+
+def write_sections(path: Path, sections: dict[str, str]) -> Path:
+    path.write_text("".join(f"[{part}]\n{lines}\n" for part, lines in sections.items()), "latin-1")
+    return path
+
+
+def freeze(name: str, folder: Path) -> Path:
+    """Write a network with the flows of hour 0 for ever: tanks are reservoirs, demands and statuses are constant."""
+    network, sections = read_library(name), read_sections(name)
+    flow, outflow, head = (
+        rows[0] for rows in (network.hydraulics.flow, network.hydraulics.outflow, network.hydraulics.head)
+    )
+    kinds, valves = network.node_kinds, {row[0] for row in list_rows(sections["PIPES"]) if "CV" in row}
+    junctions = [
+        f"{node} {network.elevation[i] / FOOT:.12g} {outflow[i] / GPM:.12g}"
+        for i, node in enumerate(network.nodes)
+        if kinds[i] == "junction"
+    ]
+    sources = [
+        f"{node} {head[i] / FOOT:.15g}" for i, node in enumerate(network.nodes) if kinds[i] != "junction"
+    ]
+    states = [
+        f"{link} {'CLOSED' if abs(flow[i]) < 1e-9 else 'OPEN'}"
+        for i, link in enumerate(network.links)
+        if link not in valves and (abs(flow[i]) < 1e-9 or network.link_kinds[i] == "pipe")
+    ]
+    return write_sections(
+        folder / f"{name}.inp",
+        {
+            "JUNCTIONS": "\n".join(junctions),
+            "RESERVOIRS": "\n".join(sources),
+            **{part: sections[part] for part in ("PIPES", "PUMPS", "VALVES", "CURVES", "COORDINATES")},
+            "STATUS": "\n".join(states),
+            # The default pattern, 1, applies to every demand.
+            "PATTERNS": "\n".join(
+                f"{pattern} 1" for pattern in {row[0] for row in list_rows(sections["PATTERNS"])}
+            ),
+            "OPTIONS": "Units GPM\nHeadloss H-W\nAccuracy 1e-6\nTolerance 1e-6\nQuality None",
+            "TIMES": "Duration 0",
+            "END": "",
+        },
+    )
+
+
+def simulate_quality(
+    path: Path, quality: str, hours: float, step: float, tolerance: float = 1e-6
+) -> dict[str, float]:
+    """EPANET's quality at each node after so many hours of constant flow: a share in %, or an age in h."""
+    text = path.read_text("latin-1").replace("Quality None", f"Quality {quality}")
+    text = text.replace("Tolerance 1e-6", f"Tolerance {tolerance}")
+    times = f"Duration {hours}\nHydraulic Timestep {hours}\nQuality Timestep {step / 3600:.9f}"
+    file = path.with_name("quality.inp")
+    file.write_text(text.replace("Duration 0", times), "latin-1")
+    names, _, values = follow_quality(file, only_last=True)
+    return dict(zip(names, values[-1], strict=True))
+
+
+def follow_quality(path: Path, only_last: bool = False) -> tuple[list[str], FloatArray, FloatArray]:
+    """Names of the nodes, the times of EPANET's quality steps, s, and its quality at these times, (times, nodes)."""
+    from wntr.epanet.toolkit import ENepanet
+
+    engine = ENepanet()
+    engine.ENopen(str(path), str(path.with_suffix(".rpt")), str(path.with_suffix(".bin")))
+    engine.ENsolveH()
+    engine.ENopenQ()
+    engine.ENinitQ(0)
+    nodes = range(1, engine.ENgetcount(0) + 1)
+    times, values, left = [], [], ctypes.c_long(1)
+    while left.value > 0:
+        time = engine.ENrunQ()
+        if not only_last:
+            times.append(time)
+            values.append([engine.ENgetnodevalue(node, _QUALITY) for node in nodes])
+        if only_last:
+            left.value = engine.ENnextQ()
+        else:
+            engine.ENlib.EN_stepQ(engine._project, ctypes.byref(left))
+    if only_last:  # the next event is the end
+        times, values = [time], [[engine.ENgetnodevalue(node, _QUALITY) for node in nodes]]
+    names = [engine.ENgetnodeid(node) for node in nodes]
+    engine.ENclose()
+    return names, np.array(times, float), np.array(values)
+
+
+@pytest.fixture(scope="session")
+def epanet() -> SimpleNamespace:
+    """The functions of this file."""
+    names = (read_library, read_sections, list_rows, write_sections, freeze, simulate_quality, follow_quality)
+    return SimpleNamespace(
+        **{function.__name__: function for function in names}, find_library_file=find_library_file
+    )
+
+
+@pytest.fixture
+def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., object]:
+    """Run ``driftform network`` in an empty directory, with a cache that the tests share."""
+    from typer.testing import CliRunner
+
+    from driftform.cli import app
+
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments: object) -> object:
+        return CliRunner().invoke(app, ["network", *map(str, arguments)])
+
+    return run
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _cache(tmp_path_factory: pytest.TempPathFactory) -> object:
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("XDG_CACHE_HOME", "LOCALAPPDATA"):
+            patch.setenv(name, str(tmp_path_factory.mktemp("cache")))
+        yield

@@ -1,0 +1,116 @@
+"""Fleets: the choice against all choices, and the bounds against those of a network that is known."""
+
+import json
+from collections.abc import Callable
+from itertools import combinations_with_replacement
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from driftform.agents.opening import open_agent
+from driftform_networks.api import trace
+from driftform_networks.candidates import spread_rows
+from driftform_networks.choosing import bound_steering, choose_fleet, choose_greedily
+from driftform_networks.passage import find_reachable
+from driftform_networks.snapshot import take_snapshot
+
+
+@pytest.mark.parametrize(
+    ("size", "divided", "steered"),
+    [(1, 0.319, 0.457), (5, 0.418, 0.768), (10, 0.479, 0.912), (23, 0.583, 1.0)],
+)
+def test_the_headroom_of_net3_is_the_known_one(
+    size: int, divided: float, steered: float, epanet: Any
+) -> None:
+    """Drifters from River that divide like the water, and that are steered perfectly, at hour 0."""
+    network = epanet.read_library("Net3")
+    snapshot, river = take_snapshot(network), network.find_node("River")
+    reachable = find_reachable(network, river, [0])
+    length = np.where(reachable, network.length, 0.0)
+    _, coverage, _ = choose_greedily(trace(network, "River", walks=0).seen[None], length, size)
+    assert coverage[-1] == pytest.approx(divided, abs=6e-4)
+    assert bound_steering([snapshot], [river], reachable, size) == pytest.approx(steered, abs=6e-4)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 5), st.integers(1, 4))
+@settings(max_examples=60, deadline=None)
+def test_the_greedy_choice_and_its_bound_enclose_the_best_choice(seed: int, bodies: int, size: int) -> None:
+    rng = np.random.default_rng(seed)
+    seen = rng.random((bodies, 6)) * (rng.random((bodies, 6)) < 0.6)
+    seen[0, 0] = 0.5
+    length = rng.random(6) + 0.1
+    _, coverage, bound = choose_greedily(seen, length, size)
+    best = max(
+        length @ (1 - np.prod(1 - seen[list(rows)], axis=0)) / length.sum()
+        for rows in combinations_with_replacement(range(bodies), size)
+    )
+    assert (1 - 1 / np.e) * best - 1e-12 <= coverage[-1] <= best + 1e-12 <= bound[-1] + 1e-9
+    assert (np.diff(coverage) >= -1e-12).all()
+    chosen, exchanged, _ = choose_fleet(seen, length, size)
+    assert coverage[-1] - 1e-12 <= exchanged[-1] <= best + 1e-12
+    assert exchanged[-1] == pytest.approx(length @ (1 - np.prod(1 - seen[chosen], axis=0)) / length.sum())
+
+
+def test_rows_are_chosen_far_from_each_other() -> None:
+    points = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 0.0], [0.0, 9.0], [9.9, 0.1]])
+    assert spread_rows(points, 3).tolist() == [1, 3, 0]
+    assert len(spread_rows(points, 9)) == 4
+
+
+def test_a_fleet_has_the_keys_of_the_contract_and_its_files(call: Callable[..., Any]) -> None:
+    words = ["fleet", "Net3", "--release", "River", "--size", 10, "--buoyancy", 0, "--count", 2]
+    files = ["--map", "map.svg", "--tables", "tables", "--report", "fleet.html", "--agents", "agents"]
+    result = call(*words, *files, "--json")
+    assert result.exit_code == 0, result.stderr
+    document = json.loads(result.stdout)
+    assert len(document["members"]) == 10
+    assert {"agent", "release", "hour", "probability", "gain", "stuck"} == set(document["members"][0])
+    assert document["split_by_flow"] == pytest.approx(0.479, abs=6e-4)
+    assert document["bound"] == pytest.approx(0.912, abs=6e-4)
+    assert document["coverage"] == pytest.approx(sum(member["gain"] for member in document["members"]))
+    assert document["coverage"] <= document["choice_bound"] <= 1
+    assert document["coverage"] <= document["bound"]
+    gap = (document["coverage"] - document["split_by_flow"]) / (document["bound"] - document["split_by_flow"])
+    assert document["gap_closed"] == pytest.approx(gap)
+    assert all(np.diff(document["curve"][name]).min() >= 0 for name in ("coverage", "split_by_flow", "bound"))
+    assert all(Path(file).is_file() for file in document["files"])
+    lines = ET.parse("map.svg").getroot().findall(".//{*}path[@class='link']")
+    assert len(lines) == 119
+    page = Path("fleet.html").read_text()
+    assert page.count("<svg") == 2
+    assert "http" not in page.replace("http://www.w3.org", "")
+    for path in Path("agents").iterdir():
+        design = open_agent(str(path))
+        assert design.net_buoyancy == pytest.approx(0, abs=1e-9)
+
+
+def test_more_releases_and_hours_never_see_less(call: Callable[..., Any]) -> None:
+    def plan(*more: object) -> dict[str, Any]:
+        words = [
+            "fleet",
+            "Net3",
+            "--agent",
+            "sphere:60mm",
+            "--buoyancy",
+            0,
+            "--size",
+            4,
+            "--release",
+            "River",
+        ]
+        result = call(*words, *more, "--json")
+        assert result.exit_code == 0, result.stderr
+        document: dict[str, Any] = json.loads(result.stdout)
+        return document
+
+    alone, both = plan(), plan("--release", "Lake", "--at", 0, "--at", 12)
+    seen = [document["coverage"] * document["reachable_length"] for document in (alone, both)]
+    assert seen[1] >= 0.8 * seen[0]
+    assert both["reachable_length"] > alone["reachable_length"]
+    assert {member["release"] for member in both["members"]} <= {"River", "Lake"}
+    assert {member["hour"] for member in both["members"]} <= {0.0, 12.0}

@@ -1,0 +1,224 @@
+"""Routes of bodies: the limit of point tracers, what fits where, and flights that are kept."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from driftform_networks.api import route, route_by_branch, trace
+from driftform_networks.bodies import open_traveller
+from driftform_networks.bore import spread_points
+from driftform_networks.reading import open_network
+from driftform_networks.streamtubes import divide_bore, smallest_share
+from driftform_networks.travelling import Travel
+
+FORK = """
+[JUNCTIONS]
+ fork 10 0
+ ahead 10 20
+ branch 10 10
+[RESERVOIRS]
+ source 60
+[PIPES]
+ main source fork 200 300 100 0 Open
+ on fork ahead 200 300 100 0 Open
+ side fork branch 200 300 100 0 Open
+[OPTIONS]
+ Units LPS
+ Headloss H-W
+[TIMES]
+ Duration 0
+[COORDINATES]
+ source 0 0
+ fork 200 0
+ ahead 400 0
+ branch 200 -100
+[END]
+"""
+"""A main that divides: two thirds of the water go on, and a third into a branch of the same bore."""
+
+
+@pytest.fixture(scope="module")
+def fork(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("fork") / "fork.inp"
+    path.write_text(FORK)
+    return path
+
+
+def test_a_well_mixed_small_sphere_goes_where_tracers_go(epanet: Any, tmp_path: Path) -> None:
+    network = epanet.read_library("Net3")
+    sphere, water = open_traveller("sphere:5mm"), trace(network, "River", walks=0)
+    began = process_time()
+    passage = route(network, sphere, "River", cache=tmp_path, walks=0)
+    assert process_time() - began < 0.5
+    assert np.abs(passage.probability - water.probability).max() < 0.005
+    assert passage.coverage == pytest.approx(water.coverage, abs=0.005)
+
+
+def test_a_route_has_the_keys_of_the_contract(call: Callable[..., Any]) -> None:
+    result = call("route", "Net3", "sphere:60mm", "--release", "River", "--walks", 0, "--json")
+    assert result.exit_code == 0, result.stderr
+    document = json.loads(result.stdout)
+    assert document["nodes"]["River"] == {"probability": 1.0, "age": 0.0}
+    assert all(0 < node["probability"] <= 1 and node["age"] >= 0 for node in document["nodes"].values())
+    assert 0 < document["coverage"] < 1
+    assert sum(end["probability"] for end in document["ends"]) == pytest.approx(1, abs=1e-6)
+    assert {"kind", "place", "probability", "reason"} == set(document["stuck"][0])
+    # It does not leave with the demand, but in tanks.
+    assert {end["kind"] for end in document["ends"]} == {"stuck", "tank"}
+    assert set(document["branches"]) == {"top", "side", "bottom"}
+    assert document["branches"]["side"]["largest_change"] == 0
+
+
+def test_a_body_that_is_too_wide_is_stuck_and_the_reason_is_named(epanet: Any, tmp_path: Path) -> None:
+    network = epanet.read_library("Net3")
+    passage = route(network, "sphere:210mm", "River", cache=tmp_path, walks=0)
+    narrow = [end for end in passage.stuck if end.reason.startswith("too wide: 210 mm in a bore of 203 mm")]
+    assert sum(end.probability for end in narrow) > 0.01
+    assert sum(end.probability for end in passage.ends) == pytest.approx(1, abs=1e-6)
+    seen = passage.seen[(network.diameter < 0.21) & (network.length > 0)]
+    assert seen.max() == 0
+
+
+@given(
+    shares=st.lists(st.floats(0.05, 1), min_size=2, max_size=4).map(lambda x: np.array(x) / sum(x)),
+    clocks=st.lists(st.sampled_from([0.0, 90.0, 180.0, 270.0]), min_size=3, max_size=3),
+)
+@settings(max_examples=30, deadline=None)
+def test_water_divides_in_the_ratio_of_the_flows(shares: np.ndarray, clocks: list[float]) -> None:
+    clock = np.deg2rad(clocks[: len(shares) - 1])
+    directions = np.vstack([[0.0, 0.0], np.column_stack([np.sin(clock), np.cos(clock)])])
+    divided = divide_bore(spread_points(1.0), directions, shares)
+    assert divided.sum(axis=1) == pytest.approx(1)
+    assert divided.mean(axis=0) == pytest.approx(shares, abs=2e-3)
+
+
+@pytest.mark.parametrize("size", [0.05, 0.1, 0.2, 0.3])
+def test_a_sphere_cannot_enter_a_branch_that_takes_too_little(size: float) -> None:
+    """The water within a radius of the wall is all that such a branch takes."""
+    directions = np.array([[0.0, 0.0], [1.0, 0.0]])
+    farthest = np.array([[1 - size, 0.0]])
+    for factor, enters in ((0.9, 0.0), (1.1, 1.0)):
+        share = factor * smallest_share(size)
+        assert divide_bore(farthest, directions, np.array([1 - share, share]))[0, 1] == enters
+
+
+def test_heavy_bodies_go_into_branches_at_the_bottom_and_light_ones_at_the_top(
+    fork: Path, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    cache = tmp_path_factory.getbasetemp() / "flights"
+    network = open_network(fork, cache)
+    entered: dict[tuple[float, str], float] = {}
+    for buoyancy in (-0.01, 0.01):
+        traveller = open_traveller("sphere:60mm", buoyancy=buoyancy)
+        _, sides = route_by_branch(
+            network,
+            traveller,
+            "source",
+            hour=0,
+            unsteady=False,
+            walks=0,
+            seed=0,
+            travel=Travel(),
+            workers=1,
+            cache=cache,
+            progress=lambda _, __: None,
+            compare=True,
+        )
+        for side, passage in sides.items():
+            entered[buoyancy, side] = passage.probability[network.find_node("branch")]
+    assert entered[-0.01, "bottom"] > 0.95
+    assert entered[-0.01, "top"] < 0.05
+    assert entered[0.01, "top"] > 0.95
+    assert entered[0.01, "bottom"] < 0.05
+
+
+@pytest.mark.slow
+def test_flights_are_the_same_for_any_number_of_workers(fork: Path, tmp_path: Path) -> None:
+    network = open_network(fork, tmp_path)
+    one, two = (
+        route(
+            network,
+            open_traveller("sphere:60mm", buoyancy=-0.01),
+            "source",
+            workers=n,
+            cache=tmp_path / f"{n}",
+        )
+        for n in (1, 2)
+    )
+    assert one.as_document() == two.as_document()
+
+
+@pytest.mark.slow
+def test_a_killed_command_loses_no_table_that_was_finished(fork: Path, tmp_path: Path) -> None:
+    cache = tmp_path / "cache"
+    words = ["network", "route", str(fork), "sphere:60mm", "--release", "source", "--buoyancy", "-0.01"]
+    program = [sys.executable, "-c", "from driftform.cli import main; main()", *words]
+    program += ["--workers", "1", "--cache", str(cache), "--json"]
+    process = subprocess.Popen(
+        program, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+    )
+    # The first file is the network.
+    while len(list(cache.glob("*.npz"))) < 2 and process.poll() is None:
+        time.sleep(0.05)
+    assert process.poll() is None, "it was too fast to be killed"
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    kept = {path: path.stat().st_mtime_ns for path in cache.glob("*.npz")}
+    again = subprocess.run(program, capture_output=True, check=True, text=True)
+    assert all(path.stat().st_mtime_ns == when for path, when in kept.items())
+    assert len(list(cache.glob("*.npz"))) > len(kept)
+    fresh = [*program[:-2], str(tmp_path / "fresh"), "--json"]
+    assert again.stdout == subprocess.run(fresh, capture_output=True, check=True, text=True).stdout
+
+
+def test_a_trimmed_agent_has_the_buoyancy_that_was_asked_for() -> None:
+    word = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
+    for buoyancy in (0.0, 0.002):
+        traveller = open_traveller(word, buoyancy=buoyancy)
+        assert traveller.agent.mass.net_buoyancy(traveller.scenario.fluid) == pytest.approx(
+            buoyancy, abs=1e-9
+        )
+    sphere = open_traveller("sphere:60mm", buoyancy=-0.01)
+    assert sphere.agent.mass.net_buoyancy(sphere.scenario.fluid) == pytest.approx(-0.01)
+
+
+NEGATIVE = FORK.replace("source 60", "source 9")
+UNKNOWN = FORK.replace("side fork branch", "side fork nowhere")
+
+
+@pytest.mark.parametrize(
+    ("text", "words", "expected"),
+    [
+        (UNKNOWN, ["show"], "EPANET refuses the file"),
+        (NEGATIVE, ["tracers", "--release", "source"], "negative pressure at 2 junctions at hour 0"),
+        (FORK, ["tracers", "--release", "sauce"], "no such node; did you mean 'source'?"),
+        (FORK, ["tracers", "--release", "ahead"], "no water flows from it into a pipe at hour 0"),
+        (FORK, ["tracers", "--release", "source", "--at", "3"], "the simulation lasts from hour 0 to hour 0"),
+        (FORK, ["tracers", "--release", "source", "--map", "map.png"], "must end in .svg"),
+        (FORK, ["fleet", "--release", "source", "--branch", "up"], "no such side; known: bottom, side, top"),
+        (FORK, ["fleet", "--release", "source", "--agent", "sphere:x"], "a sphere is named by its diameter"),
+        (FORK, ["fleet", "--release", "source", "--run", "nowhere"], "nowhere: no such run directory"),
+    ],
+)
+def test_wrong_input_is_one_line_that_names_the_fault(
+    text: str, words: list[str], expected: str, call: Callable[..., Any]
+) -> None:
+    Path("town.inp").write_text(text)
+    result = call(words[0], "town.inp", *words[1:])
+    assert result.exit_code == 2
+    assert expected in result.stderr
+    assert result.stderr.count("\n") == 1
+    assert "Traceback" not in result.stderr
+    assert {path.name for path in Path().iterdir()} == {"town.inp"}

@@ -1,0 +1,146 @@
+"""Point tracers against EPANET's own quality engine, and against themselves when they are followed one by one."""
+
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+import pytest
+
+from driftform.types import FloatArray
+from driftform_networks.api import trace as trace_passage
+from driftform_networks.epanet import run_epanet
+from driftform_networks.network import Network
+from driftform_networks.snapshot import STILL, Snapshot, take_snapshot
+from driftform_networks.tracers import route_tracers, trace
+from driftform_networks.walkers import walk_network, walk_snapshot
+
+
+def arriving_flow(snapshot: Snapshot) -> FloatArray:
+    return np.bincount(snapshot.head, snapshot.flow, len(snapshot.network.nodes))
+
+
+def is_junction(network: Network) -> np.ndarray:
+    return np.array([kind == "junction" for kind in network.node_kinds])
+
+
+@pytest.mark.parametrize(
+    ("name", "release", "hours"), [("Net3", "River", 200), ("ky4", "R-1", 400), ("ky10", "R-1", 400)]
+)
+def test_visits_are_the_trace_of_epanet(
+    name: str, release: str, hours: float, tmp_path: Path, epanet: Any
+) -> None:
+    """p = TRACE Q_j / Q_s: the flux of marked water through a node, relative to that of the release."""
+    path = epanet.freeze(name, tmp_path)
+    network = run_epanet(path)
+    snapshot = take_snapshot(network)
+    visits = trace(snapshot, network.find_node(release))
+    shares = epanet.simulate_quality(path, f"Trace {release}", hours, 300)
+    share = np.array([shares[node] for node in network.nodes])
+    expected = share * arriving_flow(snapshot) / snapshot.departure[network.find_node(release)]
+    # Where water is too old, EPANET's simulation has not yet become stationary.
+    settled = is_junction(network) & ~(visits.node_age > hours * 3600 / 5)
+    assert settled.sum() > 0.7 * len(network.nodes)
+    assert np.abs(100 * visits.node_visits - expected)[settled].max() < 1e-3
+
+
+def test_mean_ages_are_those_of_epanet(tmp_path: Path, epanet: Any) -> None:
+    """The age of water is the mean of the ages of tracers of all its sources, weighted by their flux."""
+    path = epanet.freeze("Net3", tmp_path)
+    network = run_epanet(path)
+    snapshot = take_snapshot(network)
+    flux, sum_of_ages = np.zeros(len(network.nodes)), np.zeros(len(network.nodes))
+    for source in np.flatnonzero(network.hydraulics.outflow[0] < -STILL):
+        visits = trace(snapshot, int(source))
+        reached = visits.node_visits > 0
+        part = np.where(reached, visits.node_visits, 0) * snapshot.departure[source]
+        flux += part
+        sum_of_ages += part * np.where(reached, visits.node_age, 0)
+    # The slowest link takes 125 h.
+    ages = epanet.simulate_quality(path, "Age", 400, 300, 1e-4)
+    with np.errstate(invalid="ignore"):
+        mean = sum_of_ages / flux
+    # Of older water, EPANET's simulation has not seen all.
+    known = is_junction(network) & (mean < 12 * 3600)
+    assert known.sum() >= 80
+    mean = mean[known]
+    expected = 3600 * np.array([ages[node] for node in network.nodes])[known]
+    assert np.abs(mean / expected - 1).max() < 1e-3
+
+
+@pytest.mark.parametrize(("name", "release"), [("Net3", "River"), ("ky4", "R-1"), ("ky10", "R-2")])
+def test_ten_thousand_walks_agree_with_the_chain_in_a_second(name: str, release: str, epanet: Any) -> None:
+    snapshot = take_snapshot(epanet.read_library(name))
+    node, routing = snapshot.network.find_node(release), route_tracers(snapshot)
+    visits = trace(snapshot, node)
+    began = process_time()
+    walks = walk_snapshot(routing, node, 10_000, np.random.default_rng(1))
+    assert process_time() - began < 1
+    _, arrived, time = walks.first_arrivals()
+    count = np.bincount(arrived, minlength=len(snapshot.network.nodes))
+    p = np.delete(visits.node_probability, node)
+    deviation = np.delete(count / 10_000, node) - p
+    # Four standard deviations, with more room for rare nodes, whose counts are not normal.
+    assert (np.abs(deviation) <= 4 * np.sqrt(p * (1 - p) / 10_000) + 2e-4).all()
+    often = count > 1000
+    age = np.bincount(arrived, time, len(count))[often] / count[often]
+    assert age == pytest.approx(visits.node_age[often], rel=0.05)
+
+
+def test_water_that_turns_back_is_followed_as_epanet_does(tmp_path: Path, epanet: Any) -> None:
+    """A day of Net3 with tanks as reservoirs: marked water that arrives, over all marked water."""
+    sections, network = epanet.read_sections("Net3"), epanet.read_library("Net3")
+    head = dict(zip(network.nodes, network.hydraulics.head[0] / 0.3048, strict=True))
+    controls = [" ".join(row) for row in epanet.list_rows(sections["CONTROLS"]) if "IF" not in row]
+    sections |= {
+        "RESERVOIRS": sections["RESERVOIRS"]
+        + "".join(f"{row[0]} {head[row[0]]}\n" for row in epanet.list_rows(sections["TANKS"])),
+        "TANKS": "",
+        "CONTROLS": "\n".join(controls),
+        "OPTIONS": sections["OPTIONS"].replace("Trace Lake", "Trace River").replace("0.01", "1e-6"),
+        "TIMES": sections["TIMES"].replace("168:00", "24:00").replace("0:05", "0:01"),
+    }
+    path = epanet.write_sections(tmp_path / "day.inp", sections)
+    network = run_epanet(path)
+    h, river = network.hydraulics, network.find_node("River")
+    assert ((h.flow > STILL).any(axis=0) & (h.flow < -STILL).any(axis=0)).sum() > 40
+    names, times, values = epanet.follow_quality(path)
+    shares = values[:, [names.index(node) for node in network.nodes]] / 100
+    arriving = np.array([
+        np.bincount(network.end, np.maximum(flow, 0), len(network.nodes))
+        + np.bincount(network.start, np.maximum(-flow, 0), len(network.nodes))
+        for flow in h.flow
+    ])  # fmt: skip
+    row = np.searchsorted(h.times, times + 1e-6, side="right") - 1
+    duration = np.diff(np.append(times, h.end))[:, None]
+    middle = (shares + np.vstack([shares[1:], shares[-1:]])) / 2
+    steps = np.diff(np.append(h.times, h.end))
+    released = -h.outflow[:, river] * steps
+    expected = (middle * arriving[row] * duration).sum(axis=0) / released.sum()
+    rng, count = np.random.default_rng(2), 20_000
+    step = rng.choice(len(steps), count, p=released / released.sum())
+    walks = walk_network(
+        network, route_tracers, river, (h.times[step] + rng.random(count) * steps[step]) / 3600, rng
+    )
+    visits = np.bincount(walks.node[walks.node >= 0], minlength=len(network.nodes)) / count
+    deviation = np.abs(visits - expected)[is_junction(network)]
+    assert (
+        deviation <= 4 * np.sqrt(np.maximum(expected * (1 - expected), 1e-4) / count)[is_junction(network)]
+    ).all()
+
+
+def test_ends_and_coverage_add_up(epanet: Any) -> None:
+    passage = trace_passage(epanet.read_library("Net3"), "River")
+    assert sum(end.probability for end in passage.ends) == pytest.approx(1, abs=1e-6)
+    assert passage.coverage == pytest.approx(0.3188, abs=5e-5)
+    steady = trace_passage(epanet.read_library("Net3"), "River", unsteady=True, walks=4000)
+    assert sum(end.probability for end in steady.ends) == pytest.approx(1)
+    assert 0 < steady.coverage < passage.coverage
+
+
+def test_the_same_seed_gives_the_same_walks(epanet: Any) -> None:
+    one, two, other = (
+        trace_passage(epanet.read_library("Net3"), "River", unsteady=True, walks=500, seed=s)
+        for s in (3, 3, 4)
+    )
+    assert one.as_document() == two.as_document() != other.as_document()

@@ -1,0 +1,5 @@
+"""A local page to design a pipe, search, and take the files: ``driftform studio``.
+
+The page holds no physics and no state: a design in the making lives in its tab, and everything else is a run directory,
+which the command line opens too.
+"""

@@ -1,0 +1,490 @@
+"""The addresses of the page: what each answers, and which function of the core it calls."""
+
+import math
+from collections import OrderedDict
+from collections.abc import Callable, Mapping
+from importlib.resources import files
+from pathlib import Path
+from secrets import token_hex
+from tempfile import TemporaryDirectory
+from threading import Lock, Thread
+from typing import Any
+from urllib.parse import quote
+
+import numpy as np
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import FileResponse, JSONResponse, Response
+from starlette.routing import Route
+
+from driftform.errors import DriftformError, InputError, describe_error
+from driftform.geometry.pipe_parts import Bend, Reducer, Straight
+from driftform_studio.draft import check_draft, load_draft, locate_errors, write_draft
+from driftform_studio.folder import RunsFolder
+from driftform_studio.searches import Searches
+from driftform_studio.tasks import Tasks
+
+KINDS = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
+"""Content types of the files of the page."""
+
+REPORT_POLICY = "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:"
+"""A report has a script of its own; in a sandbox it is of no origin, and cannot ask this server for anything."""
+
+MAX_OPEN = 16
+"""Runs whose state is kept in memory."""
+
+BEND_STEP = math.radians(4)
+"""Angle between two points of the axis of a bend on the page, rad."""
+
+REDUCER_STEPS = 16
+"""Pieces of the axis of a reducer on the page."""
+
+Parameters = Mapping[str, str]
+
+
+class Studio:
+    """What the addresses answer; each method takes the parameters of the path and the document of the request."""
+
+    def __init__(self, folder: RunsFolder, given: Path) -> None:
+        self.folder = folder
+        self.given = given
+        self.searches = Searches()
+        self.tasks = Tasks()
+        self._made = TemporaryDirectory(prefix="driftform-studio-")
+        self._open: OrderedDict[str, Any] = OrderedDict()
+        self._lock = Lock()
+        self._is_warm = False
+
+    def close(self) -> None:
+        """Remove what was made to be taken; searches go on."""
+        self.tasks.close()
+        self._made.cleanup()
+
+    def _find(self, parameters: Parameters) -> Any:
+        from driftform_studio.live import LiveRun
+
+        name = parameters["run"]
+        with self._lock:
+            if name not in self._open or not self._open[name].exists():
+                self._open[name] = LiveRun(self.folder.find(name))
+            self._open.move_to_end(name)
+            while len(self._open) > MAX_OPEN:
+                self._open.popitem(last=False)
+            return self._open[name]
+
+    def begin(self, parameters: Parameters, document: Any) -> Any:
+        """Return what an empty page begins with: the built-in scenarios with every default filled in."""
+        from driftform.scenario import FLOWS
+        from driftform.scenario.parts import PARTS
+        from driftform.study import load_study
+        from driftform.study.sources import read_scenarios
+
+        presets = []
+        for name in read_scenarios():
+            try:
+                study = load_study(name)
+            except InputError:
+                continue  # Its plugin is not installed.
+            presets.append(
+                {"name": name, "title": study.document.get("title", name), "document": study.document}
+            )
+        presets.sort(key=lambda preset: preset["name"] != "pipe-inspection")
+        return {
+            "folder": str(self.given),
+            "presets": presets,
+            "flows": {kind: _list_fields(model) for kind, model in FLOWS.items()},
+            "parts": {kind: _list_fields(model) for kind, model in PARTS.items()},
+        }
+
+    def check(self, parameters: Parameters, document: Any) -> Any:
+        """Check a draft: its study file, its outline, and its errors at the keys that caused them."""
+        draft = check_draft(document)
+        text = write_draft(draft)
+        try:
+            study = load_draft(text)
+        except InputError as error:
+            errors = locate_errors([str(line) for line in error.args], text)
+            return {"text": text, "errors": errors, "outline": _outline_without_targets(draft)}
+        self._warm_up()
+        return {
+            "text": text,
+            "errors": [],
+            "outline": _outline(study.scenario),
+            "evaluations": study.evaluations,
+        }
+
+    def examine(self, parameters: Parameters, document: Any) -> Any:
+        """Return what takes a moment of a sound draft: the current over the section, and what is likely to be wrong."""
+        from driftform.study.advice import list_warnings
+
+        study = load_draft(write_draft(check_draft(document)))
+        return {"scene": _scene(study.scenario), "warnings": list_warnings(study)}
+
+    def _warm_up(self) -> None:
+        """Import what the next questions need, once a first picture is on its way."""
+        if not self._is_warm:
+            self._is_warm = True
+            Thread(target=_import_kernels, daemon=True).start()
+
+    def list_runs(self, parameters: Parameters, document: Any) -> Any:
+        """Return the runs of the folder, the newest first."""
+        rows = []
+        for path in self.folder.list_runs():
+            row: dict[str, Any] = {"name": path.name, "changed": (path / "run.db").stat().st_mtime}
+            try:
+                status = self._read_summary(path)
+            except (DriftformError, KeyError, TypeError) as error:
+                row |= {"state": "damaged", "problem": describe_error(error)}
+            else:
+                row |= status
+            rows.append(row)
+        return {"runs": sorted(rows, key=lambda row: -row["changed"]), "folder": str(self.given)}
+
+    def _read_summary(self, path: Path) -> dict[str, Any]:
+        from driftform.runs.store import Store
+
+        with Store.open(path / "run.db", read_only=True, check=False) as store:
+            study, done = store.read_study(), store.count()
+        budget = int(study["run"]["evaluations"])
+        ended = "finished" if done >= budget else "paused"
+        state = "running" if self.searches.is_busy(path) else ended
+        title, targets = str(study.get("title", "")), len(study["targets"])
+        return {"state": state, "done": done, "budget": budget, "title": title, "targets": targets}
+
+    def create(self, parameters: Parameters, document: Any) -> Any:
+        """Make a run of a draft, and begin its search."""
+        from driftform.runs.run import Run, check_targets
+
+        if not isinstance(document, dict):
+            raise InputError("the request is not a table")
+        draft = check_draft(document.get("draft"))
+        study = load_draft(write_draft(draft))
+        check_targets(study)
+        if "seed" not in draft.get("run", {}):
+            # The study file that the run keeps gives the same run again.
+            draft = {**draft, "run": {**draft.get("run", {}), "seed": study.seed}}
+            study = load_draft(write_draft(draft))
+        directory = self.folder.make_run_directory(str(document.get("name", "")) or "pipe")
+        with Run.create(directory, study):
+            pass
+        self.searches.start(directory)
+        return {"run": directory.name}
+
+    def show_run(self, parameters: Parameters, document: Any) -> Any:
+        """Return what of a run does not change: its study, its surroundings, its commands."""
+        live = self._find(parameters)
+        run = live.run
+        scenario = run.study.scenario
+        text = self.folder.read_text(live.directory, "study.toml")
+        path = self.given / live.directory.name
+        return {
+            "run": live.directory.name,
+            "path": str(path),
+            "title": str(run.study.document.get("title", "")),
+            "document": run.study.document,
+            "text": text,
+            "seed": run.study.seed,
+            "outline": _outline(scenario),
+            "scene": _scene(scenario, self._find_paths(live)),
+            "conditions": scenario.robustness.conditions,
+        }
+
+    def _find_paths(self, live: Any) -> list[Any]:
+        """Return the path of a flight, if the scenario has no pipe that gives it an extent."""
+        if not live.run.study.scenario.pipe.is_open:
+            return []
+        with live.run.read() as store:
+            first = next(store.read_trajectories(), None)
+        return [] if first is None else [first[1].position]
+
+    def show_status(self, parameters: Parameters, document: Any) -> Any:
+        """Return how far the search of a run is."""
+        return self._find(parameters).read_status(self.searches)
+
+    def show_path(self, parameters: Parameters, document: Any) -> Any:
+        """Return the path of a flight."""
+        return {"path": self._find(parameters).read_path(int(parameters["evaluation"]))}
+
+    def pause(self, parameters: Parameters, document: Any) -> Any:
+        """Ask the search of a run to pause."""
+        self.searches.pause(self._find(parameters).directory)
+        return {}
+
+    def resume(self, parameters: Parameters, document: Any) -> Any:
+        """Continue the search of a run, with more flights if the document has ``more``."""
+        live = self._find(parameters)
+        more = document.get("more", 0) if isinstance(document, dict) else 0
+        if not isinstance(more, int) or more < 0:
+            raise InputError(f"more = {more!r}: should be a number of flights")
+        with live.run.read() as store:
+            budget = int(store.read_study()["run"]["evaluations"])
+        self.searches.start(live.directory, budget + more if more else None)
+        return {}
+
+    def show_agent(self, parameters: Parameters, document: Any) -> Any:
+        """Return a task that collects what is shown of an agent."""
+        from driftform_studio.agents import describe_agent
+
+        live, key = self._find(parameters), parameters["agent"]
+        return {"task": self.tasks.start(lambda: describe_agent(live.run, key, live.find_agent(key)))}
+
+    def disturb(self, parameters: Parameters, document: Any) -> Any:
+        """Return a task that flies an agent under disturbed conditions."""
+        from driftform_studio.agents import disturb_agent
+
+        live, key = self._find(parameters), parameters["agent"]
+        return {"task": self.tasks.start(lambda: disturb_agent(live.run, key, live.find_agent(key)))}
+
+    def map_reach(self, parameters: Parameters, document: Any) -> Any:
+        """Return a task that maps what the flights of a run reach."""
+        from driftform_studio.agents import map_reach
+
+        live = self._find(parameters)
+        return {"task": self.tasks.start(lambda: map_reach(live.run))}
+
+    def pick(self, parameters: Parameters, document: Any) -> Any:
+        """Return a task that finds the agent of a run that passes a point."""
+        from driftform_studio.agents import pick
+
+        live = self._find(parameters)
+        point = document.get("point") if isinstance(document, dict) else None
+        if (
+            not isinstance(point, list)
+            or len(point) != 3
+            or not all(isinstance(v, int | float) for v in point)
+        ):
+            raise InputError(f"point = {point!r}: should be three numbers, in m")
+        x, y, z = (round(float(v), 4) for v in point)
+        return {"task": self.tasks.start(lambda: pick(live.run, (x, y, z)))}
+
+    def make(self, parameters: Parameters, document: Any) -> Any:
+        """Return a task that makes files of an agent for a printer; its result is the name to take them by."""
+        from driftform_studio.agents import export_agent
+
+        live, key, kind = self._find(parameters), parameters["agent"], parameters["kind"]
+
+        def work() -> dict[str, str]:
+            folder = Path(self._made.name) / token_hex(8)
+            folder.mkdir()
+            file = export_agent(live.find_agent(key), kind, folder)
+            return {"made": folder.name, "file": file.name}
+
+        return {"task": self.tasks.start(work)}
+
+    def write_report(self, parameters: Parameters, document: Any) -> Any:
+        """Return a task that writes the report of a run."""
+        from driftform.report.writing import write_report
+
+        live = self._find(parameters)
+        return {"task": self.tasks.start(lambda: {"bytes": write_report(live.run)[1].stat().st_size})}
+
+    def show_task(self, parameters: Parameters, document: Any) -> Any:
+        """Return how far a task is."""
+        task = self.tasks.find(parameters["task"])
+        if task is None:
+            raise InputError("the server was started again meanwhile: ask once more")
+        return task.document()
+
+    def take_made(self, parameters: Parameters) -> Response:
+        """Answer with a file that a task made."""
+        folder = Path(self._made.name)
+        known = {f"{path.parent.name}/{path.name}": path for path in folder.glob("*/*")}
+        path = known.get(f"{parameters['made']}/{parameters['file']}")
+        if path is None:
+            raise InputError("this file is gone: make it once more")
+        return FileResponse(path, filename=path.name, media_type="application/octet-stream")
+
+    def take_report(self, parameters: Parameters) -> Response:
+        """Answer with the report of a run, in a sandbox."""
+        live = self._find(parameters)
+        path = live.directory / "report.html"
+        if not path.is_file() or path.is_symlink():
+            raise InputError(f"{live.directory.name}: has no report yet")
+        headers = {"content-security-policy": REPORT_POLICY}
+        return FileResponse(path, media_type="text/html", headers=headers)
+
+    def take_study(self, parameters: Parameters) -> Response:
+        """Answer with the study file of a run."""
+        live = self._find(parameters)
+        return _attach(self.folder.read_text(live.directory, "study.toml"), f"{live.directory.name}.toml")
+
+    def take_agent(self, parameters: Parameters) -> Response:
+        """Answer with the ``agent.json`` of an agent."""
+        from driftform.util.files import safe_stem
+        from driftform_studio.agents import write_agent_text
+
+        stored = self._find(parameters).find_agent(parameters["agent"])
+        return _attach(write_agent_text(stored), f"{safe_stem(stored.name)}.json")
+
+    def take_section(self, parameters: Parameters) -> Response:
+        """Answer with the drawing of an agent's section."""
+        from driftform_studio.agents import draw_section
+
+        stored = self._find(parameters).find_agent(parameters["agent"])
+        return Response(draw_section(stored, parameters["agent"]), media_type="image/svg+xml")
+
+
+def make_app(studio: Studio) -> Starlette:
+    """Return the application without its guard."""
+    run, agent = "/api/runs/{run}", "/api/runs/{run}/agents/{agent}"
+    answers: list[tuple[str, str, Callable[[Parameters, Any], Any]]] = [
+        ("GET", "/api/begin", studio.begin),
+        ("POST", "/api/check", studio.check),
+        ("POST", "/api/examine", studio.examine),
+        ("GET", "/api/runs", studio.list_runs),
+        ("POST", "/api/runs", studio.create),
+        ("GET", run, studio.show_run),
+        ("GET", f"{run}/status", studio.show_status),
+        ("GET", f"{run}/flights/{{evaluation:int}}", studio.show_path),
+        ("POST", f"{run}/pause", studio.pause),
+        ("POST", f"{run}/resume", studio.resume),
+        ("POST", f"{run}/reach", studio.map_reach),
+        ("POST", f"{run}/pick", studio.pick),
+        ("POST", f"{run}/report", studio.write_report),
+        ("POST", agent, studio.show_agent),
+        ("POST", f"{agent}/disturb", studio.disturb),
+        ("POST", f"{agent}/make/{{kind}}", studio.make),
+        ("GET", "/api/tasks/{task}", studio.show_task),
+    ]
+    taken: list[tuple[str, Callable[[Parameters], Response]]] = [
+        ("/take/made/{made}/{file}", studio.take_made),
+        ("/take/{run}/report.html", studio.take_report),
+        ("/take/{run}/study.toml", studio.take_study),
+        ("/take/{run}/agents/{agent}/agent.json", studio.take_agent),
+        ("/take/{run}/agents/{agent}/section.svg", studio.take_section),
+    ]
+    pages = {**_read_page(), "viewer.js": files("driftform.report").joinpath("viewer.js").read_bytes()}
+    return Starlette(
+        routes=[
+            *(Route(path, _answer(function), methods=[method]) for method, path, function in answers),
+            *(Route(path, _take(function), methods=["GET"]) for path, function in taken),
+            *(
+                Route("/" if name == "index.html" else f"/{name}", _serve(name, content), methods=["GET"])
+                for name, content in pages.items()
+            ),
+        ]
+    )
+
+
+def _answer(function: Callable[[Parameters, Any], Any]) -> Callable[[Request], Any]:
+    """Return an endpoint that answers with a document, or with the lines of an error."""
+
+    async def endpoint(request: Request) -> Response:
+        try:
+            document = await request.json() if request.method == "POST" else None
+        except (ValueError, RecursionError):
+            return _refuse(400, "the request is not JSON")
+        try:
+            answer = await run_in_threadpool(function, request.path_params, document)
+        except DriftformError as error:
+            return _refuse(422, *error.args)
+        except Exception as error:
+            return _refuse(500, describe_error(error, with_place=True))
+        return JSONResponse(answer)
+
+    return endpoint
+
+
+def _take(function: Callable[[Parameters], Response]) -> Callable[[Request], Any]:
+    """Return an endpoint that answers with a file, or with the lines of an error."""
+
+    async def endpoint(request: Request) -> Response:
+        try:
+            return await run_in_threadpool(function, request.path_params)
+        except DriftformError as error:
+            return _refuse(404, *error.args)
+
+    return endpoint
+
+
+def _serve(name: str, content: bytes) -> Callable[[Request], Any]:
+    async def endpoint(request: Request) -> Response:
+        return Response(content, media_type=KINDS[Path(name).suffix])
+
+    return endpoint
+
+
+def _refuse(status: int, *lines: object) -> JSONResponse:
+    return JSONResponse({"errors": [str(line) for line in lines]}, status)
+
+
+def _attach(text: str, name: str) -> Response:
+    headers = {"content-disposition": f"attachment; filename*=utf-8''{quote(name)}"}
+    return Response(text, media_type="application/octet-stream", headers=headers)
+
+
+def _read_page() -> dict[str, bytes]:
+    folder = files("driftform_studio").joinpath("page")
+    return {file.name: file.read_bytes() for file in folder.iterdir() if Path(file.name).suffix in KINDS}
+
+
+def _outline(scenario: Any) -> dict[str, Any]:
+    """Return what the side view draws of a scenario: pipe, openings, release, targets, current, free surface.
+
+    The axis of each part of the pipe is a line through points with a radius at each; openings look outward, the inlet
+    first. ``pipe`` is the pipe as one straight segment, empty if it is none.
+    """
+    pipe = scenario.pipe
+    straight, outlets = pipe.straight, pipe.layout.outlets
+    ends = [] if pipe.is_open else [(pipe.layout.inlet, -1), *((outlet.opening, 1) for outlet in outlets)]
+    targets = scenario.target_points().items()
+    return {
+        "pipe": [straight.model_dump(mode="json")] if straight else [],
+        "axes": [
+            {"points": np.round(axis.points, 6).tolist(), "radii": np.round(axis.radii, 6).tolist()}
+            for placed in pipe.layout.parts
+            for axis in placed.part.list_axes(_axis_step(placed.part))
+        ],
+        "openings": [
+            {"centre": end.centre.tolist(), "direction": (sign * end.axes[0]).tolist(), "radius": end.radius}
+            for end, sign in ends
+        ],
+        "outlets": [outlet.name for outlet in outlets],
+        "release": scenario.release_position().tolist(),
+        "targets": [{"name": name, "position": list(point)} for name, point in targets],
+        "current": scenario.current().tolist(),
+        "water": scenario.fluid.water_level,
+    }
+
+
+def _outline_without_targets(draft: dict[str, Any]) -> dict[str, Any] | None:
+    """Return the outline of a draft whose targets are wrong, so that they can be moved; ``None`` if more is wrong."""
+    try:
+        return _outline(load_draft(write_draft({**draft, "targets": {}})).scenario)
+    except InputError:
+        return None
+
+
+def _axis_step(part: Any) -> float:
+    """Return the distance at which points of the axis of a part are drawn, m: two points for a straight axis of one bore."""
+    if isinstance(part, Bend):
+        return part.bend_radius * BEND_STEP
+    return part.length / REDUCER_STEPS if isinstance(part, Reducer) else math.inf
+
+
+def _scene(scenario: Any, paths: Any = ()) -> dict[str, Any]:
+    """Return the scene of the 3-D view, and the profile of the current at the inlet, empty if there is none."""
+    from driftform.report.viewer import scene_data
+    from driftform.scenario import Pipe, Segment
+
+    scene = scene_data(scenario, paths)
+    pipe, profile = scenario.pipe, scene["pipe"]
+    if not profile and not pipe.is_open and isinstance(pipe.layout.parts[0].part, Straight):
+        # The first part carries the profile of a straight pipe.
+        start, end = pipe.layout.inlet.centre, pipe.layout.parts[0].part.list_exits()[0].centre
+        inlet = Segment(start=tuple(start.tolist()), end=tuple(end.tolist()), radius=pipe.layout.inlet.radius)
+        profile = scene_data(scenario.model_copy(update={"pipe": Pipe(segments=(inlet,)), "targets": {}}))[
+            "pipe"
+        ]
+    return {**scene, "profile": profile[0]["speeds"] if profile else []}
+
+
+def _list_fields(model: Any) -> list[dict[str, Any]]:
+    from driftform.options import describe
+
+    return [{**row, "default": str(row["default"])} for row in describe(model) if row["option"] != "kind"]
+
+
+def _import_kernels() -> None:
+    import driftform_studio.agents  # noqa: F401

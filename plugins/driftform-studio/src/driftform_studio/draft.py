@@ -1,0 +1,113 @@
+"""A design in the making: what the page edits, as a study file and as a study."""
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import tomli_w
+
+from driftform.errors import InputError, did_you_mean
+from driftform.scenario import Scenario
+from driftform.study import Study, load_study
+from driftform.study.sources import join_path, read_scenarios
+from driftform.study.toml_positions import find_key_lines
+
+TABLES = (
+    *Scenario.model_fields,
+    "run",
+    "strategy",
+    "simulator",
+    "hydrodynamics",
+    "builder",
+    "grammar",
+    "fitness",
+)
+"""Tables that the page may set: none that names files or programs."""
+
+FILE = "study.toml"
+"""What errors call the study."""
+
+
+def check_draft(draft: Any) -> dict[str, Any]:
+    """Return a draft if it consists of a built-in ``base``, a ``title`` and tables that the page may set.
+
+    Raises
+    ------
+    InputError
+        if it does not. Its base is never a file: the page reads no file but those of runs.
+    """
+    if not isinstance(draft, dict) or not all(isinstance(key, str) for key in draft):
+        raise InputError(f"{FILE}: is not a table")
+    scenarios = read_scenarios()
+    if not isinstance(base := draft.get("base"), str) or base not in scenarios:
+        raise InputError(
+            f"{FILE}: base = {base!r} is not a built-in scenario{did_you_mean(str(base), scenarios)}"
+        )
+    for key in draft:
+        if key not in ("base", "title", "description", *TABLES):
+            raise InputError(f"{FILE}: the page cannot set '{key}'; save the study, and edit the file")
+    return {
+        key: _drop_nothing(draft[key]) for key in ("title", "description", "base", *TABLES) if key in draft
+    }
+
+
+def write_draft(draft: Mapping[str, Any]) -> str:
+    """Return a draft as the text of a study file.
+
+    Raises
+    ------
+    InputError
+        if it holds a value that TOML does not have.
+    """
+    try:
+        return tomli_w.dumps(dict(draft))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{FILE}: {error}") from None
+
+
+def load_draft(text: str) -> Study:
+    """Return the study of a draft's text, checked; errors name the line of the text.
+
+    Raises
+    ------
+    InputError
+        if the study is wrong: one line for each error.
+    """
+    with TemporaryDirectory() as folder:
+        # From a file, so that errors have lines, and the run keeps the study as it was given.
+        path = Path(folder) / FILE
+        path.write_text(text, encoding="utf-8")
+        try:
+            return load_study(str(path))
+        except InputError as error:
+            raise InputError(*(line.replace(str(path), FILE) for line in map(str, error.args))) from None
+
+
+def locate_errors(lines: list[str], text: str) -> list[dict[str, str]]:
+    """Return each error with the key on the line of the study that it names, empty if it names none.
+
+    A line may hold a list of tables: the error then names the key within them itself.
+
+    >>> locate_errors(["study.toml:2: flow.speed = -1: should be more"], "[flow]\\nspeed = -1\\n")
+    [{'line': 'study.toml:2: flow.speed = -1: should be more', 'key': 'flow.speed'}]
+    """
+    keys: dict[int, str] = {}
+    for path, number in find_key_lines(text).items():
+        key = join_path(path)
+        # Of several keys on a line, such as a table in a list and the list, the last is the inner one.
+        keys[number] = max(keys.get(number, ""), key, key=len)
+    found = []
+    for line in lines:
+        match = re.match(rf"{re.escape(FILE)}:(\d+): ([\w.\[\]-]*)", line)
+        key = keys.get(int(match[1]), "") if match else ""
+        found.append({"line": line, "key": match[2] if match and key and match[2].startswith(key) else key})
+    return found
+
+
+def _drop_nothing(value: Any) -> Any:
+    """Return a value of JSON without its nulls, which TOML does not have."""
+    if isinstance(value, dict):
+        return {key: _drop_nothing(item) for key, item in value.items() if item is not None}
+    return [_drop_nothing(item) for item in value if item is not None] if isinstance(value, list) else value

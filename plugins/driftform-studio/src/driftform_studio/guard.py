@@ -1,0 +1,114 @@
+"""Who is answered: this machine's own page with its token, and nobody else.
+
+A page of another origin may send requests to 127.0.0.1, and a name of another host may be made to point there (DNS
+rebinding). So the token is the first part of every path, the host must be this machine's, an origin that a browser names
+must be the page's own, and a request that changes something must be JSON, which another origin cannot send unasked.
+"""
+
+from collections.abc import Awaitable, Callable, Iterable, MutableMapping
+from secrets import compare_digest
+from typing import Any
+
+from starlette.responses import PlainTextResponse, Response
+
+Scope = MutableMapping[str, Any]
+Message = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[Message]]
+Send = Callable[[Message], Awaitable[None]]
+App = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+LARGEST_BODY = 1_000_000
+"""Largest request that is read, bytes: a study of a thousand targets is a tenth of it."""
+
+HEADERS = {
+    "content-security-policy": (
+        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
+        "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    ),
+    "cross-origin-opener-policy": "same-origin",
+    "cross-origin-resource-policy": "same-origin",
+    "referrer-policy": "no-referrer",
+    "x-content-type-options": "nosniff",
+    "cache-control": "no-store",
+}
+"""Of every answer that does not set its own: the page loads nothing from elsewhere, and runs no script of a name."""
+
+
+class Guard:
+    """An ASGI application that refuses strangers, and passes the others on without the token in their path."""
+
+    def __init__(self, app: App, token: str, hosts: Iterable[str]) -> None:
+        self._app = app
+        self._token = token.encode()
+        self._hosts = frozenset(hosts)
+        self._origins = frozenset(f"http://{host}" for host in self._hosts)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request."""
+
+        async def send_with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                given = {name for name, _ in message["headers"]}
+                message["headers"] = [
+                    *message["headers"],
+                    *((n.encode(), v.encode()) for n, v in HEADERS.items() if n.encode() not in given),
+                ]
+            await send(message)
+
+        if scope["type"] != "http":
+            return
+        refusal = self._refuse(scope)
+        if refusal is None and scope["method"] not in ("GET", "HEAD"):
+            receive, refusal = await _read_body(receive)
+        if refusal is not None:
+            await refusal(scope, receive, send_with_headers)
+            return
+        # Routes match what follows the root path.
+        token = scope["path"].removeprefix("/").partition("/")[0]
+        await self._app({**scope, "root_path": f"/{token}"}, receive, send_with_headers)
+
+    def _refuse(self, scope: Scope) -> Response | None:
+        """Return the answer to a stranger, ``None`` for the page itself."""
+        headers: dict[str, str] = {}
+        for name, value in scope["headers"]:
+            key = name.decode("latin-1")
+            # Which of two hosts would count is a question that nobody honest asks.
+            if key in headers and key in ("host", "origin"):
+                return _refuse(400, f"two headers '{key}'")
+            headers[key] = value.decode("latin-1")
+        if headers.get("host") not in self._hosts:
+            return _refuse(403, "this server answers only under its own address, on this machine")
+        if "origin" in headers and headers["origin"] not in self._origins:
+            return _refuse(403, "this server answers its own page only")
+        token = scope["path"].removeprefix("/").partition("/")[0]
+        if not compare_digest(token.encode(), self._token):
+            return _refuse(403, "the token is missing: open the address that 'driftform studio' printed")
+        # Anything but a form, which another origin may send; routes know no method but GET and POST.
+        is_asking = scope["method"] in ("GET", "HEAD")
+        if not is_asking and headers.get("content-type") != "application/json":
+            return _refuse(415, "a request must be application/json")
+        return None
+
+
+async def _read_body(receive: Receive) -> tuple[Receive, Response | None]:
+    """Return the body as one message, or the refusal of a large one, which is not read to its end."""
+    parts: list[bytes] = []
+    size, more = 0, True
+    while more:
+        message = await receive()
+        if message["type"] != "http.request":
+            return receive, _refuse(400, "the request was cut short")
+        parts.append(message.get("body", b""))
+        size, more = size + len(parts[-1]), message.get("more_body", False)
+        if size > LARGEST_BODY:
+            return receive, _refuse(413, f"the request is larger than {LARGEST_BODY // 1000} kB")
+    body = b"".join(parts)
+
+    async def replay() -> Message:
+        return {"type": "http.request", "body": body, "more_body": False}
+
+    return replay, None
+
+
+def _refuse(status: int, reason: str) -> Response:
+    return PlainTextResponse(f"driftform studio: {reason}\n", status, headers={"connection": "close"})

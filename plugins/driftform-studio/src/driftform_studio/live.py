@@ -1,0 +1,196 @@
+"""A run as the page shows it: how far its search is, its best flights, and what is promised of its best agents."""
+
+from pathlib import Path
+from threading import Lock
+from typing import Any
+
+import numpy as np
+
+from driftform.errors import InputError
+from driftform.runs.agent_file import StoredAgent
+from driftform.runs.directory import DATABASE, resume_command
+from driftform.runs.monitor import FINISHED, RUNNING, STOPPED, WRITING, RunMonitor
+from driftform.runs.run import Run
+from driftform_studio.marks import PROGRESS
+from driftform_studio.searches import Searches
+
+STARTING, PAUSING, PAUSED, FAILED = "starting", "pausing", "paused", "failed"
+"""States that the page has besides those of :mod:`driftform.runs.monitor`."""
+
+COLUMNS = 120
+"""Points of the curve of a target."""
+
+PATH_TOLERANCE = 2e-3
+"""Tolerance to which a path is simplified for the side view, m: a tenth of what a screen shows of a pipe."""
+
+
+class LiveRun:
+    """A run that the page has open; what was read of it is kept, and only what is new is read again."""
+
+    def __init__(self, directory: Path) -> None:
+        self.directory = directory
+        self._lock = Lock()
+        self._monitor = RunMonitor(directory)
+        self._run: Run | None = None
+        self._best: dict[str, tuple[tuple[Any, ...], dict[str, Any]]] = {}
+        self._place = _identify(directory)
+
+    def exists(self) -> bool:
+        """Return whether the run is still the one that was opened."""
+        return _identify(self.directory) == self._place
+
+    @property
+    def run(self) -> Run:
+        """The run, opened to be read.
+
+        Raises
+        ------
+        InputError
+            if its study cannot be carried out here.
+        """
+        with self._lock:
+            if self._run is None:
+                self._run = Run.open(self.directory, check=False)
+            return self._run
+
+    def read_status(self, searches: Searches) -> dict[str, Any]:
+        """Return how far the search is.
+
+        Raises
+        ------
+        InputError
+            if the run is damaged.
+        """
+        run = self.run
+        with self._lock:
+            monitor = self._monitor
+            monitor.poll()
+            status, fitness = monitor.status, run.study.make_plugin("fitness")
+            disturbed = self._count_disturbed(run)
+            targets: list[dict[str, Any]] = []
+            for name, target in status.targets.items():
+                if target.index < 0:
+                    targets.append({"name": name, "evaluation": None, "curve": []})
+                    continue
+                curve = target.errors(COLUMNS, max(status.extent, 1))
+                result = self._read_result(run, name, (target.index, monitor.state, disturbed))
+                targets.append(
+                    {
+                        "name": name,
+                        "curve": [None if error is None else round(error, 5) for error in curve],
+                        "verdict": str(fitness.judge(result["fitness"])),
+                        "measure": fitness.describe(result["fitness"]),
+                        **result,
+                    }
+                )
+            failure = searches.read_failure(self.directory)
+            state = self._name_state(run, searches, failure, targets)
+            throughput = monitor.throughput
+            # The largest index may be ahead of the count, because evaluations are stored as they come.
+            return {
+                "state": state,
+                "canPause": state in (STARTING, RUNNING, WRITING) and searches.can_pause(self.directory),
+                "canResume": state in (PAUSED, FAILED, FINISHED),
+                "done": status.done,
+                "extent": status.extent,
+                "budget": status.budget,
+                "failed": status.failed,
+                "commonestFailure": (run.describe_failures() or {}).get("reason") if status.failed else None,
+                "disturbed": disturbed,
+                "rate": throughput.recent(status.done) if state == RUNNING else None,
+                "targets": targets,
+                "failure": failure,
+                "command": resume_command(self.directory) if state in (PAUSED, FAILED) else "",
+            }
+
+    def _name_state(self, run: Run, searches: Searches, failure: str, targets: list[dict[str, Any]]) -> str:
+        state = self._monitor.state
+        if state in (RUNNING, WRITING):
+            return PAUSING if searches.is_pausing(self.directory) else state
+        if searches.is_busy(self.directory):
+            return STARTING
+        if failure:
+            return FAILED
+        if state == STOPPED or not _is_complete(run, targets):
+            return PAUSED
+        return FINISHED
+
+    def _count_disturbed(self, run: Run) -> list[int]:
+        """Return the number of disturbed flights that are done, and of all, as far as the search has said."""
+        try:
+            done, total = map(int, (self.directory / PROGRESS).read_text(encoding="utf-8").split())
+        except (OSError, ValueError):
+            with run.read() as store:
+                return [len(store.list_disturbed()), 0]
+        return [done, total]
+
+    def _read_result(self, run: Run, target: str, state: tuple[Any, ...]) -> dict[str, Any]:
+        """Return what is known of the best agent of a target; read again only in another state of the run."""
+        known = self._best.get(target)
+        if known is None or known[0] != state:
+            stored = run.find_best(target)
+            assert stored is not None
+            known = self._best[target] = state, dict(stored.result)
+        return known[1]
+
+    def find_agent(self, key: str) -> StoredAgent:
+        """Return the agent that a key names: the target of a best one, or ``X_Y_Z`` of one that was picked.
+
+        Raises
+        ------
+        InputError
+            if there is none.
+        """
+        from driftform.agents.opening import open_best
+        from driftform.runs.agent_file import read_agent
+
+        run = self.run
+        if key in run.study.scenario.targets:
+            return open_best(run, key)
+        picks = self.directory / "picks"
+        known = {path.name: path for path in picks.iterdir()} if picks.is_dir() else {}
+        path = known.get(key, picks) / "agent.json"
+        if key not in known or path.resolve().parent.parent.parent != self.directory.resolve():
+            raise InputError(f"{self.directory.name}: has no agent '{key}'")
+        return read_agent(path)
+
+    def read_path(self, evaluation: int) -> list[list[float]]:
+        """Return the path of an evaluation's flight, m, simplified.
+
+        Raises
+        ------
+        InputError
+            if there is no such flight.
+        """
+        from driftform.figures.projection import simplify_polyline
+
+        run = self.run
+        with run.read() as store:
+            records = list(store.read_records(run.study.scenario.target_names, evaluation, 1))
+        flight = records[0].evaluation.trajectory if records else None
+        if flight is None:
+            raise InputError(f"{self.directory.name}: has no flight {evaluation}")
+        kept = simplify_polyline(flight.position[:, [0, 2]], PATH_TOLERANCE)
+        # Simplifying keeps points of the path, whose other coordinate is that of the sample.
+        rows = [int(np.argmin(((flight.position[:, [0, 2]] - point) ** 2).sum(axis=1))) for point in kept]
+        path: list[list[float]] = np.round(flight.position[rows], 4).tolist()
+        return path
+
+
+def _identify(directory: Path) -> tuple[int, int] | None:
+    """Return what a run is, whatever its name; ``None`` if it is gone."""
+    try:
+        status = (directory / DATABASE).stat()
+    except OSError:
+        return None
+    return status.st_dev, status.st_ino
+
+
+def _is_complete(run: Run, targets: list[dict[str, Any]]) -> bool:
+    """Return whether the search wrote its best agents, and flew them under disturbed conditions if it was to."""
+    promised = not run.study.scenario.robustness.conditions or all(
+        "flights" in target.get("robust", {}) for target in targets
+    )
+    return promised and all(
+        (run.path / "best" / target["name"] / "agent.json").is_file() for target in targets
+    )

@@ -1,0 +1,695 @@
+/* global momentOf */
+// The page: a design, or a run. All that lasts is on the server's disk, so a page that is loaded again shows the same.
+import { ask, Offline, part, perform, Refused } from "./ask.js";
+import { drawCurve } from "./curve.js";
+import { describe, Design, Fields } from "./design.js";
+import { colour, duration, find, grams, length, make, quote } from "./parts.js";
+import { Side } from "./side.js";
+import { Space, Turntable } from "./space.js";
+
+const WORDS = {
+  starting: "Starting", running: "Searching", "writing the best agents": "Flying and writing the best agents", pausing: "Pausing", paused: "Paused", finished: "Finished", failed: "Stopped by an error", damaged: "Damaged",
+};
+const STYLES = { reached: "good", near: "fair", missed: "poor" };
+
+let begin, fields, design; // what the server offers; the fields; the design that they show
+let run = null; // {name, info, status}; null while a design is being made
+let agent = null; // {key, data, number}
+let checked = null; // the server's answer to the latest sound design
+const paths = new Map(); // of evaluations of the run
+
+const side = new Side(find("side"), {
+  place: (point) => place(point),
+  move: (name, point) => fields.move(name, point),
+  remove: (name) => fields.remove(name),
+  choose: (name) => { if (run) openAgent(name); },
+  pick: (point) => pickAgent(point),
+  say: (text) => say(text),
+});
+const space = new Space(find("space"));
+const turntable = new Turntable(find("agent-view"), find("cut"));
+
+const say = (text) => { find("hint").textContent = text; };
+const isOver = (status) => ["paused", "finished", "failed"].includes(status.state);
+const address = (...parts) => ["api/runs", part(run.name), ...parts].join("/");
+
+// ---- errors and the connection
+
+function report(error) {
+  if (error instanceof Offline) { offline(true); return; }
+  if (!(error instanceof Refused)) throw error;
+  showProblems(error.errors.map((line) => ({ line: line.line ?? line, wrong: true })));
+}
+
+function offline(on) {
+  const banner = find("offline");
+  if (on === !banner.hidden) return;
+  banner.hidden = !on;
+  banner.textContent = on ? `The server does not answer. A search goes on without it, and nothing is lost. Start it again with: driftform studio ${quote(begin?.folder ?? "runs")}` : "";
+}
+
+function showProblems(lines) {
+  find("problems").replaceChildren(...lines.map(({ line, wrong }) => make("li", { class: wrong ? "wrong" : "" }, line)));
+}
+
+// Runs one question at a time, and always the latest; a question that comes meanwhile is asked afterwards.
+function latest(work) {
+  let busy = false, again = false;
+  return async function act() {
+    if (busy) { again = true; return; }
+    busy = true;
+    try {
+      do { again = false; await work(); } while (again);
+    } catch (error) { report(error); }
+    busy = false;
+  };
+}
+
+function delayed(work, time) {
+  let timer;
+  return (soon = false) => { clearTimeout(timer); timer = setTimeout(work, soon ? 0 : time); };
+}
+
+// ---- the design
+
+const check = latest(async () => {
+  if (run) return;
+  const asked = design.document();
+  const answer = await ask("api/check", asked);
+  offline(false);
+  if (run) return;
+  showCommands(answer.text);
+  const others = fields.showErrors(answer.errors);
+  find("start").disabled = answer.errors.length > 0;
+  showProblems(others.map(({ line }) => ({ line, wrong: true })));
+  checked = answer.errors.length ? null : answer;
+  if (answer.outline) {
+    fields.showOutlets(answer.outline);
+    // A target that was dragged on meanwhile stays where it is.
+    side.show({ ...answer.outline, targets: fields.listPlaces() });
+    offerViews();
+    find("views").dataset.drawn = "";
+  }
+  if (!checked) return;
+  fields.flights.querySelector("input").placeholder = answer.evaluations;
+  examineSoon();
+});
+
+const examine = latest(async () => {
+  if (run || !checked) return;
+  const { scene, warnings } = await ask("api/examine", design.document());
+  if (run || !checked) return;
+  side.profile = scene.profile;
+  side.draw();
+  space.show(scene, checked.outline);
+  showProblems(warnings.map((line) => ({ line })));
+});
+const examineSoon = delayed(examine, 350);
+const checkSoon = delayed(check, 60);
+const change = (soon) => {
+  side.showTargets(fields.listPlaces());
+  checkSoon(soon);
+};
+const place = (point) => side.focus(fields.place(point));
+
+function openDesign(next) {
+  const wasRun = run !== null;
+  run = null;
+  design = next;
+  design.keep();
+  paths.clear();
+  side.flights.clear();
+  space.flights.clear();
+  side.reach = side.profile = null;
+  side.mode = "edit";
+  closeAgent();
+  document.body.className = "design";
+  fields.show(design);
+  for (const id of ["pause", "resume", "more", "change", "progress", "promise", "reach-choice", "summary"]) find(id).hidden = true;
+  find("start").hidden = false;
+  find("start").disabled = false;
+  find("reach").checked = false;
+  find("legend").hidden = true;
+  find("place").textContent = "";
+  document.title = "driftform studio";
+  say("");
+  if (wasRun || location.hash) history.pushState(null, "", location.pathname);
+  checkSoon(true);
+}
+
+find("add-target").addEventListener("click", () => {
+  place(side.middle);
+});
+find("example-targets").addEventListener("click", () => {
+  design.setTargets({ ...design.preset.targets });
+  fields.showTargets();
+  change(true);
+});
+find("start").addEventListener("click", async () => {
+  const button = find("start");
+  button.disabled = true;
+  find("start-wait").hidden = false;
+  try {
+    const { run: name } = await ask("api/runs", { draft: design.document(), name: design.title });
+    await openRun(name);
+  } catch (error) {
+    if (error instanceof Refused) {
+      const errors = error.errors.map((line) => ({ line, key: /\[targets\]/.test(line) ? "targets" : "" }));
+      showProblems(fields.showErrors(errors).map(({ line }) => ({ line, wrong: true })));
+    } else report(error);
+  }
+  find("start-wait").hidden = true;
+  button.disabled = false;
+});
+
+// ---- a run
+
+async function openRun(name, key = null) {
+  const info = await ask(`api/runs/${part(name)}`);
+  run = { name, info, status: null };
+  paths.clear();
+  side.flights.clear();
+  space.flights.clear();
+  side.reach = null;
+  side.mode = "look";
+  closeAgent();
+  checked = null;
+  document.body.className = "run";
+  find("summary").replaceChildren(...describe(info.document).map(([name, value]) => make("div", {}, make("dt", {}, name), make("dd", {}, value))));
+  find("summary").hidden = false;
+  find("start").hidden = true;
+  find("change").hidden = false;
+  find("reach-choice").hidden = !info.outline.axes.length;
+  find("reach-words").textContent = info.outline.pipe.length ? "Reach map" : "Pick any point";
+  find("reach").checked = false;
+  find("legend").hidden = true;
+  find("place").textContent = [name, info.title].filter(Boolean).join(" · ");
+  document.title = `${name} · driftform studio`;
+  showProblems([]);
+  say("");
+  side.profile = info.scene.profile;
+  side.show(info.outline);
+  offerViews();
+  find("views").dataset.drawn = "";
+  space.show(info.scene, info.outline);
+  showCommands(info.text);
+  const wanted = `#run=${part(name)}`;
+  if (!location.hash.startsWith(wanted)) history.pushState(null, "", wanted);
+  await watch();
+  if (key) await openAgent(key);
+}
+
+// Reads how far the search is, and again after a while if it goes on.
+let timer;
+const watch = latest(async () => {
+  clearTimeout(timer);
+  if (!run) return;
+  const watched = run;
+  let wait = document.hidden ? 4000 : 700;
+  try {
+    const status = await ask(address("status"));
+    offline(false);
+    if (watched !== run) return;
+    await showStatus(status);
+    if (isOver(status)) wait = 4000;
+  } catch (error) {
+    if (!(error instanceof Offline)) throw error;
+    offline(true);
+  } finally {
+    if (watched === run) timer = setTimeout(watch, wait);
+  }
+});
+document.addEventListener("visibilitychange", () => { if (run && !document.hidden) watch(); });
+
+async function showStatus(status) {
+  const before = run.status;
+  run.status = status;
+  const over = isOver(status);
+  find("pause").hidden = !status.canPause || status.state === "pausing";
+  find("resume").hidden = !["paused", "failed"].includes(status.state);
+  find("more").hidden = status.state !== "finished";
+  find("more").textContent = `Search on: ${status.budget} more flights`;
+  showProgress(status);
+  showProblems([
+    ...status.failure.split("\n").filter(Boolean).map((line) => ({ line, wrong: true })),
+    ...(over || status.canPause || status.state === "starting" || status.state === "pausing" ? [] : [{ line: "A terminal works on this run: Ctrl-C pauses it there." }]),
+    ...(status.failed ? [{ line: `${status.failed} of ${status.done} flights failed, most often: ${status.commonestFailure}` }] : []),
+  ]);
+  if (JSON.stringify(status.targets) !== JSON.stringify(before?.targets) || status.state !== before?.state) {
+    drawCurve(find("curve"), status);
+    showPromises(status);
+    await showFlights(status);
+  }
+  if (before && !isOver(before) && over) {
+    say(status.state === "finished" ? "The search has ended. Choose a target to see its agent." : "");
+    if (agent) openAgent(agent.key);
+  }
+}
+
+function showProgress({ state, done, budget, disturbed, rate, extent }) {
+  find("progress").hidden = false;
+  const bar = find("progress-bar");
+  const flying = state === "writing the best agents";
+  if (flying && disturbed[1]) [bar.max, bar.value] = [disturbed[1], disturbed[0]];
+  else if (state === "starting" || flying) bar.removeAttribute("value");
+  else [bar.max, bar.value] = [budget, done];
+  const words = [`${WORDS[state] ?? state}: ${done} of ${budget} flights`];
+  if (flying) words.push(disturbed[1] ? `${disturbed[0]} of ${disturbed[1]} disturbed flights` : `${disturbed[0]} disturbed flights`);
+  else if (rate) words.push(`${rate.toPrecision(2)} per second`, `about ${duration((budget - done) / rate)} left`);
+  find("progress-text").textContent = words.join(", ");
+  bar.setAttribute("aria-valuetext", words.join(", "));
+  find("curve").hidden = !extent;
+}
+
+function showPromises({ state, targets }) {
+  find("promise").hidden = !targets.some((t) => t.evaluation !== null);
+  const promised = targets.some((t) => t.p90 !== undefined && t.p90 !== null);
+  find("promise-hint").textContent = promised
+    ? "Nominal: the undisturbed flight. Half, and 9 of 10, of the flights under fresh disturbed conditions miss by less than the median and the last."
+    : run.info.conditions ? "So far the undisturbed flights. The best agents are flown under disturbed conditions when the search ends."
+      : "The undisturbed flights. This search has no disturbed flights, so it promises nothing of a real agent.";
+  const rows = targets.map((t, number) => {
+    const dot = make("i", { class: "dot" });
+    dot.style.background = colour(number);
+    const name = make("td", {}, make("span", { class: "name" }, dot, t.name));
+    if (t.evaluation === null) return make("tr", {}, name, make("td", { colspan: 5 }, "no flight yet"));
+    const seen = agent?.key === t.name;
+    return make("tr", { class: seen ? "chosen" : "" }, name,
+      make("td", {}, length(t.nominal)), make("td", {}, t.median == null ? "–" : length(t.median)), make("td", {}, t.p90 == null ? "–" : length(t.p90)),
+      make("td", { class: `at ${STYLES[t.verdict] ?? ""}` }, t.verdict),
+      make("td", {}, make("button", { type: "button", "aria-pressed": String(seen), "aria-label": `Show the agent for ${t.name}`, onclick: () => openAgent(t.name) }, "Agent")));
+  });
+  const focused = document.activeElement?.closest?.("#promises button")?.getAttribute("aria-label");
+  find("promises").replaceChildren(
+    make("thead", {}, make("tr", {}, ...["target", "nominal", "median", "90 %"].map((text) => make("th", { scope: "col" }, text)), make("th", { scope: "col", class: "at" }, ""), make("th", { scope: "col" }, make("span", { hidden: true }, "agent")))),
+    make("tbody", {}, ...rows),
+  );
+  if (focused) for (const button of find("promises").querySelectorAll("button")) if (button.getAttribute("aria-label") === focused) button.focus();
+}
+
+async function showFlights({ targets }) {
+  const watched = run;
+  const flights = new Map();
+  for (const [number, { name, evaluation }] of targets.entries()) {
+    if (evaluation === null) continue;
+    if (!paths.has(evaluation)) paths.set(evaluation, (await ask(address("flights", evaluation))).path);
+    flights.set(name, { path: paths.get(evaluation), number });
+  }
+  if (watched !== run) return;
+  // Paths of agents that are not the best any more would fill the memory of a long search.
+  const used = new Set(targets.map(({ evaluation }) => evaluation));
+  for (const key of paths.keys()) if (!used.has(key)) paths.delete(key);
+  side.flights = flights;
+  side.draw();
+  space.showFlights(flights);
+}
+
+const act = (name, document) => async () => {
+  try { await ask(address(name), document?.() ?? {}); } catch (error) { report(error); }
+  await watch();
+};
+find("pause").addEventListener("click", act("pause"));
+find("resume").addEventListener("click", act("resume"));
+find("more").addEventListener("click", act("resume", () => ({ more: run.status.budget })));
+find("change").addEventListener("click", () => openDesign(Design.of(begin.presets, run.info.document)));
+find("new").addEventListener("click", () => openDesign(new Design(begin.presets)));
+
+// ---- the reach map
+
+find("reach").addEventListener("change", async () => {
+  side.reach = null;
+  find("legend").hidden = true;
+  side.mode = "look";
+  if (find("reach").checked && !run.info.outline.pipe.length) {
+    // The core maps straight pipes; any point of others can be picked all the same.
+    side.mode = "pick";
+    say("Click any point for the agent that passes there.");
+  } else if (find("reach").checked) {
+    const asked = run;
+    say("Mapping what the flights reach …");
+    try {
+      const reach = await perform(address("reach"), {}, (text) => say(`Mapping what the flights reach: ${text}`));
+      if (asked !== run || !find("reach").checked) return;
+      side.reach = reach;
+      side.mode = "pick";
+      const { words, text } = side.legend();
+      find("legend").replaceChildren(make("span", {}, "Closest flight:"), ...words.map(([fillColour, word]) => {
+        const swatch = make("i");
+        swatch.style.background = fillColour;
+        return make("span", {}, swatch, word);
+      }));
+      find("legend").hidden = false;
+      say(`${text}. Click any point for the agent that passes there.`);
+    } catch (error) { say(""); report(error); }
+  } else say("");
+  side.draw();
+});
+
+async function pickAgent(point) {
+  const where = point.map((v) => v.toFixed(2)).join(", ");
+  say(`Looking for the flight that passes ${where} …`);
+  try {
+    const { key, distance, evaluation } = await perform(address("pick"), { point }, (text) => say(`Looking for the flight that passes ${where}: ${text}`));
+    say(`Evaluation ${evaluation} passes ${where} at ${length(distance)}.`);
+    await openAgent(key);
+  } catch (error) { say(""); report(error); }
+}
+
+// ---- an agent
+
+function closeAgent() {
+  stop();
+  agent = null;
+  side.chosen = side.flown = null;
+  space.showAgent(null);
+  find("agent").hidden = find("transport").hidden = true;
+}
+
+async function openAgent(key) {
+  const asked = run;
+  if (!run?.status) return;
+  if (run.status.targets.some((t) => t.name === key)) say("");
+  if (!run.status.targets.some((t) => t.name === key && t.evaluation === null)) {
+    const wait = find("agent-wait");
+    find("agent").hidden = false;
+    wait.hidden = false;
+    wait.className = "wait busy";
+    wait.textContent = "Building the agent …";
+    if (agent?.key !== key) find("h-agent").textContent = `Agent for ${key}`;
+    try {
+      const data = await perform(address("agents", part(key)), {}, (text) => { wait.textContent = `Building the agent: ${text}`; });
+      if (asked !== run) return;
+      showAgent(key, data);
+      wait.hidden = true;
+    } catch (error) {
+      wait.className = "wait";
+      if (!(error instanceof Refused)) { report(error); return; }
+      wait.replaceChildren(make("span", { class: "error" }, error.message));
+    }
+  }
+}
+
+function showAgent(key, data) {
+  const again = agent?.key === key && agent.data.evaluation === data.evaluation;
+  const { number } = data;
+  const magnified = Math.max(1, Math.round((10 * space.scene.size) / data.longest) / 10);
+  agent = { key, data, number, magnified };
+  const dot = make("i", { class: "dot" });
+  dot.style.background = colour(number);
+  find("h-agent").replaceChildren(dot, data.target ? `Agent for ${data.target}` : `Agent that passes ${data.point.map((v) => v.toFixed(2)).join(", ")} m`);
+  find("agent-shown").hidden = find("transport").hidden = false;
+  showPromise(data);
+  const { facts } = data;
+  find("agent-facts").replaceChildren(...[
+    ["length", length(facts.length)], ["diameter", length(facts.diameter)], ["modules", `${facts.modules}`],
+    ["mass", grams(facts.mass)], ["of it printed", grams(facts.hull)], ["in water", `${facts.buoyancy >= 0 ? "rises" : "sinks"} with ${Math.abs(1000 * facts.buoyancy).toFixed(0)} mN`],
+  ].map(([name, value]) => make("div", {}, make("dt", {}, name), make("dd", {}, value))));
+  showTakes(key);
+  find("drawing").open = false;
+  find("section").removeAttribute("src");
+  turntable.show(data, number);
+  side.chosen = data.target ?? "";
+  if (!again) {
+    const { t } = data.flight;
+    // The flight is shown at its closest approach.
+    find("time").value = Math.round((1000 * data.closest) / (t.at(-1) || 1));
+  }
+  showMoment();
+  showPromises(run.status);
+  showCommands(run.info.text);
+  history.replaceState(null, "", `#run=${part(run.name)}&agent=${part(key)}`);
+}
+
+function showPromise({ promise, effects, limits, target }) {
+  const number = (title, value, main) => make("div", { class: main ? "main" : "" }, make("dt", {}, title), make("dd", {}, value));
+  const { nominal, median, p90, flights, failed } = promise;
+  find("agent-promise").replaceChildren(
+    number("nominal miss", length(nominal)), number("median", flights ? length(median) : "–"), number("9 of 10 within", flights ? length(p90) : "–", true),
+  );
+  find("agent-limits").replaceChildren(...[...limits, ...(failed ? [`${failed} of ${flights} disturbed flights failed`] : [])].map((line) => make("li", {}, line)));
+  const box = find("agent-effects");
+  box.replaceChildren();
+  if (effects.length) {
+    const longest = Math.max(...effects.map((e) => e.deviation)) || 1;
+    box.append(make("h3", {}, "What its miss depends on"), make("dl", { class: "effects" }, ...effects.flatMap(({ name, deviation, advice }, i) => {
+      const bar = make("i", { title: advice });
+      bar.style.width = `${(100 * deviation) / longest}%`;
+      return [make("dt", {}, make("span", {}, name)), make("dd", { class: i === effects.length - 1 ? "rest" : "" }, bar), make("b", {}, length(deviation))];
+    })));
+    const first = effects.find((e) => !e.advice.startsWith("nothing"));
+    if (first && first.deviation > 0) box.append(make("p", { class: "hint" }, `Most helpful: ${first.advice}.`));
+  }
+  find("disturb").hidden = flights > 0;
+  find("disturb").textContent = target ? "Fly it under disturbed conditions" : "Fly it under disturbed conditions: what can be promised here?";
+}
+
+find("disturb").addEventListener("click", async () => {
+  const { key, data } = agent;
+  const button = find("disturb");
+  const wait = find("agent-wait");
+  button.disabled = true;
+  wait.hidden = false;
+  wait.className = "wait busy";
+  wait.textContent = "Flying …";
+  try {
+    const found = await perform(address("agents", part(key), "disturb"), {}, (text) => { wait.textContent = `Flying: ${text}`; });
+    if (agent?.key === key) {
+      data.promise = { nominal: data.promise.nominal, ...found.promise };
+      data.effects = found.effects;
+      showPromise(data);
+    }
+    wait.hidden = true;
+  } catch (error) {
+    wait.className = "wait";
+    wait.textContent = error.message;
+  }
+  button.disabled = false;
+});
+
+function showTakes(key) {
+  const from = `take/${part(run.name)}`;
+  const made = (kind, label) => make("button", { type: "button", "data-kind": kind, onclick: (event) => takeMade(event.target, kind, label) }, label);
+  find("takes").replaceChildren(
+    make("button", { type: "button", class: "primary", "data-kind": "kit", onclick: (event) => takeMade(event.target, "kit", "3MF kit") }, "3MF kit"),
+    made("stl", "STL"), made("3mf", "3MF"),
+    make("a", { class: "button", href: `${from}/agents/${part(key)}/agent.json`, download: true, "data-kind": "agent" }, "Agent"),
+    make("a", { class: "button", href: `${from}/study.toml`, download: true, "data-kind": "study" }, "Study file"),
+    make("button", { type: "button", "data-kind": "report", onclick: (event) => takeReport(event.target) }, "Report"),
+  );
+  find("take-wait").textContent = "";
+}
+
+async function takeWith(button, label, work) {
+  const wait = find("take-wait");
+  button.disabled = true;
+  wait.className = "wait busy";
+  wait.textContent = `Writing: ${label}`;
+  try { wait.replaceChildren(...await work((text) => { wait.textContent = `Writing: ${label}, ${text}`; })); } catch (error) {
+    wait.replaceChildren(make("span", { class: "error" }, error.message));
+    if (error instanceof Offline) offline(true);
+  }
+  wait.className = "wait";
+  button.disabled = false;
+}
+
+const takeMade = (button, kind, label) => takeWith(button, label, async (show) => {
+  const { made, file } = await perform(address("agents", part(agent.key), "make", kind), {}, show);
+  const link = make("a", { href: `take/made/${made}/${part(file)}`, download: file }, file);
+  link.click();
+  return [`${label}: `, link];
+});
+
+const takeReport = (button) => takeWith(button, "Report", async (show) => {
+  const { bytes } = await perform(address("report"), {}, show);
+  const link = make("a", { href: `take/${part(run.name)}/report.html`, target: "_blank", rel: "noopener" }, "open the report");
+  return [`Report (${(bytes / 1e6).toFixed(1)} MB, also in ${run.info.path}/report.html): `, link];
+});
+
+find("drawing").addEventListener("toggle", () => {
+  if (find("drawing").open && agent) find("section").src = `take/${part(run.name)}/agents/${part(agent.key)}/section.svg`;
+});
+
+// ---- its flight
+
+let playing = null;
+
+function timeOf() {
+  const { t } = agent.data.flight;
+  return (find("time").value / 1000) * t.at(-1);
+}
+
+function showMoment() {
+  if (!agent) return;
+  const { data, number, magnified } = agent;
+  const time = timeOf();
+  const flown = { agent: data, time, number, size: find("follow").checked ? 1 : magnified };
+  space.follow = find("follow").checked;
+  const spatial = !find("space-stage").hidden;
+  if (spatial) space.showAgent(flown); else space.flown = null;
+  side.flown = flown;
+  if (side.drawnFor !== data || side.drawnIn !== side.view) {
+    side.drawnFor = data;
+    side.drawnIn = side.view;
+    // The path of a picked agent is that of its flight.
+    if (!data.target) side.flights.set("", { path: data.flight.position, number });
+    else side.flights.delete("");
+    if (!spatial) side.draw();
+  }
+  if (!spatial) {
+    if (find("follow").checked) followSide(time); else side.drawBody();
+  }
+  const { place } = momentOf(data.flight, time);
+  const gap = Math.hypot(...place.map((v, i) => v - data.point[i]));
+  const scale = find("follow").checked ? "to scale" : `agent drawn ${magnified} times as large`;
+  const text = `${time.toFixed(2)} s: x ${place[0].toFixed(2)} m, z ${place[2].toFixed(2).replace("-", "−")} m, ${length(gap)} from ${data.target ?? "the point"}`;
+  find("moment").textContent = `${text} (${scale})`;
+  find("time").setAttribute("aria-valuetext", text);
+}
+
+function followSide(time) {
+  const { place } = momentOf(agent.data.flight, time);
+  [side.view.x, side.view.y] = side.flat(place);
+  side.view.scale = Math.min(side.width / (5 * agent.data.longest), side.height / (3 * agent.data.longest));
+  side.draw();
+}
+
+function stop() { playing = null; find("play").textContent = "Play"; }
+
+function step(now) {
+  if (playing === null || !agent) return;
+  const slider = find("time");
+  const next = Number(slider.dataset.at) + ((now - playing) / agent.data.flight.t.at(-1));
+  playing = now;
+  slider.dataset.at = slider.value = next;
+  showMoment();
+  if (next >= 1000) stop(); else requestAnimationFrame(step);
+}
+
+find("play").addEventListener("click", () => {
+  if (playing !== null) { stop(); return; }
+  const slider = find("time");
+  if (Number(slider.value) >= 1000) slider.value = 0;
+  slider.dataset.at = slider.value;
+  playing = performance.now();
+  find("play").textContent = "Pause";
+  requestAnimationFrame(step);
+});
+find("time").addEventListener("input", () => { find("time").dataset.at = find("time").value; showMoment(); });
+find("follow").addEventListener("change", () => { if (!find("follow").checked) side.fit(); showMoment(); });
+find("cut").addEventListener("change", () => turntable.draw());
+for (const [id, turn] of [["in", (v) => v.zoom(0.8)], ["out", (v) => v.zoom(1.25)], ["home", (v) => v.reset()]])
+  find(`agent-${id}`).addEventListener("click", () => turntable.view && turn(turntable.view));
+
+// ---- views
+
+function showView(name) {
+  const spatial = name === "space";
+  find("side").toggleAttribute("hidden", spatial);
+  find("space-stage").hidden = !spatial;
+  find("show-side").setAttribute("aria-pressed", String(name === "side"));
+  find("show-above").setAttribute("aria-pressed", String(name === "above"));
+  if (!spatial) side.turn(name === "above");
+  find("show-space").setAttribute("aria-pressed", String(spatial));
+  find("reach-choice").hidden = spatial || !run?.info.outline.axes.length;
+  find("legend").hidden = spatial || !side.reach;
+  if (spatial) { space.draw(); showMoment(); } else { side.draw(); showMoment(); }
+}
+find("show-side").addEventListener("click", () => showView("side"));
+find("show-above").addEventListener("click", () => showView("above"));
+
+// A pipe that leaves the plane of the side view is shown from above, too.
+function offerViews() {
+  find("show-above").hidden = !side.isSpatial;
+  if (!side.isSpatial && side.fromAbove) showView("side");
+}
+find("show-space").addEventListener("click", () => showView("space"));
+const zoom = (factor) => { if (find("space-stage").hidden) side.zoom(factor); else space.view?.zoom(1 / factor); };
+find("zoom-in").addEventListener("click", () => zoom(1.4));
+find("zoom-out").addEventListener("click", () => zoom(1 / 1.4));
+find("zoom-fit").addEventListener("click", () => { if (find("space-stage").hidden) side.fit(); else space.view?.reset(); });
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { side.draw(); space.draw(); turntable.draw(); });
+new ResizeObserver(() => { if (run?.status) drawCurve(find("curve"), run.status); }).observe(find("curve"));
+
+// ---- the same in a terminal
+
+function showCommands(text) {
+  const folder = begin.folder;
+  let lines;
+  if (run) {
+    const path = quote(run.info.path);
+    lines = [`driftform resume ${path}`, `driftform watch ${path}`, `driftform report ${path}`];
+    if (agent?.data.target) lines.push(`driftform export ${quote(`${run.info.path}:${agent.key}`)} --kit --format 3mf --out parts`);
+    else if (agent) lines.push(`driftform pick ${path} ${agent.data.point.join(" ")}`, `driftform export ${quote(`${run.info.path}/picks/${agent.key}/agent.json`)} --kit --format 3mf --out parts`);
+    lines = [`driftform evolve ${quote(`${run.name}.toml`)} --out ${quote(`${run.info.path}-again`)}   # ${run.name}.toml: below`, ...lines];
+    find("study-name").textContent = `${run.name}.toml`;
+  } else {
+    const stem = design.title.replace(/[^\p{L}\p{N}_-]+/gu, "-").replace(/^-+|-+$/g, "").toLowerCase() || "pipe";
+    lines = [`driftform evolve ${quote(`${stem}.toml`)} --out ${quote(`${folder}/${stem}-1`)}   # ${stem}.toml: below`];
+    find("study-name").textContent = `${stem}.toml`;
+  }
+  find("command").textContent = lines.join("\n");
+  find("study").textContent = text;
+}
+for (const button of document.querySelectorAll("[data-copy]"))
+  button.addEventListener("click", async () => {
+    const text = find(button.dataset.copy);
+    try {
+      await navigator.clipboard.writeText(text.textContent);
+      button.textContent = "Copied";
+    } catch {
+      // A browser may forbid it; what is selected can be copied by hand.
+      getSelection().selectAllChildren(text);
+      button.textContent = "Selected";
+    }
+    setTimeout(() => { button.textContent = "Copy"; }, 1500);
+  });
+
+// ---- the runs
+
+find("open-runs").addEventListener("click", async () => {
+  try {
+    const { runs, folder } = await ask("api/runs");
+    find("folder").textContent = folder;
+    find("run-list").replaceChildren(...runs.map((row) => make("li", {}, make("button", {
+      type: "button", disabled: row.state === "damaged",
+      onclick: () => { find("runs").close(); openRun(row.name).catch(report); },
+    }, make("b", {}, row.name), make("span", { class: row.state === "finished" ? "good" : "" }, (WORDS[row.state] ?? row.state).toLowerCase()),
+      make("small", {}, row.problem ?? [row.title, `${row.targets} target${row.targets === 1 ? "" : "s"}`].filter(Boolean).join(", ")),
+      make("small", {}, row.problem ? "" : `${row.done} of ${row.budget} flights`)))));
+    if (!runs.length) find("run-list").append(make("li", { class: "hint" }, "No run yet."));
+    find("runs").showModal();
+  } catch (error) { report(error); }
+});
+find("close-runs").addEventListener("click", () => find("runs").close());
+
+// ---- begin
+
+function wanted() {
+  const hash = new URLSearchParams(location.hash.slice(1));
+  return { name: hash.get("run"), key: hash.get("agent") };
+}
+
+async function open() {
+  const { name, key } = wanted();
+  if (!name) { openDesign(Design.restore(begin.presets)); return; }
+  if (run?.name === name) return;
+  try { await openRun(name, key); } catch (error) {
+    if (error instanceof Offline) throw error;
+    openDesign(Design.restore(begin.presets));
+    report(error);
+  }
+}
+addEventListener("popstate", () => open().catch(report));
+
+for (let wait = 300; ; wait = Math.min(3000, 2 * wait)) {
+  try {
+    begin = await ask("api/begin");
+    break;
+  } catch (error) {
+    offline(true);
+    await new Promise((resolve) => setTimeout(resolve, wait));
+  }
+}
+offline(false);
+fields = new Fields(begin, change);
+await open().catch(report);

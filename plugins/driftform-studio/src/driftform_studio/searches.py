@@ -1,0 +1,89 @@
+"""Searches in processes of their own: begin, pause and continue them. They go on when the server ends."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+from driftform.errors import InputError
+from driftform.runs.directory import is_locked, is_worked_on
+from driftform_studio.marks import HELD, PAUSE
+
+LOG = "search.log"
+"""File of a run with what its search printed."""
+
+_DETACHED = 0x00000008 | 0x00000200
+"""Windows: DETACHED_PROCESS and CREATE_NEW_PROCESS_GROUP."""
+
+
+class Searches:
+    """The searches that this server began, of which it knows how they ended."""
+
+    def __init__(self) -> None:
+        self._processes: dict[Path, subprocess.Popen[bytes]] = {}
+
+    def start(self, directory: Path, evaluations: int | None = None) -> None:
+        """Continue a run in a process of its own, with a larger budget if ``evaluations`` is given.
+
+        Raises
+        ------
+        InputError
+            if a process works on the run already.
+        """
+        if self.is_busy(directory):
+            raise InputError(f"{directory.name}: a search works on this run already")
+        (directory / PAUSE).unlink(missing_ok=True)
+        budget = [] if evaluations is None else [str(evaluations)]
+        (directory / LOG).unlink(missing_ok=True)
+        with (directory / LOG).open("xb") as log:
+            self._processes[directory] = subprocess.Popen(
+                [sys.executable, "-m", "driftform_studio.search", str(directory), *budget],
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                # Ctrl-C in the terminal of the server is not meant for it.
+                start_new_session=sys.platform != "win32",
+                creationflags=_DETACHED if sys.platform == "win32" else 0,
+            )
+
+    def pause(self, directory: Path) -> None:
+        """Ask the search of a run to pause; what it has found is stored already.
+
+        Raises
+        ------
+        InputError
+            if the run is not searched by the page.
+        """
+        if not self.can_pause(directory):
+            raise InputError(
+                f"{directory.name}: no search of the page works on this run; Ctrl-C stops one in a terminal"
+            )
+        (directory / PAUSE).touch()
+
+    def is_busy(self, directory: Path) -> bool:
+        """Return whether a process works on a run, or is about to."""
+        return is_worked_on(directory) or self._is_alive(directory)
+
+    def can_pause(self, directory: Path) -> bool:
+        """Return whether the search of a run listens to the page, whichever server began it."""
+        return is_locked(directory / HELD) or self._is_alive(directory)
+
+    def is_pausing(self, directory: Path) -> bool:
+        """Return whether the search of a run was asked to pause."""
+        return (directory / PAUSE).exists()
+
+    def read_failure(self, directory: Path) -> str:
+        """Return the last lines that a search printed which this server began and which failed; empty if it did not."""
+        process = self._processes.get(directory)
+        if process is None or process.poll() in (None, 0):
+            return ""
+        lines = (directory / LOG).read_text(encoding="utf-8", errors="replace").splitlines()
+        errors = [line for line in lines if line.startswith("error: ")]
+        return "\n".join(errors or lines[-5:]) or f"the search ended with exit code {process.returncode}"
+
+    def count_alive(self) -> int:
+        """Return how many searches that this server began still go on."""
+        return sum(self._is_alive(directory) for directory in self._processes)
+
+    def _is_alive(self, directory: Path) -> bool:
+        process = self._processes.get(directory)
+        return process is not None and process.poll() is None

@@ -1,0 +1,90 @@
+"""``driftform studio``: one server on this machine, for one folder of runs."""
+
+import socket
+import sys
+import threading
+import webbrowser
+from collections.abc import Callable
+from pathlib import Path
+
+import uvicorn
+
+from driftform.errors import InputError
+from driftform_studio.app import Studio, make_app
+from driftform_studio.folder import RunsFolder
+from driftform_studio.guard import Guard
+
+HOST = "127.0.0.1"
+"""The only address that the server listens at: it is reached from this machine alone."""
+
+
+def serve(folder: Path, port: int | None, announce: Callable[[str], None], browser: bool) -> None:
+    """Serve the page until it is interrupted; searches that were begun go on.
+
+    Parameters
+    ----------
+    folder
+        of the runs; made if it does not exist.
+    port
+        to listen at; ``None`` for the one that the folder's page had before, or else any free one.
+    announce
+        called with the address once the server listens.
+    browser
+        whether the page is opened in a browser.
+
+    Raises
+    ------
+    InputError
+        if the port is taken, or the folder cannot be written to.
+    """
+    runs = RunsFolder(folder)
+    token, before = runs.read_address()
+    listener = _listen(port, before)
+    actual = listener.getsockname()[1]
+    runs.write_address(token, actual)
+    address = f"http://{HOST}:{actual}/{token}/"
+    studio = Studio(runs, folder)
+    guard = Guard(make_app(studio), token, (f"{HOST}:{actual}", f"localhost:{actual}"))
+    config = uvicorn.Config(
+        guard,
+        http="h11",
+        ws="none",
+        lifespan="off",
+        log_level="warning",
+        access_log=False,
+        server_header=False,
+        proxy_headers=False,
+        timeout_graceful_shutdown=1,
+    )
+    server = uvicorn.Server(config)
+    announce(address)
+    if browser:
+        threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+    try:
+        server.run(sockets=[listener])
+    except KeyboardInterrupt:
+        pass
+    finally:
+        alive = studio.searches.count_alive()
+        studio.close()
+        if alive:
+            searches = "1 search goes" if alive == 1 else f"{alive} searches go"
+            print(f"{searches} on; 'driftform watch RUN' shows it, and so does the page", file=sys.stderr)
+
+
+def _listen(port: int | None, before: int) -> socket.socket:
+    """Return a socket that listens at a port, or at the one before if it is free, or else at any."""
+    for number in (port,) if port is not None else (before, 0):
+        listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        if sys.platform != "win32":
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            listener.bind((HOST, number))
+            listener.listen(128)
+        except OSError as error:
+            listener.close()
+            if port is not None:
+                raise InputError(f"--port {port}: {error.strerror}; choose another one") from None
+        else:
+            return listener
+    raise AssertionError("port 0 is any free one")

@@ -1,0 +1,75 @@
+"""Work that takes longer than an answer may: it goes on in a thread, and the page asks how far it is."""
+
+from collections import OrderedDict
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from secrets import token_hex
+from typing import Any
+
+from driftform.errors import DriftformError, describe_error
+from driftform.util.progress import show_progress
+
+KEPT = 50
+"""Tasks that are remembered; each has a few kB of results."""
+
+
+@dataclass
+class Task:
+    """Work under way, or done: ``done`` of ``total`` steps of ``what``, and its ``result`` or its ``errors``."""
+
+    what: str = ""
+    done: int = 0
+    total: int = 0
+    is_over: bool = False
+    errors: list[str] = field(default_factory=list)
+    result: Any = None
+
+    def document(self) -> dict[str, Any]:
+        """Return what the page reads."""
+        return {
+            "what": self.what,
+            "done": self.done,
+            "total": self.total,
+            "over": self.is_over,
+            "errors": self.errors,
+            "result": self.result,
+        }
+
+
+class Tasks:
+    """The tasks of a server, two at a time."""
+
+    def __init__(self) -> None:
+        self._pool = ThreadPoolExecutor(2, thread_name_prefix="task")
+        self._tasks: OrderedDict[str, Task] = OrderedDict()
+
+    def start(self, work: Callable[[], Any]) -> str:
+        """Begin work, and return the name of its task."""
+        name, task = token_hex(8), Task()
+        self._tasks[name] = task
+        while len(self._tasks) > KEPT:
+            self._tasks.popitem(last=False)
+        self._pool.submit(self._run, task, work)
+        return name
+
+    def find(self, name: str) -> Task | None:
+        """Return a task, ``None`` if there is none of this name."""
+        return self._tasks.get(name)
+
+    def close(self) -> None:
+        """Begin nothing more."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
+
+    def _run(self, task: Task, work: Callable[[], Any]) -> None:
+        def show(what: str, done: int, total: int) -> None:
+            task.what, task.done, task.total = what, done, total
+
+        try:
+            with show_progress(show):
+                task.result = work()
+        except DriftformError as error:
+            task.errors = [str(line) for line in error.args]
+        except Exception as error:
+            task.errors = [describe_error(error, with_place=True)]
+        task.is_over = True

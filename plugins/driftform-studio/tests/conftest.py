@@ -1,0 +1,247 @@
+"""A server as the command starts it, a real browser, and what both see of a run."""
+
+import http.client
+import json
+import os
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sysconfig
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+import pytest
+
+PROGRAM = Path(sysconfig.get_path("scripts")) / ("driftform.exe" if os.name == "nt" else "driftform")
+WAIT_S = 240.0
+"""Longest wait for anything, s: a machine under load compiles kernels slowly."""
+
+DRAFT = {
+    "title": "A small pipe",
+    "base": "pipe-inspection",
+    "targets": {"near": [2.0, 0.0, 0.3], "far": [7.0, 0.0, -0.4]},
+    "simulator": {"use": "native"},
+    "robustness": {"conditions": 2, "finalists": 2, "checks": 20},
+    "run": {"evaluations": 30, "seed": 5},
+}
+"""A search of a few seconds."""
+
+
+class Server:
+    """``driftform studio`` in a process of its own."""
+
+    def __init__(self, folder: Path, *options: str) -> None:
+        self.folder = folder
+        self._process = subprocess.Popen(
+            [PROGRAM, "studio", folder.name, "--no-browser", "--json", *options],
+            cwd=folder.parent,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        assert self._process.stdout is not None
+        text = ""
+        while not text.endswith("}\n"):
+            line = self._process.stdout.readline()
+            assert line, self._process.stderr and self._process.stderr.read()
+            text += line
+        self.address: str = json.loads(text)["address"]
+        parts = urlsplit(self.address)
+        assert parts.hostname and parts.port
+        self.host, self.port, self.token = parts.hostname, parts.port, parts.path.strip("/")
+        self.pid = self._process.pid
+
+    def send(
+        self, method: str, path: str, body: bytes | None = None, **headers: str
+    ) -> tuple[int, dict[str, str], bytes]:
+        """Send a request as it is, also one that no browser would send; return status, headers and body."""
+        connection = http.client.HTTPConnection(self.host, self.port, timeout=WAIT_S)
+        named = {name.replace("_", "-"): value for name, value in headers.items()}
+        try:
+            connection.request(method, path, body, {"host": f"{self.host}:{self.port}", **named})
+            answer = connection.getresponse()
+            return answer.status, {k.lower(): v for k, v in answer.getheaders()}, answer.read()
+        finally:
+            connection.close()
+
+    def ask(self, path: str, document: Any = None, status: int = 200) -> Any:
+        """Return the document that the server answers with."""
+        body = None if document is None else json.dumps(document).encode()
+        kind = {} if body is None else {"content_type": "application/json"}
+        method = "GET" if body is None else "POST"
+        found, _, answer = self.send(method, f"/{self.token}/{path}", body, **kind)
+        assert found == status, answer
+        return json.loads(answer)
+
+    def perform(self, path: str, document: Any) -> Any:
+        """Return the result of a task."""
+        task = self.ask(path, document)["task"]
+        state = wait_until_true(lambda: (found := self.ask(f"api/tasks/{task}"))["over"] and found)
+        assert state["errors"] == []
+        return state["result"]
+
+    def wait_until(self, run: str, *states: str) -> Any:
+        """Return the status of a run once it is in one of some states."""
+        return wait_until_true(lambda: (s := self.ask(f"api/runs/{run}/status"))["state"] in states and s)
+
+    def kill(self) -> None:
+        """End the server as a crash would."""
+        self._process.kill()
+        self.join()
+
+    def stop(self) -> None:
+        """End the server as Ctrl-C does."""
+        if self._process.poll() is None:
+            self._process.send_signal(signal.SIGINT)
+            try:
+                self._process.wait(20)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+        self.join()
+
+    def join(self) -> None:
+        """Wait for the process, and close its pipes."""
+        self._process.wait()
+        for pipe in (self._process.stdout, self._process.stderr):
+            if pipe is not None:
+                pipe.close()
+
+
+def wait_until_true(find: Callable[[], Any], seconds: float = WAIT_S) -> Any:
+    """Return what a function finds once it is true."""
+    end = time.monotonic() + seconds
+    while True:
+        try:
+            if found := find():
+                return found
+        except Exception as error:
+            # An element of a page that is still being made is not there yet, or not there any more.
+            if type(error).__name__ not in ("NoSuchElementException", "StaleElementReferenceException"):
+                raise
+        assert time.monotonic() < end, "it takes too long"
+        time.sleep(0.1)
+
+
+def read_count(run: Path) -> int:
+    connection = sqlite3.connect(f"{(run / 'run.db').resolve().as_uri()}?mode=ro", uri=True)
+    try:
+        return int(connection.execute("SELECT COUNT(*) FROM evaluation").fetchone()[0])
+    finally:
+        connection.close()
+
+
+def pause_searches(folder: Path) -> None:
+    """Let no search outlive its test."""
+    from driftform.runs.directory import is_worked_on
+
+    runs = [path.parent for path in folder.glob("*/run.db")]
+    for run in runs:
+        if is_worked_on(run):
+            (run / ".pause").touch()
+    for run in runs:
+        wait_until_true(lambda run=run: not is_worked_on(run))
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Iterator[Path]:
+    yield tmp_path / "runs"
+    pause_searches(tmp_path / "runs")
+
+
+@pytest.fixture
+def serve(folder: Path) -> Iterator[Callable[..., Server]]:
+    """Start servers for the folder of the test."""
+    servers: list[Server] = []
+
+    def start(*options: str) -> Server:
+        servers.append(Server(folder, *options))
+        return servers[-1]
+
+    yield start
+    for server in servers:
+        server.stop()
+
+
+@pytest.fixture(scope="session")
+def finished_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with one finished run, ``small``, that the command line made."""
+    folder = tmp_path_factory.mktemp("studio") / "runs"
+    folder.mkdir()
+    import tomli_w
+
+    (folder.parent / "small.toml").write_text(tomli_w.dumps(DRAFT), encoding="utf-8")
+    command = [PROGRAM, "evolve", "small.toml", "--out", "runs/small", "--workers", "1"]
+    subprocess.run(command, cwd=folder.parent, check=True, capture_output=True, timeout=600)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def finished(finished_folder: Path) -> Iterator[Server]:
+    """A server for that folder; its run is not changed, but picks and reports are added."""
+    server = Server(finished_folder)
+    yield server
+    server.stop()
+
+
+@pytest.fixture(scope="session")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """Headless Chromium that reaches this machine only."""
+    for program in ("chromium", "chromedriver"):
+        if shutil.which(program) is None:
+            pytest.skip(f"{program} is not installed")
+    from selenium import webdriver
+
+    downloads = tmp_path_factory.mktemp("downloads")
+    options = webdriver.ChromeOptions()
+    options.binary_location = str(shutil.which("chromium"))
+    for argument in (
+        *("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--hide-scrollbars"),
+        *("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking"),
+        *("--disable-component-update", "--disable-sync", "--no-first-run", "--disable-quic"),
+        *("--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", "--lang=en-GB"),
+        f"--user-data-dir={tmp_path_factory.mktemp('profile')}",
+    ):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
+    service = webdriver.ChromeService(executable_path=shutil.which("chromedriver"))
+    driver = webdriver.Chrome(options=options, service=service)
+    driver.execute_cdp_cmd("Page.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(downloads)})
+    driver.downloads = downloads
+    driver.set_script_timeout(60)
+    yield driver
+    driver.quit()
+
+
+@pytest.fixture
+def wait_for() -> Callable[..., Any]:
+    """Wait until a function finds something, and return it."""
+    return wait_until_true
+
+
+@pytest.fixture
+def count_evaluations() -> Callable[[Path], int]:
+    """Count the evaluations that a run has stored."""
+    return read_count
+
+
+@pytest.fixture
+def draft() -> dict[str, Any]:
+    """A search of a few seconds."""
+    return DRAFT
+
+
+@pytest.fixture
+def long_draft() -> dict[str, Any]:
+    """A search that nobody waits for."""
+    return {**DRAFT, "run": {"evaluations": 100_000, "seed": 5}}
+
+
+@pytest.fixture
+def program() -> Path:
+    """The command line."""
+    return PROGRAM

@@ -1,0 +1,105 @@
+"""Agents on the page: their facts are those of the command line, and so are their files."""
+
+import io
+import json
+import subprocess
+import zipfile
+
+import pytest
+
+from driftform.agents.opening import open_agent
+from driftform.runs.run import Run
+
+
+def test_an_agent_is_shown_as_its_run_found_it(finished, finished_folder):
+    shown = finished.perform("api/runs/small/agents/near", {})
+    run = Run.open(finished_folder / "small")
+    best = run.best()["near"]
+    assert shown["promise"]["nominal"] == pytest.approx(best["nominal"], abs=1e-9)
+    assert [shown["promise"][key] for key in ("median", "p90", "flights")] == [
+        best["median"],
+        best["p90"],
+        20,
+    ]
+    design = open_agent(f"{finished_folder / 'small'}:near")
+    assert shown["facts"]["mass"] == design.mass.mass and shown["facts"]["length"] == design.length
+    assert len(shown["flight"]["t"]) > 100
+    assert {effect["name"] for effect in shown["effects"]} >= {"release angle", "drag"}
+
+
+def test_a_click_on_the_map_gives_the_agent_that_pick_gives(finished, finished_folder, program):
+    point = [4.5, 0.0, 0.25]
+    picked = finished.perform("api/runs/small/pick", {"point": point})
+    words = ["pick", "small", *map(str, point), "--json", "--out", "elsewhere"]
+    found = subprocess.run([program, *words], cwd=finished_folder, capture_output=True, text=True, check=True)
+    command = json.loads(found.stdout)
+    assert picked["key"] == "4.5_0_0.25"
+    assert (picked["evaluation"], picked["distance"]) == (command["evaluation"], command["distance"])
+    shown = finished.perform("api/runs/small/agents/4.5_0_0.25", {})
+    assert shown["target"] is None and shown["point"] == point and shown["promise"]["flights"] == 0
+    assert shown["promise"]["nominal"] == pytest.approx(picked["distance"], abs=1e-6)
+    promised = finished.perform("api/runs/small/agents/4.5_0_0.25/disturb", {})["promise"]
+    assert promised["flights"] == 20 and promised["median"] <= promised["p90"]
+
+
+def test_the_map_is_that_of_the_run(finished):
+    reach = finished.perform("api/runs/small/reach", {})
+    assert (reach["columns"], reach["rows"]) == (90, 20)
+    assert len(reach["classes"]) == 1800 and reach["flights"] == 30
+    assert sum(kind >= 0 for kind in reach["classes"]) == reach["reached"] > 100
+    assert max(reach["classes"]) < len(reach["colours"]) == len(reach["bounds"]) + 1
+
+
+@pytest.mark.parametrize("kind", ["stl", "3mf", "kit"])
+def test_files_are_those_of_the_command_line(finished, finished_folder, tmp_path, kind, program):
+    made = finished.perform(f"api/runs/small/agents/near/make/{kind}", {})
+    status, headers, body = finished.send("GET", f"/{finished.token}/take/made/{made['made']}/{made['file']}")
+    assert status == 200 and headers["content-disposition"].startswith("attachment")
+    options = ["--kit"] if kind == "kit" else []
+    format = "stl" if kind == "stl" else "3mf"
+    words = ["export", f"{finished_folder / 'small'}:near", "--format", format, *options, "--out", tmp_path]
+    subprocess.run([program, *words], check=True, capture_output=True)
+    name = f"small-near.{format}"
+    if made["file"].endswith(".zip"):
+        with zipfile.ZipFile(io.BytesIO(body)) as archive:
+            assert set(archive.namelist()) == {path.name for path in tmp_path.iterdir()}
+            body = archive.read(name)
+    expected = (tmp_path / name).read_bytes()
+    if format == "stl":
+        assert body == expected
+    else:
+        parts = [zipfile.ZipFile(io.BytesIO(data)).namelist() for data in (body, expected)]
+        assert parts[0] == parts[1]
+
+
+def test_the_agent_file_flies_as_the_agent_does(finished, tmp_path):
+    status, headers, body = finished.send("GET", f"/{finished.token}/take/small/agents/far/agent.json")
+    assert status == 200 and "small-far.json" in headers["content-disposition"]
+    (tmp_path / "far.json").write_bytes(body)
+    flight = open_agent(str(tmp_path / "far.json")).simulate()
+    assert flight.fitness["far"] == pytest.approx(json.loads(body)["result"]["fitness"], abs=0.02)
+
+
+def test_the_study_file_and_the_section_can_be_taken(finished, finished_folder):
+    status, _, body = finished.send("GET", f"/{finished.token}/take/small/study.toml")
+    assert status == 200 and body == (finished_folder / "small" / "study.toml").read_bytes()
+    status, headers, body = finished.send("GET", f"/{finished.token}/take/small/agents/near/section.svg")
+    assert status == 200 and headers["content-type"].startswith("image/svg+xml") and b"<svg" in body
+
+
+def test_what_does_not_exist_is_refused_in_a_line(finished, wait_for):
+    for path in ("api/runs/smal", "api/runs/small/flights/99999"):
+        [line] = finished.ask(path, status=422)["errors"]
+        assert line
+    assert "did you mean 'small'" in finished.ask("api/runs/smal", status=422)["errors"][0]
+    task = finished.ask("api/runs/small/agents/nowhere", {})["task"]
+    state = wait_for(lambda: (s := finished.ask(f"api/tasks/{task}"))["over"] and s)
+    assert state["errors"] == ["small: has no agent 'nowhere'"]
+
+
+def test_a_point_outside_of_the_pipe_is_refused_as_the_core_says_it(finished, wait_for):
+    task = finished.ask("api/runs/small/pick", {"point": [4, 0, 5]})["task"]
+    [line] = wait_for(lambda: finished.ask(f"api/tasks/{task}")["errors"])
+    assert "lies outside the pipe" in line
+    for point in (None, [1, 2], ["x", 0, 0], [1, 2, 3, 4]):
+        finished.ask("api/runs/small/pick", {"point": point}, status=422)

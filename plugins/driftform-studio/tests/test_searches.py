@@ -1,0 +1,158 @@
+"""Searches in processes of their own: they are those of the command line, and nothing that happens to the server ends them."""
+
+import json
+import sqlite3
+import subprocess
+
+from driftform.runs.directory import is_worked_on
+
+
+def rows(run):
+    connection = sqlite3.connect(run / "run.db")
+    try:
+        found = connection.execute(
+            "SELECT id, symbols, seed, failure, trajectory FROM evaluation ORDER BY id"
+        ).fetchall()
+        return [*found, *connection.execute("SELECT * FROM disturbed ORDER BY 1, 2, 3").fetchall()]
+    finally:
+        connection.close()
+
+
+def test_a_run_of_the_page_is_that_of_the_command_line(serve, folder, finished_folder, draft, program):
+    server = serve()
+    name = server.ask("api/runs", {"draft": draft, "name": "A small pipe"})["run"]
+    assert name == "a-small-pipe-1"
+    status = server.wait_until(name, "finished", "failed")
+    assert status["state"] == "finished" and status["failure"] == "" and status["done"] == 30
+    assert rows(folder / name) == rows(finished_folder / "small")
+    # Every command opens it.
+    for command in ("report", "watch"):
+        subprocess.run([program, command, folder / name], check=True, capture_output=True, timeout=300)
+    given = (folder / name / "study.toml").read_text()
+    assert 'title = "A small pipe"' in given and "seed = 5" in given
+
+
+def test_a_run_that_the_command_line_made_is_shown_with_its_promise(finished):
+    info = finished.ask("api/runs/small")
+    assert info["title"] == "A small pipe" and [t["name"] for t in info["outline"]["targets"]] == [
+        "near",
+        "far",
+    ]
+    status = finished.ask("api/runs/small/status")
+    assert status["state"] == "finished"
+    for target in status["targets"]:
+        stored = json.loads((finished.folder / "small" / "best" / target["name"] / "agent.json").read_text())[
+            "result"
+        ]
+        for key in ("nominal", "median", "p90", "evaluation"):
+            assert target[key] == stored[key]
+        assert len(target["curve"]) == 120 and target["curve"][-1] is not None
+
+
+def test_a_search_that_the_command_line_began_can_be_watched_but_not_paused(
+    serve, folder, tmp_path, long_draft, wait_for, program
+):
+    import tomli_w
+
+    (tmp_path / "long.toml").write_text(tomli_w.dumps(long_draft), encoding="utf-8")
+    folder.mkdir()
+    command = [program, "evolve", "long.toml", "--out", "runs/mine", "--workers", "1"]
+    with subprocess.Popen(
+        command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    ) as search:
+        try:
+            server = serve()
+            wait_for((folder / "mine" / "run.db").exists)
+            first = wait_for(lambda: (s := server.ask("api/runs/mine/status"))["done"] > 3 and s)
+            assert first["state"] == "running" and not first["canPause"] and not first["canResume"]
+            [line] = server.ask("api/runs/mine/pause", {}, status=422)["errors"]
+            assert "Ctrl-C" in line
+            [line] = server.ask("api/runs/mine/resume", {}, status=422)["errors"]
+            assert "works on this run already" in line
+            wait_for(lambda: server.ask("api/runs/mine/status")["done"] > first["done"])
+        finally:
+            search.kill()
+    assert server.wait_until("mine", "paused")["canResume"]
+
+
+def test_a_search_pauses_and_goes_on(serve, folder, long_draft, wait_for):
+    server = serve()
+    name = server.ask("api/runs", {"draft": long_draft, "name": "long"})["run"]
+    wait_for(lambda: server.ask(f"api/runs/{name}/status")["done"] > 3)
+    server.ask(f"api/runs/{name}/pause", {})
+    paused = server.wait_until(name, "paused")
+    assert paused["failure"] == "" and paused["canResume"] and not paused["canPause"]
+    assert not is_worked_on(folder / name)
+    server.ask(f"api/runs/{name}/resume", {})
+    wait_for(lambda: server.ask(f"api/runs/{name}/status")["done"] > paused["done"])
+    server.ask(f"api/runs/{name}/pause", {})
+    server.wait_until(name, "paused")
+
+
+def test_a_search_outlives_its_server_and_the_next_server_can_pause_it(
+    serve, folder, long_draft, wait_for, count_evaluations
+):
+    first = serve()
+    name = first.ask("api/runs", {"draft": long_draft, "name": "long"})["run"]
+    wait_for(lambda: count_evaluations(folder / name) > 3)
+    first.kill()
+    before = count_evaluations(folder / name)
+    wait_for(lambda: count_evaluations(folder / name) > before)
+    second = serve()
+    status = second.ask(f"api/runs/{name}/status")
+    assert status["state"] == "running" and status["canPause"] and status["done"] > before
+    second.ask(f"api/runs/{name}/pause", {})
+    assert second.wait_until(name, "paused")["done"] >= status["done"]
+
+
+def test_a_search_that_is_killed_is_a_paused_run(serve, folder, long_draft, wait_for):
+    server = serve()
+    name = server.ask("api/runs", {"draft": long_draft, "name": "long"})["run"]
+    wait_for(lambda: server.ask(f"api/runs/{name}/status")["done"] > 3)
+    found = subprocess.run(
+        ["pgrep", "-f", f"driftform_studio.search .*{folder / name}$"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    [pid] = found.stdout.split()
+    subprocess.run(["kill", "-9", pid], check=True)
+    status = server.wait_until(name, "failed", "paused")
+    assert status["canResume"]
+    server.ask(f"api/runs/{name}/resume", {})
+    wait_for(lambda: server.ask(f"api/runs/{name}/status")["done"] > status["done"])
+
+
+def test_two_searches_of_one_name_are_two_runs(serve, draft):
+    server = serve()
+    draft = {**draft, "run": {"evaluations": 4}}
+    names = [server.ask("api/runs", {"draft": draft, "name": "../../Mine <b>"})["run"] for _ in range(2)]
+    assert names == ["mine-_b-1", "mine-_b-2"]
+    for name in names:
+        server.wait_until(name, "finished")
+    seeds = {server.ask(f"api/runs/{name}")["seed"] for name in names}
+    assert len(seeds) == 2
+    assert all(
+        f"seed = {seed}" in "".join(server.ask(f"api/runs/{name}")["text"] for name in names)
+        for seed in seeds
+    )
+
+
+def test_more_flights_continue_a_finished_run(serve, draft, wait_for):
+    server = serve()
+    draft = {**draft, "run": {"evaluations": 6, "seed": 1}, "robustness": {"conditions": 0}}
+    name = server.ask("api/runs", {"draft": draft, "name": "few"})["run"]
+    server.wait_until(name, "finished")
+    server.ask(f"api/runs/{name}/resume", {"more": 6})
+    status = wait_for(
+        lambda: (s := server.ask(f"api/runs/{name}/status"))["done"] == 12 and s["state"] == "finished" and s
+    )
+    assert status["budget"] == 12
+
+
+def test_a_run_that_cannot_begin_leaves_nothing_behind(serve, folder, draft):
+    server = serve()
+    for wrong in ({"targets": {}}, {"flow": {"speed": -1, "kind": "log_law"}}):
+        asked = {"draft": {**draft, **wrong}, "name": "x"}
+        assert server.ask("api/runs", asked, status=422)["errors"]
+    assert [path.name for path in folder.iterdir()] == [".studio"]

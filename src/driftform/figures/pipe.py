@@ -1,0 +1,45 @@
+"""The pipe of a study before any flight: in side view, and from above, with its parts, outlets, release and targets."""
+
+import numpy as np
+
+from driftform.figures import svg
+from driftform.figures.layout import WIDTH, start_page, write
+from driftform.figures.plot import Window, draw_cross, draw_scene, label_points, pipe_ink, pipe_points
+from driftform.figures.projection import PLAN, SIDE
+from driftform.figures.style import INK, MUTED
+from driftform.scenario import Scenario
+
+_LEFT, _RIGHT, _TALLEST = 62.0, 24.0, 420.0
+
+
+def pipe_svg(scenario: Scenario, title: str) -> str:
+    """Return the pipe as SVG, to scale, axes in metres: a side view, and a plan view of a pipe that is not straight."""
+    layout, top = scenario.pipe.layout, 92.0
+    windows: list[Window] = []
+    places = np.vstack([scenario.release_position()[None], scenario.target_array()])
+    for view in (SIDE,) if scenario.pipe.straight is not None else (SIDE, PLAN):
+        shown = np.vstack([places, pipe_points(scenario.pipe, view)])
+        windows.append(Window.around(view, shown, _LEFT, top, WIDTH - _LEFT - _RIGHT, _TALLEST, 26))
+        top = windows[-1].box.bottom + 74
+    names = ", ".join(placed.name for placed in layout.parts) or "open water"
+    root = start_page(top - 10, title, f"From the inlet on: {names}", f"The pipe of a study: {names}.")
+    outlets = {} if scenario.pipe.straight is not None else {o.name: o.opening.centre for o in layout.outlets}
+    for window in windows:
+        write(
+            root, _LEFT, window.box.top - 10, {SIDE: "Side view", PLAN: "From above"}[window.view], 12, MUTED
+        )
+        draw_scene(root, window, scenario)
+        release, *targets = window.to_page(places)
+        svg.add(
+            root, "circle", cx=release[0], cy=release[1], r=4.5, fill="#ffffff", stroke=INK, stroke_width=1.6
+        )
+        for x, y in targets:
+            draw_cross(root, x, y, 5.5)
+        labels = [("release", MUTED, False), *((name, INK, True) for name in scenario.target_names)]
+        anchors = [release, *targets]
+        for name, centre in outlets.items():
+            if name not in scenario.target_names:
+                anchors.append(window.to_page(centre[None])[0])
+                labels.append((name, MUTED, False))
+        label_points(root, window, np.array(anchors), labels, [pipe_ink(window, scenario.pipe)], keep=8)
+    return svg.render(root)

@@ -1,0 +1,88 @@
+"""Flights of evaluations under disturbed conditions: each is flown once, and stored as it arrives."""
+
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+
+from driftform.execution import Executor, Job
+from driftform.faults import check_fitness
+from driftform.runs.store import DisturbedResult, Store
+from driftform.scenario import Scenario, evaluation_seed
+from driftform.scenario.disturbances import Condition, draw_conditions
+from driftform.study import Study
+from driftform.trajectory.way import find_target_approaches
+from driftform.types import Evaluation, FloatArray
+
+
+def draw_rounds(scenario: Scenario, seed: int) -> tuple[Condition, ...]:
+    """Return the conditions of the choice, and after them those of the promise, for a run with this seed."""
+    robustness, calibration = scenario.robustness, scenario.calibration
+    return (
+        *draw_conditions(robustness, robustness.conditions, (seed, 0), calibration),
+        *draw_conditions(robustness, robustness.checks, (seed, 1), calibration),
+    )
+
+
+def fly_disturbed(
+    study: Study,
+    store: Store,
+    executor: Executor,
+    conditions: Sequence[Condition],
+    wanted: Iterable[tuple[int, int]],
+    on_flights: Callable[[int], None] = lambda _: None,
+    threshold: tuple[float, ...] | None = None,
+) -> int:
+    """Fly each missing pair of an evaluation and a condition, and store it; return the number of all pairs.
+
+    Parameters
+    ----------
+    conditions
+        all of them; a pair holds the index of one.
+    wanted
+        pairs of an evaluation and a condition.
+    on_flights
+        called with the number of pairs that are done.
+    threshold
+        that of :class:`driftform.execution.Job`.
+    """
+    targets = study.scenario.target_names
+    pairs = list(wanted)
+    done = store.list_disturbed()
+    missing = [pair for pair in pairs if pair not in done]
+    genomes = {index: store.read_record(index, targets).candidate.genome for index in {i for i, _ in missing}}
+    jobs = [
+        Job(number, genomes[index], evaluation_seed(study.seed, index), conditions[condition], threshold)
+        for number, (index, condition) in enumerate(missing)
+    ]
+    count = len(pairs) - len(missing)
+    on_flights(count)
+    for arrived in executor.evaluate(jobs):
+        store.add_disturbed(
+            [
+                DisturbedResult(
+                    *missing[number], checked.fitness, find_offsets(checked, study.scenario), checked.failure
+                )
+                for number, checked in ((n, check_fitness(e, targets)) for n, e in arrived)
+            ],
+            targets,
+        )
+        count += len(arrived)
+        on_flights(count)
+    return len(pairs)
+
+
+def find_offsets(evaluation: Evaluation, scenario: Scenario) -> FloatArray:
+    """Return the vector from each target to the closest approach, m, (targets, 3); NaN if the flight failed.
+
+    In a pipe with parts it is as long as the way through the water.
+    """
+    points = scenario.target_array()
+    if evaluation.failure is not None or evaluation.trajectory is None:
+        return np.full(points.shape, np.nan)
+    approaches = find_target_approaches(evaluation.trajectory, scenario)
+    offsets = np.array([approach.position for approach in approaches]).reshape(points.shape) - points
+    if scenario.pipe.is_open or scenario.pipe.straight is not None:
+        return np.asarray(offsets)
+    straight = np.maximum(np.linalg.norm(offsets, axis=1), np.finfo(float).tiny)
+    through = np.array([approach.distance for approach in approaches])
+    return np.asarray(offsets * (through / straight)[:, None])

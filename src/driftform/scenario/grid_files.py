@@ -1,0 +1,235 @@
+"""Velocities on regular grids, from files of CFD programs: CSV, NetCDF and VTK."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from driftform.types import FloatArray
+
+MOST_NODES = 20_000_000
+"""Most nodes of a grid: their velocities take 500 MB."""
+
+UNEVEN = 1e-3
+"""Largest deviation of a node from its place in a regular grid, in spacings."""
+
+_PLACES = (("x", "y", "z"), ("Points:0", "Points:1", "Points:2"), ("Points_0", "Points_1", "Points_2"))
+_VELOCITIES = (
+    ("u", "v", "w"),
+    ("ux", "uy", "uz"),
+    ("vx", "vy", "vz"),
+    *(tuple(f"{name}{mark}{i}" for i in range(3)) for name in ("U", "Velocity", "velocity") for mark in ":_"),
+    ("current_x", "current_y", "current_z"),
+)
+_VECTORS = ("U", "velocity", "Velocity", "u")
+"""Names of coordinates, of components of the velocity, and of vectors, in the order in which they are looked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class VelocityGrid:
+    """Velocities at the nodes of a regular grid.
+
+    Attributes
+    ----------
+    origin
+        first node, m, (3,).
+    spacing
+        of the nodes along x, y and z, m, (3,).
+    velocity
+        at the nodes, m/s, (nx, ny, nz, 3); NaN where the file has none.
+    """
+
+    origin: FloatArray
+    spacing: FloatArray
+    velocity: FloatArray
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Number of nodes along x, y and z."""
+        nx, ny, nz, _ = self.velocity.shape
+        return nx, ny, nz
+
+    @property
+    def end(self) -> FloatArray:
+        """Last node, m, (3,)."""
+        return np.asarray(self.origin + self.spacing * (np.array(self.shape) - 1))
+
+    def nodes(self) -> FloatArray:
+        """Return the positions of all nodes, m, (nx, ny, nz, 3)."""
+        axes = [o + s * np.arange(n) for o, s, n in zip(self.origin, self.spacing, self.shape, strict=True)]
+        return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+
+
+def read_grid(path: Path) -> VelocityGrid:
+    """Read a grid; the ending of the file's name, .csv, .nc, .vtk or .vtu, decides the format.
+
+    Raises
+    ------
+    ValueError
+        if the file cannot be read, has no velocities, or is not a regular grid; the message does not name the file.
+    ModuleNotFoundError
+        if a package of the extra ``grids`` is missing.
+    """
+    readers = {".csv": _read_csv, ".nc": _read_netcdf, ".vtk": _read_vtk, ".vtu": _read_vtk}
+    reader = readers.get(path.suffix.lower())
+    if reader is None:
+        raise ValueError(f"the format '{path.suffix}' is unknown; it must be one of {', '.join(readers)}")
+    try:
+        return reader(path)
+    except OSError as error:
+        raise ValueError(f"cannot be read: {error.strerror or error}") from None
+
+
+def _read_csv(path: Path) -> VelocityGrid:
+    """Read a table with a header line, one node per row in any order."""
+    with path.open(encoding="utf-8-sig") as file:
+        names = [name.strip().strip('"') for name in file.readline().split(",")]
+        try:
+            table = np.loadtxt(file, delimiter=",", ndmin=2)
+        except ValueError as error:
+            raise ValueError(f"is not a table of numbers: {error}") from None
+    if len(table) == 0 or table.shape[1] != len(names):
+        raise ValueError(f"has {len(names)} columns in its header, but {table.shape[1]} below it")
+    columns = dict(zip(names, table.T, strict=True))
+    places = _choose(_PLACES, columns, "coordinates")
+    velocities = _choose(_VELOCITIES, columns, "velocity")
+    missing = columns.get("vtkValidPointMask", np.ones(len(table))) == 0
+    return _sort_nodes(
+        np.stack([columns[n] for n in places], axis=1),
+        np.where(missing[:, None], np.nan, np.stack([columns[n] for n in velocities], axis=1)),
+    )
+
+
+def _choose(known: Sequence[Sequence[str]], found: Mapping[str, object], what: str) -> Sequence[str]:
+    for names in known:
+        if all(name in found for name in names):
+            return names
+    choices = "; ".join(", ".join(names) for names in known)
+    raise ValueError(f"has no {what}: it has {', '.join(map(str, found)) or 'no columns'}, but not {choices}")
+
+
+def _sort_nodes(points: FloatArray, velocities: FloatArray) -> VelocityGrid:
+    """Return the grid of nodes in any order; nodes that are left out have no velocity."""
+    if len(points) > MOST_NODES:
+        raise ValueError(f"has {len(points)} nodes, more than {MOST_NODES}")
+    if not np.isfinite(points).all():
+        raise ValueError("has coordinates that are not finite")
+    index, axes = np.empty(points.shape, dtype=np.int64), []
+    for a in range(3):
+        values = np.unique(points[:, a])
+        # Coordinates with few digits differ slightly from node to node.
+        starts = np.concatenate([[True], np.diff(values) > 1e-5 * (values[-1] - values[0])])
+        axes.append(_check_axis("xyz"[a], values[starts]))
+        place = (points[:, a] - axes[-1][0]) / axes[-1][1]
+        index[:, a] = np.rint(place)
+        if np.abs(place - index[:, a]).max() > 10 * UNEVEN:
+            raise ValueError(f"is not a regular grid: its nodes are not evenly spaced along {'xyz'[a]}")
+    shape = tuple(int(count) for _, _, count in axes)
+    if np.prod(shape) > MOST_NODES:
+        raise ValueError(
+            f"is not a regular grid: {len(points)} nodes have {' x '.join(map(str, shape))} different coordinates"
+        )
+    flat = np.ravel_multi_index(tuple(index.T), shape)
+    if len(np.unique(flat)) < len(flat):
+        raise ValueError("has several velocities at one node; the current must be steady")
+    velocity = np.full((*shape, 3), np.nan)
+    velocity.reshape(-1, 3)[flat] = velocities
+    return VelocityGrid(np.array([o for o, _, _ in axes]), np.array([s for _, s, _ in axes]), velocity)
+
+
+def _check_axis(name: str, values: FloatArray) -> tuple[float, float, int]:
+    """Return origin, spacing and number of nodes along an axis."""
+    if len(values) < 4:
+        raise ValueError(f"has {len(values)} different values of {name}; at least 4 are needed")
+    spacing = (values[-1] - values[0]) / (len(values) - 1)
+    if np.abs(values - values[0] - spacing * np.arange(len(values))).max() > UNEVEN * spacing:
+        raise ValueError(
+            f"is not a regular grid: its nodes are not evenly spaced along {name}; resample it, for example with the filter "
+            "ResampleToImage of ParaView"
+        )
+    return float(values[0]), float(spacing), len(values)
+
+
+def _read_netcdf(path: Path) -> VelocityGrid:
+    """Read variables x, y, z with one dimension each, and u, v, w with the three dimensions in any order."""
+    with path.open("rb") as file:
+        is_hdf5 = file.read(8) == b"\x89HDF\r\n\x1a\n"
+    variables = _read_hdf5(path) if is_hdf5 else _read_netcdf3(path)
+    places = _choose(_PLACES, variables, "coordinates")
+    velocities = _choose(_VELOCITIES, variables, "velocity")
+    names = []
+    for name in places:
+        dimensions, values = variables[name]
+        if len(dimensions) != 1:
+            raise ValueError(f"has a variable {name} with {len(dimensions)} dimensions instead of one")
+        names.append(dimensions[0])
+    axes = [variables[name][1] for name in places]
+    order = [np.argsort(values) for values in axes]
+    found = [_check_axis(name, values[o]) for name, values, o in zip("xyz", axes, order, strict=True)]
+    parts = []
+    for name in velocities:
+        dimensions, values = variables[name]
+        kept = [d for d in dimensions if values.shape[dimensions.index(d)] > 1 or d in names]
+        if sorted(kept) != sorted(names):
+            raise ValueError(
+                f"has a variable {name} over {', '.join(dimensions)}, expected {', '.join(names)}; the current must be steady"
+            )
+        values = values.reshape([values.shape[dimensions.index(d)] for d in kept])
+        parts.append(values.transpose([kept.index(n) for n in names])[np.ix_(*order)])
+    return VelocityGrid(
+        np.array([o for o, _, _ in found]), np.array([s for _, s, _ in found]), np.stack(parts, axis=-1)
+    )
+
+
+def _read_netcdf3(path: Path) -> dict[str, tuple[list[str], FloatArray]]:
+    from scipy.io import netcdf_file
+
+    try:
+        with netcdf_file(path, "r", mmap=False) as file:
+            return {
+                name: (list(v.dimensions), _fill(v.data, getattr(v, "_FillValue", None)))
+                for name, v in file.variables.items()
+                if v.data.dtype.kind in "fiu"
+            }
+    except (TypeError, ValueError, AssertionError, IndexError) as error:
+        raise ValueError(f"is not a NetCDF file: {error}") from None
+
+
+def _read_hdf5(path: Path) -> dict[str, tuple[list[str], FloatArray]]:
+    import h5netcdf
+
+    with h5netcdf.File(path, "r") as file:
+        return {
+            name: (list(v.dimensions), _fill(v[...], v.attrs.get("_FillValue")))
+            for name, v in file.variables.items()
+            if v.dtype.kind in "fiu"
+        }
+
+
+def _fill(values: FloatArray, missing: float | None) -> FloatArray:
+    """Return the values as numbers of double precision, NaN where they are missing."""
+    found = np.array(values, dtype=np.float64)
+    if missing is not None:
+        found[np.asarray(values) == np.asarray(missing).ravel()[0]] = np.nan
+    return found
+
+
+def _read_vtk(path: Path) -> VelocityGrid:
+    """Read the points of a VTK file in any order, with a vector at each."""
+    import meshio
+
+    try:
+        mesh = meshio.read(path)
+    except (meshio.ReadError, ValueError, KeyError, IndexError) as error:
+        raise ValueError(f"is not a VTK file that meshio can read: {error}") from None
+    data = mesh.point_data
+    name = next((n for n in _VECTORS if n in data and np.ndim(data[n]) == 2), None)
+    if name is None:
+        raise ValueError(
+            f"has no velocity: its points have {', '.join(data) or 'no data'}, but not a vector named {', '.join(_VECTORS)}"
+        )
+    velocity = np.array(data[name], dtype=np.float64)
+    if "vtkValidPointMask" in data:
+        velocity[np.ravel(data["vtkValidPointMask"]) == 0] = np.nan
+    return _sort_nodes(np.asarray(mesh.points, dtype=np.float64), velocity)

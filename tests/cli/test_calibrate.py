@@ -1,0 +1,177 @@
+"""``driftform calibrate`` and ``driftform drop``: documents, files, and one line for each track that is broken."""
+
+import json
+import shutil
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from driftform.study import load_study
+
+TRACKS = Path(__file__).parents[2] / "docs" / "tracks"
+FACTORS = {"axial_drag", "cross_drag", "added_mass", "net_weight", "restitution", "friction"}
+WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
+
+Call = Callable[..., Any]
+Refused = Callable[..., str]
+
+
+@pytest.fixture
+def track(tmp_path: Path) -> Path:
+    """The track of a sphere that settles, with the study of its film beside it."""
+    for name in ("ten-cate-e4.csv", "ten-cate-e4.toml"):
+        shutil.copy(TRACKS / name, tmp_path)
+    return Path("ten-cate-e4.csv")
+
+
+def read_rows(track: Path) -> np.ndarray[Any, np.dtype[np.float64]]:
+    return np.loadtxt(track, delimiter=",", skiprows=1)
+
+
+def write_rows(track: Path, rows: Any, names: str = "t (s),z (mm)") -> None:
+    lines = [names, *(",".join("" if np.isnan(v) else f"{v:.6g}" for v in row) for row in rows)]
+    track.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def test_the_document_has_factors_residual_and_files(call: Call, track: Path) -> None:
+    result = call("calibrate", "C", track, "--fit", "cross_drag", "--out", "found", "--json")
+    assert result.exit_code == 0, result.stderr
+    found = json.loads(result.stdout)
+    assert set(found["factors"]) == FACTORS
+    for factor in found["factors"].values():
+        assert {"value", "low", "high", "known"} <= set(factor)
+        assert factor["known"] or (factor["value"] == 1.0 and factor["low"] is None and factor["reason"])
+    drag = found["factors"]["cross_drag"]
+    assert drag["known"] and drag["low"] < drag["value"] < drag["high"]
+    assert 0 < found["residual"] < found["residual_before"]
+    assert [Path(path).name for path in found["files"]] == [
+        "calibration.toml",
+        "agent.json",
+        "report.html",
+        "tracks.svg",
+        "factors.svg",
+    ]
+    table = tomllib.loads(Path("found/calibration.toml").read_text(encoding="utf-8"))
+    assert table == {"calibration": found["calibration"]}
+    page = Path("found/report.html").read_text(encoding="utf-8")
+    assert page.count("<svg") == 2 and "cross_drag = [" in page and 'class="seen"' in page
+    # The agent remembers it, and any study takes it.
+    remembered = call("inspect", "found/agent.json", "--json")
+    assert json.loads(remembered.stdout)["calibration"]["cross_drag"]["value"] == pytest.approx(
+        drag["value"], rel=1e-3
+    )
+    shown = call("inspect", "found/agent.json")
+    assert "calibrated cross drag" in shown.stdout
+    study = load_study("pipe-inspection", calibration="found/calibration.toml")
+    assert study.scenario.calibration.intervals["cross_drag"][0] == found["calibration"]["cross_drag"][0]
+
+
+def test_people_read_factors_intervals_and_the_next_step(call: Call, track: Path) -> None:
+    result = call("calibrate", "C", track, "--fit", "cross_drag", "--out", "found")
+    assert result.exit_code == 0, result.stderr
+    assert "cross drag" in result.stdout and "90 % interval" in result.stdout
+    assert "next: driftform evolve --calibration found/calibration.toml" in result.stdout
+
+
+def test_gaps_and_missing_points_are_mended_and_said(call: Call, track: Path) -> None:
+    rows = read_rows(track)
+    rows[5, 1] = np.nan
+    write_rows(track, rows[::-1])
+    result = call("calibrate", "C", track, "--fit", "cross_drag", "--json")
+    assert result.exit_code == 0, result.stderr
+    notes = json.loads(result.stdout)["notes"]
+    assert any("1 of 13 rows without a time or a point left out" in note for note in notes)
+    assert any("times decrease from row to row" in note for note in notes)
+
+
+def spoil_unit(rows: Any) -> tuple[Any, str]:
+    return rows, "t,z"
+
+
+def spoil_direction(rows: Any) -> tuple[Any, str]:
+    rows[:, 1] = rows[::-1, 1]
+    return rows, "t (s),z (mm)"
+
+
+def spoil_object(rows: Any) -> tuple[Any, str]:
+    other = rows + np.array([0.0, 40.0])
+    return np.stack([rows, other], axis=1).reshape(-1, 2), "t (s),z (mm)"
+
+
+def spoil_times(rows: Any) -> tuple[Any, str]:
+    return np.column_stack([np.arange(len(rows)), rows[:, 1]]), "frame,z (mm)"
+
+
+def spoil_numbers(rows: Any) -> tuple[Any, str]:
+    rows[4:, 1] = np.nan
+    return rows, "t (s),z (mm)"
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (spoil_unit, "give --unit mm"),
+        (spoil_direction, "rises by 0.114 m, where the agent sinks: give --y-down"),
+        (spoil_object, "two points at 13 times, as if it followed two objects; keep one"),
+        (spoil_times, "has frames and no times; give --fps"),
+        (spoil_numbers, "has 4 usable points, at least 5 are needed"),
+    ],
+)
+def test_a_broken_track_is_refused_in_one_line(
+    refused: Refused, track: Path, spoil: Callable[[Any], tuple[Any, str]], message: str
+) -> None:
+    write_rows(track, *spoil(read_rows(track)))
+    line = refused("calibrate", "C", track)
+    assert line.startswith("error: ten-cate-e4.csv: ") and message in line
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("absent.csv",), "absent.csv: cannot be read"),
+        (("ten-cate-e4.csv", "--fit", "drag"), "--fit drag: unknown factor"),
+        (("ten-cate-e4.csv", "--view", "below"), "--view below: unknown view"),
+        (("ten-cate-e4.csv", "--printed-mass", "5"), "--printed-mass 5: in kg"),
+        (("ten-cate-e4.csv", "--point", "nose"), "--point nose: expected NAME=X"),
+        (("ten-cate-e4.csv", "--scale-error", "0.5"), "--scale-error 0.5: should be from 0 to 0.2"),
+    ],
+)
+def test_wrong_options_are_refused_in_one_line(
+    refused: Refused, track: Path, arguments: tuple[str, ...], message: str
+) -> None:
+    assert message in refused("calibrate", "C", *arguments)
+
+
+def test_a_calibration_that_is_none_is_refused(refused: Refused, tmp_path: Path) -> None:
+    (tmp_path / "wrong.toml").write_text("[calibration]\ncross_drag = [1.2, 1.3, 1.4]\n", encoding="utf-8")
+    line = refused("evolve", "--calibration", "wrong.toml", "--evaluations", 1)
+    assert "wrong.toml:2" in line and "low <= value <= high" in line
+    assert "is not a file" in refused("evolve", "--calibration", "absent.toml", "--evaluations", 1)
+
+
+def test_drops_are_planned_with_a_page_and_a_study_for_each(call: Call) -> None:
+    result = call("drop", WORD, "--drops", 2, "--tank", 0.6, 0.4, 0.4, "--out", "plan", "--json")
+    assert result.exit_code == 0, result.stderr
+    plan = json.loads(result.stdout)
+    assert len(plan["drops"]) == 2
+    gains = [drop["gain_bits"] for drop in plan["drops"]]
+    assert gains == sorted(gains, reverse=True) and gains[-1] > 0
+    assert set(plan["expected"]) | set(plan["reasons"]) == FACTORS
+    page = Path("plan/protocol.html").read_text(encoding="utf-8")
+    for text in ("Weigh the print", "Place the camera", "Ruler", "150 mm from 0 to 150"):
+        assert text in page
+    assert "http://" not in page.replace("http://www.w3.org/2000/svg", "") and "https://" not in page
+    for number, drop in enumerate(plan["drops"], start=1):
+        study = tomllib.loads(Path(f"plan/drop-{number}.toml").read_text(encoding="utf-8"))
+        assert study["release"]["pitch_deg"] == drop["pitch_deg"]
+        assert 0 < drop["depth"] < 0.4 and study["release"]["position"][2] == -drop["depth"]
+    again = call("simulate", WORD, "--scenario", "plan/drop-1.toml", "--out", "flight", "--json")
+    assert again.exit_code == 0, again.stderr
+
+
+def test_a_tank_that_is_smaller_than_the_agent_is_refused(refused: Refused) -> None:
+    assert "the tank must be larger" in refused("drop", WORD, "--tank", 0.01, 0.01, 0.01)

@@ -1,0 +1,189 @@
+"""Contact with the walls of fittings: the deepest points of rims, flanks between them, and forces that keep the energy."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from driftform.dynamics.contact import deepest_depth
+from driftform.dynamics.fitting_contact import deepest_rim_point, touch_fitting
+from driftform.dynamics.fitting_walls import fitting_gap
+from driftform.dynamics.fittings import rim_spacing, wall_rows
+from driftform.dynamics.flight import energies, release_state
+from driftform.dynamics.integrator import Accuracy, integrate_once
+from driftform.dynamics.model import flight_model
+from driftform.dynamics.surfaces import refined_surfaces, touching_surfaces
+from driftform.scenario import Scenario
+from driftform.testing.agents import solid_agent
+from driftform.testing.bodies import cylinder_body, dome_body
+from driftform.types import Coefficients
+
+BEND = {"kind": "bend", "radius": 0.2, "angle_deg": 120}
+TEE = {
+    "kind": "tee",
+    "branch_radius": 0.05,
+    "fillet": 0.01,
+    "share": 0.3,
+    "outlet": "A",
+    "branch": [{"length": 0.2, "outlet": "B"}],
+}
+PIPES = {
+    "bend": [{"length": 0.3}, BEND, {"length": 0.3}],
+    "reducer": [{"length": 0.3}, {"kind": "reducer", "length": 0.2, "radius": 0.05}, {"length": 0.3}],
+    "tee": [{"length": 0.3}, TEE],
+}
+
+
+def still_scenario(parts, **release):
+    tables = {
+        "pipe": {"radius": 0.1, "parts": parts},
+        "flow": {"speed": 0.0},
+        "fluid": {"viscosity": 1e-8, "density": 1000.0, "gravity": 0.0},
+        "contact": {"restitution": 1.0},
+        "release": release,
+        "flight": {"horizon": 3.0},
+    }
+    return Scenario.model_validate(tables)
+
+
+def walls_of(scenario):
+    """The array of a pipe in still water, whose flow needs no field."""
+    rows = wall_rows(scenario.pipe.layout)
+    return np.concatenate([[float(len(rows))], rows.ravel()])
+
+
+def agent_of(body):
+    """A body of the water's density with the added mass of a body across."""
+    return solid_agent(body, 1000.0, Coefficients(np.diag([0.01, 0.03, 0.03, 0.0, 1e-5, 1e-5])))
+
+
+def rows_of(surfaces):
+    """The surfaces of a model, with what only straight pipes and friction ask for."""
+    return np.column_stack([surfaces, np.zeros(len(surfaces)), np.ones(len(surfaces))])
+
+
+def vector(values):
+    return tuple(float(value) for value in values)
+
+
+@pytest.mark.parametrize("name", PIPES)
+def test_the_deepest_point_of_a_rim_is_that_of_many_points_around_it(name):
+    scenario = still_scenario(PIPES[name])
+    f, rng = walls_of(scenario), np.random.default_rng(0)
+    angles, checked = np.linspace(0, 2 * np.pi, 2000, endpoint=False), 0
+    for placed in scenario.pipe.layout.parts:
+        for axis in placed.part.list_axes(0.01):
+            for k in rng.integers(len(axis.points), size=40):
+                r = float(rng.uniform(0.1, 0.5) * axis.radii[k])
+                turned = Rotation.random(random_state=int(rng.integers(2**31))).as_matrix()
+                centre = axis.points[k] + rng.uniform(0.8, 1) * (axis.radii[k] - 0.6 * r) * turned[0]
+                gap, normal, _ = fitting_gap(vector(centre), f)
+                if gap > r or abs(normal @ turned[2]) > 0.99:
+                    continue
+                circle = centre + r * (
+                    np.cos(angles)[:, None] * turned[0] + np.sin(angles)[:, None] * turned[1]
+                )
+                deepest = min(fitting_gap(vector(p), f)[0] for p in circle)
+                surfaces = np.array([[0.0, r, 0.0, 0.0, 0.0]])
+                depth, lever, wall, _, _ = touch_fitting(vector(centre), vector(turned[2]), surfaces, 0, f)
+                if deepest > -0.01 * r:
+                    # The smoothing of rims that lie flat shortens them by a millionth.
+                    assert depth == pytest.approx(max(0.0, -deepest), abs=2e-5 * r)
+                if depth > 0:
+                    checked += 1
+                    assert np.linalg.norm(lever) == pytest.approx(r, rel=1e-5)
+                    assert np.cross(turned[2], lever) @ np.array(wall) == pytest.approx(0, abs=1e-5 * r)
+    assert checked > 20
+
+
+def test_a_rim_flat_against_the_wall_touches_with_its_centre():
+    f = walls_of(still_scenario([{"length": 0.3}, BEND]))
+    outward = np.array([math.sin(0.5), 0.0, -math.cos(0.5)])
+    centre = np.array([0.3, 0.0, 0.2]) + 0.301 * outward
+    gap, point, normal = deepest_rim_point(vector(centre), vector(outward), 0.01, vector(outward), f)
+    assert normal == pytest.approx(outward, abs=1e-9)
+    assert gap == pytest.approx(-0.001, abs=1e-6)
+    assert point == pytest.approx(centre, abs=1e-6)
+
+
+@pytest.mark.parametrize("make", [lambda: cylinder_body(0.1, 0.02), lambda: dome_body(0.03)])
+def test_rims_are_added_until_no_flank_is_longer_than_the_spacing(make):
+    body, spacing = make(), 0.004
+    plain, refined = touching_surfaces(body), refined_surfaces(body, spacing)
+    assert refined[: len(plain)] == pytest.approx(plain)
+    rims = refined[refined[:, 2] == 0.0]
+    domes = refined[refined[:, 2] > 0.0]
+    # A dome ends in a rim of its own.
+    ends = [
+        (x + radius * s, radius * math.sqrt(1 - s * s), 0, 0, 0)
+        for x, _, radius, *sines in domes
+        for s in sines
+    ]
+    rims = np.vstack([rims, *ends])
+    # Every point of the contour is within half a spacing of a rim, or on a dome.
+    outer = np.concatenate(
+        [np.linspace(a, b, 50) for a, b in zip(body.outer[:-1], body.outer[1:], strict=True)]
+    )
+    for x, r in outer:
+        near = np.hypot(rims[:, 0] - x, rims[:, 1] - r).min() if len(rims) else np.inf
+        round_ = np.abs(np.hypot(domes[:, 0] - x, r) - domes[:, 2]).min() if len(domes) else np.inf
+        assert near <= 0.51 * spacing or round_ < 1e-4
+
+
+def test_the_spacing_of_rims_follows_the_sharpest_bulge():
+    def spacing(parts):
+        return rim_spacing(still_scenario(parts).pipe.layout)
+
+    assert spacing(PIPES["bend"]) == pytest.approx(math.sqrt(8 * 2e-4 * 0.1))
+    assert spacing(PIPES["tee"]) == pytest.approx(math.sqrt(8 * 2e-4 * 0.01))
+
+
+def test_a_flank_touches_the_inside_of_a_bend_between_its_corners():
+    scenario = still_scenario(PIPES["bend"])
+    f, body = walls_of(scenario), cylinder_body(0.16, 0.01)
+    inward = np.array([-math.sin(1.0), 0.0, math.cos(1.0)])
+    along = np.array([math.cos(1.0), 0.0, math.sin(1.0)])
+    # Its middle lies half a millimetre deep in the wall on the inside of the bend, and its ends are clear.
+    middle = np.array([0.3, 0.0, 0.2]) - (0.1 + 0.01 - 5e-4) * inward
+    model = flight_model(agent_of(body), still_scenario([{"length": 1.0}]))
+    y = np.array([0.0, 1.0, 0.0])
+    R = tuple(vector(row) for row in np.column_stack([along, y, np.cross(along, y)]))
+    rows = rows_of(refined_surfaces(body, rim_spacing(scenario.pipe.layout)))
+    found = deepest_depth(vector(middle), R, model._replace(surfaces=rows, fittings=f))
+    assert 3e-4 <= found <= 5e-4
+    few = rows_of(touching_surfaces(body))
+    assert deepest_depth(vector(middle), R, model._replace(surfaces=few, fittings=f)) == 0.0
+
+
+@pytest.mark.parametrize("name", PIPES)
+@pytest.mark.parametrize("make", [lambda: cylinder_body(0.05, 0.015), lambda: dome_body(0.02)])
+def test_a_body_that_bounces_without_loss_keeps_its_energy_and_stays_inside(name, make):
+    scenario = still_scenario(
+        PIPES[name], position=[0.25, 0.01, 0.02], pitch_deg=-20.0, yaw_deg=15.0, velocity=[0.5, 0.11, 0.23]
+    )
+    agent = agent_of(make())
+    open_model = flight_model(agent, still_scenario([{"length": 1.0}]))
+    spacing = rim_spacing(scenario.pipe.layout)
+    rows = rows_of(refined_surfaces(agent.body, spacing))
+    model = open_model._replace(
+        surfaces=rows,
+        touches=np.zeros((len(rows), 10)),
+        fittings=walls_of(scenario),
+        pipe=np.empty((0, 8)),
+    )
+    start = release_state(open_model, scenario)
+    start[10:] = (3.0, 1.0, -2.0)
+    samples = integrate_once(model, start, 3.0, Accuracy(tolerance=1e-9, max_step=0.01))
+    clear, touching, deepest = [], 0, 0.0
+    for row in samples:
+        w, x, y, z = row[4:8]
+        R = Rotation.from_quat([x, y, z, w]).as_matrix()
+        depth = deepest_depth(vector(row[1:4]), tuple(vector(r) for r in R), model)
+        touching += depth > 0
+        deepest = max(deepest, depth)
+        if depth == 0.0:
+            clear.append(sum(energies(row, model)))
+    assert touching > 20
+    assert deepest < 1e-3
+    assert np.ptp(clear) < 0.01 * np.mean(clear)

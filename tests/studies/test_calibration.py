@@ -1,0 +1,179 @@
+"""Do the intervals of a calibration hold the truth, and do calibrated agents come nearer to their targets?
+
+``UPDATE_DOCS=1 pytest -m slow -s tests/studies/test_calibration.py`` writes the tables of docs/calibration.md. Each trial
+is kept in a file as soon as it is done, ``$TRIALS`` or ``.cache/calibration-trials.jsonl``: an interrupted study goes on
+where it was. Remove the file after a change of the model.
+"""
+
+import json
+import os
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import driftform as df
+from driftform.agents.design import Design
+from driftform.calibration.films import weigh_prior
+from driftform.calibration.fit import fit_factors
+from driftform.scenario import Calibration, Factors
+from driftform.scenario.calibration import NAMES
+from driftform.study import Study, load_study
+from driftform.testing.films import draw_world, film_flight, place_drop
+from driftform.trajectory.approach import closest_approach
+from driftform.types import FloatArray
+
+pytestmark = pytest.mark.slow
+
+TRIALS = int(os.environ.get("COUNT", "100"))
+PITCHES_DEG = (-45.0, 0.0, 45.0)
+SEED = 23
+ENOUGH = 30
+"""Number of trials that know a factor from which a share of them says something."""
+
+WORLD = Factors(axial_drag=1.4, cross_drag=1.4, hull_density=0.95)
+"""More drag than the model has, and a lighter hull."""
+
+EVALUATIONS = 500
+
+KEPT = Path(os.environ.get("TRIALS", Path(__file__).parents[2] / ".cache" / "calibration-trials.jsonl"))
+
+
+def run_trial(number: int) -> dict[str, Any]:
+    """Film a random agent in a random world, fit the factors, and return both."""
+    rng = np.random.default_rng((SEED, number))
+    pipeline = load_study("tank", run={"seed": 0}).make_pipeline()
+    morphology = pipeline.express(pipeline.grammar.random(rng))
+    benches = [place_drop(pipeline, morphology, pitch) for pitch in PITCHES_DEG]
+    world = draw_world(benches[0], rng)
+    films = [film_flight(bench, world, rng) for bench in benches]
+    start = time.process_time()
+    fit = fit_factors(films)
+    return {
+        "trial": number,
+        "seconds": time.process_time() - start,
+        "residual": fit.residual,
+        "world": asdict(world),
+        "found": {n: [e.value, e.low, e.high, e.known, e.reason] for n, e in fit.estimates.items()},
+    }
+
+
+@pytest.fixture(scope="module")
+def trials() -> list[dict[str, Any]]:
+    KEPT.parent.mkdir(parents=True, exist_ok=True)
+    done = {}
+    if KEPT.is_file():
+        done = {row["trial"]: row for row in map(json.loads, KEPT.read_text(encoding="utf-8").splitlines())}
+    for number in range(TRIALS):
+        if number not in done:
+            done[number] = run_trial(number)
+            with KEPT.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(done[number]) + "\n")
+    return [done[number] for number in range(TRIALS)]
+
+
+def test_intervals_hold_the_truth(
+    trials: list[dict[str, Any]], publish: Callable[[str, Sequence[str]], None]
+) -> None:
+    lines = [
+        "| factor | known in | interval holds the truth | half of the interval, median | else, mostly |",
+        "|---|---|---|---|---|",
+    ]
+    shares = {}
+    for name in NAMES:
+        known = [row for row in trials if row["found"][name][3]]
+        held = [r["found"][name][1] <= r["world"][name] <= r["found"][name][2] for r in known]
+        half = [(r["found"][name][2] - r["found"][name][1]) / 2 / r["found"][name][0] for r in known]
+        reasons = Counter(
+            reason.split(" from ")[0].split(" possible")[0]
+            for reason in (row["found"][name][4] for row in trials)
+            if reason
+        )
+        why = reasons.most_common(1)[0][0] if reasons else ""
+        if held:
+            shares[name] = (float(np.mean(held)), len(held))
+            cell = f"{100 * np.mean(held):.0f} % | {100 * np.median(half):.1f} %"
+        else:
+            cell = "| "
+        lines.append(f"| {name.replace('_', ' ')} | {len(known)} of {len(trials)} | {cell} | {why} |")
+    every = sum(share * count for share, count in shares.values()) / sum(c for _, c in shares.values())
+    seconds = [row["seconds"] for row in trials]
+    lines += [
+        f"| all | | {100 * every:.0f} % | | |",
+        "",
+        f"A fit of three films takes {np.median(seconds):.1f} s in the median, {max(seconds):.0f} s at most.",
+    ]
+    publish("coverage", lines)
+    assert 0.85 <= every <= 0.95
+    for name, (share, count) in shares.items():
+        if count >= ENOUGH:
+            assert 0.85 <= share <= 0.95, f"{name}: {share:.2f} of {count}"
+    assert max(seconds) < 20
+
+
+def evolve(folder: Path, name: str, calibration: Calibration) -> list[Design]:
+    """Return the best agent for each target of the default study with a calibration, by undisturbed flights."""
+    study = make_study(calibration)
+    run = df.evolve(study, folder / name, progress=False)
+    return [df.agent(f"{run.path}:{target}") for target in study.scenario.target_names]
+
+
+def make_study(calibration: Calibration) -> Study:
+    settings = ["robustness.conditions=0"]
+    for name in NAMES:
+        if (interval := getattr(calibration, name)) is not None:
+            settings.append(f"calibration.{name}={list(interval)}")
+    run = {"seed": 5, "evaluations": EVALUATIONS}
+    return load_study("pipe-inspection", settings, use={"simulator": "native"}, run=run)
+
+
+def miss_in_world(designs: Sequence[Design]) -> FloatArray:
+    """Return the distance (m) by which each design misses its target in the world."""
+    study = make_study(Calibration().with_factors(WORLD))
+    pipeline, points = study.make_pipeline(), study.scenario.target_array()
+    agents = [pipeline.make_agent(design.stored.genome) for design in designs]
+    flights = pipeline.fly(agents)
+    return np.array([closest_approach(flight, points)[0][n] for n, flight in enumerate(flights)])
+
+
+def film_in_world(design: Design) -> Calibration:
+    """Return what three films and scales show of the world."""
+    rng = np.random.default_rng((SEED, 1000))
+    pipeline, morphology = design.under(scenario="tank").pipeline, design.agent.morphology
+    assert morphology is not None
+    films = [film_flight(place_drop(pipeline, morphology, pitch), WORLD, rng) for pitch in PITCHES_DEG]
+    weighed = films[0].bench.agent(WORLD).mass.mass
+    return fit_factors(films, priors=weigh_prior(films[0].bench, weighed)).calibration(design.name)
+
+
+def test_agents_that_are_evolved_with_a_calibration_come_nearer(
+    tmp_path: Path, publish: Callable[[str, Sequence[str]], None]
+) -> None:
+    folder = Path(os.environ.get("RUNS", tmp_path))
+    plain = evolve(folder, "plain", Calibration())
+    calibration = film_in_world(plain[4])
+    before = miss_in_world(plain)
+    after = miss_in_world(evolve(folder, "calibrated", calibration))
+    found = "; ".join(
+        f"{name} {v:.3f} ({low:.3f} to {high:.3f})" for name, (v, low, high) in calibration.intervals.items()
+    )
+    lines = [
+        f"Three films of an agent in a world with drag {WORLD.cross_drag:g} times and a hull {WORLD.hull_density:g} times the "
+        f"model's, and its weight, give {found.replace('_', ' ')}. The best of {EVALUATIONS} agents for each target, flown there "
+        "in the mean flow:",
+        "",
+        "| evolved | median miss over ten targets | greatest miss |",
+        "|---|---|---|",
+    ]
+    for what, misses in (
+        ("without calibration", before),
+        ("with the calibration", after),
+    ):
+        lines.append(f"| {what} | {1000 * np.median(misses):.0f} mm | {1000 * misses.max():.0f} mm |")
+    publish("next agents", lines)
+    assert np.median(after) < np.median(before) / 3

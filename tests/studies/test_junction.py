@@ -1,0 +1,66 @@
+"""Flights of random agents through the built-in junction: both simulators agree, nothing passes a wall, and both outlets are found."""
+
+from collections import Counter
+from itertools import repeat
+
+import numpy as np
+import pytest
+
+from driftform.study import load_study
+from driftform.testing.simulator import largest_distance
+from driftform.trajectory.interpolation import interpolate_positions
+from driftform.trajectory.way import name_outlet
+from driftform.types import End
+
+pytestmark = pytest.mark.slow
+
+MILLIMETRE = 1e-3
+
+
+def make_agents(pipeline, count, seed):
+    rng = np.random.default_rng(seed)
+    return [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(count)]
+
+
+def fly_all(workers, use, agents):
+    pipeline = load_study("t-junction", use={"simulator": use}).make_pipeline()
+    return list(workers.map(pipeline.simulator.simulate, agents, repeat(pipeline.scenario)))
+
+
+def test_both_simulators_fly_alike_until_the_wall_is_touched(workers, count_of):
+    agents = make_agents(load_study("t-junction").make_pipeline(), count_of("AGENTS", 200), 1)
+    for one, other in zip(*(fly_all(workers, use, agents) for use in ("native", "exudyn")), strict=True):
+        until = min(f.t[-1] if f.contact is None else f.contact for f in (one, other))
+        times = np.linspace(0.0, until, 200)
+        paths = [interpolate_positions(flight, times) for flight in (one, other)]
+        assert largest_distance(*paths) < MILLIMETRE
+
+
+def test_no_random_agent_passes_a_wall_and_every_end_has_a_name(workers, count_of):
+    pipeline = load_study("t-junction").make_pipeline()
+    agents = make_agents(pipeline, count_of("AGENTS", 10_000), 2)
+    layout, ends = pipeline.scenario.pipe.layout, Counter[str]()
+    for flight in fly_all(workers, "native", agents):
+        assert flight.end is not End.NON_FINITE
+        outlet = name_outlet(flight, pipeline.scenario)
+        assert (outlet is not None) == (flight.end is End.OUTLET)
+        ends[outlet or flight.end.value] += 1
+        # Upstream of the inlet an agent may turn back.
+        inside = layout.find_part(flight.position[:-1]) >= 0
+        along = (flight.position[:-1] - layout.inlet.centre) @ layout.inlet.axes[0]
+        assert (inside | (along < 0)).all()
+    assert ends["riser"] > 0 and ends["main"] > 0
+
+
+def test_a_search_finds_an_agent_for_each_outlet_in_nine_of_ten_seeds(tmp_path, count_of):
+    """Each leaves by its outlet in nine of ten disturbed flights, although the branch takes 30 % of the water."""
+    from driftform.execution.local import LocalProcesses
+    from driftform.runs.run import Run
+
+    seeds, sound = count_of("SEEDS", 10), 0
+    for seed in range(seeds):
+        study = load_study("t-junction", ["run.formats=[]"], run={"seed": seed})
+        with LocalProcesses(study.document, 2) as executor, Run.create(tmp_path / str(seed), study) as run:
+            best = run.advance(executor)
+        sound += all(found.robust["reached"] >= 0.9 for found in best)
+    assert sound >= 0.9 * seeds
