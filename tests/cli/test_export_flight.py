@@ -13,7 +13,7 @@ Call = Callable[..., Any]
 Refused = Callable[..., str]
 
 WORD = "addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB"
-QUICK = ("--simulator", "native")
+QUICK = ("--scenario", "paper", "--simulator", "native")
 
 
 @pytest.mark.peers

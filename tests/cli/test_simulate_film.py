@@ -62,7 +62,7 @@ def test_a_film_that_fails_is_one_line_and_leaves_the_other_files(call: Call, tm
 def test_a_real_film_is_made_by_default(call: Call, tmp_path: Path) -> None:
     from driftform.testing.renderer import read_film
 
-    result = call("simulate", WORD, "--film", "flight.gif", *SMALL, "--json")
+    result = call("simulate", WORD, "--scenario", "paper", "--film", "flight.gif", *SMALL, "--json")
     assert result.exit_code == 0, result.stderr
     frames = read_film(tmp_path / json.loads(result.stdout)["film"])
     assert frames.shape == (10, 64, 64, 3)
