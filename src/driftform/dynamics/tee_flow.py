@@ -116,6 +116,9 @@ def tee_motion(point: Vector, field: FloatArray) -> tuple[Vector, Rotation]:
         _, n = wall_level(x, y, z, wall)
         x, y, z = x - 0.01 * n[0], y - 0.01 * n[1], z - 0.01 * n[2]
         d = potential_derivatives(x, y, z, field, _SPLINE)
+    if math.isnan(d[0]):
+        # So far outside, no flight needs a better answer than the velocity on the axis.
+        d = potential_derivatives(x, 0.0, 0.0, field, _SPLINE)
     one, two = 1.0 / radius, 1.0 / (radius * radius)
     return (
         (one * side * d[0], one * d[1], one * d[2]),
