@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from driftform.dynamics.tee_flow import tee_field, tee_leakage, tee_motion
@@ -217,6 +217,7 @@ def test_the_flow_decays_to_plug_flow_as_the_slowest_mode_of_a_pipe(junction: Ju
     place=st.tuples(*[st.floats(-1.0, 1.0)] * 3),
     share=st.floats(0, 1),
 )
+@example(number=0, place=(-1.0, 0.0, 1.0), share=0.0)
 def test_the_velocity_is_finite_and_continuous_in_the_wall_and_beyond_the_ends(
     number: int, place: tuple[float, float, float], share: float
 ) -> None:

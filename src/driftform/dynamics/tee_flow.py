@@ -117,8 +117,8 @@ def tee_motion(point: Vector, field: FloatArray) -> tuple[Vector, Rotation]:
         x, y, z = x - 0.01 * n[0], y - 0.01 * n[1], z - 0.01 * n[2]
         d = potential_derivatives(x, y, z, field, _SPLINE)
     if math.isnan(d[0]):
-        # So far outside, no flight needs a better answer than the velocity on the axis.
-        d = potential_derivatives(x, 0.0, 0.0, field, _SPLINE)
+        # So far outside, no flight needs a better answer than the velocity where the axes meet.
+        d = potential_derivatives(0.0, 0.0, 0.0, field, _SPLINE)
     one, two = 1.0 / radius, 1.0 / (radius * radius)
     return (
         (one * side * d[0], one * d[1], one * d[2]),
