@@ -11,8 +11,6 @@ from driftform.util.compiled import compiled
 
 _MAX_SPEED = 100.0
 
-_HALVINGS = 60
-
 
 def terminal_speeds(
     drag: Drag, net: float, fore_first: bool, density: float, viscosity: float
@@ -38,32 +36,29 @@ def terminal_speeds(
 
 def terminal_speed_across(drag: Drag, net: float, density: float, viscosity: float) -> float:
     """Return the terminal speed (m/s) across the axis; see :func:`terminal_speeds`."""
-    return _balance_across(
-        np.array(drag.strips), drag.round_area, drag.diameter, abs(net), density, viscosity
-    )
+    strips = np.array(drag.strips)
+
+    def across(speed: float) -> float:
+        return _drag_across(speed, strips, drag.round_area, drag.diameter, density, viscosity)
+
+    return _balance_speed(across, abs(net))
 
 
 @compiled
-def _balance_across(
-    strips: FloatArray, round_area: float, diameter: float, net: float, density: float, viscosity: float
+def _drag_across(
+    speed: float, strips: FloatArray, round_area: float, diameter: float, density: float, viscosity: float
 ) -> float:
-    low, high = 0.0, _MAX_SPEED
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        moving = (0.0, 0.0, middle)
-        total = -sphere_drag(moving, density, viscosity, round_area, diameter)[2]
-        for k in range(strips.shape[0]):
-            total -= strip_drag(moving, ZERO, ZERO, 0.0, (density, viscosity, 1.0), strips[k])[2]
-        if total < net:
-            low = middle
-        else:
-            high = middle
-    return (low + high) / 2
+    """Return the drag (N) of a motion across the axis: that of the strips and of the sphere."""
+    moving = (0.0, 0.0, speed)
+    total = -sphere_drag(moving, density, viscosity, round_area, diameter)[2]
+    for k in range(strips.shape[0]):
+        total -= strip_drag(moving, ZERO, ZERO, 0.0, (density, viscosity, 1.0), strips[k])[2]
+    return total
 
 
 def _balance_speed(drag: Callable[[float], float], force: float) -> float:
     low, high = 0.0, _MAX_SPEED
-    for _ in range(_HALVINGS):
+    for _ in range(60):
         middle = (low + high) / 2
         low, high = (middle, high) if drag(middle) < force else (low, middle)
     return (low + high) / 2
