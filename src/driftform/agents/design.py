@@ -536,7 +536,7 @@ class Design:
         noise: float = 0.002,
         progress: Progress = ignore,
     ) -> DropPlan:
-        """Return the drops in a tank whose films tell most about the model, in the water of its scenario.
+        """Return the drops in a tank whose films show most about the model, in the water of its scenario.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Which drops to film: those whose tracks are expected to tell most about the factors.
+"""Which drops to film: those whose tracks are expected to show most about the factors.
 
 Around the model as it is, a film tells of the factors what its residuals' derivatives say (Fisher information), after
 what it must tell of its own release and camera. The gain of a drop is the entropy of the factors that it removes, in bits,
@@ -116,7 +116,7 @@ def plan_drops(
     noise: float,
     on_candidate: Callable[[int, int], None] = lambda _, __: None,
 ) -> Plan:
-    """Return the drops that tell most about the factors of an agent.
+    """Return the drops that show most about the factors of an agent.
 
     Parameters
     ----------

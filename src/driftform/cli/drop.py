@@ -48,7 +48,7 @@ def drop(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Plan the drops in a tank whose films tell most about the model: attitude, depth and ballast of each release.
+    """Plan the drops in a tank whose films show most about the model: attitude, depth and ballast of each release.
 
     Writes a page to take to the tank (what to weigh, where to put the camera, a ruler to print) and a study file for each
     drop. Save the track of a film beside the file of its drop, for 'driftform calibrate'.
