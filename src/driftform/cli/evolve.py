@@ -70,10 +70,6 @@ def evolve(
     The best agents of the search are flown again under disturbed conditions. The one that is chosen for a target is
     then flown under fresh conditions, which show the miss that 9 of 10 flights stay within. --robust 0 leaves this out.
     """
-    from driftform.cli.executors import open_executor
-    from driftform.cli.running import advance_run
-    from driftform.runs.directory import check_new
-    from driftform.runs.run import Run, check_targets
     from driftform.study import load_study
     from driftform.study.advice import list_warnings
 
@@ -86,10 +82,16 @@ def evolve(
         run={"seed": seed, "evaluations": evaluations},
         calibration=calibration,
     )
+    warnings = list_warnings(checked)
+    # What runs a study takes a second to import. A wrong study is refused before.
+    from driftform.cli.executors import open_executor
+    from driftform.cli.running import advance_run
+    from driftform.runs.directory import check_new
+    from driftform.runs.run import Run, check_targets
+
     check_targets(checked)
     if out is not None:
         check_new(out)
-    warnings = list_warnings(checked)
     for warning in warnings:
         typer.echo(f"warning: {warning}", err=True)
     with (

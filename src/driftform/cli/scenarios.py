@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from driftform.cli.help import Command, make_group
-from driftform.cli.options import Json
+from driftform.cli.options import Json, Settings
 
 
 def list_(json: Json = False) -> None:
@@ -68,20 +68,22 @@ def check(
         Path | None,
         typer.Option("--picture", metavar="FILE", help="Draw the pipe with its targets to an SVG file."),
     ] = None,
+    settings: Settings = None,
     json: Json = False,
 ) -> None:
     """Check a study without running it: list its errors, or show its contents and what no flight can do."""
     from driftform.cli.output import print_json
     from driftform.errors import escape_controls
-    from driftform.figures.pipe import pipe_svg
     from driftform.study import NAMED, SELECTED, load_study
     from driftform.study.advice import list_warnings
     from driftform.util.files import check_directory, write_text
 
-    study = load_study(file)
+    study = load_study(file, settings or ())
     warnings = list_warnings(study)
     document, scenario = study.document, study.scenario
     if picture is not None:
+        from driftform.figures.pipe import pipe_svg
+
         check_directory(picture.parent, "--picture")
         write_text(picture, pipe_svg(scenario, document.get("title", "") or file))
     found = {

@@ -6,6 +6,7 @@ whose options differ from their defaults (``[exporter.stl]``), and ``[run]``. A 
 a built-in scenario, contains only what differs from it. Built-in scenarios are study files.
 """
 
+import reprlib
 import secrets
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -253,7 +254,7 @@ def _check_document(
     ]
     for key in known - {"title", "description", "base"}:
         if key in document and not isinstance(document[key], Mapping):
-            errors.append(f"{locate_key(layers, (key,))}: {key} = {document[key]!r} is not a table")
+            errors.append(f"{locate_key(layers, (key,))}: {_describe_no_table(key, document[key])}")
     for key in ("title", "description"):
         if not isinstance(document.get(key, ""), str):
             errors.append(
@@ -309,6 +310,14 @@ def _check_document(
     head = {key: document[key] for key in ("title", "description") if key in document}
     resolved = {**head, **_to_plain(scenario), **resolved, **named, "run": _to_plain(run)}
     return Study(resolved, scenario, run)
+
+
+def _describe_no_table(key: str, value: object) -> str:
+    if key == "targets" and isinstance(value, list):
+        return "targets is a list of tables; write one table [targets] with a line NAME = [x, y, z] for each"
+    if isinstance(value, list) and len(value) == 1:
+        return f"{key} is a list of tables; write [{key}] instead of [[{key}]]"
+    return f"{key} = {reprlib.repr(value)} is not a table"
 
 
 def _resolve_selection(document: Mapping[str, Any], seam: str, layers: Sequence[Source]) -> dict[str, Any]:
