@@ -10,11 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
-from scipy.interpolate import CubicHermiteSpline
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from driftform.dynamics.flow import (
+    find_spline_slopes,
     flow_array,
     friction_factor,
     gust_array,
@@ -471,6 +472,15 @@ def test_the_rate_of_the_water_is_the_derivative_of_its_velocity(t):
     assert (after - before) / (2 * h) == pytest.approx(rate, abs=1e-3)
     assert velocity - stream_of(LogLawFlow(speed=1.0)).velocity(point) == pytest.approx(
         (before + after) / 2 - stream_of(LogLawFlow(speed=1.0)).velocity(point), abs=1e-6
+    )
+
+
+@pytest.mark.parametrize("count", [4, 5, 90])
+def test_the_slopes_of_the_spline_are_those_of_scipy(count):
+    values = np.random.default_rng(count).standard_normal((count, 6))
+    times = 0.1 * np.arange(count)
+    np.testing.assert_allclose(
+        find_spline_slopes(values, 0.1), CubicSpline(times, values)(times, 1), atol=1e-10
     )
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.stats import qmc
 
 from driftform.geometry import hull_mass
 from driftform.scenario import Robustness, Scenario
@@ -12,6 +13,7 @@ from driftform.scenario.disturbances import (
     disturb_body,
     disturb_scenario,
     draw_conditions,
+    draw_latin_hypercube,
     draw_normals,
 )
 from driftform.study import load_study
@@ -27,6 +29,17 @@ def changed(**values):
 def pipe(**tables):
     segment = {"start": (0.0, 0.0, 0.0), "end": (9.0, 0.0, 0.0), "radius": 1.0}
     return Scenario.model_validate({"pipe": {"segments": (segment,)}, **tables})
+
+
+def test_every_column_of_a_latin_hypercube_has_one_share_in_each_interval():
+    shares = draw_latin_hypercube(np.random.default_rng(4), 50, 7)
+    assert (np.sort(np.floor(50 * shares), axis=0) == np.arange(50)[:, None]).all()
+
+
+def test_the_latin_hypercube_is_that_of_scipy():
+    theirs = qmc.LatinHypercube(9, rng=np.random.default_rng(3)).random(70)
+    # SciPy draws from a child of the generator.
+    np.testing.assert_array_equal(draw_latin_hypercube(np.random.default_rng(3).spawn(1)[0], 70, 9), theirs)
 
 
 def test_the_conditions_follow_the_distributions_that_the_scenario_gives():

@@ -62,13 +62,11 @@ def draw_conditions(
 ) -> tuple[Condition, ...]:
     """Return ``count`` disturbed conditions, drawn from a seed; factors with an interval are those of ``calibration``.
 
-    Latin hypercube (McKay, Beckman and Conover 1979, Technometrics 21(2)): for every quantity, each of the n conditions
-    lies in a different one of n equally likely intervals. All distributions are normal, truncated at
-    :data:`MAX_DEVIATION` standard deviations.
+    They are a Latin hypercube. All distributions are normal, truncated at :data:`MAX_DEVIATION` standard deviations.
     """
     if not count:
         return ()
-    from scipy.stats import qmc, truncnorm
+    from scipy.special import ndtr, ndtri
 
     deviations = [
         *(robustness.position, robustness.position),
@@ -77,8 +75,9 @@ def draw_conditions(
     ]
     rng = np.random.default_rng(tuple(seed))
     calibration = calibration or Calibration()
-    shares = qmc.LatinHypercube(len(deviations) + len(calibration.intervals), rng=rng).random(count)
-    deviates = truncnorm.ppf(shares, -MAX_DEVIATION, MAX_DEVIATION)
+    shares = draw_latin_hypercube(rng.spawn(1)[0], count, len(deviations) + len(calibration.intervals))
+    cut = ndtr(-MAX_DEVIATION)
+    deviates = ndtri(cut + (1 - 2 * cut) * shares)
     drawn = deviates[:, : len(deviations)] * deviations
     factors = calibration.draw_factors(deviates[:, len(deviations) :]).tolist()
     gusts: list[int | None] = [None] * count
@@ -88,6 +87,19 @@ def draw_conditions(
         Condition((x[0], x[1]), x[2], x[3], 1 + x[4], 1 + x[5], 1 + x[6], x[7], 1 + x[8], gust, tuple(known))
         for x, gust, known in zip(drawn.tolist(), gusts, factors, strict=True)
     )
+
+
+def draw_latin_hypercube(rng: np.random.Generator, count: int, quantities: int) -> FloatArray:
+    """Return shares between 0 and 1, (count, quantities): in each column, every interval of 1 / count holds one.
+
+    McKay, Beckman and Conover 1979, Technometrics 21(2). The numbers are those of ``scipy.stats.qmc.LatinHypercube``, a package that
+    takes longer to import than a simulation.
+    """
+    within = rng.uniform(size=(count, quantities))
+    intervals = np.tile(np.arange(1, count + 1), (quantities, 1))
+    for row in intervals:
+        rng.shuffle(row)
+    return np.asarray((intervals.T - within) / count)
 
 
 def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
