@@ -505,6 +505,9 @@ class Evaluation:
         the reason of the failure in one line, ``None`` for a successful evaluation.
     seconds
         duration of the evaluation, s.
+    offsets
+        vector from each target to the closest approach, m, (targets, 3), in place of the trajectory of a flight whose trajectory is
+        not kept; otherwise ``None``.
     """
 
     genome: Genome
@@ -512,9 +515,12 @@ class Evaluation:
     trajectory: Trajectory | None = None
     failure: str | None = None
     seconds: float = 0.0
+    offsets: FloatArray | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "fitness", freeze(self.fitness, (None,), "Evaluation.fitness"))
+        if self.offsets is not None:
+            object.__setattr__(self, "offsets", freeze(self.offsets, (None, 3), "Evaluation.offsets"))
 
     @classmethod
     def failed(

@@ -1,11 +1,15 @@
-"""How many genomes make one task."""
+"""How many genomes make one task, and what comes back of them."""
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.execution import MAX_BATCH
-from driftform.execution.jobs import MAX_TASK_S, MIN_TASK_S, task_size
+from driftform.execution import MAX_BATCH, Job
+from driftform.execution.jobs import MAX_TASK_S, MIN_TASK_S, evaluate_batch, task_size
+from driftform.scenario.disturbances import draw_conditions
+from driftform.study import load_study
+from driftform.trajectory.way import find_offsets
 
 
 @given(st.integers(1, 10**6), st.integers(1, 500), st.none() | st.floats(0, 1e4))
@@ -28,3 +32,20 @@ def test_the_tasks_of_a_generation_let_two_processes_finish_together(seconds: fl
         waiting, tasks = waiting - size, tasks + 1
     assert abs(busy[0] - busy[1]) <= max(seconds, 1.5 * MIN_TASK_S)
     assert tasks <= 30
+
+
+def test_of_a_disturbed_flight_no_more_comes_back_than_a_run_stores() -> None:
+    study = load_study("paper", targets=["TP2", "TP6"], run={"seed": 1}, use={"simulator": "native"})
+    pipeline = study.make_pipeline()
+    genome = pipeline.grammar.random(np.random.default_rng(1))
+    [condition] = draw_conditions(study.scenario.robustness, 1, (1,))
+    [whole] = pipeline.evaluate([genome], conditions=[condition])
+    (_, kept), (_, disturbed) = evaluate_batch(
+        pipeline, [Job(0, genome), Job(1, genome, condition=condition)]
+    )
+    assert kept.trajectory is not None
+    assert kept.offsets is None
+    assert disturbed.trajectory is None
+    np.testing.assert_array_equal(
+        find_offsets(disturbed, study.scenario), find_offsets(whole, study.scenario)
+    )

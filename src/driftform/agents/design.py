@@ -25,7 +25,6 @@ from driftform.printing.exporter_settings import list_kit_settings
 from driftform.printing.kit import Balls, KitReport, measure_kit
 from driftform.printing.trim import LEAD, trim_agent, weigh_print
 from driftform.runs.agent_file import StoredAgent, agent_document
-from driftform.runs.disturbed import find_offsets
 from driftform.scenario import Scenario
 from driftform.scenario.disturbances import draw_conditions
 from driftform.study import Document, Study, load_study
@@ -230,6 +229,8 @@ class Design:
 
         ``[robustness]`` of its scenario says what varies.
         """
+        from driftform.trajectory.way import find_offsets
+
         conditions = draw_conditions(
             self.scenario.robustness, flights, (seed, flights), self.scenario.calibration
         )

@@ -7,6 +7,7 @@ from typing import Protocol, TypeVar
 
 from driftform.errors import WorkFailedError, describe_error
 from driftform.pipeline import Pipeline
+from driftform.scenario import Scenario
 from driftform.scenario.disturbances import Condition
 from driftform.trajectory.compression import compress_evaluation
 from driftform.types import Evaluation, Genome
@@ -96,14 +97,30 @@ class FunctionDiedError(WorkFailedError):
 
 
 def evaluate_batch(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:
-    """Evaluate the genomes of one task; trajectories are compressed as a run stores them."""
+    """Evaluate the genomes of one task.
+
+    Trajectories are compressed as a run stores them. Of a disturbed flight a run stores no more than how far it passes the targets.
+    """
     evaluations = pipeline.evaluate(
         [job.genome for job in batch],
         [job.seed for job in batch],
         [job.condition for job in batch],
         [job.threshold for job in batch],
     )
-    return [(job.index, _compress(evaluation)) for job, evaluation in zip(batch, evaluations, strict=True)]
+    return [
+        (
+            job.index,
+            _compress(evaluation) if job.condition is None else _measure(evaluation, pipeline.scenario),
+        )
+        for job, evaluation in zip(batch, evaluations, strict=True)
+    ]
+
+
+def _measure(evaluation: Evaluation, scenario: Scenario) -> Evaluation:
+    # Imported here: it loads the compiler.
+    from driftform.trajectory.way import find_offsets
+
+    return replace(evaluation, offsets=find_offsets(evaluation, scenario), trajectory=None)
 
 
 def _compress(evaluation: Evaluation) -> Evaluation:

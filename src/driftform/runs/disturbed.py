@@ -2,16 +2,13 @@
 
 from collections.abc import Callable, Iterable, Sequence
 
-import numpy as np
-
 from driftform.execution import Executor, Job
 from driftform.faults import check_fitness
 from driftform.runs.store import DisturbedResult, Store
 from driftform.scenario import Scenario, evaluation_seed
 from driftform.scenario.disturbances import Condition, draw_conditions
 from driftform.study import Study
-from driftform.trajectory.way import find_target_approaches
-from driftform.types import Evaluation, FloatArray
+from driftform.trajectory.way import find_offsets
 
 
 def draw_rounds(scenario: Scenario, seed: int) -> tuple[Condition, ...]:
@@ -69,20 +66,3 @@ def fly_disturbed(
         count += len(arrived)
         on_flights(count)
     return len(pairs)
-
-
-def find_offsets(evaluation: Evaluation, scenario: Scenario) -> FloatArray:
-    """Return the vector from each target to the closest approach, m, (targets, 3); NaN if the flight failed.
-
-    In a pipe with parts it is as long as the way through the water.
-    """
-    points = scenario.target_array()
-    if evaluation.failure is not None or evaluation.trajectory is None:
-        return np.full(points.shape, np.nan)
-    approaches = find_target_approaches(evaluation.trajectory, scenario)
-    offsets = np.array([approach.position for approach in approaches]).reshape(points.shape) - points
-    if scenario.pipe.is_open or scenario.pipe.straight is not None:
-        return np.asarray(offsets)
-    straight = np.maximum(np.linalg.norm(offsets, axis=1), np.finfo(float).tiny)
-    through = np.array([approach.distance for approach in approaches])
-    return np.asarray(offsets * (through / straight)[:, None])

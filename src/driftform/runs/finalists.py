@@ -14,12 +14,13 @@ import numpy as np
 
 from driftform.execution import Executor
 from driftform.runs.agent_file import StoredAgent
-from driftform.runs.disturbed import draw_rounds, find_offsets, fly_disturbed
+from driftform.runs.disturbed import draw_rounds, fly_disturbed
 from driftform.runs.store import Store
 from driftform.runs.survey import read_scores
 from driftform.scenario import Robustness
 from driftform.study import Study
 from driftform.trajectory.misses import Misses, finite_or_none
+from driftform.trajectory.way import find_offsets
 from driftform.types import FloatArray, Verdict
 
 

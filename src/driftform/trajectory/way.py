@@ -13,7 +13,7 @@ import numpy as np
 from driftform.scenario import Pipe, Scenario, Vector
 from driftform.trajectory.approach import Approach, closest_approach
 from driftform.trajectory.interpolation import interpolate_positions
-from driftform.types import End, FloatArray, Trajectory
+from driftform.types import End, Evaluation, FloatArray, Trajectory
 
 _BETWEEN = 4
 """Points of the path between two samples, the first one included, that are compared first."""
@@ -40,6 +40,25 @@ def find_target_approaches(trajectory: Trajectory, scenario: Scenario) -> list[A
     distances, times = approach_targets(trajectory, scenario)
     positions = interpolate_positions(trajectory, times)
     return [Approach(float(d), float(t), p) for d, t, p in zip(distances, times, positions, strict=True)]
+
+
+def find_offsets(evaluation: Evaluation, scenario: Scenario) -> FloatArray:
+    """Return the vector from each target to the closest approach, m, (targets, 3); NaN if the flight failed.
+
+    In a pipe with parts it is as long as the way through the water.
+    """
+    points = scenario.target_array()
+    if evaluation.offsets is not None and evaluation.failure is None:
+        return evaluation.offsets
+    if evaluation.failure is not None or evaluation.trajectory is None:
+        return np.full(points.shape, np.nan)
+    approaches = find_target_approaches(evaluation.trajectory, scenario)
+    offsets = np.array([approach.position for approach in approaches]).reshape(points.shape) - points
+    if scenario.pipe.is_open or scenario.pipe.straight is not None:
+        return np.asarray(offsets)
+    straight = np.maximum(np.linalg.norm(offsets, axis=1), np.finfo(float).tiny)
+    through = np.array([approach.distance for approach in approaches])
+    return np.asarray(offsets * (through / straight)[:, None])
 
 
 def farthest_distances(scenario: Scenario) -> FloatArray:
