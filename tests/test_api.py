@@ -140,7 +140,7 @@ def test_no_workers_are_refused(workers: int, tmp_path: Path) -> None:
 def test_python_is_warned_of_what_the_command_line_warns_of_before_the_first_flight(tmp_path: Path) -> None:
     study = tmp_path / "aside.toml"
     study.write_text(
-        'base = "pipe-inspection"\n[simulator]\nuse = "native"\n[run]\nseed = 1\nevaluations = 1\n[targets]\nA = [4, 0.3, 0.2]\n'
+        'base = "pipe-inspection"\n[simulator]\nuse = "native"\n[robustness]\nconditions = 0\n[run]\nseed = 1\nevaluations = 1\n[targets]\nA = [4, 0.3, 0.2]\n'
     )
     with pytest.warns(UserWarning) as caught:
         df.evolve(df.load_study(str(study)), tmp_path / "run", progress=False)

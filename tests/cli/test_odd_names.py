@@ -34,7 +34,7 @@ def test_letters_that_the_encoding_of_the_terminal_lacks_are_shown_as_escapes(
 @pytest.mark.skipif(sys.platform != "linux", reason="other file systems want names that are text")
 def test_a_run_directory_may_have_a_name_of_any_bytes(run: Program, tmp_path: Path) -> None:
     name = os.fsdecode(b"r\xff\xe9")
-    study = ("--strategy", "paper", "--simulator", "fake", "--target", "TP1", "--evaluations", 4, "--seed", 1)
+    study = ("paper", "--simulator", "fake", "--target", "TP1", "--evaluations", 4, "--seed", 1)
     for args in (
         ("evolve", *study, "--workers", 1, "--out", name),
         ("resume", name, "--workers", 1, "--evaluations", 6, "--json"),

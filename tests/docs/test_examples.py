@@ -185,6 +185,8 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
             "1",
             "--workers",
             "1",
+            "--set",
+            "robustness.checks=4",
             "--out",
             run,
         ],
