@@ -67,10 +67,10 @@ def test_a_twentieth_of_the_bore_is_the_usual_spacing(grid):
 
 
 def test_read_back_as_a_grid_it_is_the_flow_of_the_bend(file, water):
-    """To 0.1 % of the mean speed (root mean square), and 2 % where straight and bend meet, where the flow has a kink."""
+    """To 0.05 % of the mean speed (root mean square), and 2 % where straight and bend meet, where the flow has a kink."""
     points, gaps, exact = water
     error = np.linalg.norm(grid_velocities(points, fitting_array(read_back(file))) - exact, axis=1)
-    assert np.sqrt(np.mean(error**2)) < 1e-3
+    assert np.sqrt(np.mean(error**2)) < 5e-4
     assert error.max() < 0.02
     assert error[gaps > 0.01].max() < 0.01
 

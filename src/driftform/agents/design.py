@@ -29,8 +29,8 @@ from driftform.runs.disturbed import find_offsets
 from driftform.scenario import Scenario
 from driftform.scenario.disturbances import draw_conditions
 from driftform.study import Document, Study, load_study
-from driftform.trajectory.way import name_outlet
 from driftform.trajectory.resampling import check_rate, resample
+from driftform.trajectory.way import name_outlet
 from driftform.types import (
     Agent,
     Coefficients,

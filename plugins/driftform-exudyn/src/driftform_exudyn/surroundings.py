@@ -7,7 +7,7 @@ import numpy as np
 
 from driftform.figures.style import BLUE, MUTED, WALL, tint
 from driftform.geometry.pipe_parts import Bend, Straight, Tee
-from driftform.scenario import Pipe, Scenario, Segment
+from driftform.scenario import Pipe, Scenario
 from driftform.types import FloatArray
 from driftform_exudyn.shapes import GLOWING, Shape, make_line, make_ribbons, make_text, place, revolve
 
@@ -69,9 +69,8 @@ class Bore:
     is_chord: bool = False
 
     @classmethod
-    def of(cls, segment: Segment, viewer: FloatArray) -> "Bore":
-        """Return the segment seen across the pipe, from the direction ``viewer`` (world, (3,))."""
-        start, end = np.array(segment.start), np.array(segment.end)
+    def between(cls, start: FloatArray, end: FloatArray, radius: float, viewer: FloatArray) -> "Bore":
+        """Return the bore from ``start`` to ``end`` (m, (3,)) seen across it, from the direction ``viewer`` (world, (3,))."""
         length = float(np.linalg.norm(end - start))
         axis = (end - start) / length
         back = axis * (viewer @ axis) - viewer
@@ -79,7 +78,7 @@ class Bore:
             # The viewer looks along the bore: the lower half of its wall is shown.
             back = np.array([0.0, 0.0, -1.0]) - axis * -axis[2]
         back /= np.linalg.norm(back)
-        return cls(start, length, segment.radius, np.stack([axis, np.cross(axis, back), back]))
+        return cls(start, length, radius, np.stack([axis, np.cross(axis, back), back]))
 
     def point(
         self, along: FloatArray | float, radius: FloatArray | float, angle: FloatArray | float
@@ -157,29 +156,30 @@ class Bore:
 def list_bores(pipe: Pipe, viewer: FloatArray) -> list[Bore]:
     """Return a pipe as straight pieces, seen from the direction ``viewer`` (world, (3,)); none in open water."""
     if pipe.straight is not None:
-        return [Bore.of(pipe.straight, viewer)]
+        whole = pipe.straight
+        return [Bore.between(np.array(whole.start), np.array(whole.end), whole.radius, viewer)]
     bores = []
     for placed in pipe.layout.parts:
         part = placed.part
         step = part.length if isinstance(part, Straight) else CHORD * part.end_radius
         for number, axis in enumerate(part.list_axes(step)):
             for (start, end), (first, last) in zip(pairwise(axis.points), pairwise(axis.radii), strict=True):
-                if isinstance(part, Bend):
-                    # Outside a bend, chords of the axis' own length would leave wedges between them.
-                    more = (
-                        0.5 * part.radius * np.tan(0.5 * part.angle / (len(axis.points) - 1)) * (end - start)
-                    )
-                    more /= np.linalg.norm(end - start)
-                    start, end = start - more, end + more
-                if number == 1 and np.linalg.norm(end - axis.points[0]) * np.sin(part.angle) < part.radius:
-                    # Within the run.
+                if isinstance(part, Tee) and number == 1 and _is_in_run(end, part):
                     continue
-                segment = Segment(start=tuple(start), end=tuple(end), radius=0.5 * (first + last))
-                bore = replace(Bore.of(segment, viewer), is_chord=True)
+                # Outside a bend, chords of the axis' own length would leave wedges between them.
+                turn = part.angle / (len(axis.points) - 1) if isinstance(part, Bend) else 0.0
+                more = part.radius * np.tan(0.5 * turn) * (end - start) / np.linalg.norm(end - start)
+                bore = Bore.between(start - more, end + more, 0.5 * float(first + last), viewer)
+                bore = replace(bore, is_chord=True)
                 if isinstance(part, Tee) and number == 0:
                     bore = _open_towards_branch(bore, part)
                 bores.append(bore)
     return bores
+
+
+def _is_in_run(point: FloatArray, part: Tee) -> bool:
+    """Return whether a point of the branch's axis lies in the run."""
+    return bool(np.linalg.norm(point - part.origin) * np.sin(part.angle) < part.radius)
 
 
 def _open_towards_branch(bore: Bore, part: Tee) -> Bore:
