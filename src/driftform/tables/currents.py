@@ -144,7 +144,7 @@ def _fill_grid(grid: VelocityGrid, scenario: Scenario) -> VelocityGrid:
 
 def write_current(path: Path, grid: VelocityGrid) -> int:
     """Write a grid as CSV with :data:`COLUMNS`, without its nodes that have no velocity; return the number of rows."""
-    known = np.isfinite(grid.velocity).all(axis=3)
+    known = np.asarray(np.isfinite(grid.velocity).all(axis=3))
     # The same text for the same coordinate: Gazebo compares all digits.
     axes = [
         [f"{v:.9g}" for v in (o + s * np.arange(n)).tolist()]

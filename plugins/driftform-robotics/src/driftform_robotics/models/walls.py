@@ -11,8 +11,8 @@ from driftform.scenario.layout import Layout
 from driftform.types import FloatArray
 from driftform_robotics.models.meshes import SEGMENTS, Mesh
 
-STEP = 2 * math.pi / SEGMENTS
-"""Angle between two rings of a bend, rad: the same as between two corners of a ring."""
+STEP = math.pi / SEGMENTS
+"""Angle between two rings of a bend, rad: half of that between two corners of a ring, as the bend's radius is larger."""
 
 RINGS = 32
 """Number of steps along a reducer, and across the wall of a run from the edge of a junction to its ends."""
