@@ -16,8 +16,8 @@ pytestmark = pytest.mark.slow
 
 MILLIMETRE = 1e-3
 
-HORIZON = 5
-"""Duration of the flights by both simulators, s: in 8 s the water passes the main."""
+HORIZON = 1.5
+"""Duration of the flights by both simulators, s: agents touch the wall within about 1 s."""
 
 
 def make_agents(pipeline, count, seed):
