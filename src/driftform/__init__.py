@@ -10,14 +10,23 @@ from typing import TYPE_CHECKING, Any
 import pluggy
 
 if TYPE_CHECKING:
-    from driftform.api import agent, check_file, evolve, load_study, open_run
+    from driftform.api import agent, check_file, evolve, export_flow, load_study, open_run
 
 __version__ = "0.1.0"
 
 hookimpl = pluggy.HookimplMarker("driftform")
 """Marks a function of a plugin module as the implementation of a hook of :mod:`driftform.hookspecs`."""
 
-__all__ = ["__version__", "agent", "check_file", "evolve", "hookimpl", "load_study", "open_run"]
+__all__ = [
+    "__version__",
+    "agent",
+    "check_file",
+    "evolve",
+    "export_flow",
+    "hookimpl",
+    "load_study",
+    "open_run",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,7 +1,7 @@
 """driftform in notebooks and scripts: from a scenario to an evolved agent to its mesh.
 
-``import driftform as df`` offers :func:`load_study`, :func:`evolve`, :func:`open_run`, :func:`agent` and
-:func:`check_file`. What they return shows itself in a notebook: a run as its overview and a table of targets, an agent
+``import driftform as df`` offers :func:`load_study`, :func:`evolve`, :func:`open_run`, :func:`agent`, :func:`check_file`
+and :func:`export_flow`. What they return shows itself in a notebook: a run as its overview and a table of targets, an agent
 as a drawing of its section, a flight as its path. Quantities are in SI units, fitness is in percent, frames are those
 of :mod:`driftform.types`.
 """
@@ -25,8 +25,10 @@ from driftform.runs.run import Run as StoredRun
 from driftform.runs.store import Record
 from driftform.runs.tables import evaluation_batches, write_tables
 from driftform.runs.wording import list_cells, list_headings
+from driftform.scenario.grid_files import VelocityGrid
 from driftform.study import Study, load_study
 from driftform.study.advice import list_warnings
+from driftform.tables.currents import sample_current, warn_of_flow, write_current
 from driftform.util.notebook import show_picture, show_table
 from driftform.util.progress import count_progress
 
@@ -38,6 +40,7 @@ __all__ = [
     "agent",
     "check_file",
     "evolve",
+    "export_flow",
     "load_study",
     "open_run",
 ]
@@ -251,6 +254,37 @@ def agent(
         if there is no such agent.
     """
     return open_agent(os.fspath(text), scenario, settings, use)
+
+
+def export_flow(study: Study, path: str | os.PathLike[str], *, spacing: float | None = None) -> VelocityGrid:
+    """Write the mean current in the pipe of a study on a regular grid as CSV, and return the grid.
+
+    The file is for Gazebo, and for ``flow.kind = "grid"``.
+
+    Parameters
+    ----------
+    study
+        from :func:`load_study`.
+    path
+        of the file; an older one is replaced.
+    spacing
+        of the nodes, m; ``None`` for a twentieth of the narrowest bore, or more in a long pipe.
+
+    Raises
+    ------
+    InputError
+        in open water, or if the spacing does not suit the pipe.
+
+    Warns
+    -----
+    UserWarning
+        if gusts, or the acceleration of a current, are left out.
+    """
+    grid = sample_current(study.scenario, spacing)
+    for warning in warn_of_flow(study.scenario):
+        warnings.warn(warning, stacklevel=2)
+    write_current(Path(path), grid)
+    return grid
 
 
 def _make_executor(study: Study, workers: int) -> InProcess | LocalProcesses:

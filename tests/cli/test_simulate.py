@@ -67,3 +67,46 @@ def test_inspect_warns_of_added_mass_that_lagging_simulators_cannot_take(call: C
     facts = json.loads(light.stdout)
     assert facts["lambda_max"] > 17 / 3
     assert any("diverge" in warning for warning in facts["warnings"])
+
+
+JUNCTION = """
+base = "t-junction"
+
+[pipe]
+segments = []
+radius = 0.1
+parts = [
+    { length = 0.2 },
+    { kind = "tee", branch_radius = 0.05, share = 0.3, branch = [{ length = 0.1, outlet = "up" }] },
+    { length = 0.1, outlet = "on" },
+]
+
+[release]
+position = [0.1, 0.0, 0.0]
+
+[flow]
+speed = 1.0
+
+[flight]
+horizon = 3.0
+
+[targets]
+branch = "up"
+main = "on"
+"""
+
+
+def test_disturbed_flights_through_a_junction_are_counted_by_outlet(call: Call) -> None:
+    Path("junction.toml").write_text(JUNCTION, encoding="utf-8")
+    arguments = ("simulate", FIGURE_2, "--scenario", "junction.toml", "--robust", 3)
+    told = json.loads(call(*arguments, "--json").stdout)
+    shares = told["disturbed_outlets"]
+    assert list(shares) == ["up", "on"]
+    assert all(3 * share == pytest.approx(round(3 * share)) for share in shares.values())
+    assert sum(shares.values()) <= 1 + 1e-9
+    # A flight that passes an outlet has no distance left to it.
+    passed = [[d < 0.1 for d in told["disturbed"][name]["distances"]] for name in ("branch", "main")]
+    assert [sum(flights) / 3 for flights in passed] == pytest.approx(list(shares.values()))
+    shown = call(*arguments).stdout
+    lines = [line.split() for line in shown.splitlines()]
+    assert ["up", f"{100 * shares['up']:.0f}"] in lines and ["on", f"{100 * shares['on']:.0f}"] in lines

@@ -202,6 +202,7 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
             *("--kit", "--option", "drain=0.003"),
         ],
         "export-flight": ["export-flight", WORD, "--simulator", "native", "--out", f"{here}/samples"],
+        "export-flow": ["export-flow", "paper", "--spacing", "0.4", "--out", f"{here}/currents.csv"],
         "check": ["check", WORD, "--no-programs"],
         "trim": ["trim", WORD, "--printed-mass", "0.0345", "--simulator", "native"],
         "report": ["report", str(run)],

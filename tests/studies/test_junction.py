@@ -16,24 +16,36 @@ pytestmark = pytest.mark.slow
 
 MILLIMETRE = 1e-3
 
+HORIZON = 1.5
+"""Duration of the flights by both simulators, s: agents touch the wall within about 1 s."""
+
 
 def make_agents(pipeline, count, seed):
     rng = np.random.default_rng(seed)
     return [pipeline.make_agent(pipeline.grammar.random(rng)) for _ in range(count)]
 
 
-def fly_all(workers, use, agents):
-    pipeline = load_study("t-junction", use={"simulator": use}).make_pipeline()
+def fly_all(workers, use, agents, *settings):
+    pipeline = load_study("t-junction", settings, use={"simulator": use}).make_pipeline()
     return list(workers.map(pipeline.simulator.simulate, agents, repeat(pipeline.scenario)))
 
 
 def test_both_simulators_fly_alike_until_the_wall_is_touched(workers, count_of):
+    """Nearly all agents touch the wall within the first seconds; what follows along it is chaotic, and not compared."""
     agents = make_agents(load_study("t-junction").make_pipeline(), count_of("AGENTS", 200), 1)
-    for one, other in zip(*(fly_all(workers, use, agents) for use in ("native", "exudyn")), strict=True):
+    flown = [fly_all(workers, use, agents, f"flight.horizon={HORIZON}") for use in ("native", "exudyn")]
+    apart, touches = [], 0
+    for one, other in zip(*flown, strict=True):
         until = min(f.t[-1] if f.contact is None else f.contact for f in (one, other))
         times = np.linspace(0.0, until, 200)
         paths = [interpolate_positions(flight, times) for flight in (one, other)]
-        assert largest_distance(*paths) < MILLIMETRE
+        apart.append(largest_distance(*paths))
+        touches += one.contact is not None
+    print(
+        f"{len(agents)} agents, {touches} of which touch the wall within {HORIZON} s: positions up to then differ by at most "
+        f"{1000 * max(apart):.2g} mm, {1000 * np.median(apart):.2g} mm in the median"
+    )
+    assert max(apart) < MILLIMETRE
 
 
 def test_no_random_agent_passes_a_wall_and_every_end_has_a_name(workers, count_of):

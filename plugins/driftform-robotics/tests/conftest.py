@@ -1,6 +1,7 @@
 """Specimens of many kinds, their exported folders, and the motion that their files must reproduce."""
 
 import shutil
+import subprocess
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -129,6 +130,23 @@ def requires_program() -> Callable[[str], str]:
         return path
 
     return find
+
+
+@pytest.fixture(scope="session")
+def check_sdf() -> Callable[[str, Path], subprocess.CompletedProcess[str]]:
+    """Check an SDF file by Ignition's program; bytes of the output that are not UTF-8 are replaced."""
+
+    def check(program: str, path: Path) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [program, "sdf", "-k", path],
+            capture_output=True,
+            encoding="utf-8",
+            errors="replace",
+            timeout=60,
+            check=False,
+        )
+
+    return check
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,5 @@
 import os
 import re
-import subprocess
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,24 +14,12 @@ from driftform.interfaces import ExportJob
 from driftform.scenario import Scenario
 
 
-def run_ign(program: str, path: Path) -> subprocess.CompletedProcess[str]:
-    """Check an SDF file; bytes of the output that are not UTF-8 are replaced."""
-    return subprocess.run(
-        [program, "sdf", "-k", path],
-        capture_output=True,
-        encoding="utf-8",
-        errors="replace",
-        timeout=60,
-        check=False,
-    )
-
-
 @pytest.mark.skipif(os.name == "nt", reason="a shell script replaces the program")
-def test_output_that_is_not_utf_8_does_not_stop_a_check(tmp_path: Path) -> None:
+def test_output_that_is_not_utf_8_does_not_stop_a_check(tmp_path: Path, check_sdf: Callable) -> None:
     program = tmp_path / "ign"
     program.write_bytes(b"#!/bin/sh\nprintf 'Valid. \\377'\n")
     program.chmod(0o755)
-    assert run_ign(str(program), tmp_path / "model.sdf").stdout == "Valid. \ufffd"
+    assert check_sdf(str(program), tmp_path / "model.sdf").stdout == "Valid. \ufffd"
 
 
 @pytest.mark.parametrize(("name", "level"), [("random", None), ("dragged", 0.4), ("skewed", None)])
@@ -42,13 +29,14 @@ def test_ignition_accepts_files_for_fortress(
     jobs: dict[str, ExportJob],
     export: Callable,
     requires_program: Callable[[str], str],
+    check_sdf: Callable,
 ) -> None:
     scenario = jobs[name].scenario
     fluid = scenario.fluid.model_copy(update={"water_level": level})
     afloat = replace(jobs[name], scenario=scenario.model_copy(update={"fluid": fluid}))
     folder = export("sdf", afloat, gazebo="fortress")
     for file in ("model.sdf", "world.sdf"):
-        done = run_ign(requires_program("ign"), folder / file)
+        done = check_sdf(requires_program("ign"), folder / file)
         assert "Error" not in done.stderr and "Warning" not in done.stderr, done.stderr
         assert "Valid." in done.stdout
 
@@ -57,11 +45,12 @@ def test_ignition_rejects_an_impossible_inertia(
     jobs: dict[str, ExportJob],
     export: Callable,
     requires_program: Callable[[str], str],
+    check_sdf: Callable,
     tmp_path: Path,
 ) -> None:
     text = (export("sdf", jobs["random"], gazebo="fortress") / "model.sdf").read_text(encoding="utf-8")
     (tmp_path / "model.sdf").write_text(text.replace("<ixx>", "<ixx>-"), encoding="utf-8")
-    done = run_ign(requires_program("ign"), tmp_path / "model.sdf")
+    done = check_sdf(requires_program("ign"), tmp_path / "model.sdf")
     assert "Error" in done.stderr
 
 

@@ -10,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 
 from driftform.agents.departures import list_departures
-from driftform.agents.flight import Flight
+from driftform.agents.flight import DisturbedFlights, Flight
 from driftform.agents.inspection import compare_added_mass, inspect_agent
 from driftform.calibration.protocol import DropPlan
 from driftform.calibration.result import CalibrationResult
@@ -28,8 +28,8 @@ from driftform.runs.agent_file import StoredAgent, agent_document
 from driftform.scenario import Scenario
 from driftform.scenario.disturbances import draw_conditions
 from driftform.study import Document, Study, load_study
-from driftform.trajectory.misses import Misses
 from driftform.trajectory.resampling import check_rate, resample
+from driftform.trajectory.way import name_outlet
 from driftform.types import (
     Agent,
     Coefficients,
@@ -224,8 +224,8 @@ class Design:
         fitness = dict(zip(self.scenario.target_names, found.fitness.tolist(), strict=True))
         return Flight(self.name, found.trajectory, self.scenario, self.agent, fitness)
 
-    def disturb(self, flights: int, seed: int = 0, progress: Progress = ignore) -> Misses:
-        """Fly it under disturbed conditions, drawn from ``seed``, and return how far it misses each target.
+    def disturb(self, flights: int, seed: int = 0, progress: Progress = ignore) -> DisturbedFlights:
+        """Fly it under disturbed conditions, drawn from ``seed``, and return how far it misses each target and where it leaves.
 
         ``[robustness]`` of its scenario says what varies.
         """
@@ -235,11 +235,15 @@ class Design:
             self.scenario.robustness, flights, (seed, flights), self.scenario.calibration
         )
         offsets: list[FloatArray] = []
+        outlets: list[str | None] = []
         for condition in conditions:
             [evaluation] = self.pipeline.evaluate([self.stored.genome], conditions=[condition])
             offsets.append(find_offsets(evaluation, self.scenario))
+            flight = evaluation.trajectory if evaluation.failure is None else None
+            outlets.append(None if flight is None else name_outlet(flight, self.scenario))
             progress(len(offsets), flights)
-        return Misses(conditions, np.array(offsets).reshape(flights, len(self.scenario.targets), 3))
+        vectors = np.array(offsets).reshape(flights, len(self.scenario.targets), 3)
+        return DisturbedFlights(conditions, vectors, outlets)
 
     def export(self, format: str, path: str | os.PathLike[str] | None = None) -> list[Path]:
         """Write it as a file for printers and other programs, and return the paths of what was written.

@@ -1,12 +1,13 @@
 """One flight of an agent: its trajectory, what it scores, and how a notebook shows it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 from driftform.figures.flight import flight_svg
 from driftform.scenario import Scenario
 from driftform.tables.columns import FLIGHT_COLUMNS
+from driftform.trajectory.misses import Misses
 from driftform.trajectory.way import approach_targets, name_outlet
 from driftform.types import Agent, End, FloatArray, Trajectory
 from driftform.util.notebook import show_picture, show_table
@@ -85,3 +86,23 @@ class Flight:
         return show_picture(self._repr_svg_(), repr(self)) + show_table(
             ("target", "fitness %", "closest mm"), rows
         )
+
+
+@dataclass(frozen=True, eq=False)
+class DisturbedFlights(Misses):
+    """How far an agent's disturbed flights miss, and where they end.
+
+    Attributes
+    ----------
+    outlets
+        name of the outlet by which each flight left the pipe; ``None`` if it did not, or failed.
+    """
+
+    outlets: Sequence[str | None] = ()
+
+    def outlet_shares(self, scenario: Scenario) -> dict[str, float]:
+        """Return the share of all flights that left by each outlet, 0 to 1; empty in open water."""
+        return {
+            outlet.name: sum(name == outlet.name for name in self.outlets) / max(1, self.count)
+            for outlet in scenario.pipe.layout.outlets
+        }

@@ -18,6 +18,7 @@ from driftform.cli import (
     export,
     export_data,
     export_flight,
+    export_flow,
     inspect,
     pick,
     plugins,
@@ -155,6 +156,7 @@ command("inspect")(inspect.inspect)
 command("pick", context_settings=pick.NUMBERS)(pick.pick)
 command("export")(export.export)
 command("export-flight")(export_flight.export_flight)
+command("export-flow")(export_flow.export_flow)
 command("check")(check.check)
 command("trim")(trim.trim)
 command("drop")(drop.drop)

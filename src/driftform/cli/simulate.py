@@ -27,8 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from driftform.agents.design import Design
-    from driftform.agents.flight import Flight
-    from driftform.trajectory.misses import Misses
+    from driftform.agents.flight import DisturbedFlights, Flight
     from driftform.types import Trajectory
 
 
@@ -117,6 +116,7 @@ def simulate(
                 "still": None if still is None else str(still),
                 "warnings": departures,
                 "disturbed": misses and _document(misses, flight.scenario.target_names),
+                "disturbed_outlets": misses and misses.outlet_shares(flight.scenario),
             }
         )
         return
@@ -148,7 +148,7 @@ def _check_pictures(design: "Design", film: Path | None, still: Path | None, ren
                 raise InputError(f"{option} {error}") from None
 
 
-def _print(design: "Design", flight: "Flight", misses: "Misses | None") -> None:
+def _print(design: "Design", flight: "Flight", misses: "DisturbedFlights | None") -> None:
     from driftform.cli.output import print_table
     from driftform.runs.wording import list_cells, list_headings
 
@@ -173,7 +173,7 @@ def _print(design: "Design", flight: "Flight", misses: "Misses | None") -> None:
         _print_misses(misses, flight)
 
 
-def _document(misses: "Misses", targets: "Sequence[str]") -> dict[str, Any]:
+def _document(misses: "DisturbedFlights", targets: "Sequence[str]") -> dict[str, Any]:
     """Return for each target the distances of all flights, their median and 90 % quantile, and the causes of the spread."""
     from driftform.trajectory.dependence import divide_spread
 
@@ -188,7 +188,7 @@ def _document(misses: "Misses", targets: "Sequence[str]") -> dict[str, Any]:
     }
 
 
-def _print_misses(misses: "Misses", flight: "Flight") -> None:
+def _print_misses(misses: "DisturbedFlights", flight: "Flight") -> None:
     """Print the misses for every target, and what the miss of the target that the agent comes closest to depends on."""
     from driftform.cli.output import format_miss, print_table
     from driftform.trajectory.dependence import divide_spread
@@ -204,6 +204,14 @@ def _print_misses(misses: "Misses", flight: "Flight") -> None:
         ),
         right=(1, 2, 3),
     )
+    shares = misses.outlet_shares(flight.scenario)
+    if len(shares) > 1:
+        stayed = {"none": 1.0 - sum(shares.values())} if None in misses.outlets else {}
+        print_table(
+            ("left by outlet", "flights %"),
+            ((name, f"{100 * share:.0f}") for name, share in {**shares, **stayed}.items()),
+            right=(1,),
+        )
     if not names:
         return
     nearest = int(misses.promised.argmin())

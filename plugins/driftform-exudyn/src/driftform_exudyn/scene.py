@@ -11,7 +11,7 @@ from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform_exudyn.motion import Pose, interpolate_poses
 from driftform_exudyn.shapes import Shape, make_ball, make_text
-from driftform_exudyn.surroundings import Bore, upright_axes
+from driftform_exudyn.surroundings import Bore, list_bores, upright_axes
 
 PER_FRAME = 8
 """Segments of the line along the path for each frame."""
@@ -69,7 +69,7 @@ class Scene:
     @cached_property
     def bores(self) -> list[Bore]:
         """The pipe, seen from the side."""
-        return [Bore.of(segment, self.axes[2]) for segment in self.scenario.pipe.segments]
+        return list_bores(self.scenario.pipe, self.axes[2])
 
     def make_water(self, bore: Bore, first: float, last: float) -> list[Shape]:
         """Return the water's surface from ``first`` to ``last`` (m along the bore); nothing in a full pipe."""

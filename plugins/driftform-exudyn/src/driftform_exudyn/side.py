@@ -64,7 +64,8 @@ class SideView:
             right, up, _ = np.abs(scene.axes @ bore.axes[0]) * px / size
             step = round_down(2.5 / max(float(right) / 5, float(up) / 1.6))
             shapes += bore.make_shapes(0.0, bore.length, step / 2)
-            shapes += bore.make_labels(step, size, 1.4 * scene.letter_height / px)
+            if not bore.is_chord:
+                shapes += bore.make_labels(step, size, 1.4 * scene.letter_height / px)
             shapes += scene.make_water(bore, 0.0, bore.length)
         if not scene.bores:
             seen = self._size / px

@@ -1,11 +1,13 @@
 """The pipe for display: cut open along its length, with equally spaced rings, and the water's surface."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from driftform.figures.style import BLUE, MUTED, WALL, tint
-from driftform.scenario import Scenario, Segment
+from driftform.geometry.pipe_parts import Bend, Straight, Tee
+from driftform.scenario import Pipe, Scenario
 from driftform.types import FloatArray
 from driftform_exudyn.shapes import GLOWING, Shape, make_line, make_ribbons, make_text, place, revolve
 
@@ -15,6 +17,9 @@ LIT = "#576670"
 LINE_POINTS = 65
 """Points of a long line: the ray tracer drops segments with neither end in view."""
 
+CHORD = 0.5
+"""Length of the straight pieces that stand for a bend, a reducer or a tee, in radii of the bore."""
+
 THICKNESS = 0.03
 """Thickness of the displayed wall, relative to the bore's radius."""
 
@@ -22,8 +27,9 @@ THICKNESS = 0.03
 def upright_axes(scenario: Scenario) -> FloatArray:
     """Return right (downstream), up, and towards the viewer in the world frame: rows, (3, 3)."""
     right, up = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
-    if segments := scenario.pipe.segments:
-        level = np.subtract(segments[-1].end, segments[0].start) * (1, 1, 0)
+    if not scenario.pipe.is_open:
+        layout = scenario.pipe.layout
+        level = (layout.outlets[-1].opening.centre - layout.inlet.centre) * (1, 1, 0)
         length = float(np.linalg.norm(level))
         right = level / length if length > 1e-9 else right
     return np.stack([right, up, np.cross(right, up)])
@@ -41,22 +47,38 @@ def round_down(length: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Bore:
-    """A segment of pipe; the rows of ``axes`` (3, 3) are its axis, up, and the direction of the back wall."""
+    """A straight piece of pipe.
+
+    Attributes
+    ----------
+    start, length, radius
+        m.
+    axes
+        rows: its axis, up, and the direction of the back wall, (3, 3).
+    edges
+        angles of the edges along which the wall is cut, rad from up: both, or one where a branch leaves by the other.
+    is_chord
+        whether it is one of many pieces of a pipe with parts, which have no distances beside them.
+    """
 
     start: FloatArray
     length: float
     radius: float
     axes: FloatArray
+    edges: tuple[float, ...] = (0.0, np.pi)
+    is_chord: bool = False
 
     @classmethod
-    def of(cls, segment: Segment, viewer: FloatArray) -> "Bore":
-        """Return the segment seen across the pipe, from the direction ``viewer`` (world, (3,))."""
-        start, end = np.array(segment.start), np.array(segment.end)
+    def between(cls, start: FloatArray, end: FloatArray, radius: float, viewer: FloatArray) -> "Bore":
+        """Return the bore from ``start`` to ``end`` (m, (3,)) seen across it, from the direction ``viewer`` (world, (3,))."""
         length = float(np.linalg.norm(end - start))
         axis = (end - start) / length
         back = axis * (viewer @ axis) - viewer
+        if np.linalg.norm(back) < 1e-6:
+            # The viewer looks along the bore: the lower half of its wall is shown.
+            back = np.array([0.0, 0.0, -1.0]) - axis * -axis[2]
         back /= np.linalg.norm(back)
-        return cls(start, length, segment.radius, np.stack([axis, np.cross(axis, back), back]))
+        return cls(start, length, radius, np.stack([axis, np.cross(axis, back), back]))
 
     def point(
         self, along: FloatArray | float, radius: FloatArray | float, angle: FloatArray | float
@@ -97,10 +119,12 @@ class Bore:
 
     def _make_section(self, first: float, last: float) -> Shape:
         """Return the cut through the wall, above and below."""
-        angles = np.array([0.0, np.pi])[:, None, None]
+        angles = np.array(self.edges)[:, None, None]
         rims = self.radius * np.array([1.0, 1 + THICKNESS])[:, None]
         grid = self.point(np.array([first, last]), rims, angles)
-        return make_ribbons(grid, np.broadcast_to(-self.axes[2], grid.shape), [tint(WALL, 0.6)] * 2)
+        return make_ribbons(
+            grid, np.broadcast_to(-self.axes[2], grid.shape), [tint(WALL, 0.6)] * len(self.edges)
+        )
 
     def make_surface(self, level: float, first: float, last: float) -> list[Shape]:
         """Return the water's surface at the height ``level`` (m), where it lies within the pipe."""
@@ -127,6 +151,45 @@ class Bore:
             make_text(self.point(s, self.radius + gap, np.pi), f"{s:g} m", MUTED, size)
             for s in np.arange(np.floor(self.length / step + 1e-9) + 1) * step
         ]
+
+
+def list_bores(pipe: Pipe, viewer: FloatArray) -> list[Bore]:
+    """Return a pipe as straight pieces, seen from the direction ``viewer`` (world, (3,)); none in open water."""
+    if pipe.straight is not None:
+        whole = pipe.straight
+        return [Bore.between(np.array(whole.start), np.array(whole.end), whole.radius, viewer)]
+    bores = []
+    for placed in pipe.layout.parts:
+        part = placed.part
+        step = part.length if isinstance(part, Straight) else CHORD * part.end_radius
+        for number, axis in enumerate(part.list_axes(step)):
+            for (start, end), (first, last) in zip(pairwise(axis.points), pairwise(axis.radii), strict=True):
+                if isinstance(part, Tee) and number == 1 and _is_in_run(end, part):
+                    continue
+                # Outside a bend, chords of the axis' own length would leave wedges between them.
+                turn = part.angle / (len(axis.points) - 1) if isinstance(part, Bend) else 0.0
+                more = part.radius * np.tan(0.5 * turn) * (end - start) / np.linalg.norm(end - start)
+                bore = Bore.between(start - more, end + more, 0.5 * float(first + last), viewer)
+                bore = replace(bore, is_chord=True)
+                if isinstance(part, Tee) and number == 0:
+                    bore = _open_towards_branch(bore, part)
+                bores.append(bore)
+    return bores
+
+
+def _is_in_run(point: FloatArray, part: Tee) -> bool:
+    """Return whether a point of the branch's axis lies in the run."""
+    return bool(np.linalg.norm(point - part.origin) * np.sin(part.angle) < part.radius)
+
+
+def _open_towards_branch(bore: Bore, part: Tee) -> Bore:
+    """Return a piece of a run, without the edge of the cut through which the branch leaves."""
+    middle = bore.start + 0.5 * bore.length * bore.axes[0]
+    mouth = part.origin + part.radius / np.sin(part.angle) * part.branch_axes[0]
+    if abs((middle - mouth) @ part.axes[0]) > part.branch_radius / np.sin(part.angle):
+        return bore
+    upward = float(bore.axes[1] @ part.branch_axes[0])
+    return replace(bore, edges=tuple(a for a in bore.edges if upward * np.cos(a) < 0.5))
 
 
 def make_lattice(axes: FloatArray, centre: FloatArray, seen: FloatArray, step: float) -> list[Shape]:

@@ -176,8 +176,8 @@ def eddy_diffusivity(scenario: Scenario) -> float:
     (as kappa u* d / 6 is the mean over the depth d of a channel: Elder, J. Fluid Mech. 5, 1959; Fischer et al., Mixing in Inland and Coastal Waters,
     1979, chapter 5). The friction velocity u* is that of the pipe's friction factor.
     """
-    segment, flow = scenario.pipe.segments[0], scenario.flow
-    speed, radius = abs(flow.speed), segment.radius
+    radius, flow = scenario.pipe.layout.inlet.radius, scenario.flow
+    speed = abs(flow.speed)
     roughness = flow.roughness if isinstance(flow, LogLawFlow | TurbulentFlow) else 0.0
     # The flow is turbulent only at Reynolds numbers above about 4000.
     reynolds = max(4e3, 2 * radius * speed / scenario.fluid.viscosity)
@@ -194,13 +194,17 @@ def make_plume(scenario: Scenario, point: Vector, rate: float, diffusivity: floa
     Raises
     ------
     ValueError
-        if the scenario has no pipe, or if its water is at rest.
+        if the scenario has no pipe or one that is not straight, or if its water is at rest.
     """
-    if not scenario.pipe.segments:
-        raise ValueError("a leak needs a pipe, but the scenario is open water")
+    segment = scenario.pipe.straight
+    if segment is None:
+        raise ValueError(
+            "a leak needs a straight pipe, but the scenario is open water"
+            if scenario.pipe.is_open
+            else "a leak needs a straight pipe, but that of the scenario has other parts"
+        )
     if scenario.flow.speed == 0:
         raise ValueError("the water is at rest: it carries no plume")
-    segment = scenario.pipe.segments[0]
     start, axis, length = _locate_segment(segment)
     along = float(axis @ (np.array(point) - start))
     outward = np.array(point) - start - along * axis

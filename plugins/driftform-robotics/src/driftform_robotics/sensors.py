@@ -7,7 +7,7 @@ import numpy as np
 
 from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.dynamics.surfaces import touching_rims
-from driftform.scenario import Fluid, Pipe, Scenario
+from driftform.scenario import Fluid, Pipe, Scenario, Segment
 from driftform.trajectory.forces import acceleration_at
 from driftform.types import Body, FloatArray, Trajectory
 from driftform_robotics.models.pipe import make_bore
@@ -29,12 +29,12 @@ def surface_height(scenario: Scenario) -> float:
     """
     if scenario.fluid.water_level is not None:
         return scenario.fluid.water_level
-    if not scenario.pipe.segments:
+    if scenario.pipe.is_open:
         return 0.0
-    segment = scenario.pipe.segments[0]
+    inlet = scenario.pipe.layout.inlet
     # The inlet's disc is tilted with the pipe: its rim rises by the radius times the cosine of the slope.
     slope = scenario.direction()[2]
-    return float(segment.start[2] + segment.radius * np.sqrt(1 - slope**2))
+    return float(inlet.centre[2] + inlet.radius * np.sqrt(1 - slope**2))
 
 
 def pressure(heights: FloatArray, surface: float, fluid: Fluid, atmosphere: float = ATMOSPHERE) -> FloatArray:
@@ -61,24 +61,24 @@ def specific_force(
 
 
 def wall_distance(points: FloatArray, pipe: Pipe) -> FloatArray:
-    """Return the distances of points (k, 3) from the wall of the pipe's bore, m, (k,), negative inside the wall."""
-    across = (points - pipe.segments[0].start) @ _cross_axes(pipe)
-    return np.asarray(pipe.segments[0].radius - np.linalg.norm(across, axis=1), dtype=np.float64)
+    """Return the distances of points (k, 3) from the wall of a straight pipe's bore, m, (k,), negative inside the wall."""
+    bore = _straight(pipe)
+    across = (points - bore.start) @ _cross_axes(bore)
+    return np.asarray(bore.radius - np.linalg.norm(across, axis=1), dtype=np.float64)
 
 
 def clearance(trajectory: Trajectory, body: Body, pipe: Pipe) -> FloatArray:
-    """Return the smallest distance of the hull from the wall at each sample, m, (k,), negative during contact.
+    """Return the smallest distance of the hull from the wall of a straight pipe at each sample, m, (k,), negative in contact.
 
     The bore is convex, so the nearest point is on one of the rims of :func:`driftform.dynamics.surfaces.touching_rims`.
     Seen along the pipe a rim is an ellipse, c + p cos(a) + q sin(a). Newton's method finds its greatest distance from
     the pipe's axis, starting at the farthest of sixteen points of the rim.
     """
-    across = _cross_axes(pipe)
+    bore = _straight(pipe)
+    across = _cross_axes(bore)
     R = matrix_from_quaternion(trajectory.quaternion)
     x, r = touching_rims(body).T
-    c = ((trajectory.position - pipe.segments[0].start) @ across)[:, None] + x[:, None] * (
-        R[:, None, :, 0] @ across
-    )
+    c = ((trajectory.position - bore.start) @ across)[:, None] + x[:, None] * (R[:, None, :, 0] @ across)
     p, q = (r[:, None] * (R[:, None, :, i] @ across) for i in (1, 2))
 
     def dot(a: FloatArray, b: FloatArray) -> FloatArray:
@@ -96,14 +96,18 @@ def clearance(trajectory: Trajectory, body: Body, pipe: Pipe) -> FloatArray:
         bend = -a * np.cos(t) - b * np.sin(t) - 4 * d * np.cos(2 * t) - 4 * e * np.sin(2 * t)
         t = t - np.where(bend < 0, slope / np.where(bend < 0, bend, 1.0), 0.0)
     farthest = c + p * np.cos(t)[..., None] + q * np.sin(t)[..., None]
-    return np.asarray(
-        pipe.segments[0].radius - np.linalg.norm(farthest, axis=-1).max(axis=1), dtype=np.float64
-    )
+    return np.asarray(bore.radius - np.linalg.norm(farthest, axis=-1).max(axis=1), dtype=np.float64)
 
 
-def _cross_axes(pipe: Pipe) -> FloatArray:
+def _straight(pipe: Pipe) -> Segment:
+    if pipe.straight is None:
+        raise ValueError("the distance from the wall needs a straight pipe")
+    return pipe.straight
+
+
+def _cross_axes(segment: Segment) -> FloatArray:
     """Return two unit vectors across the pipe, as the columns of a matrix, (3, 2)."""
-    rotation: FloatArray = make_bore(pipe.segments[0]).rotation
+    rotation: FloatArray = make_bore(segment).rotation
     return rotation[:, 1:]
 
 

@@ -98,6 +98,11 @@ def _release_velocity(scenario: Scenario) -> FloatArray:
 def warn_of_flow(scenario: Scenario) -> list[str]:
     """Warn if a uniform, steady current cannot represent the scenario's flow."""
     flow = scenario.flow
+    if not scenario.pipe.is_open and scenario.pipe.straight is None:
+        return [
+            f"The current in this file is the mean at the inlet, {flow.speed:g} m/s in one direction everywhere: it does not "
+            "turn with the pipe."
+        ]
     if not isinstance(flow, UniformFlow):
         return [
             f"The flow '{flow.kind}' varies in space or time: the current in this file is its mean, "

@@ -15,10 +15,13 @@ from driftform.scenario import Scenario
 from driftform.types import FloatArray
 from driftform_robotics.models.ellipsoid import Ellipsoid, fit_ellipsoid
 from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
-from driftform_robotics.models.folder import HULL, piece_path
+from driftform_robotics.models.folder import HULL, PIPE, piece_path
+from driftform_robotics.models.meshes import obj_text
 from driftform_robotics.models.mujoco_path import REACH, compare_paths
-from driftform_robotics.models.pipe import list_bores
+from driftform_robotics.models.pipe import Wall, list_bores, make_wall
 from driftform_robotics.models.xml import add, add_comment, format_document, format_number, format_numbers
+
+_WALL = "wall"
 
 BUOYANT_MASS = 1e-9
 """Mass of the small body on which buoyancy acts, relative to the agent's."""
@@ -41,8 +44,11 @@ class MjcfExporter(ModelExporter[ModelOptions]):
         ellipsoid = fit_ellipsoid(model.link, model.job.scenario.fluid.density)
         warnings = _list_warnings(model, ellipsoid)
         agent = _make_agent(model, ellipsoid, self.options.step, warnings)
-        scene = _make_scene(model.title, model.job.scenario)
-        return {"scene.xml": format_document(scene), "agent.xml": format_document(agent)}, warnings
+        pipe = model.job.scenario.pipe
+        wall = make_wall(pipe) if pipe.straight is None else None
+        scene = _make_scene(model.title, model.job.scenario, wall)
+        files = {"scene.xml": format_document(scene), "agent.xml": format_document(agent)}
+        return files | ({} if wall is None else {PIPE: obj_text(wall.mesh)}), warnings
 
 
 def _list_warnings(model: Model, ellipsoid: Ellipsoid) -> list[str]:
@@ -188,7 +194,8 @@ def _make_agent(model: Model, ellipsoid: Ellipsoid, step: float, warnings: list[
     return root
 
 
-def _make_scene(title: str, scenario: Scenario) -> ET.Element:
+def _make_scene(title: str, scenario: Scenario, wall: Wall | None) -> ET.Element:
+    """Return the scene; the planks of a pipe with parts are hidden, and its ``wall`` is displayed in their place."""
     root = ET.Element("mujoco", model=f"{title} in the pipe")
     add_comment(root, ["Start at the keyframe 'release', which also sets the velocity."])
     add(root, "include", file="agent.xml")
@@ -199,9 +206,22 @@ def _make_scene(title: str, scenario: Scenario) -> ET.Element:
     add(root, "statistic", extent=format_number(extent / 2))
     add(add(root, "visual"), "headlight", ambient="0.5 0.5 0.5", diffuse="0.5 0.5 0.5")
     sky = {"type": "skybox", "builtin": "gradient", "rgb1": "0.8 0.9 1", "rgb2": "0.4 0.5 0.6"}
-    add(add(root, "asset"), "texture", width="64", height="64", **sky)
+    assets = add(root, "asset")
+    add(assets, "texture", width="64", height="64", **sky)
     world = add(root, "worldbody")
     add(world, "light", pos="0 0 5", dir="0 0 -1", directional="true")
+    glass = {"rgba": "0.6 0.8 0.9 0.15"}
+    if wall is not None:
+        add(assets, "mesh", name=_WALL, file=Path(PIPE).name)
+        seen = {"contype": "0", "conaffinity": "0", "group": "1"}
+        add_comment(
+            world,
+            [
+                "The wall is for display; its boxes in group 3 collide. A mesh would collide as its convex hull, which is solid."
+            ],
+        )
+        add(world, "geom", name=_WALL, type="mesh", mesh=_WALL, **seen, **glass)
+        glass["group"] = "3"
     for index, bore in enumerate(bores):
         pipe = add(
             world,
@@ -219,7 +239,7 @@ def _make_scene(title: str, scenario: Scenario) -> ET.Element:
                 size=format_numbers(plank.size / 2),
                 pos=format_numbers(plank.position),
                 xyaxes=_format_axes(plank.rotation),
-                rgba="0.6 0.8 0.9 0.15",
+                **glass,
             )
     for name, place in scenario.target_points().items():
         add(

@@ -1,4 +1,4 @@
-"""The pipe for other simulators: a ring of planks for collisions, and a tube for display."""
+"""The pipe for other simulators: a ring of planks for collisions, and a mesh for display."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -9,6 +9,7 @@ from driftform.geometry.pipe_parts import Bend, PipePart, Straight, Tee
 from driftform.scenario import Pipe, Segment
 from driftform.types import FloatArray
 from driftform_robotics.models.meshes import Mesh, make_tube
+from driftform_robotics.models.walls import make_parts_mesh
 
 PLANKS = 64
 """Number of planks around the bore: their faces lie within 0.08 % of its radius from the circle."""
@@ -28,6 +29,15 @@ class Plank:
     """A box: ``size`` along its own axes (m), ``position`` (m) and ``rotation`` (3, 3) in the pipe's frame."""
 
     size: FloatArray
+    position: FloatArray
+    rotation: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Wall:
+    """The wall of a whole pipe as a closed ``mesh``, in a frame with its ``position`` (m) and ``rotation`` (3, 3) in the world."""
+
+    mesh: Mesh
     position: FloatArray
     rotation: FloatArray
 
@@ -98,6 +108,17 @@ def list_bores(pipe: Pipe) -> list[Bore]:
                 )
                 bores.append(Bore(length, 0.5 * (first + last), position, rotation, CHORD_PLANKS, hidden))
     return bores
+
+
+def make_wall(pipe: Pipe) -> Wall | None:
+    """Return the wall of a pipe, ``None`` in open water; that of a pipe with parts is in the world frame."""
+    if pipe.is_open:
+        return None
+    if pipe.straight is not None:
+        bore = make_bore(pipe.straight)
+        return Wall(bore.make_mesh(), bore.position, bore.rotation)
+    mesh = make_parts_mesh(pipe.layout, RELATIVE_THICKNESS * pipe.layout.narrowest)
+    return Wall(mesh, np.zeros(3), np.eye(3))
 
 
 def make_bore(segment: Segment) -> Bore:

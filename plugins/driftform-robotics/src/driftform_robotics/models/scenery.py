@@ -7,7 +7,7 @@ import numpy as np
 
 from driftform.scenario import Scenario
 from driftform.types import FloatArray
-from driftform_robotics.models.pipe import list_bores
+from driftform_robotics.models.pipe import list_bores, make_wall
 from driftform_robotics.models.xml import add, add_comment, format_number, format_numbers, format_pose
 
 _GLASS, _RED = "0.6 0.8 0.9 1", "0.9 0.2 0.1 1"
@@ -46,13 +46,14 @@ def _add_material(visual: ET.Element, colour: str) -> None:
 
 
 def add_pipe(
-    world: ET.Element, scenario: Scenario, offset: FloatArray, meshes: list[str]
+    world: ET.Element, scenario: Scenario, offset: FloatArray, mesh: str | None
 ) -> ET.Element | None:
     """Append the pipe, moved by ``offset`` (m), and return its model, or ``None`` in open water.
 
-    The wall collides as planks. It is displayed as ``meshes``, one for each bore, or, without meshes, as the planks.
+    The wall collides as planks. It is displayed as the ``mesh`` of :func:`make_wall`, or, without one, as the planks.
     """
-    if scenario.pipe.is_open:
+    wall = make_wall(scenario.pipe)
+    if wall is None:
         return None
     model = add(world, "model", name="pipe")
     link = add(model, "link", name="wall")
@@ -60,16 +61,16 @@ def add_pipe(
         link,
         ["The wall is a ring of planks: simulators replace a mesh by its convex hull, which is solid."],
     )
+    if mesh is not None:
+        visual = add(link, "visual", name="segment_0")
+        add(visual, "pose", format_pose(wall.position + offset, wall.rotation))
+        _add_glass(visual)
+        add_mesh(visual, mesh)
     for index, bore in enumerate(list_bores(scenario.pipe)):
-        if meshes:
-            visual = add(link, "visual", name=f"segment_{index}")
-            add(visual, "pose", format_pose(bore.position + offset, bore.rotation))
-            _add_glass(visual)
-            add_mesh(visual, meshes[index])
         for k, plank in enumerate(bore.make_planks()):
             shapes = [add(link, "collision", name=f"plank_{index}_{k}")]
             add_friction(shapes[0], scenario.calibrated_contact().friction)
-            if not meshes:
+            if mesh is None:
                 shapes.append(add(link, "visual", name=f"segment_{index}_{k}"))
                 _add_glass(shapes[1])
             for shape in shapes:

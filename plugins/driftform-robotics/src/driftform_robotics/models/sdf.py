@@ -12,14 +12,14 @@ import numpy as np
 
 from driftform.geometry.slices import slice_solid
 from driftform.options import Table, option
-from driftform.scenario import UniformFlow
+from driftform.scenario import Scenario, UniformFlow
 from driftform.types import FloatArray
 from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
 from driftform_robotics.models.folder import HULL, PIPE, piece_path
 from driftform_robotics.models.gazebo_package import WORLD, gazebo_package
 from driftform_robotics.models.link import make_link, warn_of_divergence, warn_of_flow
 from driftform_robotics.models.meshes import obj_text
-from driftform_robotics.models.pipe import make_bore
+from driftform_robotics.models.pipe import make_wall
 from driftform_robotics.models.scenery import (
     add_friction,
     add_mesh,
@@ -98,17 +98,17 @@ class SdfExporter(ModelExporter[SdfOptions]):
         warnings = _list_warnings(model, gazebo, PUSH)
         alone = ET.Element("sdf", version=gazebo.sdf)
         _add_model(alone, model, gazebo, warnings)
-        straight = scenario.pipe.straight
-        pipes = [] if straight is None else [make_bore(straight).make_mesh()]
+        wall = make_wall(scenario.pipe)
         files = {
             "world.sdf": format_document(_make_world(model, gazebo, step, warnings)),
             "model.sdf": format_document(alone),
             "model.config": format_document(_make_config(model, gazebo)),
-            **({PIPE: obj_text(pipes[0])} if pipes else {}),
+            **({} if wall is None else {PIPE: obj_text(wall.mesh)}),
         }
         if model.link.velocity.any():
             files[PUSH] = _make_push_script(model, gazebo, step)
-        if scenario.current().any():
+        # Nothing moves evenly with the water through a bend.
+        if scenario.current().any() and _is_straight(scenario):
             drifting = _move_to_water_frame(model, self.options.drag_speed)
             adrift = warn_of_flow(scenario) + _list_warnings(drifting, gazebo, PUSH_DRIFT)
             world = _make_world(drifting, gazebo, step, adrift, -scenario.current())
@@ -118,6 +118,10 @@ class SdfExporter(ModelExporter[SdfOptions]):
         shared = [*files, HULL]
         files |= gazebo_package(model, shared, gazebo.messages, gazebo.program, warnings)
         return files, warnings
+
+
+def _is_straight(scenario: Scenario) -> bool:
+    return scenario.pipe.is_open or scenario.pipe.straight is not None
 
 
 def _move_to_water_frame(model: Model, drag_speed: float | None) -> Model:
@@ -145,9 +149,10 @@ def _list_warnings(model: Model, gazebo: _Gazebo, push: str) -> list[str]:
     elif model.job.scenario.current().any():
         found.append(
             "In a current Gazebo lacks the force -M_A (w x u) on an agent that rotates at w, where u is the current in "
-            "body axes; gz-sim before April 2026 computes the Coriolis forces of added mass from the speed over ground. "
-            "drift.sdf is the same world in the frame of the water, where neither error occurs."
+            "body axes; gz-sim before April 2026 computes the Coriolis forces of added mass from the speed over ground."
         )
+        if _is_straight(model.job.scenario):
+            found[-1] += " drift.sdf is the same world in the frame of the water, where neither error occurs."
     if link.velocity.any():
         found.append(f"Run {push} before you press play: SDF cannot hold the velocity of the release.")
     return found
@@ -204,7 +209,7 @@ def _make_world(
         add(change, "density", "0")
     add(buoyancy, "enable", model.title)
     add_scene(world)
-    pipe = add_pipe(world, scenario, np.zeros(3), [] if scenario.pipe.straight is None else [PIPE])
+    pipe = add_pipe(world, scenario, np.zeros(3), PIPE)
     around = [pipe, add_targets(world, scenario, np.zeros(3))]
     if passing is None:
         make_static(around)

@@ -180,7 +180,7 @@ def _make_world(scenario: Scenario, offset: FloatArray, step: float) -> ET.Eleme
     add(physics, "real_time_update_rate", format_number(1 / step))
     add(world, "gravity", format_numbers([0.0, 0.0, -scenario.fluid.gravity]))
     add_scene(world)
-    make_static([add_pipe(world, scenario, offset, []), add_targets(world, scenario, offset)])
+    make_static([add_pipe(world, scenario, offset, None), add_targets(world, scenario, offset)])
     _add_current(world, scenario.current())
     return root
 

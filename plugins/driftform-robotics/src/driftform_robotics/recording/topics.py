@@ -13,6 +13,7 @@ from driftform.trajectory.forces import accelerations_along, net_wrench
 from driftform.types import FloatArray, Trajectory
 from driftform_robotics import sensors
 from driftform_robotics.models.meshes import revolve_contour
+from driftform_robotics.models.pipe import list_bores
 from driftform_robotics.plume import Plume, make_plume
 from driftform_robotics.recording.messages import SECOND, Messages
 from driftform_robotics.recording.options import FlightOptions
@@ -63,7 +64,7 @@ class FlightTopics:
             Topic(f"/{name}/imu", "sensor_msgs/Imu", self._make_imu),
             Topic(f"/{name}/pressure", "sensor_msgs/FluidPressure", self._make_pressures),
         ]
-        if self.job.scenario.pipe.segments:
+        if self.job.scenario.pipe.straight is not None:
             found += [
                 Topic(f"/{name}/range", "sensor_msgs/Range", self._make_ranges),
                 Topic(f"/{name}/clearance", "std_msgs/Float64", self._make_clearances),
@@ -84,12 +85,13 @@ class FlightTopics:
 
     @cached_property
     def plumes(self) -> list[Plume]:
-        """Plumes of the targets on the wall; empty if the water is at rest."""
+        """Plumes of the targets on the wall; empty if the water is at rest, or the pipe is not straight."""
         scenario = self.job.scenario
-        if not scenario.targets or scenario.flow.speed == 0:
+        straight = scenario.pipe.straight
+        if not scenario.targets or scenario.flow.speed == 0 or straight is None:
             return []
         gaps = sensors.wall_distance(scenario.target_array(), scenario.pipe)
-        on_wall = gaps < ON_WALL * scenario.pipe.segments[0].radius
+        on_wall = gaps < ON_WALL * straight.radius
         return [
             make_plume(scenario, point, self.options.leak_rate, self.options.diffusivity)
             for point, leaks in zip(scenario.target_points().values(), on_wall, strict=True)
@@ -228,7 +230,7 @@ class FlightTopics:
                     header=self._make_sensor_header(stamp),
                     # All directions: the distance is that of the nearest point of the wall.
                     field_of_view=2 * np.pi,
-                    max_range=pipe.segments[0].radius,
+                    max_range=pipe.layout.inlet.radius,
                     range=value,
                     variance=options.distance_noise**2,
                 ),
@@ -261,14 +263,14 @@ class FlightTopics:
     def _make_markers(self) -> Iterator[tuple[int, Any]]:
         scenario, stamp = self.job.scenario, self.stamps[0]
         found = []
-        for segment in scenario.pipe.segments:
-            start, end = np.array(segment.start), np.array(segment.end)
-            pose = self.ros.make_pose((start + end) / 2, _turn_z_to(end - start))
-            size = np.array([2 * segment.radius, 2 * segment.radius, np.linalg.norm(end - start)])
+        for bore in list_bores(scenario.pipe):
+            pose = self.ros.make_pose(bore.position, _turn_z_to(bore.rotation[:, 0]))
+            size = np.array([2 * bore.radius, 2 * bore.radius, bore.length])
             found.append(self._make_marker(stamp, "pipe", "CYLINDER", GREY, pose=pose, size=size))
         straight = np.array([1.0, 0.0, 0.0, 0.0])
+        small = 0.05 * (1.0 if scenario.pipe.is_open else scenario.pipe.layout.narrowest)
         for name, point in scenario.target_points().items():
-            size = np.full(3, 0.05 * scenario.pipe.segments[0].radius)
+            size = np.full(3, small)
             pose = self.ros.make_pose(np.array(point), straight)
             found.append(self._make_marker(stamp, "targets", "SPHERE", VERMILLION, pose=pose, size=size))
             above = self.ros.make_pose(np.add(point, [0.0, 0.0, 1.2 * size[2]]), straight)
