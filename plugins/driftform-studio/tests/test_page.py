@@ -19,6 +19,9 @@ from driftform.scenario import Pipe
 DOCS = Path(__file__).parents[3] / "docs" / "images"
 UPDATE = os.environ.get("UPDATE_DOCS") == "1"
 
+DOWN = r"net::ERR_(CONNECTION_\w+|EMPTY_RESPONSE|SOCKET_NOT_CONNECTED)"
+"""What the console says of a server that does not listen, or that ended before it answered."""
+
 CONTRASTS = """
 const channel = (v) => (v /= 255, v <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
 const light = ([r, g, b]) => 0.2126 * channel(r) + 0.7152 * channel(g) + 0.0722 * channel(b);
@@ -158,11 +161,7 @@ class Page:
 
     def messages(self):
         """Return what the console says of errors; a server that is down is told to the user, not here."""
-        return [
-            m["message"]
-            for m in self.browser.get_log("browser")
-            if "ERR_CONNECTION_REFUSED" not in m["message"]
-        ]
+        return [m["message"] for m in self.browser.get_log("browser") if not re.search(DOWN, m["message"])]
 
     def picture(self, name, bottom):
         """Take a picture of the page down to an element; with UPDATE_DOCS=1 it is that of the docs."""

@@ -136,7 +136,7 @@ def map_reach(run: Run) -> dict[str, Any]:
     classes = np.searchsorted(BOUNDS, reach.distance, side="right")
     classes[~reach.reached] = -1
     edges = _place_columns(cells)
-    placed = np.isfinite(edges).all(axis=(1, 2, 3))
+    placed: npt.NDArray[np.bool_] = np.asarray(np.isfinite(edges).all(axis=(1, 2, 3)))
     classes[~reach.reached & ~_find_real(cells)] = -2
     classes.reshape(cells.shape)[~placed] = -2
     return {
@@ -167,12 +167,12 @@ def _find_real(cells: PipeGrid) -> npt.NDArray[np.bool_]:
     """Return which cells of a map have their centre in the pipe at the place that the map says, (cells,)."""
     centres = cells.centres()
     world = cells.to_world(centres)
-    real = np.isfinite(world).all(axis=1)
+    real: npt.NDArray[np.bool_] = np.asarray(np.isfinite(world).all(axis=1))
     if isinstance(cells, UnrolledGrid):
         real[real] = cells.layout.find_part(world[real]) >= 0
     # Where a branch leaves, the map of the run and that of the branch overlap: each point is on one of them.
     real[real] = np.abs(cells.to_map(world[real])[:, :2] - centres[real]).max(axis=1) < 1e-6
-    return np.asarray(real)
+    return real
 
 
 def pick(run: Run, point: tuple[float, float, float]) -> dict[str, Any]:
