@@ -47,6 +47,14 @@ def test_a_straight_pipe_has_no_paths_because_its_profile_is_known():
     assert trace_streams(Scenario()) == []
 
 
+def test_a_tee_whose_flow_is_not_solved_yet_has_no_paths_rather_than_a_wait(scenario, tmp_path, monkeypatch):
+    monkeypatch.setenv("DRIFTFORM_CACHE", str(tmp_path))
+    run, bend, tee, end = scenario.pipe.parts
+    odd = Pipe(radius=0.1, parts=(run, bend, tee.model_copy(update={"branch_radius": 0.0613}), end))
+    assert trace_streams(scenario.model_copy(update={"pipe": odd})) == []
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_motion_without_its_needless_points_is_never_farther_off_than_the_tolerance():
     t = np.linspace(0, 5, 400)
     path = np.column_stack([t, np.sin(t), np.cos(t), t**2])

@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from driftform.geometry.pipe_parts import Straight
+from driftform.geometry.pipe_parts import Straight, Tee
 from driftform.scenario import Pipe, Scenario
 from driftform.types import FloatArray
 
@@ -34,16 +34,34 @@ SLOWEST = 1e-3
 def trace_streams(scenario: Scenario) -> list[FloatArray]:
     """Return paths of the mean flow from the inlet to the outlets: time (s) and position (m) at each point, (n, 4) each.
 
-    None in a straight pipe, whose current is its profile, and in open water.
+    None in a straight pipe, whose current is its profile, in open water, and with a tee whose flow is not solved yet: that
+    takes a minute, and is left to the first flight.
     """
     from driftform.dynamics.fittings import fitting_array
     from driftform.dynamics.flow import flow_array
 
     if scenario.pipe.is_open or scenario.pipe.straight is not None:
         return []
+    if not all(
+        is_solved(placed.part) for placed in scenario.pipe.layout.parts if isinstance(placed.part, Tee)
+    ):
+        return []
     fittings = fitting_array(scenario)
     assert fittings is not None
     return _trace(scenario.pipe, tuple(flow_array(scenario)), fittings.tobytes())
+
+
+def is_solved(tee: Tee) -> bool:
+    """Return whether the flow in a tee of this shape is on disk."""
+    from driftform.dynamics.tee_flow import _find_junction
+    from driftform.potential.store import PACKAGED, cache_folder, file_name
+
+    try:
+        junction, _ = _find_junction(tee.radius, tee.branch_radius, tee.angle, tee.fillet)
+    except ValueError:
+        return False  # The flow in such a shape is not known; the core says so where it flies.
+    name = file_name(junction)
+    return (PACKAGED / name).is_file() or (cache_folder() / name).is_file()
 
 
 @lru_cache(maxsize=16)
