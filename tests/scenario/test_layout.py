@@ -220,6 +220,11 @@ def test_errors_name_the_line_of_the_part(tmp_path):
         match=r"study.toml:14: unknown key 'raduis' in \[\[pipe.parts.branch\]\]; did you mean 'radius'",
     ):
         load_study(str(file))
+    file.write_text(text.partition("[[pipe.parts.branch]]")[0] + 'branch = []\n[targets]\nT = "A"\n')
+    with pytest.raises(
+        InputError, match=r"study.toml:12: pipe.parts\[1\].branch = \[\]: should not be empty$"
+    ):
+        load_study(str(file))
     file.write_text(text % 'radius = "wide"')
     with pytest.raises(
         InputError, match=r"study.toml:14: pipe.parts\[1\].branch\[0\].radius = 'wide': should be a number"

@@ -127,6 +127,56 @@ def test_the_centre_of_every_cell_is_in_it_and_goes_to_the_world_and_back(segmen
     )
 
 
+ELBOW_AND_TEE = Pipe(
+    radius=0.5,
+    parts=(
+        {"kind": "straight", "length": 3.0},
+        {"kind": "bend", "radius": 2.0, "roll_deg": 180.0},
+        {"kind": "reducer", "radius": 0.3, "length": 0.5},
+        {
+            "kind": "tee",
+            "branch_radius": 0.2,
+            "share": 0.3,
+            "roll_deg": 0.0,
+            "branch": [{"kind": "straight", "length": 1.0, "outlet": "a"}],
+        },
+        {"kind": "bend", "radius": 1.0, "roll_deg": 90.0},
+        {"kind": "straight", "length": 1.0, "outlet": "b"},
+    ),
+)
+
+
+def test_a_map_of_parts_goes_to_the_world_and_back():
+    cells = PipeGrid.of_scenario(Scenario(pipe=ELBOW_AND_TEE, targets={}))
+    centres = cells.centres()
+    world = cells.to_world(centres)
+    there = np.isfinite(world).all(axis=1)
+    # Only the columns between the run and the branch are nowhere.
+    assert 0 < np.count_nonzero(~there) < 0.03 * len(there)
+    layout = cells.layout
+    inside = layout.find_part(world[there]) >= 0
+    back = cells.to_map(world[there][inside])
+    same = np.abs(back[:, :2] - centres[there][inside]).max(axis=1) < 1e-9
+    # Around the tee a point belongs to the run or to the branch, whose maps overlap there.
+    tee = layout.parts[3].part
+    from_tee = np.linalg.norm(world[there][inside][~same] - tee.origin, axis=1)
+    assert same.mean() > 0.9 and from_tee.max() < 2.5 * tee.radius
+    assert back[same, 2] == pytest.approx(0, abs=1e-9)
+
+
+def test_the_axis_of_a_map_of_parts_leads_from_the_inlet_to_every_outlet():
+    cells = PipeGrid.of_scenario(Scenario(pipe=ELBOW_AND_TEE, targets={}))
+    x = np.linspace(0, cells.size[0] * cells.shape[0], 5000)
+    axis = cells.to_world(np.column_stack([x, np.zeros(len(x))]))
+    axis = axis[np.isfinite(axis).all(axis=1)]
+    for opening in (cells.layout.inlet, *(outlet.opening for outlet in cells.layout.outlets)):
+        assert np.linalg.norm(axis - opening.centre, axis=1).min() < 0.003
+    # One step is one step in the pipe, but for the one from the outlet of the run to the branch.
+    steps = np.sort(np.linalg.norm(np.diff(axis, axis=0), axis=1))
+    assert steps[:-1] == pytest.approx(x[1], rel=0.01)
+    assert steps[-1] > 0.5
+
+
 @settings(deadline=None, max_examples=40)
 @given(st.builds(wild, seeds) | st.builds(smooth, seeds))
 def test_a_flight_crosses_the_cells_that_a_dense_row_of_its_points_lies_in(path):

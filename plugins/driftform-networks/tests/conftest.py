@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
+from runpy import run_path
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,6 +14,9 @@ import pytest
 
 from driftform.types import FloatArray
 from driftform_networks.network import Network
+
+# How tables get into docs/networks.md; with the import mode "importlib" a conftest is not importable from another folder.
+publish = run_path(str(Path(__file__).parents[3] / "tests" / "conftest.py"))["publish"]
 
 GPM, FOOT = 6.30901964e-05, 0.3048
 _QUALITY = 12

@@ -242,6 +242,25 @@ def long_draft() -> dict[str, Any]:
 
 
 @pytest.fixture
+def terminal_search(folder: Path, long_draft: dict[str, Any]) -> Iterator[subprocess.Popen[bytes]]:
+    """A search that the command line began: the run ``mine``, which exists once the test begins."""
+    import tomli_w
+
+    folder.mkdir()
+    (folder.parent / "long.toml").write_text(tomli_w.dumps(long_draft), encoding="utf-8")
+    command = [PROGRAM, "evolve", "long.toml", "--out", "runs/mine", "--workers", "1"]
+    with subprocess.Popen(
+        command, cwd=folder.parent, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    ) as search:
+        try:
+            wait_until_true(lambda: (folder / "mine" / "run.db").exists() or search.poll() is not None)
+            assert search.poll() is None, "the search ended at once"
+            yield search
+        finally:
+            search.kill()
+
+
+@pytest.fixture
 def program() -> Path:
     """The command line."""
     return PROGRAM

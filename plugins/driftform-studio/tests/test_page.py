@@ -11,10 +11,16 @@ import time
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from driftform.scenario import Pipe
 
 DOCS = Path(__file__).parents[3] / "docs" / "images"
 UPDATE = os.environ.get("UPDATE_DOCS") == "1"
+
+DOWN = r"net::ERR_(CONNECTION_\w+|EMPTY_RESPONSE|SOCKET_NOT_CONNECTED)"
+"""What the console says of a server that does not listen, or that ended before it answered."""
 
 CONTRASTS = """
 const channel = (v) => (v /= 255, v <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
@@ -155,11 +161,7 @@ class Page:
 
     def messages(self):
         """Return what the console says of errors; a server that is down is told to the user, not here."""
-        return [
-            m["message"]
-            for m in self.browser.get_log("browser")
-            if "ERR_CONNECTION_REFUSED" not in m["message"]
-        ]
+        return [m["message"] for m in self.browser.get_log("browser") if not re.search(DOWN, m["message"])]
 
     def picture(self, name, bottom):
         """Take a picture of the page down to an element; with UPDATE_DOCS=1 it is that of the docs."""
@@ -574,32 +576,17 @@ def test_the_command_and_the_study_file_can_be_copied(page, finished, browser):
     assert copied == (finished.folder / "small" / "study.toml").read_text()
 
 
-def test_a_search_of_the_command_line_is_watched_on_the_page(
-    page, serve, folder, tmp_path, long_draft, program
-):
-    import subprocess
-
-    import tomli_w
-
-    (tmp_path / "long.toml").write_text(tomli_w.dumps(long_draft), encoding="utf-8")
-    folder.mkdir()
-    command = [program, "evolve", "long.toml", "--out", "runs/mine", "--workers", "1"]
-    with subprocess.Popen(
-        command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    ) as search:
-        try:
-            page.wait_for((folder / "mine" / "run.db").exists)
-            page.open(serve().address)
-            page.find("#open-runs").click()
-            page.wait_for(lambda: "searching" in page.find("#run-list").text)
-            page.find("#run-list button").click()
-            page.wait_until("Searching")
-            before = page.flights()
-            page.wait_for(lambda: page.flights() > before)
-            assert "A terminal works on this run" in page.text("problems")
-            assert not page.find("#pause").is_displayed()
-        finally:
-            search.kill()
+def test_a_search_of_the_command_line_is_watched_on_the_page(page, serve, terminal_search):
+    page.open(serve().address)
+    page.find("#open-runs").click()
+    page.wait_for(lambda: "searching" in page.find("#run-list").text)
+    page.find("#run-list button").click()
+    page.wait_until("Searching")
+    before = page.flights()
+    page.wait_for(lambda: page.flights() > before)
+    assert "A terminal works on this run" in page.text("problems")
+    assert not page.find("#pause").is_displayed()
+    terminal_search.kill()
     page.wait_until("Paused")
     assert page.messages() == []
 
@@ -694,6 +681,35 @@ def test_a_search_in_a_pipe_of_parts_is_shown_as_one_in_a_straight_pipe(page, se
     assert "from end" in page.text("moment")
     page.find("#show-space").click()
     page.wait_for(lambda: page.pixels("space")[0] > 0.002)
+    assert page.messages() == []
+    # The arrows of its current drift around the bend, as fast as the water.
+    scene = server.ask(f"api/runs/{name}")["scene"]
+    before, after = (
+        np.reshape(page.run("return driftIn(arguments[0])(arguments[1])", scene, t), (-1, 6, 3))[:, 1]
+        for t in (0.0, 0.1)
+    )
+    layout = Pipe.model_validate(pipe).layout
+    parts = layout.find_part(before)
+    assert set(parts.tolist()) - {-1} == {0, 1, 2} and np.mean(parts < 0) < 0.02
+    moved = np.linalg.norm(after - before, axis=1)
+    in_straight = (before[:, 0] < 2) & (moved < 1)
+    assert np.count_nonzero(in_straight) > 20
+    assert moved[in_straight].max() / 0.1 == pytest.approx(max(scene["profile"]), rel=0.1)
+    # The reach map lies in the pipe, around the bend too.
+    page.find("#show-side").click()
+    page.find("#reach").click()
+    page.wait_for(lambda: "Click any point" in page.text("hint"))
+    assert page.run("return document.querySelectorAll('#side .reached').length") > 0
+    bore, cells = (
+        page.run(
+            "const boxes = [...document.querySelectorAll(arguments[0])].map((e) => e.getBBox());"
+            "return [Math.min(...boxes.map((b) => b.x)), Math.min(...boxes.map((b) => b.y)),"
+            "Math.max(...boxes.map((b) => b.x + b.width)), Math.max(...boxes.map((b) => b.y + b.height))];",
+            selector,
+        )
+        for selector in ("#side .bore", "#side .reached, #side .hatched")
+    )
+    assert cells == pytest.approx(bore, abs=2)
     assert page.messages() == []
 
 

@@ -49,29 +49,16 @@ def test_a_run_that_the_command_line_made_is_shown_with_its_promise(finished):
         assert len(target["curve"]) == 120 and target["curve"][-1] is not None
 
 
-def test_a_search_that_the_command_line_began_can_be_watched_but_not_paused(
-    serve, folder, tmp_path, long_draft, wait_for, program
-):
-    import tomli_w
-
-    (tmp_path / "long.toml").write_text(tomli_w.dumps(long_draft), encoding="utf-8")
-    folder.mkdir()
-    command = [program, "evolve", "long.toml", "--out", "runs/mine", "--workers", "1"]
-    with subprocess.Popen(
-        command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    ) as search:
-        try:
-            server = serve()
-            wait_for((folder / "mine" / "run.db").exists)
-            first = wait_for(lambda: (s := server.ask("api/runs/mine/status"))["done"] > 3 and s)
-            assert first["state"] == "running" and not first["canPause"] and not first["canResume"]
-            [line] = server.ask("api/runs/mine/pause", {}, status=422)["errors"]
-            assert "Ctrl-C" in line
-            [line] = server.ask("api/runs/mine/resume", {}, status=422)["errors"]
-            assert "works on this run already" in line
-            wait_for(lambda: server.ask("api/runs/mine/status")["done"] > first["done"])
-        finally:
-            search.kill()
+def test_a_search_that_the_command_line_began_can_be_watched_but_not_paused(serve, terminal_search, wait_for):
+    server = serve()
+    first = wait_for(lambda: (s := server.ask("api/runs/mine/status"))["done"] > 3 and s)
+    assert first["state"] == "running" and not first["canPause"] and not first["canResume"]
+    [line] = server.ask("api/runs/mine/pause", {}, status=422)["errors"]
+    assert "Ctrl-C" in line
+    [line] = server.ask("api/runs/mine/resume", {}, status=422)["errors"]
+    assert "works on this run already" in line
+    wait_for(lambda: server.ask("api/runs/mine/status")["done"] > first["done"])
+    terminal_search.kill()
     assert server.wait_until("mine", "paused")["canResume"]
 
 

@@ -317,13 +317,54 @@ def locate_on_axis(
             feet = np.where(on_branch[:, None], t[:, None] * ray, feet)
             directions = np.where(on_branch[:, None], ray, directions)
             along = part.legs[0] + np.where(on_branch, t, along)
-    unit = directions @ part.axes
-    axes = (
-        np.stack([upright_axes(x, carry_axes(x, part.axes)) for x in unit])
-        if len(unit)
-        else np.empty((0, 3, 3))
-    )
-    return along, part.to_world(feet), axes, on_branch
+    return along, part.to_world(feet), _axes_along(part, directions), on_branch
+
+
+def place_on_axis(
+    part: PipePart, along: FloatArray, on_branch: bool = False
+) -> tuple[FloatArray, FloatArray]:
+    """Return the points at distances along the axis of a part, and the axes there: what :func:`locate_on_axis` inverts.
+
+    Parameters
+    ----------
+    along
+        distances from the entry along the axis, m, (n,).
+    on_branch
+        whether that axis is the one of a tee's branch, which begins at the axis of its run.
+
+    Returns
+    -------
+    points
+        m, (n, 3).
+    axes
+        downstream, left and up, rows, (n, 3, 3).
+    """
+    feet, directions = _along_x(along), np.tile(np.array([1.0, 0.0, 0.0]), (len(along), 1))
+    match part:
+        case Bend():
+            s, c, zero = (
+                np.sin(along / part.bend_radius),
+                np.cos(along / part.bend_radius),
+                np.zeros(len(along)),
+            )
+            feet = part.bend_radius * np.column_stack([s, zero, 1 - c])
+            directions = np.column_stack([c, zero, s])
+        case Tee():
+            feet = _along_x(along - part.legs[0])
+            if on_branch:
+                ray = np.array([exact_cosine(part.angle), 0.0, exact_sine(part.angle)])
+                feet, directions = feet[:, :1] * ray, np.tile(ray, (len(along), 1))
+    return part.to_world(feet), _axes_along(part, directions)
+
+
+def _axes_along(part: PipePart, directions: FloatArray) -> FloatArray:
+    """Return the axes of a bore with each direction (unit vectors of the local frame, (n, 3)), rows, (n, 3, 3)."""
+    if not len(directions):
+        return np.empty((0, 3, 3))
+    # Most parts have one direction, and a branch another one.
+    different, which = np.unique(directions, axis=0, return_inverse=True)
+    axes = np.stack([upright_axes(x, carry_axes(x, part.axes)) for x in different @ part.axes])
+    return np.asarray(axes[which.reshape(-1)])
 
 
 def carry_axes(direction: FloatArray, axes: FloatArray) -> FloatArray:

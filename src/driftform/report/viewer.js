@@ -242,6 +242,50 @@ function drift(segments) {
   });
 }
 
+// The current in a pipe with parts as arrows that drift along paths of the water: [places of lines at a time]. A path is a list of
+// [time, x, y, z]; arrows begin on it as often as water goes there, so that they are as dense everywhere.
+function driftAlong(streams, radius) {
+  const rate = (path) => Math.hypot(...[1, 2, 3].map((i) => path[1][i] - path[0][i])) / (path[1][0] - path[0][0]);
+  const paths = streams.map((path) => ({ path, rate: rate(path), duration: path[path.length - 1][0] }));
+  const fastest = Math.max(...paths.flatMap(({ path }) => path.slice(1).map((b, i) => Math.hypot(b[1] - path[i][1], b[2] - path[i][2], b[3] - path[i][3]) / (b[0] - path[i][0]))), 1e-9);
+  const mean = paths.reduce((sum, { rate: r }) => sum + r, 0) / Math.max(1, paths.length);
+  const total = paths.reduce((sum, { rate: r, duration }) => sum + (r * duration) / mean, 0);
+  // One arrow for each half of a radius of the way of a path, but no more than a screen can draw in a moment.
+  const apart = Math.max(radius / (2 * mean), total / 600);
+  const arrows = paths.flatMap(({ path, rate: r, duration }, k) => {
+    const every = (apart * mean) / Math.max(r, 1e-9);
+    const count = Math.max(1, Math.round(duration / every));
+    // The golden ratio spreads the beginnings of the paths over time.
+    return [...Array(count)].map((_, n) => ({ path, duration, at: ((n + ((0.618 * k) % 1)) * duration) / count }));
+  });
+  const place = (path, time) => {
+    let [low, high] = [0, path.length - 1];
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (path[middle][0] <= time) low = middle; else high = middle;
+    }
+    const share = Math.min(1, (time - path[low][0]) / (path[high][0] - path[low][0]));
+    return [1, 2, 3].map((i) => path[low][i] + share * (path[high][i] - path[low][i]));
+  };
+  const shaft = (0.22 * radius) / fastest;
+  const barb = 0.035 * radius;
+  return (time) => arrows.flatMap(({ path, duration, at }) => {
+    const now = (((at + time) % duration) + duration) % duration;
+    const tip = place(path, now);
+    const root = place(path, Math.max(0, now - shaft));
+    const way = unit(sub(tip, root));
+    const out = unit(cross(way, Math.abs(way[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
+    const side = (across) => tip.map((v, i) => v - barb * way[i] + across * out[i]);
+    return [...root, ...tip, ...side(0.5 * barb), ...tip, ...side(-0.5 * barb), ...tip];
+  });
+}
+
+// What drifts in a scene: nothing in open water.
+function driftIn({ pipe, streams, size }) {
+  if (pipe.length) return drift(pipe);
+  return streams.length ? driftAlong(streams, size) : () => [];
+}
+
 // A picture on a canvas that rotates and zooms; `scene` returns the items to draw.
 class View {
   constructor(canvas, scene, camera) {
@@ -454,7 +498,7 @@ function start() {
   };
 
   const pipe = bore([...data.pipe, ...data.chords]);
-  const drifting = data.pipe.length ? drift(data.pipe) : () => [];
+  const drifting = driftIn(data);
   const current = { places: [] };
   const marks = data.targets.map(({ name, position }) => {
     const label = find("names").appendChild(Object.assign(document.createElement("span"), { textContent: name }));

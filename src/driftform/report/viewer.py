@@ -9,6 +9,7 @@ from driftform.figures.projection import simplify_polyline
 from driftform.figures.style import SERIES
 from driftform.geometry.pipe_parts import Straight
 from driftform.report.contents import Contents
+from driftform.report.streams import trace_streams
 from driftform.scenario import Pipe, Scenario, UniformFlow
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Agent, FloatArray, Trajectory
@@ -70,6 +71,7 @@ def scene_data(scenario: Scenario, paths: Sequence[FloatArray] = ()) -> dict[str
             }
             for r in rows
         ],
+        "streams": [_round(path, 4) for path in trace_streams(scenario)],
         "chords": [{"start": _round(a), "end": _round(b), "radius": r} for a, b, r in chords],
         "targets": [
             {"name": name, "position": list(point)} for name, point in scenario.target_points().items()

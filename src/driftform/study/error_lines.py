@@ -96,6 +96,9 @@ def _describe_expected(item: Mapping[str, Any]) -> str:
     if kind == "too_long":
         most = item["ctx"]["max_length"]
         return f"should have at most {most} value{'s' if most != 1 else ''}"
+    if kind == "too_short":
+        least = item["ctx"]["min_length"]
+        return f"should have at least {least} values" if least > 1 else "should not be empty"
     return _EXPECTED.get(kind) or str(item["msg"]).replace("Input should be", "should be")
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from driftform.errors import InputError
-from driftform.geometry.pipe_parts import locate_on_axis
+from driftform.geometry.pipe_parts import locate_on_axis, place_on_axis
 from driftform.scenario import Pipe, Scenario, Segment, Vector
 from driftform.scenario.layout import Layout
 from driftform.types import FloatArray, Trajectory
@@ -19,6 +19,9 @@ _ROWS, _COLUMNS = 20, 1000
 
 _APART = 0.2
 """Distance between the run and a branch on a map of a pipe with parts, m."""
+
+_ROUNDING = 1e-9
+"""Distance (m) by which a point of the map may lie beyond the end of a part by rounding."""
 
 _FINE = 0.1
 """Step along a path through a pipe with parts, in sides of a cell."""
@@ -217,6 +220,26 @@ class UnrolledGrid(PipeGrid):
             found[here, 0] = start + self.layout.depths[index] + along
             found[here, 1] = (off * axes[:, 2]).sum(axis=1)
             found[here, 2] = -(off * axes[:, 1]).sum(axis=1)
+        return found
+
+    def to_world(self, points: FloatArray) -> FloatArray:
+        """Return the world points (n, 3) of points on the map (n, 2), m; not a number between the chains of parts."""
+        found = np.full((len(points), 3), np.nan)
+        for index, placed in enumerate(self.layout.parts):
+            entry = self.starts[index] + self.layout.depths[index]
+            ways = [(0.0, placed.part.length, entry, False)]
+            if placed.by_branch and placed.upstream is not None:
+                # The axis of the branch within the tee, from that of the run on.
+                tee = placed.upstream
+                begin = self.layout.junction_depth(tee) - self.layout.depths[tee]
+                end = self.layout.depths[index] - self.layout.depths[tee]
+                ways.append((begin, end, self.starts[index] + self.layout.depths[tee], True))
+            for begin, end, start, on_branch in ways:
+                along = points[:, 0] - start
+                here = np.isnan(found[:, 0]) & (along >= begin - _ROUNDING) & (along <= end + _ROUNDING)
+                part = self.layout.parts[placed.upstream or 0].part if on_branch else placed.part
+                foot, axes = place_on_axis(part, along[here], on_branch)
+                found[here] = foot + points[here, 1:] * axes[:, 2]
         return found
 
     def cell_of(self, points: FloatArray) -> IntArray:

@@ -6,6 +6,7 @@ from typing import Any
 from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
+import numpy.typing as npt
 
 from driftform.agents.design import Design
 from driftform.agents.limits import list_limits
@@ -19,10 +20,10 @@ from driftform.runs.finalists import find_winner
 from driftform.runs.picking import write_pick
 from driftform.runs.run import Run
 from driftform.trajectory.approach import closest_approach
-from driftform.trajectory.coverage import PipeGrid, map_coverage
+from driftform.trajectory.coverage import PipeGrid, UnrolledGrid, map_coverage
 from driftform.trajectory.dependence import divide_spread
 from driftform.trajectory.misses import Misses, finite_or_none
-from driftform.types import Trajectory
+from driftform.types import FloatArray, Trajectory
 from driftform.util.progress import count_progress, track_progress
 
 FORMATS = {"stl": ("stl", False), "3mf": ("3mf", False), "kit": ("3mf", True)}
@@ -115,7 +116,11 @@ def export_agent(stored: StoredAgent, kind: str, folder: Path) -> Path:
 
 
 def map_reach(run: Run) -> dict[str, Any]:
-    """Return the reach map: the grid, and the class of each cell by the closest flight, ``None`` if none crosses it.
+    """Return the reach map: the class of each cell by the closest flight, and where the cells lie in the pipe.
+
+    A cell that no flight crosses has the class -1, and one that is not in the pipe -2: beside a narrow bore, or between
+    the parts on an unrolled map. ``edges`` has two edges for each column of cells, upstream and downstream, from the lowest to
+    the highest point of the map; ``None`` for a column that is not in the pipe.
 
     Raises
     ------
@@ -130,19 +135,44 @@ def map_reach(run: Run) -> dict[str, Any]:
         reach = map_coverage(flights, cells)
     classes = np.searchsorted(BOUNDS, reach.distance, side="right")
     classes[~reach.reached] = -1
-    columns, rows = cells.shape
+    edges = _place_columns(cells)
+    placed: npt.NDArray[np.bool_] = np.asarray(np.isfinite(edges).all(axis=(1, 2, 3)))
+    classes[~reach.reached & ~_find_real(cells)] = -2
+    classes.reshape(cells.shape)[~placed] = -2
     return {
-        "origin": cells.origin.tolist(),
-        "axes": cells.axes[:2].tolist(),
-        "size": cells.size[:2].tolist(),
-        "columns": columns,
-        "rows": rows,
+        "edges": [np.round(e, 4).tolist() if there else None for e, there in zip(edges, placed, strict=True)],
+        "columns": cells.shape[0],
+        "rows": cells.shape[1],
         "classes": classes.tolist(),
         "colours": list(RAMP),
         "bounds": list(BOUNDS),
         "flights": reach.flights,
         "reached": int(reach.reached.sum()),
+        "cells": int((classes > -2).sum()),
     }
+
+
+def _place_columns(cells: PipeGrid) -> FloatArray:
+    """Return both edges of each column of a map from bottom to top in the world frame, m, (columns, 2, 2, 3)."""
+    columns, rows = cells.shape
+    width, top = cells.size[0], 0.5 * rows * cells.size[1]
+    # Just within the column: the end of a branch's axis is not the beginning of the gap behind it.
+    inset = 1e-6 * width
+    x = width * np.arange(columns)[:, None] + np.array([inset, width - inset])
+    corners = np.stack(np.broadcast_arrays(x[:, :, None], np.array([-top, top])), axis=-1)
+    return cells.to_world(corners.reshape(-1, 2)).reshape(columns, 2, 2, 3)
+
+
+def _find_real(cells: PipeGrid) -> npt.NDArray[np.bool_]:
+    """Return which cells of a map have their centre in the pipe at the place that the map says, (cells,)."""
+    centres = cells.centres()
+    world = cells.to_world(centres)
+    real: npt.NDArray[np.bool_] = np.asarray(np.isfinite(world).all(axis=1))
+    if isinstance(cells, UnrolledGrid):
+        real[real] = cells.layout.find_part(world[real]) >= 0
+    # Where a branch leaves, the map of the run and that of the branch overlap: each point is on one of them.
+    real[real] = np.abs(cells.to_map(world[real])[:, :2] - centres[real]).max(axis=1) < 1e-6
+    return real
 
 
 def pick(run: Run, point: tuple[float, float, float]) -> dict[str, Any]:

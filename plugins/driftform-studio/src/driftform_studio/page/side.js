@@ -298,18 +298,27 @@ export class Side {
       draw("text", { x: right ? -12 : 12, y: y < 24 ? 14 : -7, "text-anchor": right ? "end" : "start" }, name));
   }
 
+  // The cells of the map where they lie in the pipe; equal neighbours along it are one shape.
   drawReach() {
     if (!this.reach || this.fromAbove) return [];
-    const { origin, axes, size, columns, rows, classes, colours } = this.reach;
-    const corner = (c, r) => this.flat(plus(plus(origin, axes[0], c * size[0]), axes[1], (r - rows / 2) * size[1]));
+    const { edges, columns, rows, classes, colours } = this.reach;
+    const places = edges.map((column) => column?.map((edge) => edge.map((p) => this.flat(p))));
+    const corner = (c, side, r) => {
+      const [low, high] = places[c][side];
+      return plus(low, sub(high, low), r / rows);
+    };
+    // Where the bore bends, every column of a shape has its own corners; a straight shape has four.
+    const bent = !this.outline.pipe.length;
+    const row = (c, end, r) => [corner(c, 0, r), ...(bent ? Array.from({ length: end - c }, (_, i) => corner(c + i, 1, r)) : [corner(end - 1, 1, r)])];
+    const meet = (c) => Math.hypot(...sub(corner(c, 0, 0), corner(c - 1, 1, 0))) < 1e-3;
     const paths = new Map();
     for (let r = 0; r < rows; r++)
       for (let c = 0, end; c < columns; c = end) {
         const kind = classes[c * rows + r];
-        for (end = c + 1; end < columns && classes[end * rows + r] === kind; end++);
-        paths.set(kind, (paths.get(kind) ?? "") + this.line([corner(c, r), corner(end, r), corner(end, r + 1), corner(c, r + 1)], true));
+        for (end = c + 1; end < columns && classes[end * rows + r] === kind && (kind < -1 || meet(end)); end++);
+        if (kind >= -1) paths.set(kind, (paths.get(kind) ?? "") + this.line([...row(c, end, r), ...row(c, end, r + 1).reverse()], true));
       }
-    return [...paths].map(([kind, d]) => kind < 0 ? draw("path", { class: "hatched", d }) : draw("path", { d, fill: colours[kind], stroke: colours[kind], "stroke-width": 0.5 }));
+    return [...paths].map(([kind, d]) => kind < 0 ? draw("path", { class: "hatched", d }) : draw("path", { class: "reached", d, fill: colours[kind], stroke: colours[kind], "stroke-width": 0.5 }));
   }
 
   // The agent of a flight at a time: its contour as seen from the side.
@@ -495,8 +504,8 @@ export class Side {
 
   // What the map's colours mean.
   legend() {
-    const { colours, bounds, flights, reached, classes } = this.reach;
+    const { colours, bounds, flights, reached, cells } = this.reach;
     const words = colours.map((c, i) => [c, i === 0 ? `below ${length(bounds[0])}` : i < bounds.length ? `to ${length(bounds[i])}` : "farther"]);
-    return { words, text: `${flights} flights cross ${reached} of ${classes.length} cells` };
+    return { words, text: `${flights} flights cross ${reached} of ${cells} cells` };
   }
 }

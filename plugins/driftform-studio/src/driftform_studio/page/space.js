@@ -1,5 +1,5 @@
 // The pipe and the agent in three dimensions: the viewer of the report, fed with what the page knows.
-/* global View, ball, bore, colourOf, cross, dot, drift, hex, momentOf, moveOffWall, poseMatrix, revolve, rings, scale, section, sub, surfaceMesh, tube, unit */
+/* global View, ball, bore, colourOf, cross, dot, driftIn, hex, momentOf, moveOffWall, poseMatrix, revolve, rings, scale, section, sub, surfaceMesh, tube, unit */
 import { find, hexColour, make } from "./parts.js";
 
 function meshesOf(agent) {
@@ -69,7 +69,7 @@ export class Space {
     const scene = measure(shown, axes);
     this.scene = scene;
     this.pipe = scene.pipe.length ? bore(scene.pipe) : boresOf(axes);
-    this.drifting = scene.pipe.length ? drift(scene.pipe) : () => [];
+    this.drifting = driftIn(scene);
     this.surface = scene.water === null ? null : surfaceMesh(scene);
     find("names").replaceChildren();
     this.names = scene.targets.map(({ name, position }, number) => ({

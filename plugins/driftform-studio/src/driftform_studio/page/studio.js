@@ -180,7 +180,6 @@ async function openRun(name, key = null) {
   find("start").hidden = true;
   find("change").hidden = false;
   find("reach-choice").hidden = !info.outline.axes.length;
-  find("reach-words").textContent = info.outline.pipe.length ? "Reach map" : "Pick any point";
   find("reach").checked = false;
   find("legend").hidden = true;
   find("place").textContent = [name, info.title].filter(Boolean).join(" · ");
@@ -320,11 +319,7 @@ find("reach").addEventListener("change", async () => {
   side.reach = null;
   find("legend").hidden = true;
   side.mode = "look";
-  if (find("reach").checked && !run.info.outline.pipe.length) {
-    // The core maps straight pipes; any point of others can be picked all the same.
-    side.mode = "pick";
-    say("Click any point for the agent that passes there.");
-  } else if (find("reach").checked) {
+  if (find("reach").checked) {
     const asked = run;
     say("Mapping what the flights reach …");
     try {
