@@ -22,6 +22,7 @@ import numpy as np
 
 from driftform.dynamics.bore import SINE_SMOOTHING, smoothed_sine
 from driftform.dynamics.contact import axis_in_bore, is_far_from_wall, surface_depth
+from driftform.dynamics.fitting_contact import FLATNESS, flat_curvatures
 from driftform.dynamics.impact import FREQUENCY, common_mass, damper, spring, spring_slope
 from driftform.dynamics.model import FRICTION, INVERSE, LINEAR, REACH, FlightModel
 from driftform.dynamics.plane import ACROSS, LAW, NEAR, RADIUS, RESPONSE, RUB, depth_in_plane, offset_in_plane
@@ -189,7 +190,9 @@ def fill_jacobian_in_space(y: FloatArray, model: FlightModel, jacobian: ContactJ
                     jacobian.normals[count, j] = normal[j]
                     unit = (1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0)
                     _fill_push(unit, lever, R, model.table[INVERSE:LINEAR], push[1 + j], pull[1 + j])
-            _fill_curvatures(to_body(R, normal), r, jacobian.curvatures[count])
+            # The bore's fall is r^2 over its radius.
+            flat = FLATNESS * model.surfaces[k, 5] / r if model.fittings is not None and r > 0.0 else 0.0
+            _fill_curvatures(to_body(R, normal), r, flat, jacobian.curvatures[count])
             count += 1
     if count > 0:
         for i in range(2):
@@ -214,13 +217,14 @@ def _fill_push(
 
 
 @compiled
-def _fill_curvatures(normal: Vector, r: float, out: FloatArray) -> None:
+def _fill_curvatures(normal: Vector, r: float, flat: float, out: FloatArray) -> None:
     """Fill ``out`` (2, 2) with the second derivatives of a rim's depth (m) with respect to turns about the body's y and z.
 
-    ``normal`` is that of the wall in the body frame.
+    ``normal`` is that of the wall in the body frame, ``flat`` the tilt of :func:`driftform.dynamics.fitting_contact.rim_reach`, 0 in a
+    straight pipe.
     """
     c = math.sqrt(normal[1] * normal[1] + normal[2] * normal[2])
-    along, across = edge_curvatures(r, c)
+    along, across = edge_curvatures(r, c) if flat == 0.0 else flat_curvatures(r, c, flat)
     y, z = (normal[2] / c, -normal[1] / c) if c > 0.0 else (1.0, 0.0)
     along, across = along * normal[0] * normal[0], across * normal[0] * normal[0]
     out[0, 0], out[1, 1] = along * y * y + across * z * z, along * z * z + across * y * y

@@ -9,11 +9,27 @@ additional rims (:func:`driftform.dynamics.surfaces.refined_surfaces`).
 
 import math
 
-from driftform.dynamics.bore import ANGLE_TOLERANCE, end_of_dome, smoothed_sine
-from driftform.dynamics.fitting_walls import KIND, TEE, fitting_gap
+from driftform.dynamics.bore import ANGLE_TOLERANCE, end_of_dome
+from driftform.dynamics.fitting_walls import (
+    BEND,
+    CURVE,
+    KIND,
+    NARROWEST,
+    RADIUS,
+    REDUCER,
+    TEE,
+    fitting_gap,
+)
 from driftform.dynamics.vectors import ZERO, Vector, add, cross, dot, scale, subtract
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
+
+FLATNESS = 1.5
+"""Sine of the tilt from upright below which a rim counts as flat, over the rim's radius times the difference of the wall's curvatures; with
+1.5, its reach grows so slowly that it has one deepest point."""
+
+MOST_FLAT = 0.7
+"""Greatest such sine: a body that lies along the pipe touches with its rims."""
 
 LOOKS = 8
 """Points of a rim at which it is first compared with the wall of a tee, whose edges have more than one nearest point."""
@@ -44,24 +60,67 @@ def touch_fitting(
         gap, normal, o = fitting_gap(centre, f)
     if r == 0.0:
         return max(0.0, -gap), scale(x, axis), normal, x, r
-    if f[o + KIND] == TEE:
-        normal = _nearest_look(centre, axis, r, normal, f)
-    gap, point, normal = deepest_rim_point(centre, axis, r, normal, f)
+    flat = flat_tilt(r, f, o)
+    angle = _nearest_look(centre, axis, r, normal, f) if f[o + KIND] == TEE else 0.0
+    gap, point, normal = deepest_rim_point(centre, axis, r, flat, normal, angle, f)
     return max(0.0, -gap), subtract(point, position), normal, x, r
 
 
 @compiled
-def _nearest_look(centre: Vector, axis: Vector, r: float, normal: Vector, f: FloatArray) -> Vector:
-    """Return the normal of the wall at the deepest of some points of a rim."""
+def _nearest_look(centre: Vector, axis: Vector, r: float, normal: Vector, f: FloatArray) -> float:
+    """Return the angle of the deepest of some points of a rim, from the direction of ``normal``, rad."""
     u, v = _across(axis, normal)
-    best = math.inf
+    best, found = math.inf, 0.0
     for i in range(LOOKS):
         angle = 2.0 * math.pi * i / LOOKS
         arm = add(scale(r * math.cos(angle), u), scale(r * math.sin(angle), v))
-        gap, there, _ = fitting_gap(add(centre, arm), f)
+        gap, _, _ = fitting_gap(add(centre, arm), f)
         if gap < best:
-            best, normal = gap, there
-    return normal
+            best, found = gap, angle
+    return found
+
+
+@compiled
+def flat_tilt(r: float, f: FloatArray, o: int) -> float:
+    """Return the sine of the tilt from upright below which a rim of radius ``r`` (m) counts as flat in a part; see :func:`rim_reach`.
+
+    The walls of bends and reducers also bulge along the pipe, by the radius of their inside and of their arcs.
+    """
+    curvature = 1.0 / f[o + NARROWEST]
+    if f[o + KIND] == BEND:
+        curvature += 1.0 / (f[o + CURVE] - f[o + RADIUS])
+    elif f[o + KIND] == REDUCER:
+        curvature += 1.0 / f[o + CURVE]
+    return min(MOST_FLAT, FLATNESS * r * curvature)
+
+
+@compiled
+def rim_reach(r: float, c: float, flat: float) -> tuple[float, float]:
+    """Return how far from its centre a rim of radius ``r`` touches, and how much further the wall is kept off there, m.
+
+    A flat end in a bore of radius R touches the wall with two opposite points of its rim. A small tilt moves the
+    load from one to the other, and a single deepest point would jump. Instead the point moves steadily from the centre of the end
+    to its rim, while c, the sine of the tilt from upright, grows to ``flat``, 3/2 r / R. With t = c / flat::
+
+        reach = r t (3 - t^2) / 2        standoff = 3/8 r flat (1 - t^2)^2
+
+    The depth of a rim in a flat wall, reach c + standoff, has the derivative ``reach``, so that forces do no work in
+    a cycle. In the bore it is within r^2 / (16 R) of the true one, r^2 / (2 R) + c^2 R / 2 for c < r / R, and r c for c > ``flat``.
+    """
+    t = c / flat
+    if t >= 1.0:
+        return r, 0.0
+    square = 1.0 - t * t
+    return 0.5 * r * t * (3.0 - t * t), 0.375 * r * flat * square * square
+
+
+@compiled
+def flat_curvatures(r: float, c: float, flat: float) -> tuple[float, float]:
+    """Return the curvatures (m) of the depth of a rim along its tilt and across it; see :func:`rim_reach`."""
+    t = c / flat
+    if t >= 1.0:
+        return 0.0, r / c
+    return 1.5 * r * (1.0 - t * t) / flat, 0.5 * r * (3.0 - t * t) / flat
 
 
 @compiled
@@ -80,20 +139,26 @@ def _across(axis: Vector, normal: Vector) -> tuple[Vector, Vector]:
 
 @compiled
 def deepest_rim_point(
-    centre: Vector, axis: Vector, r: float, normal: Vector, f: FloatArray
+    centre: Vector, axis: Vector, r: float, flat: float, normal: Vector, angle: float, f: FloatArray
 ) -> tuple[float, Vector, Vector]:
     """Return the gap (m) of the deepest point of a rim, that point (m), and the wall's normal there.
 
-    The search begins along ``normal``. A rim that lies flat against the wall touches with less than its radius: see
-    :data:`driftform.dynamics.bore.SINE_SMOOTHING`.
+    Parameters
+    ----------
+    flat
+        sine of the tilt below which the rim touches with less than its radius: see :func:`rim_reach`.
+    normal
+        of the wall at the rim's centre.
+    angle
+        around the axis from the direction of ``normal``, at which the search begins, rad.
     """
     u, v = _across(axis, normal)
-    angle, before, turn_before = 0.0, 0.0, 0.0
-    gap, point = 0.0, centre
+    before, turn_before = 0.0, 0.0
+    gap, point, sine, c, s = 0.0, centre, dot(axis, normal), 1.0, 0.0
+    tilt = math.sqrt(max(0.0, 1.0 - sine * sine))
+    reach, standoff = rim_reach(r, tilt, flat)
     for i in range(MOST_ROUNDS):
         c, s = math.cos(angle), math.sin(angle)
-        sine = dot(axis, normal)
-        reach = r * math.sqrt(max(0.0, 1.0 - sine * sine)) / smoothed_sine(sine)
         point = add(centre, add(scale(reach * c, u), scale(reach * s, v)))
         gap, normal, _ = fitting_gap(point, f)
         radial = c * dot(normal, u) + s * dot(normal, v)
@@ -106,4 +171,10 @@ def deepest_rim_point(
             step = turn * (angle - before) / (turn_before - turn)
         before, turn_before = angle, turn
         angle += min(LONGEST_TURN, max(-LONGEST_TURN, step))
-    return gap, point, normal
+    if standoff > 0.0:
+        # The reach grows with the tilt, and so the gap changes more than by the motion of this point: as if it were further out.
+        slope = flat_curvatures(r, tilt, flat)[0]
+        further = slope * (c * dot(normal, u) + s * dot(normal, v) - tilt)
+        point = add(point, scale(further, u))
+        _, normal, _ = fitting_gap(point, f)
+    return gap - standoff, point, normal
