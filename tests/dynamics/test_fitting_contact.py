@@ -18,7 +18,7 @@ from driftform.dynamics.fitting_contact import (
     touch_fitting,
 )
 from driftform.dynamics.fitting_walls import fitting_gap
-from driftform.dynamics.fittings import rim_spacing, wall_rows
+from driftform.dynamics.fittings import greatest_curvature, rim_spacing, wall_rows
 from driftform.dynamics.flight import energies, release_state
 from driftform.dynamics.integrator import Accuracy, integrate_once
 from driftform.dynamics.model import flight_model
@@ -67,9 +67,10 @@ def agent_of(body):
     return solid_agent(body, 1000.0, Coefficients(np.diag([0.01, 0.03, 0.03, 0.0, 1e-5, 1e-5])))
 
 
-def rows_of(surfaces):
-    """The surfaces of a model, with what only straight pipes and friction ask for."""
-    return np.column_stack([surfaces, np.zeros(len(surfaces)), np.ones(len(surfaces))])
+def rows_of(surfaces, scenario):
+    """The surfaces of a model in a pipe, with what only friction asks for."""
+    fall = (surfaces[:, 1] + surfaces[:, 2]) ** 2 * greatest_curvature(scenario.pipe.layout)
+    return np.column_stack([surfaces, fall, np.ones(len(surfaces))])
 
 
 def vector(values):
@@ -87,16 +88,16 @@ def test_the_deepest_point_of_a_rim_is_that_of_many_points_around_it(name):
                 r = float(rng.uniform(0.1, 0.5) * axis.radii[k])
                 turned = Rotation.random(random_state=int(rng.integers(2**31))).as_matrix()
                 centre = axis.points[k] + rng.uniform(0.8, 1) * (axis.radii[k] - 0.6 * r) * turned[0]
-                gap, normal, part = fitting_gap(vector(centre), f)
+                gap, normal, _ = fitting_gap(vector(centre), f)
                 if gap > r or abs(normal @ turned[2]) > 0.99:
                     continue
                 circle = centre + r * (
                     np.cos(angles)[:, None] * turned[0] + np.sin(angles)[:, None] * turned[1]
                 )
                 deepest = min(fitting_gap(vector(p), f)[0] for p in circle)
-                surfaces = np.array([[0.0, r, 0.0, 0.0, 0.0]])
+                surfaces = rows_of(np.array([[0.0, r, 0.0, 0.0, 0.0]]), scenario)
                 depth, lever, wall, _, _ = touch_fitting(vector(centre), vector(turned[2]), surfaces, 0, f)
-                tilted = math.sqrt(1 - (normal @ turned[2]) ** 2) > flat_tilt(r, f, part)
+                tilted = math.sqrt(1 - (normal @ turned[2]) ** 2) > flat_tilt(r, surfaces, 0)
                 if deepest > -0.01 * r and tilted:
                     assert depth == pytest.approx(max(0.0, -deepest), abs=2e-5 * r)
                 if depth > 0 and tilted:
@@ -147,11 +148,11 @@ def test_the_lever_of_a_nearly_flat_rim_is_the_derivative_of_its_depth(r, flat, 
 def test_a_nearly_flat_rim_is_pushed_as_its_depth_changes(name):
     """Otherwise a body that rocks on its end would gain energy."""
     scenario, rng, r = still_scenario(PIPES[name]), np.random.default_rng(3), 0.02
+    flat = flat_tilt(r, rows_of(np.array([[0.0, r, 0.0, 0.0, 0.0]]), scenario), 0)
     f, [line] = walls_of(scenario), scenario.pipe.layout.parts[1].part.list_axes(0.01)
 
     def touch(centre, axis):
-        _, normal, part = fitting_gap(vector(centre), f)
-        flat = flat_tilt(r, f, part)
+        _, normal, _ = fitting_gap(vector(centre), f)
         gap, point, wall = deepest_rim_point(vector(centre), vector(axis), r, flat, normal, 0.0, f)
         return -gap, np.array(point), np.array(wall)
 
@@ -169,9 +170,9 @@ def test_a_nearly_flat_rim_is_pushed_as_its_depth_changes(name):
         axis = Rotation.from_rotvec(rng.uniform(0, 0.35) * turn / np.linalg.norm(turn)).apply(normal)
         _, point, wall = touch(centre, axis)
         # To first order in the rim's radius over that of the bore, which is 0.2 to 0.4 here.
-        assert slope(lambda d: (centre + d, axis)) == pytest.approx(wall, abs=0.06)
+        assert slope(lambda d, c=centre, a=axis: (c + d, a)) == pytest.approx(wall, abs=0.06)
         torque = np.cross(point - centre, wall)
-        found = slope(lambda d: (centre, Rotation.from_rotvec(d).apply(axis)))
+        found = slope(lambda d, c=centre, a=axis: (c, Rotation.from_rotvec(d).apply(a)))
         assert found == pytest.approx(torque - (torque @ axis) * axis, abs=0.1 * r)
 
 
@@ -236,10 +237,10 @@ def test_a_flank_touches_the_inside_of_a_bend_between_its_corners():
     model = flight_model(agent_of(body), still_scenario([{"length": 1.0}]))
     y = np.array([0.0, 1.0, 0.0])
     R = tuple(vector(row) for row in np.column_stack([along, y, np.cross(along, y)]))
-    rows = rows_of(refined_surfaces(body, rim_spacing(scenario.pipe.layout)))
+    rows = rows_of(refined_surfaces(body, rim_spacing(scenario.pipe.layout)), scenario)
     found = deepest_depth(vector(middle), R, model._replace(surfaces=rows, fittings=f))
     assert 3e-4 <= found <= 5e-4
-    few = rows_of(touching_surfaces(body))
+    few = rows_of(touching_surfaces(body), scenario)
     assert deepest_depth(vector(middle), R, model._replace(surfaces=few, fittings=f)) == 0.0
 
 
@@ -252,7 +253,7 @@ def test_a_body_that_bounces_without_loss_keeps_its_energy_and_stays_inside(name
     agent = agent_of(make())
     open_model = flight_model(agent, still_scenario([{"length": 1.0}]))
     spacing = rim_spacing(scenario.pipe.layout)
-    rows = rows_of(refined_surfaces(agent.body, spacing))
+    rows = rows_of(refined_surfaces(agent.body, spacing), scenario)
     model = open_model._replace(
         surfaces=rows,
         touches=np.zeros((len(rows), 10)),

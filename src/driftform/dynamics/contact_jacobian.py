@@ -22,7 +22,7 @@ import numpy as np
 
 from driftform.dynamics.bore import SINE_SMOOTHING, smoothed_sine
 from driftform.dynamics.contact import axis_in_bore, is_far_from_wall, surface_depth
-from driftform.dynamics.fitting_contact import FLATNESS, flat_curvatures
+from driftform.dynamics.fitting_contact import flat_curvatures, flat_tilt
 from driftform.dynamics.impact import FREQUENCY, common_mass, damper, spring, spring_slope
 from driftform.dynamics.model import FRICTION, INVERSE, LINEAR, REACH, FlightModel
 from driftform.dynamics.plane import ACROSS, LAW, NEAR, RADIUS, RESPONSE, RUB, depth_in_plane, offset_in_plane
@@ -190,8 +190,7 @@ def fill_jacobian_in_space(y: FloatArray, model: FlightModel, jacobian: ContactJ
                     jacobian.normals[count, j] = normal[j]
                     unit = (1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0)
                     _fill_push(unit, lever, R, model.table[INVERSE:LINEAR], push[1 + j], pull[1 + j])
-            # The bore's fall is r^2 over its radius.
-            flat = FLATNESS * model.surfaces[k, 5] / r if model.fittings is not None and r > 0.0 else 0.0
+            flat = flat_tilt(r, model.surfaces, k) if model.fittings is not None and r > 0.0 else 0.0
             _fill_curvatures(to_body(R, normal), r, flat, jacobian.curvatures[count])
             count += 1
     if count > 0:

@@ -10,23 +10,17 @@ additional rims (:func:`driftform.dynamics.surfaces.refined_surfaces`).
 import math
 
 from driftform.dynamics.bore import ANGLE_TOLERANCE, end_of_dome
-from driftform.dynamics.fitting_walls import (
-    BEND,
-    CURVE,
-    KIND,
-    NARROWEST,
-    RADIUS,
-    REDUCER,
-    TEE,
-    fitting_gap,
-)
+from driftform.dynamics.fitting_walls import KIND, TEE, fitting_gap
 from driftform.dynamics.vectors import ZERO, Vector, add, cross, dot, scale, subtract
 from driftform.types import FloatArray
 from driftform.util.compiled import compiled
 
 FLATNESS = 1.5
-"""Sine of the tilt from upright below which a rim counts as flat, over the rim's radius times the difference of the wall's curvatures; with
-1.5, its reach grows so slowly that it has one deepest point."""
+"""Sine of the tilt from upright below which a rim counts as flat, over the rim's radius times the wall's curvature; with 1.5, its reach
+grows so slowly that it has one deepest point."""
+
+MOST_STANDOFF = 0.375 * FLATNESS
+"""Greatest standoff of a rim over the fall of the bore within its radius."""
 
 MOST_FLAT = 0.7
 """Greatest such sine: a body that lies along the pipe touches with its rims."""
@@ -60,7 +54,7 @@ def touch_fitting(
         gap, normal, o = fitting_gap(centre, f)
     if r == 0.0:
         return max(0.0, -gap), scale(x, axis), normal, x, r
-    flat = flat_tilt(r, f, o)
+    flat = flat_tilt(r, surfaces, k)
     angle = _nearest_look(centre, axis, r, normal, f) if f[o + KIND] == TEE else 0.0
     gap, point, normal = deepest_rim_point(centre, axis, r, flat, normal, angle, f)
     return max(0.0, -gap), subtract(point, position), normal, x, r
@@ -81,17 +75,13 @@ def _nearest_look(centre: Vector, axis: Vector, r: float, normal: Vector, f: Flo
 
 
 @compiled
-def flat_tilt(r: float, f: FloatArray, o: int) -> float:
-    """Return the sine of the tilt from upright below which a rim of radius ``r`` (m) counts as flat in a part; see :func:`rim_reach`.
+def flat_tilt(r: float, surfaces: FloatArray, k: int) -> float:
+    """Return the sine of the tilt from upright below which a rim of radius ``r`` (m) of a surface counts as flat: see :func:`rim_reach`.
 
-    The walls of bends and reducers also bulge along the pipe, by the radius of their inside and of their arcs.
+    It is that of the most curved part of the pipe everywhere: the depth of a body must not jump where it enters a part.
     """
-    curvature = 1.0 / f[o + NARROWEST]
-    if f[o + KIND] == BEND:
-        curvature += 1.0 / (f[o + CURVE] - f[o + RADIUS])
-    elif f[o + KIND] == REDUCER:
-        curvature += 1.0 / f[o + CURVE]
-    return min(MOST_FLAT, FLATNESS * r * curvature)
+    whole = surfaces[k, 1] + surfaces[k, 2]
+    return min(MOST_FLAT, FLATNESS * r * surfaces[k, 5] / (whole * whole))
 
 
 @compiled
@@ -107,9 +97,9 @@ def rim_reach(r: float, c: float, flat: float) -> tuple[float, float]:
     The depth of a rim in a flat wall, reach c + standoff, has the derivative ``reach``, so that forces do no work in
     a cycle. In the bore it is within r^2 / (16 R) of the true one, r^2 / (2 R) + c^2 R / 2 for c < r / R, and r c for c > ``flat``.
     """
-    t = c / flat
-    if t >= 1.0:
+    if c >= flat:
         return r, 0.0
+    t = c / flat
     square = 1.0 - t * t
     return 0.5 * r * t * (3.0 - t * t), 0.375 * r * flat * square * square
 
@@ -117,9 +107,9 @@ def rim_reach(r: float, c: float, flat: float) -> tuple[float, float]:
 @compiled
 def flat_curvatures(r: float, c: float, flat: float) -> tuple[float, float]:
     """Return the curvatures (m) of the depth of a rim along its tilt and across it; see :func:`rim_reach`."""
+    if c >= flat:
+        return 0.0, r / c if c > 0.0 else 0.0
     t = c / flat
-    if t >= 1.0:
-        return 0.0, r / c
     return 1.5 * r * (1.0 - t * t) / flat, 0.5 * r * (3.0 - t * t) / flat
 
 

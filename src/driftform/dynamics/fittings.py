@@ -177,6 +177,26 @@ def _row_beyond(opening: Opening, exit_: float) -> FloatArray:
     return row
 
 
+def greatest_curvature(layout: Layout) -> float:
+    """Return by how much the curvatures of a wall across and along the pipe differ at most, 1/m.
+
+    Along a bend or a reducer the wall bulges by the radius of the bend's inside, and of the reducer's arcs. The rounded edge of a
+    tee is left out: bodies do not lie on it with a flat end.
+    """
+    return max(_curvature(placed.part) for placed in layout.parts)
+
+
+def _curvature(part: PipePart) -> float:
+    match part:
+        case Bend():
+            return 1 / part.radius + 1 / (part.bend_radius - part.radius)
+        case Reducer():
+            return 1 / min(part.radius, part.end_radius) + 1 / part.arc_radius
+        case Tee():
+            return 1 / min(part.radius, part.branch_radius)
+    return 1 / part.radius
+
+
 def rim_spacing(layout: Layout) -> float:
     """Return the greatest distance (m) between the rims of a body: a wall of the radius rho rises by s^2 / (8 rho) between two."""
     bulges = [math.inf]

@@ -4,7 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from driftform.dynamics.fittings import fitting_array, rim_spacing
+from driftform.dynamics.fitting_contact import MOST_STANDOFF
+from driftform.dynamics.fittings import fitting_array, greatest_curvature, rim_spacing
 from driftform.dynamics.flow import flow_array, gust_array
 from driftform.dynamics.impact import contact_law
 from driftform.dynamics.inertia import added_mass_at, rigid_body_mass
@@ -130,7 +131,9 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     table[WATER_LEVEL] = np.inf if fluid.water_level is None else fluid.water_level
     table[FROUDE_KRYLOV] = fluid.flow_force == "full"
     table[FRICTION] = contact.friction
-    table[REACH] = (np.hypot(surfaces[:, 0], surfaces[:, 1]) + surfaces[:, 2]).max(initial=0.0)
+    standoff = 0.0 if fittings is None else MOST_STANDOFF * surfaces[:, 5]
+    reach = np.hypot(surfaces[:, 0], surfaces[:, 1]) + surfaces[:, 2] + standoff
+    table[REACH] = reach.max(initial=0.0)
     viscosity = fluid.density * fluid.viscosity
     radius = 0.5 * agent.body.max_diameter
     law = contact_law(inverse, contact.frequency, contact.restitution, viscosity, radius)
@@ -232,8 +235,13 @@ def _surface_rows(body: Body, inverse: FloatArray, scenario: Scenario) -> FloatA
     with np.errstate(divide="ignore", invalid="ignore"):
         along, around = 1 / np.einsum("aki,ij,akj->ak", push, inverse, push)
     # A bore of radius R falls away from its tangent by r^2 / (2 R) within r.
-    narrowest = np.inf if scenario.pipe.is_open else scenario.pipe.layout.narrowest
-    return np.column_stack([surfaces, surfaces[:, 1] ** 2 / narrowest, np.minimum(along, around)])
+    if scenario.pipe.is_open:
+        fall = np.zeros(len(surfaces))
+    elif scenario.pipe.straight is not None:
+        fall = surfaces[:, 1] ** 2 / scenario.pipe.layout.narrowest
+    else:
+        fall = r**2 * greatest_curvature(scenario.pipe.layout)
+    return np.column_stack([surfaces, fall, np.minimum(along, around)])
 
 
 def _pipe_rows(scenario: Scenario) -> FloatArray:
