@@ -423,7 +423,8 @@ def upright_axes(direction: FloatArray, carried: FloatArray | None = None) -> Fl
     if level < VERTICAL:
         if carried is not None:
             return carried
-        return np.stack([x, np.array([0.0, 1.0, 0.0]), np.array([-np.sign(x[2]), 0.0, 0.0])])
+        up = math.copysign(1.0, x[2])
+        return np.array([[0.0, 0.0, up], [0.0, 1.0, 0.0], [-up, 0.0, 0.0]])
     y = np.array([-x[1], x[0], 0.0]) / level
     return np.stack([x, y, np.cross(x, y)])
 
