@@ -81,7 +81,7 @@ def flat_tilt(r: float, surfaces: FloatArray, k: int) -> float:
     It is that of the most curved part of the pipe everywhere: the depth of a body must not jump where it enters a part.
     """
     whole = surfaces[k, 1] + surfaces[k, 2]
-    return min(MOST_FLAT, FLATNESS * r * surfaces[k, 5] / (whole * whole))
+    return float(min(MOST_FLAT, FLATNESS * r * surfaces[k, 5] / (whole * whole)))
 
 
 @compiled
