@@ -53,3 +53,10 @@ def test_a_cylinder_on_the_axis_needs_the_room_of_its_diagonal(pitch):
     assert reach == pytest.approx(
         max(corner, np.hypot(half * np.sin(angle), r) if pitch == 90 else 0), rel=1e-12
     )
+
+
+def test_a_body_beside_the_line_by_less_than_rounding_is_as_far_as_one_on_it():
+    axis = np.array([1.0, 1e-3, 0.0]) / np.hypot(1.0, 1e-3)
+    disc, line = np.array([[0.0, 0.1], [0.0, 0.05]]), (np.zeros(3), np.array([1.0, 0.0, 0.0]))
+    near = [farthest_from_line(disc, np.array([0.0, 0.0, z]), axis, *line) for z in (0.0, 1e-19)]
+    assert near == pytest.approx([0.1, 0.1], abs=1e-6)

@@ -43,12 +43,14 @@ def farthest_from_line(
     low = curve.max(axis=0)
     high = low + np.linalg.norm(push, axis=0)
     tiny = np.finfo(float).tiny
-    for _ in range(80):
-        middle = 0.5 * (low + high)
-        w = push / np.maximum(middle - curve, tiny)
-        outside = (w**2).sum(axis=0) > 1.0
-        low, high = np.where(outside, middle, low), np.where(outside, high, middle)
-    w = push / np.maximum(high - curve, tiny)
+    # Where a circle is all but symmetric, w overflows: it is then certainly outside.
+    with np.errstate(over="ignore"):
+        for _ in range(80):
+            middle = 0.5 * (low + high)
+            w = push / np.maximum(middle - curve, tiny)
+            outside = (w**2).sum(axis=0) > 1.0
+            low, high = np.where(outside, middle, low), np.where(outside, high, middle)
+        w = push / np.maximum(high - curve, tiny)
     # Nothing pushes along the longer half axis if the centre lies on the other: the rest of |w| = 1 goes there.
     w[1] = np.sqrt(np.maximum(1.0 - np.minimum(w[0], 1.0) ** 2, 0.0))
     w[0] = np.minimum(w[0], 1.0)
