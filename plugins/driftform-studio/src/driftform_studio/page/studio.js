@@ -82,7 +82,7 @@ const check = latest(async () => {
   const others = fields.showErrors(answer.errors);
   find("start").disabled = answer.errors.length > 0;
   showProblems(others.map(({ line }) => ({ line, wrong: true })));
-  checked = answer.errors.length ? null : answer;
+  checked = answer.errors.length ? null : { ...answer, document: asked };
   if (answer.outline) {
     fields.showOutlets(answer.outline);
     // A target that was dragged on meanwhile stays where it is.
@@ -96,12 +96,14 @@ const check = latest(async () => {
 });
 
 const examine = latest(async () => {
-  if (run || !checked) return;
-  const { scene, warnings } = await ask("api/examine", design.document());
-  if (run || !checked) return;
+  // The design itself may have been changed meanwhile, and be wrong.
+  const examined = checked;
+  if (run || !examined) return;
+  const { scene, warnings } = await ask("api/examine", examined.document);
+  if (run || checked !== examined) return;
   side.profile = scene.profile;
   side.draw();
-  space.show(scene, checked.outline);
+  space.show(scene, examined.outline);
   showProblems(warnings.map((line) => ({ line })));
 });
 const examineSoon = delayed(examine, 350);
