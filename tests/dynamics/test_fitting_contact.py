@@ -18,7 +18,7 @@ from driftform.dynamics.fitting_contact import (
     touch_fitting,
 )
 from driftform.dynamics.fitting_walls import fitting_gap
-from driftform.dynamics.fittings import greatest_curvature, rim_spacing, wall_rows
+from driftform.dynamics.fittings import greatest_curvature, rim_spacing, wall_array
 from driftform.dynamics.flight import energies, release_state
 from driftform.dynamics.integrator import Accuracy, integrate_once
 from driftform.dynamics.model import flight_model
@@ -58,8 +58,7 @@ def still_scenario(parts, **release):
 
 def walls_of(scenario):
     """The array of a pipe in still water, whose flow needs no field."""
-    rows = wall_rows(scenario.pipe.layout)
-    return np.concatenate([[float(len(rows))], rows.ravel()])
+    return wall_array(scenario.pipe)
 
 
 def agent_of(body):

@@ -212,12 +212,12 @@ def test_straights_far_from_fittings_carry_the_profile_of_a_straight_pipe():
         {"pipe": {"segments": [{"start": [0, 0, 0], "end": [2.0, 0, 0], "radius": R}]}, "flow": FLOWS["log"]}
     )
     from driftform.dynamics.flow import water_motion
-    from driftform.dynamics.model import _pipe_rows
+    from driftform.dynamics.model import pipe_rows
 
     for y in (0.0, 0.03, 0.09):
         point = (1.0, y, 0.01)
         expected, gradient, _ = water_motion(
-            point, 0.0, _pipe_rows(plain), flow_array(plain), np.empty((0, 12))
+            point, 0.0, pipe_rows(plain), flow_array(plain), np.empty((0, 12))
         )
         found = Water(scenario).at(point)
         assert found[0] == pytest.approx(np.array(expected), rel=1e-12)

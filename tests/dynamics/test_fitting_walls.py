@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from driftform.dynamics.fitting_walls import HEAD, fitting_gap, is_far_in_fittings
-from driftform.dynamics.fittings import wall_rows
+from driftform.dynamics.fittings import wall_array, wall_rows
 from driftform.geometry.pipe_parts import Bend, Reducer, Tee
 from driftform.scenario import Pipe
 
@@ -34,11 +34,6 @@ WINDING = Pipe.model_validate(
         ],
     }
 )
-
-
-def flatten(pipe):
-    rows = wall_rows(pipe.layout)
-    return np.concatenate([[float(len(rows))], rows.ravel()])
 
 
 def gap(point, f):
@@ -103,7 +98,7 @@ def distance_by_rolling_ball(tee, p):
 def test_the_gap_in_a_tee_is_the_distance_from_balls_that_roll_in_its_wall(ratio, degrees, fillet):
     pipe = make_wye(ratio, degrees, fillet)
     [tee, _] = [placed.part for placed in pipe.layout.parts]
-    f, rng = flatten(pipe), np.random.default_rng(0)
+    f, rng = wall_array(pipe), np.random.default_rng(0)
     up, down, side = tee.legs
     p = rng.uniform(
         [-up, -RUN - 0.002, -RUN - 0.002], [down, RUN + 0.002, side * math.sin(tee.angle)], (12_000, 3)
@@ -136,7 +131,7 @@ def test_the_gap_in_a_tee_is_the_distance_from_balls_that_roll_in_its_wall(ratio
 )
 def test_the_gap_in_bends_and_reducers_is_the_distance_from_their_wall(part, wall):
     pipe = Pipe.model_validate({"radius": RUN, "parts": [{"length": 0.3}, part, {"length": 0.3}]})
-    f, rng = flatten(pipe), np.random.default_rng(1)
+    f, rng = wall_array(pipe), np.random.default_rng(1)
     [_, middle, _] = [placed.part for placed in pipe.layout.parts]
     walls = []
     angle = np.linspace(0, 2 * np.pi, 361)
@@ -162,7 +157,7 @@ def test_the_gap_in_bends_and_reducers_is_the_distance_from_their_wall(part, wal
 
 
 def test_the_normal_is_the_direction_in_which_the_gap_falls_fastest():
-    f, rng, h = flatten(WINDING), np.random.default_rng(2), 1e-6
+    f, rng, h = wall_array(WINDING), np.random.default_rng(2), 1e-6
     checked = 0
     for placed in WINDING.layout.parts:
         for axis in placed.part.list_axes(0.01):
@@ -179,7 +174,7 @@ def test_the_normal_is_the_direction_in_which_the_gap_falls_fastest():
 
 
 def test_gap_and_normal_go_on_across_joints_also_in_the_wall():
-    f, rng = flatten(WINDING), np.random.default_rng(3)
+    f, rng = wall_array(WINDING), np.random.default_rng(3)
     for placed in WINDING.layout.parts:
         for opening in placed.part.list_exits():
             for _ in range(40):
@@ -194,7 +189,7 @@ def test_gap_and_normal_go_on_across_joints_also_in_the_wall():
 
 
 def test_the_water_is_where_the_gap_is_positive():
-    f, rng = flatten(WINDING), np.random.default_rng(4)
+    f, rng = wall_array(WINDING), np.random.default_rng(4)
     points = rng.uniform([0.2, -0.4, -0.6], [1.2, 0.6, 0.4], (40_000, 3))
     inside = WINDING.layout.find_part(points) >= 0
     found = np.array([gap(p, f)[0] for p in points]) >= 0
@@ -204,7 +199,7 @@ def test_the_water_is_where_the_gap_is_positive():
 
 
 def test_a_body_that_is_called_far_touches_nothing():
-    f, rng = flatten(WINDING), np.random.default_rng(5)
+    f, rng = wall_array(WINDING), np.random.default_rng(5)
     far = 0
     for placed in WINDING.layout.parts:
         for axis in placed.part.list_axes(0.02):
@@ -221,7 +216,7 @@ def test_a_body_that_is_called_far_touches_nothing():
 
 def test_rows_have_a_sphere_around_their_part():
     rows = wall_rows(WINDING.layout)
-    assert flatten(WINDING)[HEAD:].reshape(len(rows), -1) == pytest.approx(rows)
+    assert wall_array(WINDING)[HEAD:].reshape(len(rows), -1) == pytest.approx(rows)
     kinds = [type(placed.part) for placed in WINDING.layout.parts]
     assert {Bend, Reducer, Tee} <= set(kinds)
     for placed, row in zip(WINDING.layout.parts, rows, strict=False):

@@ -79,7 +79,7 @@ def compare(traveller: Traveller, size: float, bore: float, share: float) -> Com
         for flight in flights
     ]
     assert all(flight.end in (End.OUTLET, End.HORIZON) for flight in flights)
-    # Each place stands for the water that passes it.
+    # The weight of a place is the speed of the water that passes it.
     weight = np.array([np.linalg.norm(flight.velocity[0, :3]) for flight in flights])
     weight /= weight.sum()
     divided = divide_bore(places, np.array([[0.0, 0.0], [1.0, 0.0]]), np.array([1 - share, share]))[:, 1]

@@ -29,7 +29,7 @@ from driftform.scenario import Scenario
 from driftform.scenario.disturbances import draw_conditions
 from driftform.study import Document, Study, load_study
 from driftform.trajectory.resampling import check_rate, resample
-from driftform.trajectory.way import name_outlet
+from driftform.trajectory.way import find_offsets, name_outlet
 from driftform.types import (
     Agent,
     Coefficients,
@@ -229,8 +229,6 @@ class Design:
 
         ``[robustness]`` of its scenario says what varies.
         """
-        from driftform.trajectory.way import find_offsets
-
         conditions = draw_conditions(
             self.scenario.robustness, flights, (seed, flights), self.scenario.calibration
         )

@@ -23,7 +23,7 @@ MOST_STANDOFF = 0.375 * FLATNESS
 """Greatest standoff of a rim over the fall of the bore within its radius."""
 
 MOST_FLAT = 0.7
-"""Greatest such sine: a body that lies along the pipe touches with its rims."""
+"""Greatest sine of the tilt at which a rim counts as flat: a body that lies along the pipe touches with its rims."""
 
 LOOKS = 8
 """Points of a rim at which it is first compared with the wall of a tee, whose edges have more than one nearest point."""

@@ -99,7 +99,7 @@ def fitting_array(scenario: Scenario) -> FloatArray | None:
     Its numbers are explained in :mod:`driftform.dynamics.fitting_walls` and :mod:`driftform.dynamics.fitting_flow`.
     """
     if isinstance(scenario.flow, GridFlow):
-        return load_grid(scenario.flow, scenario.pipe, _wall_array(scenario.pipe))
+        return load_grid(scenario.flow, scenario.pipe, wall_array(scenario.pipe))
     if scenario.pipe.is_open or scenario.pipe.straight is not None:
         return None
     return _make_array(scenario.pipe, scenario.flow, scenario.fluid.viscosity)
@@ -114,7 +114,7 @@ def _make_array(pipe: Pipe, flow: Flow, viscosity: float) -> FloatArray:
     return values
 
 
-def _wall_array(pipe: Pipe) -> FloatArray:
+def wall_array(pipe: Pipe) -> FloatArray:
     """Return the array of a pipe without its flow; of open water, that of a bore without end."""
     rows = wall_rows(pipe.layout) if not pipe.is_open else np.array([_row_of_open_water()])
     return np.concatenate([[float(len(rows))], rows.ravel()])

@@ -141,7 +141,7 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
         table,
         surfaces,
         law,
-        _pipe_rows(scenario),
+        pipe_rows(scenario),
         flow,
         gusts,
         np.empty((0, 4)) if fluid.water_level is None else _buoyancy_slices(agent),
@@ -244,7 +244,7 @@ def _surface_rows(body: Body, inverse: FloatArray, scenario: Scenario) -> FloatA
     return np.column_stack([surfaces, fall, np.minimum(along, around)])
 
 
-def _pipe_rows(scenario: Scenario) -> FloatArray:
+def pipe_rows(scenario: Scenario) -> FloatArray:
     """Return the straight pipe; no rows for another one and in open water."""
     segment = scenario.pipe.straight
     if segment is None:

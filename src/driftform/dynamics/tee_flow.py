@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from driftform.dynamics.vectors import Rotation, Vector
-from driftform.potential import Junction, load_tee
+from driftform.potential import Junction, is_stored, load_tee
 from driftform.potential.evaluate import HEAD, LEVEL_SIZE, potential_derivatives
 from driftform.potential.wall import COSINE, END, INLET, OUTLET, SINE, wall_level
 from driftform.types import FloatArray
@@ -72,6 +72,15 @@ def tee_leakage(radius: float, branch: float, angle: float, fillet: float, share
     tee = load_tee(junction)
     weights = np.array([-1.0 if mirrored else 1 - share, share])
     return float(np.sqrt(weights @ tee.leakage @ weights))
+
+
+def is_tee_solved(radius: float, branch: float, angle: float, fillet: float) -> bool:
+    """Return whether the flow in a tee can be had at once; not where :func:`tee_field` refuses the shape."""
+    try:
+        junction, _ = _find_junction(radius, branch, angle, fillet)
+    except ValueError:
+        return False
+    return is_stored(junction)
 
 
 def _find_junction(radius: float, branch: float, angle: float, fillet: float) -> tuple[Junction, bool]:

@@ -79,6 +79,12 @@ def load_tee(junction: Junction) -> TeePotentials:
     return _compute(junction)
 
 
+def is_stored(junction: Junction) -> bool:
+    """Return whether the potentials of a tee are in the package or in the user's cache."""
+    name = file_name(junction)
+    return (PACKAGED / name).is_file() or (cache_folder() / name).is_file()
+
+
 def save_tee(junction: Junction, path: Path) -> None:
     """Compute the potentials of a tee and write them to a file."""
     found = _compute(junction)

@@ -39,29 +39,16 @@ def trace_streams(scenario: Scenario) -> list[FloatArray]:
     """
     from driftform.dynamics.fittings import fitting_array
     from driftform.dynamics.flow import flow_array
+    from driftform.dynamics.tee_flow import is_tee_solved
 
     if scenario.pipe.is_open or scenario.pipe.straight is not None:
         return []
-    if not all(
-        is_solved(placed.part) for placed in scenario.pipe.layout.parts if isinstance(placed.part, Tee)
-    ):
+    tees = [placed.part for placed in scenario.pipe.layout.parts if isinstance(placed.part, Tee)]
+    if not all(is_tee_solved(tee.radius, tee.branch_radius, tee.angle, tee.fillet) for tee in tees):
         return []
     fittings = fitting_array(scenario)
     assert fittings is not None
     return _trace(scenario.pipe, tuple(flow_array(scenario)), fittings.tobytes())
-
-
-def is_solved(tee: Tee) -> bool:
-    """Return whether the flow in a tee of this shape is on disk."""
-    from driftform.dynamics.tee_flow import _find_junction
-    from driftform.potential.store import PACKAGED, cache_folder, file_name
-
-    try:
-        junction, _ = _find_junction(tee.radius, tee.branch_radius, tee.angle, tee.fillet)
-    except ValueError:
-        return False  # The flow in such a shape is not known; the core says so where it flies.
-    name = file_name(junction)
-    return (PACKAGED / name).is_file() or (cache_folder() / name).is_file()
 
 
 @lru_cache(maxsize=16)

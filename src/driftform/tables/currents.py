@@ -111,20 +111,14 @@ def _count_nodes(low: FloatArray, high: FloatArray, spacing: float) -> tuple[int
 def _fill_grid(grid: VelocityGrid, scenario: Scenario) -> VelocityGrid:
     from scipy.ndimage import binary_dilation
 
-    from driftform.dynamics.fittings import fitting_array, wall_rows
+    from driftform.dynamics.fittings import fitting_array, wall_array
     from driftform.dynamics.flow import flow_array, water_motion
     from driftform.dynamics.grid_flow import fill_nodes, wall_gaps
+    from driftform.dynamics.model import pipe_rows
     from driftform.dynamics.profiles import AT_A_POINT
 
-    rows = wall_rows(scenario.pipe.layout)
-    walls, fittings = np.concatenate([[float(len(rows))], rows.ravel()]), fitting_array(scenario)
-    bores = [
-        [*start, *(end - start) / length, length, radius]
-        for start, end, length, radius in (
-            (r[:3], r[3:6], np.linalg.norm(r[3:6] - r[:3]), r[6]) for r in scenario.pipe.array()
-        )
-    ]
-    pipe, flow, no_gusts = np.array(bores).reshape(-1, 8), flow_array(scenario), np.empty((0, 12))
+    walls, fittings = wall_array(scenario.pipe), fitting_array(scenario)
+    pipe, flow, no_gusts = pipe_rows(scenario), flow_array(scenario), np.empty((0, 12))
     nodes, velocity = grid.nodes(), grid.velocity.copy()
     known = np.zeros(grid.shape, dtype=bool)
     for i, plane in enumerate(nodes):
