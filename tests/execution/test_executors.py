@@ -234,8 +234,8 @@ def test_a_genome_whose_flight_never_ends_fails_and_all_others_are_evaluated(
             assert_same({index: evaluation}, {index: sound[index]})
 
 
-def test_compilation_is_no_part_of_the_time_limit(jobs: list[Job], make: Make) -> None:
-    with closing(make(study_of(deed="compile", timeout=1.0))) as executor:
+def test_a_preparation_is_no_part_of_the_time_limit(jobs: list[Job], make: Make) -> None:
+    with closing(make(study_of(deed="prepare", timeout=1.0))) as executor:
         outcomes = collect(executor.evaluate(jobs[:1]))
     assert [evaluation.failure for evaluation in outcomes.values()] == [None]
 

@@ -30,7 +30,7 @@ from driftform.execution.worker import hold_back_interrupts
 from driftform.pipeline import Pipeline
 from driftform.registry import registry
 from driftform.study import SELECTED, Document, load_study
-from driftform.util.compiled import observe_compilation
+from driftform.util.preparation import observe_preparation
 
 if TYPE_CHECKING:
     from distributed import LocalCluster
@@ -299,7 +299,7 @@ def _work(study: bytes, expected: Mapping[str, str], batch: Sequence[Job], timeo
 
 @contextmanager
 def _limit_time(seconds: float) -> Iterator[None]:
-    """End this process if the context takes longer, compilation aside; its nanny then starts another.
+    """End this process if the context takes longer, preparations aside; its nanny then starts another.
 
     The timer of faulthandler needs no Python thread: it ends the process even if a library never returns.
     """
@@ -307,7 +307,7 @@ def _limit_time(seconds: float) -> Iterator[None]:
     silence = Path(os.devnull).open("w")  # noqa: SIM115 - closed below
     lock = threading.Lock()
 
-    def count_compilation(begins: bool) -> None:
+    def count_preparation(begins: bool) -> None:
         nonlocal left, since, pauses
         with lock:
             pauses += 1 if begins else -1
@@ -318,12 +318,12 @@ def _limit_time(seconds: float) -> Iterator[None]:
                 since = time.monotonic()
                 faulthandler.dump_traceback_later(max(left, 1e-3), exit=True, file=silence)
 
-    observe_compilation(count_compilation)
+    observe_preparation(count_preparation)
     faulthandler.dump_traceback_later(seconds, exit=True, file=silence)
     try:
         yield
     finally:
-        observe_compilation(lambda _: None)
+        observe_preparation(lambda _: None)
         faulthandler.cancel_dump_traceback_later()
         silence.close()
 

@@ -25,6 +25,7 @@ from driftform.execution.jobs import Job, Outcome, T, WorkersLostError, evaluate
 from driftform.execution.pool import Cause, Death, WorkerDiedError
 from driftform.pipeline import Pipeline
 from driftform.study import Document, load_study
+from driftform.util.preparation import observe_preparation
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -114,7 +115,7 @@ class Worker:
             match what:
                 case "begun":
                     clock.start()
-                case "compiling":
+                case "preparing":
                     clock.pause(value)
                 case _:
                     clock.stop()
@@ -151,7 +152,7 @@ class Worker:
 
 
 class _Clock:
-    """The time that a task has taken, without compilation and without times when this process was stopped."""
+    """The time that a task has taken, without preparations and without times when this process was stopped."""
 
     def __init__(self, limit: float) -> None:
         self._limit = limit
@@ -265,7 +266,7 @@ def _answer() -> None:
 
 
 def _report(what: str, value: object = None) -> None:
-    # Several threads of a simulator may compile.
+    # Several threads of a simulator may prepare something.
     with _sending:
         _connection.send((what, value))
 
@@ -280,9 +281,7 @@ def _exit_with_coordinator() -> None:
 
 @cache
 def _load_pipeline() -> Pipeline:
-    from driftform.util import compiled
-
-    compiled.observe_compilation(lambda begins: _report("compiling", begins))
+    observe_preparation(lambda begins: _report("preparing", begins))
     return load_study(Document("the study", _document)).make_pipeline()
 
 

@@ -16,6 +16,7 @@ from driftform.potential.evaluate import HEAD, LEVEL_SIZE
 from driftform.potential.wall import Junction
 from driftform.types import FloatArray
 from driftform.util.files import write_whole
+from driftform.util.preparation import preparing
 
 if TYPE_CHECKING:
     from driftform.potential.solve import Solution
@@ -69,14 +70,15 @@ def load_tee(junction: Junction) -> TeePotentials:
     if (PACKAGED / name).is_file():
         return _read(PACKAGED / name)
     folder = cache_folder()
-    with suppress(OSError):
-        folder.mkdir(parents=True, exist_ok=True)
-        # Of several processes that need the same tee, one computes it.
-        with FileLock(folder / f"{name}.lock"):
-            if not (folder / name).is_file():
-                save_tee(junction, folder / name)
-            return _read(folder / name)
-    return _compute(junction)
+    with preparing():
+        with suppress(OSError):
+            folder.mkdir(parents=True, exist_ok=True)
+            # Of several processes that need the same tee, one computes it.
+            with FileLock(folder / f"{name}.lock"):
+                if not (folder / name).is_file():
+                    save_tee(junction, folder / name)
+                return _read(folder / name)
+        return _compute(junction)
 
 
 def is_stored(junction: Junction) -> bool:

@@ -2,12 +2,13 @@
 
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from pathlib import Path
 from typing import Any, Self
 
 from driftform.errors import DriftformError, InputError
 from driftform.execution import Executor
+from driftform.geometry.pipe_parts import Tee
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.directory import (
     DATABASE,
@@ -24,6 +25,7 @@ from driftform.runs.finalists import find_best_agent, fly_finalists
 from driftform.runs.results import Best, write_results
 from driftform.runs.search import run_search
 from driftform.runs.store import Record, Store
+from driftform.scenario import Scenario
 from driftform.study import Document, Study, load_study
 from driftform.util.files import make_directory
 
@@ -239,6 +241,7 @@ class Run:
                 raise
 
     def _search(self, store: Store, executor: Executor, observer: Observer) -> None:
+        _prepare_flow(self.study.scenario)
         with observer.open_search(store.count()):
             run_search(self.study, store, executor, observer.record, observer.generation)
 
@@ -271,6 +274,16 @@ class Run:
         return InputError(
             f"{self.path} has no evaluation yet that did not fail; wait, or resume it with: {self.resume_command}"
         )
+
+
+def _prepare_flow(scenario: Scenario) -> None:
+    """Solve the flow in tees of a new shape here and now: what it says would be lost in the display of the search."""
+    if scenario.pipe.is_open or not any(isinstance(placed.part, Tee) for placed in scenario.pipe.layout.parts):
+        return
+    from driftform.dynamics.fittings import fitting_array
+
+    with suppress(ValueError):  # The flow in such a shape is not known; a flight says so.
+        fitting_array(scenario)
 
 
 def check_targets(study: Study) -> None:

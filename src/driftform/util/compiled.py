@@ -22,6 +22,7 @@ from numba.core.runtime.nrt import rtsys
 from numba.extending import intrinsic
 
 from driftform.types import FloatArray
+from driftform.util.preparation import preparing
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -113,26 +114,11 @@ class _Entry(CPUDispatcher):
 
     def compile(self, sig: Any) -> Any:
         """Load or compile the kernel, one process at a time: the others wait, and load what that one compiled."""
-        _report(True)
-        try:
+        with preparing():
             # Without a directory to write to, or on a file system without locks, every process compiles for itself.
             with suppress(OSError, NotImplementedError), self._lock:
                 return super().compile(sig)
             return super().compile(sig)
-        finally:
-            _report(False)
-
-
-def _ignore(_: bool) -> None: ...
-
-
-_report: Callable[[bool], object] = _ignore
-
-
-def observe_compilation(report: Callable[[bool], object]) -> None:
-    """Call ``report(True)`` whenever the compilation of a kernel begins, and ``report(False)`` when it ends."""
-    global _report  # noqa: PLW0603 - a process has one coordinator
-    _report = report
 
 
 @cache

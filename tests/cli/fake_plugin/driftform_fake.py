@@ -17,6 +17,7 @@ from driftform.interfaces import Exporter, Fitness, Renderer, Simulator, Strateg
 from driftform.options import Table, option
 from driftform.types import End, Trajectory, WrittenFile
 from driftform.util.files import write_text, write_whole
+from driftform.util.preparation import preparing
 
 
 def die_once(marker):
@@ -81,18 +82,15 @@ def _print():
     return _flight(np.linspace(0.0, 1.0, 11), End.HORIZON)
 
 
-def _compile():
+def _prepare():
     """Compile for three seconds, as far as anybody can tell."""
-    from driftform.util import compiled
-
-    compiled._report(True)
-    time.sleep(3)
-    compiled._report(False)
+    with preparing():
+        time.sleep(3)
     return _flight(np.linspace(0.0, 1.0, 11), End.HORIZON)
 
 
 DEEDS = {
-    "compile": _compile,
+    "prepare": _prepare,
     "exit": lambda: sys.exit(0),
     "die": lambda: end_process("exit"),
     "segfault": lambda: end_process("segfault"),
