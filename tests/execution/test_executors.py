@@ -235,7 +235,7 @@ def test_a_genome_whose_flight_never_ends_fails_and_all_others_are_evaluated(
 
 
 def test_a_preparation_is_no_part_of_the_time_limit(jobs: list[Job], make: Make) -> None:
-    with closing(make(study_of(deed="prepare", timeout=1.0))) as executor:
+    with closing(make(study_of(deed="prepare", timeout=3.0))) as executor:
         outcomes = collect(executor.evaluate(jobs[:1]))
     assert [evaluation.failure for evaluation in outcomes.values()] == [None]
 

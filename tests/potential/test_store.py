@@ -57,10 +57,9 @@ def test_a_search_solves_the_tees_of_its_pipe_before_its_first_flight(
 ) -> None:
     study = load_study(
         "t-junction",
-        ["pipe.parts.3.angle_deg=75"],
+        ["pipe.parts.3.fillet=0.012", "robustness.conditions=0"],
         use={"simulator": "fake"},
         run={"seed": 0, "evaluations": 1},
-        robustness={"conditions": 0},
     )
     flown = []
 

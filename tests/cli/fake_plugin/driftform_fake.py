@@ -83,9 +83,9 @@ def _print():
 
 
 def _prepare():
-    """Compile for three seconds, as far as anybody can tell."""
+    """Compile for five seconds, as far as anybody can tell."""
     with preparing():
-        time.sleep(3)
+        time.sleep(5)
     return _flight(np.linspace(0.0, 1.0, 11), End.HORIZON)
 
 
