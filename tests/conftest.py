@@ -22,18 +22,19 @@ PEER_FIXTURES = {"browser", "dask", "requires_program", "site"}
 """Fixtures that need what the default environment does not have: their tests are of the group ``peers``."""
 
 KERNELS = """
+import sys
+
 import numpy as np
 
 from driftform.study import load_study
 from driftform.testing.textbook import distance_from_textbook, random_case
 
-for simulator in ("native", "exudyn"):
-    for name in ("paper", "pipe-inspection"):
-        pipeline = load_study(name, use={"simulator": simulator}, run={"seed": 0}).make_pipeline()
-        genome = pipeline.grammar.random(np.random.default_rng(0))
-        pipeline.simulator.simulate(pipeline.make_agent(genome), pipeline.scenario)
-    agent, scenario = random_case(0, 0.1)
-    distance_from_textbook(pipeline.simulator.simulate(agent, scenario), agent, scenario, 0.1)
+for name in ("paper", "pipe-inspection"):
+    pipeline = load_study(name, use={"simulator": sys.argv[1]}, run={"seed": 0}).make_pipeline()
+    genome = pipeline.grammar.random(np.random.default_rng(0))
+    pipeline.simulator.simulate(pipeline.make_agent(genome), pipeline.scenario)
+agent, scenario = random_case(0, 0.1)
+distance_from_textbook(pipeline.simulator.simulate(agent, scenario), agent, scenario, 0.1)
 """
 
 ROOT = Path(__file__).parents[1]
@@ -52,8 +53,10 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_setupnodes() -> None:
-    """Compile the kernels before the workers start, each of which would do so itself."""
-    subprocess.run([sys.executable, "-c", KERNELS], check=True)
+    """Compile the kernels before the workers start, so that no test waits for them."""
+    command = (sys.executable, "-c", KERNELS)
+    processes = [subprocess.Popen([*command, simulator]) for simulator in ("native", "exudyn")]
+    assert [process.wait() for process in processes] == [0, 0]
 
 
 class Peers:

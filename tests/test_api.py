@@ -167,6 +167,7 @@ def test_what_cannot_be_written_is_warned_of_and_the_run_is_there(tmp_path: Path
     assert set(run.best()) == {"TP3", "TP7"}
 
 
+@pytest.mark.long
 def test_a_script_needs_no_guard_for_its_workers(run: Run, tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(

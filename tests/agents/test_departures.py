@@ -52,6 +52,7 @@ def test_a_word_has_no_design_to_depart_from() -> None:
     assert open_agent(word, settings=["fluid.density=1000"]).list_departures() == []
 
 
+@pytest.mark.long
 def test_simulate_and_inspect_warn(agent: str, call: Callable[..., Any]) -> None:
     options = ("--set", "fluid.density=1000", "--set", "simulator.use=native")
     result = call("simulate", agent, *options)

@@ -34,7 +34,7 @@ TOLERANCE = 1e-6
 @njit
 def rate(t, y, values):
     out = np.empty(SAMPLE - 1)
-    fill_rate_in_space(t, y, unpack(values), out)
+    fill_rate_in_space(t, y, unpack(values, None), out)
     return out
 
 

@@ -13,6 +13,8 @@ from driftform.errors import WorkFailedError
 from driftform.scenario import Factors
 from driftform.testing.films import Filming, film_flight
 
+pytestmark = pytest.mark.long
+
 TANK = Tank(0.6, 0.4, 0.5)
 
 

@@ -14,6 +14,8 @@ from driftform.scenario import Factors
 from driftform.scenario.calibration import NAMES
 from driftform.testing.films import Filming
 
+pytestmark = pytest.mark.long
+
 Film = Callable[..., list[Filmed]]
 
 WORLD = Factors(axial_drag=1.2, cross_drag=1.3, added_mass=0.9, hull_density=1.1, restitution=1.2)

@@ -8,6 +8,8 @@ import pytest
 import driftform as df
 from driftform.calibration.result import CalibrationResult
 
+pytestmark = pytest.mark.long
+
 TRACKS = Path(__file__).parents[2] / "docs" / "tracks"
 SETTLING, BOUNCING = TRACKS / "ten-cate-e4.csv", TRACKS / "gondret-152.csv"
 MASSES = {SETTLING: 0.0019792, BOUNCING: 0.00011027}

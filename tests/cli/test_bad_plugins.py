@@ -12,7 +12,7 @@ import pytest
 Call = Callable[..., Any]
 Program = Callable[..., subprocess.CompletedProcess[str]]
 
-pytestmark = pytest.mark.usefixtures("fakes")
+pytestmark = [pytest.mark.long, pytest.mark.usefixtures("fakes")]
 
 STUDY = ("evolve", "paper", "--simulator", "fake", "--target", "TP1", "--evaluations", 4)
 RUN = ("--seed", 1, "--workers", 1, "--out", "run")

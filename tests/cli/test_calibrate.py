@@ -37,6 +37,7 @@ def write_rows(track: Path, rows: Any, names: str = "t (s),z (mm)") -> None:
     track.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
+@pytest.mark.long
 def test_the_document_has_factors_residual_and_files(call: Call, track: Path) -> None:
     result = call("calibrate", "C", track, "--fit", "cross_drag", "--out", "found", "--json")
     assert result.exit_code == 0, result.stderr

@@ -68,6 +68,7 @@ def test_a_line_that_fails_is_exit_code_1_and_named_in_the_verdict(call: Call) -
     assert "\x1b" not in result.stdout
 
 
+@pytest.mark.long
 def test_a_file_has_no_mass_to_compare_with_until_its_agent_is_named(call: Call) -> None:
     path = exported(call)
     assert lines(call("check", path, "--no-programs", "--json"))["mass"]["state"] == "skipped"

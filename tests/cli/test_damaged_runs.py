@@ -217,6 +217,7 @@ def test_a_copy_whose_log_was_left_by_a_crash_is_whole(
     assert [path.name for path in crashed.glob("run.db*")] == ["run.db"]
 
 
+@pytest.mark.long
 def test_a_locked_run_is_not_called_damaged_and_stays_as_it_is(
     run_copy: Path, call: Callable[..., Any], rows: Callable[..., Any]
 ) -> None:

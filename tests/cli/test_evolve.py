@@ -14,6 +14,8 @@ import pytest
 from driftform.study import load_study
 from driftform.study.sources import read_scenarios
 
+pytestmark = pytest.mark.long
+
 Finished = tuple[Path, subprocess.CompletedProcess[str]]
 Program = Callable[..., subprocess.CompletedProcess[str]]
 

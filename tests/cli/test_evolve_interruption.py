@@ -17,7 +17,7 @@ Start = Callable[..., subprocess.Popen[str]]
 Program = Callable[..., subprocess.CompletedProcess[str]]
 Rows = Callable[[Path], list[tuple[Any, ...]]]
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")
+pytestmark = [pytest.mark.long, pytest.mark.skipif(sys.platform == "win32", reason="sends POSIX signals")]
 
 EVALUATIONS = 60
 STUDY = (

@@ -47,6 +47,7 @@ def test_a_flight_in_four_formats(call: Call) -> None:
     assert found == {file["path"] for file in told["files"]}
 
 
+@pytest.mark.long
 def test_it_is_the_flight_that_simulate_shows(call: Call) -> None:
     assert call("simulate", WORD, *QUICK, "--out", "s").exit_code == 0
     assert call("export-flight", WORD, *QUICK, "--rate-hz", "0", "--out", "f").exit_code == 0

@@ -99,6 +99,7 @@ def test_inspect_compares_all_models_about_one_point(call: Call) -> None:
     assert "M55 pitch" in text
 
 
+@pytest.mark.long
 def test_inspect_compares_the_models_that_are_installed_as_the_study_has_them(call: Call) -> None:
     settings = ("--set", "hydrodynamics.m11=volume")
     facts = json.loads(call("inspect", FIGURE_2, "--json", "--compare", *settings).stdout)
@@ -119,6 +120,7 @@ def warnings_of(call: Call, agent: str, *settings: str) -> str:
     return "\n".join(found)
 
 
+@pytest.mark.long
 def test_inspect_warns_of_what_is_far_from_neutral(call: Call) -> None:
     # Release at the axis of a pipe of 1 m radius: t^2 = 2 (1 m) (m + m_added) / net weight.
     facts = json.loads(call("inspect", FIGURE_2, "--json").stdout)

@@ -9,6 +9,8 @@ from typing import Any
 
 import pytest
 
+pytestmark = pytest.mark.long
+
 Call = Callable[..., Any]
 Program = Callable[..., subprocess.CompletedProcess[str]]
 

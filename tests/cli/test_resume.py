@@ -16,6 +16,8 @@ from driftform.runs.search import run_search
 from driftform.runs.store import Store
 from driftform.study import load_study
 
+pytestmark = pytest.mark.long
+
 Program = Callable[..., subprocess.CompletedProcess[str]]
 Rows = Callable[[Path], list[tuple[Any, ...]]]
 

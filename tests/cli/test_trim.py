@@ -117,6 +117,7 @@ def test_ballast_comes_with_the_way_it_goes_in_and_what_holds_it(call: Call) -> 
     assert "a kit can be printed with a seat for it: --kit" in text
 
 
+@pytest.mark.long
 def test_ballast_of_a_kit_is_held_by_a_seat_that_the_kit_can_print(call: Call, tmp_path: Path) -> None:
     facts = told(call, "--kit", "--printed-mass", 0.0292)
     [piece], [ball] = facts["pieces"], facts["held"]

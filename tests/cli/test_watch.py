@@ -114,6 +114,7 @@ def test_a_run_is_followed_to_its_end_while_others_come_and_go(start: Start, tmp
     assert out == "finished: 8 evaluations (0 failed), best agents in run/best/\n"
 
 
+@pytest.mark.long
 def test_a_run_that_was_killed_has_stopped_and_its_log_is_left_to_whoever_resumes_it(
     going: subprocess.Popen[str], run: Program, tmp_path: Path
 ) -> None:

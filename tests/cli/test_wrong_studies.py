@@ -235,6 +235,7 @@ def test_a_billion_workers_are_refused(call: Call) -> None:
     assert not Path("run").exists()
 
 
+@pytest.mark.long
 def test_a_run_says_the_commonest_reason_of_its_failures(run: Call, tmp_path: Path) -> None:
     settings = (
         "paper",

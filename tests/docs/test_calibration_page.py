@@ -13,6 +13,8 @@ from typer.testing import CliRunner
 
 from driftform.cli.app import app
 
+pytestmark = pytest.mark.long
+
 PAGE = "calibration.md"
 PICTURES = {"e4": "calibration-ten-cate-e4.svg", "gondret": "calibration-gondret-152.svg"}
 

@@ -152,6 +152,7 @@ def test_the_plugin_is_found(plugin_folder: Path) -> None:
     } in rows
 
 
+@pytest.mark.long
 def test_the_plugin_scores_a_flight(plugin_folder: Path) -> None:
     found = run_driftform(plugin_folder, "simulate", WORD, "--scenario", "linger.toml", "--out", "flight")
     assert set(found["fitness"]) == {f"TP{n}" for n in range(1, 11)}
@@ -250,6 +251,7 @@ def follow(document: Any, path: str) -> Any:
     return document
 
 
+@pytest.mark.long
 def test_json_fields_are_as_told(outputs: dict[str, Any]) -> None:
     told = documented()
     told["resume"] = told["evolve"]
@@ -260,6 +262,7 @@ def test_json_fields_are_as_told(outputs: dict[str, Any]) -> None:
             follow(document, path)
 
 
+@pytest.mark.long
 def test_no_field_of_a_list_is_left_out(outputs: dict[str, Any]) -> None:
     told = documented()
     for name, key in (
@@ -289,6 +292,7 @@ def test_the_side_branch_has_two_outlets_as_targets(
     assert points["left"][1] > 0.5 and abs(points["on"][1]) < 1e-9
 
 
+@pytest.mark.long
 def test_a_run_directory_holds_what_dataflow_tells(pages: dict[str, str], outputs: dict[str, Any]) -> None:
     run = Path(outputs["evolve"]["run"])
     section = pages["dataflow.md"].partition("## The run directory")[2].partition("\n## ")[0]

@@ -10,6 +10,8 @@ from typer.testing import CliRunner
 
 from driftform.cli.app import app
 
+pytestmark = pytest.mark.long
+
 PAGE = "networks.md"
 
 QUICKLY = {"evolve": ["--evaluations", "40", "--workers", "1"]}

@@ -14,6 +14,8 @@ from typer.testing import CliRunner
 
 from driftform.cli.app import app
 
+pytestmark = pytest.mark.long
+
 
 def commands_of(block: Any) -> list[str]:
     return [line for line in block.text.splitlines() if line.startswith("$ ")]

@@ -15,6 +15,8 @@ from driftform.cli.app import app
 from driftform.runs.directory import lock_run
 from driftform.study import load_study
 
+pytestmark = pytest.mark.long
+
 QUICKLY = ("--simulator", "native", "--evaluations", "20", "--workers", "1")
 
 

@@ -243,6 +243,7 @@ def test_a_flank_touches_the_inside_of_a_bend_between_its_corners():
     assert deepest_depth(vector(middle), R, model._replace(surfaces=few, fittings=f)) == 0.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", PIPES)
 @pytest.mark.parametrize("make", [lambda: cylinder_body(0.05, 0.015), lambda: dome_body(0.02)])
 def test_a_body_that_bounces_without_loss_keeps_its_energy_and_stays_inside(name, make):

@@ -127,6 +127,7 @@ def default_flights():
     return np.array(errors).T
 
 
+@pytest.mark.long
 def test_the_estimated_error_covers_the_true_one(default_flights):
     # The shares are those that SAFETY_FACTOR's docstring states of 2000 agents, rounded down.
     estimated, least, most = default_flights

@@ -55,6 +55,7 @@ SLOPING = pytest.mark.parametrize(
 )
 
 
+@pytest.mark.long
 @SLOPING
 @pytest.mark.parametrize("pipeline", [PIPELINE, DRAGGED], ids=["ideal", "drag"])
 @pytest.mark.parametrize(

@@ -111,6 +111,7 @@ def branch_share(junction: Junction, share: float, lines: int = 24) -> float:
     return total / (np.pi / 2)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("junction", JUNCTIONS)
 @pytest.mark.parametrize("share", SHARES)
 def test_tracers_enter_the_branch_in_the_ratio_of_the_fluxes(junction: Junction, share: float) -> None:

@@ -37,7 +37,7 @@ from driftform.util.files import remove_parts
 
 Make = Callable[[Study], PoolExecutor]
 
-pytestmark = pytest.mark.usefixtures("fakes")
+pytestmark = [pytest.mark.long, pytest.mark.usefixtures("fakes")]
 
 COUNT = 24
 

@@ -103,6 +103,7 @@ segments = (
 )
 
 
+@pytest.mark.long
 @settings(deadline=None, max_examples=25)
 @given(segment=segments, name=st.text("abcW", min_size=1, max_size=20))
 def test_any_pipe_keeps_to_the_page_and_its_labels_apart(read, segment, name):

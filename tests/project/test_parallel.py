@@ -49,7 +49,9 @@ def test_the_default_selection_of_folders_takes_all_cores(
     assert hooks.pytest_xdist_auto_num_workers(config) == workers
 
 
+@pytest.mark.parametrize("simulator", ["native", "exudyn"])
 def test_the_kernels_that_are_compiled_before_the_workers_start_are_those_of_real_flights(
-    hooks: ModuleType,
+    hooks: ModuleType, monkeypatch: pytest.MonkeyPatch, simulator: str
 ) -> None:
+    monkeypatch.setattr("sys.argv", ["kernels", simulator])
     exec(compile(hooks.KERNELS, "kernels", "exec"), {})

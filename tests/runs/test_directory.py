@@ -57,6 +57,7 @@ def leave(moment: Sequence[str], whole: Path) -> Path:
     return directory
 
 
+@pytest.mark.long
 def test_what_a_run_leaves_that_is_killed_in_its_first_moment_is_taken_by_evolve_and_resume(
     call: Call, whole: Path, rows: Rows
 ) -> None:
@@ -81,6 +82,7 @@ def test_what_a_run_leaves_that_is_killed_in_its_first_moment_is_taken_by_evolve
             assert line.endswith("start it again with the same 'driftform evolve' and --out left")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("writes", range(4))
 def test_what_a_full_disk_leaves_in_the_first_moment_is_taken_when_there_is_room(
     call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, writes: int

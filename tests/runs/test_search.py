@@ -105,6 +105,7 @@ def screened_study(strategy: str) -> Study:
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("strategy", ["random", "evolution"])
 def test_what_a_run_shows_is_checked_and_what_is_not_checked_is_not_among_its_best(
     store: Store, strategy: str
@@ -248,6 +249,7 @@ def test_writing_the_best_again_gives_the_same_files(store: Store, tmp_path: Pat
     assert {p: p.read_bytes() for p in files} == files
 
 
+@pytest.mark.long
 def test_three_hundred_targets_start_and_end_within_seconds(store: Store, tmp_path: Path) -> None:
     places = ", ".join(f"T{n} = [{0.5 + 8 * n / 300:.3f}, 0.0, {0.7 * np.sin(n):.3f}]" for n in range(300))
     study = load_study(

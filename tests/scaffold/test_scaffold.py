@@ -116,6 +116,7 @@ def test_each_is_found_with_its_options_and_its_study_selects_it(installed: Path
         assert changed, f"the study of {seam} shows no option"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seam", ["exporter", "recorder"])
 def test_the_command_in_its_readme_writes_a_file(seam: str, installed: Path, tmp_path: Path) -> None:
     readme = (installed / seam / "README.md").read_text()

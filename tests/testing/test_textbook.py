@@ -65,6 +65,7 @@ def rates(agent, turn, place, velocity, omega):
     return own[7:], np.concatenate([R.apply(book[7:10] + np.cross(start[10:], state[7:10])), book[10:]])
 
 
+@pytest.mark.long
 @given(st.sampled_from(["agent", "near sphere"]), vectors, vectors, vectors, vectors)
 def test_every_motion_is_accelerated_as_the_textbook_says(which, turn, place, velocity, omega):
     agent = (

@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import driftform
 
 SCRIPT = """
@@ -15,6 +17,7 @@ print(slice_depth(0.1, still, 0.5, (0.0, 0.0, 0.02), 1.0))
 """
 
 
+@pytest.mark.long
 def test_a_kernel_is_recompiled_when_a_file_changes_whose_functions_it_calls(tmp_path):
     package = Path(driftform.__file__).parent
     shutil.copytree(package, tmp_path / "driftform", ignore=shutil.ignore_patterns("__pycache__"))

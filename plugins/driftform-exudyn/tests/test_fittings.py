@@ -7,6 +7,8 @@ from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
 from driftform.trajectory.interpolation import interpolate_positions
 
+pytestmark = pytest.mark.long
+
 SEED, DENSITY = 24, 1182.0
 """Seed of a random agent, and the density of the water (kg/m3) in which it floats long enough to pass into a bend or a tee."""
 

@@ -46,6 +46,7 @@ def nested(levels: int, copies: int) -> str:
     return found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("objects", "items", "reason"),
     [

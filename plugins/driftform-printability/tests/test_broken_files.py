@@ -140,6 +140,7 @@ def test_millimetres_in_a_format_of_metres(
     assert "0.001" in found["unit"].detail
 
 
+@pytest.mark.long
 def test_a_wall_of_a_fifth_of_a_millimetre(check_mesh: CheckMesh, tmp_path: Path) -> None:
     thin = open_agent("C", "paper", settings=["builder.wall=0.0002"], use={"simulator": "native"})
     path = tmp_path / "thin.stl"

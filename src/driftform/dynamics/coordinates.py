@@ -170,7 +170,7 @@ def _fill_sample_in_space(
         sample[8 + i] = rates[i]
         sample[11 + i] = rates[3 + i]
     position = (coordinates[0], coordinates[1], coordinates[2])
-    return is_finite(sample) and not has_left_pipe(position, unpack(values).pipe, fittings)
+    return is_finite(sample) and not has_left_pipe(position, unpack(values, None).pipe, fittings)
 
 
 @compiled

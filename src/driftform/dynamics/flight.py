@@ -247,7 +247,7 @@ def _energy_drift(rows: FloatArray, values: FloatArray, count: int) -> float:
     NaN if the energy is not conserved: with drag, in water that is not uniform and steady, and if a vertical current
     carries the body towards or away from the surface.
     """
-    model = unpack(values)
+    model = unpack(values, None)
     table = model.table
     if count == 0 or table[STEADY] == 0.0 or table[DAMPED] != 0.0 or model.strips.shape[0] > 0:
         return math.nan

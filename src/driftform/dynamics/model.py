@@ -161,7 +161,7 @@ def pack(model: FlightModel) -> FloatArray:
 
 
 @compiled
-def unpack(values: FloatArray, fittings: FloatArray | None = None) -> FlightModel:
+def unpack(values: FloatArray, fittings: FloatArray | None) -> FlightModel:
     """Return the model that :func:`pack` put into one array, with its fittings; its arrays share that memory."""
     values = borrow(values)
     surfaces = 10 + 6 * int(values[0])

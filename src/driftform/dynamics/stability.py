@@ -123,7 +123,7 @@ def _rotation(pitch: float) -> Rotation:
 @compiled
 def _find_rest_afloat(values: FloatArray, pitches: FloatArray) -> tuple[float, float]:
     """Return pitch (rad) and height (m) of least potential energy: the best of the pitches, refined."""
-    model = unpack(values)
+    model = unpack(values, None)
     best, least = 0, math.inf
     for k in range(pitches.shape[0]):
         energy = _floating_energy(model, pitches[k])

@@ -278,7 +278,9 @@ class Run:
 
 def _prepare_flow(scenario: Scenario) -> None:
     """Solve the flow in tees of a new shape here and now: what it says would be lost in the display of the search."""
-    if scenario.pipe.is_open or not any(isinstance(placed.part, Tee) for placed in scenario.pipe.layout.parts):
+    if scenario.pipe.is_open or not any(
+        isinstance(placed.part, Tee) for placed in scenario.pipe.layout.parts
+    ):
         return
     from driftform.dynamics.fittings import fitting_array
 

@@ -17,8 +17,11 @@ from typing import Any, ParamSpec, TypeVar, cast
 
 from filelock import FileLock
 from numba.core.caching import FunctionCache
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime.nrt import rtsys
+from numba.core.types import unliteral
 from numba.extending import intrinsic
 
 from driftform.types import FloatArray
@@ -31,7 +34,7 @@ R = TypeVar("R")
 KERNELS = ("potential", "hydrodynamics", "dynamics", "trajectory")
 """The packages of the core that contain kernels."""
 
-COMPILATION_S = 10
+COMPILATION_S = 20
 """Typical duration of the compilation for flights in the vertical plane, s."""
 
 ANNOUNCED_S = 60.0
@@ -86,6 +89,53 @@ class _Cache(FunctionCache):
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
 
 
+class _PartLibrary(JITCodeLibrary):
+    """The code of a part, in no form that a processor could run.
+
+    numba optimizes and translates each function with all that it calls, and then optimizes and translates all of that
+    again for its caller. A part is optimized and translated once, as a piece of an entry: this takes half the time.
+    """
+
+    @property
+    def codegen(self) -> "_PartLibrary":
+        """What registers the environment of the part: the entries that contain the part do so."""
+        return self
+
+    def set_env(self, name: str, environment: object) -> None: ...
+
+    def add_llvm_module(self, ll_module: Any) -> None:
+        ll_module.data_layout = self._codegen._data_layout
+        self._final_module.link_in(ll_module)
+
+    def get_pointer_to_function(self, name: str) -> int:
+        self._ensure_finalized()  # type: ignore[no-untyped-call]
+        return 0
+
+    def _optimize_final_module(self) -> None: ...
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()  # type: ignore[no-untyped-call]
+        self._finalized = True
+
+
+class _PartCompiler(Compiler):
+    def __init__(self, typing: Any, target: Any, _: None, *rest: Any) -> None:
+        library = _PartLibrary(target.codegen(), "part")  # type: ignore[no-untyped-call]
+        super().__init__(typing, target, library, *rest)  # type: ignore[no-untyped-call]
+
+
+class _Part(CPUDispatcher):
+    """A kernel as other kernels call it."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        options = {**_OPTIONS, "no_cpython_wrapper": True}
+        super().__init__(function, targetoptions=options, pipeline_class=_PartCompiler)
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Take a literal for any number of its type: numba would compile the part for both."""
+        return super().get_call_template(tuple(map(unliteral, args)), kws)
+
+
 class _Entry(CPUDispatcher):
     """A kernel as Python calls it; kernels that call it are compiled with its part."""
 
@@ -97,15 +147,15 @@ class _Entry(CPUDispatcher):
 
     @cached_property
     def _part(self) -> Any:
-        return CPUDispatcher(self.py_func, targetoptions={**_OPTIONS, "no_cpython_wrapper": True})
+        return _Part(self.py_func)
 
     @cached_property
     def _lock(self) -> AbstractContextManager[object]:
-        """Open the cache, and return the lock of its folder."""
+        """Open the cache, and return its lock."""
         # numba raises RuntimeError if it finds no directory that it can write to.
         with suppress(RuntimeError, AttributeError):
             self._cache = _Cache(self.py_func)
-            return FileLock(Path(self._cache.cache_path) / "kernels.lock")
+            return FileLock(Path(self._cache.cache_path) / f"{self.py_func.__qualname__}.lock")
         return nullcontext()
 
     @property
@@ -113,12 +163,19 @@ class _Entry(CPUDispatcher):
         return self._part._numba_type_
 
     def compile(self, sig: Any) -> Any:
-        """Load or compile the kernel, one process at a time: the others wait, and load what that one compiled."""
+        """Load or compile the kernel, one process at a time: others that need it wait, and load what that one compiled."""
         with preparing():
             # Without a directory to write to, or on a file system without locks, every process compiles for itself.
             with suppress(OSError, NotImplementedError), self._lock:
-                return super().compile(sig)
-            return super().compile(sig)
+                return self._compile(sig)
+            return self._compile(sig)
+
+    def _compile(self, sig: Any) -> Any:
+        entry_point = super().compile(sig)
+        for overload in cast(Any, self.overloads).values():
+            for environment in overload._find_referenced_environments():
+                overload.library.codegen.set_env(environment.env_name, environment)
+        return entry_point
 
 
 @cache
