@@ -137,6 +137,17 @@ def test_one_that_is_best_undisturbed_loses_to_one_that_can_be_relied_on(store: 
     assert greedy is not None and greedy.index == favourite[0]
 
 
+def test_of_finalists_that_do_equally_well_the_one_with_the_best_undisturbed_flight_wins(
+    store: Store,
+) -> None:
+    favourite = store.find_best("TP2")
+    assert favourite is not None and favourite[0] > 0
+    for index in range(8):
+        store.add_disturbed([scored(index, c, 100.0) for c in range(4)], ("TP2", "TP6"))
+    found = find_winner(study_of(), store, "TP2")
+    assert found is not None and found.index == favourite[0]
+
+
 def test_a_finalist_whose_round_was_interrupted_does_not_win_yet(store: Store) -> None:
     store.add_disturbed([scored(0, c, 100.0) for c in range(3)], ("TP2", "TP6"))
     assert find_winner(study_of(), store, "TP2") is None

@@ -107,29 +107,36 @@ class Winner:
 
 
 def find_winner(study: Study, store: Store, target: str) -> Winner | None:
-    """Return the finalist that was chosen for a target, the earliest of equals; ``None`` before the choice is complete."""
+    """Return the finalist that was chosen for a target; ``None`` before the choice is complete.
+
+    Of those with equal scores, such as all that leave by an outlet, it is the one with the best undisturbed flight, and
+    then the earliest.
+    """
     robustness = study.scenario.robustness
     if not robustness.conditions:
         return None
     conditions = draw_rounds(study.scenario, study.seed)
     judged, checked = range(robustness.conditions), range(robustness.conditions, len(conditions))
+    flown = store.read_disturbed(target)
+    scores = {
+        index: robust_fitness(np.array([flights[number][0] for number in judged]), robustness)
+        for index, flights in flown.items()
+        if all(number in flights for number in judged)
+    }
+    if not scores:
+        return None
+    best = max(scores.values())
+    equals = [index for index, score in scores.items() if score == best]
+    if len(equals) > 1:
+        undisturbed = {brief.index: brief.fitness[0] for brief in store.read_summaries([target])}
+        equals.sort(key=undisturbed.__getitem__, reverse=True)
+    flights = [flown[equals[0]][number] for number in checked if number in flown[equals[0]]]
+    if len(flights) < len(checked):
+        return Winner(equals[0], best, None)
+    misses = Misses(conditions[len(judged) :], np.array([offset for _, offset in flights])[:, None])
     fitness = study.make_plugin("fitness")
-    found: Winner | None = None
-    for index, flights in store.read_disturbed(target).items():
-        if not all(number in flights for number in judged):
-            continue
-        score = robust_fitness(np.array([flights[number][0] for number in judged]), robustness)
-        if found is None or score > found.score:
-            rest = [flights[number][1] for number in checked if number in flights]
-            misses = (
-                Misses(conditions[len(judged) :], np.array(rest)[:, None])
-                if len(rest) == len(checked)
-                else None
-            )
-            judged_as = [fitness.judge(flights[number][0]) for number in checked if number in flights]
-            reached = judged_as.count(Verdict.REACHED) / len(checked) if misses else None
-            found = Winner(index, score, misses, reached)
-    return found
+    reached = [fitness.judge(score) for score, _ in flights].count(Verdict.REACHED) / len(checked)
+    return Winner(equals[0], best, misses, reached)
 
 
 def find_best_agent(study: Study, store: Store, target: str) -> StoredAgent | None:
