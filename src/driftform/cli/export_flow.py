@@ -33,7 +33,7 @@ def export_flow(
 
     The file is a table with the columns timestamp, x, y, z, u, v and w. Gusts are left out.
     """
-    from driftform.cli.output import print_json
+    from driftform.cli.output import print_json, print_text
     from driftform.errors import InputError
     from driftform.study import load_study
     from driftform.tables.currents import sample_current, warn_of_flow, write_current
@@ -65,4 +65,4 @@ def export_flow(
     print(f"{out}: {nodes} nodes, {1000 * grid.spacing[0]:g} mm apart, of a grid of {shape}")
     print(f'read it with flow.kind = "grid", flow.file = "{out}", flow.reference = {speed:g}')
     for warning in warnings:
-        print(f"warning: {warning}")
+        print_text(f"warning: {warning}")

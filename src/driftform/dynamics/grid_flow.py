@@ -32,6 +32,9 @@ MAX_LEAKAGE = 0.1
 SPEED_TOLERANCE = 0.1
 """Largest deviation of the mean speed at the inlet from that of the scenario, relative to it."""
 
+FEWEST_CELLS = 4
+"""Fewest cells of a grid across the narrowest bore."""
+
 LINEAR_LAYERS = 3
 """Layers of nodes beyond the water that are extrapolated linearly; further out the velocity is constant."""
 
@@ -110,6 +113,12 @@ def _check_nodes(grid: VelocityGrid, known: BoolArray, pipe: Pipe, walls: FloatA
             for axis in placed.part.list_axes(0.1 * pipe.layout.narrowest)
         ]
     )
+    narrowest = 2 * pipe.layout.narrowest
+    if grid.spacing.max() > narrowest / FEWEST_CELLS:
+        raise ValueError(
+            f"has nodes {grid.spacing.max():.3g} m apart, too far for a bore of {narrowest:.3g} m, which needs at least "
+            f"{FEWEST_CELLS} cells across: are its coordinates in metres?"
+        )
     outside = ((axes < grid.origin) | (axes > grid.end)).any(axis=1)
     if outside.any():
         low, high = format_point(grid.origin), format_point(grid.end)

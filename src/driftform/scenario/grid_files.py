@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from warnings import catch_warnings
 
 import numpy as np
 
@@ -86,10 +87,13 @@ def _read_csv(path: Path) -> VelocityGrid:
     with path.open(encoding="utf-8-sig") as file:
         names = [name.strip().strip('"') for name in file.readline().split(",")]
         try:
-            table = np.loadtxt(file, delimiter=",", ndmin=2)
+            with catch_warnings(action="ignore"):
+                table = np.loadtxt(file, delimiter=",", ndmin=2)
         except ValueError as error:
             raise ValueError(f"is not a table of numbers: {error}") from None
-    if len(table) == 0 or table.shape[1] != len(names):
+    if not table.size:
+        raise ValueError("has no line below its header")
+    if table.shape[1] != len(names):
         raise ValueError(f"has {len(names)} columns in its header, but {table.shape[1]} below it")
     columns = dict(zip(names, table.T, strict=True))
     places = _choose(_PLACES, columns, "coordinates")
@@ -219,10 +223,15 @@ def _read_vtk(path: Path) -> VelocityGrid:
     """Read the points of a VTK file in any order, with a vector at each."""
     import meshio
 
+    # meshio.read ends the process if a file is damaged; the readers of the formats raise.
+    read = meshio.vtu.read if path.suffix.lower() == ".vtu" else meshio.vtk.read
     try:
-        mesh = meshio.read(path)
-    except (meshio.ReadError, ValueError, KeyError, IndexError) as error:
-        raise ValueError(f"is not a VTK file that meshio can read: {error}") from None
+        mesh = read(str(path))
+    except OSError:
+        raise
+    except Exception as error:
+        reason = f": {error}" if str(error) else ""
+        raise ValueError(f"is not a VTK file that meshio can read{reason}") from None
     data = mesh.point_data
     name = next((n for n in _VECTORS if n in data and np.ndim(data[n]) == 2), None)
     if name is None:
