@@ -12,7 +12,8 @@ from driftform.calibration.fit import Fit, fit_factors
 from driftform.calibration.problem import Filmed, factor_of, parameter_of
 from driftform.scenario import Factors
 from driftform.scenario.calibration import NAMES
-from driftform.testing.films import Filming
+from driftform.study import load_study
+from driftform.testing.films import Filming, draw_world, film_flight, place_drop
 
 pytestmark = pytest.mark.long
 
@@ -81,6 +82,19 @@ def test_wrong_points_count_little(noisy: list[Filmed], fit: Fit) -> None:
     assert any("far off" in note for note in found.notes)
 
 
+def test_a_track_that_fits_far_worse_than_the_others_is_named(noisy: list[Filmed]) -> None:
+    """Its camera shook slowly, as no noise does."""
+    first, *others = noisy
+    track = first.track
+    shaken = track.markers[0].points + 0.03 * np.sin(9 * track.t)[:, None] * [1.0, -0.5]
+    spoilt = replace(first, track=replace(track, markers=(replace(track.markers[0], points=shaken),)))
+    found = fit_factors([spoilt, *others])
+    notes = [note for note in found.notes if "times as far as the other tracks" in note]
+    assert len(notes) == 1
+    assert notes[0].startswith(f"{track.name}: lies ")
+    assert not any("times as far" in note for note in fit_factors(noisy).notes)
+
+
 def test_heights_alone_show_the_drag_of_a_level_fall(film: Film) -> None:
     films = []
     for level in film(replace(Factors(), cross_drag=1.3), Filming(noise=5e-4), (0.0, 0.0), 2.0):
@@ -118,6 +132,22 @@ def test_a_calibrated_study_flies_as_the_world_did(design: Design, film: Film, e
     again = Bench.of(pipeline, design.agent.morphology)
     assert again.scenario.calibration.is_empty
     assert again.coefficients.added_mass == pytest.approx(shown.bench.coefficients.added_mass)
+
+
+def test_a_release_that_was_placed_too_early_is_found_anew_with_what_the_other_films_show() -> None:
+    """The hull is far lighter than the model's, and one film of three first fits with a release half a second early."""
+    rng = np.random.default_rng((23, 148))
+    pipeline = load_study("tank", run={"seed": 0}).make_pipeline()
+    morphology = pipeline.express(pipeline.grammar.random(rng))
+    benches = [place_drop(pipeline, morphology, pitch) for pitch in (-45.0, 0.0, 45.0)]
+    world = draw_world(benches[0], rng)
+    found = fit_factors([film_flight(bench, world, rng) for bench in benches])
+    assert found.residual < 1.5 * np.sqrt(2) * Filming().noise
+    for name in FALLING:
+        estimate = found.estimates[name]
+        assert estimate.low is not None
+        assert estimate.high is not None
+        assert estimate.low <= getattr(world, name) <= estimate.high
 
 
 @pytest.mark.parametrize("name", NAMES)

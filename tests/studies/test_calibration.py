@@ -30,7 +30,7 @@ from driftform.types import FloatArray
 
 pytestmark = pytest.mark.slow
 
-TRIALS = int(os.environ.get("COUNT", "100"))
+TRIALS = int(os.environ.get("COUNT", "250"))
 PITCHES_DEG = (-45.0, 0.0, 45.0)
 SEED = 23
 ENOUGH = 30

@@ -68,6 +68,9 @@ STARTS = (-0.4, 0.0, 0.4)
 FAR = 5.0
 """Distance of a point over the spread of all that counts as far off."""
 
+WORSE = 3.0
+"""Noise of a track over that of the others from which it is doubtful that it is of the same agent, or well fitted."""
+
 NEGLIGIBLE = 0.05
 """Correlation that is not worth stating."""
 
@@ -487,8 +490,21 @@ def _finish(free: Solution, last: Solution, reasons: dict[str, str], notes: Sequ
         problem,
         calibrated,
         plain,
-        (*notes, *far),
+        (*notes, *far, *_list_misfits(problem)),
     )
+
+
+def _list_misfits(problem: Problem) -> list[str]:
+    """Return a note for each track that fits far worse than the others: its release or camera may not have been found."""
+    found = []
+    for k, (film, noise) in enumerate(zip(problem.films, problem.noise, strict=True)):
+        others = [n for j, n in enumerate(problem.noise) if j != k]
+        if others and (ratio := noise / float(np.median(others))) >= WORSE:
+            found.append(
+                f"{film.track.name}: lies {1000 * noise:.2g} mm off, {ratio:.2g} times as far as the other tracks; fit without it, and "
+                "compare"
+            )
+    return found
 
 
 def _correlate(solution: Solution, estimates: Mapping[str, FactorEstimate]) -> list[tuple[str, str, float]]:

@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import least_squares
 
-from driftform.calibration.problem import Anchor, Problem
+from driftform.calibration.problem import RELEASE_ANGLE, Anchor, Problem
 from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
 
 ROBUST = 3.0
 """Residual over noise from which a point counts less."""
 
-EVALUATIONS = 60
+EVALUATIONS = 40
 """Most steps of a fit."""
 
 DELAYS = 120
@@ -25,6 +25,15 @@ STUCK = 1.5
 
 ASIDE = 0.6
 """Distance of another start from the expected value of a factor, over its standard deviation."""
+
+TOLERANCE, ROUGH = 1e-5, 1e-3
+"""Relative tolerances of a fit, and of one that only shows where another may begin."""
+
+RELEASE_PITCHES = (0.0, -RELEASE_ANGLE, RELEASE_ANGLE)
+"""Errors of the pitch of a release from which the fit of a track begins that is far off, rad."""
+
+ENOUGH = 0.99
+"""Share of the cost of a fit below which another one is better."""
 
 ROUNDS, STEADY = 3, 0.05
 """Most fits in which the noise becomes that of the residuals, and its logarithmic change that does not matter."""
@@ -79,7 +88,7 @@ def merge_solutions(solutions: Sequence[Solution]) -> Solution:
     return replace(best, covariance=covariance)
 
 
-def _approach(problem: Problem, x: FloatArray) -> FloatArray:
+def _approach(problem: Problem, x: FloatArray, tolerance: float = TOLERANCE) -> FloatArray:
     """Return the unknowns that fit best, from a start that may be far from them.
 
     The first fits take the noise to be as large as the residuals: they follow the tracks roughly, and stay near what is
@@ -89,8 +98,8 @@ def _approach(problem: Problem, x: FloatArray) -> FloatArray:
     for share in (1.0, 0.5):
         if worst > 3.0:
             rough = problem.with_noise([n * worst**share for n in problem.noise])
-            x = find_best(rough, x, tolerance=1e-3)
-    return find_best(problem, x)
+            x = find_best(rough, x, tolerance=ROUGH)
+    return find_best(problem, x, tolerance=tolerance)
 
 
 def _approach_from_several(problem: Problem, x: FloatArray) -> FloatArray:
@@ -98,20 +107,37 @@ def _approach_from_several(problem: Problem, x: FloatArray) -> FloatArray:
 
     A release that was placed a second too early, or a hull that is far lighter than the model's, are hollows of their own.
     """
-    best = _approach(problem, x)
-    for start in _list_starts(problem, best):
-        if max(_spread(r) for r in _split(problem, problem.residuals(best))) < STUCK:
+    best = _free_tracks(problem, _approach(problem, x))
+    for start in _list_starts(problem):
+        if not _list_stuck(problem, best):
             break
-        trial = _approach(problem, place_releases(problem, start))
-        if _measure_cost(problem, trial) < _measure_cost(problem, best):
-            best = trial
+        trial = _approach(problem, place_releases(problem, start), ROUGH)
+        if _measure_cost(problem, trial) < ENOUGH * _measure_cost(problem, best):
+            best = _free_tracks(problem, find_best(problem, trial))
     return best
 
 
-def _list_starts(problem: Problem, x: FloatArray) -> Iterator[FloatArray]:
-    """Generate starts with releases and cameras as expected: the factors of ``x``, then each aside from what is expected."""
-    count = len(problem.names)
-    yield np.concatenate([x[:count], problem.start[count:]])
+def _free_tracks(problem: Problem, x: FloatArray) -> FloatArray:
+    """Return the unknowns with the releases and cameras of tracks that are far off found anew, while that helps."""
+    while stuck := _list_stuck(problem, x):
+        trial = x.copy()
+        for j, parameter in enumerate(problem.parameters):
+            if parameter.owner in stuck:
+                trial[j] = problem.start[j]
+        trial = _approach(problem, place_releases(problem, trial, stuck, RELEASE_PITCHES), ROUGH)
+        if _measure_cost(problem, trial) >= ENOUGH * _measure_cost(problem, x):
+            break
+        x = find_best(problem, trial)
+    return x
+
+
+def _list_stuck(problem: Problem, x: FloatArray) -> list[int]:
+    """Return the numbers of the tracks that are far off."""
+    return [k for k, r in enumerate(_split(problem, problem.residuals(x))) if _spread(r) >= STUCK]
+
+
+def _list_starts(problem: Problem) -> Iterator[FloatArray]:
+    """Generate starts with releases and cameras as expected, and each factor in turn aside from what is expected."""
     for name in ("hull_density", "cross_drag", "axial_drag"):
         if name in problem.names:
             j = problem.names.index(name)
@@ -130,35 +156,48 @@ def _measure_cost(problem: Problem, x: FloatArray) -> float:
     return float(soft.sum() + (residuals[data:] ** 2).sum())
 
 
-def place_releases(problem: Problem, x: FloatArray) -> FloatArray:
-    """Return the unknowns with the time of each release at which the flight comes nearest to its track."""
+def place_releases(
+    problem: Problem, x: FloatArray, tracks: Sequence[int] | None = None, pitches: Sequence[float] = (0.0,)
+) -> FloatArray:
+    """Return the unknowns with the time of each release at which the flight comes nearest to its track.
+
+    Parameters
+    ----------
+    tracks
+        whose releases are placed; by default all.
+    pitches
+        errors of the pitch of a release (rad) that are tried: an agent that is released level may tip either way.
+    """
     x = x.copy()
     index = {(p.owner, p.name): j for j, p in enumerate(problem.parameters)}
-    for number, film in enumerate(problem.films):
+    for number in range(len(problem.films)) if tracks is None else tracks:
+        film = problem.films[number]
         j = index[number, "delay"]
         p, t = problem.parameters[j], film.track.t
         last = float(t[-1] - t[0])
-        early = x.copy()
-        early[j] = p.low
-        path = problem.fly(early, number)
         candidates = [
             float(t[0]),
             *np.linspace(p.low, float(t[0]), DELAYS),
             *np.linspace(float(t[0]), float(t[0]) + 0.9 * last, DELAYS),
         ]
-        best = np.inf
-        for delay in candidates:
-            trial = x.copy()
-            trial[j] = delay
-            points, _ = problem.see(trial, number, path)
-            off = film.observed - points
-            # Squares: an agent that lies on the floor for most of the film must not decide.
-            shift = np.nan_to_num(_mean(off))
-            cost = float(np.sqrt(np.nanmean((off - shift) ** 2)))
-            if cost < 0.98 * best:
-                best, x = cost, trial
-                for axis in np.flatnonzero(film.seen_axes):
-                    x[index[number, f"offset {axis}"]] = shift[axis]
+        best, expected = np.inf, x.copy()
+        for pitch in pitches:
+            early = expected.copy()
+            early[j] = p.low
+            early[index[number, "pitch"]] += pitch
+            path = problem.fly(early, number)
+            for delay in candidates:
+                trial = early.copy()
+                trial[j] = delay
+                points, _ = problem.see(trial, number, path)
+                off = film.observed - points
+                # Squares: an agent that lies on the floor for most of the film must not decide.
+                shift = np.nan_to_num(_mean(off))
+                cost = float(np.sqrt(np.nanmean((off - shift) ** 2)))
+                if cost < 0.98 * best:
+                    best, x = cost, trial
+                    for axis in np.flatnonzero(film.seen_axes):
+                        x[index[number, f"offset {axis}"]] = shift[axis]
     return x
 
 
@@ -168,7 +207,7 @@ def _mean(off: FloatArray) -> FloatArray:
 
 
 def find_best(
-    problem: Problem, x: FloatArray, free: Sequence[int] | None = None, tolerance: float = 1e-5
+    problem: Problem, x: FloatArray, free: Sequence[int] | None = None, tolerance: float = TOLERANCE
 ) -> FloatArray:
     """Return the unknowns that fit best; only those at the places ``free`` change."""
     places = np.arange(len(x)) if free is None else np.asarray(free, dtype=int)
