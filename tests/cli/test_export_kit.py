@@ -108,3 +108,41 @@ def test_a_kit_that_cannot_be_made_leaves_no_file(call: Call, tmp_path: Path) ->
     assert result.exit_code == 1
     assert result.stderr.startswith("error: no kit can be made: the hull is")
     assert not list(tmp_path.iterdir())
+
+
+def test_what_is_told_of_the_kit_is_read_without_knowing_its_keys(call: Call, tmp_path: Path) -> None:
+    out = call("export", LONG, "--kit", "--out", str(tmp_path)).stdout
+    assert "joint: sleeve at x +" in out and "kind" not in out and "why" not in out
+    # Without ballast nothing is said of it.
+    assert "ballast" not in out
+    loaded = call(
+        "export", LONG, "--kit", "--option", "ballast=[[0.03,0.008]]", "--out", str(tmp_path)
+    ).stdout
+    assert "lead" in loaded and "with ballast" in loaded and "None" not in loaded
+
+
+def test_ballast_is_weighed_in_the_balance_of_the_kit(call: Call, tmp_path: Path) -> None:
+    ballast = ("--option", "ballast=[[0.03,0.008]]", "--option", "ballast_density=7850")
+    kit = files(call, "--kit", *ballast, "--out", str(tmp_path))[0]["kit"]
+    [ball] = kit["ballast"]
+    assert ball["material"] == "steel" and ball["mass_kg"] == pytest.approx(
+        7850 * 0.008**3 * 3.14159 / 6, rel=1e-5
+    )
+    _, printed, loaded = kit["balance"]
+    assert loaded["of"] == "with ballast"
+    assert loaded["mass_kg"] == pytest.approx(printed["mass_kg"] + ball["mass_kg"])
+    moment = printed["mass_kg"] * printed["cog_mm"] + ball["mass_kg"] * 30.0
+    assert loaded["mass_kg"] * loaded["cog_mm"] == pytest.approx(moment)
+
+
+def test_the_sheet_names_the_agent_as_it_was_opened(call: Call, tmp_path: Path) -> None:
+    call("export", LONG[:20], "--kit", "--out", str(tmp_path))
+    [sheet] = tmp_path.glob("*.svg")
+    text = sheet.read_text(encoding="utf-8")
+    assert f"driftform trim {LONG[:20]} --kit" in text and "AGENT" not in text
+
+
+def test_the_note_on_kits_is_for_formats_that_have_them(call: Call, tmp_path: Path) -> None:
+    made = ("--set", "builder.made_as=kit", "--out", str(tmp_path))
+    assert "write them with --kit" in call("export", LONG, *made, "--format", "stl").stderr
+    assert "--kit" not in call("export", LONG, *made, "--format", "sdf").stderr

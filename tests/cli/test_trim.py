@@ -113,7 +113,7 @@ def test_a_flight_that_fails_costs_its_marks_and_not_the_command(call: Call) -> 
 def test_ballast_comes_with_the_way_it_goes_in_and_what_holds_it(call: Call) -> None:
     text = call("trim", WORD, *NEUTRAL, "--printed-mass", 0.0305, "--simulator", "native").stdout
     assert "put it in through the joint at the core, before the core" in text
-    assert "set it in epoxy putty" in text
+    assert "epoxy putty" in text and "1800 kg/m3" in text
     assert "a kit can be printed with a seat for it: --kit" in text
 
 
@@ -131,7 +131,10 @@ def test_ballast_of_a_kit_is_held_by_a_seat_that_the_kit_can_print(call: Call, t
     assert facts["trimmed"] == pytest.approx(facts["simulated"], abs=0.3)
     # The option that is printed makes that kit ...
     text = call("trim", WORD, *NEUTRAL, "--kit", "--printed-mass", 0.0292, "--simulator", "native").stdout
-    option = re.search(r"--option (ballast=\S+)", text)[1]
+    option = re.search(r"--option '(ballast=\S+)'", text)[1]
+    assert f"a lead ball of {1000 * piece['diameter']:.1f} mm" in text
+    assert f"driftform export {WORD} --kit --option '{option}'" in text
+    assert f"driftform trim {WORD} --kit --printed-mass KG --set 'exporter.stl.{option}'" in text
     command = (
         "export",
         WORD,
@@ -156,8 +159,10 @@ def test_ballast_of_a_kit_is_held_by_a_seat_that_the_kit_can_print(call: Call, t
 
 
 def test_the_last_gram_lies_on_the_seat_that_is_there_and_the_rest_is_told(call: Call) -> None:
-    seat = ("--set", "exporter.stl.ballast=[[0.02,0.004]]")
+    diameter = (6 * 0.002185 / (3.14159 * 11_340)) ** (1 / 3)
+    seat = ("--set", f"exporter.stl.ballast=[[0.02,{diameter:.5f}]]")
     facts = told(call, "--kit", "--printed-mass", 0.0292, *seat)
+    assert facts["misfits"] == [] and facts["held"][0]["diameter"] == pytest.approx(diameter, abs=1e-5)
     assert [piece["x"] for piece in facts["pieces"]] == [0.02]
     assert facts["residual_moment"] == pytest.approx(
         facts["ballast_mass"] * (0.02 - facts["ballast_x"]), rel=1e-6
@@ -165,7 +170,24 @@ def test_the_last_gram_lies_on_the_seat_that_is_there_and_the_rest_is_told(call:
     text = call(
         "trim", WORD, *NEUTRAL, "--kit", "--printed-mass", 0.0292, *seat, "--simulator", "native"
     ).stdout
-    assert "the seat is for a ball of 4.0 mm" in text
+    assert "its moment is then off by" in text
+
+
+@pytest.mark.long
+def test_a_seat_holds_only_a_ball_that_fits_it_else_the_seat_to_print_is_told(call: Call) -> None:
+    seat = ("--set", "exporter.stl.ballast=[[0.02,0.002]]")
+    facts = told(call, "--kit", "--printed-mass", 0.0292, *seat)
+    [old], [ball], [piece] = facts["misfits"], facts["held"], facts["pieces"]
+    assert old["diameter"] == pytest.approx(0.002)
+    assert (ball["x"], ball["diameter"]) == pytest.approx((piece["x"], piece["diameter"]), abs=2e-5)
+    # The seat that is replaced was weighed with the print: what the other one weighs more is counted.
+    whole = 0.0292 + facts["seat_mass"] + piece["mass"]
+    assert whole == pytest.approx(facts["simulated_mass"], abs=2e-6)
+    text = call(
+        "trim", WORD, *NEUTRAL, "--kit", "--printed-mass", 0.0292, *seat, "--simulator", "native"
+    ).stdout
+    assert "is for a ball of 2.0 mm, and does not hold this ballast" in text
+    assert f"--option 'ballast=[[{ball['x']:.5g},{ball['diameter']:.5g}]]'" in text
 
 
 @pytest.fixture
@@ -207,7 +229,9 @@ def test_the_parts_of_a_real_kit_are_accounted_for(call: Call) -> None:
 def test_an_exporter_that_makes_no_seats_is_trimmed_with_putty(call: Call) -> None:
     facts = told(call, "--kit", "--printed-mass", 0.0292)
     assert facts["held"] == [] and facts["seat_mass"] == 0
-    assert facts["unheld"] == "the exporter of the kit does not say how it holds ballast"
+    assert facts["unheld"] and [piece["putty"] for piece in facts["pieces"]] == [
+        pytest.approx(facts["ballast_mass"])
+    ]
     assert facts["trimmed"] is not None
 
 

@@ -9,11 +9,18 @@ from driftform.geometry import mass_properties
 from driftform.geometry.mass_elements import combine, core_element, printed_hull_element, reweigh
 from driftform.printing.ballast import (
     MATERIALS,
+    PUTTY,
+    Piece,
     RequiredBallast,
     ball_diameter,
     max_ball_radius,
-    place_ballast,
-    place_nearest,
+    place_by_hand,
+    place_filling,
+    place_nearest_ball,
+    place_nearest_by_hand,
+    place_nearest_filling,
+    place_one_ball,
+    place_two_balls,
     required_ballast,
 )
 from driftform.types import Agent, Body, Coefficients, Core
@@ -31,6 +38,20 @@ def tube(bore: float = 0.012, aft: float = 0.05, fore: float = 0.08, wall: float
 BODY = tube()
 SIMULATED = mass_properties(BODY)
 AGENT = Agent(BODY, SIMULATED, Coefficients(0.01 * np.eye(6)))
+
+
+def place_ballast(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
+    """Return the first that fits: one ball, two balls, a filling."""
+    return (
+        place_one_ball(body, wanted, density)
+        or place_two_balls(body, wanted, density)
+        or place_filling(body, wanted, density)
+    )
+
+
+def place_nearest(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
+    """Return the first that fits as near as possible to where it should be: a ball, a filling."""
+    return place_nearest_ball(body, wanted, density) or place_nearest_filling(body, wanted, density)
 
 
 @given(missing=st.floats(1e-4, 8e-3), x=st.floats(-0.01, 0.03))
@@ -188,3 +209,44 @@ def test_no_filling_is_thinner_than_a_millimetre(mass: float, x: float) -> None:
     wanted = RequiredBallast(mass, mass * x)
     for found in (place_ballast(BODY, wanted, LEAD), place_nearest(BODY, wanted, LEAD)):
         assert all(piece.end - piece.start >= 1e-3 - 1e-9 for piece in found if piece.diameter is None)
+
+
+@given(mass=st.floats(1e-5, 0.1), x=st.floats(-0.045, 0.075), bore=st.sampled_from([0.0105, 0.012, 0.03]))
+@settings(deadline=None)
+def test_what_is_laid_by_hand_counts_its_putty_and_has_mass_and_moment(
+    mass: float, x: float, bore: float
+) -> None:
+    body = tube(bore)
+    found = place_by_hand(body, RequiredBallast(mass, mass * x), LEAD)
+    assume(found)
+    assert sum(p.element.mass for p in found) == pytest.approx(mass, rel=1e-6)
+    assert sum(p.element.mass * p.element.x for p in found) == pytest.approx(mass * x, abs=1e-6 * mass)
+    for piece in found:
+        assert 0 <= piece.putty <= piece.element.mass * (1 + 1e-9)
+        if piece.diameter is not None:
+            # A disc of putty as long as the ball, which weighs no more than the ball.
+            ball = np.pi / 6 * piece.diameter**3
+            assert piece.putty == pytest.approx(PUTTY * (np.pi * bore**2 * piece.diameter - ball), rel=1e-6)
+            assert piece.element.mass == pytest.approx(piece.putty + LEAD * ball, rel=1e-6)
+            assert piece.putty <= piece.element.mass / 2
+
+
+def test_where_putty_would_weigh_more_than_its_ball_a_ring_of_putty_lies_on_the_wall() -> None:
+    [piece] = place_by_hand(BODY, RequiredBallast(0.0005, 0.0005 * 0.03), LEAD)
+    assert piece.diameter is None and piece.ring is not None and piece.putty == piece.element.mass == 0.0005
+    volume = np.pi * (0.012**2 - (0.012 - piece.ring) ** 2) * (piece.end - piece.start)
+    assert volume * PUTTY == pytest.approx(0.0005) and piece.end - piece.start == pytest.approx(piece.ring)
+    # A thin ring: m r^2 about the axis.
+    assert piece.element.axial == pytest.approx(0.0005 * (0.012 - piece.ring / 2) ** 2, rel=1e-2)
+
+
+def test_a_heavy_ball_in_a_narrow_bore_is_set_in_the_putty_that_it_needs() -> None:
+    narrow = tube(0.0105)
+    [piece] = place_by_hand(narrow, RequiredBallast(0.03, 0.03 * 0.04), LEAD)
+    assert piece.diameter is not None and 0 < piece.putty < 0.015
+    assert piece.element.x == pytest.approx(0.04)
+
+
+def test_by_hand_too_ballast_comes_as_near_as_it_can() -> None:
+    [piece] = place_nearest_by_hand(BODY, RequiredBallast(0.0005, 0.0005 * -0.06), LEAD)
+    assert -0.048 <= piece.start < -0.046

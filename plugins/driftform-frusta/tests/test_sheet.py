@@ -21,6 +21,7 @@ from driftform_frusta.exporters.obj import ObjExporter
 from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.stl import StlExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
+from driftform_frusta.kit.accounting import kit_mass
 from driftform_frusta.parts import PartOptions, make_parts
 from driftform_frusta.sheet.contents import plan_sheet
 from driftform_frusta.sheet.drawing import sheet_svg, wrap
@@ -81,14 +82,15 @@ def test_each_part_is_joined_to_one_that_is_in_place_already(body, height):
     assert sorted(part.place for part in sheet.parts) == list(range(len(sheet.parts)))
     assert [part.number for part in sheet.parts] == list(range(1, len(sheet.parts) + 1))
     in_place = {sheet.parts[0].place}
-    assert "Lay the core" in sheet.steps[2] and f"the {sheet.parts[0].piece.name}." in sheet.steps[2]
-    for part, step in zip(sheet.parts[1:], sheet.steps[3:], strict=False):
+    [core] = [index for index, step in enumerate(sheet.steps) if "Lay the core" in step]
+    assert f"the {sheet.parts[0].piece.name}." in sheet.steps[core]
+    for part, step in zip(sheet.parts[1:], sheet.steps[core + 1 :], strict=False):
         other = int(re.search(r"to part (\d+)", step).group(1))
         neighbour = sheet.parts[other - 1].place
         assert step.startswith(f"Join part {part.number}, the {part.piece.name}, to part {other}")
         assert neighbour in in_place and abs(neighbour - part.place) == 1
         joint = sheet.kit.joints[min(neighbour, part.place)]
-        assert f"{joint.z - 1e3 * body.outer[0, 0]:.1f}\u00a0mm from the aft end" in step
+        assert f"at {joint.z - 1e3 * body.outer[0, 0]:.1f}\u00a0mm" in step
         in_place.add(part.place)
     # The core is inside once the first two parts are joined.
     assert {sheet.parts[0].piece.name, sheet.parts[1].piece.name} == {"aft shell", "fore shell"}
@@ -155,7 +157,7 @@ def test_a_kit_that_is_too_light_states_the_ballast_that_gives_mass_and_balance(
     heavy = ExportJob(job.name, Agent(body, mass_properties(heavier), Coefficients(np.eye(6))), job.scenario)
     sheet = plan_sheet(heavy, PartOptions(kit=True))
     grams = float(re.search(r"([\d.]+)\u00a0g too light", sheet.remedy).group(1))
-    x = float(re.search(r"centred (-?[\d.]+)\u00a0mm", sheet.remedy).group(1)) + 1e3 * body.outer[0, 0]
+    x = float(re.search(r"centred at (-?[\d.]+)\u00a0mm", sheet.remedy).group(1)) + 1e3 * body.outer[0, 0]
     closed, target = sheet.closed, sheet.target
     assert 1e3 * closed.mass + grams == pytest.approx(1e3 * target.mass, abs=0.01)
     moment = 1e6 * closed.mass * closed.cog[0] + grams * x
@@ -208,13 +210,11 @@ def test_ballast_with_a_seat_goes_in_before_its_part_is_joined():
     sheet = sheet_of(straight(6, 4), ballast=[[0.045, 0.008]])
     [held] = sheet.kit.ballast
     [number] = [part.number for part in sheet.parts if part.place == held.part]
-    [step] = [i for i, text in enumerate(sheet.steps) if "ballast, a ball of 8.0" in text]
-    first = [i for i, text in enumerate(sheet.steps) if f"part {number}" in text]
-    assert step == first[0]
+    [step] = [i for i, text in enumerate(sheet.steps) if "ballast, a lead ball of 8.00\u00a0mm" in text]
+    joined = [i for i, text in enumerate(sheet.steps) if re.match(rf"(Join|Lay).* part {number}", text)]
+    assert step < joined[0]
     assert f"into part {number} by its aft end" in sheet.steps[step]
-    assert (
-        f"{1e3 * (0.045 - sheet.kit.hull.skin[0, 0] / 1e3):.1f}\u00a0mm from the aft end" in sheet.steps[step]
-    )
+    assert f"at {1e3 * (0.045 - sheet.kit.hull.skin[0, 0] / 1e3):.1f}\u00a0mm" in sheet.steps[step]
 
     root = ET.fromstring(sheet_svg(sheet))
     [ball], [core] = find(root, "ballast", "circle"), find(root, "core", "circle")
@@ -250,5 +250,82 @@ def test_ballast_beyond_a_neck_has_the_height_of_a_pause():
     )
     sheet = sheet_of(body, ballast=[[0.065, 0.010]])
     [held] = sheet.kit.ballast
-    [text] = [text for text in sheet.steps if "put in while it is printed" in text]
+    [text] = [text for text in sheet.steps if "is printed, pause" in text]
     assert f"pause at a height of {sheet.kit.find_pause(held):.1f}\u00a0mm" in text
+
+
+@pytest.mark.parametrize(
+    ("density", "material"), [(11_340.0, "lead"), (7850.0, "steel"), (5000.0, "5000 kg/m3")]
+)
+def test_the_sheet_weighs_each_ball_and_names_its_size_and_material(density, material):
+    balls = [[-0.04, 0.006], [0.045, 0.008]]
+    body = straight(6, 5)
+    sheet = sheet_of(body, ballast=balls, ballast_density=density)
+    table, text = dict(sheet.weights), " ".join(sheet.steps)
+    masses = [math.pi / 6 * density * diameter**3 for _, diameter in balls]
+    for (_, diameter), mass in zip(balls, masses, strict=True):
+        name = f"{material} ball of {1e3 * diameter:.2f}\u00a0mm"
+        assert table[name] == pytest.approx(mass)
+        assert f"a {name}, {1e3 * mass:.2f}\u00a0g" in text
+    empty = kit_mass(body, PartOptions(kit=True, ballast=balls))
+    assert sheet.closed.mass == table["closed kit"] == pytest.approx(empty.mass + sum(masses))
+    moment = empty.mass * empty.cog[0] + sum(m * x for m, (x, _) in zip(masses, balls, strict=True))
+    assert sheet.closed.mass * sheet.closed.cog[0] == pytest.approx(moment)
+
+
+def test_a_kit_with_ballast_states_the_flow_with_which_it_and_its_ballast_weigh_the_target():
+    body = straight(6, 4)
+    sheet = sheet_of(body, ballast=[[0.045, 0.008]])
+    ball = math.pi / 6 * 11_340 * 0.008**3
+    share = float(re.search(r"([\d.]+)\u00a0% less flow", sheet.remedy).group(1)) / 100
+    printed = sum(part.mass for part in sheet.parts)
+    assert printed * (1 - share) + 0.05 + ball == pytest.approx(sheet.target.mass, abs=1e-3 * printed)
+
+
+def test_everything_goes_in_before_anything_is_closed():
+    narrow, wide = (Module(0.01, tilt) for tilt in (-math.radians(20), math.radians(20)))
+    body = FrustaBuilder(FrustaOptions()).build(
+        Morphology((*[narrow] * 3, *[wide] * 3, Module(0.02, 0.0)), (Module(0.01, 0.0),) * 5)
+    )
+    sheet = sheet_of(body, ballast=[[-0.04, 0.006], [0.065, 0.010]])
+    assert [held.mouth is None for held in sheet.kit.ballast] == [False, True]
+    order = (
+        "Print the parts",
+        "While part",
+        "Weigh the loose",
+        "Trim",
+        "Put ballast",
+        "Lay the core",
+        "Join",
+        "Weigh the closed",
+    )
+    assert [next(word for word in order if step.startswith(word)) for step in sheet.steps] == list(order)
+    [held] = [held for held in sheet.kit.ballast if held.mouth is None]
+    [part] = [part for part in sheet.parts if part.place == held.part]
+    inside = 1e3 * math.pi / 6 * 11_340 * 0.010**3
+    assert f"Take {inside:.2f}\u00a0g off part {part.number} for the ball inside." in sheet.steps[2]
+
+
+def test_the_sheet_has_the_command_that_trims_this_agent_and_one_origin_of_positions():
+    body = straight(6, 4)
+    job = job_of(body)
+    named = ExportJob(job.name, job.agent, job.scenario, {}, "runs/r1:TP5")
+    sheet = plan_sheet(named, PartOptions(kit=True, ballast=[[0.045, 0.008]], ballast_density=7850.0))
+    [trim] = [step for step in sheet.steps if step.startswith("Trim")]
+    assert (
+        "driftform trim runs/r1:TP5 --kit --printed-mass KG --set 'exporter.stl.ballast=[[0.045,0.008]]'"
+        in trim
+    )
+    assert "--ballast-density 7850" in trim
+    assert f"core's centre, which is at {-1e3 * body.outer[0, 0]:.1f}\u00a0mm" in trim
+    assert "from the aft end" not in " ".join((*sheet.steps, sheet.remedy))
+    assert sheet_svg(sheet).count("from the aft end") == 1
+
+
+def test_a_tall_part_on_a_small_foot_is_printed_with_a_brim():
+    assert "brim" not in sheet_of(straight(3, 2)).steps[0]
+    narrow = Module(0.02, -math.radians(10))
+    slim = FrustaBuilder(FrustaOptions()).build(Morphology((narrow,) * 3 + (Module(0.02, 0.0),) * 5, ()))
+    sheet = sheet_of(slim)
+    number = next(part.number for part in sheet.parts if part.piece.name == "fore shell")
+    assert f"Print part {number} with a brim" in sheet.steps[0]

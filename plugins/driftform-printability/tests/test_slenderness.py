@@ -112,7 +112,7 @@ def test_a_part_that_is_steady_by_its_area_but_sticks_too_little_warns(tmp_path:
     assert check(stout, tmp_path).state is State.PASS
     line = check(stout, tmp_path, adhesion=2e4)
     assert line.state is State.WARN and "0.033 N lift it off the bed" in line.detail
-    assert "a nozzle pushes with 0.098 N: print it with a brim" in line.detail
+    assert "a nozzle pushes with 0.098 N and lifts it off: print it with a brim" in line.detail
 
 
 def test_a_thin_neck_below_a_long_lever_warns_that_it_breaks(tmp_path: Path) -> None:
@@ -121,3 +121,27 @@ def test_a_thin_neck_below_a_long_lever_warns_that_it_breaks(tmp_path: Path) -> 
     assert line.state is State.WARN and "catches, with 0.73 N, breaks it" in line.detail
     # A rod of 2 mm across: W = 0.785 mm3, 33 MPa, a lever of 81 mm.
     assert "0.32 N break it" in line.detail
+
+
+ROD = ((0, 0), (3, 0), (3, 80), (20, 97), (20, 100), (3, 117), (3, 170), (0, 170))
+"""A rod that a disc keeps from lying on the bed."""
+
+
+def test_a_tall_part_on_a_small_foot_warns_first_that_it_is_lifted_off(tmp_path: Path) -> None:
+    rod = revolve(*ROD)
+    line = check(rod, tmp_path)
+    # W = 21.2 mm3: at 0.1 MPa and 170 mm 0.012 N lift it off, and it would sway, too.
+    assert line.state is State.WARN and "0.012 N lift it off the bed" in line.detail
+    lifted, sways = line.detail.index("and lifts it off: print it with a brim"), line.detail.index("it sways")
+    assert lifted < sways and "(--kit, --bed)" in line.detail
+
+
+def test_parts_of_a_kit_are_not_advised_to_be_made_a_kit(tmp_path: Path) -> None:
+    rod = revolve(*ROD)
+    paths = []
+    for index in range(2):
+        paths.append(tmp_path / f"part-{index}.stl")
+        paths[-1].write_bytes(stl_bytes(np.asarray(rod.vertices), np.asarray(rod.faces)))
+    found = MeshChecker(MeshOptions()).check(PrintJob(tuple(paths), Printer()))
+    lines = [finding.detail for finding in found if finding.check == "slender"]
+    assert len(lines) == 2 and all("in shorter parts (--bed)" in line for line in lines)

@@ -1,6 +1,7 @@
 """ROS 2 packages: what catkin_pkg, CMake, ros_gz_bridge and the linters of ROS ask of their files."""
 
 import ast
+import os
 import re
 import subprocess
 import xml.etree.ElementTree as ET
@@ -149,7 +150,7 @@ def test_the_launch_file_opens_a_world_that_is_there(job: ExportJob, export: Cal
     assert first == ("drift.sdf" if (folder / "drift.sdf").exists() else "world.sdf")
     # Where a script must give the velocity of the release, the simulation must not run at once.
     push = folder / {"drift.sdf": "push_drift.sh", "world.sdf": "push.sh"}[first]
-    assert ("default_value='-r'" in text) != push.exists()
+    assert ("'paused', default_value='true'" in text) == push.exists()
     assert (push.name in (folder / "README.md").read_text(encoding="utf-8")) or not push.exists()
 
 
@@ -184,3 +185,26 @@ def test_a_readme_says_how_to_build_and_start(package: tuple[str, Path]) -> None
     assert f"colcon build --packages-select {name_of(folder)}" in text
     assert f"ros2 launch {name_of(folder)} {FORMATS[format][1]}" in text
     assert "{" not in text
+
+
+def test_the_readme_tells_only_arguments_that_launch_takes_and_the_world_of_each_script(
+    jobs: dict[str, ExportJob], export: Callable[..., Path]
+) -> None:
+    for job in jobs.values():
+        folder = export("sdf", job)
+        text = (folder / "README.md").read_text(encoding="utf-8")
+        launch = (folder / "launch" / "start.launch.py").read_text(encoding="utf-8")
+        given = re.findall(r"(\w+):=(\S*?)[`\s,)]", text)
+        # `ros2 launch` refuses an argument without a value.
+        assert all(value for _, value in given)
+        assert {argument for argument, _ in given} <= set(
+            re.findall(r"DeclareLaunchArgument\('(\w+)'", launch)
+        )
+        if (folder / "push.sh").exists() and (folder / "drift.sdf").exists():
+            assert "in `world.sdf`, and there only" in text and "world:=world.sdf paused:=true" in text
+
+
+@pytest.mark.skipif(os.name == "nt", reason="files have no mode there")
+def test_scripts_of_the_folder_can_be_run(jobs: dict[str, ExportJob], export: Callable[..., Path]) -> None:
+    scripts = [script for job in jobs.values() for script in export("sdf", job).glob("*.sh")]
+    assert scripts and all(os.access(script, os.X_OK) for script in scripts)

@@ -66,6 +66,8 @@ class Design:
         the steps from genome to fitness.
     agent
         body, masses and coefficients, as simulators and exporters receive them.
+    opened_as
+        what opens it on a command line, such as ``run:TP3``; ``AGENT`` if that is unknown.
     """
 
     name: str
@@ -73,6 +75,7 @@ class Design:
     study: Study
     pipeline: Pipeline
     agent: Agent
+    opened_as: str = "AGENT"
 
     @classmethod
     def build(
@@ -159,7 +162,7 @@ class Design:
 
     def export_job(self) -> ExportJob:
         """Return the agent as exporters and recorders receive it."""
-        return ExportJob(self.name, self.agent, self.scenario, agent_document(self.stored))
+        return ExportJob(self.name, self.agent, self.scenario, agent_document(self.stored), self.opened_as)
 
     def list_departures(self) -> list[str]:
         """Return in what water, pipe, wall and weight depart from those that a run evolved it for, one line each."""
@@ -199,7 +202,8 @@ class Design:
         # What was found out elsewhere does not hold there.
         stored = replace(self.stored, environment=self.study.environment(), result={})
         design = Design.build(stored, self.name, scenario, settings, use)
-        return replace(design, name=self.name, stored=replace(stored, environment=design.study.environment()))
+        stored = replace(stored, environment=design.study.environment())
+        return replace(design, name=self.name, stored=stored, opened_as=self.opened_as)
 
     def fly(self) -> Trajectory:
         """Return the agent's trajectory through its scenario; it may have ended by a failure.

@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -42,7 +43,8 @@ def open_agent(
     WorkFailedError
         if no body can be built.
     """
-    return Design.build(_find(text, scenario), _shorten(text), scenario, settings, use)
+    design = Design.build(_find(text, scenario, settings, use), _shorten(text), scenario, settings, use)
+    return replace(design, opened_as=shlex.quote(text)) if text == _shorten(text) else design
 
 
 def open_best(run: Run, target: str) -> StoredAgent:
@@ -130,7 +132,9 @@ def check_file(
     return findings
 
 
-def _find(text: str, scenario: str | None) -> StoredAgent:
+def _find(
+    text: str, scenario: str | None, settings: Sequence[str], use: Mapping[str, str | None] | None
+) -> StoredAgent:
     path = Path(text)
     if is_file(path):
         return read_agent(path)
@@ -144,7 +148,7 @@ def _find(text: str, scenario: str | None) -> StoredAgent:
         raise InputError(f"AGENT '{text}' is a directory, and holds no run")
     if path.suffix == ".json" or "/" in text or "\\" in text:
         raise InputError(f"AGENT '{_shorten(text)}': no such file")
-    study = load_study(scenario)
+    study = load_study(scenario, settings, use=use)
     grammar = study.make_plugin("grammar")
     try:
         genome = grammar.parse(text)

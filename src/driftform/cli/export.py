@@ -3,11 +3,14 @@
 from collections.abc import Mapping, Sequence
 from itertools import product
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from driftform.cli.options import Agent, Json, Settings
+
+if TYPE_CHECKING:
+    from driftform.types import WrittenFile
 
 
 def export(
@@ -61,7 +64,7 @@ def export(
         {file.path: file for name, path in paths.items() for file in design.export_files(name, path)}.values()
     )
     body = design.agent.body
-    if body.fittings.material.volume and any("mass_kg" in w.facts and "kit" not in w.facts for w in written):
+    if body.fittings.material.volume and any("mass_kg" in w.facts and _lacks_kit(w) for w in written):
         typer.echo(
             f"note: {design.name} was simulated as a kit, whose parts weigh {1000 * hull_mass(body):.2f} g: "
             "write them with --kit",
@@ -85,6 +88,13 @@ def export(
     for place, (key, table) in enumerate(tables):
         if (key, table) not in tables[:place]:
             _print_table(key, table)
+
+
+def _lacks_kit(file: "WrittenFile") -> bool:
+    """Return whether a format that can hold a kit was written without one."""
+    from driftform.registry import registry
+
+    return "kit" not in file.facts and "kit" in registry().find("exporter", file.format).Options.model_fields
 
 
 def _list_options(kit: bool, bed: str | None, options: Sequence[str]) -> dict[str, tuple[str, str]]:
@@ -114,7 +124,11 @@ def _print_table(title: str, table: dict[str, Any]) -> None:
     """Facts of a file that take more than a line: single ones, and rows that have the same facts each."""
     print(f"\n{title}")
     for key, value in table.items():
-        if isinstance(value, dict):
+        if value in ([], (), "", None):
+            continue
+        if isinstance(value, dict) and {"kind", "x_mm", "why"} <= value.keys():
+            print(f"  {key}: {value['kind']} at x {value['x_mm']:+.4g} mm: {value['why']}")
+        elif isinstance(value, dict):
             print(f"  {key}: {', '.join(f'{k} {_short(v)}' for k, v in value.items())}")
         elif isinstance(value, list) and value and isinstance(value[0], dict):
             rows = [list(value[0]), *([_short(row[k]) for k in value[0]] for row in value)]
@@ -131,4 +145,6 @@ def _short(value: object) -> str:
     if isinstance(value, list | tuple):
         names = any(isinstance(item, str) for item in value)
         return (", " if names else " x ").join(_short(item) for item in value)
+    if value is None:
+        return "-"
     return f"{value:.6g}" if isinstance(value, float) else str(value)

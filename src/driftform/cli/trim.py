@@ -1,5 +1,6 @@
 """``driftform trim``."""
 
+import shlex
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -10,8 +11,8 @@ if TYPE_CHECKING:
     from driftform.interfaces import Fitness
 
 
-_SAME_SIZE = 0.1
-"""Share of its diameter by which a ball may differ from that of its seat: it then lies within a twentieth of it."""
+_NO_MOMENT = 1e-9
+"""Moment of ballast that counts as zero, kg m: a thousandth of a gram millimetre."""
 
 _NEAR = 5e-5
 """m: ballast lies where it should if it is off by less than this; nobody can lay it more accurately."""
@@ -24,7 +25,7 @@ def trim(
         typer.Option(
             "--printed-mass",
             metavar="KG",
-            help="Mass of the print with its core, kg; with --kit by default that of its parts.",
+            help="Mass of the print with its core and without ballast, kg; with --kit by default that of its parts.",
         ),
     ] = None,
     printed_cog: Annotated[
@@ -66,10 +67,10 @@ def trim(
     if json:
         print_json(facts)
     else:
-        _print(facts, ballast_density, design.pipeline.fitness)
+        _print(facts, ballast_density, design.pipeline.fitness, agent)
 
 
-def _print(facts: dict[str, Any], density: float, fitness: "Fitness[Any]") -> None:
+def _print(facts: dict[str, Any], density: float, fitness: "Fitness[Any]", agent: str) -> None:
     from driftform.cli.output import print_table
 
     aft = facts["aft_end"]
@@ -88,7 +89,7 @@ def _print(facts: dict[str, Any], density: float, fitness: "Fitness[Any]") -> No
     ]
     print_table(("", "mass", "centre of gravity"), rows, right=(1,))
     print()
-    for line in _remedy(facts, density, place):
+    for line in _remedy(facts, density, place, agent):
         print(line)
     print(f"\n{fitness.heading}")
     names = [name for name in ("simulated", "untrimmed", "trimmed") if name in facts["ends"]]
@@ -118,13 +119,15 @@ def _print(facts: dict[str, Any], density: float, fitness: "Fitness[Any]") -> No
         )
 
 
-def _remedy(facts: dict[str, Any], density: float, place: Any) -> list[str]:
+def _remedy(facts: dict[str, Any], density: float, place: Any, agent: str) -> list[str]:
     """What is to be done, in words."""
     from driftform.printing.ballast import MATERIALS, NEGLIGIBLE, ball_diameter
 
     mass, x = facts["ballast_mass"], facts["ballast_x"]
     if abs(mass) < NEGLIGIBLE:
         moment = facts["residual_moment"]
+        if abs(moment) < _NO_MOMENT:
+            return ["no ballast: it weighs what was simulated, and balances there"]
         return [f"no ballast: it weighs what was simulated, its moment is off by {1e6 * moment:+.3g} g mm"]
     if mass < 0:
         foam = facts["buoyancy"]
@@ -135,65 +138,121 @@ def _remedy(facts: dict[str, Any], density: float, place: Any) -> list[str]:
         ]
     lines = [f"ballast: {1000 * mass:.3f} g at {place(x)}"]
     if not facts["pieces"]:
-        return [
-            *lines,
-            f"at {density:g} kg/m3 there is no room for it inside that it can be put to: a ball must pass the bore from the "
-            "joint at the core, and a filling be 1 mm thick; take something denser or lighter, or print it heavier",
-        ]
+        return [*lines, *_refuse_ballast(facts, density)]
     exact = abs(facts["residual_moment"]) < _NEAR * mass
     lines.append(
         "there is room for it:" if exact else "it cannot lie there; the nearest that there is room for:"
     )
+    lines += [f"  {_describe_piece(piece, density, place)}" for piece in facts["pieces"]]
     for piece in facts["pieces"]:
-        at = f"{1000 * piece['mass']:.3f} g at {place(piece['x'])}"
         if piece["diameter"] is not None:
-            lines.append(f"  {at}: a ball of {1000 * piece['diameter']:.1f} mm")
-        else:
-            start, end = 1000 * piece["start"], 1000 * piece["end"]
-            lines.append(f"  {at}: fills the bore from x {start:+.1f} to {end:+.1f} mm")
-    if len(facts["pieces"]) == 1 and facts["pieces"][0]["diameter"] is not None:
-        balls = ", ".join(f"{name} {1000 * ball_diameter(mass, d):.1f} mm" for name, d in MATERIALS.items())
-        lines.append(f"balls of that mass: {balls}")
-    lines += _describe_holding(facts)
+            ball = piece["mass"] - piece["putty"]
+            balls = ", ".join(
+                f"{name} {1000 * ball_diameter(ball, d):.1f} mm" for name, d in MATERIALS.items()
+            )
+            lines.append(f"balls of {1000 * ball:.3f} g: {balls}")
+    lines += _describe_holding(facts, density, agent)
     if not exact:
         lines.append(f"its moment is then off by {1e6 * facts['residual_moment']:+.3g} g mm")
     return lines
 
 
-def _describe_holding(facts: dict[str, Any]) -> list[str]:
+def _refuse_ballast(facts: dict[str, Any], density: float) -> list[str]:
+    """Why no ballast can be put in, and what to do."""
+    lines = _name_misfits(facts)
+    if lines:
+        return [
+            *lines,
+            f"no other seat can be printed: {facts['unheld']}",
+            "export the kit again without ballast, print it lighter, and trim it without --set exporter.stl.ballast",
+        ]
+    return [
+        f"at {density:g} kg/m3 there is no room for it inside that it can be put to: a ball must pass the bore from the joint "
+        "at the core, a ring of putty leave half of the bore free, and a filling be 1 mm thick; take something denser or "
+        "lighter, or print it heavier",
+    ]
+
+
+def _describe_piece(piece: dict[str, Any], density: float, place: Any) -> str:
+    from driftform.printing.ballast import MATERIALS, name_material
+
+    at = f"{1000 * piece['mass']:.3f} g at {place(piece['x'])}"
+    if piece["diameter"] is not None:
+        name, size = name_material(density), f"{1000 * piece['diameter']:.1f} mm"
+        ball = f"{at}: a {name} ball of {size}" if name in MATERIALS else f"{at}: a ball of {size}, {name}"
+        return f"{ball}, in {1000 * piece['putty']:.3f} g of epoxy putty" if piece["putty"] else ball
+    if piece["ring"] is not None:
+        return f"{at}: a ring of epoxy putty on the wall, {1000 * piece['ring']:.1f} mm wide and thick, without a ball"
+    return f"{at}: fills the bore from x {1000 * piece['start']:+.1f} to {1000 * piece['end']:+.1f} mm"
+
+
+def _name_misfits(facts: dict[str, Any]) -> list[str]:
+    """The seats of the kit that are for other balls."""
+    return [
+        f"the seat in the {ball['part']} at {1000 * (ball['x'] - facts['aft_end']):.2f} mm from the aft end is for a ball of "
+        f"{1000 * ball['diameter']:.1f} mm, and does not hold this ballast"
+        for ball in facts["misfits"]
+    ]
+
+
+def _describe_holding(facts: dict[str, Any], density: float, agent: str) -> list[str]:
     """How the ballast gets in, and what holds it there."""
-    aft, held = facts["aft_end"], facts["held"]
+    from driftform.printing.ballast import PUTTY
+
+    held, lines = facts["held"], _name_misfits(facts)
     if not held:
         unheld = facts["unheld"]
+        pieces = facts["pieces"]
+        setting = ";"
+        if any(piece["diameter"] is not None for piece in pieces):
+            setting = f", and set it in epoxy putty, which counts as ballast with {PUTTY:g} kg/m3;"
+        elif any(piece["putty"] for piece in pieces):
+            setting = f"; the putty is taken to have {PUTTY:g} kg/m3;"
         return [
-            "put it in through the joint at the core, before the core, and set it in epoxy putty, which counts as ballast;",
+            *lines,
+            f"put it in through the joint at the core, before the core{setting}",
             "then weigh the print again",
             f"no seat for it can be printed: {unheld}"
             if unheld
             else "a kit can be printed with a seat for it: --kit",
         ]
-    lines = []
-    for ball in held:
-        way = (
-            f"put it in by the joint {1000 * (ball['mouth'] - aft):.1f} mm from the aft end"
-            if ball["pause"] is None
-            else f"put it in while that is printed, by a pause at {1000 * ball['pause']:.1f} mm"
-        )
-        lines.append(
-            f"{'a seat' if ball['held_by'] == 'seat' else 'the wall'} in the {ball['part']} holds it: {way}, and fix it "
-            "with a drop of glue"
-        )
-    if facts["seat_mass"] >= 1e-5:
-        balls = ",".join(f"[{ball['x']:.5g},{ball['diameter']:.5g}]" for ball in held)
-        parts = " and the ".join(dict.fromkeys(ball["part"] for ball in held if ball["held_by"] == "seat"))
-        lines += [
-            f"print the {parts} again, with {1000 * facts['seat_mass']:.3f} g of seat, which is counted above:",
-            f"  driftform export AGENT --kit --option ballast=[{balls}]",
-            "then weigh it and trim again, with --set exporter.stl.ballast of the same value",
-        ]
-    for ball, piece in zip(held, facts["pieces"], strict=False):
-        if abs(piece["diameter"] - ball["diameter"]) > _SAME_SIZE * ball["diameter"]:
-            lines.append(
-                f"the seat is for a ball of {1000 * ball['diameter']:.1f} mm: of another size it lies elsewhere"
-            )
+    lines += [
+        _describe_seat(ball, piece, facts["aft_end"])
+        for ball, piece in zip(held, facts["pieces"], strict=True)
+    ]
+    if facts["misfits"] or facts["seat_mass"] >= 1e-5:
+        lines += _describe_export(facts, density, agent)
     return lines
+
+
+def _describe_seat(ball: dict[str, Any], piece: dict[str, Any], aft: float) -> str:
+    way = (
+        f"put it in by the joint {1000 * (ball['mouth'] - aft):.1f} mm from the aft end, before that is joined"
+        if ball["pause"] is None
+        else f"put it in while that is printed, by a pause at {1000 * ball['pause']:.1f} mm"
+    )
+    return (
+        f"{'a seat' if ball['held_by'] == 'seat' else 'the wall'} in the {ball['part']} holds the ball of "
+        f"{1000 * piece['mass']:.3f} g: {way}, and fix it with a drop of glue"
+    )
+
+
+def _describe_export(facts: dict[str, Any], density: float, agent: str) -> list[str]:
+    """How to print the seats that hold the ballast."""
+    from driftform.printing.ballast import MATERIALS, name_material
+
+    balls = ",".join(f"[{ball['x']:.5g},{ball['diameter']:.5g}]" for ball in facts["held"])
+    changed = [*facts["misfits"], *facts["held"]]
+    parts = " and the ".join(dict.fromkeys(ball["part"] for ball in changed if ball["held_by"] == "seat"))
+    seat = f"{1000 * facts['seat_mass']:.3f} g of seat"
+    if facts["misfits"]:
+        seat = f"another seat, {1000 * facts['seat_mass']:+.3f} g"
+    other = name_material(density) != name_material(MATERIALS["lead"])
+    return [
+        f"print the {parts} again, with {seat}, which is counted above:",
+        f"  driftform export {shlex.quote(agent)} --kit --option 'ballast=[{balls}]'"
+        + (f" --option ballast_density={density:g}" if other else ""),
+        "then weigh it, without the ball, and trim again:",
+        f"  driftform trim {shlex.quote(agent)} --kit --printed-mass KG --set 'exporter.stl.ballast=[{balls}]'"
+        + (f" --ballast-density {density:g}" if other else ""),
+    ]

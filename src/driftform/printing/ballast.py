@@ -19,8 +19,14 @@ from driftform.types import Body, FloatArray, MassProperties
 MATERIALS = {"steel": 7850.0, "lead": 11_340.0, "tungsten": 19_250.0}
 """Densities of ballast, kg/m3 (CRC Handbook of Chemistry and Physics, at 20 degrees C)."""
 
+_SAME_MATERIAL = 0.01
+"""Share by which the density of a named material may differ."""
+
 FOAM = 35.0
 """Density of extruded polystyrene foam, kg/m3 (EN 13164: 25 to 45)."""
+
+PUTTY = 1800.0
+"""Density of epoxy putty, kg/m3: data sheets state 1600 to 2000."""
 
 NEGLIGIBLE = 1e-6
 """kg: ballast below a milligram is not needed."""
@@ -34,6 +40,7 @@ SMALLEST = 1e-3
 _STATIONS = 240
 _SLICES = 2000
 _WAY = 400
+_ROUNDS = 30
 
 
 @dataclass(frozen=True)
@@ -59,18 +66,34 @@ def required_ballast(simulated: MassProperties, printed: MassProperties) -> Requ
 class Piece:
     """A piece of ballast inside the hull: a ball of ``diameter`` (m), or a filling of the bore if that is ``None``.
 
-    It lies between ``start`` and ``end`` (x, m).
+    It lies between ``start`` and ``end`` (x, m). ``putty`` is how much of its mass is epoxy putty, kg; a ring on the wall is
+    ``ring`` thick, m.
     """
 
     element: MassElement
     start: float
     end: float
     diameter: float | None = None
+    putty: float = 0.0
+    ring: float | None = None
 
 
 def ball_diameter(mass: float, density: float) -> float:
     """Return the diameter (m) of a ball of that mass (kg) and density (kg/m3)."""
     return float(np.cbrt(6 * mass / (np.pi * density)))
+
+
+def name_material(density: float) -> str:
+    """Return what a density (kg/m3) is called: ``lead``, or the density where no material of :data:`MATERIALS` has it."""
+    for name, usual in MATERIALS.items():
+        if abs(density - usual) <= _SAME_MATERIAL * usual:
+            return name
+    return f"{density:g} kg/m3"
+
+
+def ball_mass(diameter: float, density: float) -> float:
+    """Return the mass (kg) of a ball of that diameter (m) and density (kg/m3)."""
+    return float(np.pi / 6 * density * diameter**3)
 
 
 def place_one_ball(
@@ -156,17 +179,6 @@ def place_filling(body: Body, wanted: RequiredBallast, density: float) -> tuple[
     return (piece,) if piece.end - piece.start >= THINNEST else ()
 
 
-def place_ballast(
-    body: Body, wanted: RequiredBallast, density: float, in_kit: bool = False
-) -> tuple[Piece, ...]:
-    """Return the first of these that fits: one ball, two balls, a filling; the parameters are those of :func:`place_one_ball`."""
-    return (
-        place_one_ball(body, wanted, density, in_kit)
-        or place_two_balls(body, wanted, density, in_kit)
-        or place_filling(body, wanted, density)
-    )
-
-
 def place_nearest_ball(
     body: Body, wanted: RequiredBallast, density: float, in_kit: bool = False
 ) -> tuple[Piece, ...]:
@@ -181,10 +193,8 @@ def place_nearest_ball(
     return (make_ball(wanted.mass, float(x[fits][nearest]), density),)
 
 
-def place_nearest(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
-    """Return the ball or the filling of that mass whose centre is nearest to the wanted one; empty if neither fits."""
-    if ball := place_nearest_ball(body, wanted, density):
-        return ball
+def place_nearest_filling(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
+    """Return the filling at one end of the bore whose centre is nearest to the wanted one; empty if none fits."""
     if not _can_hold(body, wanted):
         return ()
     bore, volume = _Bore(body), wanted.mass / density
@@ -195,6 +205,84 @@ def place_nearest(body: Body, wanted: RequiredBallast, density: float) -> tuple[
     return (
         (min(thick, key=lambda piece: abs(piece.element.x - wanted.moment / wanted.mass)),) if thick else ()
     )
+
+
+def place_by_hand(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
+    """Return ballast of the wanted mass and moment that can be fixed without a seat; empty if there is none.
+
+    Balls are set in epoxy putty, which counts; where that would weigh more than they do, a ring of putty lies on the wall.
+    """
+    for balls in (place_one_ball(body, wanted, density), place_two_balls(body, wanted, density)):
+        if embedded := _embed_all(body, balls, density):
+            return embedded
+        if balls and (ring := place_ring(body, wanted)):
+            return ring
+    return place_filling(body, wanted, density) or place_ring(body, wanted)
+
+
+def place_nearest_by_hand(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
+    """Return ballast as of :func:`place_by_hand` of the wanted mass, whose centre is as near as possible to the wanted one."""
+    if embedded := _embed_all(body, place_nearest_ball(body, wanted, density), density):
+        return embedded
+    if not _can_hold(body, wanted):
+        return ()
+    places = sorted(_stations(body), key=lambda x: abs(x - wanted.moment / wanted.mass))
+    rings = (place_ring(body, RequiredBallast(wanted.mass, wanted.mass * float(x))) for x in places)
+    return next((ring for ring in rings if ring), place_nearest_filling(body, wanted, density))
+
+
+def place_ring(body: Body, wanted: RequiredBallast) -> tuple[Piece, ...]:
+    """Return a ring of epoxy putty on the wall, as thick as it is wide, of the wanted mass and moment; empty if it has no room.
+
+    It leaves half of the bore's radius free.
+    """
+    from scipy.optimize import brentq
+
+    if not _can_hold(body, wanted) or wanted.x is None:
+        return ()
+    x, volume = wanted.x, wanted.mass / PUTTY
+    bore = float(np.interp(x, body.cavity[:, 0], body.cavity[:, 1]))
+    if np.pi * (bore**2 - (bore / 2) ** 2) * bore / 2 < volume:
+        return ()
+    thick = float(brentq(lambda s: np.pi * (bore**2 - (bore - s) ** 2) * s - volume, 0.0, bore / 2))
+    start, end, inner = x - thick / 2, x + thick / 2, bore - thick
+    beside_core = np.hypot(max(abs(x) - thick / 2, 0.0), inner) >= body.core.radius
+    if not beside_core or start < body.cavity[0, 0] or end > body.cavity[-1, 0]:
+        return ()
+    axial = wanted.mass * (bore**2 + inner**2) / 2
+    element = MassElement(wanted.mass, x, axial, axial / 2 + wanted.mass * thick**2 / 12)
+    return (Piece(element, start, end, None, wanted.mass, thick),)
+
+
+def _embed_all(body: Body, balls: tuple[Piece, ...], density: float) -> tuple[Piece, ...]:
+    embedded = [embed(body, ball, density) for ball in balls]
+    return () if None in embedded else tuple(piece for piece in embedded if piece is not None)
+
+
+def embed(body: Body, ball: Piece, density: float) -> Piece | None:
+    """Return a smaller ball in putty, which together have the mass and the centre of a ball; ``None`` if they cannot.
+
+    The putty fills the bore over the length of the ball, and weighs no more than the ball.
+    """
+    from scipy.optimize import brentq
+
+    assert ball.diameter is not None
+    bore, x, mass = _Bore(body), ball.element.x, ball.element.mass
+
+    def excess(diameter: float) -> float:
+        return bore.embed(x, diameter, density).mass - mass
+
+    # Bore and ball are wider on one side: the centre of both is moved to where it should be.
+    for _ in range(_ROUNDS):
+        if excess(SMALLEST) > 0 or excess(ball.diameter) < 0:
+            return None
+        diameter = float(brentq(excess, SMALLEST, ball.diameter, xtol=1e-12))
+        element = bore.embed(x, diameter, density)
+        x += ball.element.x - element.x
+    putty = element.mass - ball_mass(diameter, density)
+    if putty > mass / 2:
+        return None
+    return Piece(element, x - diameter / 2, x + diameter / 2, diameter, putty)
 
 
 def _can_hold(body: Body, wanted: RequiredBallast) -> bool:
@@ -252,6 +340,16 @@ class _Bore:
     def volume(self) -> float:
         """Free volume, m3."""
         return float(self.before[-1])
+
+    def embed(self, x: float, diameter: float, density: float) -> MassElement:
+        """Return a ball at ``x`` of some ``density`` (kg/m3), and the putty that fills the bore over its length."""
+        low, high = np.interp([x - diameter / 2, x + diameter / 2], self.edges, self.before)
+        filled = self.fill(float(low), float(high - low), PUTTY).element
+        ball = ball_element(ball_mass(diameter, density - PUTTY), x, diameter / 2)
+        mass = filled.mass + ball.mass
+        centre = (filled.mass * filled.x + ball.mass * ball.x) / mass
+        across = sum(e.transverse + e.mass * (e.x - centre) ** 2 for e in (filled, ball))
+        return MassElement(mass, centre, filled.axial + ball.axial, across)
 
     def fill(self, first: float, volume: float, density: float) -> Piece:
         """Return the filling of ``volume`` (m3) that leaves the ``first`` m3 from aft empty."""

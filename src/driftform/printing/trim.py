@@ -24,9 +24,9 @@ from driftform.printing.ballast import (
     Piece,
     RequiredBallast,
     make_ball,
-    place_ballast,
-    place_nearest,
+    place_by_hand,
     place_nearest_ball,
+    place_nearest_by_hand,
     place_one_ball,
     place_two_balls,
     required_ballast,
@@ -45,6 +45,9 @@ _ROUNDS = 16
 
 _SETTLED = 2e-4
 """Relative change of the ballast by its seats that is left; 0.05 mm at a quarter of a metre."""
+
+_SAME_SIZE = 0.1
+"""Share of its diameter by which a ball may differ from that of its seat: it then lies within a twentieth of it."""
 
 LEAD = MATERIALS["lead"]
 """kg/m3, of the ballast where nothing else is asked for."""
@@ -225,6 +228,8 @@ class _Plan:
         mass of seats that are to be printed yet, kg.
     unheld
         why the kit holds none.
+    misfits
+        the balls that the seats of the kit are for, if they do not fit what is needed.
     """
 
     weight: PrintWeight
@@ -233,6 +238,7 @@ class _Plan:
     held: tuple[HeldBall, ...] = ()
     seats: float = 0.0
     unheld: str = ""
+    misfits: tuple[HeldBall, ...] = ()
 
 
 def _plan(
@@ -244,12 +250,30 @@ def _plan(
     if density <= water:
         raise InputError(f"--ballast-density {density:g}: is no more than the water's {water:g} kg/m3")
     if measure_kit is None:
-        pieces = place_ballast(agent.body, required, density) or place_nearest(agent.body, required, density)
-        return _Plan(weight, required, pieces)
+        pieces = place_by_hand(agent.body, required, density)
+        return _Plan(weight, required, pieces or place_nearest_by_hand(agent.body, required, density))
     kit = measure_kit(None)
-    if kit.held:
-        return _Plan(weight, required, _fill_seats(kit.held, required, density), kit.held)
-    return _plan_seats(agent, weight, required, density, kit, measure_kit)
+    pieces = _fill_seats(kit.held, required, density) if kit.held else ()
+    seats = [next(ball for ball in kit.held if ball.x == piece.element.x) for piece in pieces]
+    if seats and all(_fits(piece, ball) for piece, ball in zip(pieces, seats, strict=True)):
+        return _Plan(weight, required, pieces, tuple(seats))
+    plan = replace(_plan_seats(agent, weight, required, density, kit, measure_kit), misfits=kit.held)
+    if not plan.held and any(_is_in_the_way(ball, piece) for ball in kit.held for piece in plan.pieces):
+        return replace(plan, pieces=())
+    return plan
+
+
+def _fits(piece: Piece, seat: HeldBall) -> bool:
+    return abs((piece.diameter or 0.0) - seat.diameter) <= _SAME_SIZE * seat.diameter
+
+
+def _is_in_the_way(seat: HeldBall, piece: Piece) -> bool:
+    """Return whether a seat is between the core, where ballast that is set by hand goes in, and a piece."""
+    return (
+        seat.held_by == "seat"
+        and min(abs(piece.start), abs(piece.end)) > abs(seat.x) - seat.diameter
+        and (seat.x * piece.element.x > 0)
+    )
 
 
 def _find_required(agent: Agent, weight: PrintWeight) -> RequiredBallast:
@@ -287,7 +311,7 @@ def _plan_seats(
         else:
             if plan is not None:
                 return plan
-    if pieces := place_ballast(body, required, density):
+    if pieces := place_by_hand(body, required, density):
         return _Plan(weight, required, pieces, unheld=_name_first(reasons))
     try:
         plan = _settle(agent, weight, density, kit, measure_kit, place_nearest_ball)
@@ -295,7 +319,7 @@ def _plan_seats(
         reasons.append(str(error))
         plan = None
     return plan or _Plan(
-        weight, required, place_nearest(body, required, density), unheld=_name_first(reasons)
+        weight, required, place_nearest_by_hand(body, required, density), unheld=_name_first(reasons)
     )
 
 
@@ -373,10 +397,13 @@ def _load(agent: Agent, plan: _Plan, water: float) -> tuple[Agent | None, dict[s
                 "start": piece.start,
                 "end": piece.end,
                 "diameter": piece.diameter,
+                "putty": piece.putty,
+                "ring": piece.ring,
             }
             for piece in plan.pieces
         ],
         "held": [asdict(ball) for ball in plan.held],
+        "misfits": [asdict(ball) for ball in plan.misfits],
         "seat_mass": plan.seats,
         "unheld": plan.unheld or None,
         "residual_moment": residual,

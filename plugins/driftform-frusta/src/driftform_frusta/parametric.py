@@ -68,7 +68,7 @@ def hull_source(agent: Agent, segments: int, title: str) -> str:
 
 _REVOLVED = """\
 module hull() {
-    rotate_extrude(angle = section ? 180 : 360)
+    rotate_extrude(angle = section ? 180 : 360, convexity = 10)
         scale([area_factor, 1])
             intersection() {
                 difference() { outline(); cavity(); }

@@ -27,6 +27,9 @@ from driftform_frusta.lettering import STROKE, draw_strokes
 _INDENT = "    "
 _POINTS_PER_LINE = 3
 
+_CONVEXITY = 10
+"""How many walls of a body of revolution a ray passes at most, as OpenSCAD's preview needs to know."""
+
 _AREA_FACTOR = """\
 // A polygon has a smaller area than its circle: radii are scaled so that the two are equal.
 area_factor = 1 / sqrt($fn / (2 * PI) * sin(360 / $fn));
@@ -37,7 +40,7 @@ _BALL = """\
 module ball(radius) {
     chords = ceil($fn / 2);
     size = radius * pow(cos(90 / chords), -2 / 3);
-    rotate_extrude()
+    rotate_extrude(convexity = 10)
         scale([area_factor, 1])
             polygon([for (i = [0 : chords]) size * [sin(180 * i / chords), -cos(180 * i / chords)]]);
 }
@@ -147,7 +150,10 @@ def _revolve(node: Revolve) -> list[str]:
             [f"square([{_number(r_max + 1)}, {_number(z_max - z_min + 2)}]);"],
         )
         section = _block("intersection()", [section, half_plane])
-    return _put_above("rotate_extrude()", _put_above("scale([area_factor, 1])", section))
+    # Without convexity the preview draws what is behind a concave section in front of it.
+    return _put_above(
+        f"rotate_extrude(convexity = {_CONVEXITY})", _put_above("scale([area_factor, 1])", section)
+    )
 
 
 def _text(node: Text) -> list[str]:

@@ -1,10 +1,11 @@
 """ExportJob -> the OpenSCAD source that goes with its parts."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
-from driftform.figures.style import ORANGE
+from driftform.figures.style import INK, ORANGE
 from driftform.interfaces import ExportJob
+from driftform.types import Body
 from driftform_frusta.colours import colour_of
 from driftform_frusta.kit.meridian import MM
 from driftform_frusta.parametric import hull_source
@@ -15,12 +16,13 @@ from driftform_frusta.scad import write_definitions, write_module
 _KIT = """\
 // {title}: a kit of {count} parts.
 // Written by driftform. Lengths in millimetres; the axis is z, the fore end is up.
+// Colours, the cut, core and ballast are shown by the preview (F5); a rendering (F6, --render) is of one colour, and whole.
 
 /* [View] */
 part = "all";        // [all, {names}]
 assembled = false;   // as they are joined, not as they are printed
 section = true;      // cut open on the side of the default view, in the preview only
-show_core = true;    // in the preview only
+show_core = true;    // and the ballast, in the preview only
 
 /* [Mesh] */
 {definitions}
@@ -51,26 +53,38 @@ module shown(p) {{
 
 // The default view is from the side of negative y. The preview shows a cut correctly only from outside what is cut away,
 // so that is no larger than it must be.
-module opened() {{
+module opened(colour) {{
     if (section && $preview) difference() {{
         children();
-        translate([-{reach:g}, -{reach:g}, -1]) cube([{reach:g} + {wide:g}, {reach:g}, {tall:g}]);
+        color(colour) translate([-{reach:g}, -{reach:g}, -1]) cube([{reach:g} + {wide:g}, {reach:g}, {tall:g}]);
     }}
     else children();
 }}
 
 for (p = parts)
-    if (part == "all" || part == p[0]) color(p[5]) opened() shown(p);
+    if (part == "all" || part == p[0]) opened(p[5]) color(p[5]) shown(p);
 
 if (show_core && $preview && part == "all")
     color("{core_colour}")
         translate(assembled ? [0, 0, core_height] : [-core_radius - {gap:g}, 0, core_radius])
             sphere(core_radius);
+
+// Of each ball of ballast its height in the assembled hull, its radius, and where on the bed it lies.
+ballast = [{balls}];
+
+if (show_core && $preview && part == "all")
+    for (ball = ballast)
+        color("{ballast_colour}") translate(assembled ? [0, 0, ball[0]] : [ball[2], 0, ball[1]]) sphere(ball[1]);
 """
 
 
-def write_source(job: ExportJob, parts: Sequence[Part], segments: int) -> str:
-    """Return source that renders to the sealed hull, or to the parts of a kit side by side as they are printed."""
+def write_source(
+    job: ExportJob, parts: Sequence[Part], segments: int, ballast: Sequence[tuple[float, float]] = ()
+) -> str:
+    """Return source that renders to the sealed hull, or to the parts of a kit side by side as they are printed.
+
+    ``ballast`` has x and diameter of each ball of ballast of the kit, m.
+    """
     if len(parts) == 1:
         return hull_source(job.agent, segments, job.name)
     body = job.agent.body
@@ -97,8 +111,20 @@ def write_source(job: ExportJob, parts: Sequence[Part], segments: int) -> str:
         core=f"{MM * body.core.radius:.6g}",
         height=f"{-MM * float(body.outer[0, 0]):.6f}",
         core_colour=ORANGE,
+        balls=", ".join(_list_balls(body, ballast)),
+        ballast_colour=INK,
         gap=GAP,
         reach=math.ceil(500 * body.max_diameter) + 1,
         wide=math.ceil(x) + 1,
         tall=math.ceil(MM * body.length) + 2,
     )
+
+
+def _list_balls(body: Body, ballast: Sequence[tuple[float, float]]) -> Iterator[str]:
+    """Height, radius and place on the bed of each ball of ballast, mm: beside the core, which lies left of the parts."""
+    place = -2 * MM * body.core.radius - GAP
+    for x, diameter in ballast:
+        radius = MM * diameter / 2
+        place -= GAP + radius
+        yield f"[{MM * (x - float(body.outer[0, 0])):.6f}, {radius:.6g}, {place:.3f}]"
+        place -= radius

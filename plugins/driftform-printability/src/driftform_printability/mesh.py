@@ -129,11 +129,14 @@ class MeshChecker(Checker[MeshOptions]):
         )
         faults = []
         if bent > half_line:
+            cut = count > 1 or (job.export is not None and not _is_whole(job))
+            shorter = "--bed" if cut else "--kit, --bed"
             faults.append(
-                f"it sways by more than half a line ({half_line:g} mm): print it slowly, or in shorter parts (--kit, --bed)"
+                f"it sways by more than half a line ({half_line:g} mm): print it slowly, or in shorter parts ({shorter})"
             )
-        if beam.lift_force < o.push and best.steady:
-            faults.append(f"a nozzle pushes with {o.push:.2g} N: print it with a brim")
+        if beam.lift_force < o.push and (best.steady or faults):
+            # Of two dangers the graver comes first: it is lifted off before it sways.
+            faults.insert(0, f"a nozzle pushes with {o.push:.2g} N and lifts it off: print it with a brim")
         if beam.break_force < o.catch:
             faults.append(
                 f"a nozzle that catches, with {o.catch:.2g} N, breaks it: make its wall thicker there"
@@ -156,12 +159,15 @@ class MeshChecker(Checker[MeshOptions]):
         message = f"{amount}; {difference:+.1e} of the closed form"
         if abs(difference) <= self.options.tolerance:
             return Finding("mass", State.PASS, message)
-        if abs(difference) <= self.options.coarse:
-            return Finding("mass", State.WARN, f"{message}: a coarse mesh? export it with more segments")
+        # The hull in one piece is one part: several are a kit, which has more material than the hull that it is compared with.
         if len(studied) > 1 and difference > 0 and job.export is not None and _is_whole(job):
             return Finding(
-                "mass", State.WARN, f"{message}, in {len(studied)} parts: a kit? check it with --kit"
+                "mass",
+                State.WARN,
+                f"{message} of the hull in one piece, but these are {len(studied)} parts: a kit? check it with --kit",
             )
+        if abs(difference) <= self.options.coarse:
+            return Finding("mass", State.WARN, f"{message}: a coarse mesh? export it with more segments")
         return Finding(
             "mass",
             State.FAIL,

@@ -33,6 +33,6 @@ class ScadExporter(Exporter[PartOptions]):
         from driftform_frusta.source import write_source
 
         parts = make_parts(job.agent.body, self.options)
-        save(path, write_source(job, parts, self.options.segments))
+        save(path, write_source(job, parts, self.options.segments, self.options.ballast))
         facts = facts_of_all(parts, job.agent.body) | kit_facts(job, self.options)
         return (WrittenFile(self.name, str(path), facts), *write_sheet(self.name, job, self.options, path))

@@ -70,7 +70,7 @@ class ThreeMfExporter(Exporter[PartOptions]):
         parts = make_parts(job.agent.body, self.options)
         placed = self._placed(parts)
         plates = 1 + max(p.plate for p in placed)
-        attachments = {"agent.scad": write_source(job, parts, self.options.segments)}
+        attachments = {"agent.scad": write_source(job, parts, self.options.segments, self.options.ballast)}
         if job.document:
             attachments["agent.json"] = json.dumps(dict(job.document), indent=1) + "\n"
         written = []

@@ -6,9 +6,12 @@ import numpy as np
 
 from driftform.geometry import mass_properties, solid_of_revolution
 from driftform.geometry.mass import assemble
+from driftform.geometry.mass_elements import MassElement, ball_element, combine
 from driftform.interfaces import ExportJob
+from driftform.printing.ballast import ball_mass, name_material
 from driftform.scenario import Fluid
 from driftform.types import Body, Fittings, FloatArray, MassProperties, Moments
+from driftform_frusta.kit.ballast import HeldBall
 from driftform_frusta.kit.engraving import Engraving
 from driftform_frusta.kit.meridian import MM, moments
 from driftform_frusta.kit.options import KitOptions, PartOptions
@@ -33,6 +36,32 @@ def kit_mass(body: Body, options: KitOptions) -> MassProperties:
     for text in kit.engravings:
         whole = _subtract(whole, text, body.hull_density, outside)
     return whole
+
+
+def held_mass(held: HeldBall, options: PartOptions) -> float:
+    """Return the mass of a ball of ballast, kg."""
+    return ball_mass(2 * held.ball.radius / MM, options.ballast_density)
+
+
+def loaded_mass(body: Body, options: PartOptions) -> MassProperties:
+    """Return mass properties of the assembled kit with its core and the balls of ``ballast``.
+
+    Raises
+    ------
+    WorkFailedError
+        if the body has no such kit.
+    """
+    empty = kit_mass(body, options)
+    balls = [
+        ball_element(held_mass(held, options), held.ball.z / MM, held.ball.radius / MM)
+        for held in make_kit(body, options).ballast
+    ]
+    if not balls:
+        return empty
+    axial, transverse = empty.inertia[0, 0], empty.inertia[1, 1]
+    return combine(
+        [MassElement(empty.mass, float(empty.cog[0]), float(axial), float(transverse)), *balls], empty
+    )
 
 
 def kit_fittings(body: Body, options: KitOptions) -> Fittings:
@@ -93,8 +122,9 @@ def kit_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
     ``joint``: its ``kind``, where it cuts (``x_mm``), and ``why``. ``parts``: of each its ``name``, ``mass_kg``,
     ``height_mm`` and ``bed_end``. ``ballast``: of each ball of the options its ``x_mm`` and ``diameter_mm``, the ``part`` that
     holds it, the joint that it goes in by (``mouth_mm``) or the height at which the printer pauses for it (``pause_mm``),
-    and ``held_by``: ``seat`` or ``wall``. ``balance``: mass (kg), x of the centres of gravity and of buoyancy (mm) and net
-    buoyancy (N) of the simulated agent and of the printed one. With holes also ``flooded_kg``, the mass of the
+    ``held_by``: ``seat`` or ``wall``, its ``material`` and its ``mass_kg``. ``balance``: mass (kg), x of the centres of
+    gravity and of buoyancy (mm) and net buoyancy (N) of the simulated agent, of the printed one, and of that with its
+    ballast. With holes also ``flooded_kg``, the mass of the
     water that enters through an open hole.
     """
     if not options.kit:
@@ -113,12 +143,18 @@ def kit_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
                 "mouth_mm": None if held.mouth is None else kit.joints[held.mouth].z,
                 "pause_mm": kit.find_pause(held),
                 "held_by": "wall" if held.seat is None else "seat",
+                "material": name_material(options.ballast_density),
+                "mass_kg": held_mass(held, options),
             }
             for held in kit.ballast
         ],
         "balance": [
             _balance(name, mass, fluid)
-            for name, mass in (("simulated", mass_properties(body)), ("printed", kit_mass(body, options)))
+            for name, mass in (
+                ("simulated", mass_properties(body)),
+                ("printed", kit_mass(body, options)),
+                *([("with ballast", loaded_mass(body, options))] if kit.ballast else []),
+            )
         ],
     }
     if options.drain:

@@ -6,6 +6,7 @@ from pydantic import Field, field_validator, model_validator
 
 from driftform.interfaces import Printer
 from driftform.options import Table, option
+from driftform.printing.ballast import MATERIALS
 from driftform_frusta.lettering import missing_letters
 
 GROOVE_SHARE = 0.8
@@ -128,6 +129,13 @@ class PartOptions(KitOptions):
     """The options of every exporter of meshes; those of a kit apply if ``kit`` is true."""
 
     kit: bool = option(False, "cut the hull into parts that are joined around the core")
+    ballast_density: float = option(
+        MATERIALS["lead"],
+        "density of the balls of ballast, which the assembly sheet weighs",
+        "kg/m3",
+        ge=100,
+        le=30_000,
+    )
     segments: int = option(64, "corners of every circle of the mesh", ge=12, le=1024)
     layer_height: float = option(
         0.0002, "layer height that the assembly sheet and 3MF files recommend", "m", gt=0, le=0.01

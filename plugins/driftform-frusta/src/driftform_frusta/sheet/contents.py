@@ -5,15 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.interfaces import ExportJob
+from driftform.printing.ballast import MATERIALS, name_material
 from driftform.types import MassProperties
 from driftform_frusta.cores import CUSTOM, name_core
-from driftform_frusta.kit.accounting import kit_mass, measure_flooding, piece_mass
+from driftform_frusta.kit.accounting import held_mass, loaded_mass, measure_flooding, piece_mass
 from driftform_frusta.kit.ballast import HeldBall
 from driftform_frusta.kit.joint import Joint, groove_diameter, takes_core_aft
 from driftform_frusta.kit.meridian import MM, Ring
 from driftform_frusta.kit.options import PartOptions
 from driftform_frusta.kit.pieces import Kit, Piece, make_kit
-from driftform_frusta.kit.upright import overhang_area
+from driftform_frusta.kit.upright import needs_brim, overhang_area
 
 _LEAST_OVERHANG = 10.0
 """mm2 of overhang that need no mention: a printer bridges them."""
@@ -85,7 +86,7 @@ class Sheet:
     aft
         z of the aft end, mm from the core's centre: positions are counted from there.
     target, closed
-        mass properties that were simulated, and those of the closed kit.
+        mass properties that were simulated, and those of the closed kit with its ballast.
     weights
         rows of the table: what is weighed, and its mass in kg.
     remedy
@@ -124,10 +125,12 @@ def plan_sheet(job: ExportJob, options: PartOptions) -> Sheet:
     if (name := name_core(body.core)) != CUSTOM:
         core = f"{name}: {core}"
     aft = MM * float(body.outer[0, 0])
-    target, closed = job.agent.mass, kit_mass(body, options)
+    target, closed = job.agent.mass, loaded_mass(body, options)
+    bought = body.core.mass + sum(held_mass(held, options) for held in kit.ballast)
     weights = (
         *((f"{part.number}  {part.piece.name}", part.mass) for part in parts),
         ("core", body.core.mass),
+        *((_name_ball(held, options), held_mass(held, options)) for held in kit.ballast),
         ("closed kit", closed.mass),
         ("target, as simulated", target.mass),
     )
@@ -140,7 +143,7 @@ def plan_sheet(job: ExportJob, options: PartOptions) -> Sheet:
         target=target,
         closed=closed,
         weights=weights,
-        remedy=_describe_remedy(target, closed, body.core.mass, aft),
+        remedy=_describe_remedy(target, closed, bought, aft, bool(kit.ballast)),
         steps=tuple(_list_steps(job, kit, parts, core, target, options)),
         settings=(
             ("layer height", f"{MM * options.layer_height:g} mm"),
@@ -176,23 +179,30 @@ def _grams(mass: float) -> str:
     return f"{1000 * mass:.2f}{_NBSP}g"
 
 
-def _describe_remedy(target: MassProperties, closed: MassProperties, core: float, aft: float) -> str:
+def _name_ball(held: HeldBall, options: PartOptions) -> str:
+    return f"{name_material(options.ballast_density)} ball of {2 * held.ball.radius:.2f}{_NBSP}mm"
+
+
+def _describe_remedy(
+    target: MassProperties, closed: MassProperties, bought: float, aft: float, loaded: bool
+) -> str:
+    """What compensates for the difference; ``bought`` is the mass of what is not printed, kg."""
     lack = target.mass - closed.mass
     places = [f"{MM * float(mass.cog[0]) - aft:.1f}{_NBSP}mm" for mass in (closed, target)]
-    balance = f"It balances {places[0]} from the aft end, as simulated {places[1]}."
+    balance = f"It balances at {places[0]}, "
+    balance += "as simulated." if places[0] == places[1] else f"and at {places[1]} as simulated."
     if abs(lack) < _NEGLIGIBLE:
         return f"The closed kit weighs what was simulated. {balance}"
     if lack < 0:
-        share = 100 * -lack / (closed.mass - core)
+        share = 100 * -lack / (closed.mass - bought)
+        if loaded:
+            return f"The closed kit is {_grams(-lack)} too heavy. {balance} Print it with {share:.1f}{_NBSP}% less flow, and trim it."
         return (
             f"The closed kit is {_grams(-lack)} too heavy. {balance} Print it with {share:.1f}{_NBSP}% less flow or still "
             "less, and add the rest as ballast: mass is easier to add than to remove."
         )
     x = MM * float(target.mass * target.cog[0] - closed.mass * closed.cog[0]) / lack - aft
-    return (
-        f"The closed kit without ballast is {_grams(lack)} too light. {balance} Add that mass as ballast, centred "
-        f"{x:.1f}{_NBSP}mm from the aft end."
-    )
+    return f"The closed kit is {_grams(lack)} too light. {balance} Add that mass as ballast, centred at {x:.1f}{_NBSP}mm."
 
 
 def _list_steps(
@@ -203,26 +213,26 @@ def _list_steps(
     target: MassProperties,
     options: PartOptions,
 ) -> list[str]:
+    """The steps in an order that can be done: what is closed or glued is not opened again."""
     body = job.agent.body
     aft = MM * float(body.outer[0, 0])
-    hanging = [part for part in parts if part.overhang > _LEAST_OVERHANG]
-    support = "; ".join(f"{part.overhang / 100:.1f} cm² of part {part.number}" for part in hanging)
-    printing = "Print the parts upright, as drawn, with the settings below"
-    steps = [
-        f"{printing}. Support: {support} {'overhang' if len(hanging) > 1 else 'overhangs'} by more than 45 degrees."
-        if hanging
-        else f"{printing}. No support is needed.",
-        "Weigh the parts and the core, and write down what they weigh. If the parts are off by a share of their mass, print "
-        "them again with the flow changed by that share.",
-    ]
     by_place = {part.place: part for part in parts}
-    for part in parts:
-        steps += [_describe_ballast(held, part, kit, aft) for held in kit.ballast if held.part == part.place]
-        if part.number == 1:
-            steps.append(
-                f"Lay the core ({core}) into part 1, the {part.piece.name}. It must reach its seat and not jam."
-            )
-            continue
+    enclosed = sorted(
+        (held for held in kit.ballast if held.mouth is None), key=lambda held: kit.find_pause(held) or 0
+    )
+    # Of two balls that go in by one mouth, the deeper one is first.
+    inserted = sorted(
+        (held for held in kit.ballast if held.mouth is not None), key=lambda held: -_depth(held, kit)
+    )
+    steps = [
+        _describe_printing(parts, options),
+        *(_describe_pause(held, by_place[held.part], kit, aft, options) for held in enclosed),
+        _describe_weighing(enclosed, by_place, options),
+        _describe_trim(job, aft, options),
+        *(_describe_insertion(held, by_place[held.part], kit, aft, options) for held in inserted),
+        f"Lay the core ({core}) into part 1, the {parts[0].piece.name}. It must reach its seat and not jam.",
+    ]
+    for part in parts[1:]:
         inward = part.place + (1 if part.place < parts[0].place else -1)
         joint = kit.joints[min(part.place, inward)]
         steps.append(_describe_joint(joint, part, by_place[inward], kit, aft, options))
@@ -234,25 +244,79 @@ def _list_steps(
         )
     steps.append(
         "Weigh the closed kit, and balance it on an edge. As simulated it weighs "
-        f"{_grams(target.mass)} and balances {MM * float(target.cog[0]) - aft:.1f} mm from the aft end."
-    )
-    steps.append(
-        "Trim: driftform trim AGENT --kit --printed-mass KG (and --printed-cog M, from the core's centre) gives the "
-        "ballast, where it goes, and the flights with and without it. Then hold the agent under water: no bubbles."
+        f"{_grams(target.mass)} and balances at {MM * float(target.cog[0]) - aft:.1f}{_NBSP}mm. Hold it under water: no "
+        "bubbles."
     )
     return steps
 
 
-def _describe_ballast(held: HeldBall, part: SheetPart, kit: Kit, aft: float) -> str:
-    ball = f"the ballast, a ball of {2 * held.ball.radius:.1f}{_NBSP}mm"
+def _depth(held: HeldBall, kit: Kit) -> float:
+    assert held.mouth is not None
+    return abs(held.ball.z - kit.joints[held.mouth].z)
+
+
+def _describe_printing(parts: tuple[SheetPart, ...], options: PartOptions) -> str:
+    hanging = [part for part in parts if part.overhang > _LEAST_OVERHANG]
+    support = "; ".join(f"{part.overhang / 100:.1f} cm² of part {part.number}" for part in hanging)
+    text = "Print the parts upright, as drawn, with the settings below. " + (
+        f"Support: {support} {'overhang' if len(hanging) > 1 else 'overhangs'} by more than 45 degrees."
+        if hanging
+        else "No support is needed."
+    )
+    narrow = [str(part.number) for part in parts if needs_brim(part.piece.rings, part.piece.fore_down)]
+    if narrow:
+        text += f" Print part {' and '.join(narrow)} with a brim: the foot is small for the height."
+    return text
+
+
+def _describe_weighing(enclosed: list[HeldBall], by_place: dict[int, SheetPart], options: PartOptions) -> str:
+    less = "".join(
+        f" Take {_grams(held_mass(held, options))} off part {by_place[held.part].number} for the ball inside."
+        for held in enclosed
+    )
+    return (
+        f"Weigh the loose parts and the core, and write down what they weigh.{less} If the parts are off by a share of "
+        "their mass, print them again with the flow changed by that share."
+    )
+
+
+def _describe_trim(job: ExportJob, aft: float, options: PartOptions) -> str:
+    command = f"driftform trim {job.opened_as} --kit --printed-mass KG"
+    if options.ballast:
+        balls = ",".join(f"[{x:.5g},{diameter:.5g}]" for x, diameter in options.ballast)
+        command += f" --set 'exporter.stl.ballast=[{balls}]'"
+        if name_material(options.ballast_density) != name_material(MATERIALS["lead"]):
+            command += f" --ballast-density {options.ballast_density:g}"
+    text = (
+        f"Trim before anything is closed: {command}, where KG is the sum of the loose parts and the core in kg"
+        f"{', without ballast' if options.ballast else ''}. It gives the ballast, where it goes, and the flights with and "
+        f"without it. (To give the balance of the parts put together too: --printed-cog M, in m fore of the core's centre, "
+        f"which is at {-aft:.1f}{_NBSP}mm.)"
+    )
+    return text + (
+        " A ball of another size needs another seat: print that part again." if options.ballast else ""
+    )
+
+
+def _describe_ball(held: HeldBall, aft: float, options: PartOptions) -> tuple[str, str]:
+    """A ball in words, and where it lies."""
     place = "its seat" if held.seat is not None else "the wall that holds it"
-    where = f"{place} {held.ball.z - aft:.1f}{_NBSP}mm from the aft end, and fix it with a drop of glue"
-    pause = kit.find_pause(held)
-    if pause is not None:
-        return (
-            f"Part {part.number} has {ball}, put in while it is printed: pause at a height of {pause:.1f}{_NBSP}mm, lay the "
-            f"ball on {where}."
-        )
+    return (
+        f"ballast, a {_name_ball(held, options)}, {_grams(held_mass(held, options))}",
+        f"{place} at {held.ball.z - aft:.1f}{_NBSP}mm, and fix it with a drop of glue",
+    )
+
+
+def _describe_pause(held: HeldBall, part: SheetPart, kit: Kit, aft: float, options: PartOptions) -> str:
+    ball, where = _describe_ball(held, aft, options)
+    return (
+        f"While part {part.number} is printed, pause at a height of {kit.find_pause(held):.1f}{_NBSP}mm and put in {ball}: lay "
+        f"it on {where}."
+    )
+
+
+def _describe_insertion(held: HeldBall, part: SheetPart, kit: Kit, aft: float, options: PartOptions) -> str:
+    ball, where = _describe_ball(held, aft, options)
     assert held.mouth is not None
     end = "fore" if kit.joints[held.mouth].z > held.ball.z else "aft"
     return f"Put {ball}, into part {part.number} by its {end} end, down to {where}."
@@ -261,10 +325,9 @@ def _describe_ballast(held: HeldBall, part: SheetPart, kit: Kit, aft: float) -> 
 def _describe_joint(
     joint: Joint, part: SheetPart, other: SheetPart, kit: Kit, aft: float, options: PartOptions
 ) -> str:
-    where = f"{joint.z - aft:.1f}{_NBSP}mm from the aft end"
     what = f"part {part.number}, the {part.piece.name}, to part {other.number}"
     if part.number > 2:
-        return f"Join {what}, {where}, by its {joint.kind} of {joint.lap:g}{_NBSP}mm, in the same way."
+        return f"Join {what}, at {joint.z - aft:.1f}{_NBSP}mm, by its {joint.kind} of {joint.lap:g}{_NBSP}mm, in the same way."
     # The plug is that of the part on the joint's side.
     plug = max(part, other, key=lambda p: joint.side * p.place)
     if joint.groove:
@@ -275,6 +338,6 @@ def _describe_joint(
     else:
         seal = f"coat the {joint.kind} of part {plug.number} with glue all round"
     return (
-        f"Join {what}, {where}, by a {joint.kind} of {joint.lap:g}{_NBSP}mm: {seal}, and press until the rims touch "
+        f"Join {what}, at {joint.z - aft:.1f}{_NBSP}mm, by a {joint.kind} of {joint.lap:g}{_NBSP}mm: {seal}, and press until the rims touch "
         "without a gap."
     )

@@ -54,7 +54,8 @@ def sheet_svg(sheet: Sheet) -> str:
     write(root, _LEFT, 56, title, 20, bold=True)
     what = f"{count} printed parts and a core ({sheet.core})"
     write(root, _LEFT, 76, shorten(what, _TEXT, _RIGHT - _LEFT), _TEXT, MUTED)
-    bottom = _draw_closed(root, sheet, 100.0)
+    write(root, _LEFT, 90, "All positions are distances from the aft end, mm.", _TEXT, MUTED)
+    bottom = _draw_closed(root, sheet, 112.0)
     # The text is written twice: the first time on no page, to see how much room it leaves.
     text = max(draw(ET.Element("svg"), sheet, 0.0) for draw in (_draw_weights, _draw_steps))
     _draw_parts(root, sheet, bottom + 30, _BOTTOM - text - 30)
@@ -89,7 +90,7 @@ def _draw_closed(root: ET.Element, sheet: Sheet, top: float) -> float:
         root,
         _LEFT,
         top + 4,
-        f"Closed kit, cut along the axis, scale {name}; mm from the aft end; fore on the right",
+        f"Closed kit, cut along the axis, scale {name}; fore on the right",
     )
     for part in sheet.parts:
         for side in (1.0, -1.0):
@@ -118,7 +119,7 @@ def _draw_closed(root: ET.Element, sheet: Sheet, top: float) -> float:
     balance = start + scale * (1e3 * float(sheet.target.cog[0]) - sheet.aft)
     triangle = [(balance, level + 28), (balance - 5, level + 37), (balance + 5, level + 37)]
     svg.add(root, "path", class_="balance", d=svg.path_data(triangle, closed=True), fill=INK)
-    text = f"balances {1e3 * float(sheet.target.cog[0]) - sheet.aft:.1f} mm from the aft end, as simulated"
+    text = f"balances at {1e3 * float(sheet.target.cog[0]) - sheet.aft:.1f} mm, as simulated"
     room = text_width(text, _TEXT) + 10
     anchor, at = ("start", balance + 9) if balance + room < _RIGHT else ("end", balance - 9)
     write(root, at, level + 37, text, _TEXT, anchor=anchor)

@@ -57,6 +57,8 @@ def save_folder(
             for path, text in files.items():
                 (part / path).parent.mkdir(parents=True, exist_ok=True)
                 (part / path).write_text(text, encoding="utf-8")
+                if text.startswith("#!"):
+                    (part / path).chmod(0o755)
     except OSError as error:
         raise WorkFailedError(f"cannot write {folder}: {error.strerror or error}") from error
     first = next(iter(files))

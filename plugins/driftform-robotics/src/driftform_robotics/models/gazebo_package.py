@@ -12,7 +12,8 @@ _LAUNCH = """\
 \"\"\"Start Gazebo with the agent, and the bridge of its topics to ROS.\"\"\"
 
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
+from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, SetLaunchConfiguration
+from launch.conditions import IfCondition, UnlessCondition
 from launch.launch_description_sources import PythonLaunchDescriptionSource
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
@@ -24,13 +25,19 @@ def generate_launch_description():
     share = FindPackageShare('PACKAGE')
     world = PathJoinSubstitution([share, LaunchConfiguration('world')])
     gazebo = PathJoinSubstitution([FindPackageShare('ros_gz_sim'), 'launch', 'gz_sim.launch.py'])
+    paused = LaunchConfiguration('paused')
     return LaunchDescription([
         DeclareLaunchArgument('world', default_value='FIRST', description='file of the world'),
-        DeclareLaunchArgument('options', default_value='RUN', description='options of Gazebo'),
+        DeclareLaunchArgument('paused', default_value='PAUSED', description='true: start paused'),
+        DeclareLaunchArgument('options', default_value='', description='more options of Gazebo'),
+        SetLaunchConfiguration('run', '', condition=IfCondition(paused)),
+        SetLaunchConfiguration('run', '-r', condition=UnlessCondition(paused)),
         IncludeLaunchDescription(
             PythonLaunchDescriptionSource([gazebo]),
             launch_arguments={
-                'gz_args': [LaunchConfiguration('options'), ' ', world],
+                'gz_args': [
+                    LaunchConfiguration('run'), ' ', LaunchConfiguration('options'), ' ', world,
+                ],
                 'on_exit_shutdown': 'true',
             }.items(),
         ),
@@ -87,6 +94,11 @@ _DRIFT = """\
   there.
 """
 
+_PUSH = """\
+- `push.sh` gives the agent the velocity of its release in `world.sdf`, and there only: start it by
+  `ros2 launch {package} start.launch.py world:=world.sdf paused:=true`, run `ros2 run {package} push.sh`, then press play.
+"""
+
 _STILL = "- `world.sdf` has the pipe, and the water at rest.\n"
 
 
@@ -124,9 +136,10 @@ def gazebo_package(
         start=(
             f"Gazebo starts paused. Give the agent the velocity of its release by `ros2 run {name} {push}`, then press play.\n"
             if push in files
-            else "The simulation runs at once; `options:=` (empty) starts it paused.\n"
+            else "The simulation runs at once; `paused:=true` starts it paused.\n"
         ),
-        worlds=_DRIFT.format(title=title, current=current) if first == "drift.sdf" else _STILL,
+        worlds=(_DRIFT.format(title=title, current=current) if first == "drift.sdf" else _STILL)
+        + (_PUSH.format(package=name) if first == "drift.sdf" and "push.sh" in files else ""),
         topics="\n".join(f"| `{b.ros}` | `{b.ros_type}` | {_WAYS[b.direction]} |" for b in bridges),
         warnings="\n".join(f"- {warning}" for warning in warnings) or "Nothing.",
     )
@@ -134,7 +147,7 @@ def gazebo_package(
         name,
         f"The agent {model.job.name} of driftform in its pipe, for Gazebo",
         files,
-        launch=("start.launch.py", launch.replace("RUN", "" if push in files else "-r")),
+        launch=("start.launch.py", launch.replace("PAUSED", "true" if push in files else "false")),
         depends=("launch", "launch_ros", "ros_gz_bridge", "ros_gz_sim"),
         readme=readme,
         bridges=bridges,

@@ -154,7 +154,10 @@ def _list_warnings(model: Model, gazebo: _Gazebo, push: str) -> list[str]:
         if _is_straight(model.job.scenario):
             found[-1] += " drift.sdf is the same world in the frame of the water, where neither error occurs."
     if link.velocity.any():
-        found.append(f"Run {push} before you press play: SDF cannot hold the velocity of the release.")
+        world = "world.sdf" if push == PUSH else "drift.sdf"
+        found.append(
+            f"Run {push} before you press play in {world}: SDF cannot hold the velocity of the release."
+        )
     return found
 
 
