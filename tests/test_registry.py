@@ -238,7 +238,10 @@ def test_a_class_without_a_required_method_is_reported_with_its_name(install):
     ("returned", "reason"),
     [
         ("int", "is not a Fitness"),
-        ("'not a class'", "is not a Fitness"),
+        ("'not a class'", "the hook returned a str, expected a class or a list of classes"),
+        ("42", "the hook returned a int, expected a class or a list of classes"),
+        ("None", "the hook returned a NoneType, expected a class or a list of classes"),
+        ("['not a class']", "'not a class' is not a Fitness"),
         ("type('Nameless', (Fitness,), {'score': lambda self, t, s: None})", "Nameless has no name"),
     ],
 )
@@ -291,3 +294,12 @@ def test_an_unknown_hook_is_reported_in_its_row(install):
     broken = row(install(ext_misspelt=source), "ext_misspelt")
     assert not broken.available
     assert "unknown hook driftform_fitnes; did you mean 'driftform_fitness'?" in broken.state
+
+
+def test_a_name_that_nobody_has_is_refused_with_the_plugins_that_cannot_be_used(install):
+    """The name may be that of a class in one of these."""
+    source = "from driftform import hookimpl\n@hookimpl\ndef driftform_strategy():\n    return 42\n"
+    with pytest.raises(InputError) as refusal:
+        install(broken=source).find("strategy", "cma-es")
+    assert "no strategy is named 'cma-es'" in str(refusal.value)
+    assert "broken-plugin is unavailable: TypeError: the hook returned a int" in str(refusal.value)

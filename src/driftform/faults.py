@@ -4,6 +4,7 @@ A plugin may do anything: raise what it likes, end the program, or return nothin
 names seam, plugin and method.
 """
 
+import math
 import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -13,8 +14,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from driftform.errors import DriftformError, WorkFailedError, describe_error
-from driftform.interfaces import SEAMS, Plugin
-from driftform.types import Candidate, End, Evaluation, Trajectory, WrittenFile
+from driftform.interfaces import SEAMS, Fitness, Plugin
+from driftform.types import Candidate, End, Evaluation, Trajectory, Verdict, WrittenFile
 
 T = TypeVar("T")
 
@@ -141,10 +142,31 @@ def _refuse(plugin: Plugin[Any], method: str, what: str, expected: str) -> WorkF
     return WorkFailedError(f"{name_plugin(plugin)} returned {what} from {method}(), expected {expected}")
 
 
-def check_fitness(evaluation: Evaluation, targets: Sequence[str]) -> Evaluation:
-    """Return the evaluation, as a failure if its fitness is not one number from 0 to 100 for each target."""
+def check_wording(fitness: Fitness[Any]) -> None:
+    """Check the words of a fitness before a search, at the end of which they are needed.
+
+    Raises
+    ------
+    WorkFailedError
+        if a word is no text, or a method does not return what :class:`driftform.interfaces.Fitness` says.
+    """
+    for attribute in ("heading", "unit", "goal", "share"):
+        if not isinstance(value := getattr(fitness, attribute), str):
+            raise WorkFailedError(f"{name_plugin(fitness)} has {attribute} = {value!r}, expected text")
+    with report_faults():
+        for value in (0.0, 50.0, 99.0, 100.0):
+            measured = fitness.measure(value)
+            if not isinstance(measured, float | int) or not math.isfinite(measured):
+                raise _refuse(fitness, "measure", f"{measured!r} of {value:g} %", "a finite number")
+            require(fitness.judge(value), Verdict, fitness, "judge")
+            require(fitness.describe(value), str, fitness, "describe")
+
+
+def check_fitness(evaluation: Evaluation, targets: Sequence[str], name: str) -> Evaluation:
+    """Return the evaluation, as a failure if the fitness ``name`` is not one number from 0 to 100 for each target."""
     fitness = evaluation.fitness
     if len(fitness) == len(targets) and bool(np.all((fitness >= 0) & (fitness <= 100))):
         return evaluation
-    reason = f"its fitness is {fitness.tolist()}, expected {len(targets)} numbers from 0 to 100"
+    expected = "a number" if len(targets) == 1 else f"{len(targets)} numbers"
+    reason = f"fitness '{name}' returned {fitness.tolist()} from score(), expected {expected} from 0 to 100"
     return replace(evaluation, fitness=np.zeros(len(targets)), failure=evaluation.failure or reason)

@@ -282,12 +282,15 @@ class ExportJob:
         the environment that the agent is designed for.
     document
         content of its ``agent.json``, to be stored in the files; empty if no grammar made the agent.
+    opened_as
+        what opens the agent on a command line, such as ``run:TP3``, for the commands that a file recommends.
     """
 
     name: str
     agent: Agent
     scenario: Scenario
     document: Mapping[str, Any] = field(default_factory=dict)
+    opened_as: str = "AGENT"
 
 
 class Exporter(Plugin[OptionsT_co]):

@@ -127,7 +127,7 @@ class Pipeline:
         try:
             body = self.builder.build(self.express(genome))
         except Exception as error:
-            return describe_error(error, with_place=True)
+            return describe_fault(error)
         return find_misfit(body, self.scenario)
 
     def fly(self, agents: Sequence[Agent], scenarios: Sequence[Scenario] | None = None) -> list[Trajectory]:

@@ -128,7 +128,9 @@ class Registry:
         if broken:
             raise InputError(f"{seam} '{name}' ({broken[0].distribution}) is {broken[0].state}")
         known = [row.name for row in self.seam(seam) if row.available]
-        raise InputError(f"no {seam} is named '{name}'{did_you_mean(name, known)}")
+        unusable = [row for row in (*self.seam(seam), *self._broken) if not row.available]
+        more = "".join(f"; {row.distribution} is {row.state}" for row in unusable)
+        raise InputError(f"no {seam} is named '{name}'{did_you_mean(name, known)}{more}")
 
     def check_seams(self, seams: Iterable[str]) -> None:
         """Check that for each of some seams a distribution is installed, whether it works or not.
@@ -182,7 +184,11 @@ def require_module(module: str) -> None:
 
 
 def _check_classes(returned: Any, interface: type[Plugin[Any]]) -> list[type[Plugin[Any]]]:
-    classes = [returned] if isinstance(returned, type) else list(returned or [])
+    if not isinstance(returned, type | list | tuple):
+        raise TypeError(
+            f"the hook returned a {type(returned).__name__}, expected a class or a list of classes"
+        )
+    classes = [returned] if isinstance(returned, type) else list(returned)
     for cls in classes:
         if not (isinstance(cls, type) and issubclass(cls, interface)):
             raise TypeError(f"{cls!r} is not a {interface.__name__}")

@@ -74,6 +74,49 @@ def test_a_strategy_that_misbehaves_stops_the_run_by_name_and_again_on_resume(
 
 
 @pytest.mark.parametrize(
+    ("slip", "text"),
+    [
+        ("heading", "fitness 'wordy' has heading = None, expected text"),
+        ("unit", "fitness 'wordy' has unit = 5, expected text"),
+        ("goal", "fitness 'wordy' has goal = None, expected text"),
+        ("share", "fitness 'wordy' has share = None, expected text"),
+        ("measure", "fitness 'wordy' returned nan of 0 % from measure(), expected a finite number"),
+        ("judge", "fitness 'wordy' returned a str from judge(), expected a Verdict"),
+        ("describe", "fitness 'wordy' returned a float from describe(), expected a str"),
+        ("raising", "fitness 'wordy' failed in measure(): KeyError: 'lost' (in <lambda>, line "),
+    ],
+)
+def test_a_fitness_without_readable_words_is_refused_before_a_search(
+    call: Call, slip: str, text: str, tmp_path: Path
+) -> None:
+    options = ("--set", "fitness.use=wordy", "--set", f"fitness.slip='{slip}'")
+    for command in ((*STUDY, *options, *RUN), ("scenarios", "check", "paper", *options)):
+        result = call(*command)
+        assert result.exit_code == 1
+        assert last_line(result).startswith(f"error: {text}")
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_fitness_that_is_no_number_is_named(call: Call) -> None:
+    result = call(*STUDY, "--set", "fitness.use=nonsense", *RUN)
+    assert last_line(result) == (
+        "error: all 4 evaluations failed, 4 of them like this: "
+        "fitness 'nonsense' returned [nan] from score(), expected a number from 0 to 100"
+    )
+
+
+def test_a_strategy_that_does_not_accept_a_study_leaves_no_directory(call: Call, tmp_path: Path) -> None:
+    """What is corrected then begins in the same directory."""
+    text = "error: strategy 'picky' searches grammar 'reals', not 'lsystem'"
+    for command in ((*STUDY, *RUN), ("scenarios", "check", "paper")):
+        result = call(*command, "--set", "strategy.use=picky")
+        assert result.exit_code == 2
+        assert last_line(result) == text
+    assert not (tmp_path / "run").exists()
+    assert call(*STUDY, *RUN).exit_code == 0
+
+
+@pytest.mark.parametrize(
     ("deed", "text"),
     [
         ("exit", "exporter 'deed' failed in write(): SystemExit: 0 (in <lambda>, line "),

@@ -205,17 +205,20 @@ def test_a_fitness_that_no_selection_can_work_with_is_a_failure(
     run_search(study, store, Counting(study))
     assert store.count_failed() == 25
     with pytest.raises(
-        WorkFailedError, match="all 25 evaluations failed, 25 of them like this: its fitness is"
+        WorkFailedError, match="all 25 evaluations failed, 25 of them like this: fitness 'nonsense' returned"
     ):
         write_results(tmp_path, study, InProcess(study.make_pipeline()))
 
 
 def test_a_sound_fitness_is_left_alone() -> None:
     evaluation = Evaluation(Genome("g", ()), np.array([0.0, 100.0]))
-    assert check_fitness(evaluation, ("A", "B")) is evaluation
+    assert check_fitness(evaluation, ("A", "B"), "mine") is evaluation
     failed = replace(evaluation, failure="it sank")
-    assert check_fitness(failed, ("A", "B")) is failed
-    assert check_fitness(replace(failed, fitness=np.array([np.nan, 1.0])), ("A", "B")).failure == "it sank"
+    assert check_fitness(failed, ("A", "B"), "mine") is failed
+    assert (
+        check_fitness(replace(failed, fitness=np.array([np.nan, 1.0])), ("A", "B"), "mine").failure
+        == "it sank"
+    )
 
 
 def test_the_best_of_each_target_is_written(store: Store, tmp_path: Path) -> None:

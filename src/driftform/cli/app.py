@@ -1,6 +1,7 @@
 """The commands, put together; errors of the user become one line and an exit code."""
 
 import os
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -85,6 +86,8 @@ def _one_line_for_each_error() -> Iterator[None]:
         if type(error).__name__ == "NoArgsIsHelpError":
             raise
         message = error.format_message().replace("Input should be", "should be").rstrip(".")
+        if re.match(r"No such option: -[\d.]", message):
+            message += "; put '--' before a value that begins with a minus sign, after all options"
         _print_errors(f"{message}; see '{error.ctx.command_path} --help'" if error.ctx else message)
         raise typer.Exit(error.exit_code) from None
     except KeyboardInterrupt:

@@ -87,9 +87,9 @@ def evolve(
     from driftform.cli.executors import open_executor
     from driftform.cli.running import advance_run
     from driftform.runs.directory import check_new
-    from driftform.runs.run import Run, check_targets
+    from driftform.runs.run import Run, check_study
 
-    check_targets(checked)
+    check_study(checked)
     if out is not None:
         check_new(out)
     for warning in warnings:

@@ -40,7 +40,7 @@ def inspect(
 def _print(facts: dict[str, Any], fitness: "Fitness[Any]") -> None:
     import numpy as np
 
-    from driftform.cli.output import print_table
+    from driftform.cli.output import print_table, print_text
 
     net = facts["net_buoyancy"]
     weight = "floats" if net > 0 else "sinks" if net < 0 else "hovers"
@@ -105,7 +105,7 @@ def _print(facts: dict[str, Any], fitness: "Fitness[Any]") -> None:
             right=range(1, 5),
         )
     for warning in facts["warnings"]:
-        print(f"warning: {warning}")
+        print_text(f"warning: {warning}")
 
 
 def _describe_gram(sensitivity: dict[str, Any] | None, fitness: "Fitness[Any]") -> str:
@@ -114,7 +114,7 @@ def _describe_gram(sensitivity: dict[str, Any] | None, fitness: "Fitness[Any]") 
         return "its effect on a flight is not known"
     errors = sensitivity["errors"][sensitivity["target"]]
     now, lighter, heavier = (
-        fitness.describe(100 - errors[case]) for case in ("as_simulated", "lighter", "heavier")
+        f"{fitness.measure(100 - errors[case]):.2f}" for case in ("as_simulated", "lighter", "heavier")
     )
     return f"{fitness.heading} for {sensitivity['target']}: {now}; 1 g less {lighter}, 1 g more {heavier}"
 

@@ -129,8 +129,8 @@ def _print_results(run: "Run", results: "list[Best]", pictures: tuple[Path, Path
         print_text(summarise(fitness, {best.target: best.fitness for best in results}))
     if shared:
         print_text(
-            f"{fitness.share}: share of {run.study.scenario.robustness.checks} flights under fresh disturbed conditions "
-            f"with what reaches a target: {fitness.goal}"
+            f"{fitness.share}: the share of {run.study.scenario.robustness.checks} flights under fresh disturbed conditions "
+            f"that reach the target, with {fitness.goal}"
         )
     elif promised:
         print_text(_summarise_misses(results))

@@ -72,7 +72,7 @@ def check(
     json: Json = False,
 ) -> None:
     """Check a study without running it: list its errors, or show its contents and what no flight can do."""
-    from driftform.cli.output import print_json
+    from driftform.cli.output import print_json, print_text
     from driftform.errors import escape_controls
     from driftform.study import NAMED, SELECTED, load_study
     from driftform.study.advice import list_warnings
@@ -80,6 +80,8 @@ def check(
 
     study = load_study(file, settings or ())
     warnings = list_warnings(study)
+    if study.scenario.targets:
+        study.make_strategy()
     document, scenario = study.document, study.scenario
     if picture is not None:
         from driftform.figures.pipe import pipe_svg
@@ -106,7 +108,7 @@ def check(
     verdict = (
         f"is valid, with {len(warnings)} warning{'s' * (len(warnings) != 1)}" if warnings else "is sound"
     )
-    print(f"{file} {verdict}" + (f": {escape_controls(found['title'])}" if found["title"] else ""))
+    print_text(f"{file} {verdict}" + (f": {escape_controls(found['title'])}" if found["title"] else ""))
     targets = f"{len(scenario.targets)}: {', '.join(scenario.targets)}" if scenario.targets else "none"
     outlets = found["outlets"]
     pipe = f"{found['pipe']} part{'s' * (found['pipe'] != 1)}" if found["pipe"] else "none: open water"
@@ -123,6 +125,6 @@ def check(
     for name, value in rows.items():
         print(f"  {name:{width}}  {value}")
     for warning in warnings:
-        print(f"warning: {warning}")
+        print_text(f"warning: {warning}")
     if picture is not None:
         print(f"picture: {picture}")

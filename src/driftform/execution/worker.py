@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 from driftform.errors import DriftformError, WorkFailedError, describe_error
 from driftform.execution.jobs import Job, Outcome, T, WorkersLostError, evaluate_batch
 from driftform.execution.pool import Cause, Death, WorkerDiedError
+from driftform.faults import describe_fault
 from driftform.pipeline import Pipeline
 from driftform.study import Document, load_study
 from driftform.util.preparation import observe_preparation
@@ -256,7 +257,7 @@ def _answer() -> None:
         answer = "error", error
     except BaseException as error:
         # Not every error can be sent, and none is sent with its traceback.
-        answer = "error", WorkFailedError(describe_error(error, with_place=True))
+        answer = "error", WorkFailedError(describe_fault(error))
     try:
         _report(*answer)
     except OSError:

@@ -59,7 +59,9 @@ def fly_disturbed(
                 DisturbedResult(
                     *missing[number], checked.fitness, find_offsets(checked, study.scenario), checked.failure
                 )
-                for number, checked in ((n, check_fitness(e, targets)) for n, e in arrived)
+                for number, checked in (
+                    (n, check_fitness(e, targets, study.document["fitness"]["use"])) for n, e in arrived
+                )
             ],
             targets,
         )

@@ -89,7 +89,7 @@ class Run:
         InputError
             if the study has no targets, or the directory holds something else.
         """
-        check_targets(study)
+        check_study(study)
         check_new(directory)
         make_directory(directory)
         with lock_run(directory):
@@ -288,13 +288,14 @@ def _prepare_flow(scenario: Scenario) -> None:
         fitting_array(scenario)
 
 
-def check_targets(study: Study) -> None:
-    """Refuse a study without targets.
+def check_study(study: Study) -> None:
+    """Refuse a study that cannot be run, before anything is written.
 
     Raises
     ------
     InputError
-        with the line to add.
+        if it has no targets, with the line to add, or if its strategy does not accept it.
     """
     if not study.scenario.targets:
         raise InputError(f"{study.name}: has no [targets]; add at least one, such as leak = [4.0, 0.0, -0.9]")
+    study.make_strategy()

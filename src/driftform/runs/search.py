@@ -52,6 +52,7 @@ def _search(
     on_generation: Callable[[int], None],
 ) -> None:
     strategy, targets = study.make_strategy(), study.scenario.target_names
+    fitness = study.document["fitness"]["use"]
     best = BestFitness(len(targets), count_finalists(study.scenario.robustness))
     first = 0
     while first < study.evaluations:
@@ -78,7 +79,12 @@ def _search(
         ]
         for arrived in executor.evaluate(missing):
             records = [
-                Record(index, candidates[index - first], check_fitness(evaluation, targets), seeds[index])
+                Record(
+                    index,
+                    candidates[index - first],
+                    check_fitness(evaluation, targets, fitness),
+                    seeds[index],
+                )
                 for index, evaluation in arrived
             ]
             store.add(records, targets)

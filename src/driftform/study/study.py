@@ -16,6 +16,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from driftform.errors import InputError, did_you_mean
+from driftform.faults import check_wording
 from driftform.interfaces import SEAMS, Checker, Exporter, Recorder, Renderer, SearchSpace, Strategy
 from driftform.options import MAX_SEED, Table, option
 from driftform.pipeline import Pipeline
@@ -118,6 +119,7 @@ class Study:
     def make_pipeline(self) -> Pipeline:
         """Create the pipeline from genome to fitness."""
         steps = {seam: self.make_plugin(seam) for seam in SELECTED if seam != "strategy"}
+        check_wording(steps["fitness"])
         return Pipeline(scenario=self.scenario, **steps)
 
     def make_strategy(self) -> Strategy[Any]:

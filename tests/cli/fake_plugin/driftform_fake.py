@@ -15,6 +15,7 @@ from driftform import hookimpl
 from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import Exporter, Fitness, Renderer, Simulator, Strategy
 from driftform.options import Table, option
+from driftform.testing.letters import LetterGrammar
 from driftform.types import End, Trajectory, WrittenFile
 from driftform.util.files import write_text, write_whole
 from driftform.util.preparation import preparing
@@ -181,6 +182,59 @@ class NonsenseFitness(Fitness[NonsenseOptions]):
         return np.full(len(scenario.targets) + self.options.extra, float(self.options.value))
 
 
+class WordyOptions(Table):
+    slip: str = option("", "the attribute or method that is wrong: see WORDS")
+
+
+WORDS = {
+    "heading": None,
+    "unit": 5,
+    "goal": None,
+    "share": None,
+    "measure": lambda fitness: float("nan"),
+    "judge": lambda fitness: "great",
+    "describe": lambda fitness: fitness,
+    "raising": lambda fitness: {}["lost"],
+}
+"""Words that a fitness should not have, in place of what it should."""
+
+
+class WordyFitness(Fitness[WordyOptions]):
+    """What nobody can read."""
+
+    name = "wordy"
+    Options = WordyOptions
+
+    def __init__(self, options):
+        super().__init__(options)
+        if options.slip == "raising":
+            self.fault = WORDS["raising"]
+        elif options.slip:
+            setattr(self, options.slip, WORDS[options.slip])
+
+    def measure(self, fitness):
+        return self.fault(fitness) if hasattr(self, "fault") else fitness
+
+    def score(self, trajectory, scenario, agent):
+        return np.full(len(scenario.targets), 50.0)
+
+
+class PickyStrategy(Strategy[Table]):
+    """A strategy for another grammar."""
+
+    name = "picky"
+
+    def __init__(self, options, space):
+        super().__init__(options, space)
+        raise InputError(f"strategy 'picky' searches grammar 'reals', not '{space.grammar.name}'")
+
+    def ask(self, limit):
+        return []
+
+    def tell(self, first, evaluations):
+        pass
+
+
 class DeedOptions(Table):
     deed: str = option("", "what it does: see DEEDS")
 
@@ -242,13 +296,18 @@ class FlipBook(Renderer[FlipBookOptions]):
 
 
 @hookimpl
+def driftform_grammar():
+    return LetterGrammar
+
+
+@hookimpl
 def driftform_simulator():
     return FakeSimulator
 
 
 @hookimpl
 def driftform_fitness():
-    return NonsenseFitness
+    return [NonsenseFitness, WordyFitness]
 
 
 @hookimpl
@@ -263,4 +322,4 @@ def driftform_renderer():
 
 @hookimpl
 def driftform_strategy():
-    return DeedStrategy
+    return [DeedStrategy, PickyStrategy]
