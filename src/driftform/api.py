@@ -20,7 +20,7 @@ from driftform.errors import InputError, did_you_mean
 from driftform.execution import InProcess, LocalProcesses
 from driftform.report.writing import write_report
 from driftform.runs.picking import pick_agent
-from driftform.runs.run import Observer, check_targets
+from driftform.runs.run import Observer, check_study
 from driftform.runs.run import Run as StoredRun
 from driftform.runs.store import Record
 from driftform.runs.tables import evaluation_batches, write_tables
@@ -212,7 +212,7 @@ def evolve(
     """
     if workers < 1:
         raise InputError(f"workers = {workers}: should be at least 1")
-    check_targets(study)
+    check_study(study)
     for warning in list_warnings(study):
         warnings.warn(warning, stacklevel=2)
     with Run.ensure(Path(directory), study) as run, closing(_make_executor(study, workers)) as executor:

@@ -229,3 +229,15 @@ def test_without_any_checker_nothing_is_called_printable(call: Call, monkeypatch
     result = call("check", WORD)
     assert result.exit_code == 1
     assert "no checker is installed" in result.stderr and "printable" not in result.stdout
+
+
+def test_a_file_of_a_kit_that_is_checked_as_a_hull_is_told_to_be_one(call: Call) -> None:
+    word = "addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addB-tiltn-1-L-moveB"
+    # A lap of 2 mm adds so little that it could be mistaken for the chords of a coarse mesh.
+    little = ("--option", "lap=0.002", "--option", "sleeve=0.0004")
+    result = call("export", word, "--kit", "--format", "3mf", *little, "--json")
+    path = json.loads(result.stdout)["files"][0]["path"]
+    coarse = ("--set", "checker.mesh.coarse=0.2")
+    found = lines(call("check", path, "--no-programs", "--json", *coarse))["mass"]
+    assert found["state"] == "warn" and "check it with --kit" in found["detail"]
+    assert "segments" not in found["detail"]

@@ -72,6 +72,7 @@ def test_nice_steps_are_1_2_5(value, nice):
 
 def test_ticks_include_both_ends():
     assert tick_values(-0.4, 0.4, 0.2) == pytest.approx([-0.4, -0.2, 0, 0.2, 0.4])
+    assert not np.signbit(tick_values(-1e-9, 100.0, 20.0)).any()
 
 
 def test_zero_has_no_sign():

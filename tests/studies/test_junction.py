@@ -27,7 +27,7 @@ def make_agents(pipeline, count, seed):
 
 def fly_all(workers, use, agents, *settings):
     pipeline = load_study("t-junction", settings, use={"simulator": use}).make_pipeline()
-    return list(workers.map(pipeline.simulator.simulate, agents, repeat(pipeline.scenario)))
+    return workers.map(pipeline.simulator.simulate, agents, repeat(pipeline.scenario))
 
 
 def test_both_simulators_fly_alike_until_the_wall_is_touched(workers, count_of):
@@ -52,7 +52,9 @@ def test_no_random_agent_passes_a_wall_and_every_end_has_a_name(workers, count_o
     pipeline = load_study("t-junction").make_pipeline()
     agents = make_agents(pipeline, count_of("AGENTS", 10_000), 2)
     layout, ends = pipeline.scenario.pipe.layout, Counter[str]()
-    for flight in fly_all(workers, "native", agents):
+    for number, flight in enumerate(fly_all(workers, "native", agents), 1):
+        if number % 500 == 0:
+            print(f"{number} of {len(agents)} agents: {dict(ends)}", flush=True)
         assert flight.end is not End.NON_FINITE
         outlet = name_outlet(flight, pipeline.scenario)
         assert (outlet is not None) == (flight.end is End.OUTLET)

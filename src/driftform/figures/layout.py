@@ -217,7 +217,8 @@ def floor_to_nice_number(value: float) -> float:
 def tick_values(low: float, high: float, step: float) -> FloatArray:
     """Return the multiples of ``step`` from ``low`` to ``high``."""
     first, last = np.ceil(low / step - 1e-6), np.floor(high / step + 1e-6)
-    return np.asarray(np.arange(first, last + 1) * step, dtype=np.float64)
+    # The sum makes -0 a 0.
+    return np.asarray(np.arange(first, last + 1) * step + 0.0, dtype=np.float64)
 
 
 def format_signed(value: float, digits: int) -> str:

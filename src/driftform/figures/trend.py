@@ -60,13 +60,15 @@ def trend_svg(trends: Sequence[Trend], title: str, strategy: str, baseline: str 
     rows = ceil(len(trends) / COLUMNS)
     repeats = max((len(trend.fitness) for trend in trends), default=0)
     over = f"mean and standard deviation over {repeats} repeats" if repeats > 1 else "one run"
+    has_baseline = any(len(trend.baseline) for trend in trends)
     root = start_page(
         TOP + rows * (HEIGHT + ROW_GAP) - 20,
         title,
         f"Best fitness so far (%) against flights for the target: {over}",
-        f"For each target, the best fitness so far of {strategy} against flights; {baseline} as a band.",
+        f"For each target, the best fitness so far of {strategy} against flights"
+        + (f"; {baseline} as a band." if has_baseline else "."),
     )
-    _draw_legend(root, strategy, baseline if any(len(t.baseline) for t in trends) else "")
+    _draw_legend(root, strategy, baseline if has_baseline else "")
     low = _find_lowest(trends)
     width = (WIDTH - LEFT - MARGIN - (COLUMNS - 1) * GUTTER) / COLUMNS
     for number, trend in enumerate(trends):

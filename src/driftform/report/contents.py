@@ -34,7 +34,10 @@ TREND_POINTS = 60
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """The best agent for one target: the ``index`` of its evaluation, and its closest approach (``distance``, m, at ``t``, s)."""
+    """The best agent for one target.
+
+    ``index`` is that of its evaluation, ``distance`` (m, at ``t``, s) its closest approach, and ``genome`` its genome as text.
+    """
 
     target: str
     index: int
@@ -42,6 +45,7 @@ class Entry:
     distance: float
     t: float
     stored: StoredAgent
+    genome: str
     agent: Agent
     trajectory: Trajectory
 
@@ -116,6 +120,7 @@ def collect_contents(run: Run) -> Contents:
                     float(distances[place]),
                     float(times[place]),
                     stored,
+                    pipeline.grammar.to_text(stored.genome),
                     agent,
                     flight,
                 )

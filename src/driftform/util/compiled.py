@@ -37,7 +37,7 @@ KERNELS = ("potential", "hydrodynamics", "dynamics", "trajectory")
 COMPILATION_S = 20
 """Typical duration of the compilation for flights in the vertical plane, s."""
 
-ANNOUNCED_S = 60.0
+ANNOUNCED_S = 300.0
 """Time for which one announcement of the compilation serves all processes, s."""
 
 _OPTIONS = {"nopython": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
@@ -80,7 +80,7 @@ class _Cache(FunctionCache):
             with suppress(Exception):
                 self.flush()  # type: ignore[no-untyped-call]
         if found is None:
-            _announce(Path(self.cache_path))
+            _announce()
         return found
 
     def save_overload(self, sig: Any, data: Any) -> None:
@@ -179,16 +179,17 @@ class _Entry(CPUDispatcher):
 
 
 @cache
-def _announce(folder: Path) -> None:
+def _announce() -> None:
     """Print once that the compilation begins, unless the display of a run on a terminal shows it.
 
-    A file in the folder of the machine code keeps the other workers of the same run silent.
+    A file beside the machine code of all packages keeps the other processes of the same run silent.
     """
-    marker = folder / "kernels.announced"
+    marker = Path(FunctionCache(_announce.__wrapped__).cache_path) / "kernels.announced"  # type: ignore[no-untyped-call]
     with suppress(OSError):
         if time.time() - marker.stat().st_mtime < ANNOUNCED_S:
             return
     with suppress(OSError):
+        marker.parent.mkdir(parents=True, exist_ok=True)
         marker.touch()
     is_worker = multiprocessing.parent_process() is not None
     if not (is_worker and sys.stdout.isatty() and sys.stderr.isatty()):

@@ -154,13 +154,13 @@ class Studio:
 
     def create(self, parameters: Parameters, document: Any) -> Any:
         """Make a run of a draft, and begin its search."""
-        from driftform.runs.run import Run, check_targets
+        from driftform.runs.run import Run, check_study
 
         if not isinstance(document, dict):
             raise InputError("the request is not a table")
         draft = check_draft(document.get("draft"))
         study = load_draft(write_draft(draft))
-        check_targets(study)
+        check_study(study)
         if "seed" not in draft.get("run", {}):
             # The study file that the run keeps gives the same run again.
             draft = {**draft, "run": {**draft.get("run", {}), "seed": study.seed}}
