@@ -1,12 +1,14 @@
 """How many genomes make one task, and what comes back of them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from driftform.execution import MAX_BATCH, Job
-from driftform.execution.jobs import MAX_TASK_S, MIN_TASK_S, evaluate_batch, task_size
+from driftform.execution.jobs import MAX_TASK_S, MIN_TASK_S, evaluate_batch, rehearse, task_size
 from driftform.scenario.disturbances import draw_conditions
 from driftform.study import load_study
 from driftform.trajectory.way import find_offsets
@@ -49,3 +51,21 @@ def test_of_a_disturbed_flight_no_more_comes_back_than_a_run_stores() -> None:
     np.testing.assert_array_equal(
         find_offsets(disturbed, study.scenario), find_offsets(whole, study.scenario)
     )
+
+
+@pytest.mark.parametrize("conditions", [0, 5])
+def test_a_rehearsal_is_one_flight_under_the_conditions_of_the_study(conditions: int) -> None:
+    study = load_study(
+        "paper", ["flight.horizon=0.2", f"robustness.conditions={conditions}"], use={"simulator": "native"}
+    )
+    pipeline, flown = study.make_pipeline(), []
+
+    class Observed(type(pipeline.simulator)):  # type: ignore[misc]
+        def simulate_batch(self, agents, scenarios):
+            flown.extend(scenarios)
+            return super().simulate_batch(agents, scenarios)
+
+    pipeline = replace(pipeline, simulator=Observed(pipeline.simulator.options))
+    rehearse(pipeline, pipeline.grammar.random(np.random.default_rng(1)))
+    assert len(flown) == (conditions > 0)
+    assert all(scenario.release != study.scenario.release for scenario in flown)

@@ -1,6 +1,7 @@
 """Flights of random agents through the built-in junction: both simulators agree, nothing passes a wall, and both outlets are found."""
 
 from collections import Counter
+from contextlib import closing
 from itertools import repeat
 
 import numpy as np
@@ -74,7 +75,14 @@ def test_a_search_finds_an_agent_for_each_outlet_in_nine_of_ten_seeds(tmp_path, 
     seeds, sound = count_of("SEEDS", 10), 0
     for seed in range(seeds):
         study = load_study("t-junction", ["run.formats=[]"], run={"seed": seed})
-        with LocalProcesses(study.document, 2) as executor, Run.create(tmp_path / str(seed), study) as run:
+        with (
+            closing(LocalProcesses(study.document, 2)) as executor,
+            Run.create(tmp_path / str(seed), study) as run,
+        ):
             best = run.advance(executor)
-        sound += all(found.robust["reached"] >= 0.9 for found in best)
+        shares = [found.robust["reached"] for found in best]
+        print(
+            f"seed {seed}: {', '.join(f'{share:.0%}' for share in shares)} of the fresh flights", flush=True
+        )
+        sound += min(shares) >= 0.9
     assert sound >= 0.9 * seeds

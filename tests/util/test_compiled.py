@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from filelock import FileLock
 
 import driftform
 
@@ -41,10 +42,15 @@ def test_a_kernel_is_recompiled_when_a_file_changes_whose_functions_it_calls(tmp
     assert abs(depth() - (1.0 - 0.1 - 3 * 0.02)) < 1e-12
 
 
-def run_kernel(cache):
+def run_kernel(cache, script=SCRIPT, timeout=None):
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(cache)}
     done = subprocess.run(
-        [sys.executable, "-c", SCRIPT], env=environment, capture_output=True, text=True, check=False
+        [sys.executable, "-c", script],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=timeout,
     )
     assert done.returncode == 0, done.stderr
     assert abs(float(done.stdout) - (1.0 - 0.1 - 0.02)) < 1e-12
@@ -63,3 +69,16 @@ def test_a_cache_that_was_cut_short_is_begun_anew(tmp_path):
         os.truncate(file, 7)
     run_kernel(tmp_path)
     assert all(file.stat().st_size > 7 for file in tmp_path.rglob("*.nbi"))
+
+
+def test_processes_compile_one_kernel_for_different_types_at_the_same_time(tmp_path):
+    run_kernel(tmp_path)
+    [types] = tmp_path.rglob("slice_depth-*.lock")
+    for file in tmp_path.rglob("*.nb[ci]"):
+        file.unlink()
+    with FileLock(types):
+        run_kernel(tmp_path, SCRIPT.replace("0.02), 1.0", "0.02), 1"))
+        with pytest.raises(subprocess.TimeoutExpired):
+            run_kernel(tmp_path, timeout=4)
+    run_kernel(tmp_path)
+    assert len(list(tmp_path.rglob("buoyancy.slice_depth-*.nbc"))) == 2

@@ -8,7 +8,7 @@ from typing import Protocol, TypeVar
 from driftform.errors import WorkFailedError, describe_error
 from driftform.pipeline import Pipeline
 from driftform.scenario import Scenario
-from driftform.scenario.disturbances import Condition
+from driftform.scenario.disturbances import Condition, draw_conditions
 from driftform.trajectory.compression import compress_evaluation
 from driftform.types import Evaluation, Genome
 
@@ -114,6 +114,17 @@ def evaluate_batch(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:
         )
         for job, evaluation in zip(batch, evaluations, strict=True)
     ]
+
+
+def rehearse(pipeline: Pipeline, genome: Genome) -> None:
+    """Fly a genome under a disturbed condition, if a run with this scenario has any, and forget the flight.
+
+    Disturbed flights need kernels of their own, and a run asks for them only after its undisturbed flights. One process
+    that rehearses compiles them while another compiles those of the undisturbed flights.
+    """
+    robustness, calibration = pipeline.scenario.robustness, pipeline.scenario.calibration
+    if robustness.conditions:
+        pipeline.evaluate([genome], conditions=draw_conditions(robustness, 1, (0,), calibration))
 
 
 def _measure(evaluation: Evaluation, scenario: Scenario) -> Evaluation:

@@ -16,7 +16,7 @@ class LocalProcesses(PoolExecutor):
     """Evaluates in worker processes on this machine, each a worker group."""
 
     def __init__(self, document: Mapping[str, Any], workers: int) -> None:
-        self._processes = [_Process(document) for _ in range(workers)]
+        self._processes = [_Process(document, rehearses=number == 1) for number in range(workers)]
         super().__init__(self._processes)
 
     def call(self, functions: "Sequence[Callable[[], T]]") -> list[T]:
@@ -62,9 +62,10 @@ class _Process(WorkerGroup):
 
     processes = 1
 
-    def __init__(self, document: Mapping[str, Any]) -> None:
+    def __init__(self, document: Mapping[str, Any], *, rehearses: bool) -> None:
         super().__init__(document)
         self._document = document
+        self._rehearses = rehearses
         self._worker: Worker | None = None
 
     @property
@@ -73,7 +74,9 @@ class _Process(WorkerGroup):
         return self._worker is not None
 
     def submit(self, batch: Sequence[Job]) -> "Future[list[Outcome]]":
-        return self.start(partial(work, batch))
+        # Only once: a process that died in its rehearsal evaluates without.
+        rehearses, self._rehearses = self._rehearses, False
+        return self.start(partial(work, batch, rehearses=rehearses))
 
     def start(self, function: Callable[[], T]) -> "Future[T]":
         """Call a function in the process, which is started if necessary."""

@@ -21,7 +21,7 @@ from multiprocessing.reduction import ForkingPickler
 from typing import TYPE_CHECKING, Any
 
 from driftform.errors import DriftformError, WorkFailedError, describe_error
-from driftform.execution.jobs import Job, Outcome, T, WorkersLostError, evaluate_batch
+from driftform.execution.jobs import Job, Outcome, T, WorkersLostError, evaluate_batch, rehearse
 from driftform.execution.pool import Cause, Death, WorkerDiedError
 from driftform.faults import describe_fault
 from driftform.pipeline import Pipeline
@@ -286,9 +286,11 @@ def _load_pipeline() -> Pipeline:
     return load_study(Document("the study", _document)).make_pipeline()
 
 
-def work(batch: Sequence[Job]) -> list[Outcome]:
-    """Evaluate the genomes of one task, in a worker process."""
+def work(batch: Sequence[Job], *, rehearses: bool = False) -> list[Outcome]:
+    """Evaluate the genomes of one task, in a worker process, which flies one of them under other conditions before."""
     # Loaded by the first task: an exception is then the error of that task, and not a dead process.
     pipeline = _load_pipeline()
     _report("begun")
+    if rehearses:
+        rehearse(pipeline, batch[0].genome)
     return evaluate_batch(pipeline, batch)

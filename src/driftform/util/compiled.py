@@ -9,8 +9,8 @@ import hashlib
 import multiprocessing
 import sys
 import time
-from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext, suppress
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar, cast
@@ -62,6 +62,18 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     return cast(Callable[P, R], _Entry(function))
 
 
+@contextmanager
+def _lock(path: Path) -> Iterator[None]:
+    """Let one process at a time into this context; on a file system without locks, all of them."""
+    lock = FileLock(path)
+    with suppress(OSError, NotImplementedError):
+        lock.acquire()
+    try:
+        yield
+    finally:
+        lock.release()
+
+
 class _Cache(FunctionCache):
     """A cache whose files are valid for one state of all sources."""
 
@@ -85,7 +97,8 @@ class _Cache(FunctionCache):
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Save machine code; a disk that refuses it, or an index that cannot be read, is no error."""
-        with suppress(Exception):
+        # Processes that compile the kernel for other types of arguments write the same index.
+        with suppress(Exception), _lock(Path(self.cache_path) / f"{self._py_func.__qualname__}.lock"):
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
 
 
@@ -150,24 +163,29 @@ class _Entry(CPUDispatcher):
         return _Part(self.py_func)
 
     @cached_property
-    def _lock(self) -> AbstractContextManager[object]:
-        """Open the cache, and return its lock."""
-        # numba raises RuntimeError if it finds no directory that it can write to.
+    def _has_cache(self) -> bool:
+        """Open the cache; false if there is no directory that numba can write to."""
         with suppress(RuntimeError, AttributeError):
             self._cache = _Cache(self.py_func)
-            return FileLock(Path(self._cache.cache_path) / f"{self.py_func.__qualname__}.lock")
-        return nullcontext()
+            return True
+        return False
+
+    def _lock(self, sig: Any) -> AbstractContextManager[object]:
+        if not self._has_cache:
+            return nullcontext()
+        types = hashlib.sha256(str(sig).encode()).hexdigest()[:16]
+        return _lock(Path(self._cache.cache_path) / f"{self.py_func.__qualname__}-{types}.lock")
 
     @property
     def _numba_type_(self) -> Any:
         return self._part._numba_type_
 
     def compile(self, sig: Any) -> Any:
-        """Load or compile the kernel, one process at a time: others that need it wait, and load what that one compiled."""
-        with preparing():
-            # Without a directory to write to, or on a file system without locks, every process compiles for itself.
-            with suppress(OSError, NotImplementedError), self._lock:
-                return self._compile(sig)
+        """Load or compile the kernel for some types of arguments, one process at a time.
+
+        Others that need it wait, and load what that one compiled.
+        """
+        with preparing(), self._lock(sig):
             return self._compile(sig)
 
     def _compile(self, sig: Any) -> Any:
