@@ -25,6 +25,9 @@ from driftform.errors import WorkFailedError
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 """An array of double precision; docstrings state its shape, unit and frame."""
 
+BoolArray: TypeAlias = npt.NDArray[np.bool_]
+"""An array of truth values."""
+
 
 def freeze(values: npt.ArrayLike, shape: tuple[int | None, ...], what: str) -> FloatArray:
     """Return a read-only float64 copy of ``values``, checked against ``shape`` (``None`` means any length).

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from scipy.interpolate import RegularGridInterpolator
 
+from driftform.dynamics.fitting_walls import wall_gaps
 from driftform.dynamics.fittings import fitting_array
 from driftform.dynamics.flight import finish_trajectory, release_state
 from driftform.dynamics.flow import flow_array, water_motion
-from driftform.dynamics.grid_flow import grid_velocities, wall_gaps
+from driftform.dynamics.grid_flow import grid_velocities
 from driftform.dynamics.integrator import Accuracy, integrate
 from driftform.dynamics.model import flight_model
 from driftform.dynamics.profiles import AT_A_POINT

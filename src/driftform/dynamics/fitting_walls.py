@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from driftform.dynamics.vectors import ZERO, Vector, add, dot, scale, subtract
-from driftform.types import FloatArray
+from driftform.types import BoolArray, FloatArray
 from driftform.util.compiled import compiled
 
 STRAIGHT, BEND, REDUCER, TEE = 0.0, 1.0, 2.0, 3.0
@@ -119,6 +119,22 @@ def fitting_gap(point: Vector, f: FloatArray) -> tuple[float, Vector, int]:
     o, _ = find_part(point, f)
     gap, normal = local_gap(to_part(point, f, o), f, o)
     return gap, turn_from_part(normal, f, o), o
+
+
+@compiled
+def wall_gaps(points: FloatArray, fittings: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Return distances of points (n, 3) from the wall (m, negative in it), unit vectors to it, and whether between the ends."""
+    gaps, normals, inside = (
+        np.empty(len(points)),
+        np.empty((len(points), 3)),
+        np.empty(len(points), dtype=np.bool_),
+    )
+    for i in range(len(points)):
+        gap, normal, row = fitting_gap((points[i, 0], points[i, 1], points[i, 2]), fittings)
+        gaps[i], inside[i] = gap, fittings[row + EXIT] == INNER
+        for a in range(3):
+            normals[i, a] = normal[a]
+    return gaps, normals, inside
 
 
 @compiled

@@ -9,15 +9,14 @@ from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from driftform.dynamics.fitting_walls import EXIT, HEAD, INNER, PART, fitting_gap
+from driftform.dynamics.fitting_walls import HEAD, PART, wall_gaps
 from driftform.dynamics.profiles import AT_A_POINT, Spread
 from driftform.dynamics.vectors import ZERO, Rotation, Vector, add, scale
 from driftform.potential.evaluate import cubic_bends, cubic_slopes, cubic_values
 from driftform.scenario import GridFlow, Pipe
 from driftform.scenario.grid_files import VelocityGrid, read_grid
-from driftform.types import FloatArray
+from driftform.types import BoolArray, FloatArray
 from driftform.util.compiled import compiled
 
 ORIGIN, SPACING, SHAPE, VALUES = 0, 3, 6, 9
@@ -38,7 +37,6 @@ FEWEST_CELLS = 4
 LINEAR_LAYERS = 3
 """Layers of nodes beyond the water that are extrapolated linearly; further out the velocity is constant."""
 
-BoolArray = NDArray[np.bool_]
 
 Nodes = TypeVar("Nodes", FloatArray, BoolArray)
 
@@ -231,22 +229,6 @@ def wall_leakage(grid: VelocityGrid, array: FloatArray) -> tuple[float, float, F
     through = np.einsum("ij,ij->i", grid_velocities(feet, array), normals[near])
     worst = int(np.argmax(np.abs(through)))
     return float(np.sqrt(np.mean(through**2))), float(abs(through[worst])), feet[worst]
-
-
-@compiled
-def wall_gaps(points: FloatArray, fittings: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
-    """Return distances of points (n, 3) from the wall (m, negative in it), unit vectors to it, and whether between the ends."""
-    gaps, normals, inside = (
-        np.empty(len(points)),
-        np.empty((len(points), 3)),
-        np.empty(len(points), dtype=np.bool_),
-    )
-    for i in range(len(points)):
-        gap, normal, row = fitting_gap((points[i, 0], points[i, 1], points[i, 2]), fittings)
-        gaps[i], inside[i] = gap, fittings[row + EXIT] == INNER
-        for a in range(3):
-            normals[i, a] = normal[a]
-    return gaps, normals, inside
 
 
 @compiled

@@ -7,14 +7,10 @@ the branch of a tee leaves towards z. The origin is the centre of the part's ent
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
-from driftform.types import FloatArray
-
-BoolArray: TypeAlias = npt.NDArray[np.bool_]
+from driftform.types import BoolArray, FloatArray
 
 VERTICAL = 1e-9
 """Horizontal component of a unit vector below which it is vertical: no direction across it is then the upward one."""

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, diags_array
 
 from driftform.potential.cells import cut_stiffness, gradient_rows, value_rows
-from driftform.potential.hierarchy import BoolArray, IntArray, Level, build_levels, coefficient_matrices
+from driftform.potential.hierarchy import IntArray, Level, build_levels, coefficient_matrices
 from driftform.potential.wall import (
     BRANCH,
     CELLS,
@@ -28,7 +28,7 @@ from driftform.potential.wall import (
     wall_level,
     water_level,
 )
-from driftform.types import FloatArray
+from driftform.types import BoolArray, FloatArray
 from driftform.util.compiled import compiled
 
 GRADING = 0.5

@@ -111,9 +111,10 @@ def _count_nodes(low: FloatArray, high: FloatArray, spacing: float) -> tuple[int
 def _fill_grid(grid: VelocityGrid, scenario: Scenario) -> VelocityGrid:
     from scipy.ndimage import binary_dilation
 
+    from driftform.dynamics.fitting_walls import wall_gaps
     from driftform.dynamics.fittings import fitting_array, wall_array
     from driftform.dynamics.flow import flow_array, water_motion
-    from driftform.dynamics.grid_flow import fill_nodes, wall_gaps
+    from driftform.dynamics.grid_flow import fill_nodes
     from driftform.dynamics.model import pipe_rows
     from driftform.dynamics.profiles import AT_A_POINT
 

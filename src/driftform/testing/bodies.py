@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from driftform.geometry import distance_from
-from driftform.types import Body, Core, FloatArray
+from driftform.types import Body, BoolArray, Core, FloatArray
 
 
 def make_body(outer: npt.ArrayLike, cavity: npt.ArrayLike = ()) -> Body:
@@ -101,7 +101,7 @@ def scaled_body(body: Body, factor: float) -> Body:
     )
 
 
-def lies_inside(points: FloatArray, contour: FloatArray, slack: float) -> npt.NDArray[np.bool_]:
+def lies_inside(points: FloatArray, contour: FloatArray, slack: float) -> BoolArray:
     """Return True for the points (n, 2) that lie between a contour and the axis, or within ``slack`` (m) of the contour, (n,).
 
     A ray from the point away from the axis crosses the contour an odd number of times if the point is inside.

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from driftform.dynamics.fitting_walls import wall_gaps
 from driftform.dynamics.fittings import wall_array
-from driftform.dynamics.grid_flow import wall_gaps
 from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.dynamics.surfaces import refined_surfaces, touching_surfaces
 from driftform.scenario import Scenario

@@ -10,7 +10,7 @@ from driftform.errors import InputError
 from driftform.geometry.pipe_parts import locate_on_axis, place_on_axis
 from driftform.scenario import Pipe, Scenario, Segment, Vector
 from driftform.scenario.layout import Layout
-from driftform.types import FloatArray, Trajectory
+from driftform.types import BoolArray, FloatArray, Trajectory
 
 IntArray = npt.NDArray[np.int64]
 
@@ -315,7 +315,7 @@ class CoverageMap:
         return np.asarray(taken)
 
     @property
-    def reached(self) -> npt.NDArray[np.bool_]:
+    def reached(self) -> BoolArray:
         """True for the cells that a flight has crossed, (cells,)."""
         return self.visits > 0
 

@@ -3,12 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 from scipy import sparse
 from scipy.optimize import linprog
 
 from driftform.errors import WorkFailedError
-from driftform.types import FloatArray
+from driftform.types import BoolArray, FloatArray
 from driftform_networks.network import IntArray
 from driftform_networks.snapshot import Snapshot
 
@@ -74,7 +73,7 @@ def choose_fleet(seen: FloatArray, length: FloatArray, size: int) -> tuple[IntAr
 
 
 def bound_steering(
-    snapshots: Sequence[Snapshot], releases: Sequence[int], reachable: npt.NDArray[np.bool_], size: int
+    snapshots: Sequence[Snapshot], releases: Sequence[int], reachable: BoolArray, size: int
 ) -> float:
     """Return an upper bound on the share of the reachable length that bodies see that choose their way at every node.
 

@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from driftform.types import FloatArray
+from driftform.types import BoolArray, FloatArray
 from driftform_networks.bodies import Traveller
 from driftform_networks.choosing import bound_steering, choose_fleet
 from driftform_networks.junctions import Geometry
@@ -74,7 +73,7 @@ class Fleet:
     """
 
     network: Network
-    reachable: npt.NDArray[np.bool_]
+    reachable: BoolArray
     seen: FloatArray
     members: tuple[Member, ...]
     curve: FloatArray

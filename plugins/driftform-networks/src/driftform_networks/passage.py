@@ -5,11 +5,10 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order
 
-from driftform.types import FloatArray
+from driftform.types import BoolArray, FloatArray
 from driftform_networks.chain import LOST, Visits
 from driftform_networks.network import Network
 from driftform_networks.routing import Routing
@@ -85,7 +84,7 @@ class Passage:
     probability: FloatArray
     age: FloatArray
     seen: FloatArray
-    reachable: npt.NDArray[np.bool_]
+    reachable: BoolArray
     ends: tuple[Ending, ...]
     quantiles: FloatArray = field(default_factory=lambda: np.zeros((0, len(QUANTILES))))
     unsteady: bool = False
@@ -166,13 +165,13 @@ class Passage:
         }
 
 
-def measure_coverage(network: Network, seen: FloatArray, reachable: npt.NDArray[np.bool_]) -> float:
+def measure_coverage(network: Network, seen: FloatArray, reachable: BoolArray) -> float:
     """Return the expected share of the reachable length that is seen; 0 if nothing is reachable."""
     length = np.where(reachable, network.length, 0.0)
     return float(length @ seen / length.sum()) if length.sum() > 0 else 0.0
 
 
-def find_reachable(network: Network, release: int, steps: Sequence[int]) -> npt.NDArray[np.bool_]:
+def find_reachable(network: Network, release: int, steps: Sequence[int]) -> BoolArray:
     """Return whether water of a node may reach each link by the flows of some hydraulic steps, (links,)."""
     flow = network.hydraulics.flow[list(steps)]
     forward, backward = (flow > STILL).any(axis=0), (flow < -STILL).any(axis=0)

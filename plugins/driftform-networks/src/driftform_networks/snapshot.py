@@ -3,10 +3,9 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
 from driftform.errors import InputError
-from driftform.types import FloatArray
+from driftform.types import BoolArray, FloatArray
 from driftform_networks.network import IntArray, Network
 
 STILL = 1.114e-5 * 0.3048**3
@@ -45,7 +44,7 @@ class Snapshot:
     head: IntArray
     flow: FloatArray
     exit: FloatArray
-    stores: npt.NDArray[np.bool_]
+    stores: BoolArray
     outlets: tuple[IntArray, ...] = field(repr=False, default=())
     """For each node, the links of this snapshot that lead away from it."""
 

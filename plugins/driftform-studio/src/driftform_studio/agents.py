@@ -6,7 +6,6 @@ from typing import Any
 from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
-import numpy.typing as npt
 
 from driftform.agents.design import Design
 from driftform.agents.limits import list_limits
@@ -23,7 +22,7 @@ from driftform.trajectory.approach import closest_approach
 from driftform.trajectory.coverage import PipeGrid, UnrolledGrid, map_coverage
 from driftform.trajectory.dependence import divide_spread
 from driftform.trajectory.misses import Misses, finite_or_none
-from driftform.types import FloatArray, Trajectory
+from driftform.types import BoolArray, FloatArray, Trajectory
 from driftform.util.progress import count_progress, track_progress
 
 FORMATS = {"stl": ("stl", False), "3mf": ("3mf", False), "kit": ("3mf", True)}
@@ -136,7 +135,7 @@ def map_reach(run: Run) -> dict[str, Any]:
     classes = np.searchsorted(BOUNDS, reach.distance, side="right")
     classes[~reach.reached] = -1
     edges = _place_columns(cells)
-    placed: npt.NDArray[np.bool_] = np.asarray(np.isfinite(edges).all(axis=(1, 2, 3)))
+    placed: BoolArray = np.asarray(np.isfinite(edges).all(axis=(1, 2, 3)))
     classes[~reach.reached & ~_find_real(cells)] = -2
     classes.reshape(cells.shape)[~placed] = -2
     return {
@@ -163,11 +162,11 @@ def _place_columns(cells: PipeGrid) -> FloatArray:
     return cells.to_world(corners.reshape(-1, 2)).reshape(columns, 2, 2, 3)
 
 
-def _find_real(cells: PipeGrid) -> npt.NDArray[np.bool_]:
+def _find_real(cells: PipeGrid) -> BoolArray:
     """Return which cells of a map have their centre in the pipe at the place that the map says, (cells,)."""
     centres = cells.centres()
     world = cells.to_world(centres)
-    real: npt.NDArray[np.bool_] = np.asarray(np.isfinite(world).all(axis=1))
+    real: BoolArray = np.asarray(np.isfinite(world).all(axis=1))
     if isinstance(cells, UnrolledGrid):
         real[real] = cells.layout.find_part(world[real]) >= 0
     # Where a branch leaves, the map of the run and that of the branch overlap: each point is on one of them.
