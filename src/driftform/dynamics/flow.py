@@ -175,7 +175,8 @@ def find_spline_slopes(values: FloatArray, step: float) -> FloatArray:
 def gust_memory(memory: float, crossing: float, slip: float, deviation: float) -> float:
     """Return the integral time (s) of the gusts that a body meets: T / sqrt(1 + (beta w / u')^2).
 
-    Csanady, J. Atmos. Sci. 20 (1963), 201: a body that moves through the water leaves eddies before they decay.
+    Csanady, J. Atmos. Sci. 20 (1963), 201: a body that moves through the water leaves eddies before they decay. This is his
+    time along the drift; across it, where he has 2 beta, gusts are forgotten up to twice as fast, which is left out.
 
     Parameters
     ----------
