@@ -1,5 +1,6 @@
 """Evaluations: which flights are checked."""
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -79,3 +80,12 @@ def test_an_error_of_the_fitness_is_the_failure_of_its_evaluation(pipeline, geno
     screened, other = pipeline.evaluate(genomes[:2], thresholds=[NOWHERE, None])
     assert screened.failure == other.failure
     assert "no score" in screened.failure
+
+
+def test_a_pipeline_that_has_made_agents_makes_the_same_ones_in_another_process(pipeline, genomes) -> None:
+    made = pipeline.make_agent(genomes[0])
+    sent = pickle.loads(pickle.dumps(pipeline))
+    np.testing.assert_array_equal(sent.make_agent(genomes[0]).mass.inertia, made.mass.inertia)
+    np.testing.assert_array_equal(
+        sent.make_agent(genomes[0]).coefficients.added_mass, made.coefficients.added_mass
+    )

@@ -99,6 +99,10 @@ class Pipeline:
 
         return lru_cache(maxsize=KEPT_BODIES)(develop)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what another process needs; it keeps bodies of its own."""
+        return {name: value for name, value in vars(self).items() if name != "_develop"}
+
     def _build(self, morphology: Morphology) -> Body:
         return require(self.builder.build(morphology), Body, self.builder, "build")
 

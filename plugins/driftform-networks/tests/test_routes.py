@@ -48,6 +48,8 @@ FORK = """
 """
 """A main that divides: two thirds of the water go on, and a third into a branch of the same bore."""
 
+WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
+
 
 @pytest.fixture(scope="module")
 def fork(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -144,13 +146,14 @@ def test_heavy_bodies_go_into_branches_at_the_bottom_and_light_ones_at_the_top(
     assert entered[0.01, "bottom"] < 0.05
 
 
-@pytest.mark.slow
-def test_flights_are_the_same_for_any_number_of_workers(fork: Path, tmp_path: Path) -> None:
+@pytest.mark.long
+@pytest.mark.parametrize("agent", ["sphere:60mm", WORD])
+def test_flights_are_the_same_for_any_number_of_workers(agent: str, fork: Path, tmp_path: Path) -> None:
     network = open_network(fork, tmp_path)
     one, two = (
         route(
             network,
-            open_traveller("sphere:60mm", buoyancy=-0.01),
+            open_traveller(agent, buoyancy=-0.01),
             "source",
             workers=n,
             cache=tmp_path / f"{n}",
@@ -160,7 +163,7 @@ def test_flights_are_the_same_for_any_number_of_workers(fork: Path, tmp_path: Pa
     assert one.as_document() == two.as_document()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_killed_command_loses_no_table_that_was_finished(fork: Path, tmp_path: Path) -> None:
     cache = tmp_path / "cache"
     words = ["network", "route", str(fork), "sphere:60mm", "--release", "source", "--buoyancy", "-0.01"]
@@ -184,9 +187,8 @@ def test_a_killed_command_loses_no_table_that_was_finished(fork: Path, tmp_path:
 
 
 def test_a_trimmed_agent_has_the_buoyancy_that_was_asked_for() -> None:
-    word = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
     for buoyancy in (0.0, 0.002):
-        traveller = open_traveller(word, buoyancy=buoyancy)
+        traveller = open_traveller(WORD, buoyancy=buoyancy)
         assert traveller.agent.mass.net_buoyancy(traveller.scenario.fluid) == pytest.approx(
             buoyancy, abs=1e-9
         )
