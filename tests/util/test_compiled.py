@@ -82,3 +82,25 @@ def test_processes_compile_one_kernel_for_different_types_at_the_same_time(tmp_p
             run_kernel(tmp_path, timeout=4)
     run_kernel(tmp_path)
     assert len(list(tmp_path.rglob("buoyancy.slice_depth-*.nbc"))) == 2
+
+
+def test_numba_is_left_as_it_was_after_a_kernel_is_compiled():
+    from numba.core.types.functions import BaseFunction
+
+    from driftform.util.compiled import compiled
+
+    resolve = BaseFunction.get_call_type
+
+    @compiled
+    def add(a: float, b: float) -> float:
+        return a + b
+
+    assert add(1.0, 2.0) == 3.0 and BaseFunction.get_call_type is resolve
+
+    @compiled
+    def fail(a: str) -> float:
+        return a.nothing
+
+    with pytest.raises(Exception, match="nothing"):
+        fail("x")
+    assert BaseFunction.get_call_type is resolve

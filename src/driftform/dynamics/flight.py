@@ -122,7 +122,8 @@ def finish_trajectory(
         end = End.NOT_CONVERGED
     values = pack(model)
     touched, time = find_contact(rows, values, model.fittings)
-    contact, drift = time if touched < len(rows) else None, _energy_drift(rows, values, touched)
+    contact = time if touched < len(rows) else None
+    drift = _energy_drift(rows, values, touched) if touched and _conserves_energy(model) else None
     if len(rows) > 1 and (len(model.pipe) > 0 or model.fittings is not None):
         _cut_at_outlet(rows[-2], rows[-1], model.pipe, model.fittings)
         contact = None if contact is not None and contact > rows[-1, 0] else contact
@@ -133,7 +134,7 @@ def finish_trajectory(
         _body_velocity(rows),
         end,
         contact=contact,
-        energy_drift=None if np.isnan(drift) else float(drift),
+        energy_drift=drift,
         error=error,
     )
 
@@ -240,19 +241,18 @@ def _contact_depth(row: FloatArray, model: FlightModel) -> float:
     return deepest_depth(position_of(row), _rotation(row), model)
 
 
+def _conserves_energy(model: FlightModel) -> bool:
+    """Return True without drag, in water that is uniform and steady and does not carry the body to or from its surface."""
+    table = model.table
+    rises = table[WATER_LEVEL] < np.inf and table[CURRENT, 2] != 0.0
+    return bool(table[STEADY] != 0.0 and table[DAMPED] == 0.0 and len(model.strips) == 0 and not rises)
+
+
 @compiled
 def _energy_drift(rows: FloatArray, values: FloatArray, count: int) -> float:
-    """Return the range of the energy over the first ``count`` samples, relative to the largest kinetic energy.
-
-    NaN if the energy is not conserved: with drag, in water that is not uniform and steady, and if a vertical current
-    carries the body towards or away from the surface.
-    """
+    """Return the range of the energy over the first ``count`` samples, relative to the largest kinetic energy."""
     model = unpack(values, None)
     table = model.table
-    if count == 0 or table[STEADY] == 0.0 or table[DAMPED] != 0.0 or model.strips.shape[0] > 0:
-        return math.nan
-    if table[WATER_LEVEL] < np.inf and table[CURRENT, 2] != 0.0:
-        return math.nan
     lowest, highest, largest, far = math.inf, -math.inf, 0.0, 1.0
     _, origin = energies(rows[0], model)
     for k in range(count):

@@ -178,18 +178,15 @@ def _integrate_to_accuracy(
     Either ``plane`` or ``in_space`` is None, and its motion is not compiled.
     """
     model = unpack(values, fittings)
-    if coarse.shape[0] == 0:
-        loose = TOLERANCE_RATIO * tolerance
-        return (
-            _integrate_at_tolerance(model, plane, in_space, start, horizon, loose, max_step, step_limit),
-            math.inf,
-            loose,
-        )
-    least = 0.0
+    is_first, least = coarse.shape[0] == 0, 0.0
+    if is_first:
+        tolerance *= TOLERANCE_RATIO
     while True:
         fine = _integrate_at_tolerance(
             model, plane, in_space, start, horizon, tolerance, max_step, step_limit
         )
+        if is_first:
+            return fine, math.inf, tolerance
         distance = greatest_distance(coarse, fine)
         # A distance that falls faster than the tolerance does so by chance.
         error = SAFETY_FACTOR * max(distance, least)

@@ -81,33 +81,16 @@ def select_spaced(t: FloatArray, gap: float) -> npt.NDArray[np.int64]:
     return kept[:count]
 
 
-@compiled
 def byte_planes(
     t: FloatArray, position: FloatArray, quaternion: FloatArray, velocity: FloatArray, gap: float
 ) -> npt.NDArray[np.uint8]:
     """Return the samples that are at least ``gap`` (s) apart, in single precision: their n-th lowest bytes in row n.
 
-    A row has the bytes of t, then those of each column of position, quaternion and velocity, (4, 14 k). A kernel takes
-    a fifth of the time of the same steps in NumPy.
+    A row has the bytes of t, then those of each column of position, quaternion and velocity, (4, 14 k).
     """
-    # Thin by the rounded times, so that a trajectory that was thinned before keeps all its samples.
-    rounded = np.empty(t.shape[0])
-    for k in range(t.shape[0]):
-        rounded[k] = np.float32(t[k])
-    kept = select_spaced(rounded, gap)
-    count = kept.shape[0]
-    values = np.empty(14 * count, np.float32)
-    for k in range(count):
-        row = kept[k]
-        values[k] = t[row]
-        for j in range(3):
-            values[(1 + j) * count + k] = position[row, j]
-        for j in range(4):
-            values[(4 + j) * count + k] = quaternion[row, j]
-        for j in range(6):
-            values[(8 + j) * count + k] = velocity[row, j]
-    bits, planes = values.view(np.uint32), np.empty((4, 14 * count), np.uint8)
-    for plane in range(4):
-        for i in range(bits.shape[0]):
-            planes[plane, i] = (bits[i] >> np.uint32(8 * plane)) & np.uint32(255)
-    return planes
+    samples = np.vstack([t, position.T, quaternion.T, velocity.T])
+    with np.errstate(over="ignore"):
+        # Thin by the rounded times, so that a trajectory that was thinned before keeps all its samples.
+        kept = select_spaced(samples[0].astype(np.float32).astype(float), gap)
+        values = np.ascontiguousarray(samples[:, kept], "<f4")
+    return np.ascontiguousarray(values.view(np.uint8).reshape(-1, 4).T)

@@ -8,6 +8,7 @@ files for all parts took a third of the compilation.
 import hashlib
 import multiprocessing
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
@@ -22,6 +23,7 @@ from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime.nrt import rtsys
 from numba.core.types import unliteral
+from numba.core.types.functions import BaseFunction
 from numba.extending import intrinsic
 
 from driftform.types import FloatArray
@@ -72,6 +74,35 @@ def _lock(path: Path) -> Iterator[None]:
         yield
     finally:
         lock.release()
+
+
+_RESOLVING = threading.RLock()
+
+
+@contextmanager
+def _resolve_calls_once() -> Iterator[None]:
+    """Let numba remember which function a call with some types of arguments means.
+
+    For every addition of two numbers it tries all functions of that name anew, from sets to dates, and calls of which it
+    has seen the like are 97 % of all: this took a sixth of the compilation.
+    """
+    functions: Any = BaseFunction
+    resolve = functions.get_call_type
+
+    def resolve_once(function: Any, context: Any, args: Any, kws: Any) -> Any:
+        if kws:
+            return resolve(function, context, args, kws)
+        known, call = vars(function).setdefault("_known_calls", {}), (context, tuple(args))
+        if call not in known:
+            known[call] = resolve(function, context, args, kws)
+        return known[call]
+
+    with _RESOLVING:
+        functions.get_call_type = resolve_once
+        try:
+            yield
+        finally:
+            functions.get_call_type = resolve
 
 
 class _Cache(FunctionCache):
@@ -185,7 +216,7 @@ class _Entry(CPUDispatcher):
 
         Others that need it wait, and load what that one compiled.
         """
-        with preparing(), self._lock(sig):
+        with preparing(), self._lock(sig), _resolve_calls_once():
             return self._compile(sig)
 
     def _compile(self, sig: Any) -> Any:
