@@ -21,7 +21,6 @@ from driftform_frusta.exporters.obj import ObjExporter
 from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.stl import StlExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
-from driftform_frusta.kit.accounting import kit_mass
 from driftform_frusta.parts import PartOptions, make_parts
 from driftform_frusta.sheet.contents import plan_sheet
 from driftform_frusta.sheet.drawing import sheet_svg, wrap
@@ -65,7 +64,7 @@ def test_the_parts_of_the_sheet_weigh_what_their_meshes_weigh(options):
     grams = {part.name: 1e-6 * part.solid.volume * body.hull_density for part in parts}
     sheet = sheet_of(body, **options)
     assert {part.piece.name: 1e3 * part.mass for part in sheet.parts} == pytest.approx(grams, rel=1e-4)
-    table = dict(sheet.weights)
+    table = {name: full for name, full, _ in sheet.weights}
     assert table["core"] == 0.05
     assert table["closed kit"] == pytest.approx(1e-3 * sum(grams.values()) + 0.05, rel=1e-6)
     assert table["target, as simulated"] == mass_properties(body).mass
@@ -143,11 +142,41 @@ def test_nothing_is_drawn_beside_the_page(body, options):
         assert low >= 0 and low + long <= width and size <= y <= height, text.text
 
 
-def test_a_kit_that_is_too_heavy_states_the_flow_that_gives_the_target():
-    sheet = sheet_of(straight(6, 4))
-    share = float(re.search(r"([\d.]+)\u00a0% less flow", sheet.remedy).group(1)) / 100
-    printed = sheet.closed.mass - 0.05
-    assert printed * (1 - share) + 0.05 == pytest.approx(sheet.target.mass, abs=1e-3 * printed)
+def weigh_meshes(body, **options):
+    """Mass (kg) and moment (kg m) of the printed parts and the balls of a kit, from meshes and balls alone."""
+    o = PartOptions(kit=True, **options)
+    parts = [part.solid.to_manifold() for part in make_parts(body, o)]
+    meshes = [part.to_mesh() for part in parts]
+    corners = [mesh.vert_properties[mesh.tri_verts] for mesh in meshes]
+    volumes = [np.linalg.det(c.astype(float)) / 6 for c in corners]
+    printed = 1e-9 * body.hull_density * sum(float(v.sum()) for v in volumes)
+    heights = [float(v @ c[:, :, 2].mean(axis=1) * 0.75) for v, c in zip(volumes, corners, strict=True)]
+    lifted = 1e-12 * body.hull_density * sum(heights) + printed * body.outer[0, 0]
+    balls = [(math.pi / 6 * o.ballast_density * d**3, x) for x, d in o.ballast]
+    return printed, lifted, sum(m for m, _ in balls), sum(m * x for m, x in balls)
+
+
+def read_flow(text):
+    """The flow that a text advises, over the full flow."""
+    return 1 - float(re.search(r"([\d.]+)\u00a0% less", text).group(1)) / 100
+
+
+@pytest.mark.parametrize("made_as", ["hull", "kit"])
+def test_the_parts_are_printed_a_twentieth_lighter_than_the_simulated_agent_needs_them(made_as):
+    body = straight(6, 4, made_as=made_as)
+    sheet = sheet_of(body)
+    printed, moment, _, _ = weigh_meshes(body)
+    wanted = mass_properties(body)
+    flow = read_flow(sheet.remedy)
+    assert flow == pytest.approx(0.95 * (wanted.mass - 0.05) / printed, abs=1e-3)
+    assert read_flow(sheet.steps[0]) == flow
+    # What is missing then has the mass and the moment that trim adds as ballast.
+    lack = wanted.mass - 0.05 - sheet.flow * printed
+    assert f"lacks {1e3 * lack:.2f}\u00a0g" in sheet.remedy
+    x = (wanted.mass * wanted.cog[0] - sheet.flow * moment) / lack - body.outer[0, 0]
+    assert f"centred at {1e3 * x:.1f}\u00a0mm" in sheet.remedy
+    assert f"should weigh {1e3 * sheet.flow * printed:.2f}\u00a0g together" in sheet.steps[1]
+    assert f"more than {1e3 * (wanted.mass - 0.05):.2f}\u00a0g, print them again" in sheet.steps[1]
 
 
 def test_a_kit_that_is_too_light_states_the_ballast_that_gives_mass_and_balance():
@@ -156,17 +185,14 @@ def test_a_kit_that_is_too_light_states_the_ballast_that_gives_mass_and_balance(
     job = job_of(body)
     heavy = ExportJob(job.name, Agent(body, mass_properties(heavier), Coefficients(np.eye(6))), job.scenario)
     sheet = plan_sheet(heavy, PartOptions(kit=True))
-    grams = float(re.search(r"([\d.]+)\u00a0g too light", sheet.remedy).group(1))
+    assert sheet.flow == 1 and "flow" not in sheet.remedy + sheet.steps[0]
+    grams = float(re.search(r"lacks ([\d.]+)\u00a0g", sheet.remedy).group(1))
     x = float(re.search(r"centred at (-?[\d.]+)\u00a0mm", sheet.remedy).group(1)) + 1e3 * body.outer[0, 0]
-    closed, target = sheet.closed, sheet.target
-    assert 1e3 * closed.mass + grams == pytest.approx(1e3 * target.mass, abs=0.01)
-    moment = 1e6 * closed.mass * closed.cog[0] + grams * x
+    printed, printed_moment, _, _ = weigh_meshes(body)
+    target = sheet.target
+    assert 1e3 * (printed + 0.05) + grams == pytest.approx(1e3 * target.mass, abs=0.01)
+    moment = 1e6 * printed_moment + grams * x
     assert moment == pytest.approx(1e6 * target.mass * target.cog[0], abs=0.06 * grams + 0.005 * abs(x))
-
-
-def test_an_agent_made_as_its_kit_needs_nothing():
-    sheet = sheet_of(straight(6, 4, made_as="kit"))
-    assert sheet.remedy.startswith("The closed kit weighs what was simulated.")
 
 
 def test_the_sheet_names_core_seal_and_holes():
@@ -261,25 +287,44 @@ def test_the_sheet_weighs_each_ball_and_names_its_size_and_material(density, mat
     balls = [[-0.04, 0.006], [0.045, 0.008]]
     body = straight(6, 5)
     sheet = sheet_of(body, ballast=balls, ballast_density=density)
-    table, text = dict(sheet.weights), " ".join(sheet.steps)
+    table, text = {name: full for name, full, _ in sheet.weights}, " ".join(sheet.steps)
     masses = [math.pi / 6 * density * diameter**3 for _, diameter in balls]
     for (_, diameter), mass in zip(balls, masses, strict=True):
         name = f"{material} ball of {1e3 * diameter:.2f}\u00a0mm"
         assert table[name] == pytest.approx(mass)
         assert f"a {name}, {1e3 * mass:.2f}\u00a0g" in text
-    empty = kit_mass(body, PartOptions(kit=True, ballast=balls))
-    assert sheet.closed.mass == table["closed kit"] == pytest.approx(empty.mass + sum(masses))
-    moment = empty.mass * empty.cog[0] + sum(m * x for m, (x, _) in zip(masses, balls, strict=True))
-    assert sheet.closed.mass * sheet.closed.cog[0] == pytest.approx(moment)
+    printed = weigh_meshes(body, ballast=balls)[0]
+    assert table["closed kit"] == pytest.approx(printed + 0.05 + sum(masses), rel=1e-6)
 
 
-def test_a_kit_with_ballast_states_the_flow_with_which_it_and_its_ballast_weigh_the_target():
-    body = straight(6, 4)
-    sheet = sheet_of(body, ballast=[[0.045, 0.008]])
-    ball = math.pi / 6 * 11_340 * 0.008**3
-    share = float(re.search(r"([\d.]+)\u00a0% less flow", sheet.remedy).group(1)) / 100
-    printed = sum(part.mass for part in sheet.parts)
-    assert printed * (1 - share) + 0.05 + ball == pytest.approx(sheet.target.mass, abs=1e-3 * printed)
+@pytest.mark.parametrize("engrave", ["", "TP5"])
+@pytest.mark.parametrize(
+    "balls", [[[0.045, 0.008]], [[-0.04, 0.006], [0.045, 0.008]], [[-0.045, 0.0095], [0.045, 0.0095]]]
+)
+def test_with_their_ballast_the_parts_of_the_sheet_weigh_and_balance_as_simulated(balls, engrave):
+    body = straight(8, 7, made_as="kit")
+    options = {"ballast": balls, "engrave": engrave}
+    sheet = sheet_of(body, **options)
+    printed, moment, ballast, ballast_moment = weigh_meshes(body, **options)
+    wanted = mass_properties(body)
+    # The ballast makes up for parts that were printed and weighed lighter: they are to be printed so again.
+    assert sheet.flow * printed + 0.05 + ballast == pytest.approx(wanted.mass, rel=1e-6)
+    assert f"for parts that weigh {1e3 * sheet.flow * printed:.2f}\u00a0g together" in sheet.remedy
+    assert read_flow(sheet.remedy) == pytest.approx(sheet.flow, abs=6e-4)
+    assert "% less flow" not in sheet.remedy + sheet.steps[0]
+    assert "the flow of the parts that were weighed for the ballast" in sheet.steps[0]
+    x = (sheet.flow * moment + ballast_moment) / wanted.mass - body.outer[0, 0]
+    assert f"balances at {1e3 * x:.1f}\u00a0mm" in sheet.remedy
+    advised = {name: mass for name, _, mass in sheet.weights}
+    assert advised["closed kit"] == pytest.approx(wanted.mass, rel=1e-6)
+    parts = [mass for name, mass in advised.items() if name[0].isdigit()]
+    assert sum(parts) == pytest.approx(sheet.flow * printed, rel=1e-4)
+
+
+def test_ballast_that_is_heavier_than_the_hull_is_told_and_no_flow_advised():
+    sheet = sheet_of(straight(3, 8), ballast=[[-0.05, 0.0185]])
+    assert "no flow makes up for that" in sheet.remedy and "%" not in sheet.remedy
+    assert sheet.flow == 1 and "should weigh" not in sheet.steps[1]
 
 
 def test_everything_goes_in_before_anything_is_closed():

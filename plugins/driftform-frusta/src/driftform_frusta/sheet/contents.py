@@ -8,7 +8,7 @@ from driftform.interfaces import ExportJob
 from driftform.printing.ballast import MATERIALS, name_material
 from driftform.types import MassProperties
 from driftform_frusta.cores import CUSTOM, name_core
-from driftform_frusta.kit.accounting import held_mass, loaded_mass, measure_flooding, piece_mass
+from driftform_frusta.kit.accounting import held_mass, kit_mass, measure_flooding, piece_mass
 from driftform_frusta.kit.ballast import HeldBall
 from driftform_frusta.kit.joint import Joint, groove_diameter, takes_core_aft
 from driftform_frusta.kit.meridian import MM, Ring
@@ -24,6 +24,9 @@ _NBSP = "\u00a0"
 
 _NEGLIGIBLE = 5e-6
 """kg: half of the last digit of a weight on the sheet."""
+
+_LIGHTER = 0.95
+"""Mass of the parts, over that which gives the simulated mass, at which ballast is to make up for the rest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,12 +88,14 @@ class Sheet:
         the core, in words.
     aft
         z of the aft end, mm from the core's centre: positions are counted from there.
-    target, closed
-        mass properties that were simulated, and those of the closed kit with its ballast.
+    target
+        mass properties that were simulated.
+    flow
+        with which the parts are to be printed, over the full flow, with which they weigh what volume and density give.
     weights
-        rows of the table: what is weighed, and its mass in kg.
+        rows of the table: what is weighed, and its mass at full flow and with ``flow``, kg.
     remedy
-        what compensates for the difference of the two.
+        what makes the closed kit weigh and balance as simulated.
     steps
         of the assembly, one paragraph each.
     settings
@@ -103,8 +108,8 @@ class Sheet:
     core: str
     aft: float
     target: MassProperties
-    closed: MassProperties
-    weights: tuple[tuple[str, float], ...]
+    flow: float
+    weights: tuple[tuple[str, float, float], ...]
     remedy: str
     steps: tuple[str, ...]
     settings: tuple[tuple[str, str], ...]
@@ -125,14 +130,13 @@ def plan_sheet(job: ExportJob, options: PartOptions) -> Sheet:
     if (name := name_core(body.core)) != CUSTOM:
         core = f"{name}: {core}"
     aft = MM * float(body.outer[0, 0])
-    target, closed = job.agent.mass, loaded_mass(body, options)
-    bought = body.core.mass + sum(held_mass(held, options) for held in kit.ballast)
+    target, printed = job.agent.mass, _Printed.of(job, kit, options)
+    balls = [(_name_ball(held, options), held_mass(held, options)) for held in kit.ballast]
     weights = (
-        *((f"{part.number}  {part.piece.name}", part.mass) for part in parts),
-        ("core", body.core.mass),
-        *((_name_ball(held, options), held_mass(held, options)) for held in kit.ballast),
-        ("closed kit", closed.mass),
-        ("target, as simulated", target.mass),
+        *((f"{part.number}  {part.piece.name}", part.mass, printed.flow * part.mass) for part in parts),
+        *((name, mass, mass) for name, mass in [("core", body.core.mass), *balls]),
+        ("closed kit", printed.closed(1.0)[0], printed.closed(printed.flow)[0]),
+        ("target, as simulated", target.mass, target.mass),
     )
     return Sheet(
         title=job.name,
@@ -141,10 +145,10 @@ def plan_sheet(job: ExportJob, options: PartOptions) -> Sheet:
         core=core,
         aft=aft,
         target=target,
-        closed=closed,
+        flow=printed.flow,
         weights=weights,
-        remedy=_describe_remedy(target, closed, bought, aft, bool(kit.ballast)),
-        steps=tuple(_list_steps(job, kit, parts, core, target, options)),
+        remedy=_describe_remedy(target, printed, aft),
+        steps=tuple(_list_steps(job, kit, parts, core, printed, options)),
         settings=(
             ("layer height", f"{MM * options.layer_height:g} mm"),
             ("perimeters", f"{options.perimeters}"),
@@ -183,26 +187,84 @@ def _name_ball(held: HeldBall, options: PartOptions) -> str:
     return f"{name_material(options.ballast_density)} ball of {2 * held.ball.radius:.2f}{_NBSP}mm"
 
 
-def _describe_remedy(
-    target: MassProperties, closed: MassProperties, bought: float, aft: float, loaded: bool
-) -> str:
-    """What compensates for the difference; ``bought`` is the mass of what is not printed, kg."""
-    lack = target.mass - closed.mass
-    places = [f"{MM * float(mass.cog[0]) - aft:.1f}{_NBSP}mm" for mass in (closed, target)]
-    balance = f"It balances at {places[0]}, "
-    balance += "as simulated." if places[0] == places[1] else f"and at {places[1]} as simulated."
-    if abs(lack) < _NEGLIGIBLE:
-        return f"The closed kit weighs what was simulated. {balance}"
-    if lack < 0:
-        share = 100 * -lack / (closed.mass - bought)
-        if loaded:
-            return f"The closed kit is {_grams(-lack)} too heavy. {balance} Print it with {share:.1f}{_NBSP}% less flow, and trim it."
-        return (
-            f"The closed kit is {_grams(-lack)} too heavy. {balance} Print it with {share:.1f}{_NBSP}% less flow or still "
-            "less, and add the rest as ballast: mass is easier to add than to remove."
+@dataclass(frozen=True)
+class _Printed:
+    """What the parts weigh, and what they should weigh.
+
+    Attributes
+    ----------
+    mass, moment
+        of the parts at full flow, kg and kg m.
+    bought, bought_moment
+        of core and ballast.
+    most
+        that the parts may weigh, so that the closed kit is not heavier than simulated, kg.
+    loaded
+        whether there is ballast.
+    """
+
+    mass: float
+    moment: float
+    bought: float
+    bought_moment: float
+    most: float
+    loaded: bool
+
+    @classmethod
+    def of(cls, job: ExportJob, kit: Kit, options: PartOptions) -> "_Printed":
+        """Return what the parts of a kit weigh."""
+        core, empty = job.agent.body.core.mass, kit_mass(job.agent.body, options)
+        balls = [(held_mass(held, options), held.ball.z / MM) for held in kit.ballast]
+        bought = core + sum(mass for mass, _ in balls)
+        return cls(
+            empty.mass - core,
+            float(empty.mass * empty.cog[0]),
+            bought,
+            sum(mass * x for mass, x in balls),
+            job.agent.mass.mass - bought,
+            bool(balls),
         )
-    x = MM * float(target.mass * target.cog[0] - closed.mass * closed.cog[0]) / lack - aft
-    return f"The closed kit is {_grams(lack)} too light. {balance} Add that mass as ballast, centred at {x:.1f}{_NBSP}mm."
+
+    @property
+    def flow(self) -> float:
+        """That gives the simulated mass with the ballast, and less where ballast is to be added; at most the full flow."""
+        aim = self.most if self.loaded else _LIGHTER * self.most
+        return min(1.0, aim / self.mass) if aim > 0 else 1.0
+
+    def closed(self, flow: float) -> tuple[float, float]:
+        """Return mass (kg) and moment (kg m) of the closed kit, printed with some flow."""
+        return self.bought + flow * self.mass, self.bought_moment + flow * self.moment
+
+
+def _describe_remedy(target: MassProperties, printed: _Printed, aft: float) -> str:
+    """What makes the closed kit weigh and balance as simulated."""
+
+    def place(mass: float, moment: float) -> str:
+        return f"{MM * moment / mass - aft:.1f}{_NBSP}mm"
+
+    if printed.most <= 0:
+        return (
+            f"Core and ballast alone weigh {_grams(-printed.most)} more than the agent as simulated: no flow makes up for "
+            "that. Take smaller balls."
+        )
+    less = f"{100 * (1 - printed.flow):.1f}{_NBSP}% less"
+    mass, moment = printed.closed(printed.flow)
+    wanted = float(target.mass * target.cog[0])
+    lack = target.mass - mass
+    if lack >= _NEGLIGIBLE:
+        lacking = f"the closed kit lacks {_grams(lack)}, centred at {place(lack, wanted - moment)}"
+        start = f"With {less} flow {lacking}" if printed.flow < 1 else lacking.capitalize()
+        return f"{start}: add it as ballast, which trim computes from what the print weighs."
+    places = place(mass, moment), place(target.mass, wanted)
+    balance = f"balances at {places[0]}, " + (
+        "as simulated." if places[0] == places[1] else f"and at {places[1]} as simulated."
+    )
+    if printed.flow > 1 - 5e-4:
+        return f"The closed kit weighs what was simulated. It {balance}"
+    return (
+        f"The ballast is for parts that weigh {_grams(printed.flow * printed.mass)} together, {less} than at full flow. "
+        f"With them the closed kit weighs what was simulated, and {balance}"
+    )
 
 
 def _list_steps(
@@ -210,11 +272,11 @@ def _list_steps(
     kit: Kit,
     parts: tuple[SheetPart, ...],
     core: str,
-    target: MassProperties,
+    printed: _Printed,
     options: PartOptions,
 ) -> list[str]:
     """The steps in an order that can be done: what is closed or glued is not opened again."""
-    body = job.agent.body
+    body, target = job.agent.body, job.agent.mass
     aft = MM * float(body.outer[0, 0])
     by_place = {part.place: part for part in parts}
     enclosed = sorted(
@@ -225,9 +287,9 @@ def _list_steps(
         (held for held in kit.ballast if held.mouth is not None), key=lambda held: -_depth(held, kit)
     )
     steps = [
-        _describe_printing(parts, options),
+        _describe_printing(parts, printed),
         *(_describe_pause(held, by_place[held.part], kit, aft, options) for held in enclosed),
-        _describe_weighing(enclosed, by_place, options),
+        _describe_weighing(enclosed, by_place, printed, target.mass - body.core.mass, options),
         _describe_trim(job, aft, options),
         *(_describe_insertion(held, by_place[held.part], kit, aft, options) for held in inserted),
         f"Lay the core ({core}) into part 1, the {parts[0].piece.name}. It must reach its seat and not jam.",
@@ -255,10 +317,15 @@ def _depth(held: HeldBall, kit: Kit) -> float:
     return abs(held.ball.z - kit.joints[held.mouth].z)
 
 
-def _describe_printing(parts: tuple[SheetPart, ...], options: PartOptions) -> str:
+def _describe_printing(parts: tuple[SheetPart, ...], printed: _Printed) -> str:
+    flow = ""
+    if printed.loaded:
+        flow = ", and with the flow of the parts that were weighed for the ballast"
+    elif printed.flow < 1:
+        flow = f" and {100 * (1 - printed.flow):.1f}{_NBSP}% less flow: mass is easier to add than to remove"
     hanging = [part for part in parts if part.overhang > _LEAST_OVERHANG]
     support = "; ".join(f"{part.overhang / 100:.1f} cm² of part {part.number}" for part in hanging)
-    text = "Print the parts upright, as drawn, with the settings below. " + (
+    text = f"Print the parts upright, as drawn, with the settings below{flow}. " + (
         f"Support: {support} {'overhang' if len(hanging) > 1 else 'overhangs'} by more than 45 degrees."
         if hanging
         else "No support is needed."
@@ -269,14 +336,23 @@ def _describe_printing(parts: tuple[SheetPart, ...], options: PartOptions) -> st
     return text
 
 
-def _describe_weighing(enclosed: list[HeldBall], by_place: dict[int, SheetPart], options: PartOptions) -> str:
-    less = "".join(
-        f" Take {_grams(held_mass(held, options))} off part {by_place[held.part].number} for the ball inside."
-        for held in enclosed
-    )
+def _describe_weighing(
+    enclosed: list[HeldBall],
+    by_place: dict[int, SheetPart],
+    printed: _Printed,
+    most: float,
+    options: PartOptions,
+) -> str:
+    """How to weigh; ``most`` is what the parts may weigh, kg: those that weigh more need no ballast."""
+    text = "Weigh the loose parts and the core, and write down what they weigh."
+    for held in enclosed:
+        text += f" Take {_grams(held_mass(held, options))} off part {by_place[held.part].number} for the ball inside."
+    if printed.most <= 0:
+        return text
+    aim = _grams(printed.flow * printed.mass)
     return (
-        f"Weigh the loose parts and the core, and write down what they weigh.{less} If the parts are off by a share of "
-        "their mass, print them again with the flow changed by that share."
+        f"{text} The parts should weigh {aim} together. If they weigh more than {_grams(most)}, print them again, with the "
+        f"flow times {aim} over what they weigh."
     )
 
 

@@ -176,8 +176,7 @@ def _draw_part(
     svg.add_line(root, svg.path_data([(middle - half, bed), (middle + half, bed)]), INK, 1.4, "bed")
     lines = [
         f"Ø {diameter:.1f} x {height:.1f} mm",
-        f"{1000 * part.mass:.2f} g{', engraved' if part.piece.engraved is not None else ''}",
-        f"{part.bed_end} end down",
+        f"{part.bed_end} end down{', engraved' if part.piece.engraved is not None else ''}",
     ]
     name = shorten(part.piece.name, _TEXT, width - 20, bold=True)
     left = middle - text_width(name, _TEXT, bold=True) / 2
@@ -208,21 +207,24 @@ def _draw_heading(root: ET.Element, x: float, y: float, text: str) -> None:
 def _draw_weights(root: ET.Element, sheet: Sheet, top: float) -> float:
     """Draw the table of weights with room to write, and the print settings; return where they end."""
     right = _LEFT + _COLUMN
-    columns = (right - 90, right - 8)
+    columns = {right - 142: "full flow", right - 78: f"{100 * sheet.flow:.1f} % flow"}
+    if sheet.flow == 1:
+        columns = {right - 78: "full flow"}
     _draw_heading(root, _LEFT, top, "Weights, g")
-    write(root, columns[0], top, "computed", 10, MUTED, "end")
-    write(root, columns[1], top, "weighed", 10, MUTED, "end")
+    for x, heading in {**columns, right - 8: "weighed"}.items():
+        write(root, x, top, heading, 10, MUTED, "end")
     y = top + 8
     lines = []
-    for name, mass in sheet.weights:
+    for name, *masses in sheet.weights:
         lines.append(svg.path_data([(_LEFT, y), (right, y)]))
         bold = name == "closed kit" or name.startswith("target")
         write(root, _LEFT + 2, y + 14, name, _TEXT, bold=bold)
-        write(root, columns[0], y + 14, f"{1000 * mass:.2f}", _TEXT, anchor="end", bold=bold, class_="mass")
+        for x, mass in zip(reversed(columns), reversed(masses), strict=False):
+            write(root, x, y + 14, f"{1000 * mass:.2f}", _TEXT, anchor="end", bold=bold, class_="mass")
         y += 20
     lines += [
         svg.path_data([(_LEFT, y), (right, y)]),
-        svg.path_data([(columns[0] + 14, top + 8), (columns[0] + 14, y)]),
+        svg.path_data([(right - 66, top + 8), (right - 66, y)]),
     ]
     svg.add_line(root, "".join(lines), MUTED, 0.6, "table")
     y = _write_paragraph(root, _LEFT, y + 16, sheet.remedy, _COLUMN) + 2
@@ -231,7 +233,7 @@ def _draw_weights(root: ET.Element, sheet: Sheet, top: float) -> float:
     for row, (name, value) in enumerate(sheet.settings):
         at = y + 17 + _LINE * row
         write(root, _LEFT + 2, at, name, _TEXT)
-        write(root, columns[1], at, value, _TEXT, anchor="end", class_="setting")
+        write(root, right - 8, at, value, _TEXT, anchor="end", class_="setting")
     return at
 
 
