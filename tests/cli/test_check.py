@@ -231,12 +231,88 @@ def test_without_any_checker_nothing_is_called_printable(call: Call, monkeypatch
     assert "no checker is installed" in result.stderr and "printable" not in result.stdout
 
 
+LONG = "-".join(["addF-tiltp-0-L-moveF"] * 5 + ["addB-tiltn-1-L-moveB"] * 3)
+
+
+def exported_kit(call: Call, *options: str) -> Path:
+    arguments = [part for option in options for part in ("--option", option)]
+    result = call("export", LONG, "--kit", "--format", "3mf", *arguments, "--json")
+    assert result.exit_code == 0, result.stderr
+    return Path(json.loads(result.stdout)["files"][0]["path"])
+
+
+def attach(path: Path, name: str, data: bytes) -> None:
+    """Replace a file of an archive, or add it."""
+    with zipfile.ZipFile(path) as archive:
+        held = {entry: archive.read(entry) for entry in archive.namelist()}
+    with zipfile.ZipFile(path, "w") as archive:
+        for entry, content in {**held, name: data}.items():
+            archive.writestr(entry, content)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("ballast=[[0.04,0.006]]", "engrave=TP5", "engrave_depth=0.0005"),
+        ("bed=[0.2,0.2,0.06]", "drain=0.002", "joint=rabbet"),
+    ],
+)
+def test_a_3mf_of_a_kit_is_checked_with_the_options_that_it_was_made_with(
+    call: Call, options: tuple[str, ...]
+) -> None:
+    path = exported_kit(call, *options)
+    result = call("check", path, "--no-programs", "--json")
+    assert result.exit_code == 0, result.stdout + result.stderr
+    assert lines(result)["mass"]["state"] == "pass"
+    # An option of the command line comes before that of the file.
+    other = call("check", path, "--no-programs", "--json", "--set", "exporter.3mf.sleeve=0.003")
+    assert lines(other)["mass"]["state"] == "fail"
+
+
+def test_a_kit_that_is_not_that_of_its_options_has_another_mass(call: Call) -> None:
+    path = exported_kit(call, "joint=rabbet")
+    attach(path, "Metadata/kit.json", b'{"kit": true, "joint": "sleeve", "lap": 0.02, "sleeve": 0.005}')
+    assert lines(call("check", path, "--no-programs", "--json"))["mass"]["state"] == "fail"
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"{", "is not JSON in UTF-8"),
+        (b"\xff", "is not JSON in UTF-8"),
+        (b"[" * 100_000, "is nested too deeply"),
+        (b"[1]", "it is not a table"),
+        (b'{"kit": 1e999}', "'kit'"),
+        (b'{"sleeve": NaN}', "'sleeve'"),
+        (b'{"segments": 1000000000}', "'segments'"),
+        (b'{"ballast": [[0, 0.01], [0, 0.01], [0, 0.01]]}', "'ballast'"),
+        (b'{"engrave": "\\u001b[2J"}', "'engrave'"),
+        (b'{"kit\\u001b[2J": true}', "x1b[2J'"),
+        (b'{"builder.core_mass": 7}', "'builder.core_mass'"),
+    ],
+)
+def test_options_of_a_kit_in_a_file_of_a_stranger_are_refused_in_one_line(
+    call: Call, refused: Refused, data: bytes, message: str
+) -> None:
+    path = exported_kit(call)
+    attach(path, "Metadata/kit.json", data)
+    line = refused("check", path, "--no-programs")
+    assert line.startswith(f"error: {path}: its kit.json: ") and message in line
+    assert line.isprintable() and len(line) < 300
+
+
 def test_a_file_of_a_kit_that_is_checked_as_a_hull_is_told_to_be_one(call: Call) -> None:
     word = "addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addB-tiltn-1-L-moveB"
     # A lap of 2 mm adds so little that it could be mistaken for the chords of a coarse mesh.
     little = ("--option", "lap=0.002", "--option", "sleeve=0.0004")
     result = call("export", word, "--kit", "--format", "3mf", *little, "--json")
     path = json.loads(result.stdout)["files"][0]["path"]
+    with zipfile.ZipFile(path) as archive:
+        held = {entry: archive.read(entry) for entry in archive.namelist()}
+    del held["Metadata/kit.json"]  # as other programs save it
+    with zipfile.ZipFile(path, "w") as archive:
+        for entry, content in held.items():
+            archive.writestr(entry, content)
     coarse = ("--set", "checker.mesh.coarse=0.2")
     found = lines(call("check", path, "--no-programs", "--json", *coarse))["mass"]
     assert found["state"] == "warn" and "check it with --kit" in found["detail"]

@@ -19,7 +19,7 @@ from driftform.printing.check import (
     sum_volumes,
     write_files,
 )
-from driftform.printing.exporter_settings import list_kit_settings
+from driftform.printing.exporter_settings import KIT_FILE, list_kit_settings, read_kit_settings
 from driftform.runs.agent_file import StoredAgent, read_agent
 from driftform.runs.directory import DATABASE
 from driftform.runs.run import Run
@@ -89,7 +89,8 @@ def check_file(
         whether OpenSCAD source that is attached to the file, or lies beside it under its name, is rendered: source may
         read files, and take all time and memory that OpenSCAD is given.
     printer, kit, programs, on_program
-        as for :meth:`driftform.agents.design.Design.check`.
+        as for :meth:`driftform.agents.design.Design.check`. A 3MF file of a kit says itself that it is one, and with which
+        options it was made; ``settings`` come before these.
 
     Raises
     ------
@@ -117,8 +118,12 @@ def check_file(
             study = load_study(None, settings, run={"seed": 0})
         else:
             format = path.suffix[1:].lower()
-            kit_settings = list_kit_settings((format,), printer) if kit else []
-            design = open_agent(str(known), settings=[*settings, *kit_settings])
+            if (options := extract_attachment(path, KIT_FILE, folder)) is not None:
+                kit = True
+                settings = [*read_kit_settings(options, f"{path}: its {KIT_FILE}", format), *settings]
+            elif kit:
+                settings = [*settings, *list_kit_settings((format,), printer)]
+            design = open_agent(str(known), settings=settings)
             study, export = design.study, design.export_job()
             volume = hull_volume(design.agent.body)
             if kit:

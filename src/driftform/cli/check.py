@@ -47,7 +47,9 @@ def check(
     kit: Annotated[
         bool,
         typer.Option(
-            "--kit", help="Check the kit that fits nozzle and bed, in place of the hull in one piece."
+            "--kit",
+            help="Check the kit that fits nozzle and bed, in place of the hull in one piece; a 3MF file of a kit states its "
+            "own options.",
         ),
     ] = False,
     programs: Annotated[

@@ -1,10 +1,17 @@
 """Options for several exporters at once, as settings of a study: a kit that fits a printer."""
 
+import json
 from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from pydantic import ValidationError
 
 from driftform.errors import InputError, did_you_mean
 from driftform.interfaces import Printer
 from driftform.registry import registry
+
+KIT_FILE = "kit.json"
+"""Name of the attachment of a 3MF file that holds the options of its kit, as JSON."""
 
 
 def list_exporter_settings(formats: Iterable[str], options: Mapping[str, tuple[str, str]]) -> list[str]:
@@ -48,3 +55,38 @@ def list_kit_settings(formats: Iterable[str], printer: Printer) -> list[str]:
     """
     options = {"kit": "true", "nozzle": repr(printer.nozzle), "bed": repr(list(printer.bed))}
     return list_exporter_settings(formats, {key: (value, "--kit") for key, value in options.items()})
+
+
+def read_kit_settings(path: Path, label: str, format: str) -> list[str]:
+    """Return the settings that make an exporter write the kit whose options a file has, which may be a stranger's.
+
+    Parameters
+    ----------
+    path
+        of the file with the options.
+    label
+        names it in errors.
+    format
+        name of the exporter.
+
+    Raises
+    ------
+    InputError
+        if the file does not hold options of this exporter.
+    """
+    try:
+        options = registry().find("exporter", format).Options.model_validate(json.loads(path.read_bytes()))
+    except RecursionError:
+        raise InputError(f"{label}: is nested too deeply") from None
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        place = ".".join(map(str, first["loc"]))
+        reason = f"{place!r:.60}: {first['msg']}" if place else "it is not a table"
+        raise InputError(f"{label}: does not hold the options of exporter '{format}': {reason}") from None
+    except ValueError as error:
+        raise InputError(f"{label}: is not JSON in UTF-8: {error}") from None
+    # The values of an option are written alike in JSON and in TOML.
+    return [
+        f"exporter.{format}.{key}={json.dumps(value)}"
+        for key, value in options.model_dump(mode="json").items()
+    ]

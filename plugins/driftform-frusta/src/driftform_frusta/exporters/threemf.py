@@ -11,6 +11,7 @@ import numpy as np
 from driftform.figures.files import ZOOM, rasterise
 from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table
+from driftform.printing.exporter_settings import KIT_FILE
 from driftform.types import WrittenFile
 from driftform_frusta.colours import colour_of
 from driftform_frusta.exporters.common import facts_of_all, save, write_sheet
@@ -73,6 +74,9 @@ class ThreeMfExporter(Exporter[PartOptions]):
         attachments = {"agent.scad": write_source(job, parts, self.options.segments, self.options.ballast)}
         if job.document:
             attachments["agent.json"] = json.dumps(dict(job.document), indent=1) + "\n"
+        if self.options.kit:
+            # 'driftform check' makes the same kit again, to compare it.
+            attachments[KIT_FILE] = self.options.model_dump_json(indent=1) + "\n"
         written = []
         for number in range(plates):
             here = [p for p in placed if p.plate == number]
