@@ -283,7 +283,8 @@ class ExportJob:
     document
         content of its ``agent.json``, to be stored in the files; empty if no grammar made the agent.
     opened_as
-        what opens the agent on a command line, such as ``run:TP3``, for the commands that a file recommends.
+        what opens the agent on a command line, such as ``run:TP3``, with its settings, for the commands that a file
+        recommends.
     """
 
     name: str

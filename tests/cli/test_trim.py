@@ -2,6 +2,8 @@
 
 import json
 import re
+import shlex
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -133,8 +135,9 @@ def test_ballast_of_a_kit_is_held_by_a_seat_that_the_kit_can_print(call: Call, t
     text = call("trim", WORD, *NEUTRAL, "--kit", "--printed-mass", 0.0292, "--simulator", "native").stdout
     option = re.search(r"--option '(ballast=\S+)'", text)[1]
     assert f"a lead ball of {1000 * piece['diameter']:.1f} mm" in text
-    assert f"driftform export {WORD} --kit --option '{option}'" in text
-    assert f"driftform trim {WORD} --kit --printed-mass KG --set 'exporter.stl.{option}'" in text
+    made = f"{WORD} {' '.join(NEUTRAL)} --kit --option '{option}'"
+    assert f"driftform export {made}\n" in text
+    assert f"driftform trim {made} --printed-mass KG --simulator native\n" in text
     command = (
         "export",
         WORD,
@@ -188,6 +191,36 @@ def test_a_seat_holds_only_a_ball_that_fits_it_else_the_seat_to_print_is_told(ca
     ).stdout
     assert "is for a ball of 2.0 mm, and does not hold this ballast" in text
     assert f"--option 'ballast=[[{ball['x']:.5g},{ball['diameter']:.5g}]]'" in text
+
+
+@pytest.mark.long
+def test_the_commands_to_copy_carry_what_the_user_gave(call: Call) -> None:
+    given = (
+        *("--kit", "--format", "3mf,stl", "--bed", "220,200,45", "--option", "engrave='7'"),
+        *("--option", "joint=rabbet", "--ballast-density", "7850"),
+    )
+    text = call("trim", WORD, *NEUTRAL, *given, "--printed-mass", 0.0292, "--simulator", "native").stdout
+    export, trim = (shlex.split(line) for line in text.splitlines() if line.startswith("  driftform"))
+    assert export[:2] == ["driftform", "export"] and trim[:2] == ["driftform", "trim"]
+    assert trim[2:] == [*export[2:], "--printed-mass", "KG", "--simulator", "native"]
+    exported = call(*export[1:], "--out", "kit", "--json")
+    assert exported.exit_code == 0, exported.stderr
+    written = json.loads(exported.stdout)["files"]
+    assert {file["format"] for file in written} == {"3mf", "stl"}
+    with zipfile.ZipFile(next(file["path"] for file in written if file["format"] == "3mf")) as archive:
+        options = json.loads(archive.read("Metadata/kit.json"))
+    assert options["bed"] == [0.22, 0.2, 0.045] and options["ballast_density"] == 7850
+    assert (options["engrave"], options["joint"], len(options["ballast"])) == ("7", "rabbet", 1)
+    # The sheet of that kit has the command to trim it, for the format that it was written with.
+    sheet = next(Path("kit").glob("*-assembly.svg")).read_text(encoding="utf-8")
+    again = call(*(word if word != "KG" else "0.0293" for word in trim[1:]))
+    assert again.exit_code == 0 and "steel ball" in again.stdout
+    for word in ("--bed 220,200,45", "joint=rabbet", "ballast_density=7850", "builder.core_mass=0.02507"):
+        assert word in sheet
+
+
+def test_options_of_a_kit_go_with_kit(refused: Refused) -> None:
+    assert "--bed: goes with --kit" in refused("trim", WORD, "--printed-mass", 0.06, "--bed", "9,9,9")
 
 
 @pytest.fixture

@@ -357,11 +357,8 @@ def test_the_sheet_has_the_command_that_trims_this_agent_and_one_origin_of_posit
     named = ExportJob(job.name, job.agent, job.scenario, {}, "runs/r1:TP5")
     sheet = plan_sheet(named, PartOptions(kit=True, ballast=[[0.045, 0.008]], ballast_density=7850.0))
     [trim] = [step for step in sheet.steps if step.startswith("Trim")]
-    assert (
-        "driftform trim runs/r1:TP5 --kit --printed-mass KG --set 'exporter.stl.ballast=[[0.045,0.008]]'"
-        in trim
-    )
-    assert "--ballast-density 7850" in trim
+    options = "--option 'ballast=[[0.045,0.008]]' --option ballast_density=7850.0"
+    assert f"driftform trim runs/r1:TP5 --kit {options} --printed-mass KG," in trim
     assert f"core's centre, which is at {-1e3 * body.outer[0, 0]:.1f}\u00a0mm" in trim
     assert "from the aft end" not in " ".join((*sheet.steps, sheet.remedy))
     assert sheet_svg(sheet).count("from the aft end") == 1

@@ -21,7 +21,7 @@ from driftform.figures.section import section_svg
 from driftform.interfaces import ExportJob, Printer, Renderer
 from driftform.pipeline import Pipeline
 from driftform.printing.check import check_print_job, list_formats, require_findings, write_print_job
-from driftform.printing.exporter_settings import list_kit_settings
+from driftform.printing.exporter_settings import list_exporter_settings, list_kit_settings
 from driftform.printing.kit import Balls, KitReport, measure_kit
 from driftform.printing.trim import LEAD, trim_agent, weigh_print
 from driftform.runs.agent_file import StoredAgent, agent_document
@@ -67,7 +67,7 @@ class Design:
     agent
         body, masses and coefficients, as simulators and exporters receive them.
     opened_as
-        what opens it on a command line, such as ``run:TP3``; ``AGENT`` if that is unknown.
+        what opens it on a command line, such as ``run:TP3``, with the settings; ``AGENT`` if that is unknown.
     """
 
     name: str
@@ -442,7 +442,8 @@ class Design:
         printed_cog: float | None = None,
         *,
         kit: bool = False,
-        ballast_density: float = LEAD,
+        format: str = "stl",
+        ballast_density: float | None = None,
     ) -> dict[str, Any]:
         """Return the ballast that makes the print fly as simulated, as ``driftform trim --json`` prints it.
 
@@ -453,9 +454,11 @@ class Design:
         printed_cog
             x of its centre of gravity from the core's centre, fore positive, m; ``None`` if it was not measured.
         kit
-            whether it is printed as a kit, with the options of ``[exporter.stl]``: its sleeves and seats weigh too.
+            whether it is printed as a kit: its sleeves and seats weigh too.
+        format
+            name of the exporter whose options the kit has.
         ballast_density
-            kg/m3.
+            kg/m3; ``None`` for that of the kit's options, or else of lead.
 
         Raises
         ------
@@ -467,8 +470,20 @@ class Design:
 
         if not kit:
             weight = weigh_print(self.agent, printed_mass, printed_cog)
-            return trim_agent(self.pipeline, self.agent, self.name, weight, ballast_density)
-        exporter, job = self.under("exporter.stl.kit=true").study.make_exporter("stl"), self.export_job()
+            return trim_agent(
+                self.pipeline,
+                self.agent,
+                self.name,
+                weight,
+                LEAD if ballast_density is None else ballast_density,
+            )
+        study, job = (
+            self.under(*list_exporter_settings([format], {"kit": ("true", "--kit")})).study,
+            self.export_job(),
+        )
+        exporter = study.make_exporter(format)
+        if ballast_density is None:
+            ballast_density = getattr(exporter.options, "ballast_density", LEAD)
 
         def measure(balls: Balls | None = None) -> KitReport:
             return measure_kit(exporter, job, balls)

@@ -44,7 +44,14 @@ def open_agent(
         if no body can be built.
     """
     design = Design.build(_find(text, scenario, settings, use), _shorten(text), scenario, settings, use)
-    return replace(design, opened_as=shlex.quote(text)) if text == _shorten(text) else design
+    name = text if text == _shorten(text) else design.opened_as
+    return replace(design, opened_as=name_agent(name, settings))
+
+
+def name_agent(text: str, settings: Sequence[str]) -> str:
+    """Return the arguments that open an agent again with the same settings, but for those of exporters."""
+    kept = (setting for setting in settings if not setting.lstrip().startswith("exporter."))
+    return shlex.join([text, *(word for setting in kept for word in ("--set", setting))])
 
 
 def open_best(run: Run, target: str) -> StoredAgent:

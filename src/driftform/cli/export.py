@@ -1,13 +1,11 @@
 """``driftform export``."""
 
-from collections.abc import Mapping, Sequence
-from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from driftform.cli.options import Agent, Json, Settings
+from driftform.cli.options import Agent, Bed, ExporterOptions, Json, Settings
 
 if TYPE_CHECKING:
     from driftform.types import WrittenFile
@@ -25,38 +23,19 @@ def export(
         bool,
         typer.Option("--kit", help="Cut the hull into parts that take the core and are joined again."),
     ] = False,
-    bed: Annotated[
-        str | None,
-        typer.Option(
-            "--bed", metavar="X,Y,Z", help="Largest part that the printer can make, mm; longer ones are cut."
-        ),
-    ] = None,
-    option: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--option",
-            metavar="KEY=VALUE",
-            help="Set an option of every format at once, such as joint=rabbet; repeatable.",
-        ),
-    ] = None,
+    bed: Bed = None,
+    option: ExporterOptions = None,
     settings: Settings = None,
     json: Json = False,
 ) -> None:
     """Write an agent's hull as files for printers and other programs; older files of the same name are replaced."""
-    from driftform.agents.opening import open_agent
-    from driftform.cli.formats import parse_formats
+    from driftform.cli.formats import open_exported, parse_formats
     from driftform.cli.output import print_json
-    from driftform.errors import InputError
     from driftform.geometry import hull_mass
-    from driftform.printing.exporter_settings import list_exporter_settings
     from driftform.util.files import make_directory
 
     names = parse_formats(format, "exporter", "stl")
-    asked = _list_options(kit, bed, option or ())
-    try:
-        design = open_agent(agent, settings=[*(settings or ()), *list_exporter_settings(names, asked)])
-    except InputError as error:
-        raise InputError(*(_name_option(line, names, asked) for line in error.args)) from None
+    design = open_exported(agent, names, kit, bed, option or (), settings or ())
     make_directory(out)
     paths = {name: out / f"{design.name}{design.study.make_exporter(name).suffix}" for name in names}
     # Several formats of a kit have the same assembly sheet.
@@ -95,29 +74,6 @@ def _lacks_kit(file: "WrittenFile") -> bool:
     from driftform.registry import registry
 
     return "kit" not in file.facts and "kit" in registry().find("exporter", file.format).Options.model_fields
-
-
-def _list_options(kit: bool, bed: str | None, options: Sequence[str]) -> dict[str, tuple[str, str]]:
-    """Options for all formats: the value of each key, and how it was asked for."""
-    from driftform.cli.formats import parse_bed
-    from driftform.errors import InputError
-
-    found = {"kit": ("true", "--kit")} if kit else {}
-    if bed is not None:
-        found["bed"] = (repr(list(parse_bed(bed))), f"--bed {bed}")
-    for text in options:
-        key, equals, value = text.partition("=")
-        if not equals or not key.strip():
-            raise InputError(f"--option {text}: expected key=value, such as joint=rabbet")
-        found[key.strip()] = (value, f"--option {text}")
-    return found
-
-
-def _name_option(line: str, formats: Sequence[str], options: Mapping[str, tuple[str, str]]) -> str:
-    """An error about a setting of an exporter, as one about the option that it came from."""
-    for name, (key, (value, asked)) in product(formats, options.items()):
-        line = line.replace(f"--set exporter.{name}.{key}={value}: ", f"{asked}: ")
-    return line
 
 
 def _print_table(title: str, table: dict[str, Any]) -> None:

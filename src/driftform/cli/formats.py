@@ -1,8 +1,11 @@
-"""``--format`` and ``--bed``: names of plugins, and a printer's bed as slicers give it."""
+"""``--format``, ``--bed`` and ``--option``: names of plugins, a printer's bed as slicers give it, options of exporters."""
 
+from collections.abc import Mapping, Sequence
+from itertools import product
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from driftform.agents.design import Design
     from driftform.scenario import Vector
 
 MM_PER_M = 1000.0
@@ -47,3 +50,53 @@ def parse_bed(text: str) -> "Vector":
     if not all(0 < side < 1e5 for side in (x, y, z)):
         raise InputError(f"--bed {text}: should be three lengths in mm above 0, such as 250,210,210")
     return x / MM_PER_M, y / MM_PER_M, z / MM_PER_M
+
+
+def open_exported(
+    agent: str,
+    formats: Sequence[str],
+    kit: bool,
+    bed: str | None,
+    options: Sequence[str],
+    settings: Sequence[str],
+    scenario: str | None = None,
+    use: Mapping[str, str | None] | None = None,
+) -> "Design":
+    """Open an agent, with the options of its exporters that ``--kit``, ``--bed`` and ``--option`` give.
+
+    Raises
+    ------
+    InputError
+        if an option is not one of these exporters; the line names it as the user gave it.
+    """
+    from driftform.agents.opening import open_agent
+    from driftform.errors import InputError
+    from driftform.printing.exporter_settings import list_exporter_settings
+
+    asked = _list_options(kit, bed, options)
+    try:
+        return open_agent(agent, scenario, [*settings, *list_exporter_settings(formats, asked)], use)
+    except InputError as error:
+        raise InputError(*(_name_option(line, formats, asked) for line in error.args)) from None
+
+
+def _list_options(kit: bool, bed: str | None, options: Sequence[str]) -> dict[str, tuple[str, str]]:
+    """Options for all formats: the value of each key, and how it was asked for."""
+    from driftform.errors import InputError
+
+    found = {"kit": ("true", "--kit")} if kit else {}
+    if bed is not None:
+        found["bed"] = (repr(list(parse_bed(bed))), f"--bed {bed}")
+    for text in options:
+        key, equals, value = text.partition("=")
+        if not equals or not key.strip():
+            raise InputError(f"--option {text}: expected key=value, such as joint=rabbet")
+        found[key.strip()] = (value, f"--option {text}")
+    return found
+
+
+def _name_option(line: str, formats: Sequence[str], options: Mapping[str, tuple[str, str]]) -> str:
+    """An error about a setting of an exporter, as one about the option that it came from."""
+    for name, (key, (value, asked)) in product(formats, options.items()):
+        line = line.replace(f"--set exporter.{name}.{key}={value}: ", f"{asked}: ")
+    return line

@@ -33,6 +33,20 @@ Simulator: TypeAlias = Annotated[
 Hydrodynamics: TypeAlias = Annotated[
     str | None, typer.Option("--hydrodynamics", metavar="NAME", help="Hydrodynamic model to use.")
 ]
+Bed: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        "--bed", metavar="X,Y,Z", help="Largest part that the printer can make, mm; longer ones are cut."
+    ),
+]
+ExporterOptions: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--option",
+        metavar="KEY=VALUE",
+        help="Set an option of every format at once, such as joint=rabbet; repeatable.",
+    ),
+]
 Film: TypeAlias = Annotated[
     Path | None,
     typer.Option(

@@ -1,14 +1,27 @@
 """``driftform trim``."""
 
 import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from driftform.cli.options import Agent, Hydrodynamics, Json, ScenarioOption, Settings, Simulator
+from driftform.cli.options import (
+    Agent,
+    Bed,
+    ExporterOptions,
+    Hydrodynamics,
+    Json,
+    ScenarioOption,
+    Settings,
+    Simulator,
+)
 
 if TYPE_CHECKING:
     from driftform.interfaces import Fitness
+    from driftform.options import Table
+    from driftform.printing.kit import Balls
 
 
 _NO_MOMENT = 1e-9
@@ -41,15 +54,23 @@ def trim(
         bool,
         typer.Option(
             "--kit",
-            help="Count the sleeves and seats of the kit, with the options of [exporter.stl].",
+            help="Count the sleeves and seats of the kit; give --format, --bed and --option as 'driftform export' has them.",
         ),
     ] = False,
+    format: Annotated[
+        str,
+        typer.Option("--format", metavar="NAME[,NAME...]", help="Formats that the kit is exported to."),
+    ] = "stl",
+    bed: Bed = None,
+    option: ExporterOptions = None,
     ballast_density: Annotated[
-        float,
+        float | None,
         typer.Option(
-            "--ballast-density", metavar="KG/M3", help="Density of the ballast, kg/m3; lead's is 11340."
+            "--ballast-density",
+            metavar="KG/M3",
+            help="Density of the ballast, kg/m3; by default that of the kit's options, or of lead, 11340.",
         ),
-    ] = 11_340.0,
+    ] = None,
     scenario: ScenarioOption = None,
     simulator: Simulator = None,
     hydrodynamics: Hydrodynamics = None,
@@ -57,20 +78,67 @@ def trim(
     json: Json = False,
 ) -> None:
     """Compute the ballast that makes a print fly as simulated, and show its path without it."""
-    from driftform.agents.opening import open_agent
+    from driftform.agents.opening import name_agent
+    from driftform.cli.formats import open_exported, parse_formats
     from driftform.cli.output import print_json
+    from driftform.errors import InputError
 
-    design = open_agent(
-        agent, scenario, settings or (), {"simulator": simulator, "hydrodynamics": hydrodynamics}
-    )
-    facts = design.trim(printed_mass, printed_cog, kit=kit, ballast_density=ballast_density)
+    names = parse_formats(format, "exporter", "stl")
+    for name, given in (("format", names != ["stl"]), ("bed", bed), ("option", option)):
+        if given and not kit:
+            raise InputError(f"--{name}: goes with --kit")
+    use = {"simulator": simulator, "hydrodynamics": hydrodynamics}
+    design = open_exported(agent, names, kit, bed, option or (), settings or (), scenario, use)
+    facts = design.trim(printed_mass, printed_cog, kit=kit, format=names[0], ballast_density=ballast_density)
     if json:
         print_json(facts)
-    else:
-        _print(facts, ballast_density, design.pipeline.fitness, agent)
+        return
+    exporter = design.study.make_exporter(names[0])
+    again = {"scenario": scenario, **use}
+    command = _Command(
+        name_agent(agent, settings or ()),
+        names,
+        exporter.options,
+        shlex.join(word for key, value in again.items() if value for word in (f"--{key}", value)),
+    )
+    _print(facts, design.pipeline.fitness, command)
 
 
-def _print(facts: dict[str, Any], density: float, fitness: "Fitness[Any]", agent: str) -> None:
+@dataclass(frozen=True)
+class _Command:
+    """What the commands that are printed have in common.
+
+    Attributes
+    ----------
+    agent
+        with its settings.
+    formats
+        names of exporters.
+    options
+        of the first of them.
+    flight
+        arguments of the flight.
+    """
+
+    agent: str
+    formats: Sequence[str]
+    options: "Table"
+    flight: str
+
+    def write(self, ballast: "Balls", density: float) -> tuple[str, str]:
+        """Return the commands that export the kit with ballast, and trim it then."""
+        from driftform.printing.ballast import MATERIALS, name_material
+        from driftform.printing.exporter_settings import list_arguments
+
+        changed: dict[str, Any] = {"ballast": ballast}
+        if name_material(density) != name_material(MATERIALS["lead"]):
+            changed["ballast_density"] = density
+        arguments = f"{self.agent} {list_arguments(self.formats, self.options.model_copy(update=changed))}"
+        trim = f"driftform trim {arguments} --printed-mass KG {self.flight}"
+        return f"driftform export {arguments}", trim.rstrip()
+
+
+def _print(facts: dict[str, Any], fitness: "Fitness[Any]", command: _Command) -> None:
     from driftform.cli.output import print_table
 
     aft = facts["aft_end"]
@@ -89,7 +157,7 @@ def _print(facts: dict[str, Any], density: float, fitness: "Fitness[Any]", agent
     ]
     print_table(("", "mass", "centre of gravity"), rows, right=(1,))
     print()
-    for line in _remedy(facts, density, place, agent):
+    for line in _remedy(facts, place, command):
         print(line)
     print(f"\n{fitness.heading}")
     names = [name for name in ("simulated", "untrimmed", "trimmed") if name in facts["ends"]]
@@ -119,11 +187,11 @@ def _print(facts: dict[str, Any], density: float, fitness: "Fitness[Any]", agent
         )
 
 
-def _remedy(facts: dict[str, Any], density: float, place: Any, agent: str) -> list[str]:
+def _remedy(facts: dict[str, Any], place: Any, command: _Command) -> list[str]:
     """What is to be done, in words."""
     from driftform.printing.ballast import MATERIALS, NEGLIGIBLE, ball_diameter
 
-    mass, x = facts["ballast_mass"], facts["ballast_x"]
+    density, mass, x = (facts[f"ballast_{name}"] for name in ("density", "mass", "x"))
     if abs(mass) < NEGLIGIBLE:
         moment = facts["residual_moment"]
         if abs(moment) < _NO_MOMENT:
@@ -151,7 +219,7 @@ def _remedy(facts: dict[str, Any], density: float, place: Any, agent: str) -> li
                 f"{name} {1000 * ball_diameter(ball, d):.1f} mm" for name, d in MATERIALS.items()
             )
             lines.append(f"balls of {1000 * ball:.3f} g: {balls}")
-    lines += _describe_holding(facts, density, agent)
+    lines += _describe_holding(facts, command)
     if not exact:
         lines.append(f"its moment is then off by {1e6 * facts['residual_moment']:+.3g} g mm")
     return lines
@@ -164,7 +232,7 @@ def _refuse_ballast(facts: dict[str, Any], density: float) -> list[str]:
         return [
             *lines,
             f"no other seat can be printed: {facts['unheld']}",
-            "export the kit again without ballast, print it lighter, and trim it without --set exporter.stl.ballast",
+            "export the kit again without ballast, print it lighter, and trim it without the option ballast",
         ]
     return [
         f"at {density:g} kg/m3 there is no room for it inside that it can be put to: a ball must pass the bore from the joint "
@@ -195,7 +263,7 @@ def _name_misfits(facts: dict[str, Any]) -> list[str]:
     ]
 
 
-def _describe_holding(facts: dict[str, Any], density: float, agent: str) -> list[str]:
+def _describe_holding(facts: dict[str, Any], command: _Command) -> list[str]:
     """How the ballast gets in, and what holds it there."""
     from driftform.printing.ballast import PUTTY
 
@@ -221,7 +289,7 @@ def _describe_holding(facts: dict[str, Any], density: float, agent: str) -> list
         for ball, piece in zip(held, facts["pieces"], strict=True)
     ]
     if facts["misfits"] or facts["seat_mass"] >= 1e-5:
-        lines += _describe_export(facts, density, agent)
+        lines += _describe_export(facts, command)
     return lines
 
 
@@ -237,22 +305,18 @@ def _describe_seat(ball: dict[str, Any], piece: dict[str, Any], aft: float) -> s
     )
 
 
-def _describe_export(facts: dict[str, Any], density: float, agent: str) -> list[str]:
+def _describe_export(facts: dict[str, Any], command: _Command) -> list[str]:
     """How to print the seats that hold the ballast."""
-    from driftform.printing.ballast import MATERIALS, name_material
-
-    balls = ",".join(f"[{ball['x']:.5g},{ball['diameter']:.5g}]" for ball in facts["held"])
+    balls = tuple((round(ball["x"], 5), round(ball["diameter"], 5)) for ball in facts["held"])
     changed = [*facts["misfits"], *facts["held"]]
     parts = " and the ".join(dict.fromkeys(ball["part"] for ball in changed if ball["held_by"] == "seat"))
     seat = f"{1000 * facts['seat_mass']:.3f} g of seat"
     if facts["misfits"]:
         seat = f"another seat, {1000 * facts['seat_mass']:+.3f} g"
-    other = name_material(density) != name_material(MATERIALS["lead"])
+    export, trim = command.write(balls, facts["ballast_density"])
     return [
-        f"print the {parts} again, with {seat}, which is counted above:",
-        f"  driftform export {shlex.quote(agent)} --kit --option 'ballast=[{balls}]'"
-        + (f" --option ballast_density={density:g}" if other else ""),
+        f"print the {parts} again with the same flow, and with {seat}, which is counted above:",
+        f"  {export}",
         "then weigh it, without the ball, and trim again:",
-        f"  driftform trim {shlex.quote(agent)} --kit --printed-mass KG --set 'exporter.stl.ballast=[{balls}]'"
-        + (f" --ballast-density {density:g}" if other else ""),
+        f"  {trim}",
     ]

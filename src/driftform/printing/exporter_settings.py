@@ -1,13 +1,17 @@
 """Options for several exporters at once, as settings of a study: a kit that fits a printer."""
 
 import json
+import shlex
+import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
 from driftform.errors import InputError, did_you_mean
 from driftform.interfaces import Printer
+from driftform.options import Table
 from driftform.registry import registry
 
 KIT_FILE = "kit.json"
@@ -90,3 +94,28 @@ def read_kit_settings(path: Path, label: str, format: str) -> list[str]:
         f"exporter.{format}.{key}={json.dumps(value)}"
         for key, value in options.model_dump(mode="json").items()
     ]
+
+
+def list_arguments(formats: Iterable[str], options: Table) -> str:
+    """Return the arguments that make ``driftform export`` or ``trim`` use these exporters with options other than the defaults."""
+    made = options.model_dump(mode="json", exclude_defaults=True)
+    words = ["--kit"] if made.pop("kit", False) else []
+    if (names := ",".join(formats)) != "stl":
+        words += ["--format", names]
+    if bed := made.pop("bed", None):
+        words += ["--bed", ",".join(f"{1000 * side:.10g}" for side in bed)]
+    for key, value in made.items():
+        words += ["--option", f"{key}={_write_value(value)}"]
+    return shlex.join(words)
+
+
+def _write_value(value: Any) -> str:
+    """A value as a setting has it: text without quotes, unless it would be read as another value."""
+    written = json.dumps(value, separators=(",", ":"))
+    if not isinstance(value, str) or value != value.strip():
+        return written
+    try:
+        tomllib.loads(f"value = {value}")
+    except ValueError:
+        return value
+    return written

@@ -47,7 +47,7 @@ def write_sheet(name: str, job: ExportJob, options: "PartOptions", path: Path) -
     from driftform_frusta.sheet.drawing import sheet_svg
 
     target = path.with_name(f"{path.stem}-assembly.svg")
-    drawn = sheet_svg(plan_sheet(job, options))
+    drawn = sheet_svg(plan_sheet(job, options, name))
     save(target, drawn)
     printed = make_pdf(drawn)
     if printed is None:

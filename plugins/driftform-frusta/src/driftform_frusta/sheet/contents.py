@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.interfaces import ExportJob
-from driftform.printing.ballast import MATERIALS, name_material
+from driftform.printing.ballast import name_material
+from driftform.printing.exporter_settings import list_arguments
 from driftform.types import MassProperties
 from driftform_frusta.cores import CUSTOM, name_core
 from driftform_frusta.kit.accounting import held_mass, kit_mass, measure_flooding, piece_mass
@@ -115,8 +116,8 @@ class Sheet:
     settings: tuple[tuple[str, str], ...]
 
 
-def plan_sheet(job: ExportJob, options: PartOptions) -> Sheet:
-    """Return the contents of the sheet of a job's kit.
+def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> Sheet:
+    """Return the contents of the sheet of a job's kit, which was written in a format.
 
     Raises
     ------
@@ -148,7 +149,7 @@ def plan_sheet(job: ExportJob, options: PartOptions) -> Sheet:
         flow=printed.flow,
         weights=weights,
         remedy=_describe_remedy(target, printed, aft),
-        steps=tuple(_list_steps(job, kit, parts, core, printed, options)),
+        steps=tuple(_list_steps(job, kit, parts, core, printed, options, format)),
         settings=(
             ("layer height", f"{MM * options.layer_height:g} mm"),
             ("perimeters", f"{options.perimeters}"),
@@ -274,6 +275,7 @@ def _list_steps(
     core: str,
     printed: _Printed,
     options: PartOptions,
+    format: str,
 ) -> list[str]:
     """The steps in an order that can be done: what is closed or glued is not opened again."""
     body, target = job.agent.body, job.agent.mass
@@ -290,7 +292,7 @@ def _list_steps(
         _describe_printing(parts, printed),
         *(_describe_pause(held, by_place[held.part], kit, aft, options) for held in enclosed),
         _describe_weighing(enclosed, by_place, printed, target.mass - body.core.mass, options),
-        _describe_trim(job, aft, options),
+        _describe_trim(job, aft, options, format),
         *(_describe_insertion(held, by_place[held.part], kit, aft, options) for held in inserted),
         f"Lay the core ({core}) into part 1, the {parts[0].piece.name}. It must reach its seat and not jam.",
     ]
@@ -356,13 +358,8 @@ def _describe_weighing(
     )
 
 
-def _describe_trim(job: ExportJob, aft: float, options: PartOptions) -> str:
-    command = f"driftform trim {job.opened_as} --kit --printed-mass KG"
-    if options.ballast:
-        balls = ",".join(f"[{x:.5g},{diameter:.5g}]" for x, diameter in options.ballast)
-        command += f" --set 'exporter.stl.ballast=[{balls}]'"
-        if name_material(options.ballast_density) != name_material(MATERIALS["lead"]):
-            command += f" --ballast-density {options.ballast_density:g}"
+def _describe_trim(job: ExportJob, aft: float, options: PartOptions, format: str) -> str:
+    command = f"driftform trim {job.opened_as} {list_arguments([format], options)} --printed-mass KG"
     text = (
         f"Trim before anything is closed: {command}, where KG is the sum of the loose parts and the core in kg"
         f"{', without ballast' if options.ballast else ''}. It gives the ballast, where it goes, and the flights with and "
