@@ -60,6 +60,12 @@ def check_held(made):
         assert (solid ^ made.ball_at(z, 0.999)).volume() < NOTHING
     # Half a millimetre further it meets its seat, or the wall.
     assert (made.mine ^ made.ball_at(z + 0.5 * held.side)).volume() > NOTHING
+    # Resting there it cannot roll aside: it is wedged all round.
+    shifts = np.linspace(0.0, 0.5, 51)
+    rest = next(s for s in shifts if (made.mine ^ made.ball_at(z + s * held.side)).volume() > NOTHING)
+    aside = made.ball_at(z + rest * held.side).translate((0.5, 0.0, 0.0))
+    on_a_flat_end = (made.mine ^ made.ball_at(z + rest * held.side)).volume()
+    assert (made.mine ^ aside).volume() > 2 * on_a_flat_end
     rings = made.kit.pieces[held.part].rings
     if held.mouth is None:
         # Printed upright on the side that it rests on, it is put in from above, at the height of its top.
@@ -111,9 +117,9 @@ def test_a_ball_in_a_tube_goes_in_by_the_joint_and_rests_on_a_cone():
 
 def test_where_the_hull_narrows_the_wall_holds_it():
     # In a cone of 20 degrees a ball of 8 mm touches the wall where the bore has a radius of 4 / cos(20 deg).
-    body = agent("sssnn")
+    body = agent("sssnnn")
     made = None
-    for x in np.linspace(0.035, 0.046, 111):
+    for x in np.linspace(0.035, 0.056, 211):
         try:
             made = Held(body, float(x), 0.008)
         except WorkFailedError:
@@ -122,7 +128,19 @@ def test_where_the_hull_narrows_the_wall_holds_it():
             break
     assert made is not None and made.held.seat is None
     check_held(made)
+    radius = np.interp(made.held.ball.z + 4 * math.sin(math.radians(20)), *1e3 * body.cavity.T)
+    assert radius == pytest.approx(4 * math.cos(math.radians(20)), abs=0.3)
     assert kit_mass(body, made.options).mass == kit_mass(body, PartOptions(kit=True)).mass
+
+
+@pytest.mark.parametrize("lift", [0.0, 0.2, 0.4])
+def test_a_ball_on_a_flat_end_gets_a_seat_that_keeps_it_from_rolling_aside(lift):
+    body = agent("sssssuu", "ss")
+    end = body.cavity[-1, 0]
+    assert np.interp(end - 1e-6, *body.cavity.T) > 0.012  # wide and flat
+    made = Held(body, end - 0.003 - 1e-3 * lift, 0.006)
+    assert made.held.seat is not None
+    check_held(made)
 
 
 def test_a_ball_beyond_a_neck_is_put_in_while_its_part_is_printed():

@@ -31,6 +31,9 @@ PLAY_OF_SEATS = 2.0
 _LATITUDES_DEG = (45.0, 50.0, 55.0, 60.0, 65.0, 70.0)
 """Latitudes at which a seat may touch the core; the first that has room is taken."""
 
+_STEPS = 26
+"""Places tried between that of a ball and the end of its play."""
+
 _TOUCHING = 0.01
 """mm: sections nearer than this touch."""
 
@@ -59,9 +62,22 @@ class Seat:
 
 
 def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) -> bool:
-    """Return whether a ball touches a part as soon as it moves along the axis to one side."""
-    moved = ball.draw().translate((0.0, side * max(PLAY, PLAY_OF_SEATS * gap)))
-    return any((moved ^ part).area() > _AREA for part in parts)
+    """Return whether a ball that moves along the axis to one side soon comes to rest on a part that centres it.
+
+    A flat end does not: the ball rolls aside.
+    """
+    play = max(PLAY, PLAY_OF_SEATS * gap)
+
+    def meets(aside: float, along: float) -> bool:
+        moved = ball.draw().translate((aside, side * along))
+        return any((moved ^ part).area() > _AREA for part in parts)
+
+    if not meets(0.0, play):
+        return False
+    rest = next(along for along in np.linspace(0.0, play, _STEPS) if meets(0.0, float(along)))
+    # A wall that touches at a lower latitude does not let it aside even if it is lifted by this much.
+    lift = play / math.tan(math.radians(_LATITUDES_DEG[-1]))
+    return meets(play, float(rest) - lift)
 
 
 def place_seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: tuple[int, int]) -> list[Seat]:
