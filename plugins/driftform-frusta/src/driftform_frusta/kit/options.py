@@ -18,6 +18,9 @@ GROOVE_WIDTH = 1.1
 GROOVE_MARGIN = 0.001
 """m of sleeve on either side of a groove."""
 
+MOST_BALLS = 2
+"""Balls of ballast: two give every mass and moment that one alone has no room for."""
+
 _Length = Annotated[float, Field(gt=0, le=10, strict=True)]
 
 _Ballast = tuple[
@@ -67,10 +70,9 @@ class KitOptions(Table):
     )
     ballast: tuple[_Ballast, ...] = option(
         (),
-        "balls of ballast that get a seat, as 'driftform trim' computes them: of each x of its centre, from the core's, and "
-        "its diameter",
+        "one or two balls of ballast that get a seat, as 'driftform trim' computes them: of each x of its centre, from the "
+        "core's, and its diameter",
         "m",
-        max_length=2,
     )
     drain: float = option(
         0.0,
@@ -88,6 +90,16 @@ class KitOptions(Table):
     @classmethod
     def _from_a_list(cls, value: object) -> object:
         return tuple(map(cls._from_a_list, value)) if isinstance(value, list) else value
+
+    @field_validator("ballast")
+    @classmethod
+    def _is_of_two_balls(cls, value: tuple[_Ballast, ...]) -> tuple[_Ballast, ...]:
+        if len(value) > MOST_BALLS:
+            raise ValueError(
+                f"a kit holds at most {MOST_BALLS} balls of ballast, not {len(value)}: replace two of them by one of their "
+                "mass, at the point where they balance"
+            )
+        return value
 
     @field_validator("engrave")
     @classmethod
