@@ -67,7 +67,7 @@ def test_the_parts_of_the_sheet_weigh_what_their_meshes_weigh(options):
     table = {name: full for name, full, _ in sheet.weights}
     assert table["core"] == 0.05
     assert table["closed kit"] == pytest.approx(1e-3 * sum(grams.values()) + 0.05, rel=1e-6)
-    assert table["target, as simulated"] == mass_properties(body).mass
+    assert table["as simulated"] == mass_properties(body).mass
 
 
 @settings(max_examples=12, deadline=None)
@@ -179,6 +179,50 @@ def test_the_parts_are_printed_a_twentieth_lighter_than_the_simulated_agent_need
     assert f"more than {1e3 * (wanted.mass - 0.05):.2f}\u00a0g, print them again" in sheet.steps[1]
 
 
+def test_balls_of_ballast_have_the_letters_of_the_text_in_the_drawing():
+    balls = [[0.05, 0.008], [-0.04, 0.006]]
+    root = ET.fromstring(sheet_svg(sheet_of(straight(6, 5), ballast=balls)))
+    places = {circle.get("r"): float(circle.get("cx")) for circle in find(root, "ballast", "circle")}
+    marks = {text.text: float(text.get("x")) for text in find(root, "number", "text")}
+    aft, fore = sorted(places.values())
+    assert marks["A"] == pytest.approx(aft, abs=22) and marks["B"] == pytest.approx(fore, abs=22)
+    assert {"A", "B", "1", "2"} == set(marks)
+    rows = [text.text for text in root.iter(NAMESPACE + "text") if (text.text or "").startswith("ball ")]
+    assert rows == ["ball A", "ball B"] and "…" not in ET.tostring(root, encoding="unicode")
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"ballast": [[-0.06, 0.006], [0.1, 0.007]]},
+        {
+            "ballast": [[-0.06, 0.006], [0.1, 0.007]],
+            "ballast_density": 7850.0,
+            "bed": (0.22, 0.22, 0.12),
+            "engrave": "TP10",
+            "drain": 0.002,
+            "o_ring": 0.0015,
+            "sleeve": 0.0016,
+            "lap": 0.008,
+        },
+    ],
+)
+def test_however_much_the_sheet_says_its_parts_are_drawn_to_a_scale_that_can_be_read(options):
+    job = job_of(straight(22, 12, core="steel-20mm"))
+    opened = "runs/pipe-inspection-12:TP10 --set builder.core=steel-20mm"
+    named = ExportJob("pipe-inspection-12-TP10", job.agent, job.scenario, {}, opened)
+    drawn = sheet_svg(plan_sheet(named, PartOptions(kit=True, **options)))
+    for part, whole in re.findall(r"scale ([\d.]+) : ([\d.]+)", drawn):
+        assert float(part) / float(whole) >= 1 / 5
+    root = ET.fromstring(drawn)
+    assert min(float(text.get("font-size")) for text in root.iter(NAMESPACE + "text")) >= 9
+
+
+@pytest.mark.parametrize(("density", "name"), [(1050.0, "ABS, 1.05"), (1240.0, "1.24"), (1127.5, "1.127")])
+def test_the_filament_has_its_name_if_it_is_known_and_its_density_in_the_unit_of_shops(density, name):
+    assert dict(sheet_of(straight(3, 2, hull_density=density)).settings)["filament"] == f"{name}\u00a0g/cm³"
+
+
 def test_a_kit_that_is_too_light_states_the_ballast_that_gives_mass_and_balance():
     body = straight(6, 4)
     heavier = body.__class__(**{**vars(body), "core": Core(0.01, 0.055)})
@@ -236,7 +280,7 @@ def test_ballast_with_a_seat_goes_in_before_its_part_is_joined():
     sheet = sheet_of(straight(6, 4), ballast=[[0.045, 0.008]])
     [held] = sheet.kit.ballast
     [number] = [part.number for part in sheet.parts if part.place == held.part]
-    [step] = [i for i, text in enumerate(sheet.steps) if "ballast, a lead ball of 8.00\u00a0mm" in text]
+    [step] = [i for i, text in enumerate(sheet.steps) if "ball A, a lead ball of 8.00\u00a0mm" in text]
     joined = [i for i, text in enumerate(sheet.steps) if re.match(rf"(Join|Lay).* part {number}", text)]
     assert step < joined[0]
     assert f"into part {number} by its aft end" in sheet.steps[step]
@@ -289,10 +333,10 @@ def test_the_sheet_weighs_each_ball_and_names_its_size_and_material(density, mat
     sheet = sheet_of(body, ballast=balls, ballast_density=density)
     table, text = {name: full for name, full, _ in sheet.weights}, " ".join(sheet.steps)
     masses = [math.pi / 6 * density * diameter**3 for _, diameter in balls]
-    for (_, diameter), mass in zip(balls, masses, strict=True):
+    for letter, (_, diameter), mass in zip("AB", balls, masses, strict=True):
         name = f"{material} ball of {1e3 * diameter:.2f}\u00a0mm"
-        assert table[name] == pytest.approx(mass)
-        assert f"a {name}, {1e3 * mass:.2f}\u00a0g" in text
+        assert table[f"ball {letter}"] == pytest.approx(mass)
+        assert f"ball {letter}, a {name}, {1e3 * mass:.2f}\u00a0g" in text
     printed = weigh_meshes(body, ballast=balls)[0]
     assert table["closed kit"] == pytest.approx(printed + 0.05 + sum(masses), rel=1e-6)
 
@@ -339,7 +383,7 @@ def test_everything_goes_in_before_anything_is_closed():
         "While part",
         "Weigh the loose",
         "Trim",
-        "Put ballast",
+        "Put ball",
         "Lay the core",
         "Join",
         "Weigh the closed",
@@ -348,7 +392,7 @@ def test_everything_goes_in_before_anything_is_closed():
     [held] = [held for held in sheet.kit.ballast if held.mouth is None]
     [part] = [part for part in sheet.parts if part.place == held.part]
     inside = 1e3 * math.pi / 6 * 11_340 * 0.010**3
-    assert f"Take {inside:.2f}\u00a0g off part {part.number} for the ball inside." in sheet.steps[2]
+    assert f"Take {inside:.2f}\u00a0g off part {part.number} for ball B inside." in sheet.steps[2]
 
 
 def test_the_sheet_has_the_command_that_trims_this_agent_and_one_origin_of_positions():

@@ -73,7 +73,7 @@ def hold_ballast(
     gap: float,
     balls: Sequence[Ball],
 ) -> tuple[HeldBall, ...]:
-    """Add seats for balls of ballast to the sections of parts, and return how each ball is held.
+    """Add seats for balls of ballast to the sections of parts, and return how each ball is held, from aft to fore.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def hold_ballast(
                 raise _refuse(one.ball, hull, "with all seats its part is printed on its other end")
         elif free_radius(hull, parts[one.part], joints[one.mouth], one.ball.z) < one.ball.radius - _ROUNDING:
             raise _refuse(one.ball, hull, "the seat of another ball is in its way")
-    return tuple(held)
+    return tuple(sorted(held, key=lambda one: one.ball.z))
 
 
 def free_radius(hull: Hull, part: CrossSection, mouth: Joint, z: float) -> float:

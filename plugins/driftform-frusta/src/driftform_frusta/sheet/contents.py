@@ -23,6 +23,12 @@ _LEAST_OVERHANG = 10.0
 _NBSP = "\u00a0"
 """A space at which no line is broken."""
 
+_ABS = 1050.0
+"""Density of ABS, kg/m3, the default of ``builder.hull_density``."""
+
+_SAME_FILAMENT = 0.01
+"""Share by which the density of ABS may differ."""
+
 _NEGLIGIBLE = 5e-6
 """kg: half of the last digit of a weight on the sheet."""
 
@@ -132,12 +138,12 @@ def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> She
         core = f"{name}: {core}"
     aft = MM * float(body.outer[0, 0])
     target, printed = job.agent.mass, _Printed.of(job, kit, options)
-    balls = [(_name_ball(held, options), held_mass(held, options)) for held in kit.ballast]
+    balls = [(f"ball {name_mark(held, kit)}", held_mass(held, options)) for held in kit.ballast]
     weights = (
         *((f"{part.number}  {part.piece.name}", part.mass, printed.flow * part.mass) for part in parts),
         *((name, mass, mass) for name, mass in [("core", body.core.mass), *balls]),
         ("closed kit", printed.closed(1.0)[0], printed.closed(printed.flow)[0]),
-        ("target, as simulated", target.mass, target.mass),
+        ("as simulated", target.mass, target.mass),
     )
     return Sheet(
         title=job.name,
@@ -155,7 +161,7 @@ def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> She
             ("perimeters", f"{options.perimeters}"),
             ("infill", f"{100 * options.infill:g} %"),
             ("nozzle", f"{MM * options.nozzle:g} mm"),
-            ("material", f"{body.hull_density:g} kg/m³"),
+            ("filament", name_filament(body.hull_density)),
             ("clearance of joints", f"{MM * options.clearance:g} mm"),
         ),
     )
@@ -182,6 +188,17 @@ def _number_parts(kit: Kit, density: float) -> tuple[SheetPart, ...]:
 
 def _grams(mass: float) -> str:
     return f"{1000 * mass:.2f}{_NBSP}g"
+
+
+def name_filament(density: float) -> str:
+    """Return what a hull's material of a density (kg/m3) is called: ``ABS, 1.05 g/cm³``, or the density of others."""
+    named = "ABS, " if abs(density - _ABS) <= _SAME_FILAMENT * _ABS else ""
+    return f"{named}{density / 1000:.4g}{_NBSP}g/cm³"
+
+
+def name_mark(held: HeldBall, kit: Kit) -> str:
+    """Return the letter of a ball of ballast, from aft to fore; parts have numbers."""
+    return "AB"[kit.ballast.index(held)]
 
 
 def _name_ball(held: HeldBall, options: PartOptions) -> str:
@@ -291,7 +308,7 @@ def _list_steps(
     steps = [
         _describe_printing(parts, printed),
         *(_describe_pause(held, by_place[held.part], kit, aft, options) for held in enclosed),
-        _describe_weighing(enclosed, by_place, printed, target.mass - body.core.mass, options),
+        _describe_weighing(enclosed, by_place, kit, printed, target.mass - body.core.mass, options),
         _describe_trim(job, aft, options, format),
         *(_describe_insertion(held, by_place[held.part], kit, aft, options) for held in inserted),
         f"Lay the core ({core}) into part 1, the {parts[0].piece.name}. It must reach its seat and not jam.",
@@ -341,6 +358,7 @@ def _describe_printing(parts: tuple[SheetPart, ...], printed: _Printed) -> str:
 def _describe_weighing(
     enclosed: list[HeldBall],
     by_place: dict[int, SheetPart],
+    kit: Kit,
     printed: _Printed,
     most: float,
     options: PartOptions,
@@ -348,7 +366,10 @@ def _describe_weighing(
     """How to weigh; ``most`` is what the parts may weigh, kg: those that weigh more need no ballast."""
     text = "Weigh the loose parts and the core, and write down what they weigh."
     for held in enclosed:
-        text += f" Take {_grams(held_mass(held, options))} off part {by_place[held.part].number} for the ball inside."
+        text += (
+            f" Take {_grams(held_mass(held, options))} off part {by_place[held.part].number} for ball "
+            f"{name_mark(held, kit)} inside."
+        )
     if printed.most <= 0:
         return text
     aim = _grams(printed.flow * printed.mass)
@@ -362,26 +383,25 @@ def _describe_trim(job: ExportJob, aft: float, options: PartOptions, format: str
     command = f"driftform trim {job.opened_as} {list_arguments([format], options)} --printed-mass KG"
     text = (
         f"Trim before anything is closed: {command}, where KG is the sum of the loose parts and the core in kg"
-        f"{', without ballast' if options.ballast else ''}. It gives the ballast, where it goes, and the flights with and "
-        f"without it. (To give the balance of the parts put together too: --printed-cog M, in m fore of the core's centre, "
-        f"which is at {-aft:.1f}{_NBSP}mm.)"
+        f"{', without ballast' if options.ballast else ''}; --printed-cog M adds where they balance, if you put them together, "
+        f"in m fore of the core's centre, which is at {-aft:.1f}{_NBSP}mm. It gives the ballast and where it goes."
     )
     return text + (
         " A ball of another size needs another seat: print that part again." if options.ballast else ""
     )
 
 
-def _describe_ball(held: HeldBall, aft: float, options: PartOptions) -> tuple[str, str]:
+def _describe_ball(held: HeldBall, kit: Kit, aft: float, options: PartOptions) -> tuple[str, str]:
     """A ball in words, and where it lies."""
     place = "its seat" if held.seat is not None else "the wall that holds it"
     return (
-        f"ballast, a {_name_ball(held, options)}, {_grams(held_mass(held, options))}",
+        f"ball {name_mark(held, kit)}, a {_name_ball(held, options)}, {_grams(held_mass(held, options))}",
         f"{place} at {held.ball.z - aft:.1f}{_NBSP}mm, and fix it with a drop of glue",
     )
 
 
 def _describe_pause(held: HeldBall, part: SheetPart, kit: Kit, aft: float, options: PartOptions) -> str:
-    ball, where = _describe_ball(held, aft, options)
+    ball, where = _describe_ball(held, kit, aft, options)
     return (
         f"While part {part.number} is printed, pause at a height of {kit.find_pause(held):.1f}{_NBSP}mm and put in {ball}: lay "
         f"it on {where}."
@@ -389,7 +409,7 @@ def _describe_pause(held: HeldBall, part: SheetPart, kit: Kit, aft: float, optio
 
 
 def _describe_insertion(held: HeldBall, part: SheetPart, kit: Kit, aft: float, options: PartOptions) -> str:
-    ball, where = _describe_ball(held, aft, options)
+    ball, where = _describe_ball(held, kit, aft, options)
     assert held.mouth is not None
     end = "fore" if kit.joints[held.mouth].z > held.ball.z else "aft"
     return f"Put {ball}, into part {part.number} by its {end} end, down to {where}."

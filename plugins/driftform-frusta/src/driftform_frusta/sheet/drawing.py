@@ -1,6 +1,7 @@
 """The assembly sheet as a picture: an A4 page in SVG, whose drawings have the scales that it states."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -12,12 +13,21 @@ from driftform.figures.svg import PX_PER_MM
 from driftform.types import FloatArray
 from driftform_frusta.colours import colour_of
 from driftform_frusta.kit.meridian import Ring
-from driftform_frusta.sheet.contents import Sheet, SheetPart
+from driftform_frusta.sheet.contents import Sheet, SheetPart, name_mark
 
 _WIDTH, _HEIGHT = 210 * PX_PER_MM, 297 * PX_PER_MM
 _LEFT, _RIGHT = 48.0, _WIDTH - 48.0
-_TEXT, _LINE = 11.0, 15.0
-"""Font size of the text and distance of its lines, px: 8 pt."""
+_TEXT = 11.0
+"""Font size, px: 8 pt."""
+
+_SMALLER = (_TEXT, 10.0, 9.0)
+"""Font sizes of steps and weights, px: the first that leaves room for parts of a readable scale."""
+
+_LINE = 15 / 11
+"""Distance of lines over the font size."""
+
+_READABLE = 1 / 5
+"""Least scale of the parts at which walls and seats can be seen."""
 
 _SCALES = (2.0, 1.0, 1 / 1.5, 1 / 2, 1 / 2.5, 1 / 3, 1 / 4, 1 / 5, 1 / 10, 1 / 20, 1 / 50, 1 / 100)
 """Paper to body: those of ISO 5455, and some between them."""
@@ -30,10 +40,10 @@ _BOTTOM = _HEIGHT - 48.0
 _ACROSS = 7
 """Parts side by side."""
 
-_LABEL = 76.0
+_LABEL = 62.0
 """Room for the lines below a part, px."""
 
-_COLUMN = 305.0
+_COLUMN = 275.0
 """Width of the table of weights, px."""
 
 _GAP = 26.0
@@ -57,10 +67,16 @@ def sheet_svg(sheet: Sheet) -> str:
     write(root, _LEFT, 90, "All positions are distances from the aft end, mm.", _TEXT, MUTED)
     bottom = _draw_closed(root, sheet, 112.0)
     # The text is written twice: the first time on no page, to see how much room it leaves.
-    text = max(draw(ET.Element("svg"), sheet, 0.0) for draw in (_draw_weights, _draw_steps))
-    _draw_parts(root, sheet, bottom + 30, _BOTTOM - text - 30)
-    _draw_weights(root, sheet, _BOTTOM - text)
-    _draw_steps(root, sheet, _BOTTOM - text)
+    for size in _SMALLER:
+        text = _BOTTOM - max(
+            draw(ET.Element("svg"), sheet, 0.0, size) for draw in (_draw_weights, _draw_steps)
+        )
+        rows = _arrange_parts(sheet, text - bottom - 60)
+        if rows.scale >= _READABLE * PX_PER_MM:
+            break
+    _draw_parts(root, rows, bottom + 30)
+    _draw_weights(root, sheet, text, size)
+    _draw_steps(root, sheet, text, size)
     return svg.render(root)
 
 
@@ -75,7 +91,7 @@ def _choose_scale(sizes: Sequence[tuple[float, float]], room: tuple[float, float
 
 
 def _draw_closed(root: ET.Element, sheet: Sheet, top: float) -> float:
-    """Draw the section of the closed kit with the numbers of its parts; return where the drawing ends."""
+    """Draw the section of the closed kit with the marks of parts and ballast; return where the drawing ends."""
     skin = sheet.kit.hull.skin
     length, radius = float(np.ptp(skin[:, 0])), float(skin[:, 1].max())
     scale, name = _choose_scale([(length, 2 * radius)], (_RIGHT - _LEFT - 40, _TALLEST))
@@ -107,13 +123,19 @@ def _draw_closed(root: ET.Element, sheet: Sheet, top: float) -> float:
     line = svg.path_data([(start - 12, axis), (start + scale * length + 12, axis)])
     svg.add_line(root, line, INK, 0.6, "axis", stroke_dasharray="12 3 2 3")
     bounds = [sheet.aft, *(joint.z for joint in sheet.kit.joints), sheet.aft + length]
+    marks = [
+        (x_of + scale * held.ball.z, axis - scale * held.ball.radius, name_mark(held, sheet.kit), INK)
+        for held in sheet.kit.ballast
+    ]
+    for part in sheet.parts:
+        middle = (bounds[part.place] + bounds[part.place + 1]) / 2
+        on_skin = axis - scale * float(np.interp(middle, skin[:, 0], skin[:, 1]))
+        marks.append((x_of + scale * middle, on_skin, str(part.number), colour_of(part.place)))
     last = -np.inf
-    for part in sorted(sheet.parts, key=lambda part: part.place):
-        middle = x_of + scale * (bounds[part.place] + bounds[part.place + 1]) / 2
-        last = max(middle, last + 22)
-        on_skin = axis - scale * float(np.interp((middle - x_of) / scale, skin[:, 0], skin[:, 1]))
-        svg.add_line(root, svg.path_data([(last, top + 32), (middle, on_skin)]), MUTED, 0.7)
-        _draw_number(root, last, top + 24, part)
+    for x, y, mark, colour in sorted(marks):
+        last = max(x, last + 22)
+        svg.add_line(root, svg.path_data([(last, top + 32), (x, y)]), MUTED, 0.7)
+        _draw_mark(root, last, top + 24, mark, colour)
     level = axis + scale * radius + 16
     _draw_stations(root, [z - sheet.aft for z in bounds], start, scale, level)
     balance = start + scale * (1e3 * float(sheet.target.cog[0]) - sheet.aft)
@@ -141,25 +163,38 @@ def _draw_stations(root: ET.Element, stations: list[float], start: float, scale:
         last = x
 
 
-def _draw_parts(root: ET.Element, sheet: Sheet, top: float, bottom: float) -> None:
-    """Draw the sections of the parts as they are printed, in the order of assembly, in rows."""
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """Parts in rows of some height, px, at a scale, px for each mm, of some name."""
+
+    parts: Sequence[Sequence[SheetPart]]
+    height: float
+    scale: float
+    name: str
+
+
+def _arrange_parts(sheet: Sheet, room: float) -> _Rows:
+    """Arrange the parts in the order of assembly, at the largest scale that fits into a height of ``room`` px."""
     rows = [sheet.parts[i : i + _ACROSS] for i in range(0, len(sheet.parts), _ACROSS)]
-    height = (bottom - top - 18) / len(rows)
+    height = (room - 18) / len(rows)
     choices = [
         _choose_scale(
             [(max(part.size[0], 1e-3), part.size[1]) for part in row], (_RIGHT - _LEFT, height - _LABEL - 8)
         )
         for row in rows
     ]
-    scale, name = min(choices)
-    _draw_heading(root, _LEFT, top + 4, f"Parts as printed, cut along the axis, scale {name}")
-    draw_scale_bar(root, _RIGHT, top + 6, 1000 * scale, 90)
-    for index, row in enumerate(rows):
-        bed = top + 18 + height * (index + 1) - _LABEL
+    return _Rows(rows, height, *min(choices))
+
+
+def _draw_parts(root: ET.Element, rows: _Rows, top: float) -> None:
+    """Draw the sections of the parts as they are printed."""
+    _draw_heading(root, _LEFT, top + 4, f"Parts as printed, cut along the axis, scale {rows.name}")
+    draw_scale_bar(root, _RIGHT, top + 6, 1000 * rows.scale, 90)
+    for index, row in enumerate(rows.parts):
+        bed = top + 18 + rows.height * (index + 1) - _LABEL
         width = (_RIGHT - _LEFT) / max(len(row), 2)
         for column, part in enumerate(row):
-            middle = _LEFT + width * (column + 0.5)
-            _draw_part(root, part, middle, bed, scale, width)
+            _draw_part(root, part, _LEFT + width * (column + 0.5), bed, rows.scale, width)
 
 
 def _draw_part(
@@ -180,7 +215,7 @@ def _draw_part(
     ]
     name = shorten(part.piece.name, _TEXT, width - 20, bold=True)
     left = middle - text_width(name, _TEXT, bold=True) / 2
-    _draw_number(root, left - 2, bed + 15, part)
+    _draw_mark(root, left - 2, bed + 15, str(part.number), colour_of(part.place))
     write(root, left + 11, bed + 19, name, _TEXT, bold=True)
     for row, line in enumerate(lines):
         write(root, middle, bed + 34 + 13 * row, line, 10, MUTED, "middle")
@@ -195,21 +230,22 @@ def _draw_section(root: ET.Element, rings: Sequence[FloatArray], place: int) -> 
     )  # fmt: skip
 
 
-def _draw_number(root: ET.Element, x: float, y: float, part: SheetPart) -> None:
-    svg.add(root, "circle", cx=x, cy=y, r=8.5, fill="#ffffff", stroke=colour_of(part.place), stroke_width=1.6)
-    write(root, x, y + 4, str(part.number), _TEXT, anchor="middle", bold=True, class_="number")
+def _draw_mark(root: ET.Element, x: float, y: float, mark: str, colour: str) -> None:
+    """Draw the number of a part, or the letter of a ball of ballast, in a circle."""
+    svg.add(root, "circle", cx=x, cy=y, r=8.5, fill="#ffffff", stroke=colour, stroke_width=1.6)
+    write(root, x, y + 4, mark, _TEXT, anchor="middle", bold=True, class_="number")
 
 
 def _draw_heading(root: ET.Element, x: float, y: float, text: str) -> None:
     write(root, x, y, text, 13, bold=True, class_="heading")
 
 
-def _draw_weights(root: ET.Element, sheet: Sheet, top: float) -> float:
+def _draw_weights(root: ET.Element, sheet: Sheet, top: float, size: float) -> float:
     """Draw the table of weights with room to write, and the print settings; return where they end."""
     right = _LEFT + _COLUMN
-    columns = {right - 142: "full flow", right - 78: f"{100 * sheet.flow:.1f} % flow"}
+    columns = {right - 136: "full flow", right - 66: f"{100 * sheet.flow:.1f} % flow"}
     if sheet.flow == 1:
-        columns = {right - 78: "full flow"}
+        columns = {right - 66: "full flow"}
     _draw_heading(root, _LEFT, top, "Weights, g")
     for x, heading in {**columns, right - 8: "weighed"}.items():
         write(root, x, top, heading, 10, MUTED, "end")
@@ -217,42 +253,43 @@ def _draw_weights(root: ET.Element, sheet: Sheet, top: float) -> float:
     lines = []
     for name, *masses in sheet.weights:
         lines.append(svg.path_data([(_LEFT, y), (right, y)]))
-        bold = name == "closed kit" or name.startswith("target")
-        write(root, _LEFT + 2, y + 14, name, _TEXT, bold=bold)
+        bold = name in ("closed kit", "as simulated")
+        room = min(columns) - _LEFT - text_width("000.00 ", size, bold=True)
+        write(root, _LEFT + 2, y + 14, shorten(name, size, room, bold=bold), size, bold=bold)
         for x, mass in zip(reversed(columns), reversed(masses), strict=False):
-            write(root, x, y + 14, f"{1000 * mass:.2f}", _TEXT, anchor="end", bold=bold, class_="mass")
+            write(root, x, y + 14, f"{1000 * mass:.2f}", size, anchor="end", bold=bold, class_="mass")
         y += 20
     lines += [
         svg.path_data([(_LEFT, y), (right, y)]),
-        svg.path_data([(right - 66, top + 8), (right - 66, y)]),
+        svg.path_data([(right - 56, top + 8), (right - 56, y)]),
     ]
     svg.add_line(root, "".join(lines), MUTED, 0.6, "table")
-    y = _write_paragraph(root, _LEFT, y + 16, sheet.remedy, _COLUMN) + 2
-    y = _write_paragraph(root, _LEFT, y, "Glue, O-rings and plugs are not counted.", _COLUMN) + 12
+    y = _write_paragraph(root, _LEFT, y + 16, sheet.remedy, _COLUMN, size) + 2
+    y = _write_paragraph(root, _LEFT, y, "Glue, O-rings and plugs are not counted.", _COLUMN, size) + 12
     _draw_heading(root, _LEFT, y, "Print settings")
     for row, (name, value) in enumerate(sheet.settings):
-        at = y + 17 + _LINE * row
-        write(root, _LEFT + 2, at, name, _TEXT)
-        write(root, right - 8, at, value, _TEXT, anchor="end", class_="setting")
+        at = y + 17 + _LINE * size * row
+        write(root, _LEFT + 2, at, name, size)
+        write(root, right - 8, at, value, size, anchor="end", class_="setting")
     return at
 
 
-def _draw_steps(root: ET.Element, sheet: Sheet, top: float) -> float:
+def _draw_steps(root: ET.Element, sheet: Sheet, top: float, size: float) -> float:
     """Draw the order of assembly; return where it ends."""
     left = _LEFT + _COLUMN + 30
     _draw_heading(root, left, top, "Order of assembly")
     y = top + 20
     for number, step in enumerate(sheet.steps, 1):
-        write(root, left, y, f"{number}.", _TEXT, bold=True)
-        y = _write_paragraph(root, left + 24, y, step, _RIGHT - left - 24) + 5
-    return y - _LINE
+        write(root, left, y, f"{number}.", size, bold=True)
+        y = _write_paragraph(root, left + 24, y, step, _RIGHT - left - 24, size) + 5
+    return y - _LINE * size
 
 
-def _write_paragraph(root: ET.Element, x: float, y: float, text: str, width: float) -> float:
+def _write_paragraph(root: ET.Element, x: float, y: float, text: str, width: float, size: float) -> float:
     """Write a text in lines of at most ``width`` px; return where the next line begins."""
-    for line in wrap(text, _TEXT, width):
-        write(root, x, y, line, _TEXT)
-        y += _LINE
+    for line in wrap(text, size, width):
+        write(root, x, y, line, size)
+        y += _LINE * size
     return y
 
 
