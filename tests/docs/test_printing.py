@@ -5,6 +5,8 @@ Numbers may differ in their last digits from one processor to the next, and so a
 
 import re
 import shlex
+import shutil
+import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -55,3 +57,25 @@ def test_the_worked_example_prints_what_the_page_shows(
     assert ran >= 4
     if without_numbers(text) != without_numbers(original):
         up_to_date(page, text)
+
+
+@pytest.mark.peers
+def test_the_pause_of_the_page_comes_once_before_the_first_layer_above_its_height(
+    blocks: list[Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if shutil.which("prusa-slicer") is None:
+        pytest.skip("prusa-slicer is not installed")
+    monkeypatch.chdir(tmp_path)
+    word = "-".join(["addF-tiltp-0-L-moveF"] * 3)
+    made = CliRunner().invoke(app, ["export", word, "--kit", "--format", "3mf", "--out", "."])
+    assert made.exit_code == 0, made.output
+    next(tmp_path.glob("*.3mf")).rename("r1-TP5.3mf")
+    [block] = [b for b in blocks if b.page == "printing.md" and "before-layer-gcode" in b.text]
+    command = shlex.split(block.text.replace("\\\n", " "))
+    subprocess.run(command, check=True, capture_output=True)
+    printed = Path("r1-TP5.gcode").read_text(encoding="utf-8")
+    commands = [line for line in printed.splitlines() if line.startswith((";Z:", "M601", ";TYPE:Skirt/Brim"))]
+    assert commands.count("M601") == 1 and ";TYPE:Skirt/Brim" in commands
+    place = commands.index("M601")
+    below, above = (float(line[3:]) for line in commands[place - 2 : place])
+    assert below <= 12.5 < above

@@ -41,6 +41,13 @@ def test_ignition_accepts_files_for_fortress(
         assert "Valid." in done.stdout
 
 
+def test_ignition_says_of_files_for_harmonic_that_they_are_too_new(
+    job: ExportJob, export: Callable, requires_program: Callable[[str], str], check_sdf: Callable
+) -> None:
+    done = check_sdf(requires_program("ign"), export("sdf", job, gazebo="harmonic") / "model.sdf")
+    assert "Unable to convert from SDF version 1.11 to 1.9" in done.stderr and "Valid." in done.stdout
+
+
 def test_ignition_rejects_an_impossible_inertia(
     jobs: dict[str, ExportJob],
     export: Callable,
