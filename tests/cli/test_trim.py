@@ -193,6 +193,25 @@ def test_a_seat_holds_only_a_ball_that_fits_it_else_the_seat_to_print_is_told(ca
     assert f"--option 'ballast=[[{ball['x']:.5g},{ball['diameter']:.5g}]]'" in text
 
 
+NECK = "-".join(["addF-tiltn-2-L-moveF"] * 3 + ["addF-tiltp-2-L-moveF"] * 3 + ["addF-tiltp-0-L-moveF"])
+
+
+@pytest.mark.long
+def test_a_ball_that_was_printed_in_is_taken_off_what_is_weighed(call: Call) -> None:
+    fast = ("--simulator", "native")
+    whole = json.loads(call("trim", NECK, "--printed-mass", "0.06", *fast, "--json").stdout)
+    mass, cog = whole["simulated_mass"], whole["simulated_cog"]
+    lack, beyond_the_neck = 0.001, 0.06
+    balance = (mass * cog - lack * beyond_the_neck) / (mass - lack)
+    given = ("--kit", "--printed-mass", mass - lack, "--printed-cog", balance, *fast)
+    facts = json.loads(call("trim", NECK, *given, "--json").stdout)
+    [ball], [piece] = facts["held"], facts["pieces"]
+    assert ball["pause"] is not None
+    text = call("trim", NECK, *given).stdout
+    assert f"weigh it, take off the {1000 * piece['mass']:.3f} g of ballast that is inside" in text
+    assert "without the ball" not in text
+
+
 @pytest.mark.long
 def test_the_commands_to_copy_carry_what_the_user_gave(call: Call) -> None:
     given = (

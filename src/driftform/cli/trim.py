@@ -313,10 +313,17 @@ def _describe_export(facts: dict[str, Any], command: _Command) -> list[str]:
     seat = f"{1000 * facts['seat_mass']:.3f} g of seat"
     if facts["misfits"]:
         seat = f"another seat, {1000 * facts['seat_mass']:+.3f} g"
+    weighed = "without the ball"
+    if inside := sum(
+        piece["mass"]
+        for piece, ball in zip(facts["pieces"], facts["held"], strict=True)
+        if ball["pause"] is not None
+    ):
+        weighed = f"take off the {1000 * inside:.3f} g of ballast that is inside"
     export, trim = command.write(balls, facts["ballast_density"])
     return [
         f"print the {parts} again with the same flow, and with {seat}, which is counted above:",
         f"  {export}",
-        "then weigh it, without the ball, and trim again:",
+        f"then weigh it, {weighed}, and trim again:",
         f"  {trim}",
     ]

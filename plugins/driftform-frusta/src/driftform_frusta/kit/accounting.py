@@ -1,21 +1,24 @@
 """Mass and volume of a kit beside those that were simulated: sleeves, seats and fillings add mass."""
 
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from driftform.geometry import mass_properties, solid_of_revolution
 from driftform.geometry.mass import assemble
-from driftform.geometry.mass_elements import MassElement, ball_element, combine
 from driftform.interfaces import ExportJob
 from driftform.printing.ballast import ball_mass, name_material
 from driftform.scenario import Fluid
-from driftform.types import Body, Fittings, FloatArray, MassProperties, Moments
+from driftform.types import Agent, Body, Fittings, FloatArray, MassProperties, Moments
 from driftform_frusta.kit.ballast import HeldBall
 from driftform_frusta.kit.engraving import Engraving
 from driftform_frusta.kit.meridian import MM, moments
 from driftform_frusta.kit.options import KitOptions, PartOptions
 from driftform_frusta.kit.pieces import Kit, Piece, make_kit
+
+_LIGHTER = 0.95
+"""Mass of the parts, over that which gives the simulated mass, at which ballast is to make up for the rest."""
 
 
 def kit_mass(body: Body, options: KitOptions) -> MassProperties:
@@ -43,24 +46,52 @@ def held_mass(held: HeldBall, options: PartOptions) -> float:
     return ball_mass(2 * held.ball.radius / MM, options.ballast_density)
 
 
-def loaded_mass(body: Body, options: PartOptions) -> MassProperties:
-    """Return mass properties of the assembled kit with its core and the balls of ``ballast``.
+@dataclass(frozen=True)
+class KitWeight:
+    """What the parts of a kit weigh, and what they should weigh.
 
-    Raises
-    ------
-    WorkFailedError
-        if the body has no such kit.
+    Attributes
+    ----------
+    mass, moment
+        of the parts at full flow, kg and kg m.
+    bought, bought_moment
+        of core and ballast.
+    most
+        that the parts may weigh, so that the closed kit is not heavier than simulated, kg.
+    loaded
+        whether there is ballast.
     """
-    empty = kit_mass(body, options)
-    balls = [
-        ball_element(held_mass(held, options), held.ball.z / MM, held.ball.radius / MM)
-        for held in make_kit(body, options).ballast
-    ]
-    if not balls:
-        return empty
-    axial, transverse = empty.inertia[0, 0], empty.inertia[1, 1]
-    return combine(
-        [MassElement(empty.mass, float(empty.cog[0]), float(axial), float(transverse)), *balls], empty
+
+    mass: float
+    moment: float
+    bought: float
+    bought_moment: float
+    most: float
+    loaded: bool
+
+    @property
+    def flow(self) -> float:
+        """That gives the simulated mass with the ballast, and less where ballast is to be added; at most the full flow."""
+        aim = self.most if self.loaded else _LIGHTER * self.most
+        return min(1.0, aim / self.mass) if aim > 0 else 1.0
+
+    def closed(self, flow: float) -> tuple[float, float]:
+        """Return mass (kg) and moment (kg m) of the closed kit, printed with some flow."""
+        return self.bought + flow * self.mass, self.bought_moment + flow * self.moment
+
+
+def weigh_kit(agent: Agent, kit: Kit, options: PartOptions) -> KitWeight:
+    """Return what the parts of an agent's kit weigh, and what they should weigh with its ballast."""
+    core, empty = agent.body.core.mass, kit_mass(agent.body, options)
+    balls = [(held_mass(held, options), held.ball.z / MM) for held in kit.ballast]
+    bought = core + sum(mass for mass, _ in balls)
+    return KitWeight(
+        empty.mass - core,
+        float(empty.mass * empty.cog[0]),
+        bought,
+        sum(mass * x for mass, x in balls),
+        agent.mass.mass - bought,
+        bool(balls),
     )
 
 
@@ -123,8 +154,8 @@ def kit_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
     ``height_mm`` and ``bed_end``. ``ballast``: of each ball of the options its ``x_mm`` and ``diameter_mm``, the ``part`` that
     holds it, the joint that it goes in by (``mouth_mm``) or the height at which the printer pauses for it (``pause_mm``),
     ``held_by``: ``seat`` or ``wall``, its ``material`` and its ``mass_kg``. ``balance``: mass (kg), x of the centres of
-    gravity and of buoyancy (mm) and net buoyancy (N) of the simulated agent, of the printed one, and of that with its
-    ballast. With holes also ``flooded_kg``, the mass of the
+    gravity and of buoyancy (mm) and net buoyancy (N) of the simulated agent, of the one printed with full flow, and of that
+    with its ballast, printed with the flow that the ballast is for (:class:`KitWeight`). With holes also ``flooded_kg``, the mass of the
     water that enters through an open hole.
     """
     if not options.kit:
@@ -148,18 +179,25 @@ def kit_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
             }
             for held in kit.ballast
         ],
-        "balance": [
-            _balance(name, mass, fluid)
-            for name, mass in (
-                ("simulated", mass_properties(body)),
-                ("printed", kit_mass(body, options)),
-                *([("with ballast", loaded_mass(body, options))] if kit.ballast else []),
-            )
-        ],
+        "balance": _list_balances(job, kit, options),
     }
     if options.drain:
         facts["flooded_kg"] = measure_flooding(kit, body, fluid.density)
     return {"kit": facts}
+
+
+def _list_balances(job: ExportJob, kit: Kit, options: PartOptions) -> list[dict[str, Any]]:
+    fluid, printed = job.scenario.fluid, kit_mass(job.agent.body, options)
+    rows = [
+        _balance("simulated", mass_properties(job.agent.body), fluid),
+        _balance("printed", printed, fluid),
+    ]
+    if not kit.ballast:
+        return rows
+    weight = weigh_kit(job.agent, kit, options)
+    mass, moment = weight.closed(weight.flow)
+    loaded = replace(printed, mass=mass, cog=np.array([moment / mass, 0.0, 0.0]))
+    return [*rows, _balance("with ballast", loaded, fluid)]
 
 
 def piece_mass(piece: Piece, density: float) -> float:

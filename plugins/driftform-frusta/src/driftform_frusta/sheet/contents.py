@@ -9,7 +9,7 @@ from driftform.printing.ballast import name_material
 from driftform.printing.exporter_settings import list_arguments
 from driftform.types import MassProperties
 from driftform_frusta.cores import CUSTOM, name_core
-from driftform_frusta.kit.accounting import held_mass, kit_mass, measure_flooding, piece_mass
+from driftform_frusta.kit.accounting import KitWeight, held_mass, measure_flooding, piece_mass, weigh_kit
 from driftform_frusta.kit.ballast import HeldBall
 from driftform_frusta.kit.joint import Joint, groove_diameter, takes_core_aft
 from driftform_frusta.kit.meridian import MM, Ring
@@ -31,9 +31,6 @@ _SAME_FILAMENT = 0.01
 
 _NEGLIGIBLE = 5e-6
 """kg: half of the last digit of a weight on the sheet."""
-
-_LIGHTER = 0.95
-"""Mass of the parts, over that which gives the simulated mass, at which ballast is to make up for the rest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +134,7 @@ def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> She
     if (name := name_core(body.core)) != CUSTOM:
         core = f"{name}: {core}"
     aft = MM * float(body.outer[0, 0])
-    target, printed = job.agent.mass, _Printed.of(job, kit, options)
+    target, printed = job.agent.mass, weigh_kit(job.agent, kit, options)
     balls = [(f"ball {name_mark(held, kit)}", held_mass(held, options)) for held in kit.ballast]
     weights = (
         *((f"{part.number}  {part.piece.name}", part.mass, printed.flow * part.mass) for part in parts),
@@ -205,56 +202,7 @@ def _name_ball(held: HeldBall, options: PartOptions) -> str:
     return f"{name_material(options.ballast_density)} ball of {2 * held.ball.radius:.2f}{_NBSP}mm"
 
 
-@dataclass(frozen=True)
-class _Printed:
-    """What the parts weigh, and what they should weigh.
-
-    Attributes
-    ----------
-    mass, moment
-        of the parts at full flow, kg and kg m.
-    bought, bought_moment
-        of core and ballast.
-    most
-        that the parts may weigh, so that the closed kit is not heavier than simulated, kg.
-    loaded
-        whether there is ballast.
-    """
-
-    mass: float
-    moment: float
-    bought: float
-    bought_moment: float
-    most: float
-    loaded: bool
-
-    @classmethod
-    def of(cls, job: ExportJob, kit: Kit, options: PartOptions) -> "_Printed":
-        """Return what the parts of a kit weigh."""
-        core, empty = job.agent.body.core.mass, kit_mass(job.agent.body, options)
-        balls = [(held_mass(held, options), held.ball.z / MM) for held in kit.ballast]
-        bought = core + sum(mass for mass, _ in balls)
-        return cls(
-            empty.mass - core,
-            float(empty.mass * empty.cog[0]),
-            bought,
-            sum(mass * x for mass, x in balls),
-            job.agent.mass.mass - bought,
-            bool(balls),
-        )
-
-    @property
-    def flow(self) -> float:
-        """That gives the simulated mass with the ballast, and less where ballast is to be added; at most the full flow."""
-        aim = self.most if self.loaded else _LIGHTER * self.most
-        return min(1.0, aim / self.mass) if aim > 0 else 1.0
-
-    def closed(self, flow: float) -> tuple[float, float]:
-        """Return mass (kg) and moment (kg m) of the closed kit, printed with some flow."""
-        return self.bought + flow * self.mass, self.bought_moment + flow * self.moment
-
-
-def _describe_remedy(target: MassProperties, printed: _Printed, aft: float) -> str:
+def _describe_remedy(target: MassProperties, printed: KitWeight, aft: float) -> str:
     """What makes the closed kit weigh and balance as simulated."""
 
     def place(mass: float, moment: float) -> str:
@@ -290,7 +238,7 @@ def _list_steps(
     kit: Kit,
     parts: tuple[SheetPart, ...],
     core: str,
-    printed: _Printed,
+    printed: KitWeight,
     options: PartOptions,
     format: str,
 ) -> list[str]:
@@ -336,7 +284,7 @@ def _depth(held: HeldBall, kit: Kit) -> float:
     return abs(held.ball.z - kit.joints[held.mouth].z)
 
 
-def _describe_printing(parts: tuple[SheetPart, ...], printed: _Printed) -> str:
+def _describe_printing(parts: tuple[SheetPart, ...], printed: KitWeight) -> str:
     flow = ""
     if printed.loaded:
         flow = ", and with the flow of the parts that were weighed for the ballast"
@@ -359,7 +307,7 @@ def _describe_weighing(
     enclosed: list[HeldBall],
     by_place: dict[int, SheetPart],
     kit: Kit,
-    printed: _Printed,
+    printed: KitWeight,
     most: float,
     options: PartOptions,
 ) -> str:
