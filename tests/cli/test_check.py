@@ -269,6 +269,14 @@ def test_a_3mf_of_a_kit_is_checked_with_the_options_that_it_was_made_with(
     assert lines(other)["mass"]["state"] == "fail"
 
 
+def test_a_3mf_of_a_kit_is_checked_for_the_printer_that_it_was_made_for(call: Call) -> None:
+    path = exported_kit(call, "bed=[0.2,0.2,0.26]", "nozzle=0.0006")
+    found = lines(call("check", path, "--no-programs", "--json"))
+    assert "fits 200 x 200 x 260 mm" in found["bed"]["detail"] and "0.6 mm" in found["wall"]["detail"]
+    other = lines(call("check", path, "--no-programs", "--json", "--bed", "90,90,30"))
+    assert other["bed"]["state"] == "fail" and other["mass"]["state"] == "pass"
+
+
 def test_a_kit_that_is_not_that_of_its_options_has_another_mass(call: Call) -> None:
     path = exported_kit(call, "joint=rabbet")
     attach(path, "Metadata/kit.json", b'{"kit": true, "joint": "sleeve", "lap": 0.02, "sleeve": 0.005}')
@@ -299,6 +307,14 @@ def test_options_of_a_kit_in_a_file_of_a_stranger_are_refused_in_one_line(
     line = refused("check", path, "--no-programs")
     assert line.startswith(f"error: {path}: its kit.json: ") and message in line
     assert line.isprintable() and len(line) < 300
+
+
+def test_options_of_a_kit_in_a_file_of_a_format_without_kits_are_refused(
+    call: Call, refused: Refused
+) -> None:
+    path = exported_kit(call).rename("kit.svg")
+    attach(path, "Metadata/kit.json", b"{}")
+    assert "exporter 'svg' has no option 'kit'" in refused("check", path, "--no-programs")
 
 
 def test_a_file_of_a_kit_that_is_checked_as_a_hull_is_told_to_be_one(call: Call) -> None:

@@ -96,8 +96,8 @@ def check_file(
         whether OpenSCAD source that is attached to the file, or lies beside it under its name, is rendered: source may
         read files, and take all time and memory that OpenSCAD is given.
     printer, kit, programs, on_program
-        as for :meth:`driftform.agents.design.Design.check`. A 3MF file of a kit says itself that it is one, and with which
-        options it was made; ``settings`` come before these.
+        as for :meth:`driftform.agents.design.Design.check`. A 3MF file of a kit says itself that it is one, for which printer,
+        and with which options it was made; ``settings`` come before these.
 
     Raises
     ------
@@ -106,7 +106,7 @@ def check_file(
     WorkFailedError
         if nothing could be checked.
     """
-    path, printer = Path(path), printer or Printer()
+    path = Path(path)
     with TemporaryDirectory() as name:
         folder = Path(name)
         known = agent or extract_attachment(path, "agent.json", folder) or path.with_name("agent.json")
@@ -115,7 +115,7 @@ def check_file(
         where = "attached to it" if inside else f"beside it, {beside.name},"
         job = PrintJob(
             (path,),
-            printer,
+            printer or Printer(),
             source=source if attached else None,
             withheld=None if source is None or attached else f"OpenSCAD source {where}",
         )
@@ -129,7 +129,7 @@ def check_file(
                 kit = True
                 settings = [*read_kit_settings(options, f"{path}: its {KIT_FILE}", format), *settings]
             elif kit:
-                settings = [*settings, *list_kit_settings((format,), printer)]
+                settings = [*settings, *list_kit_settings((format,), job.printer)]
             design = open_agent(str(known), settings=settings)
             study, export = design.study, design.export_job()
             volume = hull_volume(design.agent.body)
@@ -138,6 +138,9 @@ def check_file(
                 written = write_files(study, export, format, folder)
                 named = [file for file in written if Path(file.path).name == path.name]
                 volume = sum_volumes(named or written) or volume
+            if options is not None and printer is None:
+                made = study.make_exporter(format).options
+                job = replace(job, printer=Printer(made.nozzle, made.bed))
             job = replace(job, export=export, volume=volume)
         findings = list(check_print_job(job, study, programs, on_program))
     require_findings(findings)

@@ -1,6 +1,7 @@
 """``driftform check``."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -36,11 +37,18 @@ def check(
         ),
     ] = None,
     nozzle: Annotated[
-        float, typer.Option("--nozzle", metavar="MM", help="Diameter of the nozzle, mm.")
-    ] = 0.4,
+        float | None,
+        typer.Option("--nozzle", metavar="MM", help="Diameter of the nozzle, mm; by default 0.4."),
+    ] = None,
     bed: Annotated[
-        str, typer.Option("--bed", metavar="X,Y,Z", help="Largest part that the printer can make, mm.")
-    ] = "250,210,210",
+        str | None,
+        typer.Option(
+            "--bed",
+            metavar="X,Y,Z",
+            help="Largest part that the printer can make, mm; by default 250,210,210. Without --nozzle and --bed a 3MF file "
+            "of a kit is checked for the printer that it was made for.",
+        ),
+    ] = None,
     format: Annotated[
         str, typer.Option("--format", metavar="NAME", help="Format that an AGENT is exported to.")
     ] = "stl",
@@ -80,9 +88,13 @@ def check(
     from driftform.types import State
     from driftform.util.files import is_file
 
-    if not 0 < nozzle <= 10:
-        raise InputError(f"--nozzle {nozzle:g}: should be a diameter in mm, such as 0.4")
-    printer = Printer(nozzle / MM_PER_M, parse_bed(bed))
+    printer = None
+    if nozzle is not None:
+        if not 0 < nozzle <= 10:
+            raise InputError(f"--nozzle {nozzle:g}: should be a diameter in mm, such as 0.4")
+        printer = Printer(nozzle / MM_PER_M)
+    if bed is not None:
+        printer = replace(printer or Printer(), bed=parse_bed(bed))
 
     def announce(program: str) -> None:
         print(f"running {program} ...", file=sys.stderr, flush=True)

@@ -76,8 +76,9 @@ def read_kit_settings(path: Path, label: str, format: str) -> list[str]:
     Raises
     ------
     InputError
-        if the file does not hold options of this exporter.
+        if the file does not hold options of this exporter, or the exporter writes no kits.
     """
+    list_kit_settings([format], Printer())
     try:
         options = registry().find("exporter", format).Options.model_validate(json.loads(path.read_bytes()))
     except RecursionError:
