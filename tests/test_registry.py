@@ -303,3 +303,37 @@ def test_a_name_that_nobody_has_is_refused_with_the_plugins_that_cannot_be_used(
         install(broken=source).find("strategy", "cma-es")
     assert "no strategy is named 'cma-es'" in str(refusal.value)
     assert "broken-plugin is unavailable: TypeError: the hook returned a int" in str(refusal.value)
+
+
+NO_HOOK = """
+from driftform.interfaces import Fitness
+
+def driftform_fitness():
+    return Fitness
+"""
+
+
+def test_a_module_without_a_hook_is_reported_in_its_row(install):
+    broken = row(install(ext_bare=NO_HOOK), "ext_bare")
+    assert not broken.available
+    assert "no function in it is marked @hookimpl and named as a hook, such as driftform_" in broken.state
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        (
+            "{'__annotations__': {'w': float}, 'w': option(2.0, 'share', ge=0, le=1)}",
+            "Mine: the default of option w is refused by its own bounds: Input should be less than or equal to 1",
+        ),
+        ("dict", "Mine.Options is not a class derived from Table"),
+        ("None", "Mine.Options is not a class derived from Table"),
+    ],
+)
+def test_options_that_cannot_be_used_are_reported_in_their_row(install, options, reason):
+    made = f"type('Options', (Table,), {options})" if options.startswith("{") else options
+    source = SOUND.format(name="mine").replace("Mine.Options = Options", f"Mine.Options = {made}")
+    found = install(ext_options=source)
+    assert reason in row(found, "ext_options").state
+    with pytest.raises(InputError, match="is unavailable: "):
+        found.find("fitness", "ext_options")

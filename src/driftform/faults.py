@@ -8,14 +8,13 @@ import math
 import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
 
 from driftform.errors import DriftformError, WorkFailedError, describe_error
 from driftform.interfaces import SEAMS, Fitness, Plugin
-from driftform.types import Candidate, End, Evaluation, Trajectory, Verdict, WrittenFile
+from driftform.types import Candidate, End, FloatArray, Genome, Trajectory, Verdict, WrittenFile
 
 T = TypeVar("T")
 
@@ -28,8 +27,9 @@ def name_plugin(plugin: Plugin[Any]) -> str:
 
 def describe_fault(error: BaseException) -> str:
     """Describe an error in one line with its place, and with the plugin that raised it unless it is meant for users."""
-    traced = None if isinstance(error, DriftformError) else trace_fault(error)
-    return traced or describe_error(error, with_place=True)
+    if isinstance(error, DriftformError):
+        return describe_error(error)
+    return trace_fault(error) or describe_error(error, with_place=True)
 
 
 def trace_fault(error: BaseException) -> str | None:
@@ -101,13 +101,15 @@ def require_flights(
     return list(flights)
 
 
-def require_candidates(candidates: object, most: int, plugin: Plugin[Any]) -> Sequence[Candidate]:
+def require_candidates(
+    candidates: object, most: int, targets: int, plugin: Plugin[Any]
+) -> Sequence[Candidate]:
     """Return the candidates of a strategy, at least one and not more than are left of the budget.
 
     Raises
     ------
     WorkFailedError
-        if there are fewer or more, or other things among them.
+        if there are fewer or more, other things among them, or one whose genome or threshold is no such thing.
     """
     expected = f"1 to {most} candidates"
     if not isinstance(candidates, Sequence):
@@ -115,8 +117,54 @@ def require_candidates(candidates: object, most: int, plugin: Plugin[Any]) -> Se
     if not 1 <= len(candidates) <= most:
         raise _refuse(plugin, "ask", f"{len(candidates)} candidates", expected)
     for candidate in candidates:
-        require(candidate, Candidate, plugin, "ask")
+        genome = require(candidate, Candidate, plugin, "ask").genome
+        if not _is_genome(genome):
+            raise WorkFailedError(
+                f"{name_plugin(plugin)} asked for {genome!r:.80}, expected a Genome whose symbols are a tuple of texts; "
+                "genomes come from random(), flip() and crossover() of the grammar"
+            )
+        threshold = candidate.threshold
+        if threshold is not None and (np.shape(threshold) != (targets,) or np.isnan(threshold).any()):
+            raise _refuse(
+                plugin,
+                "ask",
+                f"a candidate with the threshold {threshold!r:.80}",
+                f"one of {targets} numbers",
+            )
     return candidates
+
+
+def _is_genome(value: object) -> bool:
+    return (
+        isinstance(value, Genome)
+        and isinstance(value.grammar, str)
+        and isinstance(value.symbols, tuple)
+        and all(isinstance(symbol, str) for symbol in value.symbols)
+    )
+
+
+def require_fitness(value: object, targets: int, plugin: Plugin[Any]) -> FloatArray:
+    """Return the fitness that was scored, %, (targets,).
+
+    Raises
+    ------
+    WorkFailedError
+        if it is not one real number from 0 to 100 for each target.
+    """
+    expected = "an array of one number from 0 to 100" if targets == 1 else f"{targets} numbers from 0 to 100"
+    try:
+        scores = np.asarray(value)
+    except ValueError:
+        scores = np.array(None)
+    if scores.dtype.kind not in "biuf":
+        what = "complex numbers" if scores.dtype.kind == "c" else _describe(value)
+        raise _refuse(plugin, "score", what, expected)
+    if scores.shape != (targets,):
+        what = f"an array of shape {scores.shape}" if scores.shape else f"the single number {scores}"
+        raise _refuse(plugin, "score", what, expected)
+    if not np.all((scores >= 0) & (scores <= 100)):
+        raise _refuse(plugin, "score", str(scores.tolist()), expected)
+    return scores.astype(np.float64)
 
 
 def require_files(files: object, plugin: Plugin[Any], method: str = "write") -> tuple[WrittenFile, ...]:
@@ -160,13 +208,3 @@ def check_wording(fitness: Fitness[Any]) -> None:
                 raise _refuse(fitness, "measure", f"{measured!r} of {value:g} %", "a finite number")
             require(fitness.judge(value), Verdict, fitness, "judge")
             require(fitness.describe(value), str, fitness, "describe")
-
-
-def check_fitness(evaluation: Evaluation, targets: Sequence[str], name: str) -> Evaluation:
-    """Return the evaluation, as a failure if the fitness ``name`` is not one number from 0 to 100 for each target."""
-    fitness = evaluation.fitness
-    if len(fitness) == len(targets) and bool(np.all((fitness >= 0) & (fitness <= 100))):
-        return evaluation
-    expected = "a number" if len(targets) == 1 else f"{len(targets)} numbers"
-    reason = f"fitness '{name}' returned {fitness.tolist()} from score(), expected {expected} from 0 to 100"
-    return replace(evaluation, fitness=np.zeros(len(targets)), failure=evaluation.failure or reason)

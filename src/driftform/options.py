@@ -4,6 +4,7 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field
+from pydantic.fields import FieldInfo
 
 MAX_SEED = 2**63 - 1
 """Largest seed, the largest integer of TOML and of a database."""
@@ -38,7 +39,7 @@ def option(default: Any, help: str, unit: str = "", **constraints: Any) -> Any:
 
 
 def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
-    """Return rows ``{option, type, default, unit, help}``, one for each field of a model.
+    """Return rows ``{option, type, bounds, default, unit, help}``, one for each field of a model.
 
     The fields of a table within the model follow it, with names such as ``kit.joint``.
     """
@@ -49,6 +50,7 @@ def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
             {
                 "option": name,
                 "type": _format_type(field.annotation),
+                "bounds": format_bounds(field),
                 "default": "required"
                 if field.is_required()
                 else field.get_default(call_default_factory=True),
@@ -59,6 +61,17 @@ def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
         if table := find_table(field.annotation):
             rows += [row | {"option": f"{name}.{row['option']}"} for row in describe(table)]
     return rows
+
+
+def format_bounds(field: FieldInfo) -> str:
+    """Return the bounds of a number in readable form: ``> 0, ≤ 10``."""
+    signs = (("gt", ">"), ("ge", "≥"), ("lt", "<"), ("le", "≤"))
+    return ", ".join(
+        f"{sign} {value:g}"
+        for constraint in field.metadata
+        for name, sign in signs
+        if (value := getattr(constraint, name, None)) is not None
+    )
 
 
 def find_table(annotation: Any) -> type[Table] | None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from driftform.errors import WorkFailedError, describe_error
-from driftform.faults import describe_fault, require, require_flights
+from driftform.faults import describe_fault, require, require_fitness, require_flights
 from driftform.geometry import mass_properties
 from driftform.geometry.mass_elements import load_ballast
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
@@ -168,7 +168,7 @@ class Pipeline:
         for trajectory in trajectories:
             trajectory.require_success(name)
         return [
-            ScoredFlight(trajectory, self.fitness.score(trajectory, self.scenario, agent))
+            ScoredFlight(trajectory, self._rate(trajectory, agent))
             for trajectory, agent in zip(trajectories, agents, strict=True)
         ]
 
@@ -267,9 +267,7 @@ class Pipeline:
         if threshold is None or trajectory.failure is not None:
             return True
         try:
-            fitness = self.fitness.score(trajectory, self.scenario, agent)
-            # A fitness that is not a number matters: it is a failure.
-            return not np.all(fitness <= np.array(threshold) - MARGIN)
+            return not np.all(self._rate(trajectory, agent) <= np.array(threshold) - MARGIN)
         except (Exception, SystemExit):
             # The same error in the score of the checked flight is the failure of the evaluation.
             return True
@@ -281,6 +279,10 @@ class Pipeline:
         if trajectory.failure is not None:
             return Evaluation.failed(genome, targets, trajectory.failure, trajectory)
         try:
-            return Evaluation(genome, self.fitness.score(trajectory, self.scenario, agent), trajectory)
+            return Evaluation(genome, self._rate(trajectory, agent), trajectory)
         except (Exception, SystemExit) as error:
             return Evaluation.failed(genome, targets, describe_fault(error))
+
+    def _rate(self, trajectory: Trajectory, agent: Agent) -> FloatArray:
+        fitness = self.fitness.score(trajectory, self.scenario, agent)
+        return require_fitness(fitness, len(self.scenario.targets), self.fitness)

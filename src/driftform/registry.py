@@ -10,6 +10,7 @@ from importlib import metadata, util
 from typing import Any
 
 import pluggy
+from pydantic import ValidationError
 
 from driftform import hookspecs
 from driftform.errors import InputError, describe_error, did_you_mean
@@ -79,10 +80,15 @@ class Registry:
 
     def _check_hooks(self, module: object) -> None:
         hooks = [f"driftform_{seam}" for seam in SEAMS]
-        for name in dir(module):
-            # pluggy silently ignores an implementation of a hook that does not exist.
-            if self._manager.parse_hookimpl_opts(module, name) is not None and name not in hooks:
+        found = [name for name in dir(module) if self._manager.parse_hookimpl_opts(module, name) is not None]
+        # pluggy silently ignores an implementation of a hook that does not exist, and a module without any.
+        for name in found:
+            if name not in hooks:
                 raise AttributeError(f"unknown hook {name}{did_you_mean(name, hooks)}")
+        if not found:
+            raise AttributeError(
+                f"no function in it is marked @hookimpl and named as a hook, such as {hooks[0]}"
+            )
 
     def seam(self, seam: str) -> list[Contribution]:
         """Return the contributions to one seam, by name; imports the implementations."""
@@ -196,4 +202,21 @@ def _check_classes(returned: Any, interface: type[Plugin[Any]]) -> list[type[Plu
             raise TypeError(f"{cls.__name__} has no name")
         if missing := sorted(getattr(cls, "__abstractmethods__", ())):
             raise TypeError(f"{cls.__name__} does not implement {', '.join(missing)}")
+        _check_options(cls, interface)
     return classes
+
+
+def _check_options(cls: type[Plugin[Any]], interface: type[Plugin[Any]]) -> None:
+    """Check that a class has a model of options, whose defaults are values that it allows."""
+    if not (isinstance(cls.Options, type) and issubclass(cls.Options, interface.Options)):
+        raise TypeError(f"{cls.__name__}.Options is not a class derived from {interface.Options.__name__}")
+    fields = cls.Options.model_fields.items()
+    defaults = {name: f.get_default(call_default_factory=True) for name, f in fields if not f.is_required()}
+    try:
+        cls.Options.model_validate(defaults)
+    except ValidationError as error:
+        for fault in error.errors():
+            if (name := ".".join(map(str, fault["loc"]))) and fault["type"] != "missing":
+                raise TypeError(
+                    f"{cls.__name__}: the default of option {name} is refused by its own bounds: {fault['msg']}"
+                ) from None

@@ -101,8 +101,53 @@ def test_a_fitness_that_is_no_number_is_named(call: Call) -> None:
     result = call(*STUDY, "--set", "fitness.use=nonsense", *RUN)
     assert last_line(result) == (
         "error: all 4 evaluations failed, 4 of them like this: "
-        "fitness 'nonsense' returned [nan] from score(), expected a number from 0 to 100"
+        "fitness 'nonsense' returned [nan] from score(), expected an array of one number from 0 to 100"
     )
+
+
+@pytest.mark.parametrize(
+    ("returns", "text"),
+    [
+        ("none", "nothing"),
+        ("text", "a str"),
+        ("single", "the single number 50.0"),
+        ("complex", "complex numbers"),
+        ("texts", "a ndarray"),
+        ("ragged", "a list"),
+        ("table", "an array of shape (1, 1)"),
+    ],
+)
+def test_a_fitness_that_returns_something_else_is_named_wherever_it_scores(
+    call: Call, returns: str, text: str
+) -> None:
+    text = f"fitness 'odd' returned {text} from score(), expected"
+    odd = ("--set", "fitness.use=odd", "--set", f"fitness.returns='{returns}'")
+    result = call(*STUDY, *odd, *RUN)
+    assert result.exit_code == 1
+    text += " an array of one number from 0 to 100"
+    assert last_line(result) == f"error: all 4 evaluations failed, 4 of them like this: {text}"
+    result = call("simulate", "C", "--simulator", "fake", "--scenario", "paper", *odd, "--out", "flight")
+    assert result.exit_code == 1
+    assert last_line(result) == f"error: {text.replace('an array of one number', '10 numbers')}"
+
+
+@pytest.mark.parametrize(
+    ("returns", "text"),
+    [
+        ("none", "None"),
+        ("list", "['A', 'B']"),
+        ("numbers", "Genome(grammar='odd', symbols=(0.5, 0.25))"),
+        ("text", "Genome(grammar='odd', symbols='AB')"),
+    ],
+)
+def test_a_grammar_that_makes_no_genomes_is_refused_before_one_is_stored(
+    call: Call, returns: str, text: str
+) -> None:
+    odd = ("--set", "grammar.use=odd", "--set", f"grammar.returns='{returns}'")
+    result = call(*STUDY, "--strategy", "random", *odd, *RUN)
+    assert result.exit_code == 1
+    assert last_line(result).startswith(f"error: strategy 'random' asked for {text}, expected a Genome whose")
+    assert last_line(result).endswith("random(), flip() and crossover() of the grammar")
 
 
 def test_a_strategy_that_does_not_accept_a_study_leaves_no_directory(call: Call, tmp_path: Path) -> None:

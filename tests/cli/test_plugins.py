@@ -61,3 +61,11 @@ def test_the_options_of_a_plugin_are_shown_with_default_and_unit(call: Call) -> 
 
 def test_a_plugin_without_options_says_so(call: Call) -> None:
     assert "It has no options." in call("plugins", "show", "closest-approach").stdout
+
+
+def test_bounds_of_options_are_shown_and_an_inherited_docstring_is_not(call: Call, fakes: None) -> None:
+    text = call("plugins", "show", "fake").stdout
+    assert "≥ 0, ≤ 1" in text
+    text = call("plugins", "show", "odd").stdout
+    assert "What is no fitness." in text
+    assert "What no selection can work with." not in text

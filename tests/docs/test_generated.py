@@ -19,7 +19,7 @@ from pydantic.fields import FieldInfo
 
 from driftform.cli.app import app
 from driftform.interfaces import SEAMS
-from driftform.options import find_table
+from driftform.options import find_table, format_bounds
 from driftform.registry import Contribution, registry
 from driftform.scenario import FLOWS, Scenario
 from driftform.scenario.parts import PARTS as PIPE_PARTS
@@ -53,18 +53,6 @@ def type_text(annotation: Any) -> str:
     return names.get(annotation, getattr(annotation, "__name__", str(annotation)))
 
 
-def bounds_text(field: FieldInfo) -> str:
-    """The constraints on a number, such as ``> 0``."""
-    signs = (("gt", ">"), ("ge", "≥"), ("lt", "<"), ("le", "≤"))
-    found = [
-        f"{sign} {getattr(item, name):g}"
-        for item in field.metadata
-        for name, sign in signs
-        if getattr(item, name, None) is not None
-    ]
-    return ", ".join(found)
-
-
 def default_text(field: FieldInfo) -> str:
     """The default as a study file would say it."""
     if field.is_required():
@@ -92,7 +80,7 @@ def keys_rows(model: type[BaseModel], within: str = "") -> list[str]:
     lines = []
     for name, field in model.model_fields.items():
         extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
-        kind = ", ".join(part for part in (type_text(field.annotation), bounds_text(field)) if part)
+        kind = ", ".join(part for part in (type_text(field.annotation), format_bounds(field)) if part)
         cells = (
             f"`{within}{name}`",
             kind,

@@ -48,7 +48,8 @@ def show(
             k: getattr(row, k) for k in ("seam", "name", "distribution", "version", "state")
         }
         if row.cls is not None:
-            entry["summary"] = inspect.getdoc(row.cls) or ""
+            # Not that of a class from which it derives.
+            entry["summary"] = inspect.cleandoc(row.cls.__doc__ or "It has no docstring.")
             entry["options"] = describe(row.cls.Options)
         found.append(entry)
     if json:
@@ -61,7 +62,7 @@ def show(
             continue
         print(f"\n{entry['summary']}\n")
         if entry["options"]:
-            columns = ("option", "type", "default", "unit", "help")
+            columns = ("option", "type", "bounds", "default", "unit", "help")
             print_table(columns, ([str(option[c]) for c in columns] for option in entry["options"]))
         else:
             print("It has no options.")

@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
+from driftform.faults import require_fitness
 from driftform.interfaces import Fitness
 from driftform.scenario import Pipe, Scenario, Segment, Vector
 from driftform.testing.agents import sphere_agent
@@ -75,15 +76,16 @@ class FitnessContract:
     def test_there_is_one_fitness_for_each_target(self, names: tuple[str, ...]) -> None:
         """The score is a vector over the scenario's targets, for one target or many."""
         for trajectory in self.trajectories():
-            score = self.plugin().score(trajectory, self.scenario(*names), self.agent())
-            assert score.shape == (len(names),)
-            assert score.dtype == np.float64
+            fitness = self.plugin()
+            score = fitness.score(trajectory, self.scenario(*names), self.agent())
+            require_fitness(score, len(names), fitness)
+            assert score.dtype == np.float64, f"score() returned {score!r}, expected an array of float64"
 
     def test_fitness_is_a_percentage(self) -> None:
         """100 is best and 0 is worst, as the roulette wheel and the error in percent require, also for failed flights."""
         for trajectory in self.trajectories():
-            score = self.plugin().score(trajectory, self.scenario(), self.agent())
-            assert ((score >= 0) & (score <= 100)).all()
+            fitness = self.plugin()
+            require_fitness(fitness.score(trajectory, self.scenario(), self.agent()), len(TARGETS), fitness)
 
     def test_a_flight_through_a_target_is_perfect_for_it(self) -> None:
         """Its fitness is 100 for that target only, in the order of the targets; if the fitness ``rewards_closeness``."""

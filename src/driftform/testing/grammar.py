@@ -41,12 +41,15 @@ class GrammarContract:
     def assert_sound(self, genome: Genome) -> Morphology:
         """Assert that a genome belongs to the grammar, and return its morphology."""
         grammar = self.plugin()
-        assert genome.grammar == grammar.name
-        assert all(type(symbol) is str for symbol in genome.symbols)
+        assert isinstance(genome, Genome), f"expected a Genome, not {genome!r}"
+        assert genome.grammar == grammar.name, f"a genome of {grammar.name!r} is named {genome.grammar!r}"
+        assert isinstance(genome.symbols, tuple), f"symbols must be a tuple, not {genome.symbols!r}"
+        assert all(type(symbol) is str for symbol in genome.symbols), f"not all texts: {genome.symbols!r}"
         morphology = grammar.express(genome)
+        assert isinstance(morphology, Morphology), f"express() returned {morphology!r}"
         for module in morphology.modules:
-            assert math.isfinite(module.length) and module.length > 0
-            assert abs(module.tilt) < math.pi / 2
+            assert math.isfinite(module.length) and module.length > 0, f"{module}: a length above 0 m"
+            assert abs(module.tilt) < math.pi / 2, f"{module}: a tilt below a right angle"
         return morphology
 
     @pytest.mark.parametrize("seed", SEEDS)

@@ -16,7 +16,7 @@ from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import Exporter, Fitness, Renderer, Simulator, Strategy
 from driftform.options import Table, option
 from driftform.testing.letters import LetterGrammar
-from driftform.types import End, Trajectory, WrittenFile
+from driftform.types import End, Genome, Trajectory, WrittenFile
 from driftform.util.files import write_text, write_whole
 from driftform.util.preparation import preparing
 
@@ -182,6 +182,54 @@ class NonsenseFitness(Fitness[NonsenseOptions]):
         return np.full(len(scenario.targets) + self.options.extra, float(self.options.value))
 
 
+SCORES = {
+    "none": lambda: None,
+    "text": lambda: "good",
+    "single": lambda: 50.0,
+    "complex": lambda: np.array([50 + 1j]),
+    "texts": lambda: np.array(["50"]),
+    "ragged": lambda: [[1.0], [1.0, 2.0]],
+    "table": lambda: np.full((1, 1), 50.0),
+}
+"""What a fitness should not return from score()."""
+
+
+class OddOptions(Table):
+    returns: str = option("none", "what it returns: see SCORES and GENOMES")
+
+
+class OddFitness(Fitness[OddOptions]):
+    """What is no fitness."""
+
+    name = "odd"
+    Options = OddOptions
+
+    def score(self, trajectory, scenario, agent):
+        return SCORES[self.options.returns]()
+
+
+GENOMES = {
+    "none": None,
+    "list": ["A", "B"],
+    "numbers": Genome("odd", (0.5, 0.25)),
+    "text": Genome("odd", "AB"),
+}
+"""What a grammar should not return from random()."""
+
+
+class OddGrammar(LetterGrammar):
+    """What makes no genomes."""
+
+    name = "odd"
+    Options = OddOptions
+
+    def random(self, rng):
+        return GENOMES[self.options.returns]
+
+    def parse(self, text):
+        return GENOMES[self.options.returns]
+
+
 class WordyOptions(Table):
     slip: str = option("", "the attribute or method that is wrong: see WORDS")
 
@@ -297,7 +345,7 @@ class FlipBook(Renderer[FlipBookOptions]):
 
 @hookimpl
 def driftform_grammar():
-    return LetterGrammar
+    return [LetterGrammar, OddGrammar]
 
 
 @hookimpl
@@ -307,7 +355,7 @@ def driftform_simulator():
 
 @hookimpl
 def driftform_fitness():
-    return [NonsenseFitness, WordyFitness]
+    return [NonsenseFitness, OddFitness, WordyFitness]
 
 
 @hookimpl
