@@ -26,7 +26,7 @@ def name_plugin(plugin: Plugin[Any]) -> str:
 
 
 def describe_fault(error: BaseException) -> str:
-    """Describe an error in one line with its place, and with the plugin that raised it unless it is meant for users."""
+    """Describe an error in one line, with its place and the plugin that raised it unless it is meant for users."""
     if isinstance(error, DriftformError):
         return describe_error(error)
     return trace_fault(error) or describe_error(error, with_place=True)

@@ -20,6 +20,8 @@ import math
 
 import numpy as np
 
+from driftform.dynamics.drag import sphere_drag
+from driftform.dynamics.impact import LUBRICATION
 from driftform.hydrodynamics.drag import estimate_drag
 from driftform.scenario import Contact, FlightLimits, Fluid, Pipe, Release, Scenario, Segment, UniformFlow
 from driftform.testing.agents import solid_agent
@@ -28,7 +30,7 @@ from driftform.types import Coefficients
 from driftform_native.simulator import NativeOptions, NativeSimulator
 
 BORE = 1.0
-STEEL, DRY, GRAVITY = 7800.0, 0.97, 9.81
+STEEL, DRY = 7800.0, 0.97
 CASES = (
     (152, 0.0015, 1.070e-5, 935.0, ((7.466, 0.0384), (2.234, 0.1064), (0.520, 0.1404)), (0.0834, 0.130)),
     (27, 0.003, 1.036e-4, 965.0, ((1.972, 0.0192),), (0.042,)),
@@ -67,15 +69,14 @@ def bounce_with_history(stokes, radius, viscosity, oil, step=5e-5):
     The kernel is that of Mei and Adrian (1992) with f_H = 0.75 + 0.105 Re and the speed of the moment.
     """
     volume, shear = 4 / 3 * math.pi * radius**3, 6 * math.pi * radius * viscosity * oil
-    mass, weight = (STEEL + oil / 2) * volume, (STEEL - oil) * volume * GRAVITY
+    mass, weight = (STEEL + oil / 2) * volume, (STEEL - oil) * volume * Fluid().gravity
     impact = impact_speed(stokes, radius, viscosity, oil)
     ages = (np.arange(20000) + 0.5) * step
     early = (math.pi * viscosity * ages / radius**2) ** 0.25
 
     def accelerate(speed):
-        number = max(2 * radius * abs(speed) / viscosity, 1e-9)
-        drag = 24 / number * (1 + 0.15 * number**0.687) + 0.42 / (1 + 42500 * number**-1.16)
-        return (-drag * oil / 2 * math.pi * radius**2 * abs(speed) * speed - weight) / mass
+        drag = sphere_drag((speed, 0.0, 0.0), oil, viscosity, math.pi * radius**2, 2 * radius)[0]
+        return (drag - weight) / mass
 
     def remember(speed, changes):
         factor = 0.75 + 0.105 * 2 * radius * abs(speed) / viscosity
@@ -86,14 +87,16 @@ def bounce_with_history(stokes, radius, viscosity, oil, step=5e-5):
     fall = [0.0]
     while fall[-1] > -0.995 * impact and len(fall) * step < 0.25:
         fall.append(fall[-1] + step * accelerate(fall[-1]))
-    rebound = DRY * math.exp(-35 * shear * radius / (mass * impact)) * impact
-    changes = [*(np.diff(fall) * impact / -fall[-1]), rebound + impact]
+    rebound = DRY * math.exp(-LUBRICATION * shear * radius / (mass * impact)) * impact
+    count, changes = len(fall), np.zeros(len(ages))
+    changes[:count] = [*(np.diff(fall) * impact / -fall[-1]), rebound + impact]
     speed, height, top = rebound, 0.0, (0.0, 0.0)
     while height >= 0:
-        changes.append(step * (accelerate(speed) + remember(speed, np.array(changes))))
-        height += step * (speed + changes[-1] / 2)
-        speed += changes[-1]
-        duration = step * (len(changes) - len(fall))
+        changes[count] = step * (accelerate(speed) + remember(speed, changes[:count]))
+        height += step * (speed + changes[count] / 2)
+        speed += changes[count]
+        count += 1
+        duration = step * (count - len(fall))
         top = max(top, (height, duration))
     return *top, duration
 

@@ -477,11 +477,8 @@ class Design:
                 weight,
                 LEAD if ballast_density is None else ballast_density,
             )
-        study, job = (
-            self.under(*list_exporter_settings([format], {"kit": ("true", "--kit")})).study,
-            self.export_job(),
-        )
-        exporter = study.make_exporter(format)
+        kit_settings = list_exporter_settings([format], {"kit": ("true", "--kit")})
+        exporter, job = self.under(*kit_settings).study.make_exporter(format), self.export_job()
         if ballast_density is None:
             ballast_density = getattr(exporter.options, "ballast_density", LEAD)
 
