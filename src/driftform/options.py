@@ -3,7 +3,8 @@
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic.fields import FieldInfo
 
 MAX_SEED = 2**63 - 1
 """Largest seed, the largest integer of TOML and of a database."""
@@ -38,7 +39,7 @@ def option(default: Any, help: str, unit: str = "", **constraints: Any) -> Any:
 
 
 def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
-    """Return rows ``{option, type, default, unit, help}``, one for each field of a model.
+    """Return rows ``{option, type, bounds, default, unit, help}``, one for each field of a model.
 
     The fields of a table within the model follow it, with names such as ``kit.joint``.
     """
@@ -49,6 +50,7 @@ def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
             {
                 "option": name,
                 "type": _format_type(field.annotation),
+                "bounds": describe_bounds(field),
                 "default": "required"
                 if field.is_required()
                 else field.get_default(call_default_factory=True),
@@ -59,6 +61,41 @@ def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
         if table := find_table(field.annotation):
             rows += [row | {"option": f"{name}.{row['option']}"} for row in describe(table)]
     return rows
+
+
+def describe_bounds(field: FieldInfo) -> str:
+    """Return the bounds of a number, such as ``> 0, ≤ 1``; empty without any."""
+    signs = (("gt", ">"), ("ge", "≥"), ("lt", "<"), ("le", "≤"))
+    return ", ".join(
+        f"{sign} {getattr(item, name):g}"
+        for item in field.metadata
+        for name, sign in signs
+        if getattr(item, name, None) is not None
+    )
+
+
+def check_defaults(model: type[Table]) -> None:
+    """Check that a model accepts its own defaults, which pydantic does not.
+
+    Raises
+    ------
+    ValueError
+        with the option and the reason.
+    """
+    defaults = {
+        name: field.get_default(call_default_factory=True)
+        for name, field in model.model_fields.items()
+        if not field.is_required()
+    }
+    try:
+        model.model_validate(defaults)
+    except ValidationError as error:
+        for item in error.errors(include_url=False):
+            if item["type"] != "missing":
+                reason = item["msg"].replace("Input should be", "should be")
+                path = ".".join(map(str, item["loc"]))
+                what = f"option '{path}' has the default {item['input']!r}" if path else "its defaults"
+                raise ValueError(f"{what}: {reason}") from None
 
 
 def find_table(annotation: Any) -> type[Table] | None:

@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,6 @@ import pytest
 
 from driftform.errors import InputError, WorkFailedError
 from driftform.execution import InProcess, Job, Outcome
-from driftform.faults import check_fitness
 from driftform.pipeline import MARGIN
 from driftform.runs.results import write_results
 from driftform.runs.search import BestFitness, run_search
@@ -208,17 +206,6 @@ def test_a_fitness_that_no_selection_can_work_with_is_a_failure(
         WorkFailedError, match="all 25 evaluations failed, 25 of them like this: fitness 'nonsense' returned"
     ):
         write_results(tmp_path, study, InProcess(study.make_pipeline()))
-
-
-def test_a_sound_fitness_is_left_alone() -> None:
-    evaluation = Evaluation(Genome("g", ()), np.array([0.0, 100.0]))
-    assert check_fitness(evaluation, ("A", "B"), "mine") is evaluation
-    failed = replace(evaluation, failure="it sank")
-    assert check_fitness(failed, ("A", "B"), "mine") is failed
-    assert (
-        check_fitness(replace(failed, fitness=np.array([np.nan, 1.0])), ("A", "B"), "mine").failure
-        == "it sank"
-    )
 
 
 def test_the_best_of_each_target_is_written(store: Store, tmp_path: Path) -> None:

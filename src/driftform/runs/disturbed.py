@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterable, Sequence
 
 from driftform.execution import Executor, Job
-from driftform.faults import check_fitness
 from driftform.runs.store import DisturbedResult, Store
 from driftform.scenario import Scenario, evaluation_seed
 from driftform.scenario.disturbances import Condition, draw_conditions
@@ -57,11 +56,9 @@ def fly_disturbed(
         store.add_disturbed(
             [
                 DisturbedResult(
-                    *missing[number], checked.fitness, find_offsets(checked, study.scenario), checked.failure
+                    *missing[number], flown.fitness, find_offsets(flown, study.scenario), flown.failure
                 )
-                for number, checked in (
-                    (n, check_fitness(e, targets, study.document["fitness"]["use"])) for n, e in arrived
-                )
+                for number, flown in arrived
             ],
             targets,
         )

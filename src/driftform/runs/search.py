@@ -6,7 +6,7 @@ import numpy as np
 
 from driftform.errors import InputError
 from driftform.execution import Executor, Job
-from driftform.faults import check_fitness, report_faults, require_candidates
+from driftform.faults import report_faults, require_candidates
 from driftform.runs.store import Record, Store
 from driftform.runs.survey import survey
 from driftform.scenario import Robustness, evaluation_seed
@@ -52,12 +52,12 @@ def _search(
     on_generation: Callable[[int], None],
 ) -> None:
     strategy, targets = study.make_strategy(), study.scenario.target_names
-    fitness = study.document["fitness"]["use"]
+    grammar = study.document["grammar"]["use"]
     best = BestFitness(len(targets), count_finalists(study.scenario.robustness))
     first = 0
     while first < study.evaluations:
         left = study.evaluations - first
-        candidates = require_candidates(strategy.ask(left), left, strategy)
+        candidates = require_candidates(strategy.ask(left), left, strategy, grammar, targets, first)
         outcomes: dict[int, Evaluation] = {}
         for record in store.read_records(targets, first, len(candidates)):
             if record.candidate != candidates[record.index - first]:
@@ -79,12 +79,7 @@ def _search(
         ]
         for arrived in executor.evaluate(missing):
             records = [
-                Record(
-                    index,
-                    candidates[index - first],
-                    check_fitness(evaluation, targets, fitness),
-                    seeds[index],
-                )
+                Record(index, candidates[index - first], evaluation, seeds[index])
                 for index, evaluation in arrived
             ]
             store.add(records, targets)
