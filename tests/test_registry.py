@@ -13,6 +13,7 @@ from driftform.builtin.closest_approach import ClosestApproach
 from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import SEAMS
 from driftform.registry import GROUP, Contribution, Registry, registry
+from driftform.study import load_study
 
 Install = Callable[..., Registry]
 
@@ -390,6 +391,36 @@ def test_a_check_of_options_that_fails_itself_names_the_plugin(install):
     source = OPTIONS.format(seam="fitness", interface="Fitness", base="Table", body=body)
     with pytest.raises(WorkFailedError, match=r"^fitness 'mine' failed to check its options: KeyError: 5\.0"):
         install(ext_options=source).create("fitness", "mine", {"low": 5.0})
+
+
+@pytest.mark.parametrize(
+    ("check", "line"),
+    [
+        (
+            "raise ValueError(\"'low' is too low\\n for us\")",
+            "--set fitness.low=5.0: 'low' is too low for us",
+        ),
+        ("assert self.low < 3, 'too high'", "--set fitness.low=5.0: too high"),
+        (
+            "raise ValueError",
+            "--set fitness.low=5.0: [fitness] is refused by its plugin, which gives no reason",
+        ),
+    ],
+)
+def test_what_a_check_of_options_says_is_one_line_of_the_study(install, monkeypatch, check, line):
+    body = f"""low: float = option(2.0, "", "m", ge=0, le=9)
+
+            @model_validator(mode="after")
+            def check(self):
+                if self.low == 5:
+                    {check}
+                return self"""
+    source = OPTIONS.format(seam="fitness", interface="Fitness", base="Table", body=body)
+    found = install(ext_options=source)
+    monkeypatch.setattr("driftform.study.study.registry", lambda: found)
+    with pytest.raises(InputError) as refusal:
+        load_study("paper", ["fitness.use=mine", "fitness.low=5.0"])
+    assert str(refusal.value) == line
 
 
 @pytest.mark.parametrize(

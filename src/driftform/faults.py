@@ -168,7 +168,10 @@ def require_candidates(
         if candidate.target not in ("", *targets):
             what = f"a candidate for target {_show(candidate.target)}"
             raise _refuse(plugin, "ask", what, f"one of {', '.join(targets)}, or an empty text")
-        if not all(0 <= parent < first for parent in candidate.parents) or candidate.generation < 0:
+        if (
+            not all(0 <= parent < first for parent in candidate.parents)
+            or not 0 <= candidate.generation < 2**63
+        ):
             what = f"a candidate of generation {candidate.generation} with parents {_show(candidate.parents)}"
             raise _refuse(plugin, "ask", what, f"evaluations before number {first}, and a generation from 0")
         threshold = candidate.threshold

@@ -1,5 +1,6 @@
 """The options of a plugin: a pydantic model in which every field has a help text and a unit."""
 
+import reprlib
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
@@ -94,7 +95,11 @@ def check_defaults(model: type[Table]) -> None:
             if item["type"] != "missing":
                 reason = item["msg"].replace("Input should be", "should be")
                 path = ".".join(map(str, item["loc"]))
-                what = f"option '{path}' has the default {item['input']!r}" if path else "its defaults"
+                what = (
+                    f"option '{path}' has the default {reprlib.repr(item['input'])}"
+                    if path
+                    else "its defaults"
+                )
                 raise ValueError(f"{what}: {reason}") from None
 
 

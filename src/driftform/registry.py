@@ -193,7 +193,7 @@ class Registry:
             return model.model_validate(dict(options))
         except ValidationError:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             what = describe_error(error, with_place=True)
             raise WorkFailedError(f"{seam} '{name}' failed to check its options: {what}") from None
 

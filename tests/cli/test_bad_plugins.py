@@ -36,6 +36,10 @@ def last_line(result: Any) -> str:
         ),
         ("backward", "simulator 'fake' returned a flight without increasing times from simulate_batch()"),
         ("nan", "simulator 'fake' returned a flight that is not finite from simulate_batch()"),
+        (
+            "surrogate",
+            "simulator 'fake' failed in simulate(): ValueError: half of a letter: \\ud800 (in _raise",
+        ),
         ("turned", "simulator 'fake' returned a flight with quaternions of another length"),
         ("unsure", "simulator 'fake' returned a flight with error = nan from simulate_batch()"),
         ("words", "simulator 'fake' failed in simulate(): ValueError: could not convert string to float"),
@@ -231,6 +235,10 @@ def test_what_cannot_be_a_value_of_a_seam_is_named_by_a_run_and_by_one_flight(
             "half",
             "failed in ask(): TypeError: 'float' object cannot be interpreted as an integer (in <lambda>",
         ),
+        (
+            "old",
+            f"returned a candidate of generation {2**70} with parents () from ask(), expected evaluations",
+        ),
         ("threshold", "returned a candidate with threshold (1.0, 2.0) from ask(), expected None or 1 number"),
     ],
 )
@@ -259,6 +267,16 @@ def test_a_checker_that_misbehaves_is_named(call: Call, slip: str, text: str) ->
     result = call("check", "C", "--no-programs", "--set", f"checker.slipping.slip='{slip}'")
     assert result.exit_code == 1
     assert last_line(result).startswith(f"error: checker 'slipping' {text}")
+
+
+def test_a_renderer_that_says_nothing_of_its_film_is_named(call: Call) -> None:
+    options = ("--simulator", "fake", "--renderer", "flip-book", "--set", "renderer.flip-book.lost=true")
+    result = call("simulate", "C", *options, "--film", "film.txt")
+    assert result.exit_code == 1
+    assert (
+        last_line(result)
+        == "error: renderer 'flip-book' returned nothing from film(), expected a WrittenFile"
+    )
 
 
 def test_a_fitness_that_is_no_number_is_named(call: Call) -> None:

@@ -33,7 +33,7 @@ def _explain(test: Callable[..., None]) -> Callable[..., None]:
         except DriftformError as error:
             failure = AssertionError(str(error))
             failure.add_note(note)
-            raise failure from error
+            raise failure.with_traceback(error.__traceback__) from None
         except (Exception, pytest.fail.Exception) as error:
             error.add_note(note)
             raise

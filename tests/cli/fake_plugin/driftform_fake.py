@@ -130,6 +130,7 @@ DEEDS = {
     "absent": lambda: [WrittenFile("never", "nowhere.never")],
     "pathless": lambda: [WrittenFile("never", None)],
     "silent": lambda: _raise(SilentError()),
+    "surrogate": lambda: _raise(ValueError("half of a letter: \ud800")),
     "foreign": lambda: _raise(KeyError("x")),
     "print": _print,
 }
@@ -319,6 +320,7 @@ STRATEGY_SLIPS = {
     "target": lambda genome: Candidate(genome, target="Mars"),
     "parents": lambda genome: Candidate(genome, parents=(99,)),
     "half": lambda genome: Candidate(genome, parents=(0.5,)),
+    "old": lambda genome: Candidate(genome, generation=2**70),
     "threshold": lambda genome: Candidate(genome, threshold=(1.0, 2.0)),
     "numpy": lambda genome: Candidate(genome, parents=[], generation=np.int64(3)),
 }
@@ -450,6 +452,7 @@ class RefusingExporter(Exporter[Table]):
 class FlipBookOptions(Table):
     pages: int = option(20, "how many pages it has", "", gt=0)
     torn: bool = option(False, "whether it fails at its last page")
+    lost: bool = option(False, "whether it says nothing of what it wrote")
 
 
 class FlipBook(Renderer[FlipBookOptions]):
@@ -466,7 +469,7 @@ class FlipBook(Renderer[FlipBookOptions]):
         if self.options.torn:
             raise WorkFailedError("the last page is torn")
         write_text(path, f"{self.options.pages} pages of {flight.t[-1]:g} s\n")
-        return WrittenFile(self.name, str(path))
+        return None if self.options.lost else WrittenFile(self.name, str(path))
 
 
 class Heir(NonsenseFitness):
