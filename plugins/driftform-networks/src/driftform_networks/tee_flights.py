@@ -28,8 +28,12 @@ STATES, LEAST_STATES = 6, 2
 HORIZON_BORES = 24.0
 """Longest flight: the time in which the water of the main passes so many bores."""
 
+_LEAD, _START = 2.0, 0.25
+"""Length of the straight before the tee, and distance of the release from its begin, in bores: its second half changes over
+from the profile of a long pipe to the flow of the tee."""
+
 _STUB = 0.5
-"""Length of the straights before and behind the tee, in bores."""
+"""Length of the straights behind the tee, in bores of the main."""
 
 _SETTLED = 2.0
 """Distance from the end of a leg of the tee, in its radii, from which on a body is in that outlet: beyond the rounded edge."""
@@ -140,7 +144,10 @@ def describe_pipe(traveller: Traveller, tee: Tee) -> dict[str, Any]:
         junction["angle_deg"] = tee.angle_deg
     return document | {
         "flow": flow,
-        "pipe": {"radius": radius, "parts": [{"length": stub}, junction, {"length": stub, "outlet": "run"}]},
+        "pipe": {
+            "radius": radius,
+            "parts": [{"length": _LEAD * tee.bore}, junction, {"length": stub, "outlet": "run"}],
+        },
         "flight": {"horizon": HORIZON_BORES * tee.bore / tee.speed},
     }
 
@@ -155,7 +162,7 @@ def _spread(traveller: Traveller, tee: Tee, document: dict[str, Any]) -> tuple[l
     bands, scenarios = [], []
     for band, place, pair in zip(find_band(places, room).tolist(), places, numbers, strict=False):
         attitude = draw_attitude(pair)
-        found = release(traveller, document, _STUB * tee.bore / 2, place * tee.bore / 2, *attitude)
+        found = release(traveller, document, _START * tee.bore, place * tee.bore / 2, *attitude)
         if found is not None:
             bands.append(band)
             scenarios.append(found)
@@ -180,7 +187,7 @@ def _continue(
     for index, row in enumerate(rows.tolist()):
         pitch = -np.rad2deg(np.arcsin(np.clip(ahead[index, 2], -1, 1)))
         yaw = np.rad2deg(np.arctan2(ahead[index, 1], ahead[index, 0]))
-        along = _STUB * tee.bore / 2
+        along = _START * tee.bore
         found = release(traveller, document, along, places[index], float(pitch), float(yaw), velocity[index])
         if found is not None:
             bands.append(int(states[row, 0]))
