@@ -144,6 +144,8 @@ def describe_pipe(traveller: Traveller, tee: Tee) -> dict[str, Any]:
         junction["angle_deg"] = tee.angle_deg
     return document | {
         "flow": flow,
+        # The pressure of ideal flow presses bodies onto edges where real water separates: friction would hold them there.
+        "contact": document["contact"] | {"friction": 0.0},
         "pipe": {
             "radius": radius,
             "parts": [{"length": _LEAD * tee.bore}, junction, {"length": stub, "outlet": "run"}],

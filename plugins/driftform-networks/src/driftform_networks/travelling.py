@@ -104,7 +104,9 @@ class Traveling:
     """
 
     def __init__(self, traveller: Traveller, geometry: Geometry, travel: Travel, cache: Path | None) -> None:
-        self._traveller, self._geometry, self._travel = traveller, geometry, travel
+        # Workers need no design, and its pipeline does not go to other processes.
+        self._traveller = replace(traveller, design=None)
+        self._geometry, self._travel = geometry, travel
         self._retained = traveller.agent.body.max_diameter >= travel.service_bore
         self._folder = find_cache(cache)
         self._hash = traveller.hash()
