@@ -181,7 +181,14 @@ def test_after_removal_the_plugin_is_not_listed(tmp_path):
 def test_its_options_are_shown(site, tmp_path):
     (shown,) = driftform(site, tmp_path, "plugins", "show", "progress")["plugins"]
     assert shown["options"] == [
-        {"option": "scale", "type": "float", "default": 1.0, "unit": "1/m", "help": "fitness for each metre"}
+        {
+            "option": "scale",
+            "type": "float",
+            "bounds": "> 0",
+            "default": 1.0,
+            "unit": "1/m",
+            "help": "fitness for each metre",
+        }
     ]
 
 
