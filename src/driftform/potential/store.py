@@ -27,9 +27,7 @@ METHOD = 2
 PACKAGED = Path(__file__).parent / "data"
 
 JUNCTIONS = tuple(
-    Junction(branch, math.radians(angle), 0.2 * branch)
-    for branch in (0.35, 0.5, 0.7, 1.0)
-    for angle in (60, 90)
+    Junction(branch, math.radians(angle), 0.2 * branch) for branch in (0.5, 1.0) for angle in (60, 90)
 )
 """The shapes in the package."""
 

@@ -9,10 +9,10 @@ from driftform_networks.bore import BANDS
 from driftform_networks.junctions import Junction
 from driftform_networks.streamtubes import smallest_share
 
-RATIOS = (0.35, 0.5, 0.7, 1.0)
+RATIOS = (0.5, 1.0)
 """Bore of the branch over that of the main; a junction takes the nearest by factor."""
 
-NARROWEST = 0.3
+NARROWEST = 0.35
 """Least such ratio of a junction that is flown."""
 
 ANGLES_DEG = (60.0, 90.0, 120.0)
@@ -78,8 +78,8 @@ def find_branch(junction: Junction) -> int | None:
 def match_ratio(ratio: float, size: float) -> float:
     """Return the nearest ratio of bores; a wider one if a body of ``size`` fits into the branch, but not into that one.
 
-    >>> match_ratio(0.75, 0.1), match_ratio(0.75, 0.7), match_ratio(0.75, 0.9)
-    (0.7, 1.0, 0.7)
+    >>> match_ratio(0.6, 0.1), match_ratio(0.6, 0.55), match_ratio(0.6, 0.7)
+    (0.5, 1.0, 0.5)
     """
     nearest = min(RATIOS, key=lambda known: abs(np.log(known / ratio)))
     if size <= ratio:
