@@ -10,9 +10,10 @@ import pytest
 from pydantic import ValidationError
 
 from driftform.builtin.closest_approach import ClosestApproach
-from driftform.errors import InputError
+from driftform.errors import InputError, WorkFailedError
 from driftform.interfaces import SEAMS
 from driftform.registry import GROUP, Contribution, Registry, registry
+from driftform.study import load_study
 
 Install = Callable[..., Registry]
 
@@ -242,7 +243,10 @@ def test_a_class_without_a_required_method_is_reported_with_its_name(install):
         ("42", "the hook returned a int, expected a class or a list of classes"),
         ("None", "the hook returned a NoneType, expected a class or a list of classes"),
         ("['not a class']", "'not a class' is not a Fitness"),
-        ("type('Nameless', (Fitness,), {'score': lambda self, t, s: None})", "Nameless has no name"),
+        (
+            "type('Nameless', (Fitness,), {'score': lambda self, t, s: None})",
+            "Nameless has no name of its own",
+        ),
     ],
 )
 def test_a_hook_that_does_not_return_a_class_is_reported_in_its_row(install, returned, reason):
@@ -305,35 +309,155 @@ def test_a_name_that_nobody_has_is_refused_with_the_plugins_that_cannot_be_used(
     assert "broken-plugin is unavailable: TypeError: the hook returned a int" in str(refusal.value)
 
 
-NO_HOOK = """
-from driftform.interfaces import Fitness
+OPTIONS = """
+from driftform import hookimpl
 
-def driftform_fitness():
-    return Fitness
+@hookimpl
+def driftform_{seam}():
+    from pydantic import BaseModel, model_validator
+    from driftform import interfaces
+    from driftform.options import Table, option
+
+    class Mine(interfaces.{interface}):
+        name = "mine"
+
+        class Options({base}):
+            {body}
+
+    Mine.__abstractmethods__ = frozenset()
+    return Mine
 """
 
 
-def test_a_module_without_a_hook_is_reported_in_its_row(install):
-    broken = row(install(ext_bare=NO_HOOK), "ext_bare")
-    assert not broken.available
-    assert "no function in it is marked @hookimpl and named as a hook, such as driftform_" in broken.state
+def state_of(install: Install, body: str, base: str = "Table", seam: str = "fitness") -> str:
+    source = OPTIONS.format(seam=seam, interface=SEAMS[seam].__name__, base=base, body=body)
+    return row(install(ext_options=source), "ext_options").state
 
 
 @pytest.mark.parametrize(
-    ("options", "reason"),
+    ("body", "reason"),
     [
         (
-            "{'__annotations__': {'w': float}, 'w': option(2.0, 'share', ge=0, le=1)}",
-            "Mine: the default of option w is refused by its own bounds: Input should be less than or equal to 1",
+            'radius: float = option(20.0, "", "m", ge=0.001, le=10)',
+            "option 'radius' has the default 20.0: should be less than or equal to 10",
         ),
-        ("dict", "Mine.Options is not a class derived from Table"),
-        ("None", "Mine.Options is not a class derived from Table"),
+        (
+            'count: int = option("many", "")',
+            "option 'count' has the default 'many': should be a valid integer, unable to parse string as an integer",
+        ),
+        (
+            """low: float = option(2.0, "", "m")
+            high: float = option(1.0, "", "m")
+
+            @model_validator(mode="after")
+            def check(self):
+                if self.low > self.high:
+                    raise ValueError("low should be at most high")
+                return self""",
+            "its defaults: Value error, low should be at most high",
+        ),
     ],
 )
-def test_options_that_cannot_be_used_are_reported_in_their_row(install, options, reason):
-    made = f"type('Options', (Table,), {options})" if options.startswith("{") else options
-    source = SOUND.format(name="mine").replace("Mine.Options = Options", f"Mine.Options = {made}")
+def test_a_default_that_its_own_option_refuses_is_reported_in_its_row(install, body, reason):
+    assert state_of(install, body) == f"unavailable: ValueError: Options of Mine: {reason}"
+
+
+@pytest.mark.parametrize(
+    ("base", "seam", "expected"),
+    [
+        ("BaseModel", "fitness", "Table of driftform.options"),
+        ("dict", "fitness", "Table of driftform.options"),
+        ("Table", "hydrodynamics", "HydrodynamicsOptions of driftform.interfaces"),
+    ],
+)
+def test_options_that_are_no_table_of_the_seam_are_reported_in_its_row(install, base, seam, expected):
+    state = state_of(install, "pass", base, seam)
+    assert state.startswith("unavailable: TypeError: Options of Mine is <class ")
+    assert state.endswith(f"expected a class that derives from {expected}")
+
+
+def test_a_required_option_needs_no_default(install):
+    body = 'radius: float = option(..., "", "m", ge=0.001, le=10)'
+    source = OPTIONS.format(seam="fitness", interface="Fitness", base="Table", body=body)
+    assert row(install(ext_required=source), "mine").available
+
+
+def test_a_check_of_options_that_fails_itself_names_the_plugin(install):
+    body = """low: float = option(2.0, "", "m", ge=0, le=9)
+
+            @model_validator(mode="after")
+            def check(self):
+                return {0: self, 2.0: self}[self.low]"""
+    source = OPTIONS.format(seam="fitness", interface="Fitness", base="Table", body=body)
+    with pytest.raises(WorkFailedError, match=r"^fitness 'mine' failed to check its options: KeyError: 5\.0"):
+        install(ext_options=source).create("fitness", "mine", {"low": 5.0})
+
+
+@pytest.mark.parametrize(
+    ("check", "line"),
+    [
+        (
+            "raise ValueError(\"'low' is too low\\n for us\")",
+            "--set fitness.low=5.0: 'low' is too low for us",
+        ),
+        ("assert self.low < 3, 'too high'", "--set fitness.low=5.0: too high"),
+        (
+            "raise ValueError",
+            "--set fitness.low=5.0: [fitness] is refused by its plugin, which gives no reason",
+        ),
+    ],
+)
+def test_what_a_check_of_options_says_is_one_line_of_the_study(install, monkeypatch, check, line):
+    body = f"""low: float = option(2.0, "", "m", ge=0, le=9)
+
+            @model_validator(mode="after")
+            def check(self):
+                if self.low == 5:
+                    {check}
+                return self"""
+    source = OPTIONS.format(seam="fitness", interface="Fitness", base="Table", body=body)
     found = install(ext_options=source)
-    assert reason in row(found, "ext_options").state
-    with pytest.raises(InputError, match="is unavailable: "):
-        found.find("fitness", "ext_options")
+    monkeypatch.setattr("driftform.study.study.registry", lambda: found)
+    with pytest.raises(InputError) as refusal:
+        load_study("paper", ["fitness.use=mine", "fitness.low=5.0"])
+    assert str(refusal.value) == line
+
+
+@pytest.mark.parametrize(
+    ("source", "remedy"),
+    [
+        ("x = 1", "it needs a function such as driftform_fitness() with @hookimpl above it"),
+        ("def driftform_grammar():\n    pass", "write @hookimpl above driftform_grammar()"),
+    ],
+)
+def test_a_module_without_a_hook_is_listed_with_a_remark(install, source, remedy):
+    found = row(install(ext_hookless=source), "ext_hookless")
+    assert found.distribution == "ext_hookless-plugin"
+    assert found.state == f"unavailable: registers nothing: ext_hookless has no hook; {remedy}"
+
+
+def test_a_hook_that_returns_no_class_is_reported_in_its_row(install):
+    source = "from driftform import hookimpl\n@hookimpl\ndef driftform_fitness():\n    return []\n"
+    assert (
+        row(install(ext_empty=source), "ext_empty").state
+        == "unavailable: TypeError: the hook returned no class"
+    )
+
+
+def test_a_class_may_not_inherit_the_name_of_ours(install):
+    """Otherwise two plugins would claim the name, and neither could be used."""
+    source = """
+from driftform import hookimpl
+
+@hookimpl
+def driftform_fitness():
+    from driftform.builtin.closest_approach import ClosestApproach
+
+    class Nearer(ClosestApproach):
+        pass
+
+    return Nearer
+"""
+    found = install(ext_heir=source)
+    assert row(found, "ext_heir").state == "unavailable: TypeError: Nearer has no name of its own"
+    assert found.find("fitness", "closest-approach") is ClosestApproach

@@ -1,9 +1,10 @@
 """The options of a plugin: a pydantic model in which every field has a help text and a unit."""
 
+import reprlib
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
 MAX_SEED = 2**63 - 1
@@ -50,7 +51,7 @@ def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
             {
                 "option": name,
                 "type": _format_type(field.annotation),
-                "bounds": format_bounds(field),
+                "bounds": describe_bounds(field),
                 "default": "required"
                 if field.is_required()
                 else field.get_default(call_default_factory=True),
@@ -63,15 +64,43 @@ def describe(model: type[BaseModel]) -> list[dict[str, Any]]:
     return rows
 
 
-def format_bounds(field: FieldInfo) -> str:
-    """Return the bounds of a number in readable form: ``> 0, ≤ 10``."""
+def describe_bounds(field: FieldInfo) -> str:
+    """Return the bounds of a number, such as ``> 0, ≤ 1``; empty without any."""
     signs = (("gt", ">"), ("ge", "≥"), ("lt", "<"), ("le", "≤"))
     return ", ".join(
-        f"{sign} {value:g}"
-        for constraint in field.metadata
+        f"{sign} {getattr(item, name):g}"
+        for item in field.metadata
         for name, sign in signs
-        if (value := getattr(constraint, name, None)) is not None
+        if getattr(item, name, None) is not None
     )
+
+
+def check_defaults(model: type[Table]) -> None:
+    """Check that a model accepts its own defaults, which pydantic does not.
+
+    Raises
+    ------
+    ValueError
+        with the option and the reason.
+    """
+    defaults = {
+        name: field.get_default(call_default_factory=True)
+        for name, field in model.model_fields.items()
+        if not field.is_required()
+    }
+    try:
+        model.model_validate(defaults)
+    except ValidationError as error:
+        for item in error.errors(include_url=False):
+            if item["type"] != "missing":
+                reason = item["msg"].replace("Input should be", "should be")
+                path = ".".join(map(str, item["loc"]))
+                what = (
+                    f"option '{path}' has the default {reprlib.repr(item['input'])}"
+                    if path
+                    else "its defaults"
+                )
+                raise ValueError(f"{what}: {reason}") from None
 
 
 def find_table(annotation: Any) -> type[Table] | None:

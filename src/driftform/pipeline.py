@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from driftform.errors import WorkFailedError, describe_error
-from driftform.faults import describe_fault, require, require_fitness, require_flights
+from driftform.errors import WorkFailedError
+from driftform.faults import describe_fault
 from driftform.geometry import mass_properties
 from driftform.geometry.mass_elements import load_ballast
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
@@ -17,10 +17,16 @@ from driftform.scenario import Scenario
 from driftform.scenario.calibration import calibrate_body, calibrate_coefficients
 from driftform.scenario.disturbances import Condition, disturb_body, disturb_scenario
 from driftform.scenario.fit import ease_release, find_misfit
+from driftform.seams import (
+    require_body,
+    require_coefficients,
+    require_flights,
+    require_morphology,
+    require_scores,
+)
 from driftform.types import (
     Agent,
     Body,
-    Coefficients,
     Evaluation,
     FloatArray,
     Genome,
@@ -76,13 +82,13 @@ class Pipeline:
 
     def express(self, genome: Genome) -> Morphology:
         """Genome -> morphology."""
-        return require(self.grammar.express(genome), Morphology, self.grammar, "express")
+        return require_morphology(self.grammar.express(genome), self.grammar)
 
     def realise(
         self, morphology: Morphology, genome: Genome | None = None, condition: Condition | None = None
     ) -> Agent:
         """Morphology -> agent, as calibrated, and as printed under a disturbed condition if one is given."""
-        return self._complete(self._build(morphology), morphology, genome, condition)
+        return self._complete(self.build(morphology), morphology, genome, condition)
 
     def make_agent(self, genome: Genome, condition: Condition | None = None) -> Agent:
         """Genome -> agent."""
@@ -95,7 +101,7 @@ class Pipeline:
 
         def develop(genome: Genome) -> tuple[Morphology, Body]:
             morphology = self.express(genome)
-            return morphology, self._build(morphology)
+            return morphology, self.build(morphology)
 
         return lru_cache(maxsize=KEPT_BODIES)(develop)
 
@@ -103,8 +109,9 @@ class Pipeline:
         """Return what another process needs; it keeps bodies of its own."""
         return {name: value for name, value in vars(self).items() if name != "_develop"}
 
-    def _build(self, morphology: Morphology) -> Body:
-        return require(self.builder.build(morphology), Body, self.builder, "build")
+    def build(self, morphology: Morphology) -> Body:
+        """Morphology -> body."""
+        return require_body(self.builder.build(morphology), self.builder)
 
     def _complete(
         self, body: Body, morphology: Morphology, genome: Genome | None, condition: Condition | None
@@ -116,7 +123,7 @@ class Pipeline:
         body = calibrate_body(factors, body)
         mass = mass_properties(body)
         found = self.hydrodynamics.coefficients(body, fluid)
-        coefficients = require(found, Coefficients, self.hydrodynamics, "coefficients")
+        coefficients = require_coefficients(found, body, self.hydrodynamics)
         if options.drag == "strips":
             from driftform.hydrodynamics.drag import estimate_drag, wake_factor
 
@@ -129,7 +136,7 @@ class Pipeline:
     def find_obstacle(self, genome: Genome) -> str | None:
         """Return why a genome cannot be built or released, in one line; ``None`` if it can."""
         try:
-            body = self.builder.build(self.express(genome))
+            body = self.build(self.express(genome))
         except Exception as error:
             return describe_fault(error)
         return find_misfit(body, self.scenario)
@@ -154,7 +161,13 @@ class Pipeline:
         try:
             return self.fly(agents)
         except (ArithmeticError, RuntimeError) as error:
-            raise WorkFailedError(f"{name}: cannot be flown: {describe_error(error)}") from None
+            raise WorkFailedError(f"{name}: cannot be flown: {describe_fault(error)}") from None
+
+    def score(self, trajectory: Trajectory, agent: Agent, scenario: Scenario | None = None) -> FloatArray:
+        """Trajectory -> fitness (%) for each target, (targets,), in the pipeline's scenario or in another."""
+        scenario = scenario or self.scenario
+        scores = self.fitness.score(trajectory, scenario, agent)
+        return require_scores(scores, len(scenario.targets), self.fitness)
 
     def simulate(self, agents: Sequence[Agent], name: str) -> list[ScoredFlight]:
         """Agents -> their flights with what they score; ``name`` says in errors whose they are.
@@ -168,7 +181,7 @@ class Pipeline:
         for trajectory in trajectories:
             trajectory.require_success(name)
         return [
-            ScoredFlight(trajectory, self._rate(trajectory, agent))
+            ScoredFlight(trajectory, self.score(trajectory, agent))
             for trajectory, agent in zip(trajectories, agents, strict=True)
         ]
 
@@ -267,7 +280,7 @@ class Pipeline:
         if threshold is None or trajectory.failure is not None:
             return True
         try:
-            return not np.all(self._rate(trajectory, agent) <= np.array(threshold) - MARGIN)
+            return not np.all(self.score(trajectory, agent) <= np.array(threshold) - MARGIN)
         except (Exception, SystemExit):
             # The same error in the score of the checked flight is the failure of the evaluation.
             return True
@@ -279,10 +292,6 @@ class Pipeline:
         if trajectory.failure is not None:
             return Evaluation.failed(genome, targets, trajectory.failure, trajectory)
         try:
-            return Evaluation(genome, self._rate(trajectory, agent), trajectory)
+            return Evaluation(genome, self.score(trajectory, agent), trajectory)
         except (Exception, SystemExit) as error:
             return Evaluation.failed(genome, targets, describe_fault(error))
-
-    def _rate(self, trajectory: Trajectory, agent: Agent) -> FloatArray:
-        fitness = self.fitness.score(trajectory, self.scenario, agent)
-        return require_fitness(fitness, len(self.scenario.targets), self.fitness)

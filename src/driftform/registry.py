@@ -3,6 +3,7 @@
 A broken plugin is listed with the reason; only selecting it is an error.
 """
 
+import reprlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -13,9 +14,10 @@ import pluggy
 from pydantic import ValidationError
 
 from driftform import hookspecs
-from driftform.errors import InputError, describe_error, did_you_mean
+from driftform.errors import InputError, WorkFailedError, describe_error, did_you_mean
 from driftform.faults import report_faults
 from driftform.interfaces import SEAMS, Plugin
+from driftform.options import Table, check_defaults
 
 GROUP = "driftform"
 
@@ -69,7 +71,7 @@ class Registry:
             self._origin[key] = (distribution, version)
             try:
                 module = point.load()
-                self._check_hooks(module)
+                self._check_hooks(module, point.value)
                 self._manager.register(module, name=key)
             except (Exception, SystemExit) as error:
                 self._broken.append(
@@ -78,17 +80,21 @@ class Registry:
                     )
                 )
 
-    def _check_hooks(self, module: object) -> None:
+    def _check_hooks(self, module: object, place: str) -> None:
         hooks = [f"driftform_{seam}" for seam in SEAMS]
+        # pluggy silently ignores an implementation of a hook that does not exist.
         found = [name for name in dir(module) if self._manager.parse_hookimpl_opts(module, name) is not None]
-        # pluggy silently ignores an implementation of a hook that does not exist, and a module without any.
         for name in found:
             if name not in hooks:
                 raise AttributeError(f"unknown hook {name}{did_you_mean(name, hooks)}")
         if not found:
-            raise AttributeError(
-                f"no function in it is marked @hookimpl and named as a hook, such as {hooks[0]}"
+            unmarked = [name for name in dir(module) if name in hooks]
+            remedy = (
+                f"write @hookimpl above {unmarked[0]}()"
+                if unmarked
+                else "it needs a function such as driftform_fitness() with @hookimpl above it"
             )
+            raise InputError(f"registers nothing: {place} has no hook; {remedy}")
 
     def seam(self, seam: str) -> list[Contribution]:
         """Return the contributions to one seam, by name; imports the implementations."""
@@ -166,9 +172,30 @@ class Registry:
             if the options do not fit the model of the class.
         """
         cls = self.find(seam, name)
-        checked = cls.Options.model_validate(dict(options))
+        checked = self.check_options(seam, name, options)
         with report_faults():
             return cls(checked, **more)
+
+    def check_options(self, seam: str, name: str, options: Mapping[str, Any]) -> Table:
+        """Return the options of the class with this name, from its table of options.
+
+        Raises
+        ------
+        InputError
+            like :meth:`find`.
+        WorkFailedError
+            if the model of the class fails, other than by a ValueError.
+        pydantic.ValidationError
+            if the options do not fit the model.
+        """
+        model = self.find(seam, name).Options
+        try:
+            return model.model_validate(dict(options))
+        except ValidationError:
+            raise
+        except (Exception, SystemExit) as error:
+            what = describe_error(error, with_place=True)
+            raise WorkFailedError(f"{seam} '{name}' failed to check its options: {what}") from None
 
 
 @cache
@@ -195,28 +222,23 @@ def _check_classes(returned: Any, interface: type[Plugin[Any]]) -> list[type[Plu
             f"the hook returned a {type(returned).__name__}, expected a class or a list of classes"
         )
     classes = [returned] if isinstance(returned, type) else list(returned)
+    if not classes:
+        raise TypeError("the hook returned no class")
     for cls in classes:
         if not (isinstance(cls, type) and issubclass(cls, interface)):
             raise TypeError(f"{cls!r} is not a {interface.__name__}")
-        if not isinstance(getattr(cls, "name", None), str):
-            raise TypeError(f"{cls.__name__} has no name")
+        if not isinstance(vars(cls).get("name"), str):
+            # The name of another class would make both unusable.
+            raise TypeError(f"{cls.__name__} has no name of its own")
         if missing := sorted(getattr(cls, "__abstractmethods__", ())):
             raise TypeError(f"{cls.__name__} does not implement {', '.join(missing)}")
-        _check_options(cls, interface)
+        if not (isinstance(cls.Options, type) and issubclass(cls.Options, interface.Options)):
+            raise TypeError(
+                f"Options of {cls.__name__} is {reprlib.repr(cls.Options)}, expected a class that derives from "
+                f"{interface.Options.__name__} of {interface.Options.__module__}"
+            )
+        try:
+            check_defaults(cls.Options)
+        except ValueError as error:
+            raise ValueError(f"Options of {cls.__name__}: {error}") from None
     return classes
-
-
-def _check_options(cls: type[Plugin[Any]], interface: type[Plugin[Any]]) -> None:
-    """Check that a class has a model of options, whose defaults are values that it allows."""
-    if not (isinstance(cls.Options, type) and issubclass(cls.Options, interface.Options)):
-        raise TypeError(f"{cls.__name__}.Options is not a class derived from {interface.Options.__name__}")
-    fields = cls.Options.model_fields.items()
-    defaults = {name: f.get_default(call_default_factory=True) for name, f in fields if not f.is_required()}
-    try:
-        cls.Options.model_validate(defaults)
-    except ValidationError as error:
-        for fault in error.errors():
-            if (name := ".".join(map(str, fault["loc"]))) and fault["type"] != "missing":
-                raise TypeError(
-                    f"{cls.__name__}: the default of option {name} is refused by its own bounds: {fault['msg']}"
-                ) from None

@@ -15,6 +15,7 @@ Arrays in these values are float64, C-contiguous and read-only.
 
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from operator import index
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
@@ -34,10 +35,15 @@ def freeze(values: npt.ArrayLike, shape: tuple[int | None, ...], what: str) -> F
 
     Raises
     ------
+    TypeError
+        if the values are not real numbers.
     ValueError
         if the shapes differ; the message states both.
     """
-    array = np.array(values, dtype=np.float64, order="C")
+    given = np.asarray(values)
+    if given.dtype.kind not in "biuf":
+        raise TypeError(f"{what} holds values of type {given.dtype}, expected real numbers")
+    array = np.array(given, dtype=np.float64, order="C")
     fits = array.shape == shape or (
         array.ndim == len(shape)
         and array.shape == tuple([m if n is None else n for n, m in zip(shape, array.shape, strict=True)])
@@ -55,6 +61,15 @@ class Genome:
 
     grammar: str
     symbols: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.symbols, tuple):
+            raise TypeError(f"Genome.symbols is a {type(self.symbols).__name__}, expected a tuple of texts")
+        for symbol in (self.grammar, *self.symbols):
+            if not isinstance(symbol, str):
+                raise TypeError(
+                    f"Genome holds {symbol!r}, a {type(symbol).__name__}, expected text, such as repr(number)"
+                )
 
 
 @dataclass(frozen=True)
@@ -448,6 +463,9 @@ class Trajectory:
         object.__setattr__(self, "t", freeze(self.t, (k,), "Trajectory.t"))
         for name, width in (("position", 3), ("quaternion", 4), ("velocity", 6)):
             object.__setattr__(self, name, freeze(getattr(self, name), (k, width), f"Trajectory.{name}"))
+        for name in ("contact", "energy_drift", "error"):
+            if (value := getattr(self, name)) is not None:
+                object.__setattr__(self, name, float(value))
 
     @property
     def failure(self) -> str | None:
@@ -490,6 +508,11 @@ class Candidate:
     generation: int = 0
     target: str = ""
     threshold: tuple[float, ...] | None = field(default=None, compare=False)
+
+    def __post_init__(self) -> None:
+        # What is stored is compared with it, so integers of NumPy and lists become what is read back.
+        object.__setattr__(self, "parents", tuple(index(parent) for parent in self.parents))
+        object.__setattr__(self, "generation", index(self.generation))
 
 
 @dataclass(frozen=True, eq=False)

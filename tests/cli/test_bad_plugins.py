@@ -36,6 +36,13 @@ def last_line(result: Any) -> str:
         ),
         ("backward", "simulator 'fake' returned a flight without increasing times from simulate_batch()"),
         ("nan", "simulator 'fake' returned a flight that is not finite from simulate_batch()"),
+        (
+            "surrogate",
+            "simulator 'fake' failed in simulate(): ValueError: half of a letter: \\ud800 (in _raise",
+        ),
+        ("turned", "simulator 'fake' returned a flight with quaternions of another length"),
+        ("unsure", "simulator 'fake' returned a flight with error = nan from simulate_batch()"),
+        ("words", "simulator 'fake' failed in simulate(): ValueError: could not convert string to float"),
         ("silent", "simulator 'fake' failed in simulate(): SilentError: no message (in _raise, line "),
         ("foreign", "simulator 'fake' failed in simulate(): KeyError: 'x' (in _raise, line "),
     ],
@@ -97,57 +104,187 @@ def test_a_fitness_without_readable_words_is_refused_before_a_search(
     assert not (tmp_path / "run").exists()
 
 
+@pytest.mark.parametrize(
+    ("slip", "text"),
+    [
+        ("list", "returned a list from random(), expected a Genome of grammar 'slipping'"),
+        ("none", "returned nothing from random(), expected a Genome of grammar 'slipping'"),
+        ("floats", "failed in random(): TypeError: Genome holds 0.5, a float, expected text, such as repr"),
+        ("name", "returned a Genome of grammar 'letters' from random(), expected a Genome of grammar 's"),
+        ("flip", "returned nothing from flip(), expected a Genome"),
+        ("crossover", "returned a Genome from crossover(), expected two genomes"),
+        ("text", "returned a int from to_text(), expected a str"),
+        ("parse", "returned nothing from parse(), expected a Genome"),
+        ("unread", "cannot read what to_text() returned: no"),
+        ("other", "returned another genome from parse(), expected that of which to_text() returned the text"),
+        ("express", "returned nothing from express(), expected a Morphology"),
+        ("length", "returned 'long' m and 0.0 rad as length and tilt of a module from express(), expected"),
+        ("flat", "returned nan m and 0.0 rad as length and tilt of a module from express(), expected"),
+    ],
+)
+def test_a_grammar_that_misbehaves_is_refused_by_name_before_a_search(
+    call: Call, slip: str, text: str, tmp_path: Path
+) -> None:
+    options = ("--set", "grammar.use=slipping", "--set", f"grammar.slip='{slip}'")
+    for command in ((*STUDY, "--strategy", "random", *RUN), ("scenarios", "check", "paper")):
+        result = call(*command, *options)
+        assert result.exit_code == 1
+        # The place of the mistake follows.
+        assert last_line(result).startswith(f"error: grammar 'slipping' {text}")
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize(
+    ("seam", "slip", "text"),
+    [
+        ("builder", "none", "builder 'slipping' returned nothing from build(), expected a Body"),
+        ("builder", "empty", "builder 'slipping' returned a body whose outer contour is wrong from build()"),
+        ("builder", "nan", "builder 'slipping' returned a body whose outer contour is wrong from build()"),
+        (
+            "builder",
+            "words",
+            "builder 'slipping' failed in build(): TypeError: Body.outer holds values of type <U1, expected real",
+        ),
+        ("builder", "coreless", "builder 'slipping' returned nothing from build(), expected a Core"),
+        ("hydrodynamics", "none", "hydrodynamics 'slipping' returned nothing from coefficients()"),
+        (
+            "hydrodynamics",
+            "shape",
+            "hydrodynamics 'slipping' failed in coefficients(): ValueError: Coefficients.added_mass has shape (3, 3)",
+        ),
+        (
+            "hydrodynamics",
+            "complex",
+            "hydrodynamics 'slipping' failed in coefficients(): TypeError: Coefficients.added_mass holds values of",
+        ),
+        ("hydrodynamics", "nan", "hydrodynamics 'slipping' returned added_mass that is not finite"),
+        (
+            "hydrodynamics",
+            "negative",
+            "hydrodynamics 'slipping' returned an added mass that is not symmetric",
+        ),
+        (
+            "hydrodynamics",
+            "lopsided",
+            "hydrodynamics 'slipping' returned an added mass that is not symmetric",
+        ),
+        (
+            "fitness",
+            "none",
+            "fitness 'slipping' returned nothing from score(), expected an array of 1 number",
+        ),
+        ("fitness", "text", "fitness 'slipping' returned '50' from score(), expected an array of 1 number"),
+        (
+            "fitness",
+            "texts",
+            "fitness 'slipping' returned ['50'] from score(), expected an array of 1 number",
+        ),
+        ("fitness", "scalar", "fitness 'slipping' returned 50.0 from score(), expected an array of 1 number"),
+        ("fitness", "column", "fitness 'slipping' returned [[50.0]] from score(), expected an array of 1"),
+        ("fitness", "complex", "fitness 'slipping' returned [(50+1j)] from score(), expected an array of 1"),
+        (
+            "fitness",
+            "truth",
+            "fitness 'slipping' returned [True] from score(), expected an array of 1 number",
+        ),
+        ("fitness", "ragged", "fitness 'slipping' returned [[1.0], [2.0, 3.0]] from score(), expected an"),
+        (
+            "fitness",
+            "raising",
+            "fitness 'slipping' failed in score(): LinAlgError: Singular matrix (in <lambda>",
+        ),
+    ],
+)
+def test_what_cannot_be_a_value_of_a_seam_is_named_by_a_run_and_by_one_flight(
+    call: Call, seam: str, slip: str, text: str
+) -> None:
+    options = ("--set", f"{seam}.use=slipping", "--set", f"{seam}.slip='{slip}'")
+    result = call(*STUDY, *options, *RUN)
+    assert result.exit_code == 1
+    assert last_line(result).startswith(f"error: all 4 evaluations failed, 4 of them like this: {text}")
+    result = call("simulate", "C", "--scenario", "paper", "--simulator", "fake", *options, "--json")
+    assert result.exit_code in (1, 2)
+    assert result.stdout == ""
+    assert f"{seam} 'slipping'" in last_line(result) or "Coefficients.added_mass has shape" in last_line(
+        result
+    )
+    assert len(result.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("slip", "text"),
+    [
+        ("word", "returned a str from ask(), expected a Candidate"),
+        (
+            "none",
+            "returned a candidate whose genome is nothing from ask(), expected a Genome of grammar 'lsystem'",
+        ),
+        (
+            "grammar",
+            "returned a candidate whose genome is a Genome of grammar 'letters' from ask(), expected a",
+        ),
+        (
+            "target",
+            "returned a candidate for target 'Mars' from ask(), expected one of TP1, or an empty text",
+        ),
+        (
+            "parents",
+            "returned a candidate of generation 0 with parents (99,) from ask(), expected evaluations",
+        ),
+        (
+            "half",
+            "failed in ask(): TypeError: 'float' object cannot be interpreted as an integer (in <lambda>",
+        ),
+        (
+            "old",
+            f"returned a candidate of generation {2**70} with parents () from ask(), expected evaluations",
+        ),
+        ("threshold", "returned a candidate with threshold (1.0, 2.0) from ask(), expected None or 1 number"),
+    ],
+)
+def test_candidates_that_do_not_fit_into_the_run_are_refused(call: Call, slip: str, text: str) -> None:
+    result = call(*STUDY, "--set", "strategy.use=slipping", "--set", f"strategy.slip='{slip}'", *RUN)
+    assert result.exit_code == 1
+    assert last_line(result).startswith(f"error: strategy 'slipping' {text}")
+
+
+def test_candidates_may_hold_integers_of_numpy_and_are_read_back(call: Call) -> None:
+    result = call(*STUDY, "--set", "strategy.use=slipping", "--set", "strategy.slip='numpy'", *RUN)
+    assert result.exit_code == 0, result.stderr
+    assert call("resume", "run", "--evaluations", 5, "--workers", 1).exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("slip", "text"),
+    [
+        ("none", "returned nothing from check(), expected a list of Findings"),
+        ("words", "returned a str from check(), expected a Finding"),
+        ("state", "returned a Finding with state = 'fine' from check(), expected a State"),
+        ("detail", "returned a Finding with detail = None from check(), expected text"),
+    ],
+)
+def test_a_checker_that_misbehaves_is_named(call: Call, slip: str, text: str) -> None:
+    result = call("check", "C", "--no-programs", "--set", f"checker.slipping.slip='{slip}'")
+    assert result.exit_code == 1
+    assert last_line(result).startswith(f"error: checker 'slipping' {text}")
+
+
+def test_a_renderer_that_says_nothing_of_its_film_is_named(call: Call) -> None:
+    options = ("--simulator", "fake", "--renderer", "flip-book", "--set", "renderer.flip-book.lost=true")
+    result = call("simulate", "C", *options, "--film", "film.txt")
+    assert result.exit_code == 1
+    assert (
+        last_line(result)
+        == "error: renderer 'flip-book' returned nothing from film(), expected a WrittenFile"
+    )
+
+
 def test_a_fitness_that_is_no_number_is_named(call: Call) -> None:
     result = call(*STUDY, "--set", "fitness.use=nonsense", *RUN)
     assert last_line(result) == (
         "error: all 4 evaluations failed, 4 of them like this: "
-        "fitness 'nonsense' returned [nan] from score(), expected an array of one number from 0 to 100"
+        "fitness 'nonsense' returned [nan] from score(), expected an array of 1 number from 0 to 100, one for each target"
     )
-
-
-@pytest.mark.parametrize(
-    ("returns", "text"),
-    [
-        ("none", "nothing"),
-        ("text", "a str"),
-        ("single", "the single number 50.0"),
-        ("complex", "complex numbers"),
-        ("texts", "a ndarray"),
-        ("ragged", "a list"),
-        ("table", "an array of shape (1, 1)"),
-    ],
-)
-def test_a_fitness_that_returns_something_else_is_named_wherever_it_scores(
-    call: Call, returns: str, text: str
-) -> None:
-    text = f"fitness 'odd' returned {text} from score(), expected"
-    odd = ("--set", "fitness.use=odd", "--set", f"fitness.returns='{returns}'")
-    result = call(*STUDY, *odd, *RUN)
-    assert result.exit_code == 1
-    text += " an array of one number from 0 to 100"
-    assert last_line(result) == f"error: all 4 evaluations failed, 4 of them like this: {text}"
-    result = call("simulate", "C", "--simulator", "fake", "--scenario", "paper", *odd, "--out", "flight")
-    assert result.exit_code == 1
-    assert last_line(result) == f"error: {text.replace('an array of one number', '10 numbers')}"
-
-
-@pytest.mark.parametrize(
-    ("returns", "text"),
-    [
-        ("none", "None"),
-        ("list", "['A', 'B']"),
-        ("numbers", "Genome(grammar='odd', symbols=(0.5, 0.25))"),
-        ("text", "Genome(grammar='odd', symbols='AB')"),
-    ],
-)
-def test_a_grammar_that_makes_no_genomes_is_refused_before_one_is_stored(
-    call: Call, returns: str, text: str
-) -> None:
-    odd = ("--set", "grammar.use=odd", "--set", f"grammar.returns='{returns}'")
-    result = call(*STUDY, "--strategy", "random", *odd, *RUN)
-    assert result.exit_code == 1
-    assert last_line(result).startswith(f"error: strategy 'random' asked for {text}, expected a Genome whose")
-    assert last_line(result).endswith("random(), flip() and crossover() of the grammar")
 
 
 def test_a_strategy_that_does_not_accept_a_study_leaves_no_directory(call: Call, tmp_path: Path) -> None:
@@ -166,6 +303,11 @@ def test_a_strategy_that_does_not_accept_a_study_leaves_no_directory(call: Call,
     [
         ("exit", "exporter 'deed' failed in write(): SystemExit: 0 (in <lambda>, line "),
         ("none", "exporter 'deed' returned nothing from write(), expected the files that it wrote"),
+        (
+            "absent",
+            "exporter 'deed' returned a WrittenFile of 'nowhere.never' from write(), expected the path of",
+        ),
+        ("pathless", "exporter 'deed' returned a WrittenFile of None from write(), expected the path of"),
         ("foreign", "exporter 'deed' failed in write(): KeyError: 'x' (in _raise, line "),
     ],
 )

@@ -55,6 +55,7 @@ def test_the_options_of_a_plugin_are_shown_with_default_and_unit(call: Call) -> 
     options = {option["option"]: option for option in entry["options"]}
     assert options["hull_density"]["unit"] == "kg/m3"
     assert options["hull_density"]["default"] == 1050.0
+    assert options["hull_density"]["bounds"] == "≥ 1, ≤ 30000"
     assert all(option["help"] for option in options.values())
     assert "hull_density" in call("plugins", "show", "frusta").stdout
 
@@ -63,9 +64,8 @@ def test_a_plugin_without_options_says_so(call: Call) -> None:
     assert "It has no options." in call("plugins", "show", "closest-approach").stdout
 
 
-def test_bounds_of_options_are_shown_and_an_inherited_docstring_is_not(call: Call, fakes: None) -> None:
-    text = call("plugins", "show", "fake").stdout
-    assert "≥ 0, ≤ 1" in text
-    text = call("plugins", "show", "odd").stdout
-    assert "What is no fitness." in text
-    assert "What no selection can work with." not in text
+def test_a_plugin_that_derives_from_ours_does_not_show_its_description(call: Call, fakes: None) -> None:
+    """What another class says of itself may be untrue of this one."""
+    entries = json.loads(call("plugins", "show", "heir", "--json").stdout)["plugins"]
+    assert [entry["summary"] for entry in entries] == [""]
+    assert "It has no description." in call("plugins", "show", "heir").stdout

@@ -44,7 +44,8 @@ def test_a_simulator_that_raises_is_told_in_one_line(call: Call, fakes: None) ->
     result = call("simulate", FIGURE_2, "--simulator", "fake", "--set", "simulator.fail=1")
     assert result.exit_code == 1
     [line] = result.stderr.splitlines()
-    assert re.fullmatch(r"error: word-\w+: cannot be flown: RuntimeError: genome .* not to my taste", line)
+    fault = r"simulator 'fake' failed in simulate\(\): RuntimeError: genome .* not to my taste \(in simulate, line \d+\)"
+    assert re.fullmatch(rf"error: word-\w+: cannot be flown: {fault}", line)
 
 
 def test_simulate_prints_where_and_why_the_flight_ended(call: Call) -> None:

@@ -250,6 +250,7 @@ def kit_of_34_grams(monkeypatch: pytest.MonkeyPatch) -> None:
     def write(self: Any, job: Any, path: Path) -> tuple[WrittenFile, ...]:
         assert self.options.kit
         balance = [{"of": "simulated"}, {"of": "printed", "mass_kg": 0.034, "cog_mm": 5.0}]
+        path.touch()
         return (WrittenFile("stl", str(path), {"kit": {"balance": balance}}),)
 
     monkeypatch.setattr(registry().find("exporter", "stl"), "write", write)

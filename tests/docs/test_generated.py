@@ -19,7 +19,7 @@ from pydantic.fields import FieldInfo
 
 from driftform.cli.app import app
 from driftform.interfaces import SEAMS
-from driftform.options import find_table, format_bounds
+from driftform.options import describe_bounds, find_table
 from driftform.registry import Contribution, registry
 from driftform.scenario import FLOWS, Scenario
 from driftform.scenario.parts import PARTS as PIPE_PARTS
@@ -80,7 +80,7 @@ def keys_rows(model: type[BaseModel], within: str = "") -> list[str]:
     lines = []
     for name, field in model.model_fields.items():
         extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
-        kind = ", ".join(part for part in (type_text(field.annotation), format_bounds(field)) if part)
+        kind = ", ".join(part for part in (type_text(field.annotation), describe_bounds(field)) if part)
         cells = (
             f"`{within}{name}`",
             kind,
@@ -243,8 +243,8 @@ def plugins_page() -> str:
     lines = [
         "# Plugins that come with driftform",
         "",
-        "This page is generated from the program: `driftform plugins show NAME` prints the same for any installed",
-        "plugin, also for one that is not listed here. A study file selects a plugin by its name and sets its options",
+        "This page is generated from the program: `driftform plugins show NAME` prints the description and the options of",
+        "any installed plugin, also of one that is not listed here. A study file selects a plugin by its name and sets its options",
         "in the table of its seam ([study-files.md](study-files.md)); [write-a-plugin.md](write-a-plugin.md) explains",
         "how to write one. Commands select exporters, recorders, renderers and checkers by name; their options are in",
         "tables such as `[exporter.stl]`, `[recorder.mcap]` and `[checker.mesh]`.",

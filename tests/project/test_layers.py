@@ -13,7 +13,7 @@ PLUGINS = sorted(path.parent for path in ROOT.glob("plugins/*/src/*/__init__.py"
 LAYERS = (
     *("errors", "types", "options", "scenarios", "util"),
     *("geometry", "potential", "scenario", "hydrodynamics", "dynamics", "trajectory", "tables"),
-    *("interfaces", "faults", "hookspecs", "commands", "pipeline", "registry", "study", "execution"),
+    *("interfaces", "faults", "seams", "hookspecs", "commands", "pipeline", "registry", "study", "execution"),
     *("figures", "runs", "printing", "calibration", "agents", "report", "reproduction"),
     *("builtin", "testing", "scaffold", "api", "cli"),
 )

@@ -18,6 +18,31 @@ from driftform_networks.network import Network
 # How tables get into docs/networks.md; with the import mode "importlib" a conftest is not importable from another folder.
 publish = run_path(str(Path(__file__).parents[3] / "tests" / "conftest.py"))["publish"]
 
+FORK = """
+[JUNCTIONS]
+ fork 10 0
+ ahead 10 20
+ branch 10 10
+[RESERVOIRS]
+ source 60
+[PIPES]
+ main source fork 200 300 100 0 Open
+ on fork ahead 200 300 100 0 Open
+ side fork branch 200 300 100 0 Open
+[OPTIONS]
+ Units LPS
+ Headloss H-W
+[TIMES]
+ Duration 0
+[COORDINATES]
+ source 0 0
+ fork 200 0
+ ahead 400 0
+ branch 200 -100
+[END]
+"""
+"""A main that divides: two thirds of the water go on, and a third into a branch of the same bore."""
+
 GPM, FOOT = 6.30901964e-05, 0.3048
 _QUALITY = 12
 """Code of the EPANET toolkit: EN_QUALITY of a node."""
@@ -138,6 +163,14 @@ def epanet() -> SimpleNamespace:
     return SimpleNamespace(
         **{function.__name__: function for function in names}, find_library_file=find_library_file
     )
+
+
+@pytest.fixture(scope="session")
+def fork_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The EPANET file of a main that divides."""
+    path = tmp_path_factory.mktemp("fork") / "fork.inp"
+    path.write_text(FORK)
+    return path
 
 
 @pytest.fixture

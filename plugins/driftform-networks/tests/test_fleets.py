@@ -95,7 +95,7 @@ def test_more_releases_and_hours_never_see_less(call: Callable[..., Any]) -> Non
             "fleet",
             "Net3",
             "--agent",
-            "sphere:60mm",
+            "sphere:30mm",
             "--buoyancy",
             0,
             "--size",

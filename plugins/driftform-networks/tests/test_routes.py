@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from runpy import run_path
 from time import process_time
 from typing import Any
 
@@ -23,39 +24,7 @@ from driftform_networks.reading import open_network
 from driftform_networks.streamtubes import divide_bore, smallest_share
 from driftform_networks.travelling import Travel
 
-FORK = """
-[JUNCTIONS]
- fork 10 0
- ahead 10 20
- branch 10 10
-[RESERVOIRS]
- source 60
-[PIPES]
- main source fork 200 300 100 0 Open
- on fork ahead 200 300 100 0 Open
- side fork branch 200 300 100 0 Open
-[OPTIONS]
- Units LPS
- Headloss H-W
-[TIMES]
- Duration 0
-[COORDINATES]
- source 0 0
- fork 200 0
- ahead 400 0
- branch 200 -100
-[END]
-"""
-"""A main that divides: two thirds of the water go on, and a third into a branch of the same bore."""
-
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
-
-
-@pytest.fixture(scope="module")
-def fork(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("fork") / "fork.inp"
-    path.write_text(FORK)
-    return path
 
 
 def test_a_well_mixed_small_sphere_goes_where_tracers_go(epanet: Any, tmp_path: Path) -> None:
@@ -117,10 +86,10 @@ def test_a_sphere_cannot_enter_a_branch_that_takes_too_little(size: float) -> No
 
 
 def test_heavy_bodies_go_into_branches_at_the_bottom_and_light_ones_at_the_top(
-    fork: Path, tmp_path_factory: pytest.TempPathFactory
+    fork_file: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     cache = tmp_path_factory.getbasetemp() / "flights"
-    network = open_network(fork, cache)
+    network = open_network(fork_file, cache)
     entered: dict[tuple[float, str], float] = {}
     for buoyancy in (-0.01, 0.01):
         traveller = open_traveller("sphere:60mm", buoyancy=buoyancy)
@@ -148,8 +117,8 @@ def test_heavy_bodies_go_into_branches_at_the_bottom_and_light_ones_at_the_top(
 
 @pytest.mark.long
 @pytest.mark.parametrize("agent", ["sphere:60mm", WORD])
-def test_flights_are_the_same_for_any_number_of_workers(agent: str, fork: Path, tmp_path: Path) -> None:
-    network = open_network(fork, tmp_path)
+def test_flights_are_the_same_for_any_number_of_workers(agent: str, fork_file: Path, tmp_path: Path) -> None:
+    network = open_network(fork_file, tmp_path)
     one, two = (
         route(
             network,
@@ -164,9 +133,9 @@ def test_flights_are_the_same_for_any_number_of_workers(agent: str, fork: Path, 
 
 
 @pytest.mark.long
-def test_a_killed_command_loses_no_table_that_was_finished(fork: Path, tmp_path: Path) -> None:
+def test_a_killed_command_loses_no_table_that_was_finished(fork_file: Path, tmp_path: Path) -> None:
     cache = tmp_path / "cache"
-    words = ["network", "route", str(fork), "sphere:60mm", "--release", "source", "--buoyancy", "-0.01"]
+    words = ["network", "route", str(fork_file), "sphere:60mm", "--release", "source", "--buoyancy", "-0.01"]
     program = [sys.executable, "-c", "from driftform.cli import main; main()", *words]
     program += ["--workers", "1", "--cache", str(cache), "--json"]
     process = subprocess.Popen(
@@ -196,6 +165,7 @@ def test_a_trimmed_agent_has_the_buoyancy_that_was_asked_for() -> None:
     assert sphere.agent.mass.net_buoyancy(sphere.scenario.fluid) == pytest.approx(-0.01)
 
 
+FORK = run_path(str(Path(__file__).with_name("conftest.py")))["FORK"]
 NEGATIVE = FORK.replace("source 60", "source 9")
 UNKNOWN = FORK.replace("side fork branch", "side fork nowhere")
 

@@ -5,7 +5,7 @@ docs/networks.md.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,8 @@ from driftform.types import End
 from driftform_networks.bodies import Traveller, make_sphere, open_traveller
 from driftform_networks.bore import spread_points
 from driftform_networks.streamtubes import divide_bore, smallest_share
+from driftform_networks.tee_flights import fly_tee
+from driftform_networks.tees import BRANCH, Tee
 
 pytestmark = pytest.mark.slow
 
@@ -105,4 +107,11 @@ def test_spheres_take_the_branch_as_the_streamtubes_say_unless_they_are_wide_and
             assert found.flown + found.held < found.divided + 0.03
         if (size, bore, share) == (0.2, 1.0, 0.1):
             assert found.flown < 0.02 and found.divided > 0.05
+        # The tables of routes say what these flights do.
+        tee = Tee(BORE, SPEED, bore, 90.0, 90.0, share)
+        table = fly_tee(replace(traveller, agent=make_sphere(size * BORE, traveller.scenario)), tee, None)
+        entered, held = table.onward[0, BRANCH].sum(), 1 - table.onward[0].sum()
+        # They have no friction at the edge: what it holds goes on, in part into the branch.
+        assert found.flown - 0.02 < entered < found.flown + found.held + 0.02
+        assert held < found.held + 0.02
     publish("streamtubes and flights", [line.replace("%", " %") for line in lines])

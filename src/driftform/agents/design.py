@@ -15,18 +15,19 @@ from driftform.agents.inspection import compare_added_mass, inspect_agent
 from driftform.calibration.protocol import DropPlan
 from driftform.calibration.result import CalibrationResult
 from driftform.calibration.tracks import Reading
-from driftform.errors import InputError, WorkFailedError, describe_error
-from driftform.faults import require_files
+from driftform.errors import InputError, WorkFailedError
+from driftform.faults import describe_fault
 from driftform.figures.section import section_svg
 from driftform.interfaces import ExportJob, Printer, Renderer
 from driftform.pipeline import Pipeline
-from driftform.printing.check import check_print_job, list_formats, require_findings, write_print_job
+from driftform.printing.check import check_print_job, list_formats, require_judgement, write_print_job
 from driftform.printing.exporter_settings import list_exporter_settings, list_kit_settings
 from driftform.printing.kit import Balls, KitReport, measure_kit
 from driftform.printing.trim import LEAD, trim_agent, weigh_print
 from driftform.runs.agent_file import StoredAgent, agent_document
 from driftform.scenario import Scenario
 from driftform.scenario.disturbances import draw_conditions
+from driftform.seams import require_file, require_files
 from driftform.study import Document, Study, load_study
 from driftform.trajectory.resampling import check_rate, resample
 from driftform.trajectory.way import find_offsets, name_outlet
@@ -117,7 +118,7 @@ class Design:
             raise InputError(f"{label}: {error}") from None
         except (ArithmeticError, RuntimeError) as error:
             # Options that are sound one by one can still ask together for what cannot be computed.
-            raise WorkFailedError(f"{label}: cannot be built: {describe_error(error)}") from None
+            raise WorkFailedError(f"{label}: cannot be built: {describe_fault(error)}") from None
         return cls(safe_stem(stored.name), stored, study, pipeline, agent)
 
     @property
@@ -357,7 +358,8 @@ class Design:
         self.check_picture(file, renderer, film=True)
         flight = flight or self.simulate()
         camera: Renderer[Any] = self.study.make_renderer(renderer)
-        camera.film(self.agent, flight.trajectory, self.scenario, make_parent(file), progress)
+        written = camera.film(self.agent, flight.trajectory, self.scenario, make_parent(file), progress)
+        require_file(written, camera, "film")
         return file
 
     def still(
@@ -392,7 +394,8 @@ class Design:
         check_moment(flight, at)
         camera: Renderer[Any] = self.study.make_renderer(renderer)
         moment = flight.closest_time if at is None else at
-        camera.still(self.agent, flight.trajectory, self.scenario, make_parent(file), moment)
+        written = camera.still(self.agent, flight.trajectory, self.scenario, make_parent(file), moment)
+        require_file(written, camera, "still")
         return file
 
     def check(
@@ -433,7 +436,7 @@ class Design:
         with TemporaryDirectory() as folder:
             print_job = write_print_job(design.study, job, format, Path(folder), printer, kit)
             findings = list(check_print_job(print_job, design.study, programs, on_program))
-        require_findings(findings)
+        require_judgement(findings)
         return findings
 
     def trim(

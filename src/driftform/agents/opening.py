@@ -15,7 +15,7 @@ from driftform.interfaces import Printer, PrintJob
 from driftform.printing.check import (
     check_print_job,
     extract_attachment,
-    require_findings,
+    require_judgement,
     sum_volumes,
     write_files,
 )
@@ -23,6 +23,7 @@ from driftform.printing.exporter_settings import KIT_FILE, list_kit_settings, re
 from driftform.runs.agent_file import StoredAgent, read_agent
 from driftform.runs.directory import DATABASE
 from driftform.runs.run import Run
+from driftform.seams import require_genome
 from driftform.study import load_study
 from driftform.types import Finding
 from driftform.util.files import is_directory, is_file
@@ -143,7 +144,7 @@ def check_file(
                 job = replace(job, printer=Printer(made.nozzle, made.bed))
             job = replace(job, export=export, volume=volume)
         findings = list(check_print_job(job, study, programs, on_program))
-    require_findings(findings)
+    require_judgement(findings)
     return findings
 
 
@@ -166,7 +167,7 @@ def _find(
     study = load_study(scenario, settings, use=use)
     grammar = study.make_plugin("grammar")
     try:
-        genome = grammar.parse(text)
+        genome = require_genome(grammar.parse(text), grammar, "parse")
     except DriftformError as error:
         raise InputError(
             f"AGENT '{_shorten(text)}' is not a file, not RUN:TARGET and not a genome: {_shorten(str(error), 300)}"

@@ -96,7 +96,7 @@ def _split_rows(text: str) -> list[list[str]]:
 
 
 def _read_number(cell: str) -> float:
-    """Return a cell as a number, NaN if it is none."""
+    """Return a cell as a number, NaN if it is not one."""
     return float(cell.replace(",", ".")) if _NUMBER.match(cell) else float("nan")
 
 

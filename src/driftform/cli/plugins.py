@@ -30,7 +30,7 @@ def show(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a plugin.", show_default=False)],
     json: Json = False,
 ) -> None:
-    """Show what a plugin does, and its options with type, default and unit."""
+    """Show what a plugin does, and its options with type, bounds, default and unit."""
     import inspect
 
     from driftform.cli.output import print_json, print_table
@@ -48,8 +48,8 @@ def show(
             k: getattr(row, k) for k in ("seam", "name", "distribution", "version", "state")
         }
         if row.cls is not None:
-            # Not that of a class from which it derives.
-            entry["summary"] = inspect.cleandoc(row.cls.__doc__ or "It has no docstring.")
+            # Not inspect.getdoc(), which returns what another class says of itself.
+            entry["summary"] = inspect.cleandoc(row.cls.__doc__ or "")
             entry["options"] = describe(row.cls.Options)
         found.append(entry)
     if json:
@@ -60,7 +60,7 @@ def show(
         if "options" not in entry:
             print(entry["state"])
             continue
-        print(f"\n{entry['summary']}\n")
+        print(f"\n{entry['summary'] or 'It has no description.'}\n")
         if entry["options"]:
             columns = ("option", "type", "bounds", "default", "unit", "help")
             print_table(columns, ([str(option[c]) for c in columns] for option in entry["options"]))

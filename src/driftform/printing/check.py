@@ -5,10 +5,11 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
-from driftform.faults import describe_fault, require, require_files
+from driftform.faults import describe_fault
 from driftform.geometry import hull_volume
 from driftform.interfaces import Checker, ExportJob, Printer, PrintJob
 from driftform.registry import registry
+from driftform.seams import require_files, require_findings
 from driftform.study import Study
 from driftform.types import Finding, State, WrittenFile
 
@@ -117,8 +118,7 @@ def check_print_job(
                 on_program(cls.program)
             checker = study.make_checker(row.name)
             try:
-                for finding in checker.check(job):
-                    yield require(finding, Finding, checker, "check")
+                yield from require_findings(checker.check(job), checker)
             except DriftformError:
                 raise
             except (Exception, SystemExit) as error:
@@ -126,7 +126,7 @@ def check_print_job(
                 yield Finding(row.name, State.SKIPPED, describe_fault(error))
 
 
-def require_findings(findings: Sequence[Finding]) -> None:
+def require_judgement(findings: Sequence[Finding]) -> None:
     """Refuse findings that judge nothing.
 
     Raises

@@ -7,8 +7,8 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from driftform.errors import WorkFailedError
-from driftform.faults import require_files
 from driftform.interfaces import Exporter, ExportJob
+from driftform.seams import require_files
 
 MM_PER_M = 1000.0
 

@@ -151,7 +151,7 @@ def trim_agent(
     flights = dict(zip(agents, pipeline.fly_named(list(agents.values()), name), strict=True))
     targets = pipeline.scenario.target_names
     scores = {
-        case: dict(zip(targets, pipeline.fitness.score(flight, pipeline.scenario, agents[case]), strict=True))
+        case: dict(zip(targets, pipeline.score(flight, agents[case]), strict=True))
         for case, flight in flights.items()
         if flight.failure is None
     }

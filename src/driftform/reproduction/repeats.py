@@ -155,7 +155,7 @@ def repeat_flights(
         flown = pipeline.fly([agent] * len(scenarios), scenarios)
         flights.append(tuple(flown))
         scores = [
-            0.0 if f.end.failed else float(pipeline.fitness.score(f, s, agent)[number])
+            0.0 if f.end.failed else float(pipeline.score(f, agent, s)[number])
             for f, s in zip(flown, scenarios, strict=True)
         ]
         fitness.append(scores)

@@ -9,13 +9,14 @@ from typing import Any, TypeVar
 
 from driftform.errors import DriftformError, InputError, WorkFailedError
 from driftform.execution import Executor, FunctionDiedError
-from driftform.faults import report_faults, require_files
+from driftform.faults import report_faults
 from driftform.interfaces import ExportJob
 from driftform.runs.agent_file import StoredAgent, agent_document, write_agent
 from driftform.runs.directory import DATABASE
 from driftform.runs.finalists import find_best_agent
 from driftform.runs.store import Store
 from driftform.runs.wording import describe_worst
+from driftform.seams import require_files
 from driftform.study import Study
 from driftform.types import Agent, Trajectory
 from driftform.util.files import remove_parts, write_text, write_whole

@@ -6,10 +6,11 @@ import numpy as np
 
 from driftform.errors import InputError
 from driftform.execution import Executor, Job
-from driftform.faults import report_faults, require_candidates
+from driftform.faults import report_faults
 from driftform.runs.store import Record, Store
 from driftform.runs.survey import survey
 from driftform.scenario import Robustness, evaluation_seed
+from driftform.seams import require_candidates
 from driftform.study import Study
 from driftform.types import Evaluation
 
@@ -52,11 +53,12 @@ def _search(
     on_generation: Callable[[int], None],
 ) -> None:
     strategy, targets = study.make_strategy(), study.scenario.target_names
+    grammar = study.document["grammar"]["use"]
     best = BestFitness(len(targets), count_finalists(study.scenario.robustness))
     first = 0
     while first < study.evaluations:
         left = study.evaluations - first
-        candidates = require_candidates(strategy.ask(left), left, len(targets), strategy)
+        candidates = require_candidates(strategy.ask(left), left, strategy, grammar, targets, first)
         outcomes: dict[int, Evaluation] = {}
         for record in store.read_records(targets, first, len(candidates)):
             if record.candidate != candidates[record.index - first]:

@@ -82,7 +82,7 @@ class _Advice:
     def _build_bare(self) -> Body | None:
         """The body without modules; ``None`` if the builder cannot make it."""
         try:
-            return self.pipeline.builder.build(Morphology())
+            return self.pipeline.build(Morphology())
         except Exception:
             # Genomes of its grammar may all have modules. Each that cannot be built is a failure of its own.
             return None

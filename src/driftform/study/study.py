@@ -16,12 +16,12 @@ import numpy as np
 from pydantic import ValidationError
 
 from driftform.errors import InputError, did_you_mean
-from driftform.faults import check_wording
 from driftform.interfaces import SEAMS, Checker, Exporter, Recorder, Renderer, SearchSpace, Strategy
 from driftform.options import MAX_SEED, Table, option
 from driftform.pipeline import Pipeline
 from driftform.registry import registry
 from driftform.scenario import Scenario
+from driftform.seams import check_grammar, check_wording
 from driftform.study.error_lines import format_errors
 from driftform.study.sources import (
     Source,
@@ -119,6 +119,7 @@ class Study:
     def make_pipeline(self) -> Pipeline:
         """Create the pipeline from genome to fitness."""
         steps = {seam: self.make_plugin(seam) for seam in SELECTED if seam != "strategy"}
+        check_grammar(steps["grammar"])
         check_wording(steps["fitness"])
         return Pipeline(scenario=self.scenario, **steps)
 
@@ -339,7 +340,7 @@ def _resolve_options(
     if not isinstance(options, Mapping):
         raise InputError(f"{locate_key(layers, path)}: {'.'.join(path)} = {options!r} is not a table")
     try:
-        checked = cls.Options.model_validate(options)
+        checked = registry().check_options(path[0], name, options)
     except ValidationError as error:
         raise InputError(*format_errors(error, path, cls.Options, document, layers)) from None
     return _to_plain(checked)

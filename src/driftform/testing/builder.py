@@ -11,7 +11,9 @@ import pytest
 
 from driftform.geometry import distance_from, mass_properties, solid_of_revolution
 from driftform.interfaces import PhenotypeBuilder
+from driftform.seams import require_body
 from driftform.testing.bodies import crosses_itself, lies_inside, mirrored_contour
+from driftform.testing.contract import Contract
 from driftform.types import Body, FloatArray, Module, Morphology
 
 
@@ -46,7 +48,7 @@ MORPHOLOGIES: dict[str, Callable[[], Morphology]] = {
 every_morphology = pytest.mark.parametrize("kind", MORPHOLOGIES)
 
 
-class BuilderContract:
+class BuilderContract(Contract):
     """Inherit this class, and make the builder::
 
         class TestMyBuilder(BuilderContract):
@@ -67,7 +69,8 @@ class BuilderContract:
 
     def build(self, kind: str) -> Body:
         """Return the body of one of the morphologies."""
-        return self.plugin().build(MORPHOLOGIES[kind]())
+        builder = self.plugin()
+        return require_body(builder.build(MORPHOLOGIES[kind]()), builder)
 
     @every_morphology
     def test_contours_run_from_the_axis_to_the_axis(self, kind: str) -> None:

@@ -9,6 +9,8 @@ import pytest
 
 from driftform.errors import DriftformError
 from driftform.interfaces import Checker, PrintJob
+from driftform.seams import require_findings
+from driftform.testing.contract import Contract
 from driftform.types import Finding, State
 
 _FACES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
@@ -28,7 +30,7 @@ def write_box(path: Path, side: float = 20.0) -> Path:
     return path
 
 
-class CheckerContract:
+class CheckerContract(Contract):
     """Inherit this class, and make the checker::
 
     class TestMyChecker(CheckerContract):
@@ -44,7 +46,8 @@ class CheckerContract:
 
     def find(self, *files: Path) -> list[Finding]:
         """Return the findings in files of unknown origin."""
-        return list(self.plugin().check(PrintJob(files)))
+        checker = self.plugin()
+        return list(require_findings(checker.check(PrintJob(files)), checker))
 
     def test_a_sound_file_does_not_fail(self, tmp_path: Path) -> None:
         """A cube of 20 mm can be printed; at least one finding says so, or why the check was skipped."""

@@ -11,11 +11,13 @@ from driftform.errors import DriftformError
 from driftform.geometry import mass_properties
 from driftform.interfaces import Exporter, ExportJob
 from driftform.scenario import Pipe, Scenario, Segment
+from driftform.seams import require_files
 from driftform.testing.bodies import hollow_body
-from driftform.types import Agent, Coefficients
+from driftform.testing.contract import Contract
+from driftform.types import Agent, Coefficients, WrittenFile
 
 
-class ExporterContract:
+class ExporterContract(Contract):
     """Inherit this class, and make the exporter::
 
     class TestMyExporter(ExporterContract):
@@ -39,9 +41,14 @@ class ExporterContract:
         """Return the path that commands pass to the exporter."""
         return directory / f"agent{self.plugin().suffix}"
 
+    def write(self, path: Path) -> tuple[WrittenFile, ...]:
+        """Export the agent to a path."""
+        exporter = self.plugin()
+        return require_files(exporter.write(self.export_job(), path), exporter)
+
     def test_every_file_exists_under_the_requested_name(self, tmp_path: Path) -> None:
         """Every reported file exists and is not empty, and its name begins with that of the path."""
-        written = self.plugin().write(self.export_job(), self.path(tmp_path))
+        written = self.write(self.path(tmp_path))
         assert written
         for file in written:
             path = Path(file.path)
@@ -57,7 +64,7 @@ class ExporterContract:
 
     def test_no_other_files_remain(self, tmp_path: Path) -> None:
         """Temporary files are removed in the end, and every file that is written is reported."""
-        written = self.plugin().write(self.export_job(), self.path(tmp_path))
+        written = self.write(self.path(tmp_path))
         assert _files(tmp_path) == sorted(Path(file.path) for file in written)
 
     def test_an_existing_file_is_replaced(self, tmp_path: Path) -> None:
@@ -83,7 +90,7 @@ class ExporterContract:
         stale = (path if is_folder else tmp_path) / "older" / "stale.txt"
         stale.parent.mkdir(parents=True)
         stale.write_text("of an older export")
-        written = self.plugin().write(self.export_job(), path)
+        written = self.write(path)
         assert stale.exists() != is_folder
         known = {stale, *(Path(file.path) for file in written)}
         needed = {parent for file in known for parent in file.parents} | known
@@ -94,7 +101,7 @@ class ExporterContract:
 
         It leaves no partial file.
         """
-        first = Path(self.plugin().write(self.export_job(), self.path(tmp_path / "sound"))[0].path)
+        first = Path(self.write(self.path(tmp_path / "sound"))[0].path)
         part = first.relative_to(tmp_path / "sound").parts[0]
         blocked = tmp_path / "blocked" / part
         if first == tmp_path / "sound" / part:

@@ -6,10 +6,11 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from driftform.faults import require_fitness
 from driftform.interfaces import Fitness
 from driftform.scenario import Pipe, Scenario, Segment, Vector
+from driftform.seams import require, require_scores
 from driftform.testing.agents import sphere_agent
+from driftform.testing.contract import Contract
 from driftform.types import Agent, End, FloatArray, Trajectory, Verdict
 
 TARGETS: dict[str, Vector] = {"near": (1.0, 0.0, -0.5), "middle": (4.0, 0.3, 0.2), "far": (8.5, 0.0, 0.4)}
@@ -32,7 +33,7 @@ def straight_trajectory(start: Vector, end: Vector, times: FloatArray) -> Trajec
     )
 
 
-class FitnessContract:
+class FitnessContract(Contract):
     """Inherit this class, and make the fitness::
 
         class TestMyFitness(FitnessContract):
@@ -72,34 +73,37 @@ class FitnessContract:
         """Return the pipe with the named targets, by default with all."""
         return Scenario(pipe=PIPE, targets={name: TARGETS[name] for name in names or TARGETS})
 
+    def score(self, trajectory: Trajectory, *names: str) -> FloatArray:
+        """Return the fitness (%) of a trajectory for the named targets, by default for all."""
+        fitness = self.plugin()
+        found = fitness.score(trajectory, self.scenario(*names), self.agent())
+        return require_scores(found, len(names or TARGETS), fitness)
+
     @pytest.mark.parametrize("names", [("near",), ("far", "near"), ("near", "middle", "far")])
     def test_there_is_one_fitness_for_each_target(self, names: tuple[str, ...]) -> None:
         """The score is a vector over the scenario's targets, for one target or many."""
         for trajectory in self.trajectories():
-            fitness = self.plugin()
-            score = fitness.score(trajectory, self.scenario(*names), self.agent())
-            require_fitness(score, len(names), fitness)
-            assert score.dtype == np.float64, f"score() returned {score!r}, expected an array of float64"
+            self.score(trajectory, *names)
 
     def test_fitness_is_a_percentage(self) -> None:
         """100 is best and 0 is worst, as the roulette wheel and the error in percent require, also for failed flights."""
         for trajectory in self.trajectories():
-            fitness = self.plugin()
-            require_fitness(fitness.score(trajectory, self.scenario(), self.agent()), len(TARGETS), fitness)
+            score = self.score(trajectory)
+            assert ((score >= 0) & (score <= 100)).all()
 
     def test_a_flight_through_a_target_is_perfect_for_it(self) -> None:
         """Its fitness is 100 for that target only, in the order of the targets; if the fitness ``rewards_closeness``."""
         through = self.trajectories()[: len(TARGETS)] if self.rewards_closeness else []
         for number, trajectory in enumerate(through):
-            score = self.plugin().score(trajectory, self.scenario(), self.agent())
+            score = self.score(trajectory)
             assert score[number] == pytest.approx(100, rel=1e-9)
             assert (np.delete(score, number) < 100).all()
 
     def test_values_follow_the_order_of_the_targets(self) -> None:
         """The same targets in another order have the same values, in that order."""
         for trajectory in self.trajectories():
-            there = self.plugin().score(trajectory, self.scenario("near", "middle", "far"), self.agent())
-            back = self.plugin().score(trajectory, self.scenario("far", "middle", "near"), self.agent())
+            there = self.score(trajectory, "near", "middle", "far")
+            back = self.score(trajectory, "far", "middle", "near")
             np.testing.assert_array_equal(there, back[::-1])
 
     def test_the_same_flight_has_the_same_fitness(self) -> None:
@@ -107,9 +111,7 @@ class FitnessContract:
         copy = pickle.loads(pickle.dumps(self.plugin()))
         for trajectory in self.trajectories():
             again = copy.score(pickle.loads(pickle.dumps(trajectory)), self.scenario(), self.agent())
-            np.testing.assert_array_equal(
-                self.plugin().score(trajectory, self.scenario(), self.agent()), again
-            )
+            np.testing.assert_array_equal(self.score(trajectory), again)
 
     def test_people_read_a_number_with_its_unit_and_a_verdict(self) -> None:
         """Every fitness has a finite measure, a text of one line with its unit, and a verdict."""
@@ -118,8 +120,8 @@ class FitnessContract:
         assert fitness.goal
         for value in np.linspace(0, 100, 101).tolist():
             assert np.isfinite(fitness.measure(value))
-            assert isinstance(fitness.judge(value), Verdict)
-            text = fitness.describe(value)
+            require(fitness.judge(value), Verdict, fitness, "judge")
+            text = require(fitness.describe(value), str, fitness, "describe")
             assert fitness.unit in text
             assert text == " ".join(text.split())
 

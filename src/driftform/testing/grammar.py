@@ -1,6 +1,5 @@
 """Contract of grammars."""
 
-import math
 import pickle
 from typing import Any, ClassVar
 
@@ -9,12 +8,14 @@ import pytest
 
 from driftform.errors import InputError
 from driftform.interfaces import Grammar
+from driftform.seams import require, require_genome, require_morphology
+from driftform.testing.contract import Contract
 from driftform.types import Genome, Morphology
 
 SEEDS = range(12)
 
 
-class GrammarContract:
+class GrammarContract(Contract):
     """Inherit this class, and make the grammar::
 
         class TestMyGrammar(GrammarContract):
@@ -36,21 +37,17 @@ class GrammarContract:
     def draw(self, seed: int, count: int = 1) -> list[Genome]:
         """Return random genomes of the grammar."""
         rng = np.random.default_rng(seed)
-        return [self.plugin().random(rng) for _ in range(count)]
-
-    def assert_sound(self, genome: Genome) -> Morphology:
-        """Assert that a genome belongs to the grammar, and return its morphology."""
         grammar = self.plugin()
-        assert isinstance(genome, Genome), f"expected a Genome, not {genome!r}"
-        assert genome.grammar == grammar.name, f"a genome of {grammar.name!r} is named {genome.grammar!r}"
-        assert isinstance(genome.symbols, tuple), f"symbols must be a tuple, not {genome.symbols!r}"
-        assert all(type(symbol) is str for symbol in genome.symbols), f"not all texts: {genome.symbols!r}"
-        morphology = grammar.express(genome)
-        assert isinstance(morphology, Morphology), f"express() returned {morphology!r}"
-        for module in morphology.modules:
-            assert math.isfinite(module.length) and module.length > 0, f"{module}: a length above 0 m"
-            assert abs(module.tilt) < math.pi / 2, f"{module}: a tilt below a right angle"
-        return morphology
+        return [require_genome(grammar.random(rng), grammar, "random") for _ in range(count)]
+
+    def assert_sound(self, genome: Genome, method: str = "random") -> Morphology:
+        """Assert that a genome, which a method returned, belongs to the grammar, and return its morphology."""
+        grammar = self.plugin()
+        require_genome(genome, grammar, method)
+        assert all(type(symbol) is str for symbol in genome.symbols), (
+            "a symbol is of a class that derives from str"
+        )
+        return require_morphology(grammar.express(genome), grammar)
 
     @pytest.mark.parametrize("seed", SEEDS)
     def test_a_random_genome_can_be_expressed(self, seed: int) -> None:
@@ -70,9 +67,9 @@ class GrammarContract:
         """A genome is written on one line, and reading it back gives an equal genome."""
         grammar = self.plugin()
         for genome in self.draw(seed, 3):
-            text = grammar.to_text(genome)
+            text = require(grammar.to_text(genome), str, grammar, "to_text")
             assert len(text.splitlines()) == 1
-            assert grammar.parse(text) == genome
+            assert require_genome(grammar.parse(text), grammar, "parse") == genome
 
     @pytest.mark.parametrize("seed", SEEDS)
     def test_expressing_twice_gives_the_same_morphology(self, seed: int) -> None:
@@ -89,7 +86,7 @@ class GrammarContract:
         rng = np.random.default_rng([seed, 1])
         for index in range(len(genome.symbols)):
             flipped = self.plugin().flip(genome, index, rng)
-            self.assert_sound(flipped)
+            self.assert_sound(flipped, "flip")
             pairs = zip(genome.symbols, flipped.symbols, strict=True)
             assert {i for i, (old, new) in enumerate(pairs) if old != new} <= {index}
 
@@ -108,8 +105,8 @@ class GrammarContract:
         rng = np.random.default_rng([seed, 1])
         for _ in range(5):
             a, b = self.plugin().crossover(a, b, rng)
-            self.assert_sound(a)
-            self.assert_sound(b)
+            self.assert_sound(a, "crossover")
+            self.assert_sound(b, "crossover")
 
     @pytest.mark.parametrize("rate", [0.1, 1.0])
     def test_mutants_stay_in_the_grammar(self, rate: float) -> None:
@@ -118,7 +115,7 @@ class GrammarContract:
         rng = np.random.default_rng(1)
         for _ in range(20):
             genome = self.plugin().mutate(genome, rng, rate)
-            self.assert_sound(genome)
+            self.assert_sound(genome, "mutate")
 
     def test_mutation_at_rate_zero_changes_nothing(self) -> None:
         """The rate is the probability of each symbol to change."""

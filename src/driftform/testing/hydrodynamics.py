@@ -10,6 +10,7 @@ import pytest
 from driftform.dynamics.inertia import added_mass_at
 from driftform.interfaces import Hydrodynamics
 from driftform.scenario import Fluid
+from driftform.seams import require_coefficients
 from driftform.testing.bodies import (
     cylinder_body,
     dome_body,
@@ -19,7 +20,8 @@ from driftform.testing.bodies import (
     scaled_body,
     spheroid_body,
 )
-from driftform.types import Body, FloatArray
+from driftform.testing.contract import Contract
+from driftform.types import Body, Coefficients, FloatArray
 
 BODIES: dict[str, Callable[[], Body]] = {
     "sphere": lambda: spheroid_body(0.01, 0.01),
@@ -39,7 +41,7 @@ every_body = pytest.mark.parametrize("kind", BODIES)
 MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])
 
 
-class HydrodynamicsContract:
+class HydrodynamicsContract(Contract):
     """Inherit this class, and make the model::
 
         class TestMyModel(HydrodynamicsContract):
@@ -59,9 +61,14 @@ class HydrodynamicsContract:
         """Return the model to be tested."""
         raise NotImplementedError
 
+    def coefficients(self, body: Body, fluid: Fluid) -> Coefficients:
+        """Return the coefficients of a body."""
+        model = self.plugin()
+        return require_coefficients(model.coefficients(body, fluid), body, model)
+
     def added_mass_about_origin(self, body: Body, fluid: Fluid | None = None) -> FloatArray:
         """Return the added mass about the body frame's origin, (6, 6)."""
-        return added_mass_at(self.plugin().coefficients(body, fluid or Fluid()), np.zeros(3))
+        return added_mass_at(self.coefficients(body, fluid or Fluid()), np.zeros(3))
 
     def assert_close(self, actual: FloatArray, expected: FloatArray, length: float) -> None:
         """Compare two 6x6 matrices in units in which their blocks are of similar size; ``length`` is in m."""
@@ -78,7 +85,7 @@ class HydrodynamicsContract:
     def test_added_mass_is_finite_symmetric_and_positive_semi_definite(self, kind: str) -> None:
         """The kinetic energy of the water is positive or zero for any motion of the body."""
         body = BODIES[kind]()
-        matrix = self.plugin().coefficients(body, Fluid()).added_mass
+        matrix = self.coefficients(body, Fluid()).added_mass
         assert np.isfinite(matrix).all()
         scale = np.array([1.0, 1.0, 1.0, *[1 / body.length] * 3])
         scaled = matrix * np.outer(scale, scale)
@@ -105,7 +112,7 @@ class HydrodynamicsContract:
     def test_an_axisymmetric_body_has_axisymmetric_coefficients(self, kind: str) -> None:
         """Sway equals heave, pitch equals yaw, M35 = -M26, and no other pair of motions is coupled."""
         body = BODIES[kind]()
-        coefficients = self.plugin().coefficients(body, Fluid())
+        coefficients = self.coefficients(body, Fluid())
         assert coefficients.origin[1] == coefficients.origin[2] == 0.0
         m = self.added_mass_about_origin(body)
         expected = np.diag([m[0, 0], m[1, 1], m[1, 1], m[3, 3], m[5, 5], m[5, 5]])
@@ -131,7 +138,7 @@ class HydrodynamicsContract:
     @every_body
     def test_damping_takes_energy_and_never_gives_any(self, kind: str) -> None:
         """For any velocity the power of the damping forces is negative or zero."""
-        coefficients = self.plugin().coefficients(BODIES[kind](), Fluid())
+        coefficients = self.coefficients(BODIES[kind](), Fluid())
         for nu in np.random.default_rng(0).normal(size=(200, 6)):
             drag = coefficients.linear_damping @ nu + coefficients.quadratic_damping @ (np.abs(nu) * nu)
             assert np.isfinite(drag).all()
@@ -148,6 +155,6 @@ class HydrodynamicsContract:
         """A pickled copy of the model returns the same matrices, to the last bit."""
         copy = pickle.loads(pickle.dumps(self.plugin()))
         body = BODIES["cone off the origin"]()
-        first, second = self.plugin().coefficients(body, Fluid()), copy.coefficients(body, Fluid())
+        first, second = self.coefficients(body, Fluid()), copy.coefficients(body, Fluid())
         for name in ("added_mass", "origin", "linear_damping", "quadratic_damping"):
             np.testing.assert_array_equal(getattr(first, name), getattr(second, name))

@@ -12,12 +12,14 @@ from driftform.errors import DriftformError
 from driftform.geometry import mass_properties
 from driftform.interfaces import ExportJob, Recorder
 from driftform.scenario import Pipe, Scenario, Segment
+from driftform.seams import require_files
 from driftform.testing.bodies import hollow_body
+from driftform.testing.contract import Contract
 from driftform.testing.renderer import drifting_trajectory
 from driftform.types import Agent, Coefficients, End, Trajectory
 
 
-class RecorderContract:
+class RecorderContract(Contract):
     """Inherit this class, and make the recorder::
 
     class TestMyRecorder(RecorderContract):
@@ -45,9 +47,9 @@ class RecorderContract:
         if scenario is not None:
             job = replace(job, scenario=scenario)
         path = path / f"agent{self.plugin().suffix}"
-        written = self.plugin().write(job, drifting_trajectory() if trajectory is None else trajectory, path)
-        assert written
-        for file in written:
+        recorder = self.plugin()
+        written = recorder.write(job, drifting_trajectory() if trajectory is None else trajectory, path)
+        for file in require_files(written, recorder):
             found = Path(file.path)
             assert file.format == self.plugin().name
             assert found.is_file() and found.stat().st_size > 0

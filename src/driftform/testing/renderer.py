@@ -13,7 +13,9 @@ from driftform.errors import InputError
 from driftform.geometry import mass_properties
 from driftform.interfaces import Renderer
 from driftform.scenario import Pipe, Scenario, Segment
+from driftform.seams import require_file
 from driftform.testing.bodies import hollow_body
+from driftform.testing.contract import Contract
 from driftform.types import Agent, Coefficients, End, Trajectory, WrittenFile
 
 Frames: TypeAlias = npt.NDArray[np.uint8]
@@ -50,7 +52,7 @@ def drifting_trajectory(seconds: float = 0.4, turn: float = 1.0) -> Trajectory:
     return Trajectory(t, position, quaternion, velocity, End.HORIZON)
 
 
-class RendererContract:
+class RendererContract(Contract):
     """Inherit this class, make the renderer, and set the rate and the size of its films::
 
     class TestMyRenderer(RendererContract):
@@ -93,12 +95,16 @@ class RendererContract:
     def film(self, path: Path, trajectory: Trajectory | None = None) -> WrittenFile:
         """Make a film of a trajectory, by default of one that drifts and pitches."""
         trajectory = drifting_trajectory() if trajectory is None else trajectory
-        return self.plugin().film(self.agent(), trajectory, self.scenario(), path, lambda done, total: None)
+        renderer = self.plugin()
+        written = renderer.film(self.agent(), trajectory, self.scenario(), path, lambda done, total: None)
+        return require_file(written, renderer, "film")
 
     def still(self, path: Path, at: float = 0.2, trajectory: Trajectory | None = None) -> WrittenFile:
         """Make a still of a trajectory, by default of the same one."""
         trajectory = drifting_trajectory() if trajectory is None else trajectory
-        return self.plugin().still(self.agent(), trajectory, self.scenario(), path, at)
+        renderer = self.plugin()
+        written = renderer.still(self.agent(), trajectory, self.scenario(), path, at)
+        return require_file(written, renderer, "still")
 
     def test_a_film_is_where_it_was_asked_for_in_every_format(self, tmp_path: Path) -> None:
         """Each suffix gives a film that can be read, and no other file is written."""

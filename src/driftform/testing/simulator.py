@@ -25,6 +25,7 @@ from driftform.scenario import (
     UniformFlow,
     Vector,
 )
+from driftform.seams import require_flights
 from driftform.testing.agents import (
     DENSITY,
     GRAVITY,
@@ -36,6 +37,7 @@ from driftform.testing.agents import (
     tumbling_agent,
 )
 from driftform.testing.bodies import spheroid_body
+from driftform.testing.contract import Contract
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.trajectory.path import evaluate_path, world_velocity
 from driftform.types import Agent, Coefficients, Drag, End, FloatArray, Trajectory
@@ -97,7 +99,7 @@ def _not_finite() -> dict[str, Callable[[], Agent]]:
 NOT_FINITE = _not_finite()
 
 
-class SimulatorContract:
+class SimulatorContract(Contract):
     """Inherit this class, and make the simulator::
 
         class TestMySimulator(SimulatorContract):
@@ -124,7 +126,8 @@ class SimulatorContract:
 
     def fly(self, agent: Agent, scenario: Scenario) -> Trajectory:
         """Return the trajectory of a flight that must reach its horizon."""
-        trajectory = self.plugin().simulate(agent, scenario)
+        simulator = self.plugin()
+        [trajectory] = require_flights([simulator.simulate(agent, scenario)], 1, simulator, "simulate")
         assert trajectory.end == End.HORIZON
         assert trajectory.t[-1] == pytest.approx(scenario.flight.horizon, rel=1e-9)
         return trajectory

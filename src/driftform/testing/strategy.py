@@ -9,6 +9,8 @@ import pytest
 from driftform.interfaces import Grammar, SearchSpace, Strategy
 from driftform.options import Table
 from driftform.scenario import Pipe, Scenario, Segment
+from driftform.seams import require_candidates
+from driftform.testing.contract import Contract
 from driftform.testing.letters import LetterGrammar
 from driftform.types import Candidate, End, Evaluation, FloatArray, Genome, Trajectory
 
@@ -43,7 +45,7 @@ def search_space(grammar: Grammar[Any], targets: tuple[str, ...], seed: int = 0)
     return SearchSpace(grammar, targets, np.random.default_rng(seed), scenario)
 
 
-class StrategyContract:
+class StrategyContract(Contract):
     """Inherit this class, and make the strategy for a search space::
 
         class TestMyStrategy(StrategyContract):
@@ -70,14 +72,20 @@ class StrategyContract:
         """Return a new strategy whose random numbers come from the seed."""
         return self.plugin(search_space(self.grammar(), self.targets, seed))
 
+    def ask(self, strategy: Strategy[Any], limit: int, first: int = 0) -> Sequence[Candidate]:
+        """Return the next candidates of a strategy that has received ``first`` evaluations."""
+        space = strategy.space
+        return require_candidates(
+            strategy.ask(limit), limit, strategy, space.grammar.name, space.targets, first
+        )
+
     def play(
         self, strategy: Strategy[Any], budget: int, score: Score = two_target_fitness, seconds: float = 0.0
     ) -> list[Candidate]:
         """Ask and tell until the budget is spent; return all candidates in order."""
         asked: list[Candidate] = []
         while len(asked) < budget:
-            candidates = strategy.ask(budget - len(asked))
-            assert 1 <= len(candidates) <= budget - len(asked)
+            candidates = self.ask(strategy, budget - len(asked), len(asked))
             outcomes = [
                 Evaluation(c.genome, score(c.genome), straight_trajectory(c.genome), seconds=seconds)
                 for c in candidates
@@ -89,7 +97,7 @@ class StrategyContract:
     @pytest.mark.parametrize("limit", [1, 2, 3, 7, 20, 1000])
     def test_an_ask_is_never_empty_and_never_beyond_the_limit(self, limit: int) -> None:
         """A batch has at least one candidate, so that the run ends, and at most the remaining number of evaluations."""
-        assert 1 <= len(self.start().ask(limit)) <= limit
+        self.ask(self.start(), limit)
 
     @pytest.mark.parametrize("budget", [1, 13, 100])
     def test_a_budget_is_spent_exactly(self, budget: int) -> None:
@@ -101,8 +109,7 @@ class StrategyContract:
         strategy = self.start()
         first = 0
         for limit in (1, 2, 3) * 10:
-            candidates = strategy.ask(limit)
-            assert 1 <= len(candidates) <= limit
+            candidates = self.ask(strategy, limit, first)
             strategy.tell(
                 first,
                 [
@@ -124,11 +131,7 @@ class StrategyContract:
         strategy = self.start()
         first = 0
         for _ in range(6):
-            candidates = strategy.ask(40)
-            for candidate in candidates:
-                assert all(0 <= parent < first for parent in candidate.parents)
-                assert candidate.generation >= 0
-                assert candidate.target in (*self.targets, "")
+            candidates = self.ask(strategy, 40, first)
             strategy.tell(
                 first,
                 [
@@ -163,7 +166,7 @@ class StrategyContract:
         strategy, first = self.start(7), 0
         asked: list[Candidate] = []
         while len(asked) < 150:
-            candidates, outcomes = strategy.ask(150 - len(asked)), []
+            candidates, outcomes = self.ask(strategy, 150 - len(asked), len(asked)), []
             for candidate in candidates:
                 fitness = two_target_fitness(candidate.genome)
                 if candidate.threshold is not None and np.all(fitness <= candidate.threshold):
@@ -190,10 +193,10 @@ class StrategyContract:
         strategy = self.start()
         first = 0
         while first < 60:
-            candidates = strategy.ask(60 - first)
+            candidates = self.ask(strategy, 60 - first, first)
             strategy.tell(first, [Evaluation(c.genome, np.zeros(2), failure="it broke") for c in candidates])
             first += len(candidates)
-        assert 1 <= len(strategy.ask(10)) <= 10
+        self.ask(strategy, 10, first)
 
     def test_it_works_for_one_target_and_for_many(self) -> None:
         """The strategy does not assume a number of targets."""

@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 import time
+from dataclasses import replace
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -13,10 +14,33 @@ import numpy as np
 
 from driftform import hookimpl
 from driftform.errors import InputError, WorkFailedError
-from driftform.interfaces import Exporter, Fitness, Renderer, Simulator, Strategy
+from driftform.interfaces import (
+    Checker,
+    Exporter,
+    Fitness,
+    Hydrodynamics,
+    HydrodynamicsOptions,
+    PhenotypeBuilder,
+    Renderer,
+    Simulator,
+    Strategy,
+)
 from driftform.options import Table, option
 from driftform.testing.letters import LetterGrammar
-from driftform.types import End, Genome, Trajectory, WrittenFile
+from driftform.types import (
+    Body,
+    Candidate,
+    Coefficients,
+    Core,
+    End,
+    Finding,
+    Genome,
+    Module,
+    Morphology,
+    State,
+    Trajectory,
+    WrittenFile,
+)
 from driftform.util.files import write_text, write_whole
 from driftform.util.preparation import preparing
 
@@ -100,7 +124,13 @@ DEEDS = {
     "unended": lambda: _flight(np.linspace(0.0, 1.0, 11), None),
     "backward": lambda: _flight(np.linspace(1.0, 0.0, 11), End.OUTLET),
     "nan": lambda: _flight(np.linspace(0.0, 1.0, 11), End.OUTLET, np.nan),
+    "turned": lambda: replace(_flight(np.linspace(0.0, 1.0, 11), End.OUTLET), quaternion=np.zeros((11, 4))),
+    "unsure": lambda: replace(_flight(np.linspace(0.0, 1.0, 11), End.OUTLET), error=np.nan),
+    "words": lambda: replace(_flight(np.linspace(0.0, 1.0, 11), End.OUTLET), error="small"),
+    "absent": lambda: [WrittenFile("never", "nowhere.never")],
+    "pathless": lambda: [WrittenFile("never", None)],
     "silent": lambda: _raise(SilentError()),
+    "surrogate": lambda: _raise(ValueError("half of a letter: \ud800")),
     "foreign": lambda: _raise(KeyError("x")),
     "print": _print,
 }
@@ -182,52 +212,150 @@ class NonsenseFitness(Fitness[NonsenseOptions]):
         return np.full(len(scenario.targets) + self.options.extra, float(self.options.value))
 
 
-SCORES = {
-    "none": lambda: None,
-    "text": lambda: "good",
-    "single": lambda: 50.0,
-    "complex": lambda: np.array([50 + 1j]),
-    "texts": lambda: np.array(["50"]),
-    "ragged": lambda: [[1.0], [1.0, 2.0]],
-    "table": lambda: np.full((1, 1), 50.0),
+class SlipOptions(Table):
+    slip: str = option("", "what it returns in place of what it should: see the table of its class")
+
+
+GRAMMAR_SLIPS = {
+    "list": ("random", lambda rng: ["a"] * 12),
+    "none": ("random", lambda rng: None),
+    "name": ("random", lambda rng: Genome("letters", ("a",) * 12)),
+    "flip": ("flip", lambda genome, index, rng: None),
+    "crossover": ("crossover", lambda a, b, rng: a),
+    "text": ("to_text", lambda genome: 5),
+    "parse": ("parse", lambda text: None),
+    "unread": ("parse", lambda text: refuse()),
+    "other": ("parse", lambda text: Genome("slipping", ("b",) * 12)),
+    "express": ("express", lambda genome: None),
+    "length": ("express", lambda genome: Morphology(fore=(Module("long", 0.0),))),
+    "flat": ("express", lambda genome: Morphology(fore=(Module(float("nan"), 0.0),))),
 }
-"""What a fitness should not return from score()."""
 
 
-class OddOptions(Table):
-    returns: str = option("none", "what it returns: see SCORES and GENOMES")
+class SlippingGrammar(LetterGrammar):
+    """Letters, but one method returns something else."""
 
+    name = "slipping"
+    Options = SlipOptions
 
-class OddFitness(Fitness[OddOptions]):
-    """What is no fitness."""
-
-    name = "odd"
-    Options = OddOptions
-
-    def score(self, trajectory, scenario, agent):
-        return SCORES[self.options.returns]()
-
-
-GENOMES = {
-    "none": None,
-    "list": ["A", "B"],
-    "numbers": Genome("odd", (0.5, 0.25)),
-    "text": Genome("odd", "AB"),
-}
-"""What a grammar should not return from random()."""
-
-
-class OddGrammar(LetterGrammar):
-    """What makes no genomes."""
-
-    name = "odd"
-    Options = OddOptions
+    def __init__(self, options):
+        super().__init__(options)
+        if options.slip in GRAMMAR_SLIPS:
+            setattr(self, *GRAMMAR_SLIPS[options.slip])
 
     def random(self, rng):
-        return GENOMES[self.options.returns]
+        return Genome(self.name, (0.5,)) if self.options.slip == "floats" else super().random(rng)
 
-    def parse(self, text):
-        return GENOMES[self.options.returns]
+
+BUILDER_SLIPS = {
+    "none": lambda: None,
+    "empty": lambda: Body(np.zeros((0, 2)), np.zeros((0, 2)), [], Core(0.01, 0.05), 0.001, 1050.0),
+    "nan": lambda: Body(np.full((3, 2), np.nan), np.zeros((0, 2)), [], Core(0.01, 0.05), 0.001, 1050.0),
+    "words": lambda: Body([["a", "b"]], np.zeros((0, 2)), [], Core(0.01, 0.05), 0.001, 1050.0),
+    "coreless": lambda: Body([(0, 0), (0, 1), (1, 0)], np.zeros((0, 2)), [], None, 0.001, 1050.0),
+}
+
+
+class SlippingBuilder(PhenotypeBuilder[SlipOptions]):
+    """A cone without a core, or what it should not be."""
+
+    name = "slipping"
+    Options = SlipOptions
+
+    def build(self, morphology):
+        return BUILDER_SLIPS[self.options.slip]()
+
+
+class SlippingOptions(HydrodynamicsOptions, SlipOptions):
+    pass
+
+
+HYDRODYNAMICS_SLIPS = {
+    "none": lambda: None,
+    "shape": lambda: Coefficients(np.eye(3)),
+    "complex": lambda: Coefficients(1j * np.eye(6)),
+    "nan": lambda: Coefficients(np.full((6, 6), np.nan)),
+    "negative": lambda: Coefficients(-np.eye(6)),
+    "lopsided": lambda: Coefficients(np.triu(np.ones((6, 6)))),
+}
+
+
+class SlippingHydrodynamics(Hydrodynamics[SlippingOptions]):
+    """Coefficients that no body has."""
+
+    name = "slipping"
+    Options = SlippingOptions
+
+    def coefficients(self, body, fluid):
+        return HYDRODYNAMICS_SLIPS[self.options.slip]()
+
+
+FITNESS_SLIPS = {
+    "none": lambda n: None,
+    "text": lambda n: "50",
+    "texts": lambda n: ["50"] * n,
+    "scalar": lambda n: 50.0,
+    "column": lambda n: np.full((n, 1), 50.0),
+    "complex": lambda n: np.full(n, 50 + 1j),
+    "truth": lambda n: np.ones(n, dtype=bool),
+    "ragged": lambda n: [[1.0], [2.0, 3.0]],
+    "raising": lambda n: np.linalg.inv(np.zeros((2, 2))),
+}
+
+
+class SlippingFitness(Fitness[SlipOptions]):
+    """A score that is no percentage."""
+
+    name = "slipping"
+    Options = SlipOptions
+
+    def score(self, trajectory, scenario, agent):
+        return FITNESS_SLIPS[self.options.slip](len(scenario.targets))
+
+
+STRATEGY_SLIPS = {
+    "word": lambda genome: "aab",
+    "none": lambda genome: Candidate(None),
+    "grammar": lambda genome: Candidate(Genome("letters", ("a",))),
+    "target": lambda genome: Candidate(genome, target="Mars"),
+    "parents": lambda genome: Candidate(genome, parents=(99,)),
+    "half": lambda genome: Candidate(genome, parents=(0.5,)),
+    "old": lambda genome: Candidate(genome, generation=2**70),
+    "threshold": lambda genome: Candidate(genome, threshold=(1.0, 2.0)),
+    "numpy": lambda genome: Candidate(genome, parents=[], generation=np.int64(3)),
+}
+
+
+class SlippingStrategy(Strategy[SlipOptions]):
+    """Candidates that do not fit into the run."""
+
+    name = "slipping"
+    Options = SlipOptions
+
+    def ask(self, limit):
+        return [STRATEGY_SLIPS[self.options.slip](self.space.grammar.random(self.space.rng))]
+
+    def tell(self, first, evaluations):
+        pass
+
+
+CHECKER_SLIPS = {
+    "": lambda: [],
+    "none": lambda: None,
+    "words": lambda: ["all is well"],
+    "state": lambda: [Finding("closed", "fine", "all is well")],
+    "detail": lambda: [Finding("closed", State.PASS, None)],
+}
+
+
+class SlippingChecker(Checker[SlipOptions]):
+    """Findings that nobody can read; without a slip none of its own."""
+
+    name = "slipping"
+    Options = SlipOptions
+
+    def check(self, job):
+        return CHECKER_SLIPS[self.options.slip]()
 
 
 class WordyOptions(Table):
@@ -324,6 +452,7 @@ class RefusingExporter(Exporter[Table]):
 class FlipBookOptions(Table):
     pages: int = option(20, "how many pages it has", "", gt=0)
     torn: bool = option(False, "whether it fails at its last page")
+    lost: bool = option(False, "whether it says nothing of what it wrote")
 
 
 class FlipBook(Renderer[FlipBookOptions]):
@@ -340,12 +469,31 @@ class FlipBook(Renderer[FlipBookOptions]):
         if self.options.torn:
             raise WorkFailedError("the last page is torn")
         write_text(path, f"{self.options.pages} pages of {flight.t[-1]:g} s\n")
-        return WrittenFile(self.name, str(path))
+        return None if self.options.lost else WrittenFile(self.name, str(path))
+
+
+class Heir(NonsenseFitness):
+    name = "heir"
 
 
 @hookimpl
 def driftform_grammar():
-    return [LetterGrammar, OddGrammar]
+    return [LetterGrammar, SlippingGrammar]
+
+
+@hookimpl
+def driftform_builder():
+    return SlippingBuilder
+
+
+@hookimpl
+def driftform_hydrodynamics():
+    return SlippingHydrodynamics
+
+
+@hookimpl
+def driftform_checker():
+    return SlippingChecker
 
 
 @hookimpl
@@ -355,7 +503,7 @@ def driftform_simulator():
 
 @hookimpl
 def driftform_fitness():
-    return [NonsenseFitness, OddFitness, WordyFitness]
+    return [Heir, NonsenseFitness, SlippingFitness, WordyFitness]
 
 
 @hookimpl
@@ -370,4 +518,4 @@ def driftform_renderer():
 
 @hookimpl
 def driftform_strategy():
-    return [DeedStrategy, PickyStrategy]
+    return [DeedStrategy, PickyStrategy, SlippingStrategy]

@@ -137,11 +137,15 @@ def route_by_branch(
         ]
     traveller = open_traveller(agent) if isinstance(agent, str) else agent
     traveling = Traveling(traveller, Geometry(network, travel.branch), travel, cache)
-    make_flights([traveling], snapshots, workers, progress)
+    sides = {
+        side: traveling if side == travel.branch else traveling.with_branch(side)
+        for side in (SIDES if compare and not unsteady else ())
+    }
+    make_flights([traveling, *sides.values()], snapshots, workers, progress)
     passage = follow_bodies(network, traveling.route, release, hour, unsteady, walks, seed)
     others = {}
-    for side in SIDES if compare and not unsteady else ():
-        routing = traveling.with_branch(side).route(snapshots[0])
+    for side, other in sides.items():
+        routing = other.route(snapshots[0])
         others[side] = summarise_visits(follow(routing, node), routing)
     return passage, others
 

@@ -173,9 +173,12 @@ def make_sphere(diameter: float, scenario: "Scenario", buoyancy: float = 0.0) ->
 def hash_code() -> str:
     """Return a hash of the source files that decide how a body flies: results of other versions are not used."""
     core, plugin = Path(driftform.__file__).parent, Path(__file__).parent
-    folders = [core / name for name in ("dynamics", "hydrodynamics", "geometry", "trajectory", "scenario")]
+    folders = [
+        core / name
+        for name in ("dynamics", "hydrodynamics", "geometry", "potential", "trajectory", "scenario")
+    ]
     files = [file for folder in folders for file in sorted(folder.glob("*.py"))]
-    files += [plugin / name for name in ("bore.py", "flights.py")]
+    files += [plugin / name for name in ("bore.py", "flights.py", "releasing.py", "tee_flights.py")]
     return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 
 

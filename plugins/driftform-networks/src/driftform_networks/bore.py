@@ -17,6 +17,12 @@ BANDS = 9
 MIDDLE, TOP, RIGHT, BOTTOM, LEFT = 0, 1, 3, 5, 7
 """Numbers of the band in the middle, and of those at four sides."""
 
+MIRROR = np.array([0, 1, 8, 7, 6, 5, 4, 3, 2])
+"""Band of the mirror image of each band, with right and left exchanged."""
+
+MIXED = np.full(BANDS, 1 / BANDS)
+"""Probability of each band of a body that is anywhere in the bore: the bands have the same area."""
+
 _INNER = 1 / 3
 _SECTORS = BANDS - 1
 

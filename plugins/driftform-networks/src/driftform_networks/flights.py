@@ -8,11 +8,11 @@ from scipy.stats import qmc
 
 from driftform.errors import WorkFailedError
 from driftform.scenario import Scenario
-from driftform.scenario.fit import find_misfit
 from driftform.types import End, FloatArray, Trajectory
 from driftform_networks.bodies import Traveller
 from driftform_networks.bore import BANDS, find_band, sample_band
 from driftform_networks.cache import load_arrays, save_arrays
+from driftform_networks.releasing import draw_attitude, locate_middle, measure_pace, release
 
 CELLS = 3
 """Cells of a flight; the transfer from band to band is that through one cell."""
@@ -32,7 +32,6 @@ CREEP = 0.02
 _LEAD = 2.0
 """Distance of the release from the inlet, bores: a body may roll back at first."""
 
-_ATTITUDES = 60
 _SEED = 20260
 
 
@@ -120,7 +119,7 @@ def fly_straight(traveller: Traveller, bore: float, speed: float, slope: float) 
     for flight in sound:
         frame = scenarios[0].release_frame()
         rows = _cross_cells(flight, frame, _LEAD * bore, cell)
-        middle = _locate_middle(flight, rows, traveller.agent.mass.cob)
+        middle = locate_middle(flight, rows, traveller.agent.mass.cob)
         where = _relative(middle @ frame, bore)
         bands = find_band(where, room)
         for before, after, start, end in zip(bands, bands[1:], rows, rows[1:], strict=False):
@@ -156,9 +155,7 @@ def _count_slow(
     passed: FloatArray,
 ) -> None:
     """Count a flight that has not passed its cells: the body is held, or slow at the pace of the end of its flight."""
-    late = flight.t >= 0.8 * flight.t[-1]
-    along = (flight.position[late] @ frame)[:, 0]
-    pace = (along[-1] - along[0]) / max(flight.t[-1] - flight.t[late][0], 1e-9)
+    pace = measure_pace(flight, frame[:, 0])
     if pace < CREEP * speed:
         held[band] += 1
     else:
@@ -191,40 +188,14 @@ def _make_scenarios(
     for index in range(BANDS * PER_BAND):
         band = index // PER_BAND
         place = sample_band(band, room, numbers[index : index + 1, :2])[0]
-        found = _release(traveller, document, bore, place, numbers[index, 2:], index)
+        if document["flow"]["kind"] == "turbulent":
+            document["flow"]["seed"] = index
+        attitude = draw_attitude(numbers[index, 2:])
+        found = release(traveller, document, _LEAD * bore, place * bore / 2, *attitude)
         if found is not None:
             scenarios.append(found)
             starts.append(place)
     return scenarios, np.array(starts)
-
-
-def _release(
-    traveller: Traveller,
-    document: dict[str, object],
-    bore: float,
-    place: FloatArray,
-    numbers: FloatArray,
-    seed: int,
-) -> Scenario | None:
-    """Return the scenario of a release; its place moves to the axis, and its attitude along the pipe, until it fits."""
-    pitch, yaw = np.rad2deg(np.arcsin(2 * numbers[0] - 1)), 360 * numbers[1] - 180
-    for number in range(_ATTITUDES):
-        share = 1 - number / _ATTITUDES
-        # To the right of the stream is -y. An end may lead: the body keeps its head or its tail downstream.
-        right, up = share * place * bore / 2
-        turned = yaw if abs(yaw) <= 90 else yaw - np.copysign(180, yaw)
-        release = {
-            "position": (_LEAD * bore, float(-right), float(up)),
-            "pitch_deg": float(share * pitch),
-            "yaw_deg": float(share * turned + (yaw - turned)),
-        }
-        flow = dict(document["flow"])  # type: ignore[call-overload]
-        if flow["kind"] == "turbulent":
-            flow["seed"] = seed
-        scenario = Scenario.model_validate(document | {"release": release, "flow": flow})
-        if find_misfit(traveller.agent.body, scenario) is None:
-            return scenario
-    return None
 
 
 def _cross_cells(flight: Trajectory, frame: FloatArray, start: float, cell: float) -> list[int]:
@@ -237,13 +208,6 @@ def _cross_cells(flight: Trajectory, frame: FloatArray, start: float, cell: floa
             break
         rows.append(int(beyond[0]))
     return rows
-
-
-def _locate_middle(flight: Trajectory, rows: list[int], middle: FloatArray) -> FloatArray:
-    """Return where the centre of the displaced water is: the core may lie at one end of a long body, (rows, 3) in m."""
-    w, axis = flight.quaternion[rows, :1], flight.quaternion[rows, 1:]
-    turned = np.cross(axis, middle)
-    return np.asarray(flight.position[rows] + middle + 2 * (w * turned + np.cross(axis, turned)))
 
 
 def _relative(points: FloatArray, bore: float) -> FloatArray:

@@ -46,6 +46,8 @@ class Junction:
         angle between the link and each outlet, rad, (outlets,).
     stores
         whether the node is a tank or a reservoir.
+    inlets
+        number of links whose water comes in.
     """
 
     bore: float
@@ -56,6 +58,7 @@ class Junction:
     directions: FloatArray
     turns: FloatArray
     stores: bool
+    inlets: int
 
 
 class Geometry:
@@ -73,6 +76,7 @@ class Geometry:
     def __init__(self, network: Network, branch: str) -> None:
         self.network, self._branch = network, branch
         self.to_scale = is_to_scale(network) is not None
+        self._known: dict[tuple[Snapshot, int], Junction] = {}
         self._ends = np.array([self._end_directions(link) for link in range(len(network.links))])
 
     def _end_directions(self, link: int) -> tuple[FloatArray, FloatArray]:
@@ -96,6 +100,11 @@ class Geometry:
 
     def describe(self, snapshot: Snapshot, link: int) -> Junction:
         """Return what a body meets at the downstream end of a link of a snapshot."""
+        if (snapshot, link) not in self._known:
+            self._known[snapshot, link] = self._describe(snapshot, link)
+        return self._known[snapshot, link]
+
+    def _describe(self, snapshot: Snapshot, link: int) -> Junction:
         network, node = self.network, int(snapshot.head[link])
         outlets = snapshot.outlets[node]
         flow = snapshot.flow[outlets]
@@ -115,6 +124,7 @@ class Geometry:
             directions,
             turns,
             bool(snapshot.stores[node]),
+            int((snapshot.head == node).sum()),
         )
 
     def _turn(self, snapshot: Snapshot, link: int) -> tuple[FloatArray, list[int]]:

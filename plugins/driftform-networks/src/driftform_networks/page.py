@@ -59,8 +59,9 @@ BODIES = (
     *WATER,
     "In straight runs a body moves as in flights of its shape at that bore, speed and slope; a body so neutral that "
     "turbulence mixes it is anywhere in the bore.",
-    "At a junction a body goes with the water around its centre, which flat surfaces divide among the outlets. Its own "
-    "motion within the fitting is left out, and so are swirl, separation and two bodies that meet.",
+    "At a tee or wye a body goes as in flights of its shape through one like it, in ideal flow without swirl and "
+    "separation. At other junctions, and if it is mixed and narrow, it goes with the water around its centre, which flat "
+    "surfaces divide among the outlets. Two bodies never meet.",
     "A body that is wider than the service pipes does not leave with the demand; it ends where the water of a pipe does.",
     "Angles of fittings are those of the map if it is drawn to scale, else 90 degrees for each branch; the side where a "
     "branch leaves is an input, --branch.",

@@ -76,6 +76,8 @@ class Passage:
         no walks were made.
     unsteady
         whether the flows changed on the way.
+    flown, divided
+        number of junctions on its ways that it was flown through, and that streamtubes divide.
     """
 
     network: Network
@@ -88,6 +90,8 @@ class Passage:
     ends: tuple[Ending, ...]
     quantiles: FloatArray = field(default_factory=lambda: np.zeros((0, len(QUANTILES))))
     unsteady: bool = False
+    flown: int = 0
+    divided: int = 0
 
     @property
     def coverage(self) -> float:
@@ -192,6 +196,7 @@ def summarise_visits(visits: Visits, routing: Routing) -> Passage:
     seen = np.zeros(len(network.links))
     with np.errstate(invalid="ignore", divide="ignore"):
         seen[snapshot.links] = np.where(entered > 0, visits.link_probability * passes / entered, 0.0)
+    flown, divided = _count_junctions([routing], visits.node_probability)
     return Passage(
         network,
         visits.release,
@@ -201,7 +206,20 @@ def summarise_visits(visits: Visits, routing: Routing) -> Passage:
         seen,
         find_reachable(network, visits.release, [snapshot.step]),
         _sort(_merge(_list_ends(visits, routing))),
+        flown=flown,
+        divided=divided,
     )
+
+
+def _count_junctions(routings: Sequence[Routing], probability: FloatArray) -> tuple[int, int]:
+    """Return at how many nodes that bodies come to flights divide them, and at how many others streamtubes do."""
+    flown, divided = set[int](), set[int]()
+    for routing in routings:
+        snapshot = routing.snapshot
+        for node, table in zip(snapshot.head.tolist(), routing.tables, strict=True):
+            if table.choice.shape[1] > 1 and probability[node] > _LEAST and not snapshot.stores[node]:
+                (flown if table.is_flown else divided).add(node)
+    return len(flown), len(divided - flown)
 
 
 def _list_ends(visits: Visits, routing: Routing) -> list[Ending]:
@@ -255,6 +273,7 @@ def summarise_walks(walks: Walks, routings: Sequence[Routing], steps: Sequence[i
                 case _:
                     name = (network.links if how == HELD_IN_LINK else network.nodes)[place]
                     ends.append(Ending("stuck", name, count, _find_obstacle(routings, how, place)))
+    flown, divided = _count_junctions(routings, probability)
     return Passage(
         network,
         walks.release,
@@ -266,6 +285,8 @@ def summarise_walks(walks: Walks, routings: Sequence[Routing], steps: Sequence[i
         _sort(_merge(ends)),
         measure_quantiles(walks),
         unsteady=True,
+        flown=flown,
+        divided=divided,
     )
 
 

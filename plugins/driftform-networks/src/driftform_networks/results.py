@@ -76,6 +76,10 @@ def present_passage(
     """
     length = passage.network.length[passage.reachable].sum() / 1000
     lines = [f"sees {100 * passage.coverage:.1f} % of the {length:.1f} km that its water reaches"]
+    if assumptions is BODIES:
+        lines.append(
+            f"flown through {passage.flown} junctions on its ways; streamtubes divide it at {passage.divided}"
+        )
     if passage.stuck:
         lines.append(f"{100 * sum(end.probability for end in passage.stuck):.1f} % end in the pipes")
     tables = [*_table_nodes(passage), *_table_ends(passage)]

@@ -27,12 +27,15 @@ class RoutingTable:
         probability that it leaves the pipes with the demand, (bands,).
     obstacle
         what holds bodies there, in a few words.
+    is_flown
+        whether bodies were flown there.
     """
 
     choice: FloatArray
     arrival: FloatArray
     leaves: FloatArray
     obstacle: str = ""
+    is_flown: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,8 @@
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,16 +13,29 @@ import numpy as np
 from driftform.errors import InputError, did_you_mean
 from driftform.types import FloatArray
 from driftform_networks.bodies import SCENARIO, Traveller
-from driftform_networks.bore import BANDS, spread_points
+from driftform_networks.bore import BANDS, MIRROR, MIXED
 from driftform_networks.cache import find_cache, hash_content
+from driftform_networks.dividing import divide_bodies
 from driftform_networks.fits import find_obstacle
 from driftform_networks.junctions import SIDES, Geometry, Junction
 from driftform_networks.routing import Routing, RoutingTable, TransferTable
 from driftform_networks.snapshot import Snapshot
-from driftform_networks.streamtubes import divide_bore
+from driftform_networks.tees import (
+    ANGLES_DEG,
+    BRANCH,
+    NARROW,
+    RUN,
+    SLOWEST_MIXED,
+    Tee,
+    find_branch,
+    match_ratio,
+    send_all,
+    weigh_shares,
+)
 
 if TYPE_CHECKING:
     from driftform_networks.flights import StraightFlights, StraightTask
+    from driftform_networks.tee_flights import TeeFlights, TeeTask
 
 SPEED_STEP = 1.5
 """Flights are made at speeds that differ by this factor, and serve the speeds around them."""
@@ -35,14 +49,14 @@ SLOPES = (-0.5, -0.15, -0.05, 0.0, 0.05, 0.15, 0.5)
 SERVICE_BORE = 0.02
 """Default bore of the service pipes through which demand leaves, m: a narrower body leaves with it."""
 
-MIXED = np.full(BANDS, 1 / BANDS)
-"""Probability of each band of a body that is anywhere in the bore: the bands have the same area."""
-
 Progress = Callable[[int, int], None]
 """Takes the number of tables that are made, and of all."""
 
 _Key = tuple[float, float, float]
 """Bore, speed and slope of flights."""
+
+_TeeKey = tuple[Tee, _Key | None]
+"""A tee, and the flights through the main whose ends lead into it; ``None`` for a mixed body."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,11 +104,14 @@ class Traveling:
     """
 
     def __init__(self, traveller: Traveller, geometry: Geometry, travel: Travel, cache: Path | None) -> None:
-        self._traveller, self._geometry, self._travel = traveller, geometry, travel
+        # Workers need no design, and its pipeline does not go to other processes.
+        self._traveller = replace(traveller, design=None)
+        self._geometry, self._travel = geometry, travel
         self._retained = traveller.agent.body.max_diameter >= travel.service_bore
         self._folder = find_cache(cache)
         self._hash = traveller.hash()
         self._flights: dict[_Key, StraightFlights] = {}
+        self._tees: dict[_TeeKey, TeeFlights] = {}
         self._transfers: dict[tuple[object, ...], TransferTable] = {}
         self._bends: dict[int, str] = {}
 
@@ -105,28 +122,59 @@ class Traveling:
         other._travel = replace(self._travel, branch=branch)
         return other
 
-    def list_tasks(self, snapshots: Iterable[Snapshot]) -> "list[StraightTask]":
-        """Return the flights that these snapshots need and that were not read yet."""
-        from driftform_networks.flights import StraightTask
-
+    def list_straights(self, snapshots: Iterable[Snapshot]) -> "list[StraightTask]":
+        """Return the flights through straight pipes that these snapshots need and that were not read yet."""
         keys = {
             self._key(snapshot, link)
             for snapshot in snapshots
             for link in range(len(snapshot.links))
             if self._needs_flights(snapshot, link)
         }
+        return [self._straight(key) for key in sorted(keys - self._flights.keys())]
+
+    def list_tees(self, snapshots: Iterable[Snapshot]) -> "list[TeeTask]":
+        """Return the flights through tees that these snapshots need and that were not read yet."""
+        from driftform_networks.tee_flights import TeeTask
+
+        keys = {
+            key
+            for snapshot in snapshots
+            for link in range(len(snapshot.links))
+            for key, _ in self._find_tees(snapshot, link, self._geometry.describe(snapshot, link))
+            if key[0].share not in (0.0, 1.0)
+        }
         return [
-            StraightTask(self._traveller, *key, self._path(key))
-            for key in sorted(keys - self._flights.keys())
+            TeeTask(
+                self._traveller,
+                tee,
+                None if key is None else self._straight(key),
+                self._path("tee", (tee, key)),
+            )
+            for tee, key in sorted(keys - self._tees.keys(), key=repr)
         ]
 
-    def _path(self, key: _Key) -> Path:
-        return self._folder / f"{hash_content({'body': self._hash, 'straight': key})}.npz"
+    def _straight(self, key: _Key) -> "StraightTask":
+        from driftform_networks.flights import StraightTask
 
-    def read(self, tasks: "Sequence[StraightTask]", flights: "Sequence[StraightFlights]") -> None:
+        return StraightTask(self._traveller, *key, self._path("straight", key))
+
+    def _path(self, name: str, key: _Key | _TeeKey) -> Path:
+        plain = [asdict(part) if isinstance(part, Tee) else part for part in key]
+        return self._folder / f"{hash_content({'body': self._hash, name: plain})}.npz"
+
+    def read_straights(self, tasks: "Iterable[StraightTask]") -> None:
         """Take the results of tasks."""
-        for task, found in zip(tasks, flights, strict=True):
-            self._flights[task.bore, task.speed, task.slope] = found
+        for task in tasks:
+            key = task.bore, task.speed, task.slope
+            # Copies of this object, with branches at other sides, may have read them.
+            self._flights[key] = self._flights.get(key) or task()
+
+    def read_tees(self, tasks: "Iterable[TeeTask]") -> None:
+        """Take the results of tasks."""
+        for task in tasks:
+            straight = task.straight
+            key = None if straight is None else (straight.bore, straight.speed, straight.slope)
+            self._tees[task.tee, key] = self._tees.get((task.tee, key)) or task()
 
     def route(self, snapshot: Snapshot) -> Routing:
         """Return the tables of the body in a snapshot; its flights must have been made."""
@@ -149,11 +197,7 @@ class Traveling:
         slope = rise / network.length[index] if network.node_kinds[snapshot.tail[link]] == "junction" else 0.0
         slope = 0.0 if network.node_kinds[snapshot.head[link]] != "junction" else slope
         nearest = min(SLOPES, key=lambda known: abs(known - slope))
-        return (
-            round(float(network.diameter[index]), 4),
-            float(SPEED_STEP ** round(np.log(speed) / np.log(SPEED_STEP))),
-            nearest,
-        )
+        return round(float(network.diameter[index]), 4), _match_speed(speed), nearest
 
     def _transfer(self, snapshot: Snapshot, link: int) -> TransferTable:
         network, index = snapshot.network, int(snapshot.links[link])
@@ -183,7 +227,55 @@ class Traveling:
         points = None
         if self._needs_flights(snapshot, link):
             points = self._flights[self._key(snapshot, link)].states[:, :3]
-        return divide_bodies(self._traveller, junction, points, self._travel.service_bore)
+        onward = self._fly_on(junction, self._find_tees(snapshot, link, junction))
+        return divide_bodies(self._traveller, junction, points, self._travel.service_bore, onward)
+
+    def _find_tees(self, snapshot: Snapshot, link: int, junction: Junction) -> list[tuple[_TeeKey, float]]:
+        """Return the tees that stand for a junction, with weights; none for one that streamtubes divide."""
+        branch = find_branch(junction)
+        size = self._traveller.agent.body.max_diameter / (junction.bore or np.inf)
+        is_pipe = snapshot.network.link_kinds[snapshot.links[link]] == "pipe"
+        is_mixed = not self._needs_flights(snapshot, link)
+        if branch is None or not is_pipe or size >= 1 or (is_mixed and size < NARROW):
+            return []
+        bore, speed, slope = self._key(snapshot, link)
+        right, up = junction.directions[branch]
+        clock = np.rad2deg(np.arctan2(abs(right), up))
+        if is_mixed:
+            # Neither gravity nor what lies upstream matters.
+            speed, clock = _match_speed(max(speed, SLOWEST_MIXED)), 90.0
+        turn = float(np.rad2deg(junction.turns[branch]))
+        angle = min(ANGLES_DEG, key=lambda known: abs(known - turn))
+        ratio = match_ratio(float(junction.bores[branch]) / junction.bore, size)
+        return [
+            (
+                (
+                    Tee(bore, speed, ratio, angle, round(float(clock)), share),
+                    None if is_mixed else (bore, speed, slope),
+                ),
+                weight,
+            )
+            for share, weight in weigh_shares(float(junction.shares[branch]), size if is_mixed else 0.0)
+        ]
+
+    def _fly_on(self, junction: Junction, tees: list[tuple[_TeeKey, float]]) -> FloatArray | None:
+        """Return the probability of each outlet and band by flights, (bands, outlets, bands); ``None`` without tees."""
+        branch = find_branch(junction)
+        if branch is None or not tees:
+            return None
+        ends = {0.0: RUN, 1.0: BRANCH}
+        onward = np.zeros((BANDS, 2, BANDS))
+        for key, weight in tees:
+            share = key[0].share
+            onward += weight * (send_all(ends[share]) if share in ends else self._tees[key].onward)
+        if junction.directions[branch, 0] < -1e-6:
+            # Flights are those of a branch at the right.
+            onward = onward[MIRROR][:, :, MIRROR]
+        return np.asarray(onward[:, [RUN, BRANCH] if branch == 1 else [BRANCH, RUN]])
+
+
+def _match_speed(speed: float) -> float:
+    return float(SPEED_STEP ** round(np.log(speed) / np.log(SPEED_STEP)))
 
 
 _MIXING = TransferTable(np.tile(MIXED, (BANDS, 1)), np.ones(BANDS))
@@ -206,59 +298,6 @@ def _repeat(flights: "StraightFlights", cells: int, key: _Key) -> TransferTable:
     )
 
 
-def divide_bodies(
-    traveller: Traveller, junction: Junction, points: FloatArray | None, service_bore: float
-) -> RoutingTable:
-    """Return where a body goes at a junction by the streamtubes of its bore.
-
-    Parameters
-    ----------
-    points
-        band and place of bodies at the end of the link, (n, 3); ``None`` for a body that is anywhere in the bore.
-    service_bore
-        bore of service pipes, m.
-    """
-    body, outlets = traveller.agent.body, len(junction.bores)
-    nothing = np.zeros((BANDS, outlets))
-    arrival = np.broadcast_to(MIXED, (BANDS, outlets, BANDS))
-    if points is not None:
-        arrival = np.broadcast_to(np.eye(BANDS)[:, None, :], (BANDS, outlets, BANDS))
-    if junction.stores:
-        return RoutingTable(nothing, arrival, np.ones(BANDS))
-    leaves = junction.exit if body.max_diameter < service_bore else 0.0
-    if not outlets:
-        obstacle = f"a dead end: too wide for service pipes of {1000 * service_bore:.0f} mm"
-        return RoutingTable(nothing, arrival, np.full(BANDS, 1.0 if leaves else 0.0), obstacle)
-    obstacles = [
-        find_obstacle(body, junction.bore, bore, turn)
-        for bore, turn in zip(junction.bores, junction.turns, strict=True)
-    ]
-    passes = np.array([not obstacle for obstacle in obstacles])
-    choice = _choose(traveller, junction, points) * (1 - leaves) * passes
-    return RoutingTable(choice, arrival, np.full(BANDS, leaves), next(filter(None, obstacles), ""))
-
-
-def _choose(traveller: Traveller, junction: Junction, points: FloatArray | None) -> FloatArray:
-    """Return the share of the bodies in each band that the streamtubes carry into each outlet, (bands, outlets)."""
-    outlets = len(junction.bores)
-    if outlets == 1:
-        return np.ones((BANDS, 1))
-    bore = junction.bore or float(junction.bores.max())
-    room = max(1 - traveller.agent.body.max_diameter / bore, 1e-3)
-    # All water carries the body, also that within its radius of the wall: there its centre is as near as it can be.
-    anywhere = spread_points(1.0)
-    anywhere = anywhere * np.minimum(1.0, room / np.linalg.norm(anywhere, axis=1))[:, None]
-    mixed = divide_bore(anywhere, junction.directions, junction.shares).mean(axis=0)
-    if points is None or not len(points):
-        return np.tile(mixed, (BANDS, 1))
-    bands = points[:, 0].astype(np.int64)
-    counts = np.zeros((BANDS, outlets))
-    np.add.at(counts, bands, divide_bore(points[:, 1:], junction.directions, junction.shares))
-    total = counts.sum(axis=1, keepdims=True)
-    # In a band where no flight ended, a body is anywhere.
-    return np.asarray(np.where(total > 0, counts / np.maximum(total, 1e-300), mixed))
-
-
 def make_flights(
     travelings: Sequence[Traveling], snapshots: Sequence[Snapshot], workers: int, progress: Progress
 ) -> None:
@@ -272,25 +311,37 @@ def make_flights(
     WorkFailedError
         if a body cannot be flown, or workers die again and again.
     """
-    wanted = [(traveling, traveling.list_tasks(snapshots)) for traveling in travelings]
-    missing = [task for _, tasks in wanted for task in tasks if not task.path.is_file()]
-    if missing:
-        _work(missing, workers, progress)
-    for traveling, tasks in wanted:
-        traveling.read(tasks, [task() for task in tasks])
+    straights = [traveling.list_straights(snapshots) for traveling in travelings]
+    tees = [traveling.list_tees(snapshots) for traveling in travelings]
+    # Flights through tees begin where those through straight pipes end.
+    stages = [_find_missing(straights), _find_missing(tees)]
+    if any(stages):
+        _work(stages, workers, progress)
+    for traveling, runs, forks in zip(travelings, straights, tees, strict=True):
+        traveling.read_straights(runs)
+        traveling.read_tees(forks)
 
 
-def _work(tasks: "Sequence[StraightTask]", workers: int, progress: Progress) -> None:
-    if workers == 1 or len(tasks) == 1:
-        for done, task in enumerate(tasks, start=1):
+def _find_missing(wanted: "Sequence[Sequence[StraightTask | TeeTask]]") -> "list[StraightTask | TeeTask]":
+    """Return the tasks whose results are not on disk, each once."""
+    tasks = {task.path: task for tasks in wanted for task in tasks}
+    return [task for path, task in tasks.items() if not path.is_file()]
+
+
+def _work(stages: "Sequence[Sequence[StraightTask | TeeTask]]", workers: int, progress: Progress) -> None:
+    total = sum(map(len, stages))
+    if workers == 1 or total == 1:
+        for done, task in enumerate(chain.from_iterable(stages), start=1):
             task()
-            progress(done, len(tasks))
+            progress(done, total)
         return
     from driftform.execution import LocalProcesses
     from driftform.study import load_study
 
     with closing(LocalProcesses(load_study(str(SCENARIO), run={"seed": 0}).document, workers)) as executor:
-        size = 4 * workers
-        for start in range(0, len(tasks), size):
-            executor.call(tasks[start : start + size])
-            progress(min(start + size, len(tasks)), len(tasks))
+        size, done = 4 * workers, 0
+        for tasks in stages:
+            for start in range(0, len(tasks), size):
+                executor.call(tasks[start : start + size])
+                done += len(tasks[start : start + size])
+                progress(done, total)

@@ -1,0 +1,80 @@
+"""Where a body goes at a junction: by flights through it, or by the streamtubes of its bore."""
+
+import numpy as np
+
+from driftform.types import FloatArray
+from driftform_networks.bodies import Traveller
+from driftform_networks.bore import BANDS, MIXED, spread_points
+from driftform_networks.fits import find_obstacle
+from driftform_networks.junctions import Junction
+from driftform_networks.routing import RoutingTable
+from driftform_networks.streamtubes import divide_bore
+
+_HELD = "held in a tee, where the flow divides"
+
+
+def divide_bodies(
+    traveller: Traveller,
+    junction: Junction,
+    points: FloatArray | None,
+    service_bore: float,
+    onward: FloatArray | None = None,
+) -> RoutingTable:
+    """Return where a body goes at a junction, by flights or by the streamtubes of its bore.
+
+    Parameters
+    ----------
+    points
+        band and place of bodies at the end of the link, (n, 3); ``None`` for a body that is anywhere in the bore.
+    service_bore
+        bore of service pipes, m.
+    onward
+        probability of each outlet and of the band in it by flights, for each band, (bands, outlets, bands); ``None`` for
+        streamtubes.
+    """
+    body, outlets = traveller.agent.body, len(junction.bores)
+    nothing = np.zeros((BANDS, outlets))
+    arrival = np.broadcast_to(MIXED, (BANDS, outlets, BANDS))
+    if points is not None:
+        arrival = np.broadcast_to(np.eye(BANDS)[:, None, :], (BANDS, outlets, BANDS))
+    if junction.stores:
+        return RoutingTable(nothing, arrival, np.ones(BANDS))
+    leaves = junction.exit if body.max_diameter < service_bore else 0.0
+    if not outlets:
+        obstacle = f"a dead end: too wide for service pipes of {1000 * service_bore:.0f} mm"
+        return RoutingTable(nothing, arrival, np.full(BANDS, 1.0 if leaves else 0.0), obstacle)
+    obstacles = [
+        find_obstacle(body, junction.bore, bore, turn)
+        for bore, turn in zip(junction.bores, junction.turns, strict=True)
+    ]
+    passes = np.array([not obstacle for obstacle in obstacles])
+    obstacle = next(filter(None, obstacles), "")
+    if onward is None:
+        share = _choose(traveller, junction, points)
+    else:
+        share, obstacle = onward.sum(axis=2), obstacle or _HELD
+        arrival = np.where(share[:, :, None] > 0, onward / np.maximum(share, 1e-300)[:, :, None], arrival)
+    return RoutingTable(
+        share * (1 - leaves) * passes, arrival, np.full(BANDS, leaves), obstacle, onward is not None
+    )
+
+
+def _choose(traveller: Traveller, junction: Junction, points: FloatArray | None) -> FloatArray:
+    """Return the share of the bodies in each band that the streamtubes carry into each outlet, (bands, outlets)."""
+    outlets = len(junction.bores)
+    if outlets == 1:
+        return np.ones((BANDS, 1))
+    bore = junction.bore or float(junction.bores.max())
+    room = max(1 - traveller.agent.body.max_diameter / bore, 1e-3)
+    # All water carries the body, also that within its radius of the wall: there its centre is as near as it can be.
+    anywhere = spread_points(1.0)
+    anywhere = anywhere * np.minimum(1.0, room / np.linalg.norm(anywhere, axis=1))[:, None]
+    mixed = divide_bore(anywhere, junction.directions, junction.shares).mean(axis=0)
+    if points is None or not len(points):
+        return np.tile(mixed, (BANDS, 1))
+    bands = points[:, 0].astype(np.int64)
+    counts = np.zeros((BANDS, outlets))
+    np.add.at(counts, bands, divide_bore(points[:, 1:], junction.directions, junction.shares))
+    total = counts.sum(axis=1, keepdims=True)
+    # In a band where no flight ended, a body is anywhere.
+    return np.asarray(np.where(total > 0, counts / np.maximum(total, 1e-300), mixed))

@@ -1,0 +1,235 @@
+"""Flights of a body through a tee, and what they say about its way: the outlet, the band there, and where it is held."""
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.stats import qmc
+
+from driftform.errors import WorkFailedError
+from driftform.geometry.pipe_parts import Opening
+from driftform.scenario import Scenario
+from driftform.types import FloatArray, Trajectory
+from driftform_networks.bodies import Traveller
+from driftform_networks.bore import BANDS, find_band, spread_points
+from driftform_networks.cache import load_arrays, save_arrays
+from driftform_networks.flights import StraightTask
+from driftform_networks.network import IntArray
+from driftform_networks.releasing import draw_attitude, locate_middle, release, turn
+from driftform_networks.tees import BRANCH, RUN, Tee
+
+RINGS, AROUND = 7, 15
+"""Releases of a body that is anywhere: so many rings of so many, each for the same area of the bore."""
+
+STATES, LEAST_STATES = 6, 2
+"""Releases of another body: so many of the states at the ends of straight flights, from each band at least so many."""
+
+HORIZON_BORES = 24.0
+"""Longest flight: the time in which the water of the main passes so many bores."""
+
+_LEAD, _START = 2.0, 0.25
+"""Length of the straight before the tee, and distance of the release from its begin, in bores: its second half changes over
+from the profile of a long pipe to the flow of the tee."""
+
+_STUB = 0.5
+"""Length of the straights behind the tee, in bores of the main."""
+
+_SETTLED = 2.0
+"""Distance from the end of a leg of the tee, in its radii, from which on a body is in that outlet: beyond the rounded edge."""
+
+_SEED = 20261
+
+
+@dataclass(frozen=True, eq=False)
+class TeeFlights:
+    """What flights through a tee say.
+
+    Attributes
+    ----------
+    onward
+        probability of each outlet, :data:`~driftform_networks.tees.RUN` and ``BRANCH``, and of the band in it, for each band of the main,
+        (bands, 2, bands); what is left of 1 is the probability that the body is held.
+    failed
+        share of the flights that the simulator could not fly.
+    """
+
+    onward: FloatArray
+    failed: float
+
+
+@dataclass(frozen=True)
+class TeeTask:
+    """Flights to make through a tee: of a body from the ends of straight flights, or from anywhere in the bore without them.
+
+    The worker process that makes them writes them to ``path``, as that of a straight pipe does.
+    """
+
+    traveller: Traveller
+    tee: Tee
+    straight: StraightTask | None
+    path: Path
+
+    def __call__(self) -> TeeFlights:
+        """Make the flights, or read them."""
+        if (arrays := load_arrays(self.path)) is not None:
+            return TeeFlights(arrays["onward"], float(arrays["failed"]))
+        states = None if self.straight is None else self.straight().states
+        slope = 0.0 if self.straight is None else self.straight.slope
+        found = fly_tee(self.traveller, self.tee, states, slope)
+        save_arrays(
+            self.path, {field.name: np.asarray(getattr(found, field.name)) for field in fields(found)}
+        )
+        return found
+
+
+def fly_tee(traveller: Traveller, tee: Tee, states: FloatArray | None, slope: float = 0.0) -> TeeFlights:
+    """Return what flights of a body through a tee say.
+
+    Parameters
+    ----------
+    states
+        of :class:`~driftform_networks.flights.StraightFlights`, at the ends of flights through the main; ``None`` for a
+        body that is anywhere in the bore, weighted by the water that passes there.
+    slope
+        of the straight pipe of the states; the tee is level.
+
+    Raises
+    ------
+    WorkFailedError
+        if the simulator can fly none of them.
+    """
+    document = describe_pipe(traveller, tee)
+    if states is None:
+        bands, scenarios = _spread(traveller, tee, document)
+    else:
+        bands, scenarios = _continue(traveller, tee, document, states, slope)
+    if not scenarios:
+        return TeeFlights(np.zeros((BANDS, 2, BANDS)), 0.0)
+    agents = [traveller.agent] * len(scenarios)
+    flights = traveller.simulator.screen_batch(agents, scenarios, lambda _, __: False)
+    sound = [index for index, flight in enumerate(flights) if not flight.end.failed]
+    if not sound:
+        raise WorkFailedError(
+            f"{traveller.name}: cannot be flown through a tee of {1000 * tee.bore:.0f} mm: {flights[0].failure}"
+        )
+    counts, total = np.zeros((BANDS, 2, BANDS)), np.zeros(BANDS)
+    for index in sound:
+        # Bodies that are anywhere arrive as often as the water passes their places.
+        weight = float(np.linalg.norm(flights[index].velocity[0, :3])) if states is None else 1.0
+        total[bands[index]] += weight
+        for outlet, band in _find_end(traveller, tee, scenarios[index], flights[index]):
+            counts[bands[index], outlet, band] += weight
+    mean = counts.sum(axis=0) / total.sum()
+    known = (total > 0) & (states is not None)
+    onward = np.where(known[:, None, None], counts / np.maximum(total, 1e-300)[:, None, None], mean)
+    return TeeFlights(onward, 1 - len(sound) / len(flights))
+
+
+def describe_pipe(traveller: Traveller, tee: Tee) -> dict[str, Any]:
+    """Return the scenario of a tee without a release: a level main, in the mean flow of developed turbulence."""
+    radius, stub = tee.bore / 2, _STUB * tee.bore
+    document = traveller.scenario.model_dump(include={"fluid", "contact", "flow"})
+    flow = document["flow"] | {"speed": tee.speed}
+    if flow["kind"] == "turbulent":
+        flow = {"kind": "log_law", "speed": tee.speed, "roughness": flow["roughness"]}
+    junction = {
+        "kind": "tee" if tee.angle_deg == 90 else "wye",
+        "branch_radius": tee.ratio * radius,
+        "share": tee.share,
+        "roll_deg": tee.clock_deg,
+        "branch": [{"length": stub, "outlet": "branch"}],
+    }
+    if junction["kind"] == "wye":
+        junction["angle_deg"] = tee.angle_deg
+    return document | {
+        "flow": flow,
+        # The pressure of ideal flow presses bodies onto edges where real water separates: friction would hold them there.
+        "contact": document["contact"] | {"friction": 0.0},
+        "pipe": {
+            "radius": radius,
+            "parts": [{"length": _LEAD * tee.bore}, junction, {"length": stub, "outlet": "run"}],
+        },
+        "flight": {"horizon": HORIZON_BORES * tee.bore / tee.speed},
+    }
+
+
+def _spread(traveller: Traveller, tee: Tee, document: dict[str, Any]) -> tuple[list[int], list[Scenario]]:
+    """Return bands and scenarios of releases from anywhere; those nearest to the wall are as near as they can be."""
+    room = max(1 - traveller.agent.body.max_diameter / tee.bore, 0.0)
+    places = spread_points(1.0, RINGS, AROUND)
+    # The thousandth keeps the releases off the wall.
+    places *= np.minimum(1.0, 0.999 * room / np.linalg.norm(places, axis=1))[:, None]
+    numbers = qmc.Sobol(2, rng=np.random.default_rng(_SEED)).random(2 ** int(np.ceil(np.log2(len(places)))))
+    bands, scenarios = [], []
+    for band, place, pair in zip(find_band(places, room).tolist(), places, numbers, strict=False):
+        attitude = draw_attitude(pair)
+        found = release(traveller, document, _START * tee.bore, place * tee.bore / 2, *attitude)
+        if found is not None:
+            bands.append(band)
+            scenarios.append(found)
+    return bands, scenarios
+
+
+def _continue(
+    traveller: Traveller, tee: Tee, document: dict[str, Any], states: FloatArray, slope: float
+) -> tuple[list[int], list[Scenario]]:
+    """Return bands and scenarios of releases as at the ends of straight flights."""
+    rows = _pick_states(states[:, 0].astype(np.int64))
+    x, z = np.sqrt(1 - slope**2), slope
+    pipe = np.array([[x, 0.0, z], [0.0, 1.0, 0.0], [-z, 0.0, x]])
+    quaternion = states[rows, 3:7]
+    ahead, middle, velocity = (
+        turn(quaternion, vector) @ pipe.T
+        for vector in (np.array([1.0, 0.0, 0.0]), traveller.agent.mass.cob, states[rows, 7:10])
+    )
+    # The states have the place of the centre of the displaced water, and a release that of the core.
+    places = states[rows, 1:3] * tee.bore / 2 - np.column_stack([-middle[:, 1], middle[:, 2]])
+    bands, scenarios = [], []
+    for index, row in enumerate(rows.tolist()):
+        pitch = -np.rad2deg(np.arcsin(np.clip(ahead[index, 2], -1, 1)))
+        yaw = np.rad2deg(np.arctan2(ahead[index, 1], ahead[index, 0]))
+        along = _START * tee.bore
+        found = release(traveller, document, along, places[index], float(pitch), float(yaw), velocity[index])
+        if found is not None:
+            bands.append(int(states[row, 0]))
+            scenarios.append(found)
+    return bands, scenarios
+
+
+def _pick_states(bands: IntArray) -> IntArray:
+    """Return rows of states, as many from each band that there is."""
+    known = np.unique(bands)
+    most = max(LEAST_STATES, STATES // max(len(known), 1))
+    rows = [np.flatnonzero(bands == band) for band in known]
+    picked = [row[np.linspace(0, len(row) - 1, min(most, len(row))).round().astype(int)] for row in rows]
+    return np.concatenate(picked) if picked else np.zeros(0, np.int64)
+
+
+def _find_end(
+    traveller: Traveller, tee: Tee, scenario: Scenario, flight: Trajectory
+) -> list[tuple[int, int]]:
+    """Return the outlet in which a flight has ended, and the band there; nothing if it has ended in neither."""
+    middle = locate_middle(flight, [-1], traveller.agent.mass.cob)[0]
+    openings = {outlet.name: outlet.opening for outlet in scenario.pipe.layout.outlets}
+    inlet, clock = scenario.pipe.layout.inlet, np.deg2rad(tee.clock_deg)
+    left, up = inlet.axes[1:]
+    # A branch is seen as if it left at the right: what rolls it there turns its upward direction too.
+    rolled = np.cos(clock) * left + np.sin(clock) * up
+    for outlet, name, upward in ((RUN, "run", up), (BRANCH, "branch", rolled)):
+        if (band := _find_band(traveller, openings[name], upward, middle, 2 * inlet.radius)) is not None:
+            return [(outlet, band)]
+    return []
+
+
+def _find_band(
+    traveller: Traveller, opening: Opening, up: FloatArray, middle: FloatArray, bore: float
+) -> int | None:
+    """Return the band of a point in the outlet with this opening, ``None`` if it is not in that outlet."""
+    from_opening, downstream = middle - opening.centre, opening.axes[0]
+    place = np.array([from_opening @ np.cross(downstream, up), from_opening @ up]) / opening.radius
+    beyond = from_opening @ downstream > -(_STUB * bore + _SETTLED * opening.radius)
+    if not beyond or np.linalg.norm(place) > 1:
+        return None
+    room = max(1 - traveller.agent.body.max_diameter / (2 * opening.radius), 1e-3)
+    return int(find_band(place[None], room)[0])

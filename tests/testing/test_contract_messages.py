@@ -1,0 +1,109 @@
+"""A contract that fails says what it asks, and what came instead."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from driftform import testing
+from driftform.interfaces import Checker, Exporter, Fitness, Recorder
+from driftform.options import Table
+from driftform.testing import (
+    CheckerContract,
+    ExporterContract,
+    FitnessContract,
+    GrammarContract,
+    RecorderContract,
+)
+from driftform.testing.contract import Contract
+from driftform.testing.letters import LetterGrammar
+
+
+class Listing(LetterGrammar):
+    def random(self, rng: np.random.Generator) -> Any:
+        return ["a"] * 12
+
+
+class Scalar(Fitness[Table]):
+    name = "scalar"
+
+    def score(self, trajectory: Any, scenario: Any, agent: Any) -> Any:
+        return 50.0
+
+
+class Silent(Exporter[Table]):
+    name = "silent"
+    suffix = ".txt"
+
+    def write(self, job: Any, path: Path) -> Any:
+        return None
+
+
+class Mute(Recorder[Table]):
+    name = "mute"
+    suffix = ".txt"
+
+    def write(self, job: Any, trajectory: Any, path: Path) -> Any:
+        return None
+
+
+class Wordy(Checker[Table]):
+    name = "wordy"
+
+    def check(self, job: Any) -> Any:
+        return ["all is well"]
+
+
+def make(contract: type[Any], plugin: type[Any]) -> Any:
+    return type("Mine", (contract,), {"plugin": lambda self: plugin(Table())})()
+
+
+@pytest.mark.parametrize(
+    ("fails", "came", "asked"),
+    [
+        (
+            lambda _: make(GrammarContract, Listing).test_a_random_genome_can_be_expressed(0),
+            "grammar 'letters' returned a list from random(), expected a Genome of grammar 'letters'",
+            "Every random genome grows into modules of finite length and a tilt below 90 degrees.",
+        ),
+        (
+            lambda _: make(FitnessContract, Scalar).test_there_is_one_fitness_for_each_target(("near",)),
+            "fitness 'scalar' returned 50.0 from score(), expected an array of 1 number from 0 to 100",
+            "The score is a vector over the scenario's targets, for one target or many.",
+        ),
+        (
+            lambda path: make(ExporterContract, Silent).test_every_file_exists_under_the_requested_name(path),
+            "exporter 'silent' returned nothing from write(), expected the files that it wrote",
+            "Every reported file exists and is not empty, and its name begins with that of the path.",
+        ),
+        (
+            lambda path: make(RecorderContract, Mute).test_only_the_requested_files_are_written(path),
+            "recorder 'mute' returned nothing from write(), expected the files that it wrote",
+            "Every reported file exists and is not empty, and every file that is written is reported.",
+        ),
+        (
+            lambda path: make(CheckerContract, Wordy).test_a_sound_file_does_not_fail(path),
+            "checker 'wordy' returned a str from check(), expected a Finding",
+            "A cube of 20 mm can be printed; at least one finding says so, or why the check was skipped.",
+        ),
+    ],
+)
+def test_a_contract_that_fails_says_what_came_and_what_it_asks(
+    fails: Callable[[Path], None], came: str, asked: str, tmp_path: Path
+) -> None:
+    with pytest.raises(AssertionError) as caught:
+        fails(tmp_path)
+    assert str(caught.value).startswith(came)
+    assert caught.value.__notes__ == [f"The contract asks: {asked}"]
+
+
+def test_every_contract_states_what_each_of_its_tests_asks() -> None:
+    contracts = [getattr(testing, name) for name in testing.__all__]
+    assert all(Contract in contract.__bases__ for contract in contracts)
+    tests = [
+        test for contract in contracts for name, test in vars(contract).items() if name.startswith("test_")
+    ]
+    assert len(tests) > 100
+    assert [test.__qualname__ for test in tests if not test.__doc__] == []
