@@ -15,7 +15,13 @@ from driftform.geometry.mass_elements import load_ballast
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
 from driftform.scenario import Scenario
 from driftform.scenario.calibration import calibrate_body, calibrate_coefficients
-from driftform.scenario.disturbances import Condition, disturb_body, disturb_scenario
+from driftform.scenario.disturbances import (
+    Condition,
+    disturb_body,
+    disturb_calibration,
+    disturb_fluid,
+    disturb_scenario,
+)
 from driftform.scenario.fit import ease_release, find_misfit
 from driftform.seams import (
     require_body,
@@ -116,10 +122,15 @@ class Pipeline:
     def _complete(
         self, body: Body, morphology: Morphology, genome: Genome | None, condition: Condition | None
     ) -> Agent:
-        scenario = self.scenario
+        fluid, calibration, options = (
+            self.scenario.fluid,
+            self.scenario.calibration,
+            self.hydrodynamics.options,
+        )
         if condition is not None:
-            body, scenario = disturb_body(condition, body), disturb_scenario(condition, scenario)
-        factors, fluid, options = scenario.calibration.factors, scenario.fluid, self.hydrodynamics.options
+            body, fluid = disturb_body(condition, body), disturb_fluid(condition, fluid)
+            calibration = disturb_calibration(condition, calibration)
+        factors = calibration.factors
         body = calibrate_body(factors, body)
         mass = mass_properties(body)
         found = self.hydrodynamics.coefficients(body, fluid)
@@ -131,7 +142,7 @@ class Pipeline:
             drag = estimate_drag(body, fluid.viscosity, factor, options.drag_without)
             coefficients = replace(coefficients, drag=drag)
         coefficients = calibrate_coefficients(factors, coefficients)
-        return Agent(body, load_ballast(mass, scenario.release), coefficients, morphology, genome)
+        return Agent(body, load_ballast(mass, self.scenario.release), coefficients, morphology, genome)
 
     def find_obstacle(self, genome: Genome) -> str | None:
         """Return why a genome cannot be built or released, in one line; ``None`` if it can."""

@@ -55,7 +55,8 @@ LOOSEST_RATIO = 100.0
 """Ratio of the tolerance at the end of a long flight to that at its release."""
 
 SMOOTH_SHARE = 1e-2
-"""Factor of the tolerance during smooth motion, whose accuracy costs little: contact causes nearly all of the error."""
+"""Factor of the tolerance during smooth motion without gusts, whose accuracy costs little: contact causes nearly all of
+the error."""
 
 FIRST_STEP = 1e-3
 """Length of the first step, s."""
@@ -288,7 +289,9 @@ def _integrate_at_tolerance(
         pair, sharp = DOPRI5, tolerance * min(LOOSEST_RATIO, math.exp(TOLERANCE_GROWTH * t))
         near = not is_far_from_wall(position, model.table[REACH], model.pipe, model.fittings)
         if not near:
-            pair, sharp = DOP853, SMOOTH_SHARE * sharp
+            pair = DOP853
+            if model.gusts.shape[0] == 0:
+                sharp *= SMOOTH_SHARE
             # Bristles straighten in the water. What remains of them would only limit the steps.
             for j in range(places.shape[0], size - angles):
                 y[j], slopes[0, j] = 0.0, 0.0

@@ -7,6 +7,8 @@ such as the bare core, are not slender: their drag is, in part or whole, that of
 
 import math
 from collections.abc import Collection
+from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -59,41 +61,83 @@ def estimate_drag(
     without
         terms to leave out: those of ``drag_without`` in :class:`driftform.interfaces.HydrodynamicsOptions`.
     """
-    phi = sphericity(body.outer)
-    sphere = 0.0 if "sphere" in without else max(0.0, (phi - SLENDER) / (1 - SLENDER))
+    shape = _measure_shape(body.outer.tobytes(), viscosity)
+    sphere = 0.0 if "sphere" in without else max(0.0, (shape.sphericity - SLENDER) / (1 - SLENDER))
     slender, radius = 1 - sphere, body.max_diameter / 2
-    solid = solid_of_revolution(body.outer)
-    x, r = outer_radii(body.outer, STATIONS)
-    step = float(x[1] - x[0])
-    strips = gauss_strips(x, r, STRIPS)
+    strips = shape.strips
     aspect = body.length**2 / float(strips[:, 1] @ strips[:, 2])
-    finite = 1.0 if "ends" in without else finite_length_factor(aspect) * end_shape_factor(phi, aspect)
-    # Friction on a steep face does not act along the axis, so only the area along x counts.
-    along = np.abs(np.diff(body.outer[:, 0]))
-    rubbed = math.pi * float((body.outer[:-1, 1] + body.outer[1:, 1]) @ along)
-    mirrored = body.outer[::-1] * (-1.0, 1.0)
-    x_ahead, area_ahead = wake_section(body.outer, x, r)
-    x_astern, area_astern = wake_section(mirrored, -x[::-1], r[::-1])
+    finite = (
+        1.0
+        if "ends" in without
+        else finite_length_factor(aspect) * end_shape_factor(shape.sphericity, aspect)
+    )
     lift = 0.0 if "wake" in without else slender * wake_factor
-    centre, square = float(solid.centroid), r * r
-    share = square / float(square.sum())
-    spread = float(share @ square) / 4, float(share @ (x - centre) ** 2) + step**2 / 12
+    (x_ahead, area_ahead), (x_astern, area_astern) = shape.wake_ahead, shape.wake_astern
     bore = "bore" not in without
     return Drag(
         np.column_stack([strips, np.full(len(strips), slender * finite)]),
-        friction_area=slender * rubbed * form_factor(body.max_diameter / body.length),
+        friction_area=slender * shape.rubbed * form_factor(body.max_diameter / body.length),
         length=body.length,
-        ahead=slender * _end_area(body.outer, rubbed, viscosity),
-        astern=slender * _end_area(mirrored, rubbed, viscosity),
+        ahead=slender * shape.end_ahead,
+        astern=slender * shape.end_astern,
         round_area=sphere * math.pi * radius**2,
         diameter=body.max_diameter,
-        centre=centre,
+        centre=shape.centre,
         wake_ahead=(x_ahead, lift * area_ahead),
         wake_astern=(-x_astern, lift * area_astern),
-        spin=0.0 if "roll" in without else 2 * math.pi * step * float(square @ square),
-        shear_volume=0.0 if "lift" in without else SHEAR_LIFT * solid.volume,
-        spread=spread if bore else (0.0, 0.0),
+        spin=0.0 if "roll" in without else shape.spin,
+        shear_volume=0.0 if "lift" in without else SHEAR_LIFT * shape.volume,
+        spread=shape.spread if bore else (0.0, 0.0),
         blocking=body.max_diameter if bore else 0.0,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Shape:
+    """What the drag of a body takes from its contour (SI): see :class:`driftform.types.Drag`.
+
+    ``rubbed`` is the area along which friction acts; ``wake_ahead`` and ``wake_astern`` are those of
+    :func:`~driftform.hydrodynamics.tails.wake_section`.
+    """
+
+    sphericity: float
+    volume: float
+    centre: float
+    strips: FloatArray
+    rubbed: float
+    end_ahead: float
+    end_astern: float
+    wake_ahead: tuple[float, float]
+    wake_astern: tuple[float, float]
+    spin: float
+    spread: tuple[float, float]
+
+
+@lru_cache(maxsize=128)
+def _measure_shape(outer: bytes, viscosity: float) -> _Shape:
+    """Measure an outer contour, (n, 2) as bytes: the same hull is flown under many conditions."""
+    contour = np.frombuffer(outer).reshape(-1, 2)
+    solid = solid_of_revolution(contour)
+    x, r = outer_radii(contour, STATIONS)
+    step = float(x[1] - x[0])
+    # Friction on a steep face does not act along the axis, so only the area along x counts.
+    along = np.abs(np.diff(contour[:, 0]))
+    rubbed = math.pi * float((contour[:-1, 1] + contour[1:, 1]) @ along)
+    mirrored = contour[::-1] * (-1.0, 1.0)
+    centre, square = float(solid.centroid), r * r
+    share = square / float(square.sum())
+    return _Shape(
+        sphericity=sphericity(contour),
+        volume=solid.volume,
+        centre=centre,
+        strips=gauss_strips(x, r, STRIPS),
+        rubbed=rubbed,
+        end_ahead=_end_area(contour, rubbed, viscosity),
+        end_astern=_end_area(mirrored, rubbed, viscosity),
+        wake_ahead=wake_section(contour, x, r),
+        wake_astern=wake_section(mirrored, -x[::-1], r[::-1]),
+        spin=2 * math.pi * step * float(square @ square),
+        spread=(float(share @ square) / 4, float(share @ (x - centre) ** 2) + step**2 / 12),
     )
 
 

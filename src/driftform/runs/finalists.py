@@ -4,7 +4,7 @@ The conditions of the choice are not those of the promise: whoever wins among ma
 that the choice never saw show how far the winner misses.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import inf
@@ -16,12 +16,15 @@ from driftform.execution import Executor
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.disturbed import draw_rounds, fly_disturbed
 from driftform.runs.store import Store
-from driftform.runs.survey import read_scores
+from driftform.runs.survey import read_flights, read_scores
 from driftform.scenario import Robustness
 from driftform.study import Study
 from driftform.trajectory.misses import Misses, finite_or_none
 from driftform.trajectory.way import find_offsets
-from driftform.types import FloatArray, Verdict
+from driftform.types import BoolArray, FloatArray, Verdict
+
+ROUND = 5
+"""Conditions of the choice between two looks at who can still win."""
 
 
 def fly_finalists(
@@ -32,43 +35,115 @@ def fly_finalists(
 ) -> None:
     """Fly the finalists of each target under the conditions of the choice, and the winners under those of the promise.
 
-    Without disturbed conditions, and if every evaluation failed, nothing is flown, and what is stored already is not flown again. ``on_flights`` is
-    called with the number of flights that are done, and with the total, which is an upper bound during the choice.
+    Without disturbed conditions, and if every evaluation failed, nothing is flown, and what is stored already is not flown
+    again. ``on_flights`` is called with the number of flights that are done, and with the total, which is an upper bound
+    during the choice.
     """
     robustness, targets = study.scenario.robustness, study.scenario.target_names
     scores = read_scores(study, store) if robustness.conditions else {}
     if not scores:
         return
-    fitness = np.array(list(scores.values())).reshape(-1, len(targets))
-    finalists = [list(scores)[row] for row in choose_finalists(fitness, robustness.finalists)]
-    conditions = draw_rounds(study.scenario, study.seed)
-    judged = [(index, number) for index in finalists for number in range(robustness.conditions)]
+    reaching = np.column_stack([_find_reaching(study, store, target, list(scores)) for target in targets])
+    rows = choose_finalists(np.array(list(scores.values())), robustness.finalists, reaching)
+    finalists = {list(scores)[row]: reaching[row] for row in rows}
     to_come = min(len(finalists), len(targets)) * robustness.checks
+    conditions = draw_rounds(study.scenario, study.seed)
     fly = partial(fly_disturbed, study, store, executor, conditions)
-    # The error of an unchecked flight is far below the differences that decide; what is promised is checked.
-    done = fly(judged, lambda count: on_flights(count, len(judged) + to_come), (inf,) * len(targets))
+    done = _race(study, store, fly, finalists, scores, lambda count, left: on_flights(count, left + to_come))
     winners = sorted({won.index for t in targets if (won := find_winner(study, store, t)) is not None})
     numbers = range(robustness.conditions, robustness.conditions + robustness.checks)
     checked = [(index, number) for index in winners for number in numbers]
     fly(checked, lambda count: on_flights(done + count, done + len(checked)))
 
 
-def choose_finalists(fitness: FloatArray, count: int) -> list[int]:
-    """Return the rows of fitness (n, targets) that are among the ``count`` best for any target, in ascending order."""
+def _find_reaching(study: Study, store: Store, target: str, indices: Sequence[int]) -> BoolArray:
+    """Return which evaluations may be chosen for a target, (n,): those that reach it undisturbed, or all if none does."""
+    fitness, undisturbed = study.make_plugin("fitness"), store.read_fitness(target, indices)
+    reaching = np.array([fitness.judge(undisturbed[index]) == Verdict.REACHED for index in indices])
+    return reaching if reaching.any() else ~reaching
+
+
+def choose_finalists(fitness: FloatArray, count: int, eligible: BoolArray) -> list[int]:
+    """Return the rows that are among the ``count`` best eligible ones for any target, in ascending order.
+
+    ``fitness`` and ``eligible`` are (n, targets).
+    """
     # With a stable sort the earlier of equal values is chosen.
-    best = np.argsort(-fitness, axis=0, kind="stable")[:count]
-    return sorted(set(best.ravel().tolist()))
+    best = np.argsort(-np.where(eligible, fitness, -np.inf), axis=0, kind="stable")[:count]
+    return sorted(
+        {row for column, may in zip(best.T, eligible.T, strict=True) for row in column[may[column]].tolist()}
+    )
 
 
-def robust_fitness(fitness: FloatArray, robustness: Robustness) -> float:
-    """Return the score of a finalist from its fitness under all conditions of the choice, (conditions,).
+def _race(
+    study: Study,
+    store: Store,
+    fly: Callable[..., int],
+    finalists: Mapping[int, BoolArray],
+    scores: Mapping[int, FloatArray],
+    on_flights: Callable[[int, int], None],
+) -> int:
+    """Fly the conditions of the choice, and return the number of flights; whoever can no longer win flies no more.
+
+    The best of the search for each target fly under all conditions. Another is out as soon as its score would be below
+    theirs for all its targets if all flights to come were perfect. So the winners are those of a choice in which all fly.
+
+    Parameters
+    ----------
+    finalists
+        for which targets each may be chosen, (targets,).
+    scores
+        fitness of the search, (targets,).
+    on_flights
+        called with the number of flights that are done, and an upper bound of their total.
+    """
+    robustness, targets = study.scenario.robustness, study.scenario.target_names
+    count, done = robustness.conditions, 0
+    # The error of an unchecked flight is far below the differences that decide; what is promised is checked.
+    unchecked = (inf,) * len(targets)
+
+    def fly_on(indices: Sequence[int], first: int, end: int, behind: int) -> int:
+        pairs = [(index, number) for index in indices for number in range(first, end)]
+        bound = done + len(pairs) + behind
+        return done + fly(pairs, lambda flown: on_flights(done + flown, bound), unchecked)
+
+    def find_bounds(flown: int) -> dict[int, FloatArray]:
+        flights = read_flights(store, targets, flown, min(finalists), max(finalists) + 1)
+        perfect = np.full((count - flown, len(targets)), 100.0)
+        return {
+            index: robust_fitness(np.vstack([flights[index], perfect]), robustness)
+            for index in finalists
+            if index in flights
+        }
+
+    leaders = [
+        max(
+            (index for index, may in finalists.items() if may[number]),
+            key=lambda index: scores[index][number],
+        )
+        for number in range(len(targets))
+    ]
+    racing = sorted(set(finalists).difference(leaders))
+    done = fly_on(sorted(set(leaders)), 0, count, len(racing) * count)
+    reached = find_bounds(count)
+    bars = np.array([reached[leader][number] for number, leader in enumerate(leaders)])
+    for first in range(0, count, ROUND):
+        end = min(first + ROUND, count)
+        done = fly_on(racing, first, end, len(racing) * (count - end))
+        bounds = find_bounds(end)
+        racing = [index for index in racing if (bounds[index] >= bars)[finalists[index]].any()]
+    return done
+
+
+def robust_fitness(fitness: FloatArray, robustness: Robustness) -> FloatArray:
+    """Return the scores of a finalist from its fitness under all conditions of the choice, (conditions, targets).
 
     It is the mean, the smallest value, or the quantile ``robustness.quantile``, by ``robustness.score``.
     """
     if robustness.score == "mean":
-        return float(fitness.mean())
+        return np.asarray(fitness.mean(axis=0))
     lowest = 0.0 if robustness.score == "worst" else robustness.quantile
-    return float(np.quantile(fitness, lowest))
+    return np.asarray(np.quantile(fitness, lowest, axis=0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,8 +184,9 @@ class Winner:
 def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     """Return the finalist that was chosen for a target; ``None`` before the choice is complete.
 
-    Of those with equal scores, such as all that leave by an outlet, it is the one with the best undisturbed flight, and
-    then the earliest.
+    One that reaches the target undisturbed goes before all that do not: a body that always passes half a metre above its
+    target can be relied on, and is of no use. Of those with equal scores, such as all that leave by an outlet, it is the one
+    with the best undisturbed flight, and then the earliest.
     """
     robustness = study.scenario.robustness
     if not robustness.conditions:
@@ -118,18 +194,18 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     conditions = draw_rounds(study.scenario, study.seed)
     judged, checked = range(robustness.conditions), range(robustness.conditions, len(conditions))
     flown = store.read_disturbed(target)
-    scores = {
-        index: robust_fitness(np.array([flights[number][0] for number in judged]), robustness)
-        for index, flights in flown.items()
-        if all(number in flights for number in judged)
-    }
-    if not scores:
+    judged_all = [index for index, flights in flown.items() if all(number in flights for number in judged)]
+    if not judged_all:
         return None
+    reaching = _find_reaching(study, store, target, judged_all)
+    scores = {
+        index: float(robust_fitness(np.array([flown[index][number][0] for number in judged]), robustness))
+        for index, reaches in zip(judged_all, reaching, strict=True)
+        if reaches
+    }
     best = max(scores.values())
-    equals = [index for index, score in scores.items() if score == best]
-    if len(equals) > 1:
-        undisturbed = {brief.index: brief.fitness[0] for brief in store.read_summaries([target])}
-        equals.sort(key=undisturbed.__getitem__, reverse=True)
+    undisturbed = store.read_fitness(target, list(scores))
+    equals = sorted((index for index in scores if scores[index] == best), key=lambda i: (-undisturbed[i], i))
     flights = [flown[equals[0]][number] for number in checked if number in flown[equals[0]]]
     if len(flights) < len(checked):
         return Winner(equals[0], best, None)

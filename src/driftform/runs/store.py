@@ -446,6 +446,15 @@ class Store:
                     tuple(_check_fitness(score) for (score,) in scored),
                 )
 
+    def read_fitness(self, target: str, indices: Sequence[int]) -> dict[int, float]:
+        """Return the fitness (%) of the undisturbed flights of evaluations, by evaluation."""
+        query = "SELECT fitness FROM score WHERE target = ? AND evaluation = ?"
+        with self._reading():
+            return {
+                index: _check_fitness(self._connection.execute(query, (target, index)).fetchone()[0])
+                for index in indices
+            }
+
     def read_records(self, targets: Sequence[str], first: int = 0, count: int = -1) -> Iterator[Record]:
         """Yield ``count`` evaluations from index ``first`` on, in their order; ``-1`` for all."""
         # An end in any case: without one, SQLite would read all that follows, to leave it out.

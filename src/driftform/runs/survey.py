@@ -57,7 +57,7 @@ def survey(
         pairs = [(first + number, condition) for number in alive]
         # The error of an unchecked flight is far below the differences that decide.
         fly_disturbed(study, store, executor, conditions, pairs, threshold=(inf,) * len(targets))
-        flown = _read_flights(store, targets, condition + 1, first, first + len(candidates))
+        flown = read_flights(store, targets, condition + 1, first, first + len(candidates))
         for number in alive:
             given[number] = replace(given[number], fitness=flown[first + number].mean(axis=0))
     return given
@@ -69,7 +69,7 @@ def read_scores(study: Study, store: Store) -> dict[int, FloatArray]:
     Without a survey it is that of the undisturbed flight.
     """
     targets, count = study.scenario.target_names, count_survey(study.scenario.robustness)
-    surveyed = _read_flights(store, targets, count, 0, store.last_index() + 1) if count else {}
+    surveyed = read_flights(store, targets, count, 0, store.last_index() + 1) if count else {}
     if surveyed:
         return {index: flights.mean(axis=0) for index, flights in surveyed.items()}
     return {
@@ -79,7 +79,7 @@ def read_scores(study: Study, store: Store) -> dict[int, FloatArray]:
     }
 
 
-def _read_flights(
+def read_flights(
     store: Store, targets: Sequence[str], count: int, first: int, end: int
 ) -> dict[int, FloatArray]:
     """Return the fitness of the first ``count`` disturbed flights, (count, targets), of evaluations that have all."""

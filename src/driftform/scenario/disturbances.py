@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from driftform.scenario import Calibration, LogLawFlow, Robustness, Scenario, TurbulentFlow
+from driftform.scenario import Calibration, Fluid, LogLawFlow, Robustness, Scenario, TurbulentFlow
 from driftform.scenario.calibration import DRAGS
 from driftform.types import Body, FloatArray
+from driftform.util.vectors import cross
 
 MAX_DEVIATION = 3.0
 """Standard deviations at which a distribution is truncated: a larger deviation would be noticed before use."""
@@ -118,18 +119,22 @@ def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
             "yaw_deg": scenario.release.yaw_deg + float(np.rad2deg(condition.yaw)),
         }
     )
-    fluid = scenario.fluid.model_copy(update={"density": scenario.fluid.density * condition.density})
     return scenario.model_copy(
         update={
             "flow": flow,
             "release": release,
-            "fluid": fluid,
-            "calibration": _disturb_calibration(condition, scenario.calibration),
+            "fluid": disturb_fluid(condition, scenario.fluid),
+            "calibration": disturb_calibration(condition, scenario.calibration),
         }
     )
 
 
-def _disturb_calibration(condition: Condition, calibration: Calibration) -> Calibration:
+def disturb_fluid(condition: Condition, fluid: Fluid) -> Fluid:
+    """Return the water under a disturbed condition."""
+    return fluid.model_copy(update={"density": fluid.density * condition.density})
+
+
+def disturb_calibration(condition: Condition, calibration: Calibration) -> Calibration:
     """Return the factors under a condition: drawn from their intervals; drags without one are disturbed together."""
     drawn = dict(zip(calibration.intervals, condition.calibrated, strict=True))
     for name in DRAGS:
@@ -154,9 +159,9 @@ def draw_normals(direction: FloatArray) -> tuple[FloatArray, FloatArray]:
     [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     """
     up = np.array([0.0, 0.0, 1.0]) if abs(direction[2]) < 0.9 else np.array([-1.0, 0.0, 0.0])
-    level = np.cross(up, direction)
+    level = cross(up, direction)
     level /= np.linalg.norm(level)
-    return level, np.asarray(np.cross(direction, level))
+    return level, cross(direction, level)
 
 
 def _shift_release(scenario: Scenario, across: Sequence[float]) -> tuple[float, float, float]:

@@ -8,6 +8,7 @@ from driftform.geometry.clearance import farthest_from_line, lowest_along
 from driftform.geometry.pipe_parts import Straight
 from driftform.scenario import Scenario
 from driftform.types import Body
+from driftform.util.vectors import cross
 
 _ROUNDING = 1e-9
 """Overlap, relative to the radius of the bore, that counts as touching."""
@@ -52,7 +53,7 @@ def find_misfit(body: Body, scenario: Scenario) -> str | None:
 def _reach_from_axis(body: Body, scenario: Scenario) -> float:
     """Return the greatest distance (m) of a released body from the axis of the inlet; a bound of it if that fits already."""
     inlet, position, direction = scenario.pipe.layout.inlet, scenario.release_position(), scenario.direction()
-    bound = np.linalg.norm(np.cross(position - inlet.centre, direction)) + np.hypot(*body.outer.T).max()
+    bound = np.linalg.norm(cross(position - inlet.centre, direction)) + np.hypot(*body.outer.T).max()
     if bound < inlet.radius:
         return float(bound)
     return farthest_from_line(body.outer, position, scenario.release_axis(), inlet.centre, direction)

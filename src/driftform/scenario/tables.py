@@ -18,6 +18,7 @@ from driftform.scenario.flow import (
 )
 from driftform.scenario.pipe import Pipe, Vector
 from driftform.types import FloatArray
+from driftform.util.vectors import cross
 
 MAX_GUSTS = 1_000_000
 """Most gusts of a flight: their table takes 50 MB."""
@@ -105,7 +106,8 @@ class Robustness(Table):
 
     conditions: int = option(
         20,
-        "disturbed flights of each finalist, by which the best is chosen; 0 to choose by the undisturbed flight alone",
+        "disturbed flights of each finalist that can still win, by which the best is chosen; 0 to choose by the undisturbed "
+        "flight alone",
         ge=0,
         le=10_000,
     )
@@ -118,7 +120,7 @@ class Robustness(Table):
     )
     finalists: int = option(
         4,
-        "finalists for each target: the agents that are the best by what the search goes by",
+        "finalists for each target: the best agents by what the search goes by, of those that reach it undisturbed if any do",
         gt=0,
         le=10_000,
     )
@@ -129,7 +131,7 @@ class Robustness(Table):
         0.1, "share of the conditions with a fitness below the score, if score = 'quantile'", ge=0, le=1
     )
     checks: int = option(
-        60,
+        40,
         "disturbed flights of each best agent under conditions of their own, from which its median and 90 % miss come",
         ge=1,
         le=10_000,
@@ -359,7 +361,7 @@ def _turn_by(cz: float, sz: float, cy: float, sy: float) -> FloatArray:
 
 def _multiply(a: FloatArray, b: FloatArray) -> FloatArray:
     """Return the product of two quaternions, (4,): the rotation ``b``, then ``a``."""
-    vector = a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:])
+    vector = a[0] * b[1:] + b[0] * a[1:] + cross(a[1:], b[1:])
     return np.array([a[0] * b[0] - a[1:] @ b[1:], *vector])
 
 

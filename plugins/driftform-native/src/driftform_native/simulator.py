@@ -6,11 +6,18 @@ from typing import TYPE_CHECKING
 
 from driftform.interfaces import Simulator
 from driftform.options import Table, option
-from driftform.scenario import Scenario
+from driftform.scenario import Scenario, TurbulentFlow
 from driftform.types import Agent, Trajectory
 
 if TYPE_CHECKING:
     from driftform.dynamics.integrator import Accuracy
+
+
+GUST_RATIO = 10.0
+"""Ratio of the accuracy in gusts to that in a flow without: the gusts themselves are known by their statistics only."""
+
+GUST_TIGHTENING = 1e-3
+"""Least tolerance in gusts, relative to the initial one. A flight that needs less is chaotic, and would take seconds."""
 
 
 class NativeOptions(Table):
@@ -18,14 +25,14 @@ class NativeOptions(Table):
 
     accuracy: float = option(
         1e-3,
-        "largest estimated error of the position; the tolerance is reduced until this is met",
+        "largest estimated error of the position, ten times as much in gusts; the tolerance is reduced until this is met",
         "m",
         ge=1e-12,
         le=1e6,
     )
     tolerance: float = option(
         1e-6,
-        "initial tolerance of a step, relative to 1 + |value| in every coordinate",
+        "initial tolerance of a step, relative to 1 + |value| in every coordinate; ten times as much in gusts",
         "SI",
         ge=1e-15,
         le=1e-2,
@@ -87,23 +94,25 @@ class NativeSimulator(Simulator[NativeOptions]):
         from driftform.dynamics.integrator import integrate, integrate_once
         from driftform.dynamics.model import flight_model
 
-        options, horizon, accuracy = self.options, scenario.flight.horizon, self._accuracy()
+        horizon, accuracy = scenario.flight.horizon, self._choose_accuracy(scenario)
         model = flight_model(agent, scenario)
         start = release_state(model, scenario)
         first = integrate_once(model, start, horizon, accuracy)
         if matters is not None:
-            screened = finish_trajectory(first, model, horizon, options.step_limit)
+            screened = finish_trajectory(first, model, horizon, accuracy.step_limit)
             if not matters(screened):
                 return screened
         flown = integrate(model, start, horizon, accuracy, first)
         return finish_trajectory(
-            flown.samples, model, horizon, options.step_limit, flown.error, options.accuracy
+            flown.samples, model, horizon, accuracy.step_limit, flown.error, accuracy.position
         )
 
-    def _accuracy(self) -> "Accuracy":
+    def _choose_accuracy(self, scenario: Scenario) -> "Accuracy":
         from driftform.dynamics.integrator import Accuracy
 
         options = self.options
-        return Accuracy(
-            options.accuracy, options.tolerance, options.tightest, options.max_step, options.step_limit
-        )
+        accuracy, tolerance, tightest = options.accuracy, options.tolerance, options.tightest
+        if isinstance(scenario.flow, TurbulentFlow):
+            accuracy, tolerance = GUST_RATIO * accuracy, GUST_RATIO * tolerance
+            tightest = max(tightest, GUST_TIGHTENING * tolerance)
+        return Accuracy(accuracy, tolerance, tightest, options.max_step, options.step_limit)
