@@ -69,7 +69,7 @@ def test_commands_print_what_the_page_shows(
     for shown, lines in found.items():
         text = text.replace(shown, "\n".join(lines) + "\n")
     # Shorter runs and other processors have other numbers.
-    if without_numbers(text) != without_numbers(original):
+    if os.environ.get("UPDATE_DOCS") == "1" or without_numbers(text) != without_numbers(original):
         up_to_date(docs / page, text)
 
 
