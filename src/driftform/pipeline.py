@@ -122,11 +122,8 @@ class Pipeline:
     def _complete(
         self, body: Body, morphology: Morphology, genome: Genome | None, condition: Condition | None
     ) -> Agent:
-        fluid, calibration, options = (
-            self.scenario.fluid,
-            self.scenario.calibration,
-            self.hydrodynamics.options,
-        )
+        scenario, options = self.scenario, self.hydrodynamics.options
+        fluid, calibration = scenario.fluid, scenario.calibration
         if condition is not None:
             body, fluid = disturb_body(condition, body), disturb_fluid(condition, fluid)
             calibration = disturb_calibration(condition, calibration)
@@ -142,7 +139,7 @@ class Pipeline:
             drag = estimate_drag(body, fluid.viscosity, factor, options.drag_without)
             coefficients = replace(coefficients, drag=drag)
         coefficients = calibrate_coefficients(factors, coefficients)
-        return Agent(body, load_ballast(mass, self.scenario.release), coefficients, morphology, genome)
+        return Agent(body, load_ballast(mass, scenario.release), coefficients, morphology, genome)
 
     def find_obstacle(self, genome: Genome) -> str | None:
         """Return why a genome cannot be built or released, in one line; ``None`` if it can."""

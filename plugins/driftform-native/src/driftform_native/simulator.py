@@ -14,7 +14,10 @@ if TYPE_CHECKING:
 
 
 GUST_RATIO = 10.0
-"""Ratio of the accuracy in gusts to that in a flow without: the gusts themselves are known by their statistics only."""
+"""Ratio of accuracy and tolerance in gusts to those without: the gusts themselves are known by their statistics only."""
+
+GUST_ACCURACY = 0.01
+"""Largest accuracy that gusts loosen, m."""
 
 GUST_TIGHTENING = 1e-3
 """Least tolerance in gusts, relative to the initial one. A flight that needs less is chaotic, and would take seconds."""
@@ -25,7 +28,8 @@ class NativeOptions(Table):
 
     accuracy: float = option(
         1e-3,
-        "largest estimated error of the position, ten times as much in gusts; the tolerance is reduced until this is met",
+        "largest estimated error of the position, in gusts ten times as much up to 10 mm; the tolerance is reduced until "
+        "this is met",
         "m",
         ge=1e-12,
         le=1e6,
@@ -113,6 +117,7 @@ class NativeSimulator(Simulator[NativeOptions]):
         options = self.options
         accuracy, tolerance, tightest = options.accuracy, options.tolerance, options.tightest
         if isinstance(scenario.flow, TurbulentFlow):
-            accuracy, tolerance = GUST_RATIO * accuracy, GUST_RATIO * tolerance
+            accuracy = max(accuracy, min(GUST_RATIO * accuracy, GUST_ACCURACY))
+            tolerance = GUST_RATIO * tolerance
             tightest = max(tightest, GUST_TIGHTENING * tolerance)
         return Accuracy(accuracy, tolerance, tightest, options.max_step, options.step_limit)
