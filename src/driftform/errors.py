@@ -49,7 +49,7 @@ def describe_error(error: BaseException, *, with_place: bool = False) -> str:
 def _read_message(error: BaseException) -> str:
     """Return the message of an error; its class may belong to anybody, and fail to say what failed."""
     try:
-        # What is no text in UTF-8, a database and a terminal refuse.
+        # A database and a terminal refuse text that UTF-8 cannot encode.
         message = str(error).encode("utf-8", "backslashreplace").decode("utf-8")
     except Exception:
         return "no message"

@@ -21,7 +21,7 @@ from driftform.runs.finalists import find_winner, fly_finalists
 from driftform.runs.search import run_search
 from driftform.runs.store import Store
 from driftform.scenario import LogLawFlow, TurbulentFlow
-from driftform.scenario.disturbances import draw_conditions
+from driftform.scenario.disturbances import disturb_body, draw_conditions
 from driftform.study import Study, load_study
 from driftform.trajectory.approach import closest_approach
 from driftform.trajectory.misses import PROMISED, estimate_quantile
@@ -152,12 +152,10 @@ def weight_floor(study: Study) -> FloatArray:
     wall. A body that neither rises nor sinks has the speed of the whole error.
     """
     scenario, robustness = study.scenario, study.scenario.robustness
-    body = (
-        study.make_pipeline().make_agent(study.make_pipeline().grammar.random(np.random.default_rng(0))).body
-    )
-    rng = np.random.default_rng(0)
-    material, wall = (np.clip(rng.standard_normal((20_000, 2)), -3, 3) * (robustness.mass, robustness.wall)).T
-    heavier = np.pi * body.hull_density * (material * body.wall + wall)
+    pipeline = study.make_pipeline()
+    body = pipeline.make_agent(pipeline.grammar.random(np.random.default_rng(0))).body
+    densities = [disturb_body(c, body).hull_density for c in draw_conditions(robustness, 20_000, (0,))]
+    heavier = np.pi * body.wall * (np.array(densities) - body.hull_density)
     x, _, z = scenario.target_array().T
     time = x / scenario.flow.speed
     rise = z / time

@@ -111,7 +111,7 @@ def test_spheres_take_the_branch_as_the_streamtubes_say_unless_they_are_wide_and
         tee = Tee(BORE, SPEED, bore, 90.0, 90.0, share)
         table = fly_tee(replace(traveller, agent=make_sphere(size * BORE, traveller.scenario)), tee, None)
         entered, held = table.onward[0, BRANCH].sum(), 1 - table.onward[0].sum()
-        # They have no friction at the edge: what it holds goes on, in part into the branch.
+        # Without friction, the spheres that the edge would hold move on, and some of them enter the branch.
         assert found.flown - 0.02 < entered < found.flown + found.held + 0.02
         assert held < found.held + 0.02
     publish("streamtubes and flights", [line.replace("%", " %") for line in lines])

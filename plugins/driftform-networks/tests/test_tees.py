@@ -95,7 +95,7 @@ def test_what_is_not_carried_on_from_a_tee_is_held_there() -> None:
 
 
 def test_a_neutral_sphere_enters_a_branch_alike_on_every_side() -> None:
-    """One that rides beside the branch enters it, in the same band of its own frame; one opposite goes on in its band."""
+    """A sphere beside the branch enters it, and keeps its band as seen in the branch; one on the opposite side stays in the run."""
     sphere, entered = open_traveller("sphere:20mm"), []
     for clock, side in ((0.0, TOP), (90.0, RIGHT), (180.0, BOTTOM)):
         other = (side + 3) % 8 + 1

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from driftform.execution import Executor
+from driftform.interfaces import Fitness
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.disturbed import draw_rounds, fly_disturbed
 from driftform.runs.store import Store
@@ -43,7 +44,10 @@ def fly_finalists(
     scores = read_scores(study, store) if robustness.conditions else {}
     if not scores:
         return
-    reaching = np.column_stack([_find_reaching(study, store, target, list(scores)) for target in targets])
+    fitness = study.make_plugin("fitness")
+    reaching = np.column_stack(
+        [_find_reaching(fitness, store.read_fitness(t, list(scores))) for t in targets]
+    )
     rows = choose_finalists(np.array(list(scores.values())), robustness.finalists, reaching)
     finalists = {list(scores)[row]: reaching[row] for row in rows}
     to_come = min(len(finalists), len(targets)) * robustness.checks
@@ -56,10 +60,9 @@ def fly_finalists(
     fly(checked, lambda count: on_flights(done + count, done + len(checked)))
 
 
-def _find_reaching(study: Study, store: Store, target: str, indices: Sequence[int]) -> BoolArray:
+def _find_reaching(fitness: Fitness[Any], undisturbed: Mapping[int, float]) -> BoolArray:
     """Return which evaluations may be chosen for a target, (n,): those that reach it undisturbed, or all if none does."""
-    fitness, undisturbed = study.make_plugin("fitness"), store.read_fitness(target, indices)
-    reaching = np.array([fitness.judge(undisturbed[index]) == Verdict.REACHED for index in indices])
+    reaching = np.array([fitness.judge(value) == Verdict.REACHED for value in undisturbed.values()])
     return reaching if reaching.any() else ~reaching
 
 
@@ -197,20 +200,19 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     judged_all = [index for index, flights in flown.items() if all(number in flights for number in judged)]
     if not judged_all:
         return None
-    reaching = _find_reaching(study, store, target, judged_all)
+    fitness, undisturbed = study.make_plugin("fitness"), store.read_fitness(target, judged_all)
+    reaching = _find_reaching(fitness, undisturbed)
     scores = {
         index: float(robust_fitness(np.array([flown[index][number][0] for number in judged]), robustness))
         for index, reaches in zip(judged_all, reaching, strict=True)
         if reaches
     }
     best = max(scores.values())
-    undisturbed = store.read_fitness(target, list(scores))
     equals = sorted((index for index in scores if scores[index] == best), key=lambda i: (-undisturbed[i], i))
     flights = [flown[equals[0]][number] for number in checked if number in flown[equals[0]]]
     if len(flights) < len(checked):
         return Winner(equals[0], best, None)
     misses = Misses(conditions[len(judged) :], np.array([offset for _, offset in flights])[:, None])
-    fitness = study.make_plugin("fitness")
     reached = [fitness.judge(score) for score, _ in flights].count(Verdict.REACHED) / len(checked)
     return Winner(equals[0], best, misses, reached)
 

@@ -4,10 +4,11 @@ import hashlib
 import json
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
+from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +16,8 @@ import numpy.typing as npt
 from driftform.util.files import write_whole
 
 Arrays = dict[str, npt.NDArray[Any]]
+
+T = TypeVar("T")
 
 
 def find_cache(directory: Path | None = None) -> Path:
@@ -34,6 +37,15 @@ def find_cache(directory: Path | None = None) -> Path:
 def hash_content(content: Mapping[str, Any]) -> str:
     """Return the SHA-256 of plain values, in hexadecimal digits."""
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def keep_result(path: Path, kind: type[T], make: Callable[[], T]) -> T:
+    """Return a result, a dataclass of numbers and arrays, from its file, or make it and write the file."""
+    if (arrays := load_arrays(path)) is not None:
+        return kind(**{name: array if array.ndim else array.item() for name, array in arrays.items()})
+    made = make()
+    save_arrays(path, {field.name: np.asarray(getattr(made, field.name)) for field in fields(kind)})  # type: ignore[arg-type]
+    return made
 
 
 def load_arrays(path: Path) -> Arrays | None:

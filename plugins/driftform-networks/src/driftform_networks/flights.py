@@ -1,6 +1,6 @@
 """Flights of a body in a straight pipe, and what they say about its bands: transfer, speed, and where it rests."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +11,7 @@ from driftform.scenario import Scenario
 from driftform.types import End, FloatArray, Trajectory
 from driftform_networks.bodies import Traveller
 from driftform_networks.bore import BANDS, find_band, sample_band
-from driftform_networks.cache import load_arrays, save_arrays
+from driftform_networks.cache import keep_result
 from driftform_networks.releasing import draw_attitude, locate_middle, measure_pace, release
 
 CELLS = 3
@@ -77,19 +77,11 @@ class StraightTask:
 
     def __call__(self) -> StraightFlights:
         """Make the flights, or read them."""
-        if (arrays := load_arrays(self.path)) is not None:
-            return StraightFlights(
-                float(arrays["cell"]),
-                arrays["transfer"],
-                arrays["slowness"],
-                arrays["states"],
-                float(arrays["failed"]),
-            )
-        found = fly_straight(self.traveller, self.bore, self.speed, self.slope)
-        save_arrays(
-            self.path, {field.name: np.asarray(getattr(found, field.name)) for field in fields(found)}
+        return keep_result(
+            self.path,
+            StraightFlights,
+            lambda: fly_straight(self.traveller, self.bore, self.speed, self.slope),
         )
-        return found
 
 
 def fly_straight(traveller: Traveller, bore: float, speed: float, slope: float) -> StraightFlights:

@@ -1,6 +1,6 @@
 """Flights of a body through a tee, and what they say about its way: the outlet, the band there, and where it is held."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from driftform.scenario import Scenario
 from driftform.types import FloatArray, Trajectory
 from driftform_networks.bodies import Traveller
 from driftform_networks.bore import BANDS, find_band, spread_points
-from driftform_networks.cache import load_arrays, save_arrays
+from driftform_networks.cache import keep_result
 from driftform_networks.flights import StraightTask
 from driftform_networks.network import IntArray
 from driftform_networks.releasing import draw_attitude, locate_middle, release, turn
@@ -72,15 +72,12 @@ class TeeTask:
 
     def __call__(self) -> TeeFlights:
         """Make the flights, or read them."""
-        if (arrays := load_arrays(self.path)) is not None:
-            return TeeFlights(arrays["onward"], float(arrays["failed"]))
-        states = None if self.straight is None else self.straight().states
-        slope = 0.0 if self.straight is None else self.straight.slope
-        found = fly_tee(self.traveller, self.tee, states, slope)
-        save_arrays(
-            self.path, {field.name: np.asarray(getattr(found, field.name)) for field in fields(found)}
-        )
-        return found
+        return keep_result(self.path, TeeFlights, self._fly)
+
+    def _fly(self) -> TeeFlights:
+        if self.straight is None:
+            return fly_tee(self.traveller, self.tee, None)
+        return fly_tee(self.traveller, self.tee, self.straight().states, self.straight.slope)
 
 
 def fly_tee(traveller: Traveller, tee: Tee, states: FloatArray | None, slope: float = 0.0) -> TeeFlights:
@@ -118,8 +115,8 @@ def fly_tee(traveller: Traveller, tee: Tee, states: FloatArray | None, slope: fl
         # Bodies that are anywhere arrive as often as the water passes their places.
         weight = float(np.linalg.norm(flights[index].velocity[0, :3])) if states is None else 1.0
         total[bands[index]] += weight
-        for outlet, band in _find_end(traveller, tee, scenarios[index], flights[index]):
-            counts[bands[index], outlet, band] += weight
+        if (end := _find_end(traveller, tee, scenarios[index], flights[index])) is not None:
+            counts[bands[index], *end] += weight
     mean = counts.sum(axis=0) / total.sum()
     known = (total > 0) & (states is not None)
     onward = np.where(known[:, None, None], counts / np.maximum(total, 1e-300)[:, None, None], mean)
@@ -208,8 +205,8 @@ def _pick_states(bands: IntArray) -> IntArray:
 
 def _find_end(
     traveller: Traveller, tee: Tee, scenario: Scenario, flight: Trajectory
-) -> list[tuple[int, int]]:
-    """Return the outlet in which a flight has ended, and the band there; nothing if it has ended in neither."""
+) -> tuple[int, int] | None:
+    """Return the outlet in which a flight has ended, and the band there; ``None`` if it has ended in neither."""
     middle = locate_middle(flight, [-1], traveller.agent.mass.cob)[0]
     openings = {outlet.name: outlet.opening for outlet in scenario.pipe.layout.outlets}
     inlet, clock = scenario.pipe.layout.inlet, np.deg2rad(tee.clock_deg)
@@ -218,8 +215,8 @@ def _find_end(
     rolled = np.cos(clock) * left + np.sin(clock) * up
     for outlet, name, upward in ((RUN, "run", up), (BRANCH, "branch", rolled)):
         if (band := _find_band(traveller, openings[name], upward, middle, 2 * inlet.radius)) is not None:
-            return [(outlet, band)]
-    return []
+            return outlet, band
+    return None
 
 
 def _find_band(
