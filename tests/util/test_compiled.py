@@ -104,3 +104,70 @@ def test_numba_is_left_as_it_was_after_a_kernel_is_compiled():
     with pytest.raises(Exception, match="nothing"):
         fail("x")
     assert BaseFunction.get_call_type is resolve
+
+
+@pytest.mark.parametrize("fails", ["returns", "receives"])
+def test_a_part_that_counts_no_references_and_gets_hold_of_an_array_is_refused(fails):
+    import numpy as np
+
+    from driftform.util.compiled import allocating, compiled
+
+    @allocating
+    def make(size: int) -> np.ndarray:
+        return np.zeros(size)
+
+    @compiled
+    def returns(values: np.ndarray) -> np.ndarray:
+        return values
+
+    @compiled
+    def receives(values: np.ndarray) -> float:
+        return make(len(values))[0]
+
+    part = {"returns": returns, "receives": receives}[fails]
+
+    @allocating
+    def enter(values: np.ndarray) -> int:
+        part(values)
+        return len(values)
+
+    with pytest.raises(
+        Exception, match=f"{fails}: a kernel that returns or receives new arrays must be @allocating"
+    ):
+        enter(np.ones(3))
+
+
+FLIGHTS = """
+import gc
+
+import numpy as np
+from numba.core.runtime import _nrt_python, rtsys
+
+from driftform.study import load_study
+
+_nrt_python.memsys_enable_stats()
+study = load_study("SCENARIO", settings=['flow.kind="KIND"'], use={"simulator": "native"}, run={"seed": 0})
+pipeline, rng = study.make_pipeline(), np.random.default_rng(0)
+genomes = [pipeline.grammar.random(rng) for _ in range(8)]
+
+
+def count_arrays():
+    for evaluation in pipeline.evaluate(genomes, [None] * 8, [None] * 8):
+        assert evaluation.failure is None, evaluation.failure
+    gc.collect()
+    stats = rtsys.get_allocation_stats()
+    assert stats.alloc > 0
+    return stats.alloc - stats.free
+
+
+first = count_arrays()
+print(count_arrays() - first)
+"""
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("scenario", "kind"), [("paper", "uniform"), ("pipe-inspection", "turbulent")])
+def test_flights_leave_no_array_behind_in_memory(scenario, kind):
+    script = FLIGHTS.replace("SCENARIO", scenario).replace("KIND", kind)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert int(done.stdout) == 0

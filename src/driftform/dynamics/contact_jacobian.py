@@ -40,7 +40,7 @@ from driftform.dynamics.vectors import (
     to_world,
 )
 from driftform.types import FloatArray
-from driftform.util.compiled import compiled
+from driftform.util.compiled import allocating, compiled
 
 MOST = 4
 """Number of surfaces that may touch at once; of a body that rests on more no Jacobian is made."""
@@ -86,7 +86,7 @@ class ContactJacobian(NamedTuple):
     turns: FloatArray
 
 
-@compiled
+@allocating
 def make_jacobian(velocities: int, directions: int) -> ContactJacobian:
     """Return a Jacobian to be filled: of 3 velocities in the plane or 6 in space, and bristles with so many directions."""
     size = velocities + MOST * directions
@@ -303,7 +303,7 @@ def _complete(y: FloatArray, count: int, law: FloatArray, friction: float, jacob
                     stiff[a, b] -= change * pull[a] * pushes[j, 0, b]
 
 
-@compiled
+@allocating
 def _add_bristle(
     y: FloatArray,
     i: int,

@@ -26,7 +26,7 @@ from driftform.dynamics.plane import (
 )
 from driftform.dynamics.rotations import rotation_from_vector, rotation_vector_from_quaternion
 from driftform.types import FloatArray
-from driftform.util.compiled import borrow, compiled
+from driftform.util.compiled import allocating, borrow, compiled
 
 GREATEST = 1e9
 """Acceleration (m/s2, rad/s2) to which those of trial steps are limited.
@@ -109,7 +109,7 @@ def describe_motion(model: FlightModel, start: FloatArray) -> Motion:
     return Motion(coordinates, start[7:], pack(model), accelerate, fill_sample, bristles, can_touch)
 
 
-@compiled
+@allocating
 def _can_touch(coordinates: FloatArray, values: FloatArray, fittings: FloatArray | None = None) -> bool:
     """Return True if a surface may touch a wall."""
     model = unpack(values, fittings)
@@ -117,13 +117,13 @@ def _can_touch(coordinates: FloatArray, values: FloatArray, fittings: FloatArray
     return not is_far_from_wall(position, model.table[REACH], model.pipe, model.fittings)
 
 
-@compiled
+@allocating
 def _can_touch_in_plane(coordinates: FloatArray, values: FloatArray) -> bool:
     """Return True if a surface may touch a wall."""
     return is_near_in_plane((coordinates[0], coordinates[1]), borrow(values))
 
 
-@compiled
+@allocating
 def _accelerations_in_space(
     t: float,
     coordinates: FloatArray,
@@ -151,7 +151,7 @@ def _bound(acceleration: float) -> float:
     return -GREATEST if acceleration < -GREATEST else acceleration
 
 
-@compiled
+@allocating
 def _fill_sample_in_space(
     sample: FloatArray,
     t: float,
@@ -173,7 +173,7 @@ def _fill_sample_in_space(
     return is_finite(sample) and not has_left_pipe(position, unpack(values, None).pipe, fittings)
 
 
-@compiled
+@allocating
 def _accelerations_in_plane(
     t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
 ) -> tuple[float, float, float]:
@@ -196,7 +196,7 @@ def _accelerations_in_plane(
     return _bound(a_x), _bound(a_z), _bound(alpha)
 
 
-@compiled
+@allocating
 def _fill_sample_in_plane(
     sample: FloatArray, t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
 ) -> bool:

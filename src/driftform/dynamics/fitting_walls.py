@@ -15,7 +15,7 @@ import numpy as np
 
 from driftform.dynamics.vectors import ZERO, Vector, add, dot, scale, subtract
 from driftform.types import BoolArray, FloatArray
-from driftform.util.compiled import compiled
+from driftform.util.compiled import allocating, compiled
 
 STRAIGHT, BEND, REDUCER, TEE = 0.0, 1.0, 2.0, 3.0
 
@@ -121,7 +121,7 @@ def fitting_gap(point: Vector, f: FloatArray) -> tuple[float, Vector, int]:
     return gap, turn_from_part(normal, f, o), o
 
 
-@compiled
+@allocating
 def wall_gaps(points: FloatArray, fittings: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
     """Return distances of points (n, 3) from the wall (m, negative in it), unit vectors to it, and whether between the ends."""
     gaps, normals, inside = (

@@ -30,7 +30,7 @@ from driftform.dynamics.rotations import quaternion_rate, rotation_from_quaterni
 from driftform.dynamics.vectors import Vector, dot, scale, subtract, to_body
 from driftform.scenario import Scenario
 from driftform.types import End, FloatArray, Trajectory
-from driftform.util.compiled import compiled
+from driftform.util.compiled import allocating, compiled
 
 SAMPLE = 14
 """Numbers in a raw sample: time, position, quaternion, velocity (world frame), angular velocity (body frame)."""
@@ -150,7 +150,7 @@ def _find_end(rows: FloatArray, broken: bool, too_long: bool, model: FlightModel
     return End.STEP_LIMIT if too_long else End.NON_FINITE
 
 
-@compiled
+@allocating
 def _keep_finite(samples: FloatArray) -> tuple[FloatArray, bool]:
     """Return the samples before the first that is not finite, in strictly ascending order, and True if there is one."""
     rows, count = np.empty(samples.shape), 0
@@ -164,7 +164,7 @@ def _keep_finite(samples: FloatArray) -> tuple[FloatArray, bool]:
     return rows[:count].copy(), False
 
 
-@compiled
+@allocating
 def _cut_at_outlet(
     before: FloatArray, after: FloatArray, pipe: FloatArray, fittings: FloatArray | None
 ) -> None:
@@ -213,7 +213,7 @@ def _quaternion_rate(row: FloatArray) -> tuple[float, float, float, float]:
     return quaternion_rate(row[4], row[5], row[6], row[7], row[11], row[12], row[13])
 
 
-@compiled
+@allocating
 def _body_velocity(rows: FloatArray) -> FloatArray:
     """Return linear and angular velocity of raw samples (k, 14), in the body frame, (k, 6)."""
     out = np.empty((rows.shape[0], 6))
@@ -224,7 +224,7 @@ def _body_velocity(rows: FloatArray) -> FloatArray:
     return out
 
 
-@compiled
+@allocating
 def find_contact(
     rows: FloatArray, values: FloatArray, fittings: FloatArray | None = None
 ) -> tuple[int, float]:
@@ -248,7 +248,7 @@ def _conserves_energy(model: FlightModel) -> bool:
     return bool(table[STEADY] != 0.0 and table[DAMPED] == 0.0 and len(model.strips) == 0 and not rises)
 
 
-@compiled
+@allocating
 def _energy_drift(rows: FloatArray, values: FloatArray, count: int) -> float:
     """Return the range of the energy over the first ``count`` samples, relative to the largest kinetic energy."""
     model = unpack(values, None)
@@ -312,7 +312,7 @@ def _rotation(row: FloatArray) -> tuple[Vector, Vector, Vector]:
     return rotation_from_quaternion(row[4], row[5], row[6], row[7])
 
 
-@compiled
+@allocating
 def _locate_contact(before: FloatArray, after: FloatArray, model: FlightModel) -> float:
     """Return the time (s) between two samples at which a surface first touches, by bisection on the path between them."""
     low, high, h = 0.0, 1.0, after[0] - before[0]

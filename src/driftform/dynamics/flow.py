@@ -34,7 +34,7 @@ from driftform.scenario import (
     UniformFlow,
 )
 from driftform.types import FloatArray
-from driftform.util.compiled import compiled
+from driftform.util.compiled import allocating, compiled
 
 KIND, SPEED, PARAMETER, GUST_STEP = 0, 1, 2, 3
 """Indices in the array of a flow; the parameter is 1/n (power law), u* / (kappa U) (log law) or nu / U (developing).
@@ -195,7 +195,7 @@ def gust_memory(memory: float, crossing: float, slip: float, deviation: float) -
     return memory / math.hypot(1.0, crossing * slip / deviation)
 
 
-@compiled
+@allocating
 def _walk(noise: FloatArray, kept: float) -> FloatArray:
     """Return the stationary process of which each step keeps the share ``kept``, from normal numbers (n, 3)."""
     walk, added = np.empty_like(noise), math.sqrt(1.0 - kept * kept)

@@ -17,7 +17,7 @@ from driftform.potential.evaluate import cubic_bends, cubic_slopes, cubic_values
 from driftform.scenario import GridFlow, Pipe
 from driftform.scenario.grid_files import VelocityGrid, read_grid
 from driftform.types import BoolArray, FloatArray
-from driftform.util.compiled import compiled
+from driftform.util.compiled import allocating, compiled
 
 ORIGIN, SPACING, SHAPE, VALUES = 0, 3, 6, 9
 """Indices in a grid: first node (m), spacing (m), nodes along each axis, and coefficients, 3 at each node.
@@ -231,7 +231,7 @@ def wall_leakage(grid: VelocityGrid, array: FloatArray) -> tuple[float, float, F
     return float(np.sqrt(np.mean(through**2))), float(abs(through[worst])), feet[worst]
 
 
-@compiled
+@allocating
 def grid_velocities(points: FloatArray, array: FloatArray) -> FloatArray:
     """Return the velocities at points (n, 3), m/s, (n, 3)."""
     found = np.empty((len(points), 3))

@@ -31,7 +31,7 @@ from driftform.dynamics.runge_kutta import copy, take_step
 from driftform.dynamics.tableaus import DOP853, DOPRI5, ROS34PW2
 from driftform.dynamics.vectors import dot, subtract
 from driftform.types import FloatArray
-from driftform.util.compiled import compiled
+from driftform.util.compiled import allocating, compiled
 
 TOLERANCE_RATIO = 10.0
 """Ratio of the tolerances of the two integrations that are compared."""
@@ -159,7 +159,7 @@ def _integrate(
     return IntegrationResult(samples, error, tolerance)
 
 
-@compiled
+@allocating
 def _integrate_to_accuracy(
     values: FloatArray,
     fittings: FloatArray | None,
@@ -236,7 +236,7 @@ def greatest_distance(a: FloatArray, b: FloatArray) -> float:
     return math.sqrt(greatest)
 
 
-@compiled
+@allocating
 def _integrate_at_tolerance(
     model: FlightModel,
     plane: FloatArray | None,

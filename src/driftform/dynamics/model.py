@@ -15,7 +15,7 @@ from driftform.dynamics.terminal import terminal_speed_across
 from driftform.geometry.slices import slice_solid
 from driftform.scenario import Scenario, TurbulentFlow
 from driftform.types import Agent, Body, Drag, FloatArray
-from driftform.util.compiled import borrow, compiled
+from driftform.util.compiled import allocating, borrow
 
 # Rows of the table that the kernels read; six columns each.
 MASS, INVERSE, LINEAR, QUADRATIC = 0, 6, 12, 18
@@ -160,7 +160,7 @@ def pack(model: FlightModel) -> FloatArray:
     return np.concatenate(flat)
 
 
-@compiled
+@allocating
 def unpack(values: FloatArray, fittings: FloatArray | None) -> FlightModel:
     """Return the model that :func:`pack` put into one array, with its fittings; its arrays share that memory."""
     values = borrow(values)
@@ -188,7 +188,7 @@ def unpack(values: FloatArray, fittings: FloatArray | None) -> FlightModel:
     )
 
 
-@compiled
+@allocating
 def _borrow_fittings(fittings: FloatArray | None) -> FloatArray | None:
     # numba compiles no branch for an argument that is None.
     return borrow(fittings) if fittings is not None else None

@@ -22,7 +22,7 @@ from driftform.dynamics.rotations import quaternion_product, quaternion_rate
 from driftform.dynamics.runge_kutta import copy, normalise, squared_error
 from driftform.dynamics.tableaus import ROS34PW2
 from driftform.types import FloatArray
-from driftform.util.compiled import compiled
+from driftform.util.compiled import allocating, compiled
 
 
 class WorkSpace(NamedTuple):
@@ -36,7 +36,7 @@ class WorkSpace(NamedTuple):
     state: FloatArray
 
 
-@compiled
+@allocating
 def make_work_space(size: int, velocities: int, directions: int) -> WorkSpace:
     """Return room for steps of states of this ``size``; see :class:`ContactJacobian` for the other numbers."""
     jacobian = make_jacobian(velocities, directions)

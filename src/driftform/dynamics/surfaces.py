@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from driftform.types import Body, FloatArray
-from driftform.util.compiled import compiled
+from driftform.util.compiled import allocating
 
 FEWEST_EDGES = 3
 """Edges in a row with their ends on one circle about a point of the axis that make a dome.
@@ -117,7 +117,7 @@ def _circle(a: FloatArray, b: FloatArray) -> tuple[float, float]:
     return x, float(np.hypot(b[0] - x, b[1]))
 
 
-@compiled
+@allocating
 def _upper_hull(points: FloatArray) -> FloatArray:
     """Return the vertices of the upper convex hull of points (n, 2) that are sorted by x (Andrew 1979)."""
     hull = np.empty_like(points)

@@ -3,10 +3,10 @@
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform.util.compiled import compiled
+from driftform.util.compiled import allocating
 
 
-@compiled
+@allocating
 def outer_radii(contour: FloatArray, count: int) -> FloatArray:
     """Return x and the outermost radius (m) of a contour (n, 2) in the middle of ``count`` equal steps, (2, count)."""
     low, high = contour[0, 0], contour[0, 0]
@@ -54,7 +54,7 @@ def gauss_strips(x: FloatArray, r: FloatArray, count: int) -> FloatArray:
     return np.column_stack([middle + half * nodes, weights / widths, widths])
 
 
-@compiled
+@allocating
 def _recurrence(s: FloatArray, weight: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
     """Return a_k and b_k of p_{k+1} = (s - a_k) p_k - b_k p_{k-1}, of polynomials that are orthogonal on points s (n,)."""
     a, b = np.zeros(count), np.zeros(count)

@@ -18,7 +18,7 @@ from driftform.potential.wall import (
     water_level,
 )
 from driftform.types import FloatArray
-from driftform.util.compiled import compiled
+from driftform.util.compiled import allocating, compiled
 
 PIECES = 4
 """Pieces of a line in which at most one change of sign is looked for."""
@@ -70,7 +70,7 @@ def _find_root(p: FloatArray, axis: int, low: float, high: float, at_low: float,
     return 0.5 * (low + high)
 
 
-@compiled
+@allocating
 def cut_cell(
     corner: FloatArray, width: float, wall: FloatArray, parts: int, nodes: FloatArray, weights: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
@@ -150,7 +150,7 @@ def _fill(
     return n
 
 
-@compiled
+@allocating
 def value_rows(points: FloatArray, corners: FloatArray, width: float) -> FloatArray:
     """Return the values of the 64 functions of cells (corners, (n, 3)) at points (n, 3+), (n, 64)."""
     rows = np.empty((len(points), 64))
@@ -165,7 +165,7 @@ def value_rows(points: FloatArray, corners: FloatArray, width: float) -> FloatAr
     return rows
 
 
-@compiled
+@allocating
 def gradient_rows(points: FloatArray, corner: FloatArray, width: float) -> FloatArray:
     """Return the gradients of the 64 functions of a cell at points (n, 3+), (3 n, 64)."""
     rows = np.empty((3 * len(points), 64))
@@ -183,7 +183,7 @@ def gradient_rows(points: FloatArray, corner: FloatArray, width: float) -> Float
     return rows
 
 
-@compiled
+@allocating
 def cut_stiffness(
     corners: FloatArray,
     width: float,

@@ -29,7 +29,7 @@ from driftform.potential.wall import (
     water_level,
 )
 from driftform.types import BoolArray, FloatArray
-from driftform.util.compiled import compiled
+from driftform.util.compiled import allocating
 
 GRADING = 0.5
 """Largest width of a cell over its distance from the fillet, plus the width of the finest."""
@@ -126,7 +126,7 @@ def make_levels(junction: Junction) -> list[Level]:
     return build_levels(h, first, (nx, ny, nz), touches, refine)
 
 
-@compiled
+@allocating
 def _water_levels(points: FloatArray, wall: FloatArray) -> FloatArray:
     out = np.empty(len(points))
     for i in range(len(points)):
@@ -134,7 +134,7 @@ def _water_levels(points: FloatArray, wall: FloatArray) -> FloatArray:
     return out
 
 
-@compiled
+@allocating
 def _reach_levels(points: FloatArray, wall: FloatArray, margin: float) -> FloatArray:
     """Return levels of the water with a ``margin`` in the wall and beyond an end that is oblique to the grid."""
     out = np.empty(len(points))
@@ -148,7 +148,7 @@ def _reach_levels(points: FloatArray, wall: FloatArray, margin: float) -> FloatA
     return out
 
 
-@compiled
+@allocating
 def _distances_from_ball(points: FloatArray, wall: FloatArray) -> FloatArray:
     out = np.empty(len(points))
     for i in range(len(points)):
@@ -291,7 +291,7 @@ def _normal_velocity(
     return np.concatenate(found)
 
 
-@compiled
+@allocating
 def normal_slopes(
     points: FloatArray, corners: FloatArray, width: float, coefficients: FloatArray
 ) -> FloatArray:

@@ -9,7 +9,7 @@ from driftform.dynamics.vectors import add, distance_between, norm, scale, subtr
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.trajectory.path import row_vector, stretch_cubic, world_velocity
 from driftform.types import FloatArray, Trajectory
-from driftform.util.compiled import compiled
+from driftform.util.compiled import allocating, compiled
 
 _STATIONS = 4
 """Points of each stretch, its start among them, that are compared before Newton's method starts."""
@@ -98,7 +98,7 @@ def _find_closest(
                     times[index] = t[s] + u * (t[s + 1] - t[s])
 
 
-@compiled
+@allocating
 def _longest_lengths(t: FloatArray, position: FloatArray, velocity: FloatArray) -> FloatArray:
     """Return an upper bound of the length of the path from the release to each sample, m, (k,).
 

@@ -5,13 +5,13 @@ import numpy as np
 from driftform.dynamics.cubic import Cubic, cubic_between, cubic_point, nearest_on_cubic
 from driftform.dynamics.vectors import Vector, distance_between, dot, norm, subtract
 from driftform.types import FloatArray
-from driftform.util.compiled import compiled
+from driftform.util.compiled import allocating, compiled
 
 _STATIONS = 4
 """Parts of the path through a cell; the nearest of their ends is the start of Newton's method."""
 
 
-@compiled
+@allocating
 def lower_distances(
     t: FloatArray,
     place: FloatArray,

@@ -10,7 +10,7 @@ from driftform.errors import InputError
 from driftform.trajectory.interpolation import interpolate_positions, interpolate_turns
 from driftform.trajectory.path import hermite_coefficients, locate_stretches, world_velocity
 from driftform.types import FloatArray, Trajectory
-from driftform.util.compiled import compiled
+from driftform.util.compiled import allocating
 
 MAX_RATE_HZ = 10_000.0
 """Highest rate of samples, 1/s: a flight of 20 s then has two hundred thousand of them."""
@@ -62,7 +62,7 @@ def resample(trajectory: Trajectory, rate: float) -> Trajectory:
     )
 
 
-@compiled
+@allocating
 def select_spaced(t: FloatArray, gap: float) -> npt.NDArray[np.int64]:
     """Return indices of times (k,) that are at least ``gap`` apart, always with the first and the last time.
 

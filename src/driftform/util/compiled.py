@@ -3,6 +3,9 @@
 A kernel that is called from Python is an entry: it has a Python wrapper, and its machine code is cached, with that of
 all kernels that it calls. A kernel that is called from another kernel is a part of it, and has neither: wrappers and
 files for all parts took a third of the compilation.
+
+Parts count no references to arrays: the entry that calls them keeps every array alive. Counting is atomic, and took half of
+the time of a flight. A kernel that makes arrays, or gets new ones from another kernel, counts them: it is `allocating`.
 """
 
 import hashlib
@@ -22,7 +25,7 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime.nrt import rtsys
-from numba.core.types import unliteral
+from numba.core.types import Dispatcher, unliteral
 from numba.core.types.functions import BaseFunction
 from numba.extending import intrinsic
 
@@ -62,6 +65,11 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     cache file here covers all files of the packages with kernels. A version of numba without this stamp caches nothing.
     """
     return cast(Callable[P, R], _Entry(function))
+
+
+def allocating(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a function as :func:`compiled` does, which makes arrays, or returns some, or calls one that returns some."""
+    return cast(Callable[P, R], _Entry(function, allocates=True))
 
 
 @contextmanager
@@ -171,27 +179,52 @@ class _PartCompiler(Compiler):
 class _Part(CPUDispatcher):
     """A kernel as other kernels call it."""
 
-    def __init__(self, function: Callable[..., Any]) -> None:
-        options = {**_OPTIONS, "no_cpython_wrapper": True}
+    def __init__(self, function: Callable[..., Any], allocates: bool) -> None:
+        # numba's runtime counts the references; a part without this option would do as its caller does.
+        options = {**_OPTIONS, "no_cpython_wrapper": True, "_nrt": allocates}
         super().__init__(function, targetoptions=options, pipeline_class=_PartCompiler)
+        self._allocates = allocates
+
+    def compile(self, sig: Any) -> Any:
+        """Compile the part for some types of arguments; refuse one that would lose an array, or free it too early."""
+        entry_point = super().compile(sig)
+        if not self._allocates:
+            for overload in cast(Any, self.overloads).values():
+                _require_no_arrays(overload)
+        return entry_point
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """Take a literal for any number of its type: numba would compile the part for both."""
         return super().get_call_template(tuple(map(unliteral, args)), kws)
 
 
+def _require_no_arrays(overload: Any) -> None:
+    """Raise TypeError if a part that counts no references returns arrays, or calls a kernel that does."""
+    types = overload.target_context.data_model_manager
+    calls, typemap = overload.type_annotation.calltypes, overload.type_annotation.typemap
+    returned = [overload.signature.return_type]
+    for call, signature in calls.items():
+        if getattr(call, "op", "") == "call" and isinstance(typemap[call.func.name], Dispatcher):
+            returned.append(signature.return_type)
+    if any(types[kind].contains_nrt_meminfo() for kind in returned):
+        raise TypeError(
+            f"{overload.fndesc.qualname}: a kernel that returns or receives new arrays must be @allocating"
+        )
+
+
 class _Entry(CPUDispatcher):
     """A kernel as Python calls it; kernels that call it are compiled with its part."""
 
-    def __init__(self, function: Callable[..., Any], *_: object) -> None:
+    def __init__(self, function: Callable[..., Any], *_: object, allocates: bool = False) -> None:
         super().__init__(function, targetoptions=_OPTIONS)
+        self._allocates = allocates
 
     # Most kernels of a process are never called from Python, and their machine code is loaded with that of others: part
     # and cache are made when they are needed.
 
     @cached_property
     def _part(self) -> Any:
-        return _Part(self.py_func)
+        return _Part(self.py_func, self._allocates)
 
     @cached_property
     def _has_cache(self) -> bool:
