@@ -117,10 +117,10 @@ def _can_touch(coordinates: FloatArray, values: FloatArray, fittings: FloatArray
     return not is_far_from_wall(position, model.table[REACH], model.pipe, model.fittings)
 
 
-@allocating
+@compiled
 def _can_touch_in_plane(coordinates: FloatArray, values: FloatArray) -> bool:
     """Return True if a surface may touch a wall."""
-    return is_near_in_plane((coordinates[0], coordinates[1]), borrow(values))
+    return is_near_in_plane((coordinates[0], coordinates[1]), values)
 
 
 @allocating
@@ -173,7 +173,7 @@ def _fill_sample_in_space(
     return is_finite(sample) and not has_left_pipe(position, unpack(values, None).pipe, fittings)
 
 
-@allocating
+@compiled
 def _accelerations_in_plane(
     t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
 ) -> tuple[float, float, float]:
@@ -196,7 +196,7 @@ def _accelerations_in_plane(
     return _bound(a_x), _bound(a_z), _bound(alpha)
 
 
-@allocating
+@compiled
 def _fill_sample_in_plane(
     sample: FloatArray, t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
 ) -> bool:
@@ -205,4 +205,4 @@ def _fill_sample_in_plane(
     sample[0], sample[1], sample[3] = t, coordinates[0], coordinates[1]
     sample[4], sample[6] = math.cos(0.5 * coordinates[2]), math.sin(0.5 * coordinates[2])
     sample[8], sample[10], sample[12] = rates[0], rates[1], rates[2]
-    return is_finite(sample) and not has_left_in_plane((coordinates[0], coordinates[1]), borrow(values))
+    return is_finite(sample) and not has_left_in_plane((coordinates[0], coordinates[1]), values)

@@ -183,15 +183,12 @@ class _Part(CPUDispatcher):
         # numba's runtime counts the references; a part without this option would do as its caller does.
         options = {**_OPTIONS, "no_cpython_wrapper": True, "_nrt": allocates}
         super().__init__(function, targetoptions=options, pipeline_class=_PartCompiler)
-        self._allocates = allocates
 
-    def compile(self, sig: Any) -> Any:
-        """Compile the part for some types of arguments; refuse one that would lose an array, or free it too early."""
-        entry_point = super().compile(sig)
-        if not self._allocates:
-            for overload in cast(Any, self.overloads).values():
-                _require_no_arrays(overload)
-        return entry_point
+    def add_overload(self, overload: Any) -> None:
+        """Keep what was compiled for some types of arguments; refuse it if it would lose an array, or free it too early."""
+        if not self.targetoptions["_nrt"]:
+            _require_no_arrays(overload)
+        super().add_overload(overload)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """Take a literal for any number of its type: numba would compile the part for both."""
@@ -289,8 +286,7 @@ def _borrow(_: Any, array: Any) -> Any:
 
 
 borrow: Callable[[FloatArray], FloatArray] = cast(Any, intrinsic)(_borrow)
-"""In kernels: return the same array without reference counting.
+"""In kernels that count references: return the same array, to which and to whose slices none are counted.
 
-Reference counting is atomic, and takes half of the time of a kernel that reads many small arrays. The caller of the
-kernel must keep the array alive.
+The caller of the kernel must keep the array alive.
 """
