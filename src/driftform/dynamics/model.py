@@ -39,6 +39,11 @@ AXISYMMETRIC = (32, 4)
 
 _FEWEST, _MOST_SLICES = 16, 64
 
+_ROLL = np.kron(
+    np.eye(2), [[1.0, 0.0, 0.0], [0.0, np.cos(1.0), -np.sin(1.0)], [0.0, np.sin(1.0), np.cos(1.0)]]
+)
+"""A roll by 1 rad of forces and torques, (6, 6)."""
+
 
 class FlightModel(NamedTuple):
     """Input of the kernels; about the body's origin and in body axes unless noted otherwise.
@@ -217,9 +222,7 @@ def _is_axisymmetric(table: FloatArray) -> bool:
     parts = [table[row : row + 6] for row in (MASS, LINEAR, QUADRATIC)]
     if table[[COG, COB, DAMPING_POINT], 1:3].any() or not np.isfinite(parts).all():
         return False
-    c, s = np.cos(1.0), np.sin(1.0)
-    turn = np.kron(np.eye(2), [[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
-    return all(np.abs(turn @ part @ turn.T - part).max() <= 1e-12 * np.abs(part).max() for part in parts)
+    return all(np.abs(_ROLL @ part @ _ROLL.T - part).max() <= 1e-12 * np.abs(part).max() for part in parts)
 
 
 def _surface_rows(body: Body, inverse: FloatArray, scenario: Scenario) -> FloatArray:
