@@ -65,9 +65,7 @@ class Genome:
     def __post_init__(self) -> None:
         if not isinstance(self.symbols, tuple):
             raise TypeError(f"Genome.symbols is a {type(self.symbols).__name__}, expected a tuple of texts")
-        symbols = (self.grammar, *self.symbols)
-        # A loop over all symbols takes ten times as long, and a search makes dozens of genomes for each that it flies.
-        for symbol in () if set(map(type, symbols)) == {str} else symbols:
+        for symbol in (self.grammar, *self.symbols):
             if not isinstance(symbol, str):
                 raise TypeError(
                     f"Genome holds {symbol!r}, a {type(symbol).__name__}, expected text, such as repr(number)"

@@ -116,7 +116,7 @@ def _resolve_calls_once() -> Iterator[None]:
 
 @contextmanager
 def _collect_later() -> Iterator[None]:
-    """Let Python search for no unreachable objects: the compiler makes millions that live on, a tenth of its time."""
+    """Let Python search for no unreachable objects: most that the compiler makes live on, and the search took 5 % of its time."""
     was_enabled = gc.isenabled()
     gc.disable()
     try:

@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import NamedTuple, TypeAlias
 
@@ -81,13 +81,12 @@ class Change(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _FlightRecord:
-    """A flight: the index of its evaluation, its genome, its family, its early position (m), and the changes tried on it."""
+    """A flight: the index of its evaluation, its genome, its family, and its early position (m)."""
 
     index: int
     genome: Genome
     family: "deque[_FlightRecord]"
     early: Position | None
-    tried: set[Change] = field(default_factory=set)
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,9 +211,6 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         if elite.index not in self._guesses:
             self._guesses[elite.index] = self._rank_guesses(elite)
         for parent, change in self._guesses[elite.index]:
-            if change in parent.tried:
-                continue
-            parent.tried.add(change)
             genome = change.apply(parent.genome)
             if genome is not None and (body := self._hash_new_body(genome)) is not None:
                 return _Request(self._make_candidate(genome, target, parent), body, parent, change)
