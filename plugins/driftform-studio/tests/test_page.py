@@ -104,7 +104,9 @@ class Page:
         return self.text("progress-text").partition(":")[0]
 
     def flights(self):
-        return int(re.search(r"(\d+) of", self.text("progress-text"))[1])
+        # A page that was just opened has not yet asked how far the run is.
+        shown = re.search(r"(\d+) of", self.text("progress-text"))
+        return int(shown[1]) if shown else 0
 
     def wait_until(self, *states):
         self.wait_for(lambda: self.state() in states)
