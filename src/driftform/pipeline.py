@@ -241,12 +241,16 @@ class Pipeline:
                 agents[index] = agent
             else:
                 outcomes[index] = Evaluation.failed(genome, targets, misfit)
-        bounds = list(thresholds or [None] * len(genomes))
+        bounds, screened = list(thresholds or [None] * len(genomes)), dict[Agent, ScoredFlight]()
         flights = self._fly_each(
-            list(agents.values()), [scenarios[index] for index in agents], [bounds[index] for index in agents]
+            list(agents.values()),
+            [scenarios[index] for index in agents],
+            [bounds[index] for index in agents],
+            screened,
         )
-        for index, trajectory in zip(agents, flights, strict=True):
-            outcomes[index] = self._score(genomes[index], agents[index], trajectory)
+        for index, flight in zip(agents, flights, strict=True):
+            agent = agents[index]
+            outcomes[index] = self._score(genomes[index], agent, flight, screened.get(agent))
         share = (time.perf_counter() - started) / max(1, len(genomes))
         return [replace(outcomes[index], seconds=share) for index in range(len(genomes))]
 
@@ -255,18 +259,20 @@ class Pipeline:
         agents: Sequence[Agent],
         scenarios: Sequence[Scenario],
         thresholds: Sequence[tuple[float, ...] | None],
+        screened: dict[Agent, ScoredFlight],
     ) -> list[Trajectory | str]:
+        """Return a flight, or why there is none, for each agent; keep what the screening of unchecked flights scored."""
         if not agents:
             return []
         try:
-            return list(self._fly_or_screen(agents, scenarios, thresholds))
+            return list(self._fly_or_screen(agents, scenarios, thresholds, screened))
         except (Exception, SystemExit) as error:
             if len(agents) == 1:
                 return [describe_fault(error)]
             return [
                 flight
                 for agent, scenario, threshold in zip(agents, scenarios, thresholds, strict=True)
-                for flight in self._fly_each([agent], [scenario], [threshold])
+                for flight in self._fly_each([agent], [scenario], [threshold], screened)
             ]
 
     def _fly_or_screen(
@@ -274,31 +280,36 @@ class Pipeline:
         agents: Sequence[Agent],
         scenarios: Sequence[Scenario],
         thresholds: Sequence[tuple[float, ...] | None],
+        screened: dict[Agent, ScoredFlight],
     ) -> list[Trajectory]:
         if all(threshold is None for threshold in thresholds):
             return self.fly(agents, scenarios)
-        flights = self.simulator.screen_batch(
-            agents,
-            scenarios,
-            lambda index, trajectory: self._matters(agents[index], trajectory, thresholds[index]),
-        )
+
+        def matters(index: int, trajectory: Trajectory) -> bool:
+            agent, threshold = agents[index], thresholds[index]
+            if threshold is None or trajectory.failure is not None:
+                return True
+            try:
+                fitness = self.score(trajectory, agent)
+            except (Exception, SystemExit):
+                # The same error in the score of the checked flight is the failure of the evaluation.
+                return True
+            screened[agent] = ScoredFlight(trajectory, fitness)
+            return not np.all(fitness <= np.array(threshold) - MARGIN)
+
+        flights = self.simulator.screen_batch(agents, scenarios, matters)
         return require_flights(flights, len(agents), self.simulator, "screen_batch")
 
-    def _matters(self, agent: Agent, trajectory: Trajectory, threshold: tuple[float, ...] | None) -> bool:
-        if threshold is None or trajectory.failure is not None:
-            return True
-        try:
-            return not np.all(self.score(trajectory, agent) <= np.array(threshold) - MARGIN)
-        except (Exception, SystemExit):
-            # The same error in the score of the checked flight is the failure of the evaluation.
-            return True
-
-    def _score(self, genome: Genome, agent: Agent, trajectory: Trajectory | str) -> Evaluation:
+    def _score(
+        self, genome: Genome, agent: Agent, trajectory: Trajectory | str, screened: ScoredFlight | None
+    ) -> Evaluation:
         targets = len(self.scenario.targets)
         if isinstance(trajectory, str):
             return Evaluation.failed(genome, targets, trajectory)
         if trajectory.failure is not None:
             return Evaluation.failed(genome, targets, trajectory.failure, trajectory)
+        if screened is not None and screened.trajectory is trajectory:
+            return Evaluation(genome, screened.fitness, trajectory)
         try:
             return Evaluation(genome, self.score(trajectory, agent), trajectory)
         except (Exception, SystemExit) as error:

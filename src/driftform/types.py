@@ -65,11 +65,13 @@ class Genome:
     def __post_init__(self) -> None:
         if not isinstance(self.symbols, tuple):
             raise TypeError(f"Genome.symbols is a {type(self.symbols).__name__}, expected a tuple of texts")
-        for symbol in (self.grammar, *self.symbols):
-            if not isinstance(symbol, str):
-                raise TypeError(
-                    f"Genome holds {symbol!r}, a {type(symbol).__name__}, expected text, such as repr(number)"
-                )
+        # Searches make many genomes, and nearly all hold nothing but plain texts.
+        if {type(self.grammar), *map(type, self.symbols)} != {str}:
+            for symbol in (self.grammar, *self.symbols):
+                if not isinstance(symbol, str):
+                    raise TypeError(
+                        f"Genome holds {symbol!r}, a {type(symbol).__name__}, expected text, such as repr(number)"
+                    )
 
 
 @dataclass(frozen=True)

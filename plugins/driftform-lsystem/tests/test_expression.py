@@ -1,6 +1,7 @@
 """Genome -> morphology, against results worked out by hand."""
 
 import math
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import pytest
@@ -8,14 +9,61 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftform.types import Genome, Module, Morphology
+from driftform_lsystem.alphabet import CORE, LETTER_PLACE, PLACE, QUINTUPLE, RULE_LENGTH, RULES
 from driftform_lsystem.grammar import LSystemGrammar
-from driftform_lsystem.interpret import interpret, read_instructions
+from driftform_lsystem.interpret import interpret
 from driftform_lsystem.options import LSystemOptions
-from driftform_lsystem.rewriting import rewrite
 
 SEEDS = st.integers(0, 2**32 - 1)
 LENGTHS = {"S": 0.0025, "M": 0.005, "L": 0.01}
 FIGURE_2 = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"
+
+
+# The L-system as the paper describes it: a word of symbols, rewritten and then read. The grammar never makes the word.
+
+
+def rewrite(genotype: Sequence[str], iterations: int) -> list[str]:
+    """Return the word that the axiom C grows into.
+
+    The core's rule keeps its letter, C -> C q q q, and so adds three modules in each iteration. The letters
+    S, M, L are consumed, S -> q q q: the symbols around a letter, its "add tilt degree" and its move, remain
+    around its children. n modules become 3 n + 3.
+    """
+    rules = {rule: list(genotype[i * RULE_LENGTH : (i + 1) * RULE_LENGTH]) for i, rule in enumerate(RULES)}
+    rules[CORE].insert(0, CORE)
+    word = [CORE]
+    for _ in range(iterations):
+        grown: list[str] = []
+        for symbol in word:
+            successor = rules.get(symbol)
+            if successor is None:
+                grown.append(symbol)
+            else:
+                grown += successor
+        word = grown
+    return word
+
+
+def read_instructions(word: Iterable[str], *, last: bool = False) -> list[list[str]]:
+    """Return one quintuple for each module letter of a word.
+
+    Rewriting leaves runs of adds, tilts and degrees before a letter, and of moves after it. The first of each
+    run counts, or the ``last``; the rest has no effect.
+    """
+    steps: list[list[str]] = []
+    step = [""] * len(QUINTUPLE)
+    for symbol in word:
+        if symbol == CORE:
+            continue
+        place = PLACE[symbol]
+        if place < LETTER_PLACE and step[LETTER_PLACE]:
+            steps.append(step)
+            step = [""] * len(QUINTUPLE)
+        if last or not step[place]:
+            step[place] = symbol
+    if step[LETTER_PLACE]:
+        steps.append(step)
+    return steps
 
 
 def express(word: str, **options: object) -> Morphology:
@@ -155,30 +203,32 @@ RUNS = [
 
 def test_the_first_of_a_run_counts():
     # S fore of the core at 10 degrees, on to S, L fore of S.
-    morphology = interpret(RUNS, LSystemOptions())
+    morphology = interpret(read_instructions(RUNS), LSystemOptions())
     assert describe(morphology.fore) == [("S", 10), ("L", 0)]
     assert morphology.aft == ()
 
 
 def test_the_last_of_a_run_counts_where_asked_for():
     # S aft of the core at -20 degrees, back to S, L fore of S: between S and the core.
-    morphology = interpret(RUNS, LSystemOptions(repetition="last"))
+    morphology = interpret(read_instructions(RUNS, last=True), LSystemOptions(repetition="last"))
     assert describe(morphology.aft) == [("L", 0), ("S", -20)]
     assert morphology.fore == ()
 
 
 def test_the_place_next_to_the_core_counts_as_occupied_by_it():
-    morphology = interpret(RUNS, LSystemOptions(repetition="last", occupied="skip"))
+    morphology = interpret(
+        read_instructions(RUNS, last=True), LSystemOptions(repetition="last", occupied="skip")
+    )
     assert describe(morphology.aft) == [("S", -20)]
     assert morphology.fore == ()
 
 
 @pytest.mark.parametrize("repetition", ["first", "last"])
-@given(seed=SEEDS)
-def test_a_genotype_builds_the_same_as_its_word_without_repetitions(repetition, seed):
-    grammar = LSystemGrammar(LSystemOptions(repetition=repetition))
+@given(seed=SEEDS, iterations=st.integers(1, 4))
+def test_a_genotype_builds_the_same_as_its_word_without_repetitions(repetition, seed, iterations):
+    grammar = LSystemGrammar(LSystemOptions(repetition=repetition, iterations=iterations))
     genome = random_genome(seed)
-    steps = read_instructions(rewrite(genome.symbols, 3), last=repetition == "last")
+    steps = read_instructions(rewrite(genome.symbols, iterations), last=repetition == "last")
     word = Genome("lsystem", ("C", *(symbol for step in steps for symbol in step)))
     assert grammar.express(word) == grammar.express(genome)
 

@@ -18,6 +18,7 @@ from driftform.scenario.flow import (
 )
 from driftform.scenario.pipe import Pipe, Vector
 from driftform.types import FloatArray
+from driftform.util.latest import keep_latest
 from driftform.util.vectors import cross
 
 MAX_GUSTS = 1_000_000
@@ -248,6 +249,7 @@ class Scenario(Table):
                 points[name] = target
         return points
 
+    @keep_latest
     def target_array(self) -> FloatArray:
         """Return the positions of the targets in the world frame, m, (targets, 3)."""
         return np.array(list(self.target_points().values()), dtype=np.float64).reshape(-1, 3)
@@ -289,11 +291,13 @@ class Scenario(Table):
         c, s, cp, sp = self._frame_angles()
         return np.array([[c * cp, -s, c * sp], [s * cp, c, s * sp], [-sp, 0.0, cp]])
 
+    @keep_latest
     def release_position(self) -> FloatArray:
         """Return the position of the core's centre at the release, in the world frame, m, (3,)."""
         start = np.zeros(3) if self._released_in_world else self.pipe.layout.inlet.centre
         return np.asarray(start + self.release_frame() @ self.release.position)
 
+    @keep_latest
     def release_quaternion(self) -> FloatArray:
         """Return the attitude at the release, from body to world, (4,).
 
@@ -305,6 +309,7 @@ class Scenario(Table):
         frame = _turn_by(*_halve_angle(c, s), *_halve_angle(cp, sp))
         return _multiply(frame, given)
 
+    @keep_latest
     def release_axis(self) -> FloatArray:
         """Return the unit vector along the body's axis at the release, in the world frame, (3,)."""
         w, x, y, z = self.release_quaternion()

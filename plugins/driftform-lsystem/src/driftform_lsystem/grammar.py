@@ -13,7 +13,7 @@ from driftform_lsystem import text as lines
 from driftform_lsystem.alphabet import GENOTYPE_LENGTH, PLACE, QUINTUPLE, RULE_LENGTH, RULES
 from driftform_lsystem.interpret import interpret
 from driftform_lsystem.options import LSystemOptions
-from driftform_lsystem.rewriting import rewrite
+from driftform_lsystem.rewriting import grow, split
 
 
 class LSystemGrammar(Grammar[LSystemOptions]):
@@ -105,8 +105,9 @@ class LSystemGrammar(Grammar[LSystemOptions]):
         """
         self._check(genome)
         if checking.is_word(genome.symbols):
-            return interpret(genome.symbols, self.options)
-        return interpret(rewrite(genome.symbols, self.options.iterations), self.options)
+            return interpret(split(genome.symbols[1:]), self.options)
+        last = self.options.repetition == "last"
+        return interpret(grow(genome.symbols, self.options.iterations, last=last), self.options)
 
     def to_text(self, genome: Genome) -> str:
         """Return a word as the paper prints it, a genotype as ``C: ... | S: ... | M: ... | L: ...``.

@@ -1,41 +1,18 @@
-"""Word -> morphology: a word read as building instructions along the axis."""
+"""Quintuples -> morphology: they are building instructions along the axis."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 
 from driftform.types import Module, Morphology
-from driftform_lsystem.alphabet import CORE, LETTER_PLACE, PLACE, QUINTUPLE
+from driftform_lsystem.alphabet import CORE
 from driftform_lsystem.options import MAX_TILT_DEG, LSystemOptions
 
 
-def interpret(word: Iterable[str], options: LSystemOptions) -> Morphology:
-    """Return the modules that a word builds: lengths in m, tilts in rad."""
-    steps = read_instructions(word, last=options.repetition == "last")
+def interpret(steps: Sequence[Sequence[str]], options: LSystemOptions) -> Morphology:
+    """Return the modules that quintuples build: lengths in m, tilts in rad."""
     aft, fore = place_modules(steps, skip=options.occupied == "skip")
     return Morphology(fore=_make_modules(fore, options), aft=_make_modules(aft, options))
-
-
-def read_instructions(word: Iterable[str], *, last: bool = False) -> list[list[str]]:
-    """Return one quintuple for each module letter of a word.
-
-    Rewriting leaves runs of adds, tilts and degrees before a letter, and of moves after it. The first of each
-    run counts, or the ``last``; the rest has no effect.
-    """
-    steps: list[list[str]] = []
-    step = [""] * len(QUINTUPLE)
-    for symbol in word:
-        if symbol == CORE:
-            continue
-        place = PLACE[symbol]
-        if place < LETTER_PLACE and step[LETTER_PLACE]:
-            steps.append(step)
-            step = [""] * len(QUINTUPLE)
-        if last or not step[place]:
-            step[place] = symbol
-    if step[LETTER_PLACE]:
-        steps.append(step)
-    return steps
 
 
 def place_modules(steps: Sequence[Sequence[str]], *, skip: bool = False) -> tuple[list[str], list[str]]:

@@ -1,27 +1,50 @@
-"""Genotype -> word: the parallel rewriting of an L-system."""
+"""Genotype -> instructions: the parallel rewriting of an L-system, without the repetitions in its word."""
 
 from collections.abc import Sequence
 
-from driftform_lsystem.alphabet import CORE, RULE_LENGTH, RULES
+from driftform_lsystem.alphabet import CORE, LETTER_PLACE, LETTERS, QUINTUPLE, QUINTUPLES_PER_RULE, RULES
+
+Step = tuple[str, ...]
+"""A quintuple: add, tilt, degree, letter and move."""
 
 
-def rewrite(genotype: Sequence[str], iterations: int) -> list[str]:
-    """Return the word that the axiom C grows into.
+def split(symbols: Sequence[str]) -> list[Step]:
+    """Return symbols without the core's letter as quintuples."""
+    width = len(QUINTUPLE)
+    return [tuple(symbols[k : k + width]) for k in range(0, len(symbols), width)]
+
+
+def grow(genotype: Sequence[str], iterations: int, *, last: bool = False) -> list[Step]:
+    """Return one quintuple for each module of the word that the axiom C grows into.
 
     The core's rule keeps its letter, C -> C q q q, and so adds three modules in each iteration. The letters
     S, M, L are consumed, S -> q q q: the symbols around a letter, its "add tilt degree" and its move, remain
-    around its children. n modules become 3 n + 3.
+    around its children. n modules become 3 n + 3. Of the symbols in a row that this leaves before the first child and
+    after the last one, the first counts, or the ``last``.
     """
-    rules = {rule: list(genotype[i * RULE_LENGTH : (i + 1) * RULE_LENGTH]) for i, rule in enumerate(RULES)}
-    rules[CORE].insert(0, CORE)
-    word = [CORE]
-    for _ in range(iterations):
-        grown: list[str] = []
-        for symbol in word:
-            successor = rules.get(symbol)
-            if successor is None:
-                grown.append(symbol)
-            else:
-                grown += successor
-        word = grown
+    quintuples = split(genotype)
+    rules = {
+        rule: quintuples[i * QUINTUPLES_PER_RULE : (i + 1) * QUINTUPLES_PER_RULE]
+        for i, rule in enumerate(RULES)
+    }
+    # What the letters have grown into so far. An iteration puts what the core's rule has grown into after what is there.
+    grown, word = rules, list(rules[CORE])
+    for iteration in range(1, iterations):
+        if iteration > 1:
+            grown = {letter: _replace_letters(rules[letter], grown, last) for letter in LETTERS}
+        word += _replace_letters(rules[CORE], grown, last)
     return word
+
+
+def _replace_letters(rule: Sequence[Step], grown: dict[str, list[Step]], last: bool) -> list[Step]:
+    """Return the steps of a rule with each letter replaced by what it has grown into."""
+    steps: list[Step] = []
+    for step in rule:
+        children = grown[step[LETTER_PLACE]]
+        if last:
+            steps += children[:-1]
+            steps.append(children[-1][: LETTER_PLACE + 1] + step[LETTER_PLACE + 1 :])
+        else:
+            steps.append(step[:LETTER_PLACE] + children[0][LETTER_PLACE:])
+            steps += children[1:]
+    return steps

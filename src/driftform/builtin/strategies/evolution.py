@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import NamedTuple, TypeAlias
 
@@ -81,12 +81,16 @@ class Change(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _FlightRecord:
-    """A flight: the index of its evaluation, its genome, its family, and its early position (m)."""
+    """A flight: the index of its evaluation, its genome, its family, its early position (m), and changes that lead nowhere.
+
+    The latter cannot be made to its genome, or make a known one. A search would find that out again in every batch.
+    """
 
     index: int
     genome: Genome
     family: "deque[_FlightRecord]"
     early: Position | None
+    useless: set[Change] = field(default_factory=set)
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,8 +215,12 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         if elite.index not in self._guesses:
             self._guesses[elite.index] = self._rank_guesses(elite)
         for parent, change in self._guesses[elite.index]:
+            if change in parent.useless:
+                continue
             genome = change.apply(parent.genome)
-            if genome is not None and (body := self._hash_new_body(genome)) is not None:
+            if genome is None or hash(genome) in self._known:
+                parent.useless.add(change)
+            elif (body := self._hash_new_body(genome)) is not None:
                 return _Request(self._make_candidate(genome, target, parent), body, parent, change)
         return None
 
@@ -226,9 +234,10 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         near = smallest_indices(np.einsum("ij,ij->i", away, away), COMBINED)
         off = away[near, None] + moved
         miss = np.sqrt(np.einsum("ijk,ijk->ij", off, off)) + self.options.doubt * size
-        for guess in smallest_indices(miss.ravel(), MAX_GUESSES).tolist():
-            row, column = divmod(guess, len(changes))
-            yield members[0][near[row]], changes[column]
+        rows, columns = np.divmod(smallest_indices(miss.ravel(), MAX_GUESSES), len(changes))
+        nearest = [members[0][index] for index in near.tolist()]
+        for row, column in zip(rows.tolist(), columns.tolist(), strict=True):
+            yield nearest[row], changes[column]
 
     def _family_of(self, elite: _FlightRecord) -> tuple[list[_FlightRecord], FloatArray]:
         """Return the members of the elite's family, and their early positions, m, (n, 3)."""
