@@ -16,6 +16,7 @@ from driftform.geometry.slices import slice_solid
 from driftform.scenario import Scenario, TurbulentFlow
 from driftform.types import Agent, Body, Drag, FloatArray
 from driftform.util.compiled import allocating, borrow
+from driftform.util.latest import keep_latest
 
 # Rows of the table that the kernels read; six columns each.
 MASS, INVERSE, LINEAR, QUADRATIC = 0, 6, 12, 18
@@ -106,9 +107,9 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     contact = scenario.calibrated_contact()
     total = rigid_body_mass(mass) + added_mass_at(coefficients, np.zeros(3))
     inverse = invert_mass(total, max(agent.body.length, agent.body.max_diameter))
-    fittings = fitting_array(scenario)
+    fittings, (flow, current, pipe) = fitting_array(scenario), _environment(scenario)
     surfaces = _surface_rows(agent.body, inverse, scenario)
-    flow, gusts = flow_array(scenario), _gusts(agent, scenario)
+    gusts = _gusts(agent, scenario)
     drag = coefficients.drag or Drag(np.empty((0, 4)))
     table = np.zeros((ROWS, 6))
     table[MASS : MASS + 6], table[INVERSE : INVERSE + 6] = total, inverse
@@ -117,7 +118,7 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     table[COG, :3], table[COB, :3] = mass.cog, mass.cob
     table[DAMPING_POINT, :3] = coefficients.origin
     table[DAMPED] = np.any(table[LINEAR:COG])
-    table[CURRENT, :3] = scenario.current()
+    table[CURRENT, :3] = current
     table[STEADY] = flow[0] == UNIFORM and not len(gusts) and fittings is None
     table[AXIAL_DRAG] = (
         drag.friction_area,
@@ -146,8 +147,8 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
         table,
         surfaces,
         law,
-        pipe_rows(scenario),
-        flow,
+        pipe.copy(),
+        flow.copy(),
         gusts,
         np.empty((0, 4)) if fluid.water_level is None else _buoyancy_slices(agent),
         _drag_strips(agent),
@@ -155,6 +156,12 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
         np.zeros((2 * len(surfaces) if contact.friction > 0.0 else 0, 3)),
         fittings,
     )
+
+
+@keep_latest
+def _environment(scenario: Scenario) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return what does not depend on the agent: flow, mean current (m/s) and straight pipe."""
+    return flow_array(scenario), scenario.current(), pipe_rows(scenario)
 
 
 def pack(model: FlightModel) -> FloatArray:
@@ -207,10 +214,10 @@ def invert_mass(total: FloatArray, length: float) -> FloatArray:
     """
     if not np.isfinite(total).all():
         return np.full((6, 6), np.nan)
-    scale = np.diag([1.0, 1.0, 1.0, 1 / length, 1 / length, 1 / length])
-    values, vectors = np.linalg.eigh(scale @ total @ scale)
+    scale = np.array([[1.0], [1.0], [1.0], [1 / length], [1 / length], [1 / length]])
+    values, vectors = np.linalg.eigh(scale * total * scale.T)
     kept = values > 1e-13 * values.max()
-    axes = scale @ vectors[:, kept]
+    axes = scale * vectors[:, kept]
     inverse = (axes / values[kept]) @ axes.T
     # The inverse for a body with a plane of symmetry does not couple motions in and out of that plane. Rounding must
     # not couple them either: it would start an out-of-plane motion that the undamped equations amplify.
@@ -219,10 +226,11 @@ def invert_mass(total: FloatArray, length: float) -> FloatArray:
 
 def _is_axisymmetric(table: FloatArray) -> bool:
     """Return True if mass, damping and all centres of a table are the same after a roll."""
-    parts = [table[row : row + 6] for row in (MASS, LINEAR, QUADRATIC)]
+    parts = np.array([table[row : row + 6] for row in (MASS, LINEAR, QUADRATIC)])
     if table[[COG, COB, DAMPING_POINT], 1:3].any() or not np.isfinite(parts).all():
         return False
-    return all(np.abs(_ROLL @ part @ _ROLL.T - part).max() <= 1e-12 * np.abs(part).max() for part in parts)
+    change = np.abs(_ROLL @ parts @ _ROLL.T - parts).max(axis=(1, 2))
+    return bool((change <= 1e-12 * np.abs(parts).max(axis=(1, 2))).all())
 
 
 def _surface_rows(body: Body, inverse: FloatArray, scenario: Scenario) -> FloatArray:

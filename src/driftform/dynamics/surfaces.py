@@ -48,22 +48,24 @@ def touching_surfaces(body: Body) -> FloatArray:
     ends of at least :data:`FEWEST_EDGES` edges lie on one circle about a point of the axis.
     """
     vertices = touching_vertices(body)
+    ends = _find_arcs(vertices)
+    points = vertices.tolist()
     rows: list[tuple[float, ...]] = []
-    k, last = 0, len(vertices) - 1
+    k, last = 0, len(points) - 1
     while k <= last:
-        end = _end_of_dome(vertices, k)
+        end = ends[k]
         if end - k >= FEWEST_EDGES:
-            x, radius = (
-                _circle(vertices[k], vertices[end]) if vertices[end, 0] > vertices[k, 0] else (0.0, 0.0)
-            )
-            fore, aft = (vertices[[end, k], 0] - x) / radius
+            (x0, r0), (x1, r1) = points[k], points[end]
+            x = 0.5 * (x0 + x1) + 0.5 * (r1 - r0) * (r0 + r1) / (x1 - x0)
+            radius = math.hypot(x1 - x, r1)
+            aft, fore = ((points[i][0] - x) / radius for i in (k, end))
             rows.append((x, 0.0, radius, max(-1.0, aft), min(1.0, fore)))
             k = end
             # The end of a dome is its own rim; what comes next may start with it.
-            k += 0 if _end_of_dome(vertices, k) - k >= FEWEST_EDGES else 1
+            k += 0 if ends[k] - k >= FEWEST_EDGES else 1
         else:
-            if vertices[k, 1] > 0.0:
-                rows.append((*vertices[k].tolist(), 0.0, 0.0, 0.0))
+            if points[k][1] > 0.0:
+                rows.append((*points[k], 0.0, 0.0, 0.0))
             k += 1
     return np.array(rows).reshape(-1, 5)
 
@@ -95,26 +97,21 @@ def refined_surfaces(body: Body, spacing: float) -> FloatArray:
     return np.vstack([surfaces, added])
 
 
-def _end_of_dome(vertices: FloatArray, start: int) -> int:
-    """Return the last vertex on the circle through ``start`` and the next one; ``start`` without such a circle."""
-    end, centre, radius = start, 0.0, 0.0
-    while end + 1 < len(vertices):
-        a, b = vertices[end], vertices[end + 1]
-        if b[0] <= a[0]:
-            break
-        x, r = _circle(a, b)
-        if np.hypot(*(b - a)) > LONGEST_STEP * r:
-            break
-        if end > start and max(abs(x - centre), abs(r - radius)) > ROUNDNESS * radius:
-            break
-        centre, radius, end = x, r, end + 1
-    return end
-
-
-def _circle(a: FloatArray, b: FloatArray) -> tuple[float, float]:
-    """Return x of the centre and the radius of the circle about a point of the axis through two vertices, m."""
-    x = float((b @ b - a @ a) / (2.0 * (b[0] - a[0])))
-    return x, float(np.hypot(b[0] - x, b[1]))
+def _find_arcs(vertices: FloatArray) -> list[int]:
+    """Return for each vertex (x, r) the last one on the circle through it and the next; itself without such a circle."""
+    (x, r), (dx, dr) = vertices[:-1].T, np.diff(vertices, axis=0).T
+    # An edge across the axis has no such circle.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        centres = x + 0.5 * dx + dr * (r + 0.5 * dr) / dx
+        radii = np.hypot(x - centres, r)
+        change = np.maximum(np.abs(np.diff(centres)), np.abs(np.diff(radii)))
+    curved = (dx > 0.0) & (np.hypot(dx, dr) <= LONGEST_STEP * radii)
+    continued = [*(curved[1:] & (change <= ROUNDNESS * radii[:-1])).tolist(), False]
+    ends = list(range(len(vertices)))
+    for k, is_curved in reversed(list(enumerate(curved.tolist()))):
+        if is_curved:
+            ends[k] = ends[k + 1] if continued[k] else k + 1
+    return ends
 
 
 @allocating

@@ -51,7 +51,7 @@ def closest_approach(trajectory: Trajectory, points: FloatArray) -> tuple[FloatA
     else:
         velocity = world_velocity(trajectory)
         _find_closest(
-            trajectory.t, trajectory.position, velocity, np.ascontiguousarray(points), distances, times
+            trajectory.t, trajectory.position, velocity, np.array(points, order="C"), distances, times
         )
     return distances, times
 
