@@ -237,7 +237,7 @@ class SearchSpace:
 class Strategy(Plugin[OptionsT_co]):
     """Decides which genomes to evaluate next.
 
-    Calls to :meth:`ask` and :meth:`tell` alternate. A resumed run repeats these calls with the stored evaluations.
+    Calls to :meth:`ask` and :meth:`tell` alternate, unless :meth:`can_ask_ahead` allows more. A resumed run repeats these calls with the stored evaluations.
     Therefore a strategy must draw all its randomness from ``space.rng``, and must not depend on time or on the number
     of workers.
     """
@@ -262,10 +262,18 @@ class Strategy(Plugin[OptionsT_co]):
 
     @abstractmethod
     def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
-        """Receive the evaluations of the candidates that the last :meth:`ask` returned, in their order.
+        """Receive the evaluations of the candidates that the earliest untold :meth:`ask` returned, in their order.
 
         ``first`` is the index of the first one in the run; ``Candidate.parents`` refers to such indices.
         """
+
+    def can_ask_ahead(self) -> bool:
+        """Return whether :meth:`ask` may be called once more before :meth:`tell` receives the batch before.
+
+        The workers of a run then evaluate one batch while the strategy learns from the other. It is asked after each
+        :meth:`ask` and :meth:`tell`, and the answer must follow from these calls. By default it is no.
+        """
+        return False
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
 """Tasks submitted to worker groups, and the genome that a death is counted against."""
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import Future
 
 import numpy as np
@@ -9,7 +9,7 @@ import pytest
 
 from driftform.errors import InputError
 from driftform.execution import ATTEMPTS, KILLS, STARTS, Job, Outcome, WorkersLostError
-from driftform.execution.pool import Cause, Death, WorkerDiedError, WorkerGroup
+from driftform.execution.pool import Call, Cause, Death, PoolExecutor, WorkerDiedError, WorkerGroup
 from driftform.types import Evaluation, Genome
 
 
@@ -45,8 +45,8 @@ class FakeGroup(WorkerGroup):
             future.set_exception(WorkerDiedError(Death(Cause.NONE if number else cause, detail)))
 
 
-def numbered(count: int) -> deque[Job]:
-    return deque(Job(index, Genome("g", (str(index),))) for index in range(count))
+def numbered(count: int) -> Call:
+    return Call(deque(Job(index, Genome("g", (str(index),))) for index in range(count)))
 
 
 def test_a_process_has_a_task_ready_beside_the_running_one() -> None:
@@ -54,7 +54,7 @@ def test_a_process_has_a_task_ready_beside_the_running_one() -> None:
     assert [group.take(waiting, 2) for _ in range(3)] == [True, True, False]
     assert group.list_running() == [[0, 1], [2, 3]]
     group.finish()
-    assert [index for index, _ in group.collect()] == [0, 1]
+    assert [job.index for job, _ in group.collect()] == [0, 1]
     assert group.take(waiting, 3)
     assert group.list_running() == [[2, 3], [4, 5]]
 
@@ -70,7 +70,7 @@ def test_genomes_that_a_death_interrupted_are_evaluated_again_one_by_one() -> No
             group.take(waiting, 2)
         assert group.list_running() == [[index]]
         group.finish()
-        assert [found for found, _ in group.collect()] == [index]
+        assert [job.index for job, _ in group.collect()] == [index]
     # The task that was only waiting is as innocent as those that nobody has taken.
     while group.take(waiting, 2):
         pass
@@ -86,14 +86,14 @@ def test_a_genome_whose_process_dies_too_often_while_alone_fails() -> None:
         group.take(waiting, 2)
         assert group.list_running() == [[0]]
         group.die()
-    [(index, evaluation)] = group.collect()
-    assert (index, evaluation.failure) == (0, "its process died 2 times (SIGSEGV)")
+    [(job, evaluation)] = group.collect()
+    assert (job.index, evaluation.failure) == (0, "its process died 2 times (SIGSEGV)")
     # The next genome starts with no deaths, and so does a genome of another run with the same index.
     for found in ([], [(1, None)]):
         group.take(waiting, 2)
         assert group.list_running() == [[1]]
         group.finish() if found else group.die()
-        assert [(index, evaluation.failure) for index, evaluation in group.collect()] == found
+        assert [(job.index, evaluation.failure) for job, evaluation in group.collect()] == found
     group.take(numbered(2), 2)
     group.die()
     assert group.collect() == []
@@ -132,7 +132,7 @@ def test_workers_that_start_between_deaths_are_no_reason_to_stop() -> None:
         group.take(numbered(1), 1)
         group.die(Cause.START)
         assert group.collect() == []
-        group.take(deque(), 1)
+        group.take(numbered(0), 1)
         assert group.list_running() == [[0]]
         group.finish()
         assert len(group.collect()) == 1
@@ -144,7 +144,7 @@ def test_a_kill_from_outside_is_not_the_fault_of_a_genome_unless_it_never_ends()
     for _ in range(KILLS):
         group.die(Cause.KILL, "SIGKILL")
         assert group.collect() == []
-        group.take(deque(), 1)
+        group.take(numbered(0), 1)
     group.die(Cause.KILL, "SIGKILL")
     [(_, evaluation)] = group.collect()
     assert (
@@ -159,8 +159,60 @@ def test_a_genome_that_takes_too_long_alone_fails_at_once() -> None:
     assert group.collect() == []
     group.take(waiting, 2)
     group.die(Cause.TIMEOUT)
-    [(index, evaluation)] = group.collect()
-    assert index == 0
+    [(job, evaluation)] = group.collect()
+    assert job.index == 0
     assert evaluation.failure == "its evaluation did not end within 7 s (run.evaluation_timeout)"
     group.take(waiting, 2)
     assert group.list_running() == [[1]]
+
+
+class Instant(FakeGroup):
+    """A worker group whose tasks are done when the coordinator looks for them, the first one first."""
+
+    def poll(self) -> None:
+        if self.list_running():
+            self.finish()
+
+    @property
+    def running(self) -> Sequence["Future[list[Outcome]]"]:
+        return []
+
+
+class InstantPool(PoolExecutor):
+    def call(self, functions):
+        return [function() for function in functions]
+
+
+def jobs_of(name: str, count: int) -> list[Job]:
+    return [Job(index, Genome(name, (str(index),))) for index in range(count)]
+
+
+def flat(outcomes: Iterable[Sequence[Outcome]]) -> list[tuple[int, str]]:
+    return [(index, evaluation.genome.grammar) for some in outcomes for index, evaluation in some]
+
+
+def test_jobs_may_be_added_while_others_are_evaluated() -> None:
+    waiting = deque(jobs_of("first", 3))
+    outcomes = InstantPool([Instant()]).evaluate(waiting)
+    found = flat([next(outcomes)])
+    waiting.extend(jobs_of("next", 4))
+    found += flat(outcomes)
+    assert sorted(found) == sorted([(i, "first") for i in range(3)] + [(i, "next") for i in range(4)])
+
+
+def test_a_call_within_another_gets_its_own_outcomes_and_loses_none_of_the_other() -> None:
+    executor = InstantPool([Instant(), Instant()])
+    outer = executor.evaluate(jobs_of("outer", 40))
+    found = flat([next(outer)])
+    # Equal indices tell nothing: the calls number their jobs alike.
+    assert sorted(flat(executor.evaluate(jobs_of("inner", 5)))) == [(index, "inner") for index in range(5)]
+    found += flat(outer)
+    assert sorted(found) == [(index, "outer") for index in range(40)]
+
+
+def test_a_call_that_was_given_up_does_not_disturb_the_next() -> None:
+    executor = InstantPool([Instant()])
+    given_up = executor.evaluate(jobs_of("given up", 40))
+    next(given_up)
+    given_up.close()
+    assert sorted(flat(executor.evaluate(jobs_of("next", 5)))) == [(index, "next") for index in range(5)]

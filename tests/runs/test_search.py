@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from driftform.builtin.strategies.random import RandomStrategy
 from driftform.errors import InputError, WorkFailedError
 from driftform.execution import InProcess, Job, Outcome
 from driftform.pipeline import MARGIN
@@ -29,6 +30,10 @@ def study_of(*settings: str, evaluations: int = 25, strategy: str = "paper", **m
         targets=["TP1", "TP6"],
         run={"seed": 3, "evaluations": evaluations, **more},
     )
+
+
+SMALL = {"paper": [], "random": ["strategy.batch=4"], "evolution": ["strategy.random=8", "strategy.batch=4"]}
+"""Settings with which 25 evaluations are several batches."""
 
 
 def rows(store: Store, study: Study) -> list[tuple[Any, ...]]:
@@ -73,12 +78,12 @@ def test_the_budget_is_spent_exactly(store: Store, strategy: str) -> None:
     assert generations[-1] == 25
 
 
-@pytest.mark.parametrize("strategy", ["paper", "random"])
+@pytest.mark.parametrize("strategy", ["paper", "random", "evolution"])
 @pytest.mark.parametrize("stop", [0, 1, 7, 20, 24])
 def test_stopped_anywhere_it_goes_on_to_the_same_result_and_flies_nothing_twice(
     store: Store, tmp_path: Path, strategy: str, stop: int
 ) -> None:
-    study = study_of(strategy=strategy)
+    study = study_of(*SMALL[strategy], strategy=strategy)
     with Store.create(tmp_path / "whole.db", {}) as whole:
         run_search(study, whole, Counting(study))
         expected = rows(whole, study)
@@ -90,6 +95,29 @@ def test_stopped_anywhere_it_goes_on_to_the_same_result_and_flies_nothing_twice(
     run_search(study, store, second)
     assert rows(store, study) == expected
     assert sorted(first.asked + second.asked) == list(range(25))
+
+
+@pytest.mark.parametrize("ahead", [False, True])
+def test_a_strategy_that_can_is_asked_for_one_batch_while_another_is_flown(
+    store: Store, monkeypatch: pytest.MonkeyPatch, ahead: bool
+) -> None:
+    calls: list[str] = []
+
+    def record(name: str) -> None:
+        usual = getattr(RandomStrategy, name)
+
+        def call(*args: Any) -> Any:
+            calls.append(name)
+            return usual(*args)
+
+        monkeypatch.setattr(RandomStrategy, name, call)
+
+    record("ask")
+    record("tell")
+    monkeypatch.setattr(RandomStrategy, "can_ask_ahead", lambda self: ahead)
+    study = study_of("strategy.batch=10", strategy="random")
+    run_search(study, store, Counting(study))
+    assert calls == (["ask", "ask", "tell", "ask", "tell", "tell"] if ahead else ["ask", "tell"] * 3)
 
 
 def screened_study(strategy: str) -> Study:

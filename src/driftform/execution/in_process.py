@@ -1,5 +1,6 @@
 """Evaluations in this process."""
 
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 
 from driftform.execution.jobs import Job, Outcome, T, evaluate_batch, task_size
@@ -13,14 +14,13 @@ class InProcess:
         self._pipeline = pipeline
         self._seconds: float | None = None
 
-    def evaluate(self, jobs: Sequence[Job]) -> Iterator[list[Outcome]]:
-        """Yield the outcomes of one task after another."""
-        start = 0
-        while start < len(jobs):
-            size = task_size(len(jobs) - start, 1, self._seconds)
-            outcomes = evaluate_batch(self._pipeline, jobs[start : start + size])
+    def evaluate(self, jobs: "Sequence[Job] | deque[Job]") -> Iterator[list[Outcome]]:
+        """Yield the outcomes of one task after another; see :meth:`driftform.execution.jobs.Executor.evaluate`."""
+        waiting = jobs if isinstance(jobs, deque) else deque(jobs)
+        while waiting:
+            size = task_size(len(waiting), 1, self._seconds)
+            outcomes = evaluate_batch(self._pipeline, [waiting.popleft() for _ in range(size)])
             self._seconds = outcomes[0][1].seconds
-            start += size
             yield outcomes
 
     def call(self, functions: Sequence[Callable[[], T]]) -> list[T]:

@@ -1,6 +1,7 @@
 """The jobs and outcomes of an executor, and the number of genomes in one task."""
 
 import math
+from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol, TypeVar
@@ -48,8 +49,11 @@ Outcome = tuple[int, Evaluation]
 class Executor(Protocol):
     """Evaluates jobs, in this process or in others."""
 
-    def evaluate(self, jobs: Sequence[Job]) -> Iterable[Sequence[Outcome]]:
-        """Yield one outcome for each job, in any order, in batches of any size."""
+    def evaluate(self, jobs: "Sequence[Job] | deque[Job]") -> Iterable[Sequence[Outcome]]:
+        """Yield one outcome for each job, in any order, in batches of any size.
+
+        Jobs may be added to a deque until the last outcome has arrived. Another call may begin before that.
+        """
 
     def call(self, functions: Sequence[Callable[[], T]]) -> list[T]:
         """Call functions on this machine, at the same time if possible; return what they return, in their order.
@@ -77,7 +81,7 @@ MAX_BATCH = 50
 FIRST_BATCH = 4
 """Largest number of genomes in a task while the time for one is unknown."""
 
-MIN_TASK_S = 0.02
+MIN_TASK_S = 0.01
 """Shortest duration of a task, s: many times the cost of submitting one."""
 
 MAX_TASK_S = 1.0

@@ -50,6 +50,33 @@ class WorkerDiedError(WorkFailedError):
         self.death = death
 
 
+class Call:
+    """One call of :meth:`PoolExecutor.evaluate`: jobs that wait, jobs that run, and outcomes that are not yielded yet."""
+
+    def __init__(self, waiting: deque[Job]) -> None:
+        self.waiting = waiting
+        self.arrived: list[Outcome] = []
+        self._running: dict[int, Job] = {}
+
+    @property
+    def is_busy(self) -> bool:
+        """True if more outcomes will follow."""
+        return bool(self.waiting or self._running or self.arrived)
+
+    def take(self, size: int) -> list[Job]:
+        """Return up to ``size`` waiting jobs, which now run."""
+        batch = [self.waiting.popleft() for _ in range(min(size, len(self.waiting)))]
+        self._running |= {id(job): job for job in batch}
+        return batch
+
+    def receive(self, job: Job, evaluation: Evaluation) -> bool:
+        """Keep the outcome of a job if it is one of this call; return whether it is."""
+        if self._running.pop(id(job), None) is None:
+            return False
+        self.arrived.append((job.index, evaluation))
+        return True
+
+
 class WorkerGroup(ABC):
     """The processes within which a death cannot be traced to one task.
 
@@ -112,8 +139,8 @@ class WorkerGroup(ABC):
         """True if more outcomes will follow."""
         return bool(self._running or self._returned or self._suspects)
 
-    def take(self, waiting: deque[Job], size: int) -> bool:
-        """Start one more task, of up to ``size`` waiting genomes, if the group has room; return whether it started one."""
+    def take(self, call: Call, size: int) -> bool:
+        """Start one more task, of up to ``size`` genomes of a call, if the group has room; return whether it started one."""
         if self._suspects:
             if not self._running:
                 self._start([self._suspects.popleft()], is_suspect=True)
@@ -125,13 +152,13 @@ class WorkerGroup(ABC):
         if has_room and self._returned:
             self._start(self._returned.popleft(), is_suspect=False)
             return True
-        if has_room and waiting:
-            self._start([waiting.popleft() for _ in range(min(size, len(waiting)))], is_suspect=False)
+        if has_room and call.waiting:
+            self._start(call.take(size), is_suspect=False)
             return True
         return False
 
-    def collect(self) -> list[Outcome]:
-        """Return the outcomes since the last call, with a failure for each genome to blame.
+    def collect(self) -> list[tuple[Job, Evaluation]]:
+        """Return the evaluations since the last call, with a failure for each genome to blame.
 
         Raises
         ------
@@ -140,12 +167,15 @@ class WorkerGroup(ABC):
         Exception
             the error of a task, if it is not the death of a worker.
         """
-        outcomes: list[Outcome] = []
+        found: list[tuple[Job, Evaluation]] = []
         for future in [future for future in self._running if future.done()]:
             batch = self._running.pop(future)
             error = self.find_error(future)
             if error is None:
-                outcomes += future.result()
+                # A task returns the outcomes of its genomes in their order.
+                found += [
+                    (job, evaluation) for job, (_, evaluation) in zip(batch, future.result(), strict=True)
+                ]
                 self._deaths.clear()
                 self._failed_starts = 0
             elif (death := self.find_death(error)) is None:
@@ -154,10 +184,10 @@ class WorkerGroup(ABC):
                 self._count_start(death)
                 self._give_back(batch)
             elif self._runs_suspect:
-                outcomes += self._count_against(batch[0], death)
+                found += self._count_against(batch[0], death)
             else:
                 self._suspects.extend(batch)
-        return outcomes
+        return found
 
     def _start(self, batch: Sequence[Job], is_suspect: bool) -> None:
         self._runs_suspect = is_suspect
@@ -177,7 +207,7 @@ class WorkerGroup(ABC):
                 f"({death.detail})"
             )
 
-    def _count_against(self, job: Job, death: Death) -> list[Outcome]:
+    def _count_against(self, job: Job, death: Death) -> list[tuple[Job, Evaluation]]:
         self._failed_starts = 0
         self._deaths[death.cause] += death.count
         crashes, kills = self._deaths[Cause.CRASH], self._deaths[Cause.KILL]
@@ -192,7 +222,7 @@ class WorkerGroup(ABC):
             self._suspects.appendleft(job)
             return []
         self._deaths.clear()
-        return [(job.index, Evaluation.failed(job.genome, self._targets, failure))]
+        return [(job, Evaluation.failed(job.genome, self._targets, failure))]
 
 
 class PoolExecutor(ABC):
@@ -200,21 +230,29 @@ class PoolExecutor(ABC):
 
     def __init__(self, groups: Sequence[WorkerGroup]) -> None:
         self._groups = groups
+        self._calls: list[Call] = []
         self._seconds: float | None = None
 
-    def evaluate(self, jobs: Sequence[Job]) -> Iterator[list[Outcome]]:
-        """Yield the outcomes as they arrive, in any order, in batches of any size."""
-        waiting = deque(jobs)
-        while waiting or any(group.is_busy for group in self._groups):
-            while self._hand_out(waiting):
-                pass
-            wait([future for group in self._groups for future in group.running], POLL_S, FIRST_COMPLETED)
-            for group in self._groups:
-                group.poll()
-            outcomes = [outcome for group in self._groups for outcome in group.collect()]
-            if outcomes:
-                self._seconds = outcomes[-1][1].seconds or self._seconds
-                yield outcomes
+    def evaluate(self, jobs: "Sequence[Job] | deque[Job]") -> Iterator[list[Outcome]]:
+        """Yield the outcomes as they arrive, in any order, in batches of any size.
+
+        Jobs may be added to a deque until the last outcome has arrived, and a call may begin while another is under way: its
+        jobs come first, and the workers evaluate those of the other in the time that they have left.
+        """
+        call = Call(jobs if isinstance(jobs, deque) else deque(jobs))
+        self._calls.append(call)
+        try:
+            while call.is_busy:
+                while self._hand_out():
+                    pass
+                if not call.arrived:
+                    self._collect()
+                if call.arrived:
+                    outcomes, call.arrived = call.arrived, []
+                    self._seconds = outcomes[-1][1].seconds or self._seconds
+                    yield outcomes
+        finally:
+            self._calls.remove(call)
 
     @abstractmethod
     def call(self, functions: Sequence[Callable[[], T]]) -> list[T]:
@@ -225,10 +263,21 @@ class PoolExecutor(ABC):
         for group in self._groups:
             group.close()
 
-    def _hand_out(self, waiting: deque[Job]) -> bool:
+    def _collect(self) -> None:
+        """Wait until a task ends, and keep the outcomes for the calls whose jobs they are of."""
+        wait([future for group in self._groups for future in group.running], POLL_S, FIRST_COMPLETED)
+        for group in self._groups:
+            group.poll()
+        for group in self._groups:
+            for job, evaluation in group.collect():
+                # A call that was given up receives nothing.
+                any(call.receive(job, evaluation) for call in self._calls)
+
+    def _hand_out(self) -> bool:
         """Start one task in each group that has room; return whether any started one."""
         processes = sum(group.processes for group in self._groups)
-        started = [
-            group.take(waiting, task_size(len(waiting), processes, self._seconds)) for group in self._groups
-        ]
+        started = []
+        for group in self._groups:
+            call = next((call for call in reversed(self._calls) if call.waiting), self._calls[-1])
+            started.append(group.take(call, task_size(len(call.waiting), processes, self._seconds)))
         return any(started)

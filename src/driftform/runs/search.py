@@ -1,18 +1,25 @@
 """The ask/tell loop over a stored run, and what a run leaves behind."""
 
-from collections.abc import Callable, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from driftform.errors import InputError
-from driftform.execution import Executor, Job
+from driftform.execution import Executor, Job, Outcome
 from driftform.faults import report_faults
+from driftform.interfaces import Strategy
 from driftform.runs.store import Record, Store
 from driftform.runs.survey import survey
 from driftform.scenario import Robustness, evaluation_seed
 from driftform.seams import require_candidates
 from driftform.study import Study
-from driftform.types import Evaluation
+from driftform.types import Candidate, Evaluation
+
+AHEAD = 1
+"""Batches that a strategy may be asked for before it is told of the one before, so that no worker waits for it."""
 
 
 def run_search(
@@ -22,7 +29,7 @@ def run_search(
     on_record: Callable[[Record], None] = lambda _: None,
     on_generation: Callable[[int], None] = lambda _: None,
 ) -> None:
-    """Ask, evaluate, tell, until the budget is spent.
+    """Ask, evaluate, tell, until the budget is spent; a strategy that can is asked for a batch while another is flown.
 
     A strategy is a function of the seed and of the outcomes it received, so an interrupted run is resumed by running it
     again: what is stored already is not flown a second time. Which flights are checked follows from the same outcomes.
@@ -45,6 +52,24 @@ def run_search(
         _search(study, store, executor, on_record, on_generation)
 
 
+@dataclass(frozen=True, eq=False)
+class _Batch:
+    """Candidates that a strategy asked for together, from evaluation ``first`` on, and their outcomes so far."""
+
+    first: int
+    candidates: Sequence[Candidate]
+    outcomes: dict[int, Evaluation] = field(default_factory=dict)
+
+    @property
+    def is_complete(self) -> bool:
+        return len(self.outcomes) == len(self.candidates)
+
+    @property
+    def ordered(self) -> list[Evaluation]:
+        """The outcomes in the order of the candidates."""
+        return [self.outcomes[index] for index in range(self.first, self.first + len(self.candidates))]
+
+
 def _search(
     study: Study,
     store: Store,
@@ -53,46 +78,85 @@ def _search(
     on_generation: Callable[[int], None],
 ) -> None:
     strategy, targets = study.make_strategy(), study.scenario.target_names
-    grammar = study.document["grammar"]["use"]
     best = BestFitness(len(targets), count_finalists(study.scenario.robustness))
-    first = 0
-    while first < study.evaluations:
-        left = study.evaluations - first
-        candidates = require_candidates(strategy.ask(left), left, strategy, grammar, targets, first)
-        outcomes: dict[int, Evaluation] = {}
-        for record in store.read_records(targets, first, len(candidates)):
-            if record.candidate != candidates[record.index - first]:
-                raise InputError(
-                    f"evaluation {record.index} of this run is not the one that its study asks for now: a plugin "
-                    "has changed since; resume with the versions in environment.json, or start a new run"
-                )
-            outcomes[record.index] = record.evaluation
-            on_record(record)
-        seeds = {
-            index: evaluation_seed(study.seed, index)
-            for index in range(first, first + len(candidates))
-            if index not in outcomes
-        }
-        missing = [
-            Job(index, candidate.genome, seed, threshold=best.lower_threshold(candidate.threshold))
-            for index, seed in seeds.items()
-            for candidate in [candidates[index - first]]
-        ]
-        for arrived in executor.evaluate(missing):
+    waiting: deque[Job] = deque()
+    arrivals = _evaluate_forever(executor, waiting)
+    batches: deque[_Batch] = deque()
+    asked = told = 0
+
+    def keep(batch: _Batch, record: Record) -> None:
+        batch.outcomes[record.index] = record.evaluation
+        on_record(record)
+
+    while told < study.evaluations:
+        # The order of these calls depends on no time: with any workers, and after an interruption, it is the same.
+        while asked < study.evaluations and (
+            not batches or (len(batches) <= AHEAD and strategy.can_ask_ahead())
+        ):
+            batch = _ask(study, strategy, asked)
+            for record in store.read_records(targets, asked, len(batch.candidates)):
+                _require_same(record, batch)
+                keep(batch, record)
+            waiting.extend(_list_jobs(study, batch, best))
+            batches.append(batch)
+            asked += len(batch.candidates)
+        while not batches[0].is_complete:
+            arrived = [
+                (_find_batch(batches, index), index, evaluation) for index, evaluation in next(arrivals)
+            ]
             records = [
-                Record(index, candidates[index - first], evaluation, seeds[index])
-                for index, evaluation in arrived
+                Record(
+                    index,
+                    batch.candidates[index - batch.first],
+                    evaluation,
+                    evaluation_seed(study.seed, index),
+                )
+                for batch, index, evaluation in arrived
             ]
             store.add(records, targets)
             # What is stored counts, and nothing else does.
-            for record in records:
-                outcomes[record.index] = record.evaluation
-                on_record(record)
-        ordered = [outcomes[first + i] for i in range(len(candidates))]
-        strategy.tell(first, survey(study, store, executor, first, candidates, ordered))
-        best.add(ordered)
-        first += len(candidates)
-        on_generation(first)
+            for (batch, _, _), record in zip(arrived, records, strict=True):
+                keep(batch, record)
+        batch = batches[0]
+        strategy.tell(told, survey(study, store, executor, told, batch.candidates, batch.ordered))
+        best.add(batch.ordered)
+        batches.popleft()
+        told += len(batch.candidates)
+        on_generation(told)
+
+
+def _evaluate_forever(executor: Executor, waiting: deque[Job]) -> Iterator[Sequence[Outcome]]:
+    """Yield the outcomes of what waits, and of what is added to it; ask for the next only if there is one."""
+    while True:
+        yield from executor.evaluate(waiting)
+
+
+def _ask(study: Study, strategy: Strategy[Any], asked: int) -> _Batch:
+    left, grammar = study.evaluations - asked, study.document["grammar"]["use"]
+    found = strategy.ask(left)
+    return _Batch(
+        asked, require_candidates(found, left, strategy, grammar, study.scenario.target_names, asked)
+    )
+
+
+def _require_same(record: Record, batch: _Batch) -> None:
+    if record.candidate != batch.candidates[record.index - batch.first]:
+        raise InputError(
+            f"evaluation {record.index} of this run is not the one that its study asks for now: a plugin "
+            "has changed since; resume with the versions in environment.json, or start a new run"
+        )
+
+
+def _list_jobs(study: Study, batch: _Batch, best: "BestFitness") -> Iterator[Job]:
+    """Yield what is left to be evaluated of a batch."""
+    for index, candidate in enumerate(batch.candidates, batch.first):
+        if index not in batch.outcomes:
+            seed, threshold = evaluation_seed(study.seed, index), best.lower_threshold(candidate.threshold)
+            yield Job(index, candidate.genome, seed, threshold=threshold)
+
+
+def _find_batch(batches: Iterable[_Batch], index: int) -> _Batch:
+    return next(batch for batch in batches if 0 <= index - batch.first < len(batch.candidates))
 
 
 class BestFitness:

@@ -94,6 +94,30 @@ class StrategyContract(Contract):
             asked += candidates
         return asked
 
+    def play_ahead(self, strategy: Strategy[Any], budget: int) -> list[Candidate]:
+        """Play as a run does, which asks for a batch while another is flown if the strategy can; return all candidates."""
+        asked: list[Candidate] = []
+        batches: list[Sequence[Candidate]] = []
+        told = 0
+        while told < budget:
+            while len(asked) < budget and (not batches or (len(batches) == 1 and strategy.can_ask_ahead())):
+                batches.append(self.ask(strategy, budget - len(asked), len(asked)))
+                asked += batches[-1]
+            outcomes = [
+                Evaluation(c.genome, two_target_fitness(c.genome), straight_trajectory(c.genome))
+                for c in batches.pop(0)
+            ]
+            strategy.tell(told, outcomes)
+            told += len(outcomes)
+        return asked
+
+    @pytest.mark.parametrize("budget", [1, 13, 99])
+    def test_it_may_be_asked_for_a_batch_while_another_is_flown(self, budget: int) -> None:
+        """If :meth:`can_ask_ahead` says so; the same seed asks for the same candidates, whatever the budget."""
+        whole = self.play_ahead(self.start(8), 150)
+        assert len(whole) == 150
+        assert find_difference(self.play_ahead(self.start(8), budget), whole[:budget]) is None
+
     @pytest.mark.parametrize("limit", [1, 2, 3, 7, 20, 1000])
     def test_an_ask_is_never_empty_and_never_beyond_the_limit(self, limit: int) -> None:
         """A batch has at least one candidate, so that the run ends, and at most the remaining number of evaluations."""

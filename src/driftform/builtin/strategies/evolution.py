@@ -36,7 +36,9 @@ class EvolutionOptions(Table):
     """Options of the evolution."""
 
     random: int = option(30, "random genomes at the start", "", gt=0, le=10_000_000)
-    batch: int = option(10, "children per batch", "", gt=0, le=100_000)
+    batch: int = option(
+        5, "children per batch; one batch is made while another is flown", "", gt=0, le=100_000
+    )
     elites: int = option(
         5,
         "best flights kept for each target; its children descend from them or aim at them",
@@ -124,7 +126,7 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         self._time: float | None = None
         self._known: dict[int, None] = {}
         self._generation = 0
-        self._requests: list[_Request] = []
+        self._requests: deque[list[_Request]] = deque()
         self._requested_bodies: set[int] = set()
         self._guesses: dict[int, Iterator[tuple[_FlightRecord, Change]]] = {}
         self._families: dict[int, tuple[list[_FlightRecord], FloatArray]] = {}
@@ -140,20 +142,26 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
             batch = [self._make_child(number) for number in self._choose_targets()]
         else:
             batch = [self._draw_random() for _ in range(self.options.random)]
-        self._requests = batch[:limit]
-        threshold = self._find_threshold()
-        return [replace(request.candidate, threshold=threshold) for request in self._requests]
+        requests, threshold = batch[:limit], self._find_threshold()
+        for request in requests:
+            self._remember(hash(request.candidate.genome), request.body)
+        self._requests.append(requests)
+        self._generation += 1
+        return [replace(request.candidate, threshold=threshold) for request in requests]
+
+    def can_ask_ahead(self) -> bool:
+        """Return True once there are elites: a child of the batch before last is as good as one of the last."""
+        return any(self._elites)
 
     def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
         """Learn the effect of each change, and keep the best flights."""
         if self._time is None:
             durations = [e.trajectory.t[-1] for e in evaluations if e.trajectory and e.failure is None]
             self._time = self.options.early * float(np.median(durations)) if durations else None
-        for index, (request, evaluation) in enumerate(zip(self._requests, evaluations, strict=True), first):
-            self._remember(hash(request.candidate.genome), request.body)
+        requests = self._requests.popleft()
+        for index, (request, evaluation) in enumerate(zip(requests, evaluations, strict=True), first):
             if evaluation.failure is None:
                 self._learn(index, request, evaluation)
-        self._generation += 1
 
     def _learn(self, index: int, request: _Request, evaluation: Evaluation) -> None:
         parent, trajectory = request.parent, evaluation.trajectory

@@ -31,3 +31,7 @@ class RandomStrategy(Strategy[RandomOptions]):
 
     def tell(self, first: int, evaluations: Sequence[Evaluation]) -> None:
         """Learn nothing."""
+
+    def can_ask_ahead(self) -> bool:
+        """Return True: candidates do not depend on outcomes."""
+        return True
