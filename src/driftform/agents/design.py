@@ -170,7 +170,7 @@ class Design:
 
     def list_departures(self) -> list[str]:
         """Return in what water, pipe, wall and weight depart from those that a run evolved it for, one line each."""
-        if not self.result:
+        if not self.result or self.study.environment() == self.stored.environment:
             return []
         design = load_study(Document(self.name, self.stored.environment), run={"seed": 0}).make_pipeline()
         return list_departures(self.agent, self.pipeline, design.make_agent(self.stored.genome), design)

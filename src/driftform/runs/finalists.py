@@ -222,11 +222,18 @@ def find_best_agent(study: Study, store: Store, target: str) -> StoredAgent | No
 
     If finalists were flown under disturbed conditions it is the one that was chosen then.
     """
-    best, winner = store.find_best(target), find_winner(study, store, target)
-    if best is None:
+    return describe_best(study, store, target, find_winner(study, store, target))
+
+
+def describe_best(study: Study, store: Store, target: str, winner: Winner | None) -> StoredAgent | None:
+    """Return the ``winner`` for a target as :func:`find_best_agent` does; without one, the best agent of the search."""
+    if winner is not None:
+        index = winner.index
+    elif (best := store.find_best(target)) is not None:
+        index, _ = best
+    else:
         return None
     targets = study.scenario.target_names
-    index = best[0] if winner is None else winner.index
     record = store.read_record(index, targets)
     fitness = float(record.evaluation.fitness[targets.index(target)])
     offset = find_offsets(record.evaluation, study.scenario)[targets.index(target)]
