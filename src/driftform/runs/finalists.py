@@ -202,11 +202,9 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
         return None
     fitness, undisturbed = study.make_plugin("fitness"), store.read_fitness(target, judged_all)
     reaching = _find_reaching(fitness, undisturbed)
-    scores = {
-        index: float(robust_fitness(np.array([flown[index][number][0] for number in judged]), robustness))
-        for index, reaches in zip(judged_all, reaching, strict=True)
-        if reaches
-    }
+    eligible = [index for index, reaches in zip(judged_all, reaching, strict=True) if reaches]
+    judged_fitness = np.array([[flown[index][number][0] for number in judged] for index in eligible])
+    scores = dict(zip(eligible, robust_fitness(judged_fitness.T, robustness).tolist(), strict=True))
     best = max(scores.values())
     equals = sorted((index for index in scores if scores[index] == best), key=lambda i: (-undisturbed[i], i))
     flights = [flown[equals[0]][number] for number in checked if number in flown[equals[0]]]
