@@ -4,11 +4,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.special import ndtr, ndtri
 from scipy.stats import qmc
 
 from driftform.geometry import hull_mass
 from driftform.scenario import Robustness, Scenario
 from driftform.scenario.disturbances import (
+    BEYOND,
+    MAX_DEVIATION,
     Condition,
     disturb_body,
     disturb_scenario,
@@ -16,6 +19,7 @@ from driftform.scenario.disturbances import (
     draw_latin_hypercube,
     draw_normals,
 )
+from driftform.scenario.normal import normal_quantile
 from driftform.study import load_study
 from driftform.testing.bodies import hollow_body
 
@@ -40,6 +44,13 @@ def test_the_latin_hypercube_is_that_of_scipy():
     theirs = qmc.LatinHypercube(9, rng=np.random.default_rng(3)).random(70)
     # SciPy draws from a child of the generator.
     np.testing.assert_array_equal(draw_latin_hypercube(np.random.default_rng(3).spawn(1)[0], 70, 9), theirs)
+
+
+def test_normal_quantiles_are_those_of_scipy():
+    shares = np.concatenate([np.geomspace(1e-14, 0.5, 5000), 1 - np.geomspace(1e-14, 0.5, 5000)])
+    ours = [normal_quantile(share) for share in shares.tolist()]
+    np.testing.assert_allclose(ours, ndtri(shares), rtol=1e-14, atol=0)
+    assert ndtr(-MAX_DEVIATION) == pytest.approx(BEYOND, rel=1e-14)
 
 
 def test_the_conditions_follow_the_distributions_that_the_scenario_gives():

@@ -5,16 +5,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from driftform.agents.departures import list_departures
 from driftform.agents.flight import DisturbedFlights, Flight
 from driftform.agents.inspection import compare_added_mass, inspect_agent
-from driftform.calibration.protocol import DropPlan
-from driftform.calibration.result import CalibrationResult
-from driftform.calibration.tracks import Reading
 from driftform.errors import InputError, WorkFailedError
 from driftform.faults import describe_fault
 from driftform.figures.section import section_svg
@@ -42,6 +39,12 @@ from driftform.types import (
 )
 from driftform.util.files import is_directory, make_directory, safe_stem
 from driftform.util.notebook import show_picture
+
+# The calibration takes as long to import as everything else: only films and drops need it.
+if TYPE_CHECKING:
+    from driftform.calibration.protocol import DropPlan
+    from driftform.calibration.result import CalibrationResult
+    from driftform.calibration.tracks import Reading
 
 Progress = Callable[[int, int], None]
 """Takes the number of steps that are done, and of all."""
@@ -167,7 +170,7 @@ class Design:
 
     def list_departures(self) -> list[str]:
         """Return in what water, pipe, wall and weight depart from those that a run evolved it for, one line each."""
-        if not self.result:
+        if not self.result or self.study.environment() == self.stored.environment:
             return []
         design = load_study(Document(self.name, self.stored.environment), run={"seed": 0}).make_pipeline()
         return list_departures(self.agent, self.pipeline, design.make_agent(self.stored.genome), design)
@@ -497,12 +500,12 @@ class Design:
         scenario: str | None = None,
         settings: Sequence[str] = (),
         use: Mapping[str, str | None] | None = None,
-        reading: Reading | None = None,
+        reading: "Reading | None" = None,
         view: str = "side",
         scale_error: float = 0.005,
         fit: Sequence[str] = (),
         printed_mass: float | None = None,
-    ) -> CalibrationResult:
+    ) -> "CalibrationResult":
         """Return what films of its flights show of the model, as ``driftform calibrate`` does.
 
         Parameters
@@ -535,6 +538,8 @@ class Design:
         from driftform.calibration.bench import Bench
         from driftform.calibration.films import choose_factors, film_track, find_scenario, weigh_prior
         from driftform.calibration.fit import fit_factors
+        from driftform.calibration.result import CalibrationResult
+        from driftform.calibration.tracks import Reading
 
         names, films, scenarios = choose_factors(fit), [], []
         if not tracks:
@@ -557,7 +562,7 @@ class Design:
         fps: float = 60.0,
         noise: float = 0.002,
         progress: Progress = ignore,
-    ) -> DropPlan:
+    ) -> "DropPlan":
         """Return the drops in a tank whose films show most about the model, in the water of its scenario.
 
         Parameters
@@ -581,6 +586,7 @@ class Design:
             if no release can be filmed.
         """
         from driftform.calibration.experiment import Tank, plan_drops
+        from driftform.calibration.protocol import DropPlan
 
         if not all(0 < size < 50 for size in tank):
             raise InputError(

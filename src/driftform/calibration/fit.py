@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from itertools import product
 
 import numpy as np
-from scipy.stats import t as student
 from threadpoolctl import threadpool_limits
 
 from driftform.calibration.bench import Bench, Path
@@ -401,6 +400,8 @@ def _find_interval(
     solution: Solution, name: str, value: float, deviation: float
 ) -> tuple[float, float, float]:
     """Return low, value and high of a factor from its parameter and the deviation of that."""
+    from scipy.stats import t as student
+
     problem = solution.problem
     freedom = max(3.0, sum(problem.counts) - len(problem.parameters))
     width = float(student.ppf(0.5 + CONFIDENCE / 2, freedom)) * deviation

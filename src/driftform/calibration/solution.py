@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from driftform.calibration.problem import RELEASE_ANGLE, Anchor, Problem
 from driftform.errors import WorkFailedError
@@ -210,6 +209,8 @@ def find_best(
     problem: Problem, x: FloatArray, free: Sequence[int] | None = None, tolerance: float = TOLERANCE
 ) -> FloatArray:
     """Return the unknowns that fit best; only those at the places ``free`` change."""
+    from scipy.optimize import least_squares
+
     places = np.arange(len(x)) if free is None else np.asarray(free, dtype=int)
     data = sum(problem.counts)
 

@@ -1,5 +1,6 @@
 """The command line: one file for each command, and nothing heavy imported before a command runs."""
 
+import gc
 import io
 import sys
 
@@ -7,9 +8,17 @@ from driftform.cli.app import app
 
 __all__ = ["app", "main"]
 
+BETWEEN_SEARCHES = 200_000
+"""Objects that a command makes between two searches for unreachable ones.
+
+Most objects, such as those of imported modules, live until the command ends. With Python's default of 700 the searches took
+8 % of the time of a short command.
+"""
+
 
 def main() -> None:
     """Run the command line."""
+    gc.set_threshold(BETWEEN_SEARCHES)
     for stream in (sys.stdout, sys.stderr):
         # A name may have letters, or bytes, that the encoding of a terminal or of a pipe lacks.
         if isinstance(stream, io.TextIOWrapper):

@@ -1,5 +1,6 @@
 """Coverage of the pipe by a run: the closest approach of its flights to each cell, and the cells not crossed."""
 
+from collections.abc import Iterable
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -96,15 +97,12 @@ def _draw_cells(root: ET.Element, window: Window, reach: CoverageMap, shift: Flo
     for row in range(rows):
         # Equal neighbours along the pipe are drawn as one rectangle.
         starts = np.flatnonzero(np.diff(classes[:, row], prepend=-2))
-        for start, end in zip(starts, [*starts[1:], columns], strict=True):
-            x, z = low[start, row]
-            box = [
-                (x, z),
-                (x + (end - start) * width, z),
-                (x + (end - start) * width, z + height),
-                (x, z + height),
-            ]
-            shapes[int(classes[start, row])].append(svg.path_data(window.to_page(np.array(box)), closed=True))
+        ends = np.append(starts[1:], columns)
+        x, z = low[starts, row].T
+        right, top = x + (ends - starts) * width, z + height
+        boxes = np.stack([x, z, right, z, right, top, x, top], axis=1)
+        for number, box in zip(classes[starts, row].tolist(), _to_page(window, boxes), strict=True):
+            shapes[number].append(svg.path_data(box, closed=True))
     for number, data in shapes.items():
         if data:
             colour = RAMP[number] if number >= 0 else "#ffffff"
@@ -120,10 +118,15 @@ def _draw_cells(root: ET.Element, window: Window, reach: CoverageMap, shift: Flo
             )
     bare = low[classes < 0]
     if len(bare):
-        _draw_hatching(root, [window.to_page(np.array([(x, z), (x + width, z + height)])) for x, z in bare])
+        _draw_hatching(root, _to_page(window, np.hstack([bare, bare + reach.cells.size[:2]])))
 
 
-def _draw_hatching(root: ET.Element, diagonals: list[FloatArray]) -> None:
+def _to_page(window: Window, lines: FloatArray) -> FloatArray:
+    """Return the points on the page of lines, whose points in m are in one row each, (lines, points, 2)."""
+    return window.to_page(lines.reshape(-1, 2)).reshape(len(lines), -1, 2)
+
+
+def _draw_hatching(root: ET.Element, diagonals: Iterable[FloatArray]) -> None:
     data = "".join(svg.path_data(pair) for pair in diagonals)
     svg.add(root, "path", class_="hatching", d=data, stroke=MUTED, stroke_width=0.8)
 

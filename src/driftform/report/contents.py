@@ -15,7 +15,7 @@ from driftform.figures.strip import Strip, strip_svg
 from driftform.figures.track import intervals_svg
 from driftform.figures.trend import Trend, trend_svg
 from driftform.runs.agent_file import StoredAgent
-from driftform.runs.finalists import find_best_agent, find_winner
+from driftform.runs.finalists import describe_best, find_winner
 from driftform.runs.run import Run
 from driftform.runs.store import Store
 from driftform.runs.wording import describe_worst
@@ -100,8 +100,12 @@ def collect_contents(run: Run) -> Contents:
         pipeline = study.make_pipeline()
         entries: list[Entry] = []
         flown: dict[int, tuple[Agent, Trajectory]] = {}
+        promises: dict[str, Misses] = {}
         for target in targets:
-            stored = find_best_agent(study, store, target)
+            winner = find_winner(study, store, target)
+            if winner is not None and winner.misses is not None:
+                promises[target] = winner.misses
+            stored = describe_best(study, store, target, winner)
             if stored is None:
                 raise WorkFailedError(f"{run.path}: has no successful evaluation to report")
             index = stored.result["evaluation"]
@@ -139,11 +143,6 @@ def collect_contents(run: Run) -> Contents:
             "Reach": reach_svg(
                 map_coverage(seen, PipeGrid.of_scenario(study.scenario)), study.scenario, title
             ),
-        }
-        promises = {
-            e.target: won.misses
-            for e in entries
-            if (won := find_winner(study, store, e.target)) is not None and won.misses is not None
         }
         if intervals := study.scenario.calibration.intervals:
             count = study.scenario.calibration.tracks

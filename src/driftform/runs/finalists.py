@@ -202,11 +202,9 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
         return None
     fitness, undisturbed = study.make_plugin("fitness"), store.read_fitness(target, judged_all)
     reaching = _find_reaching(fitness, undisturbed)
-    scores = {
-        index: float(robust_fitness(np.array([flown[index][number][0] for number in judged]), robustness))
-        for index, reaches in zip(judged_all, reaching, strict=True)
-        if reaches
-    }
+    eligible = [index for index, reaches in zip(judged_all, reaching, strict=True) if reaches]
+    judged_fitness = np.array([[flown[index][number][0] for number in judged] for index in eligible])
+    scores = dict(zip(eligible, robust_fitness(judged_fitness.T, robustness).tolist(), strict=True))
     best = max(scores.values())
     equals = sorted((index for index in scores if scores[index] == best), key=lambda i: (-undisturbed[i], i))
     flights = [flown[equals[0]][number] for number in checked if number in flown[equals[0]]]
@@ -222,11 +220,18 @@ def find_best_agent(study: Study, store: Store, target: str) -> StoredAgent | No
 
     If finalists were flown under disturbed conditions it is the one that was chosen then.
     """
-    best, winner = store.find_best(target), find_winner(study, store, target)
-    if best is None:
+    return describe_best(study, store, target, find_winner(study, store, target))
+
+
+def describe_best(study: Study, store: Store, target: str, winner: Winner | None) -> StoredAgent | None:
+    """Return the ``winner`` for a target as :func:`find_best_agent` does; without one, the best agent of the search."""
+    if winner is not None:
+        index = winner.index
+    elif (best := store.find_best(target)) is not None:
+        index, _ = best
+    else:
         return None
     targets = study.scenario.target_names
-    index = best[0] if winner is None else winner.index
     record = store.read_record(index, targets)
     fitness = float(record.evaluation.fitness[targets.index(target)])
     offset = find_offsets(record.evaluation, study.scenario)[targets.index(target)]

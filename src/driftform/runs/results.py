@@ -92,9 +92,9 @@ def write_results(directory: Path, study: Study, executor: Executor) -> list[Bes
         _, _, *results = executor.call(
             [partial(_call_with_store, write, directory, study) for write in pieces]
         )
-        found = {best.target: best for group in results for best in group}
+        found = {best.target: best for group, _ in results for best in group}
         if study.run.formats:
-            _export_all(directory, study, executor, groups, found)
+            _export_all(directory, study, executor, groups, [agent for _, agent in results], found)
     except BaseException:
         for folder in ("best", "figures"):
             remove_parts(directory / folder)
@@ -133,8 +133,10 @@ def _read_flight(directory: Path, study: Study, store: Store, stored: StoredAgen
     return flight
 
 
-def _write_agents(directory: Path, study: Study, store: Store, stored: Sequence[StoredAgent]) -> list[Best]:
-    """Write ``best/<target>/`` of targets that share an agent, without the files of exporters."""
+def _write_agents(
+    directory: Path, study: Study, store: Store, stored: Sequence[StoredAgent]
+) -> tuple[list[Best], Agent]:
+    """Write ``best/<target>/`` of targets that share an agent, without the files of exporters; return it for these."""
     from driftform.figures.section import section_svg
     from driftform.tables.files import write_trajectory
 
@@ -164,7 +166,7 @@ def _write_agents(directory: Path, study: Study, store: Store, stored: Sequence[
                 robust=result.get("robust", {}),
             )
         )
-    return found
+    return found, agent
 
 
 Exports = dict[str, tuple[list[Path], list[str]]]
@@ -176,6 +178,7 @@ def _export_all(
     study: Study,
     executor: Executor,
     groups: Sequence[Sequence[StoredAgent]],
+    agents: Sequence[Agent],
     found: dict[str, Best],
 ) -> None:
     """Write the formats of the run, and add their files to the best agents.
@@ -183,7 +186,12 @@ def _export_all(
     An exporter may take its process with it. Then everything else is written already.
     """
     try:
-        exported = executor.call([partial(_export_agents, directory, study, group) for group in groups])
+        exported = executor.call(
+            [
+                partial(_export_agent, directory, study, agent, group)
+                for agent, group in zip(agents, groups, strict=True)
+            ]
+        )
     except FunctionDiedError as error:
         target = groups[error.index][0].result["target"]
         formats = ",".join(study.run.formats)
@@ -199,9 +207,8 @@ def _export_all(
             found[target] = replace(best, files=(*best.files, *files), problems=tuple(problems))
 
 
-def _export_agents(directory: Path, study: Study, stored: Sequence[StoredAgent]) -> Exports:
+def _export_agent(directory: Path, study: Study, agent: Agent, stored: Sequence[StoredAgent]) -> Exports:
     """Write the formats of the run into ``best/<target>/`` of targets that share an agent."""
-    agent = study.make_pipeline().make_agent(stored[0].genome)
     exporters = [study.make_exporter(name) for name in study.run.formats]
     exported: Exports = {}
     for best in stored:

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -388,12 +389,13 @@ class Store:
         )
         found: dict[int, dict[int, tuple[float, FloatArray]]] = {}
         with self._reading():
-            for index, condition, fitness, *offset in self._connection.execute(query, (target, first, end)):
-                flights = found.setdefault(check_integer(index, "an evaluation"), {})
-                flights[check_integer(condition, "a condition")] = (
-                    _check_fitness(fitness),
-                    np.array(offset, dtype=np.float64),
-                )
+            rows = self._connection.execute(query, (target, first, end)).fetchall()
+            offsets = np.array([row[3:] for row in rows], dtype=np.float64)
+            for index, flights in groupby(zip(rows, offsets, strict=True), key=lambda pair: pair[0][0]):
+                found[check_integer(index, "an evaluation")] = {
+                    check_integer(row[1], "a condition"): (_check_fitness(row[2]), offset)
+                    for row, offset in flights
+                }
         return found
 
     def count(self) -> int:

@@ -11,11 +11,15 @@ import numpy as np
 
 from driftform.scenario import Calibration, Fluid, LogLawFlow, Robustness, Scenario, TurbulentFlow
 from driftform.scenario.calibration import DRAGS
+from driftform.scenario.normal import normal_quantile
 from driftform.types import Body, FloatArray
 from driftform.util.vectors import cross
 
 MAX_DEVIATION = 3.0
 """Standard deviations at which a distribution is truncated: a larger deviation would be noticed before use."""
+
+BEYOND = 0.0013498980316300933
+"""Share of a normal distribution that lies beyond them on either side: ``scipy.special.ndtr(-MAX_DEVIATION)``."""
 
 MAX_RADIUS_SHARE = 0.98
 """Largest distance of a disturbed release from the axis, relative to the radius of the bore."""
@@ -67,8 +71,6 @@ def draw_conditions(
     """
     if not count:
         return ()
-    from scipy.special import ndtr, ndtri
-
     deviations = [
         *(robustness.position, robustness.position),
         *np.deg2rad([robustness.angle_deg, robustness.angle_deg]),
@@ -77,8 +79,8 @@ def draw_conditions(
     rng = np.random.default_rng(tuple(seed))
     calibration = calibration or Calibration()
     shares = draw_latin_hypercube(rng.spawn(1)[0], count, len(deviations) + len(calibration.intervals))
-    cut = ndtr(-MAX_DEVIATION)
-    deviates = ndtri(cut + (1 - 2 * cut) * shares)
+    shares = BEYOND + (1 - 2 * BEYOND) * shares
+    deviates = np.array([[normal_quantile(share) for share in row] for row in shares.tolist()])
     drawn = deviates[:, : len(deviations)] * deviations
     factors = calibration.draw_factors(deviates[:, len(deviations) :]).tolist()
     gusts: list[int | None] = [None] * count

@@ -7,8 +7,7 @@ import signal
 import threading
 from collections.abc import Iterator
 
-# Exudyn reads these when it is imported: no window, and no settings from the user's home, which would change results.
-os.environ.setdefault("EXUDYN_SUPPRESS_UI_WINDOW_OPEN", "1")
+# Exudyn reads this when it is imported: no settings from the user's home, which would change results.
 os.environ.setdefault("EXUDYN_NO_USER_SETTINGS", "1")
 
 with contextlib.redirect_stdout(io.StringIO()):
@@ -16,6 +15,8 @@ with contextlib.redirect_stdout(io.StringIO()):
     import exudyn.itemInterface
 
 exudyn.config.printToConsole = False
+# The environment variable for this would also import matplotlib, for 0.1 s.
+exudyn.special.userInterface.SuppressAll(True)
 
 items = exudyn.itemInterface
 

@@ -1,6 +1,6 @@
 """Compiled code: integrals over rings, and the equations at all collocation points.
 
-All compiled functions are in this file, because numba's cache of a function detects only changes of its own file.
+All compiled functions are in this file, because the cache of a function detects no changes of other files of this plugin.
 
 Green's identity for the potential phi outside a body, with the normal n into the water, on its surface:
 
@@ -13,12 +13,13 @@ m = 1. The equations hold in any unit of length.
 
 import math
 from collections.abc import Callable
-from typing import Any, ParamSpec, TypeVar
+from typing import ParamSpec, TypeVar
 
 import numpy as np
 from numba import njit
 
 from driftform.types import FloatArray
+from driftform.util.compiled import allocating, compiled
 
 NODES = 3
 """Values of the potential on each panel, at Gauss's points of the panel's parameter."""
@@ -44,26 +45,6 @@ _BASIS = np.linalg.inv(np.vander(POINTS)).T.copy()
 
 P = ParamSpec("P")
 R = TypeVar("R")
-
-
-_njit: Any = njit
-"""numba's decorator, with the options that its annotations do not know."""
-
-
-def _compile(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a function that Python calls, and keep its machine code on disk."""
-    dispatcher: Callable[P, R] = _njit(cache=True, error_model="numpy", nogil=True, no_cfunc_wrapper=True)(
-        function
-    )
-    return dispatcher
-
-
-def _compile_part(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a function that only compiled functions call: it has neither a Python wrapper nor a file of its own."""
-    dispatcher: Callable[P, R] = _njit(
-        error_model="numpy", nogil=True, no_cfunc_wrapper=True, no_cpython_wrapper=True
-    )(function)
-    return dispatcher
 
 
 def _inline(function: Callable[P, R]) -> Callable[P, R]:
@@ -101,7 +82,7 @@ def _ring_integrals(dx: float, r: float, s: float) -> tuple[float, float]:
     return 4.0 * math.pi / (a + g), total / p
 
 
-@_compile
+@compiled
 def integrate_rings(x: float, r: float, source: FloatArray, count: int, out: FloatArray) -> None:
     """Compute the influence of rings on one point of the meridian; the loop is compiled to vector instructions.
 
@@ -140,17 +121,17 @@ def integrate_rings(x: float, r: float, source: FloatArray, count: int, out: Flo
         )
 
 
-@_compile_part
+@compiled
 def _evaluate(curve: FloatArray, u: float) -> float:
     return float(((curve[0] * u + curve[1]) * u + curve[2]) * u + curve[3])
 
 
-@_compile_part
+@compiled
 def _slope(curve: FloatArray, u: float) -> float:
     return float((3.0 * curve[0] * u + 2.0 * curve[1]) * u + curve[2])
 
 
-@_compile_part
+@compiled
 def _place_ring(x: FloatArray, r: FloatArray, u: float, weight: float, source: FloatArray, k: int) -> None:
     """Place a ring at the point u of a panel, with its weight in a quadrature over u."""
     source[0, k] = _evaluate(x, u)
@@ -159,7 +140,7 @@ def _place_ring(x: FloatArray, r: FloatArray, u: float, weight: float, source: F
     source[3, k] = weight * _slope(x, u)
 
 
-@_compile_part
+@compiled
 def _choose_points_around(u: float, points: FloatArray, weights: FloatArray) -> int:
     """Choose points and weights for a panel whose integrand is logarithmic at u; return their number.
 
@@ -176,7 +157,7 @@ def _choose_points_around(u: float, points: FloatArray, weights: FloatArray) -> 
     return count
 
 
-@_compile_part
+@compiled
 def _choose_points_beside(
     xi: float, ri: float, x: FloatArray, r: FloatArray, length: float, points: FloatArray, weights: FloatArray
 ) -> int:
@@ -201,7 +182,7 @@ def _choose_points_beside(
     return count
 
 
-@_compile
+@allocating
 def assemble_equations(
     x: FloatArray, r: FloatArray, lengths: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
