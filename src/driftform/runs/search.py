@@ -58,7 +58,13 @@ class _Batch:
 
     first: int
     candidates: Sequence[Candidate]
+    seeds: Sequence[int]
     outcomes: dict[int, Evaluation] = field(default_factory=dict)
+
+    def record(self, index: int, evaluation: Evaluation) -> Record:
+        """Return what is stored of the outcome of one of the candidates."""
+        number = index - self.first
+        return Record(index, self.candidates[number], evaluation, self.seeds[number])
 
     @property
     def is_complete(self) -> bool:
@@ -97,22 +103,14 @@ def _search(
             for record in store.read_records(targets, asked, len(batch.candidates)):
                 _require_same(record, batch)
                 keep(batch, record)
-            waiting.extend(_list_jobs(study, batch, best))
+            waiting.extend(_list_jobs(batch, best))
             batches.append(batch)
             asked += len(batch.candidates)
         while not batches[0].is_complete:
             arrived = [
                 (_find_batch(batches, index), index, evaluation) for index, evaluation in next(arrivals)
             ]
-            records = [
-                Record(
-                    index,
-                    batch.candidates[index - batch.first],
-                    evaluation,
-                    evaluation_seed(study.seed, index),
-                )
-                for batch, index, evaluation in arrived
-            ]
+            records = [batch.record(index, evaluation) for batch, index, evaluation in arrived]
             store.add(records, targets)
             # What is stored counts, and nothing else does.
             for (batch, _, _), record in zip(arrived, records, strict=True):
@@ -133,10 +131,10 @@ def _evaluate_forever(executor: Executor, waiting: deque[Job]) -> Iterator[Seque
 
 def _ask(study: Study, strategy: Strategy[Any], asked: int) -> _Batch:
     left, grammar = study.evaluations - asked, study.document["grammar"]["use"]
-    found = strategy.ask(left)
-    return _Batch(
-        asked, require_candidates(found, left, strategy, grammar, study.scenario.target_names, asked)
-    )
+    found, targets = strategy.ask(left), study.scenario.target_names
+    candidates = require_candidates(found, left, strategy, grammar, targets, asked)
+    seeds = [evaluation_seed(study.seed, index) for index in range(asked, asked + len(candidates))]
+    return _Batch(asked, candidates, seeds)
 
 
 def _require_same(record: Record, batch: _Batch) -> None:
@@ -147,12 +145,11 @@ def _require_same(record: Record, batch: _Batch) -> None:
         )
 
 
-def _list_jobs(study: Study, batch: _Batch, best: "BestFitness") -> Iterator[Job]:
+def _list_jobs(batch: _Batch, best: "BestFitness") -> Iterator[Job]:
     """Yield what is left to be evaluated of a batch."""
-    for index, candidate in enumerate(batch.candidates, batch.first):
+    for index, (candidate, seed) in enumerate(zip(batch.candidates, batch.seeds, strict=True), batch.first):
         if index not in batch.outcomes:
-            seed, threshold = evaluation_seed(study.seed, index), best.lower_threshold(candidate.threshold)
-            yield Job(index, candidate.genome, seed, threshold=threshold)
+            yield Job(index, candidate.genome, seed, threshold=best.lower_threshold(candidate.threshold))
 
 
 def _find_batch(batches: Iterable[_Batch], index: int) -> _Batch:

@@ -105,6 +105,34 @@ class _Request:
     change: Change | None = None
 
 
+class _Displacements:
+    """How far each change last moved an early path, m. They are kept as one array, because a long search knows thousands."""
+
+    def __init__(self) -> None:
+        self._rows: dict[Change, int] = {}
+        self._moved = np.empty((64, 3))
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __contains__(self, change: object) -> bool:
+        return change in self._rows
+
+    def put(self, change: Change, moved: FloatArray) -> None:
+        """Keep the displacement (3,) by a change, in place of an earlier one."""
+        row = self._rows.setdefault(change, len(self._rows))
+        if row == len(self._moved):
+            self._moved = np.concatenate([self._moved, np.empty_like(self._moved)])
+        self._moved[row] = moved
+
+    def find_smallest(self, count: int) -> tuple[list[Change], FloatArray, FloatArray]:
+        """Return the changes with the smallest displacements, those (m, (n, 3)), and their lengths (m, (n,))."""
+        changes, moved = list(self._rows), self._moved[: len(self._rows)]
+        size = np.sqrt((moved**2).sum(axis=1))
+        first = smallest_indices(size, count)
+        return [changes[i] for i in first.tolist()], moved[first], size[first]
+
+
 class EvolutionStrategy(Strategy[EvolutionOptions]):
     """Evolution that changes one symbol at a time, chosen by its effect on earlier flights.
 
@@ -122,7 +150,7 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
     def __init__(self, options: EvolutionOptions, space: SearchSpace) -> None:
         super().__init__(options, space)
         self._elites: list[list[tuple[float, _FlightRecord]]] = [[] for _ in space.targets]
-        self._moved: dict[Change, Position] = {}
+        self._moved = _Displacements()
         self._time: float | None = None
         self._known: dict[int, None] = {}
         self._generation = 0
@@ -173,9 +201,9 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         if early is not None:
             family.append(record)
             if parent and parent.early and request.change:
-                x, y, z = (after - before for after, before in zip(early, parent.early, strict=True))
-                self._moved[request.change] = x, y, z
-                self._moved[request.change.undo()] = -x, -y, -z
+                moved = np.subtract(early, parent.early)
+                self._moved.put(request.change, moved)
+                self._moved.put(request.change.undo(), -moved)
         for elites, fitness, least in zip(
             self._elites, evaluation.fitness.tolist(), self._find_threshold(), strict=True
         ):
@@ -234,7 +262,7 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
 
     def _rank_guesses(self, elite: _FlightRecord) -> Iterator[tuple[_FlightRecord, Change]]:
         """Yield members of the elite's family with changes, in the order of their expected distance from its early path."""
-        if elite.early is None or not self._moved:
+        if elite.early is None or not len(self._moved):
             return
         changes, moved, size = self._smallest_changes()
         members = self._family_of(elite)
@@ -258,10 +286,7 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
     def _smallest_changes(self) -> tuple[list[Change], FloatArray, FloatArray]:
         """Return the changes that moved the early path least, their displacements (m, (n, 3)), and their lengths (m, (n,))."""
         if self._small is None:
-            changes, moved = list(self._moved), np.array(list(self._moved.values()))
-            size = np.sqrt((moved**2).sum(axis=1))
-            first = smallest_indices(size, COMBINED)
-            self._small = [changes[i] for i in first.tolist()], moved[first], size[first]
+            self._small = self._moved.find_smallest(COMBINED)
         return self._small
 
     def _draw_random(self) -> _Request:
