@@ -22,8 +22,6 @@ from typing import Any, ParamSpec, TypeVar, cast
 
 from filelock import FileLock
 from numba.core.caching import FunctionCache
-from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime.nrt import rtsys
 from numba.core.types import Dispatcher, unliteral
@@ -31,6 +29,8 @@ from numba.core.types.functions import BaseFunction
 from numba.extending import intrinsic
 
 from driftform.types import FloatArray
+from driftform.util import compiler
+from driftform.util.compiler import EntryCompiler, PartCompiler
 from driftform.util.preparation import preparing
 
 P = ParamSpec("P")
@@ -51,7 +51,11 @@ _OPTIONS = {"nopython": True, "nogil": True, "error_model": "numpy", "no_cfunc_w
 
 def _hash_sources() -> str:
     core = Path(__file__).parents[1]
-    sources = [Path(__file__), *(file for name in KERNELS for file in sorted((core / name).glob("*.py")))]
+    sources = [
+        Path(__file__),
+        Path(compiler.__file__),
+        *(file for name in KERNELS for file in sorted((core / name).glob("*.py"))),
+    ]
     return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
 
 
@@ -154,48 +158,13 @@ class _Cache(FunctionCache):
             super().save_overload(sig, data)  # type: ignore[no-untyped-call]
 
 
-class _PartLibrary(JITCodeLibrary):
-    """The code of a part, in no form that a processor could run.
-
-    numba optimizes and translates each function with all that it calls, and then optimizes and translates all of that
-    again for its caller. A part is optimized and translated once, as a piece of an entry: this takes half the time.
-    """
-
-    @property
-    def codegen(self) -> "_PartLibrary":
-        """What registers the environment of the part: the entries that contain the part do so."""
-        return self
-
-    def set_env(self, name: str, environment: object) -> None: ...
-
-    def add_llvm_module(self, ll_module: Any) -> None:
-        ll_module.data_layout = self._codegen._data_layout
-        self._final_module.link_in(ll_module)
-
-    def get_pointer_to_function(self, name: str) -> int:
-        self._ensure_finalized()  # type: ignore[no-untyped-call]
-        return 0
-
-    def _optimize_final_module(self) -> None: ...
-
-    def _finalize_final_module(self) -> None:
-        self._finalize_dynamic_globals()  # type: ignore[no-untyped-call]
-        self._finalized = True
-
-
-class _PartCompiler(Compiler):
-    def __init__(self, typing: Any, target: Any, _: None, *rest: Any) -> None:
-        library = _PartLibrary(target.codegen(), "part")  # type: ignore[no-untyped-call]
-        super().__init__(typing, target, library, *rest)  # type: ignore[no-untyped-call]
-
-
 class _Part(CPUDispatcher):
     """A kernel as other kernels call it."""
 
     def __init__(self, function: Callable[..., Any], allocates: bool) -> None:
         # numba's runtime counts the references; a part without this option would do as its caller does.
         options = {**_OPTIONS, "no_cpython_wrapper": True, "_nrt": allocates}
-        super().__init__(function, targetoptions=options, pipeline_class=_PartCompiler)
+        super().__init__(function, targetoptions=options, pipeline_class=PartCompiler)
 
     def add_overload(self, overload: Any) -> None:
         """Keep what was compiled for some types of arguments; refuse it if it would lose an array, or free it too early."""
@@ -226,7 +195,7 @@ class _Entry(CPUDispatcher):
     """A kernel as Python calls it; kernels that call it are compiled with its part."""
 
     def __init__(self, function: Callable[..., Any], *_: object, allocates: bool = False) -> None:
-        super().__init__(function, targetoptions=_OPTIONS)
+        super().__init__(function, targetoptions=_OPTIONS, pipeline_class=EntryCompiler)
         self._allocates = allocates
 
     # Most kernels of a process are never called from Python, and their machine code is loaded with that of others: part
