@@ -13,7 +13,7 @@ m = 1. The equations hold in any unit of length.
 
 import math
 from collections.abc import Callable
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 from numba import njit
@@ -46,8 +46,23 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 
+_njit: Any = njit
+"""numba's decorator, with the options that its annotations do not know."""
+
+
 def _compile(function: Callable[P, R]) -> Callable[P, R]:
-    dispatcher: Callable[P, R] = njit(cache=True, error_model="numpy", nogil=True)(function)
+    """Compile a function that Python calls, and keep its machine code on disk."""
+    dispatcher: Callable[P, R] = _njit(cache=True, error_model="numpy", nogil=True, no_cfunc_wrapper=True)(
+        function
+    )
+    return dispatcher
+
+
+def _compile_part(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a function that only compiled functions call: it has neither a Python wrapper nor a file of its own."""
+    dispatcher: Callable[P, R] = _njit(
+        error_model="numpy", nogil=True, no_cfunc_wrapper=True, no_cpython_wrapper=True
+    )(function)
     return dispatcher
 
 
@@ -125,17 +140,17 @@ def integrate_rings(x: float, r: float, source: FloatArray, count: int, out: Flo
         )
 
 
-@_compile
+@_compile_part
 def _evaluate(curve: FloatArray, u: float) -> float:
     return float(((curve[0] * u + curve[1]) * u + curve[2]) * u + curve[3])
 
 
-@_compile
+@_compile_part
 def _slope(curve: FloatArray, u: float) -> float:
     return float((3.0 * curve[0] * u + 2.0 * curve[1]) * u + curve[2])
 
 
-@_compile
+@_compile_part
 def _place_ring(x: FloatArray, r: FloatArray, u: float, weight: float, source: FloatArray, k: int) -> None:
     """Place a ring at the point u of a panel, with its weight in a quadrature over u."""
     source[0, k] = _evaluate(x, u)
@@ -144,7 +159,7 @@ def _place_ring(x: FloatArray, r: FloatArray, u: float, weight: float, source: F
     source[3, k] = weight * _slope(x, u)
 
 
-@_compile
+@_compile_part
 def _choose_points_around(u: float, points: FloatArray, weights: FloatArray) -> int:
     """Choose points and weights for a panel whose integrand is logarithmic at u; return their number.
 
@@ -161,7 +176,7 @@ def _choose_points_around(u: float, points: FloatArray, weights: FloatArray) -> 
     return count
 
 
-@_compile
+@_compile_part
 def _choose_points_beside(
     xi: float, ri: float, x: FloatArray, r: FloatArray, length: float, points: FloatArray, weights: FloatArray
 ) -> int:
