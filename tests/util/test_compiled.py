@@ -171,3 +171,28 @@ def test_flights_leave_no_array_behind_in_memory(scenario, kind):
     script = FLIGHTS.replace("SCENARIO", scenario).replace("KIND", kind)
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert int(done.stdout) == 0
+
+
+CALLER = """
+from driftform.util.compiled import compiled
+
+
+def enter(depth):
+    @compiled
+    def call(value):
+        return slice_depth(0.1, still, 0.5, (0.0, 0.0, 0.02), 1.0) + value - value
+
+    return call(depth)
+"""
+
+
+@pytest.mark.long
+def test_a_kernel_from_the_cache_holds_machine_code_only_and_other_kernels_can_call_it(tmp_path):
+    run_kernel(tmp_path)
+    [file] = tmp_path.rglob("*.nbc")
+    assert file.stat().st_size < 16_384, "the file holds more than the machine code of an entry"
+    used = "from driftform.dynamics.buoyancy import slice_depth\n"
+    script = SCRIPT.replace("print(", "first = (").replace(used, used + CALLER) + "print(enter(first))"
+    run_kernel(tmp_path, script)
+    [same] = tmp_path.rglob("buoyancy.slice_depth-*.nbc")
+    assert same == file

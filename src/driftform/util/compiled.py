@@ -40,7 +40,7 @@ R = TypeVar("R")
 KERNELS = ("potential", "hydrodynamics", "dynamics", "trajectory")
 """The packages of the core that contain kernels."""
 
-COMPILATION_S = 20
+COMPILATION_S = 10
 """Typical duration of the compilation for flights in the vertical plane, s."""
 
 ANNOUNCED_S = 300.0

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from llvmlite.binding import Linkage, create_pass_builder, create_pipeline_tuning_options
+from llvmlite.binding import Linkage, create_pass_builder, create_pipeline_tuning_options, parse_assembly
 from numba.core import ir, typed_passes, types, untyped_passes
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
@@ -114,6 +114,13 @@ class _EntryLibrary(JITCodeLibrary):
         manager = builder.getModulePassManager()
         manager.add_refprune_pass()
         manager.run(self._final_module, builder)
+
+    def serialize_using_object_code(self) -> tuple[str, str, tuple[bytes, bytes]]:
+        """Return the machine code, and the names in it: no library links an entry, which would need its instructions."""
+        self._ensure_finalized()
+        names = (f.name for f in self.get_defined_functions() if f.linkage != Linkage.internal)
+        stubs = parse_assembly("\n".join(f'define void @"{name}"() {{ unreachable }}' for name in names))
+        return self.name, "object", (self._get_compiled_object(), stubs.as_bitcode())
 
 
 class _KernelLower(Lower):
