@@ -22,6 +22,7 @@ from typing import Any, ParamSpec, TypeVar, cast
 
 from filelock import FileLock
 from numba.core.caching import FunctionCache
+from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime.nrt import rtsys
 from numba.core.types import Dispatcher, unliteral
@@ -75,6 +76,15 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
 def allocating(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a function as :func:`compiled` does, which makes arrays, or returns some, or calls one that returns some."""
     return cast(Callable[P, R], _Entry(function, allocates=True))
+
+
+def vectorized(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a function and what it calls with all that numba can do, in twice the time that :func:`compiled` takes.
+
+    For long loops of arithmetic, which then use instructions for several numbers at once. What it calls are plain functions
+    of numba.
+    """
+    return cast(Callable[P, R], _Entry(function, allocates=True, pipeline_class=Compiler))
 
 
 @contextmanager
@@ -194,8 +204,14 @@ def _require_no_arrays(overload: Any) -> None:
 class _Entry(CPUDispatcher):
     """A kernel as Python calls it; kernels that call it are compiled with its part."""
 
-    def __init__(self, function: Callable[..., Any], *_: object, allocates: bool = False) -> None:
-        super().__init__(function, targetoptions=_OPTIONS, pipeline_class=EntryCompiler)
+    def __init__(
+        self,
+        function: Callable[..., Any],
+        *_: object,
+        allocates: bool = False,
+        pipeline_class: type[Compiler] = EntryCompiler,
+    ) -> None:
+        super().__init__(function, targetoptions=_OPTIONS, pipeline_class=pipeline_class)
         self._allocates = allocates
 
     # Most kernels of a process are never called from Python, and their machine code is loaded with that of others: part

@@ -13,13 +13,13 @@ m = 1. The equations hold in any unit of length.
 
 import math
 from collections.abc import Callable
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 from numba import njit
 
 from driftform.types import FloatArray
-from driftform.util.compiled import allocating, compiled
+from driftform.util.compiled import vectorized
 
 NODES = 3
 """Values of the potential on each panel, at Gauss's points of the panel's parameter."""
@@ -45,6 +45,18 @@ _BASIS = np.linalg.inv(np.vander(POINTS)).T.copy()
 
 P = ParamSpec("P")
 R = TypeVar("R")
+
+
+_njit: Any = njit
+"""numba's decorator, with the options that its annotations do not know."""
+
+
+def _compile_part(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a function that only compiled functions call: it has neither a Python wrapper nor a file of its own."""
+    dispatcher: Callable[P, R] = _njit(
+        error_model="numpy", nogil=True, no_cfunc_wrapper=True, no_cpython_wrapper=True
+    )(function)
+    return dispatcher
 
 
 def _inline(function: Callable[P, R]) -> Callable[P, R]:
@@ -82,7 +94,7 @@ def _ring_integrals(dx: float, r: float, s: float) -> tuple[float, float]:
     return 4.0 * math.pi / (a + g), total / p
 
 
-@compiled
+@_compile_part
 def integrate_rings(x: float, r: float, source: FloatArray, count: int, out: FloatArray) -> None:
     """Compute the influence of rings on one point of the meridian; the loop is compiled to vector instructions.
 
@@ -121,17 +133,17 @@ def integrate_rings(x: float, r: float, source: FloatArray, count: int, out: Flo
         )
 
 
-@compiled
+@_compile_part
 def _evaluate(curve: FloatArray, u: float) -> float:
     return float(((curve[0] * u + curve[1]) * u + curve[2]) * u + curve[3])
 
 
-@compiled
+@_compile_part
 def _slope(curve: FloatArray, u: float) -> float:
     return float((3.0 * curve[0] * u + 2.0 * curve[1]) * u + curve[2])
 
 
-@compiled
+@_compile_part
 def _place_ring(x: FloatArray, r: FloatArray, u: float, weight: float, source: FloatArray, k: int) -> None:
     """Place a ring at the point u of a panel, with its weight in a quadrature over u."""
     source[0, k] = _evaluate(x, u)
@@ -140,7 +152,7 @@ def _place_ring(x: FloatArray, r: FloatArray, u: float, weight: float, source: F
     source[3, k] = weight * _slope(x, u)
 
 
-@compiled
+@_compile_part
 def _choose_points_around(u: float, points: FloatArray, weights: FloatArray) -> int:
     """Choose points and weights for a panel whose integrand is logarithmic at u; return their number.
 
@@ -157,7 +169,7 @@ def _choose_points_around(u: float, points: FloatArray, weights: FloatArray) -> 
     return count
 
 
-@compiled
+@_compile_part
 def _choose_points_beside(
     xi: float, ri: float, x: FloatArray, r: FloatArray, length: float, points: FloatArray, weights: FloatArray
 ) -> int:
@@ -182,7 +194,7 @@ def _choose_points_beside(
     return count
 
 
-@allocating
+@vectorized
 def assemble_equations(
     x: FloatArray, r: FloatArray, lengths: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
