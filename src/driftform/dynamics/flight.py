@@ -116,22 +116,30 @@ def finish_trajectory(
     A flight that stopped before the ``horizon`` (s) without another reason ends as non-finite, one with more than
     ``step_limit`` steps at the step limit, and one whose estimated ``error`` (m) exceeds ``accepted`` as not converged.
     """
-    rows, broken = _keep_finite(np.ascontiguousarray(samples))
-    end = _find_end(rows, broken, len(samples) > step_limit, model, horizon)
+    values = pack(model)
+    rows, velocity, last, broken, left, past, touched, time = _finish(
+        np.ascontiguousarray(samples), values, model.fittings
+    )
+    if broken:
+        end = End.NON_FINITE
+    elif left:
+        end = End.OUTLET if past else End.INLET
+    elif last[0] >= horizon * (1 - 1e-9):
+        end = End.HORIZON
+    else:
+        end = End.STEP_LIMIT if len(samples) > step_limit else End.NON_FINITE
     if not end.failed and error is not None and not error <= accepted:
         end = End.NOT_CONVERGED
-    values = pack(model)
-    touched, time = find_contact(rows, values, model.fittings)
-    contact = time if touched < len(rows) else None
-    drift = _energy_drift(rows, values, touched) if touched and _conserves_energy(model) else None
-    if len(rows) > 1 and (len(model.pipe) > 0 or model.fittings is not None):
-        _cut_at_outlet(rows[-2], rows[-1], model.pipe, model.fittings)
-        contact = None if contact is not None and contact > rows[-1, 0] else contact
+    # What touches after the outlet does not count.
+    contact = time if touched < len(rows) and time <= rows[-1, 0] else None
+    drift = None
+    if touched and _conserves_energy(model):
+        drift = _energy_drift(np.vstack([rows[:-1], last]), values, touched)
     return Trajectory(
         rows[:, 0],
         rows[:, 1:4],
         rows[:, 4:8],
-        _body_velocity(rows),
+        velocity,
         end,
         contact=contact,
         energy_drift=drift,
@@ -139,15 +147,26 @@ def finish_trajectory(
     )
 
 
-def _find_end(rows: FloatArray, broken: bool, too_long: bool, model: FlightModel, horizon: float) -> End:
-    position = (rows[-1, 1], rows[-1, 2], rows[-1, 3])
-    if broken:
-        return End.NON_FINITE
-    if has_left_pipe(position, model.pipe, model.fittings):
-        return End.OUTLET if distance_past_outlet(position, model.pipe, model.fittings) >= 0 else End.INLET
-    if rows[-1, 0] >= horizon * (1 - 1e-9):
-        return End.HORIZON
-    return End.STEP_LIMIT if too_long else End.NON_FINITE
+@allocating
+def _finish(
+    samples: FloatArray, values: FloatArray, fittings: FloatArray | None
+) -> tuple[FloatArray, FloatArray, FloatArray, bool, bool, bool, int, float]:
+    """Return what of a trajectory follows from its raw samples.
+
+    These are the finite samples, cut at the outlet; their velocities in the body frame; the last sample before the cut; whether
+    one is not finite, whether the flight has left the pipe, and whether by an outlet; then the result of
+    :func:`find_contact`.
+    """
+    model = unpack(values, fittings)
+    rows, broken = _keep_finite(samples)
+    last = rows[rows.shape[0] - 1].copy() if rows.shape[0] > 0 else samples[0].copy()
+    position = position_of(last)
+    left = has_left_pipe(position, model.pipe, model.fittings)
+    past = left and distance_past_outlet(position, model.pipe, model.fittings) >= 0.0
+    touched, time = _find_contact(rows, model)
+    if rows.shape[0] > 1 and (model.pipe.shape[0] > 0 or model.fittings is not None):
+        _cut_at_outlet(rows[rows.shape[0] - 2], rows[rows.shape[0] - 1], model.pipe, model.fittings)
+    return rows, _body_velocity(rows), last, broken, left, past, touched, time
 
 
 @allocating
@@ -229,7 +248,11 @@ def find_contact(
     rows: FloatArray, values: FloatArray, fittings: FloatArray | None = None
 ) -> tuple[int, float]:
     """Return the first sample at which a surface touches, and the time (s) of the contact; the number of samples without one."""
-    model = unpack(values, fittings)
+    return _find_contact(rows, unpack(values, fittings))
+
+
+@allocating
+def _find_contact(rows: FloatArray, model: FlightModel) -> tuple[int, float]:
     for k in range(rows.shape[0]):
         if _contact_depth(rows[k], model) > 0.0:
             return k, rows[0, 0] if k == 0 else _locate_contact(rows[k - 1], rows[k], model)
