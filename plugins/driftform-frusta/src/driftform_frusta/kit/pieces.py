@@ -31,7 +31,7 @@ from driftform_frusta.kit.meridian import (
 )
 from driftform_frusta.kit.options import KitOptions
 from driftform_frusta.kit.upright import prints_fore_down
-from driftform_frusta.printable import build_printable_section, refuse_other_volume
+from driftform_frusta.printable import check_printable_section, refuse_other_volume
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +105,7 @@ def make_kit(body: Body, options: KitOptions) -> Kit:
         if it cannot be cut; the message has the reason.
     """
     # A hull that cannot be printed whole cannot be cut either.
-    build_printable_section(body)
+    check_printable_section(body)
     hull, gap = draw_hull(body), MM * options.clearance
     refuse_other_volume(
         MM**3 * moments(list_rings(take_right(hull.material))).volume, hull_volume(body), "hull"
