@@ -4,6 +4,7 @@ A section covers both sides of the axis, so that an offset finds no edge along i
 there.
 """
 
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -68,9 +69,31 @@ class Hull:
         )
         return radius
 
+    @cached_property
+    def bore_points(self) -> tuple[list[float], list[float]]:
+        """The cavity's contour as lists of z and r."""
+        z, r = self.bore.T.tolist()
+        return z, r
+
+    def bore_at(self, z: float) -> float:
+        """Radius of the cavity at one height: that of :meth:`bore_radius`, in a fraction of the time."""
+        heights, radii = self.bore_points
+        above = bisect_right(heights, z)
+        if above == 0 or z > heights[-1]:
+            return 0.0
+        low, radius = heights[above - 1], radii[above - 1]
+        if z == low:
+            return radius
+        return (radii[above] - radius) / (heights[above] - low) * (z - low) + radius
+
+    @cached_property
+    def widest(self) -> float:
+        """Largest radius of the outer contour."""
+        return float(self.skin[:, 1].max())
+
     def room(self, gap: float) -> float:
         """Radius that the core needs, mm: with a gap all round if the hull itself leaves one."""
-        return min(self.core + gap, float(self.bore_radius(0.0)))
+        return min(self.core + gap, self.bore_at(0.0))
 
     @cached_property
     def material(self) -> CrossSection:
