@@ -16,7 +16,7 @@ import numpy as np
 from manifold3d import CrossSection
 
 from driftform.types import FloatArray
-from driftform_frusta.kit.meridian import FAR, Hull, grow, make_polygon, make_slab
+from driftform_frusta.kit.meridian import FAR, Hull, grow, make_polygons, make_slab
 from driftform_frusta.kit.options import GROOVE_WIDTH
 
 LEAD = 0.3
@@ -68,10 +68,6 @@ class Joint:
     def recess(self) -> float:
         """Depth of the socket in the wall, mm."""
         return self.plug + self.gap if self.kind == "rabbet" else 0.0
-
-    def draw_polygon(self, rs: list[tuple[float, float]]) -> CrossSection:
-        """Return a polygon of (r, s), s from the cut towards the part with the plug."""
-        return make_polygon([(r, self.z + self.side * s) for r, s in rs])
 
     def draw_slab(self, low: float, high: float) -> CrossSection:
         """Return the slab between two values of s."""
@@ -174,8 +170,7 @@ def draw_joint(hull: Hull, joint: Joint) -> Fit:
 
 
 def _draw_symmetric(joint: Joint, points: list[tuple[float, float]]) -> CrossSection:
-    right = joint.draw_polygon(points)
-    return right + right.mirror((1.0, 0.0))
+    return make_polygons([[(sign * r, joint.z + joint.side * s) for r, s in points] for sign in (1, -1)])
 
 
 def _draw_root(hull: Hull, joint: Joint) -> CrossSection:

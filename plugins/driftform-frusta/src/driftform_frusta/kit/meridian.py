@@ -30,6 +30,9 @@ FAR = 1e4
 SIMPLIFY = 1e-4
 """mm: vertices nearer than this to the line through their neighbours carry no shape, only slivers of a mesh."""
 
+_CORNERS = 240
+"""Corners of a disc."""
+
 Ring: TypeAlias = FloatArray
 """A closed polygon of (r, z), the last point joined to the first: counterclockwise outside, clockwise a hole."""
 
@@ -146,7 +149,12 @@ def _mirror_contour(contour: FloatArray) -> CrossSection:
 
 def make_polygon(points: npt.ArrayLike) -> CrossSection:
     """Return the area inside a polygon of (r, z), in either sense of rotation."""
-    return CrossSection([np.asarray(points, dtype=np.float64)], FillRule.NonZero)
+    return make_polygons([points])
+
+
+def make_polygons(polygons: Sequence[npt.ArrayLike]) -> CrossSection:
+    """Return the area inside any of some polygons of (r, z), each in either sense of rotation."""
+    return CrossSection([np.asarray(points, dtype=np.float64) for points in polygons], FillRule.NonZero)
 
 
 def make_slab(low: float, high: float) -> CrossSection:
@@ -156,8 +164,12 @@ def make_slab(low: float, high: float) -> CrossSection:
 
 def make_disc(radius: float) -> CrossSection:
     """Return a disc about the origin; the polygon encloses the circle, so that no chord is nearer than the radius."""
-    n = 240
-    return CrossSection.circle(radius / np.cos(np.pi / n), n)
+    return CrossSection.circle(circumradius(radius), _CORNERS)
+
+
+def circumradius(radius: float) -> float:
+    """Return the radius of the corners of a disc."""
+    return float(radius / np.cos(np.pi / _CORNERS))
 
 
 def grow(section: CrossSection, by: float) -> CrossSection:
@@ -195,8 +207,8 @@ def split_rings(polygons: Sequence[Ring]) -> tuple[tuple[Point, ...], tuple[tupl
 
 def signed_area(ring: Ring) -> float:
     """Return the area inside a ring, mm2; negative for a hole."""
-    r, z = ring.T
-    return float(np.dot(r, np.roll(z, -1)) - np.dot(np.roll(r, -1), z)) / 2
+    r, z = np.concatenate((ring, ring[:1])).T
+    return float(r[:-1] @ z[1:] - r[1:] @ z[:-1]) / 2
 
 
 def moments(polygons: Sequence[Ring]) -> Moments:
