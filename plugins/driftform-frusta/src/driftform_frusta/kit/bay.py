@@ -8,6 +8,7 @@ degrees, so that it prints without support with the closed end of its part on th
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from manifold3d import CrossSection, OpType
@@ -78,9 +79,8 @@ def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) ->
     play = max(PLAY, PLAY_OF_SEATS * gap)
     drawn = ball.draw()
     low, high = sorted((ball.z, ball.z + side * play))
-    near = [part for part in parts if _spans(part, low - 2 * ball.radius, high + 2 * ball.radius)]
     # The part that the ball moves to comes first: it is most likely to be met.
-    near = near[::-side]
+    near = [part for part in parts[::-side] if _spans(part, low - 2 * ball.radius, high + 2 * ball.radius)]
 
     def meets(aside: float, along: float) -> bool:
         moved = drawn.translate((aside, side * along))
@@ -88,12 +88,18 @@ def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) ->
 
     if not meets(0.0, play):
         return False
-    places = np.linspace(0.0, play, _STEPS)
+    places = _list_places(play)
     touched = _distance_along(near, ball.z + side * places) <= circumradius(ball.radius)
     rest = next(along for along in places[touched].tolist() if meets(0.0, along))
     # A wall that touches at a lower latitude does not let it aside even if it is lifted by this much.
     lift = play / math.tan(math.radians(_LATITUDES_DEG[-1]))
     return meets(play, rest - lift)
+
+
+@lru_cache(maxsize=16)
+def _list_places(play: float) -> FloatArray:
+    """Distances along the axis at which a ball is tried."""
+    return np.linspace(0.0, play, _STEPS)
 
 
 def _spans(section: CrossSection, low: float, high: float) -> bool:

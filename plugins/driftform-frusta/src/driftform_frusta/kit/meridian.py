@@ -7,7 +7,7 @@ there.
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TypeAlias
 
 import numpy as np
@@ -162,6 +162,7 @@ def make_slab(low: float, high: float) -> CrossSection:
     return CrossSection.square((2 * FAR, high - low)).translate((-FAR, low))
 
 
+@lru_cache(maxsize=16)
 def make_disc(radius: float) -> CrossSection:
     """Return a disc about the origin; the polygon encloses the circle, so that no chord is nearer than the radius."""
     return CrossSection.circle(circumradius(radius), _CORNERS)
@@ -177,9 +178,20 @@ def grow(section: CrossSection, by: float) -> CrossSection:
     return section.offset(by, JoinType.Miter, 2.0) if by else section
 
 
+def subtract_near(section: CrossSection, hole: CrossSection) -> CrossSection:
+    """Return a section less a hole, which may be out of its reach."""
+    _, low, _, high = section.bounds()
+    _, lowest, _, highest = hole.bounds()
+    return section - hole if low < highest and lowest < high else section
+
+
 def take_right(section: CrossSection) -> CrossSection:
     """Return the side of positive radii."""
-    return section ^ CrossSection.square((FAR, 2 * FAR)).translate((0.0, -FAR))
+    return section ^ _RIGHT
+
+
+_RIGHT = CrossSection.square((FAR, 2 * FAR)).translate((0.0, -FAR))
+"""All positive radii."""
 
 
 def take_half(section: CrossSection) -> CrossSection:

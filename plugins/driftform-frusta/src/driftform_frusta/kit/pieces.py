@@ -26,6 +26,7 @@ from driftform_frusta.kit.meridian import (
     make_slab,
     moments,
     signed_area,
+    subtract_near,
     take_half,
     take_right,
 )
@@ -144,8 +145,8 @@ def _draw_parts(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[Cross
     for index, joint in enumerate(joints):
         made = draw_joint(hull, joint)
         plug, socket = (index + 1, index) if joint.side > 0 else (index, index + 1)
-        sections[plug] += made.plug - core
-        sections[socket] += made.pad - core
+        sections[plug] += subtract_near(made.plug, core)
+        sections[socket] += subtract_near(made.pad, core)
         sections[socket] -= made.pocket
     return sections
 
