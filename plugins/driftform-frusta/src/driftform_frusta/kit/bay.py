@@ -89,8 +89,9 @@ def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) ->
     if not meets(0.0, play):
         return False
     places = _list_places(play)
+    # Elsewhere no edge is within the disc, so that it meets nothing.
     touched = _distance_along(near, ball.z + side * places) <= circumradius(ball.radius)
-    rest = next(along for along in places[touched].tolist() if meets(0.0, along))
+    rest = next((along for along in places[touched].tolist() if meets(0.0, along)), play)
     # A wall that touches at a lower latitude does not let it aside even if it is lifted by this much.
     lift = play / math.tan(math.radians(_LATITUDES_DEG[-1]))
     return meets(play, rest - lift)
@@ -112,7 +113,9 @@ def _distance_along(parts: Sequence[CrossSection], heights: FloatArray) -> Float
     """The distance of points of the axis, at some heights, from the edges of parts, mm."""
     points = np.column_stack((np.zeros_like(heights), heights))
     rings = [ring for part in parts for ring in list_rings(part)]
-    return np.min([distance_from(points, np.concatenate((ring, ring[:1]))) for ring in rings], axis=0)
+    apart = [distance_from(points, np.concatenate((ring, ring[:1]))) for ring in rings]
+    nearest: FloatArray = np.min(apart, axis=0)
+    return nearest
 
 
 def place_seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: tuple[int, int]) -> list[Seat]:
