@@ -7,12 +7,19 @@ from driftform.types import FloatArray
 
 def distance_from(points: FloatArray, contour: FloatArray) -> FloatArray:
     """Return the distance (m) of each point (n, 2) from a polyline, (n,)."""
-    start, edge = contour[:-1], np.diff(contour, axis=0)
-    keep = (edge**2).sum(axis=1) > 0
-    start, edge = start[keep], edge[keep]
-    offset = points[:, None] - start
-    along = np.clip((offset * edge).sum(axis=2) / (edge**2).sum(axis=1), 0, 1)
-    return np.asarray(np.linalg.norm(offset - along[:, :, None] * edge, axis=2).min(axis=1), dtype=np.float64)
+    start, edge = contour[:-1], contour[1:] - contour[:-1]
+    square = edge[:, 0] ** 2 + edge[:, 1] ** 2
+    if not square.all():
+        keep = square > 0
+        start, edge, square = start[keep], edge[keep], square[keep]
+    # Coordinates apart: arrays whose last axis has length two take numpy several times as long.
+    (x0, r0), (run, rise) = start.T, edge.T
+    x, r = points[:, :1] - x0, points[:, 1:] - r0
+    along = np.minimum(np.maximum((x * run + r * rise) / square, 0.0), 1.0)
+    x -= along * run
+    r -= along * rise
+    distance: FloatArray = np.sqrt((x * x + r * r).min(axis=1))
+    return distance
 
 
 def radius_at(contour: FloatArray, x: float) -> float:

@@ -10,17 +10,23 @@ from driftform.types import Body, Core, MassProperties, Moments
 
 def hull_volume(body: Body) -> float:
     """Return the volume of the hull's wall, m3: outer contour less cavity, without fittings."""
-    return (displaced_moments(body) - solid_of_revolution(body.cavity)).volume
+    return wall_moments(body).volume
 
 
 def hull_moments(body: Body) -> Moments:
     """Return the volume integrals of the hull's material: its wall and its fittings."""
-    return displaced_moments(body) - solid_of_revolution(body.cavity) + body.fittings.material
+    return wall_moments(body) + body.fittings.material
 
 
 def hull_mass(body: Body) -> float:
     """Return the mass of the hull's material, kg (eq. 24)."""
     return hull_moments(body).volume * body.hull_density
+
+
+@lru_cache(maxsize=4)
+def wall_moments(body: Body) -> Moments:
+    """Return the volume integrals of a hull's wall: outer contour less cavity, without fittings; the latest are kept."""
+    return displaced_moments(body) - solid_of_revolution(body.cavity)
 
 
 @lru_cache(maxsize=4)

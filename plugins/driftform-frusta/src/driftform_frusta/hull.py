@@ -34,6 +34,17 @@ def build_hull(body: Body) -> Node:
     return Named("hull: the meridian section, revolved; fore end up", Revolve(_points(outer), holes))
 
 
+def check_contours(body: Body) -> None:
+    """Check that the contours of a hull run from the axis to the axis.
+
+    Raises
+    ------
+    WorkFailedError
+        if one does not.
+    """
+    _read_contours(body)
+
+
 def build_hull_of_frustums(body: Body) -> Node:
     """Return the hull as frustums: the union of those of the outer contour less the union of the cavity's.
 

@@ -10,7 +10,7 @@ from driftform.geometry import distance_from, hull_volume
 from driftform.types import Body
 from driftform_frusta.boundary import Solid
 from driftform_frusta.csg import Node
-from driftform_frusta.hull import build_hull
+from driftform_frusta.hull import build_hull, check_contours
 from driftform_frusta.solid import to_solid
 
 MM3_PER_M3 = 1e9
@@ -33,7 +33,8 @@ def build_printable_hull(body: Body, segments: int) -> tuple[Node, Solid]:
     WorkFailedError
         if the body has no such solid; the message has the reason.
     """
-    tree = build_printable_section(body)
+    check_printable_section(body)
+    tree = build_hull(body)
     solid = to_solid(tree, segments)
     refuse_other_volume(solid.volume, hull_volume(body), "hull")
     if solid.pieces != 1:
@@ -41,18 +42,17 @@ def build_printable_hull(body: Body, segments: int) -> tuple[Node, Solid]:
     return tree, solid
 
 
-def build_printable_section(body: Body) -> Node:
-    """Return the hull's tree, of contours that have a wall between them all round.
+def check_printable_section(body: Body) -> None:
+    """Check that the hull's contours have a wall between them all round.
 
     Raises
     ------
     WorkFailedError
         if the contours have no wall between them, or touch the axis; the message has the reason.
     """
-    tree = build_hull(body)
+    check_contours(body)
     _refuse_without_wall(body)
     _refuse_pinched(body)
-    return tree
 
 
 def refuse_other_volume(volume: float, expected: float, what: str) -> None:

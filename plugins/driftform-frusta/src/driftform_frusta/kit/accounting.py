@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from driftform.geometry import mass_properties, solid_of_revolution
-from driftform.geometry.mass import assemble
+from driftform.geometry.mass import assemble, wall_moments
 from driftform.interfaces import ExportJob
 from driftform.printing.ballast import ball_mass, name_material
 from driftform.scenario import Fluid
@@ -109,9 +109,8 @@ def kit_fittings(body: Body, options: KitOptions) -> Fittings:
     """
     kit = make_kit(body, options)
     removed = sum((_point_moments(text) for text in kit.engravings), Moments())
-    wall = solid_of_revolution(body.outer) - solid_of_revolution(body.cavity)
     flooded = removed if options.engrave_side == "outside" else Moments()
-    return Fittings(kit_moments(kit) - wall - removed, Moments() - flooded)
+    return Fittings(kit_moments(kit) - wall_moments(body) - removed, Moments() - flooded)
 
 
 def kit_moments(kit: Kit) -> Moments:

@@ -95,6 +95,8 @@ def hold_ballast(
     WorkFailedError
         if a ball has no room, cannot get to its place, or cannot be held there; the message has the reason.
     """
+    if not balls:
+        return ()
     core = hull.core - _ROUNDING
     # In the shell that takes the core, the core passes from the joint to the origin. The other shell is put over it.
     path = make_disc(core) + make_disc(core).translate((0.0, core_joint.z))

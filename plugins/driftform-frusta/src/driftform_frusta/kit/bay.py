@@ -8,13 +8,23 @@ degrees, so that it prints without support with the closed end of its part on th
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from manifold3d import CrossSection, OpType
 
 from driftform.errors import WorkFailedError
+from driftform.geometry import distance_from
 from driftform.types import FloatArray
-from driftform_frusta.kit.meridian import Hull, grow, make_disc, make_polygon, take_right
+from driftform_frusta.kit.meridian import (
+    Hull,
+    circumradius,
+    grow,
+    list_rings,
+    make_disc,
+    make_polygon,
+    take_right,
+)
 
 SEAT = 1.2
 """mm, thickness of a seat: three lines of the usual nozzle."""
@@ -67,17 +77,45 @@ def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) ->
     A flat end does not: the ball rolls aside.
     """
     play = max(PLAY, PLAY_OF_SEATS * gap)
+    drawn = ball.draw()
+    low, high = sorted((ball.z, ball.z + side * play))
+    # The part that the ball moves to comes first: it is most likely to be met.
+    near = [part for part in parts[::-side] if _spans(part, low - 2 * ball.radius, high + 2 * ball.radius)]
 
     def meets(aside: float, along: float) -> bool:
-        moved = ball.draw().translate((aside, side * along))
-        return any((moved ^ part).area() > _AREA for part in parts)
+        moved = drawn.translate((aside, side * along))
+        return any((moved ^ part).area() > _AREA for part in near)
 
     if not meets(0.0, play):
         return False
-    rest = next(along for along in np.linspace(0.0, play, _STEPS) if meets(0.0, float(along)))
+    places = _list_places(play)
+    # Elsewhere no edge is within the disc, so that it meets nothing.
+    touched = _distance_along(near, ball.z + side * places) <= circumradius(ball.radius)
+    rest = next((along for along in places[touched].tolist() if meets(0.0, along)), play)
     # A wall that touches at a lower latitude does not let it aside even if it is lifted by this much.
     lift = play / math.tan(math.radians(_LATITUDES_DEG[-1]))
-    return meets(play, float(rest) - lift)
+    return meets(play, rest - lift)
+
+
+@lru_cache(maxsize=16)
+def _list_places(play: float) -> FloatArray:
+    """Distances along the axis at which a ball is tried."""
+    return np.linspace(0.0, play, _STEPS)
+
+
+def _spans(section: CrossSection, low: float, high: float) -> bool:
+    """Return whether a section reaches between two heights."""
+    _, lowest, _, highest = section.bounds()
+    return bool(lowest <= high and highest >= low)
+
+
+def _distance_along(parts: Sequence[CrossSection], heights: FloatArray) -> FloatArray:
+    """The distance of points of the axis, at some heights, from the edges of parts, mm."""
+    points = np.column_stack((np.zeros_like(heights), heights))
+    rings = [ring for part in parts for ring in list_rings(part)]
+    apart = [distance_from(points, np.concatenate((ring, ring[:1]))) for ring in rings]
+    nearest: FloatArray = np.min(apart, axis=0)
+    return nearest
 
 
 def place_seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: tuple[int, int]) -> list[Seat]:

@@ -3,12 +3,14 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
 from driftform.errors import WorkFailedError
 from driftform.types import FloatArray
-from driftform_frusta.kit.joint import Joint, plug_bore, trace_mouth
+from driftform_frusta.kit.joint import Joint, Line, plug_bore, radii_along, trace_mouth
 from driftform_frusta.kit.meridian import MM, Hull
 from driftform_frusta.kit.options import KitOptions
 
@@ -20,6 +22,9 @@ LEAST_BORE = 0.35
 
 SLIM_BORE = 4.0
 """mm: a plug with a narrower bore is a weak joint, made only if there is no other."""
+
+_TINY = 1e-9
+"""mm: rounding of sums of lengths is less than this."""
 
 _ROUNDING = 0.01
 """mm: chords of the dome lie inside its circle by less than this."""
@@ -66,19 +71,13 @@ def choose_core_joint(hull: Hull, options: KitOptions) -> CoreJoint:
 
 def _find_sleeve(hull: Hull, options: KitOptions) -> Joint | None:
     need = hull.room(MM * options.clearance) - _ROUNDING
-    gap, plug, lap = MM * options.clearance, MM * options.sleeve, MM * options.lap
-    away = np.arange(0.0, max(_reach(hull, side, need) for side in (1, -1)), STEP)
-    room = {}
-    for side in (1, -1):
-        # A plug is nowhere wider inside than at its mouth: most places need no closer look.
-        widest = np.hypot(hull.bore_radius(side * away) - gap - plug, np.maximum(away - lap, 0.0))
-        room[side] = (widest >= hull.core + gap - _ROUNDING) & (away < _reach(hull, side, need))
-    for place in np.flatnonzero(room[1] | room[-1]).tolist():
+    roomy = {side: _list_roomy(hull, side, need, options) for side in (1, -1)}
+    for away in sorted(roomy[1] | roomy[-1]):
         fitting = [
             joint
             for side in (1, -1)
-            if room[side][place]
-            and _takes_core(hull, joint := make_sleeve(side * float(away[place]), side, options), need)
+            if away in roomy[side]
+            and _takes_core(hull, joint := make_sleeve(side * away, side, options), need)
         ]
         if fitting:
             # The wider mouth takes a wider plug.
@@ -86,11 +85,26 @@ def _find_sleeve(hull: Hull, options: KitOptions) -> Joint | None:
     return None
 
 
-def _reach(hull: Hull, side: int, need: float) -> float:
-    """Distance from the core's equator to which the core passes on one side, limited to four radii, mm."""
-    away = np.arange(0.0, 4 * hull.core, STEP)
-    narrow = np.flatnonzero(hull.bore_radius(side * away) < need)
-    return float(away[narrow[0]]) if len(narrow) else float(away[-1])
+def _list_roomy(hull: Hull, side: int, need: float, options: KitOptions) -> set[float]:
+    """Distances from the core's equator, mm, at which a plug may leave room for the core, which passes so far."""
+    gap, plug, lap = MM * options.clearance, MM * options.sleeve, MM * options.lap
+    away = _list_places(hull.core)
+    mouth = hull.bore_radius(side * away)
+    narrow = np.flatnonzero(mouth < need)
+    reach = narrow[0] if len(narrow) else len(away) - 1
+    away, mouth = away[:reach], mouth[:reach]
+    # A plug is nowhere wider inside than at its mouth, and at its tip not wider than the cavity there: few places need
+    # a closer look.
+    tip, least = away - lap, hull.core + gap - _ROUNDING
+    wide = np.hypot(mouth - gap - plug, np.maximum(tip, 0.0)) >= least
+    wide &= np.hypot(hull.bore_radius(side * tip) - gap - plug, tip) >= least - _TINY
+    return set(away[wide].tolist())
+
+
+@lru_cache(maxsize=16)
+def _list_places(core: float) -> FloatArray:
+    """Distances from the core's equator that are tried for its joint, up to four radii, mm."""
+    return np.arange(0.0, 4 * core, STEP)
 
 
 def make_sleeve(z: float, side: int, options: KitOptions) -> Joint:
@@ -110,27 +124,31 @@ def make_sleeve(z: float, side: int, options: KitOptions) -> Joint:
 def _takes_core(hull: Hull, joint: Joint, need: float) -> bool:
     """Return whether the core passes the socket, whose radius must be ``need`` or more, and leaves room for the plug."""
     line = trace_mouth(hull, joint)
-    if line[-1, 1] < need or not _is_rooted(hull, joint, line):
+    if line[-1][1] < need or not _is_rooted(hull, joint, line):
         return False
     passage = joint.side * joint.z
-    s = np.linspace(-joint.lap, 0.0, 2 + math.ceil(joint.lap / STEP))
-    inside = np.interp(-s, -line[:, 0], line[:, 1]) - _slant_factor(line) * (joint.gap + joint.plug)
+    s = _list_heights(joint.lap)
+    inside = radii_along(line, -s) - _slant_factor(line) * (joint.gap + joint.plug)
     return bool(np.hypot(inside, passage + s).min() >= hull.core + joint.gap - _ROUNDING)
 
 
-def _slant_factor(line: FloatArray) -> float:
+@lru_cache(maxsize=16)
+def _list_heights(lap: float) -> FloatArray:
+    """Places along a plug, from its tip to the cut, at which its bore is compared with the core."""
+    return np.linspace(-lap, 0.0, 2 + math.ceil(lap / STEP))
+
+
+def _slant_factor(line: Line) -> float:
     """Largest radial extent of a thickness normal to the meeting surface, over that thickness."""
-    steps = line[1:] - line[:-1]
-    run = steps[:, 0] < 0
-    return math.sqrt(1 + float(((steps[run, 1] / steps[run, 0]) ** 2).max(initial=0.0)))
+    slopes = [(r - r_before) / (s - before) for (before, r_before), (s, r) in pairwise(line) if s < before]
+    return math.sqrt(1 + max((slope * slope for slope in slopes), default=0.0))
 
 
-def _is_rooted(hull: Hull, joint: Joint, line: FloatArray) -> bool:
+def _is_rooted(hull: Hull, joint: Joint, line: Line) -> bool:
     """Return whether the cavity continues behind the plug, and whether the plug, in its mouth ``line``, has a bore."""
-    held = joint.z + joint.side * joint.plug * np.arange(4)
-    if hull.bore_radius(held).min() <= 0:
+    if any(hull.bore_at(joint.z + joint.side * joint.plug * step) <= 0 for step in range(4)):
         return False
-    return float(line[-1, 1]) - _slant_factor(line) * (joint.gap + joint.plug) >= LEAST_BORE
+    return line[-1][1] - _slant_factor(line) * (joint.gap + joint.plug) >= LEAST_BORE
 
 
 def _make_rabbet(hull: Hull, options: KitOptions) -> Joint:
@@ -150,7 +168,7 @@ def _fill_depth(hull: Hull, joint: Joint) -> float:
     """Depth by which the socket is filled, mm: the cavity's radius along it less that of the mouth."""
     s = np.linspace(0.0, joint.lap, 20)
     line = trace_mouth(hull, joint)
-    return float((hull.bore_radius(joint.z - joint.side * s) - np.interp(s, -line[:, 0], line[:, 1])).max())
+    return float((hull.bore_radius(joint.z - joint.side * s) - radii_along(line, s)).max())
 
 
 def choose_bed_joints(hull: Hull, first: Joint, options: KitOptions) -> tuple[Joint, ...]:
@@ -171,9 +189,9 @@ def choose_bed_joints(hull: Hull, first: Joint, options: KitOptions) -> tuple[Jo
         if a part is wider than the bed, or too high even if every joint of modules that takes a sleeve is cut.
     """
     width, depth, height = (MM * side for side in options.bed)
-    if 2 * hull.skin[:, 1].max() > min(width, depth):
+    if 2 * hull.widest > min(width, depth):
         raise WorkFailedError(
-            f"no kit can be made: the hull is {2 * hull.skin[:, 1].max():.1f} mm wide, the bed {width:g} x {depth:g} mm, "
+            f"no kit can be made: the hull is {2 * hull.widest:.1f} mm wide, the bed {width:g} x {depth:g} mm, "
             "and parts are cut across the axis only"
         )
     aft = _cut_side(hull, first, -1, height, options)
@@ -196,24 +214,46 @@ def _cut_side(hull: Hull, first: Joint, side: int, height: float, options: KitOp
         return ()
     margin = 2 * (MM * options.lap + 3 * MM * options.sleeve)
     keep = max(_seat_end(hull, side), side * first.z) + margin
-    places = sorted(side * z for z in hull.joints if keep <= side * z <= side * end - 2 * MM * options.sleeve)
-    sleeves = [make_sleeve(side * z, side, options) for z in places]
-    joints = [joint for joint in sleeves if _is_rooted(hull, joint, trace_mouth(hull, joint))]
-    return _choose_fewest(hull, joints, side * start, side * end, height, margin, _name_side(side))
+    places = [side * z for z in hull.joints if keep <= side * z <= side * end - 2 * MM * options.sleeve]
+    joints = [make_sleeve(side * z, side, options) for z in sorted(places)]
+    while True:
+        chosen = _choose_fewest(hull, joints, side * start, side * end, height, margin, _name_side(side))
+        # Few joints are chosen, and nearly all are rooted: only those chosen are traced.
+        loose = [joint for joint in chosen if not _is_rooted(hull, joint, trace_mouth(hull, joint))]
+        if not loose:
+            return chosen
+        joints = [joint for joint in joints if joint not in loose]
 
 
 @dataclass(frozen=True)
 class _Way:
-    """Cuts from the core outward: how many, how many of them slim, and the highest part that they leave."""
+    """Cuts from the core outward: how many of them are slim, the highest part that they leave, and where the next begins.
 
-    cuts: int
+    A part that follows a cut begins with its plug.
+    """
+
     slim: int
     highest: float
     joints: tuple[Joint, ...]
+    begin: float
 
-    def rank(self) -> tuple[int, int, float]:
-        """Key to sort by: the best way has the least."""
-        return self.cuts, self.slim, self.highest
+    def rank(self) -> tuple[int, float]:
+        """Key to sort ways of equally many cuts by: the best has the least."""
+        return self.slim, self.highest
+
+    def takes(self, joint: Joint, height: float, margin: float) -> bool:
+        """Return whether a joint can follow: the part before it is not too high, and has room for both its joints."""
+        z = abs(joint.z)
+        return z - self.begin <= height and (not self.joints or z - abs(self.joints[-1].z) >= margin)
+
+    def cut(self, joint: Joint, slim: bool) -> "_Way":
+        """Return this way with one cut more."""
+        z = abs(joint.z)
+        return _Way(self.slim + slim, max(self.highest, z - self.begin), (*self.joints, joint), z - joint.lap)
+
+    def close(self, end: float) -> "_Way":
+        """Return this way with the last part, which ends the hull."""
+        return _Way(self.slim, max(self.highest, end - self.begin), self.joints, end)
 
 
 def _choose_fewest(
@@ -221,32 +261,27 @@ def _choose_fewest(
 ) -> tuple[Joint, ...]:
     """The fewest cuts that leave no part higher than the bed; of those the sturdiest, then the most even.
 
-    Heights are counted outward; a part that follows a cut begins with its plug.
+    Heights are counted outward. Ways of one cut are made first, then those of two, until one leaves no part too high.
     """
-    # Best way to a part that begins at each start: cuts so far, slim ones, highest part so far, the cuts.
-    reached: list[_Way | None] = [_Way(0, 0, 0.0, ())]
-    starts, cuts = [start], [0.0]
-    for joint in joints:
-        z, slim = abs(joint.z), plug_bore(hull, joint) < SLIM_BORE
-        ways = [
-            _Way(way.cuts + 1, way.slim + slim, max(way.highest, z - begin), (*way.joints, joint))
-            for way, begin, cut in zip(reached, starts, cuts, strict=True)
-            if way is not None and z - begin <= height and (not way.joints or z - cut >= margin)
-        ]
-        reached.append(min(ways, key=_Way.rank) if ways else None)
-        starts.append(z - joint.lap)
-        cuts.append(z)
-    ends = [
-        _Way(way.cuts, way.slim, max(way.highest, end - begin), way.joints)
-        for way, begin in zip(reached, starts, strict=True)
-        if way is not None and end - begin <= height
-    ]
-    if not ends:
-        raise WorkFailedError(
-            f"no kit can be made: the {what} side is {end - start:.1f} mm long, the bed takes {height:g} mm, and too "
-            "few joints of modules have room for a sleeve to cut it into parts that fit"
-        )
-    return min(ends, key=_Way.rank).joints
+    ways, left = [_Way(0, 0.0, (), start)], list(joints)
+    while ways:
+        before = [[way for way in ways if way.takes(joint, height, margin)] for joint in left]
+        reached = [(joint, found) for joint, found in zip(left, before, strict=True) if found]
+        last = [(joint, found) for joint, found in reached if end - (abs(joint.z) - joint.lap) <= height]
+        ways = [_take_best(hull, found, joint) for joint, found in last or reached]
+        if last:
+            return min((way.close(end) for way in ways), key=_Way.rank).joints
+        left = [joint for joint, found in zip(left, before, strict=True) if not found]
+    raise WorkFailedError(
+        f"no kit can be made: the {what} side is {end - start:.1f} mm long, the bed takes {height:g} mm, and too "
+        "few joints of modules have room for a sleeve to cut it into parts that fit"
+    )
+
+
+def _take_best(hull: Hull, ways: Sequence[_Way], joint: Joint) -> _Way:
+    """The best of some ways with a joint that follows them."""
+    slim = plug_bore(hull, joint) < SLIM_BORE
+    return min((way.cut(joint, slim) for way in ways), key=_Way.rank)
 
 
 def _name_side(side: int) -> str:

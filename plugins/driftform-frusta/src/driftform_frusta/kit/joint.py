@@ -8,18 +8,22 @@ the simulated shape.
 Undersides are sloped by 45 degrees: printed with their closed ends on the bed, parts need no support.
 """
 
+from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 from manifold3d import CrossSection
 
 from driftform.types import FloatArray
-from driftform_frusta.kit.meridian import FAR, Hull, grow, make_polygon, make_slab
+from driftform_frusta.kit.meridian import FAR, Hull, grow, make_polygons, make_slab
 from driftform_frusta.kit.options import GROOVE_WIDTH
 
 LEAD = 0.3
 """mm: chamfer of a sleeve's tip, which guides it into the socket."""
+
+Line: TypeAlias = list[tuple[float, float]]
+"""The radius of a surface along a socket: (s, r), s from the cut towards the part with the plug."""
 
 
 @dataclass(frozen=True)
@@ -65,10 +69,6 @@ class Joint:
         """Depth of the socket in the wall, mm."""
         return self.plug + self.gap if self.kind == "rabbet" else 0.0
 
-    def draw_polygon(self, rs: list[tuple[float, float]]) -> CrossSection:
-        """Return a polygon of (r, s), s from the cut towards the part with the plug."""
-        return make_polygon([(r, self.z + self.side * s) for r, s in rs])
-
     def draw_slab(self, low: float, high: float) -> CrossSection:
         """Return the slab between two values of s."""
         ends = sorted((self.z + self.side * low, self.z + self.side * high))
@@ -80,18 +80,16 @@ def takes_core_aft(joint: Joint) -> bool:
     return joint.z > 0 if joint.z else joint.side > 0
 
 
-def trace_mouth(hull: Hull, joint: Joint) -> FloatArray:
-    """Return the radius of the cavity along the socket, decreasing from the cut inward: s and r, mm, (n, 2).
+def trace_mouth(hull: Hull, joint: Joint) -> Line:
+    """Return the radius of the cavity along the socket, decreasing from the cut inward.
 
     It begins at the cut, s = 0, and ends a gap beyond the tip.
     """
     end = joint.lap + joint.gap
-    depth = joint.side * (joint.z - hull.bore[:, 0])
-    inside = np.sort(depth[(depth > 0) & (depth < end)])
-    depths = [0.0, *inside.tolist(), end]
-    radii = hull.bore_radius(joint.z - joint.side * np.array(depths)).tolist()
+    depths = [0.0, *_list_depths(hull, joint, end), end]
+    radii = [hull.bore_at(joint.z - joint.side * depth) for depth in depths]
     if joint.groove:
-        return np.array([[0.0, min(radii)], [-end, min(radii)]])
+        return [(0.0, min(radii)), (-end, min(radii))]
     least = radii[0]
     line = [(0.0, least)]
     for s, before, r, r_before in zip(depths[1:], depths, radii[1:], radii, strict=False):
@@ -103,12 +101,28 @@ def trace_mouth(hull: Hull, joint: Joint) -> FloatArray:
             line.append((-s, least))
     if line[-1][0] > -end:
         line.append((-end, least))
-    return np.array(line)
+    return line
+
+
+def _list_depths(hull: Hull, joint: Joint, end: float) -> list[float]:
+    """Distances from the cut, less than ``end``, of the vertices of the cavity along the socket."""
+    heights = hull.bore_points[0]
+    low, high = sorted((joint.z, joint.z - joint.side * end))
+    # One vertex more on either side: a height and a distance may round to different sides of the end.
+    near = heights[max(bisect_left(heights, low) - 1, 0) : bisect_right(heights, high) + 1]
+    return sorted(depth for z in near if 0 < (depth := joint.side * (joint.z - z)) < end)
+
+
+def radii_along(line: Line, depths: FloatArray) -> FloatArray:
+    """Return the radii of a meeting surface at some distances from the cut."""
+    radii: FloatArray = np.interp(depths, [-s for s, _ in line], [r for _, r in line])
+    return radii
 
 
 def plug_bore(hull: Hull, joint: Joint) -> float:
     """Radius inside the plug at the cut."""
-    return float(trace_mouth(hull, joint)[0, 1]) + joint.recess - joint.gap - joint.plug
+    mouth = trace_mouth(hull, joint)[0][1] if joint.groove else hull.bore_at(joint.z)
+    return mouth + joint.recess - joint.gap - joint.plug
 
 
 def groove_diameter(hull: Hull, joint: Joint) -> float:
@@ -116,9 +130,9 @@ def groove_diameter(hull: Hull, joint: Joint) -> float:
     return 2 * (_plug_radius(joint, trace_mouth(hull, joint)) - joint.groove)
 
 
-def _plug_radius(joint: Joint, line: FloatArray) -> float:
+def _plug_radius(joint: Joint, line: Line) -> float:
     """Outer radius of the plug at its tip, mm; ``line`` is that of :func:`trace_mouth`."""
-    return float(np.interp(joint.lap, -line[:, 0], line[:, 1])) - joint.gap
+    return float(radii_along(line, np.array(joint.lap))) - joint.gap
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,10 +148,10 @@ def draw_joint(hull: Hull, joint: Joint) -> Fit:
     """Return the sections of a joint."""
     line = trace_mouth(hull, joint)
     end, least = line[-1]
-    inner = [(0.0, FAR), (float(line[0, 1]), FAR), *((float(r), float(s)) for s, r in line)]
-    wide = float(hull.skin[:, 1].max()) + 1
+    inner = [(0.0, FAR), (line[0][1], FAR), *((r, s) for s, r in line)]
+    wide = hull.widest + 1
     # From the end of the socket the fill runs out at 45 degrees.
-    inner += [(wide, float(end - (wide - least))), (wide, -FAR), (0.0, -FAR)]
+    inner += [(wide, end - (wide - least)), (wide, -FAR), (0.0, -FAR)]
     clear = _draw_symmetric(joint, inner)
     socket_side = joint.draw_slab(-FAR, 0.0)
     pad = (hull.inside ^ socket_side) - clear
@@ -156,18 +170,17 @@ def draw_joint(hull: Hull, joint: Joint) -> Fit:
 
 
 def _draw_symmetric(joint: Joint, points: list[tuple[float, float]]) -> CrossSection:
-    right = joint.draw_polygon(points)
-    return right + right.mirror((1.0, 0.0))
+    return make_polygons([[(sign * r, joint.z + joint.side * s) for r, s in points] for sign in (1, -1)])
 
 
 def _draw_root(hull: Hull, joint: Joint) -> CrossSection:
     """The root of the plug, from the wall inward; its far side slopes by 45 degrees."""
-    r, wide = plug_bore(hull, joint), float(hull.skin[:, 1].max()) + 1
+    r, wide = plug_bore(hull, joint), hull.widest + 1
     height = joint.plug
     return _draw_symmetric(joint, [(r, 0.0), (r, height), (wide, height + wide - r), (wide, 0.0)])
 
 
-def _draw_relief(joint: Joint, line: FloatArray) -> CrossSection:
+def _draw_relief(joint: Joint, line: Line) -> CrossSection:
     """The material removed from the plug: the chamfer at the tip, the groove of an O-ring."""
     if joint.kind == "rabbet":
         return CrossSection()

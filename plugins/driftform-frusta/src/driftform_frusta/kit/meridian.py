@@ -4,9 +4,10 @@ A section covers both sides of the axis, so that an offset finds no edge along i
 there.
 """
 
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TypeAlias
 
 import numpy as np
@@ -28,6 +29,9 @@ FAR = 1e4
 
 SIMPLIFY = 1e-4
 """mm: vertices nearer than this to the line through their neighbours carry no shape, only slivers of a mesh."""
+
+_CORNERS = 240
+"""Corners of a disc."""
 
 Ring: TypeAlias = FloatArray
 """A closed polygon of (r, z), the last point joined to the first: counterclockwise outside, clockwise a hole."""
@@ -68,9 +72,31 @@ class Hull:
         )
         return radius
 
+    @cached_property
+    def bore_points(self) -> tuple[list[float], list[float]]:
+        """The cavity's contour as lists of z and r."""
+        z, r = self.bore.T.tolist()
+        return z, r
+
+    def bore_at(self, z: float) -> float:
+        """Radius of the cavity at one height: that of :meth:`bore_radius`, in a fraction of the time."""
+        heights, radii = self.bore_points
+        above = bisect_right(heights, z)
+        if above == 0 or z > heights[-1]:
+            return 0.0
+        low, radius = heights[above - 1], radii[above - 1]
+        if z == low:
+            return radius
+        return (radii[above] - radius) / (heights[above] - low) * (z - low) + radius
+
+    @cached_property
+    def widest(self) -> float:
+        """Largest radius of the outer contour."""
+        return float(self.skin[:, 1].max())
+
     def room(self, gap: float) -> float:
         """Radius that the core needs, mm: with a gap all round if the hull itself leaves one."""
-        return min(self.core + gap, float(self.bore_radius(0.0)))
+        return min(self.core + gap, self.bore_at(0.0))
 
     @cached_property
     def material(self) -> CrossSection:
@@ -123,7 +149,12 @@ def _mirror_contour(contour: FloatArray) -> CrossSection:
 
 def make_polygon(points: npt.ArrayLike) -> CrossSection:
     """Return the area inside a polygon of (r, z), in either sense of rotation."""
-    return CrossSection([np.asarray(points, dtype=np.float64)], FillRule.NonZero)
+    return make_polygons([points])
+
+
+def make_polygons(polygons: Sequence[npt.ArrayLike]) -> CrossSection:
+    """Return the area inside any of some polygons of (r, z), each in either sense of rotation."""
+    return CrossSection([np.asarray(points, dtype=np.float64) for points in polygons], FillRule.NonZero)
 
 
 def make_slab(low: float, high: float) -> CrossSection:
@@ -131,10 +162,15 @@ def make_slab(low: float, high: float) -> CrossSection:
     return CrossSection.square((2 * FAR, high - low)).translate((-FAR, low))
 
 
+@lru_cache(maxsize=16)
 def make_disc(radius: float) -> CrossSection:
     """Return a disc about the origin; the polygon encloses the circle, so that no chord is nearer than the radius."""
-    n = 240
-    return CrossSection.circle(radius / np.cos(np.pi / n), n)
+    return CrossSection.circle(circumradius(radius), _CORNERS)
+
+
+def circumradius(radius: float) -> float:
+    """Return the radius of the corners of a disc."""
+    return float(radius / np.cos(np.pi / _CORNERS))
 
 
 def grow(section: CrossSection, by: float) -> CrossSection:
@@ -142,9 +178,20 @@ def grow(section: CrossSection, by: float) -> CrossSection:
     return section.offset(by, JoinType.Miter, 2.0) if by else section
 
 
+def subtract_near(section: CrossSection, hole: CrossSection) -> CrossSection:
+    """Return a section less a hole, which may be out of its reach."""
+    _, low, _, high = section.bounds()
+    _, lowest, _, highest = hole.bounds()
+    return section - hole if low < highest and lowest < high else section
+
+
 def take_right(section: CrossSection) -> CrossSection:
     """Return the side of positive radii."""
-    return section ^ CrossSection.square((FAR, 2 * FAR)).translate((0.0, -FAR))
+    return section ^ _RIGHT
+
+
+_RIGHT = CrossSection.square((FAR, 2 * FAR)).translate((0.0, -FAR))
+"""All positive radii."""
 
 
 def take_half(section: CrossSection) -> CrossSection:
@@ -172,8 +219,8 @@ def split_rings(polygons: Sequence[Ring]) -> tuple[tuple[Point, ...], tuple[tupl
 
 def signed_area(ring: Ring) -> float:
     """Return the area inside a ring, mm2; negative for a hole."""
-    r, z = ring.T
-    return float(np.dot(r, np.roll(z, -1)) - np.dot(np.roll(r, -1), z)) / 2
+    r, z = np.concatenate((ring, ring[:1])).T
+    return float(r[:-1] @ z[1:] - r[1:] @ z[:-1]) / 2
 
 
 def moments(polygons: Sequence[Ring]) -> Moments:

@@ -26,12 +26,13 @@ from driftform_frusta.kit.meridian import (
     make_slab,
     moments,
     signed_area,
+    subtract_near,
     take_half,
     take_right,
 )
 from driftform_frusta.kit.options import KitOptions
 from driftform_frusta.kit.upright import prints_fore_down
-from driftform_frusta.printable import build_printable_section, refuse_other_volume
+from driftform_frusta.printable import check_printable_section, refuse_other_volume
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +106,7 @@ def make_kit(body: Body, options: KitOptions) -> Kit:
         if it cannot be cut; the message has the reason.
     """
     # A hull that cannot be printed whole cannot be cut either.
-    build_printable_section(body)
+    check_printable_section(body)
     hull, gap = draw_hull(body), MM * options.clearance
     refuse_other_volume(
         MM**3 * moments(list_rings(take_right(hull.material))).volume, hull_volume(body), "hull"
@@ -144,8 +145,8 @@ def _draw_parts(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[Cross
     for index, joint in enumerate(joints):
         made = draw_joint(hull, joint)
         plug, socket = (index + 1, index) if joint.side > 0 else (index, index + 1)
-        sections[plug] += made.plug - core
-        sections[socket] += made.pad - core
+        sections[plug] += subtract_near(made.plug, core)
+        sections[socket] += subtract_near(made.pad, core)
         sections[socket] -= made.pocket
     return sections
 
