@@ -86,16 +86,18 @@ class Course:
             return -1.0 if has_left_pipe((y[0], y[1], y[2]), self.model.pipe) else 1.0
 
         outlet.terminal = True
-        solution = solve_ivp(
-            lambda t, y: rate(t, y, self.values),
-            (0, self.scenario.flight.horizon),
-            self.start,
-            "DOP853",
-            rtol=TOLERANCE,
-            atol=TOLERANCE,
-            max_step=0.05,
-            events=outlet,
-        )
+        # The first trial of a step may end deep in the wall, where the next stages overflow; SciPy then shortens it.
+        with np.errstate(all="ignore"):
+            solution = solve_ivp(
+                lambda t, y: rate(t, y, self.values),
+                (0, self.scenario.flight.horizon),
+                self.start,
+                "DOP853",
+                rtol=TOLERANCE,
+                atol=TOLERANCE,
+                max_step=0.05,
+                events=outlet,
+            )
         return np.column_stack([solution.t, solution.y.T])
 
 

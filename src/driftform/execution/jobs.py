@@ -81,8 +81,8 @@ MAX_BATCH = 50
 FIRST_BATCH = 4
 """Largest number of genomes in a task while the time for one is unknown."""
 
-MIN_TASK_S = 0.01
-"""Shortest duration of a task, s: many times the cost of submitting one."""
+MIN_TASK_S = 0.005
+"""Shortest duration of a task, s: ten times the cost of submitting one."""
 
 MAX_TASK_S = 1.0
 """Longest duration of a task of several genomes, s: the work that a crash repeats."""
@@ -162,7 +162,7 @@ def task_size(waiting: int, processes: int, seconds: float | None) -> int:
         time for one genome, s, ``None`` if unknown.
 
     >>> [task_size(n, 2, 0.005) for n in (100, 75, 20, 6, 1)]
-    [25, 19, 5, 4, 1]
+    [25, 19, 5, 2, 1]
     >>> task_size(1000, 2, 0.005), task_size(1000, 2, 0.2), task_size(1000, 2, 60.0), task_size(1000, 2, None)
     (50, 5, 1, 4)
     """
