@@ -51,8 +51,14 @@ _njit: Any = njit
 """numba's decorator, with the options that its annotations do not know."""
 
 
+def _compile(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a function that compiled functions call, and tests."""
+    dispatcher: Callable[P, R] = _njit(error_model="numpy", nogil=True, no_cfunc_wrapper=True)(function)
+    return dispatcher
+
+
 def _compile_part(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a function that only compiled functions call: it has neither a Python wrapper nor a file of its own."""
+    """Compile a function that only compiled functions call: it has no Python wrapper, and Python must not call it."""
     dispatcher: Callable[P, R] = _njit(
         error_model="numpy", nogil=True, no_cfunc_wrapper=True, no_cpython_wrapper=True
     )(function)
@@ -94,7 +100,7 @@ def _ring_integrals(dx: float, r: float, s: float) -> tuple[float, float]:
     return 4.0 * math.pi / (a + g), total / p
 
 
-@_compile_part
+@_compile
 def integrate_rings(x: float, r: float, source: FloatArray, count: int, out: FloatArray) -> None:
     """Compute the influence of rings on one point of the meridian; the loop is compiled to vector instructions.
 
