@@ -19,7 +19,7 @@ from driftform.study import Study
 from driftform.types import Candidate, Evaluation
 
 AHEAD = 1
-"""Batches that a strategy may be asked for before it is told of the one before, so that no worker waits for it."""
+"""Batches that a strategy may be asked for while the outcomes of another are missing, so that no worker waits for it."""
 
 
 def run_search(
