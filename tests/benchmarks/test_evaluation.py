@@ -6,6 +6,7 @@ Run by hand: ``pytest -m slow -s tests/benchmarks``. With ``UPDATE_DOCS=1`` the 
 import os
 import platform
 import time
+from collections import deque
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import chain
@@ -118,9 +119,12 @@ class Recorder:
         self._executor = executor
         self.jobs: list[Job] = []
 
-    def evaluate(self, jobs: Sequence[Job]) -> Iterable[Sequence[Outcome]]:
-        self.jobs += jobs
-        return self._executor.evaluate(jobs)
+    def evaluate(self, jobs: deque[Job]) -> Iterable[Sequence[Outcome]]:
+        # A search adds jobs while others are evaluated: those of now are taken, and it calls again for the others.
+        taken = list(jobs)
+        jobs.clear()
+        self.jobs += taken
+        return self._executor.evaluate(taken)
 
 
 def test_evaluations_per_second_with_two_workers(publish, count_of):

@@ -262,7 +262,7 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
 
     def _rank_guesses(self, elite: _FlightRecord) -> Iterator[tuple[_FlightRecord, Change]]:
         """Yield members of the elite's family with changes, in the order of their expected distance from its early path."""
-        if elite.early is None or not len(self._moved):
+        if elite.early is None or not self._moved:
             return
         changes, moved, size = self._smallest_changes()
         members = self._family_of(elite)
