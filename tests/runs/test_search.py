@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from driftform.errors import InputError, WorkFailedError
 from driftform.execution import InProcess, Job, Outcome
 from driftform.pipeline import MARGIN
 from driftform.runs.results import write_results
-from driftform.runs.search import BestFitness, run_search
+from driftform.runs.search import UNWRITTEN_S, BestFitness, run_search
 from driftform.runs.store import Record, Store
 from driftform.study import Study, load_study
 from driftform.types import Evaluation, Genome
@@ -95,6 +96,41 @@ def test_stopped_anywhere_it_goes_on_to_the_same_result_and_flies_nothing_twice(
     run_search(study, store, second)
     assert rows(store, study) == expected
     assert sorted(first.asked + second.asked) == list(range(25))
+
+
+class Timed(Counting):
+    """The same; each evaluation took as long as is said."""
+
+    def __init__(self, study: Study, seconds: float) -> None:
+        super().__init__(study)
+        self._seconds = seconds
+
+    def evaluate(self, jobs: Sequence[Job]) -> Iterable[Sequence[Outcome]]:
+        for outcomes in super().evaluate(jobs):
+            yield [(index, replace(evaluation, seconds=self._seconds)) for index, evaluation in outcomes]
+
+
+@pytest.mark.parametrize("seconds", [UNWRITTEN_S / 10.5, 2 * UNWRITTEN_S])
+def test_a_kill_loses_no_more_than_the_work_of_a_moment_and_nothing_that_was_shown(
+    store: Store, monkeypatch: pytest.MonkeyPatch, seconds: float
+) -> None:
+    lost: list[int] = []
+    seen: list[int] = []
+    evaluate = Timed.evaluate
+
+    def watch(self: Timed, jobs: Sequence[Job]) -> Iterator[Sequence[Outcome]]:
+        for number, outcomes in enumerate(evaluate(self, jobs)):
+            with Store.open(store._path, read_only=True) as what_a_kill_leaves:
+                stored = [r.index for r in what_a_kill_leaves.read_records(study.scenario.target_names)]
+            assert set(seen) <= set(stored)
+            lost.append(number - len(stored))
+            yield outcomes
+
+    monkeypatch.setattr(Timed, "evaluate", watch)
+    study = study_of("strategy.batch=25", strategy="random")
+    run_search(study, store, Timed(study, seconds), lambda record: seen.append(record.index))
+    assert max(lost) == (10 if seconds < UNWRITTEN_S else 0)
+    assert sorted(seen) == list(range(25))
 
 
 @pytest.mark.parametrize("ahead", [False, True])

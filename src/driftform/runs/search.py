@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,7 +13,7 @@ from driftform.execution import Executor, Job, Outcome
 from driftform.faults import report_faults
 from driftform.interfaces import Strategy
 from driftform.runs.store import Record, Store
-from driftform.runs.survey import survey
+from driftform.runs.survey import count_survey, survey
 from driftform.scenario import Robustness, evaluation_seed
 from driftform.seams import require_candidates
 from driftform.study import Study
@@ -20,6 +21,12 @@ from driftform.types import Candidate, Evaluation
 
 AHEAD = 1
 """Batches that a strategy may be asked for while the outcomes of another are missing, so that no worker waits for it."""
+
+UNWRITTEN_S = 0.05
+"""Most time that evaluations took which are not written yet, s: a kill repeats that much work.
+
+A disk takes milliseconds to keep what is written, as long as some evaluations take, whether one or many are written.
+"""
 
 
 def run_search(
@@ -89,38 +96,73 @@ def _search(
     arrivals = _evaluate_forever(executor, waiting)
     batches: deque[_Batch] = deque()
     asked = told = 0
+    with _keep_journal(store, targets, on_record) as journal:
+        while told < study.evaluations:
+            # The order of these calls depends on no time: with any workers, and after an interruption, it is the same.
+            while asked < study.evaluations and (
+                not batches or (len(batches) <= AHEAD and strategy.can_ask_ahead())
+            ):
+                batch = _ask(study, strategy, asked)
+                for record in store.read_records(targets, asked, len(batch.candidates)):
+                    _require_same(record, batch)
+                    batch.outcomes[record.index] = record.evaluation
+                    on_record(record)
+                waiting.extend(_list_jobs(batch, best))
+                batches.append(batch)
+                asked += len(batch.candidates)
+            while not batches[0].is_complete:
+                for index, evaluation in next(arrivals):
+                    batch = _find_batch(batches, index)
+                    batch.outcomes[index] = evaluation
+                    journal.add(batch.record(index, evaluation))
+            batch = batches[0]
+            if count_survey(study.scenario.robustness) or told + len(batch.candidates) == study.evaluations:
+                # The survey reads them, and nothing follows the last.
+                journal.write()
+            strategy.tell(told, survey(study, store, executor, told, batch.candidates, batch.ordered))
+            best.add(batch.ordered)
+            batches.popleft()
+            told += len(batch.candidates)
+            on_generation(told)
 
-    def keep(batch: _Batch, record: Record) -> None:
-        batch.outcomes[record.index] = record.evaluation
-        on_record(record)
 
-    while told < study.evaluations:
-        # The order of these calls depends on no time: with any workers, and after an interruption, it is the same.
-        while asked < study.evaluations and (
-            not batches or (len(batches) <= AHEAD and strategy.can_ask_ahead())
-        ):
-            batch = _ask(study, strategy, asked)
-            for record in store.read_records(targets, asked, len(batch.candidates)):
-                _require_same(record, batch)
-                keep(batch, record)
-            waiting.extend(_list_jobs(batch, best))
-            batches.append(batch)
-            asked += len(batch.candidates)
-        while not batches[0].is_complete:
-            arrived = [
-                (_find_batch(batches, index), index, evaluation) for index, evaluation in next(arrivals)
-            ]
-            records = [batch.record(index, evaluation) for batch, index, evaluation in arrived]
-            store.add(records, targets)
-            # What is stored counts, and nothing else does.
-            for (batch, _, _), record in zip(arrived, records, strict=True):
-                keep(batch, record)
-        batch = batches[0]
-        strategy.tell(told, survey(study, store, executor, told, batch.candidates, batch.ordered))
-        best.add(batch.ordered)
-        batches.popleft()
-        told += len(batch.candidates)
-        on_generation(told)
+class _Journal:
+    """New evaluations on their way into the store, in the order in which they arrive.
+
+    What a strategy has learned from is therefore never missing where something that it asked for later is stored.
+    """
+
+    def __init__(self, store: Store, targets: Sequence[str], on_record: Callable[[Record], None]) -> None:
+        self._store = store
+        self._targets = targets
+        self._on_record = on_record
+        self._unwritten: list[Record] = []
+
+    def add(self, record: Record) -> None:
+        """Take an evaluation; write it, with those before it, if they took longer than :data:`UNWRITTEN_S`."""
+        self._unwritten.append(record)
+        if sum(record.evaluation.seconds for record in self._unwritten) > UNWRITTEN_S:
+            self.write()
+
+    def write(self) -> None:
+        """Write what is left; what is shown is stored."""
+        records, self._unwritten = self._unwritten, []
+        if records:
+            self._store.add(records, self._targets)
+        for record in records:
+            self._on_record(record)
+
+
+@contextmanager
+def _keep_journal(
+    store: Store, targets: Sequence[str], on_record: Callable[[Record], None]
+) -> Iterator[_Journal]:
+    """Give a journal, and write what is left in it, also where the search is interrupted."""
+    journal = _Journal(store, targets, on_record)
+    try:
+        yield journal
+    finally:
+        journal.write()
 
 
 def _evaluate_forever(executor: Executor, waiting: deque[Job]) -> Iterator[Sequence[Outcome]]:

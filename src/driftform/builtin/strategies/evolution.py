@@ -85,14 +85,15 @@ class Change(NamedTuple):
 class _FlightRecord:
     """A flight: the index of its evaluation, its genome, its family, its early position (m), and changes that lead nowhere.
 
-    The latter cannot be made to its genome, or make a known one. A search would find that out again in every batch.
+    The latter, by their numbers, cannot be made to its genome, or make a known one. A search would find that out again in
+    every batch.
     """
 
     index: int
     genome: Genome
     family: "deque[_FlightRecord]"
     early: Position | None
-    useless: set[Change] = field(default_factory=set)
+    useless: set[int] = field(default_factory=set)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,31 +107,41 @@ class _Request:
 
 
 class _Displacements:
-    """How far each change last moved an early path, m. They are kept as one array, because a long search knows thousands."""
+    """How far each change last moved an early path, m. They are kept as one array, because a long search knows thousands.
+
+    Attributes
+    ----------
+    changes
+        by their numbers.
+    """
 
     def __init__(self) -> None:
-        self._rows: dict[Change, int] = {}
+        self.changes: list[Change] = []
+        self._numbers: dict[Change, int] = {}
         self._moved = np.empty((64, 3))
+        self._size = np.empty(64)
 
     def __len__(self) -> int:
-        return len(self._rows)
+        return len(self.changes)
 
     def __contains__(self, change: object) -> bool:
-        return change in self._rows
+        return change in self._numbers
 
     def put(self, change: Change, moved: FloatArray) -> None:
         """Keep the displacement (3,) by a change, in place of an earlier one."""
-        row = self._rows.setdefault(change, len(self._rows))
-        if row == len(self._moved):
+        number = self._numbers.setdefault(change, len(self.changes))
+        if number == len(self.changes):
+            self.changes.append(change)
+        if number == len(self._moved):
             self._moved = np.concatenate([self._moved, np.empty_like(self._moved)])
-        self._moved[row] = moved
+            self._size = np.concatenate([self._size, np.empty_like(self._size)])
+        self._moved[number] = moved
+        self._size[number] = np.sqrt(moved @ moved)
 
-    def find_smallest(self, count: int) -> tuple[list[Change], FloatArray, FloatArray]:
-        """Return the changes with the smallest displacements, those (m, (n, 3)), and their lengths (m, (n,))."""
-        changes, moved = list(self._rows), self._moved[: len(self._rows)]
-        size = np.sqrt((moved**2).sum(axis=1))
-        first = smallest_indices(size, count)
-        return [changes[i] for i in first.tolist()], moved[first], size[first]
+    def find_smallest(self, count: int) -> tuple[list[int], FloatArray, FloatArray]:
+        """Return the numbers of the changes with the smallest displacements, those (m, (n, 3)), and their lengths (m, (n,))."""
+        first = smallest_indices(self._size[: len(self)], count)
+        return first.tolist(), self._moved[first], self._size[first]
 
 
 class EvolutionStrategy(Strategy[EvolutionOptions]):
@@ -156,9 +167,9 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         self._generation = 0
         self._requests: deque[list[_Request]] = deque()
         self._requested_bodies: set[int] = set()
-        self._guesses: dict[int, Iterator[tuple[_FlightRecord, Change]]] = {}
+        self._guesses: dict[int, Iterator[tuple[_FlightRecord, int]]] = {}
         self._families: dict[int, tuple[list[_FlightRecord], FloatArray]] = {}
-        self._small: tuple[list[Change], FloatArray, FloatArray] | None = None
+        self._small: tuple[list[int], FloatArray, FloatArray] | None = None
 
     def ask(self, limit: int) -> list[Candidate]:
         """Return random genomes until one of them has a fitness above zero, and children after that."""
@@ -250,30 +261,33 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         """Return the member of the family and the change that should come nearest to the elite's early path, or ``None``."""
         if elite.index not in self._guesses:
             self._guesses[elite.index] = self._rank_guesses(elite)
-        for parent, change in self._guesses[elite.index]:
-            if change in parent.useless:
+        for parent, number in self._guesses[elite.index]:
+            if number in parent.useless:
                 continue
+            change = self._moved.changes[number]
             genome = change.apply(parent.genome)
             if genome is None or hash(genome) in self._known:
-                parent.useless.add(change)
+                parent.useless.add(number)
             elif (body := self._hash_new_body(genome)) is not None:
                 return _Request(self._make_candidate(genome, target, parent), body, parent, change)
         return None
 
-    def _rank_guesses(self, elite: _FlightRecord) -> Iterator[tuple[_FlightRecord, Change]]:
-        """Yield members of the elite's family with changes, in the order of their expected distance from its early path."""
+    def _rank_guesses(self, elite: _FlightRecord) -> Iterator[tuple[_FlightRecord, int]]:
+        """Return members of the elite's family with numbers of changes, in the order of their expected distance from its path."""
         if elite.early is None or not self._moved:
-            return
-        changes, moved, size = self._smallest_changes()
+            return iter(())
+        numbers, moved, size = self._smallest_changes()
         members = self._family_of(elite)
         away = members[1] - elite.early
         near = smallest_indices(np.einsum("ij,ij->i", away, away), COMBINED)
-        off = away[near, None] + moved
-        miss = np.sqrt(np.einsum("ijk,ijk->ij", off, off)) + self.options.doubt * size
-        rows, columns = np.divmod(smallest_indices(miss.ravel(), MAX_GUESSES), len(changes))
+        # Coordinate by coordinate: loops over three numbers would take twice the time.
+        squares = [np.add.outer(here, there) ** 2 for here, there in zip(away[near].T, moved.T, strict=True)]
+        miss = np.sqrt(squares[0] + squares[1] + squares[2]) + self.options.doubt * size
+        rows, columns = np.divmod(smallest_indices(miss.ravel(), MAX_GUESSES), len(numbers))
         nearest = [members[0][index] for index in near.tolist()]
-        for row, column in zip(rows.tolist(), columns.tolist(), strict=True):
-            yield nearest[row], changes[column]
+        return zip(
+            map(nearest.__getitem__, rows.tolist()), map(numbers.__getitem__, columns.tolist()), strict=True
+        )
 
     def _family_of(self, elite: _FlightRecord) -> tuple[list[_FlightRecord], FloatArray]:
         """Return the members of the elite's family, and their early positions, m, (n, 3)."""
@@ -283,8 +297,11 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
             self._families[key] = members, np.array([member.early for member in members])
         return self._families[key]
 
-    def _smallest_changes(self) -> tuple[list[Change], FloatArray, FloatArray]:
-        """Return the changes that moved the early path least, their displacements (m, (n, 3)), and their lengths (m, (n,))."""
+    def _smallest_changes(self) -> tuple[list[int], FloatArray, FloatArray]:
+        """Return the numbers of the changes that moved the early path least, their displacements, and the lengths of those.
+
+        Both are in m, (n, 3) and (n,).
+        """
         if self._small is None:
             self._small = self._moved.find_smallest(COMBINED)
         return self._small
