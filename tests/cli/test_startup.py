@@ -90,6 +90,6 @@ def test_commands_that_open_agents_and_runs_import_no_package_of_scipy() -> None
         "import driftform.agents.opening, driftform.report.writing, driftform.runs.picking\n"
         "from driftform.study import load_study\n"
         "from driftform.runs.disturbed import draw_rounds\n"
-        "draw_rounds(load_study('pipe-inspection', run={'seed': 0}).scenario, 0)"
+        "draw_rounds(load_study('pipe-inspection', run={'seed': 0}))"
     )
     assert loaded & {"scipy.stats", "scipy.optimize", "scipy.special", "scipy.linalg"} == set()

@@ -76,7 +76,7 @@ def test_what_is_stored_is_what_the_pipeline_finds_under_that_condition(store: S
     fly_finalists(study, store, InProcess(study.make_pipeline()))
     index, flights = next(iter(store.read_disturbed("TP6").items()))
     genome = store.read_record(index, ("TP2", "TP6")).candidate.genome
-    conditions = draw_rounds(study.scenario, study.seed)
+    conditions = draw_rounds(study)
     # Flights of the choice are unchecked, and those of the promise are checked.
     unchecked = [(np.inf, np.inf)] * 4
     evaluations = study.make_pipeline().evaluate(
@@ -95,7 +95,7 @@ def test_what_is_stored_is_what_the_pipeline_finds_under_that_condition(store: S
 
 
 def test_the_conditions_of_the_promise_are_not_those_of_the_choice() -> None:
-    drawn = draw_rounds(study_of().scenario, 2)
+    drawn = draw_rounds(study_of())
     assert len(drawn) == 7
     assert len(set(drawn)) == 7
     assert not {c.gusts for c in drawn[:4]} & {c.gusts for c in drawn[4:]}
@@ -202,7 +202,7 @@ class Table:
     """An executor whose flights score what a table says, in the order in which genomes come."""
 
     def __init__(self, study: Study, undisturbed: FloatArray, disturbed: FloatArray) -> None:
-        self.conditions = draw_rounds(study.scenario, study.seed)
+        self.conditions = draw_rounds(study)
         self.undisturbed, self.disturbed = undisturbed, disturbed
         self.rows: dict[Genome, int] = {}
 

@@ -4,18 +4,20 @@ from collections.abc import Callable, Iterable, Sequence
 
 from driftform.execution import Executor, Job
 from driftform.runs.store import DisturbedResult, Store
-from driftform.scenario import Scenario, evaluation_seed
+from driftform.scenario import evaluation_seed
 from driftform.scenario.disturbances import Condition, draw_conditions
 from driftform.study import Study
 from driftform.trajectory.way import find_offsets
+from driftform.util.latest import keep_latest
 
 
-def draw_rounds(scenario: Scenario, seed: int) -> tuple[Condition, ...]:
-    """Return the conditions of the choice, and after them those of the promise, for a run with this seed."""
-    robustness, calibration = scenario.robustness, scenario.calibration
+@keep_latest
+def draw_rounds(study: Study) -> tuple[Condition, ...]:
+    """Return the conditions of the choice, and after them those of the promise, for a run of a study."""
+    robustness, calibration = study.scenario.robustness, study.scenario.calibration
     return (
-        *draw_conditions(robustness, robustness.conditions, (seed, 0), calibration),
-        *draw_conditions(robustness, robustness.checks, (seed, 1), calibration),
+        *draw_conditions(robustness, robustness.conditions, (study.seed, 0), calibration),
+        *draw_conditions(robustness, robustness.checks, (study.seed, 1), calibration),
     )
 
 
@@ -43,9 +45,11 @@ def fly_disturbed(
     """
     targets = study.scenario.target_names
     pairs = list(wanted)
-    done = store.list_disturbed()
-    missing = [pair for pair in pairs if pair not in done]
-    genomes = {index: store.read_record(index, targets).candidate.genome for index in {i for i, _ in missing}}
+    indices = {index for index, _ in pairs} or {0}
+    # A flight has a result for each target.
+    flown = store.read_disturbed(targets[0], min(indices), max(indices) + 1)
+    missing = [(index, condition) for index, condition in pairs if condition not in flown.get(index, ())]
+    genomes = {index: store.read_genome(index) for index in {index for index, _ in missing}}
     jobs = [
         Job(number, genomes[index], evaluation_seed(study.seed, index), conditions[condition], threshold)
         for number, (index, condition) in enumerate(missing)
@@ -56,9 +60,12 @@ def fly_disturbed(
         store.add_disturbed(
             [
                 DisturbedResult(
-                    *missing[number], flown.fitness, find_offsets(flown, study.scenario), flown.failure
+                    *missing[number],
+                    evaluation.fitness,
+                    find_offsets(evaluation, study.scenario),
+                    evaluation.failure,
                 )
-                for number, flown in arrived
+                for number, evaluation in arrived
             ],
             targets,
         )

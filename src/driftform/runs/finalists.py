@@ -51,7 +51,7 @@ def fly_finalists(
     rows = choose_finalists(np.array(list(scores.values())), robustness.finalists, reaching)
     finalists = {list(scores)[row]: reaching[row] for row in rows}
     to_come = min(len(finalists), len(targets)) * robustness.checks
-    conditions = draw_rounds(study.scenario, study.seed)
+    conditions = draw_rounds(study)
     fly = partial(fly_disturbed, study, store, executor, conditions)
     done = _race(study, store, fly, finalists, scores, lambda count, left: on_flights(count, left + to_come))
     winners = sorted({won.index for t in targets if (won := find_winner(study, store, t)) is not None})
@@ -194,7 +194,7 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     robustness = study.scenario.robustness
     if not robustness.conditions:
         return None
-    conditions = draw_rounds(study.scenario, study.seed)
+    conditions = draw_rounds(study)
     judged, checked = range(robustness.conditions), range(robustness.conditions, len(conditions))
     flown = store.read_disturbed(target)
     judged_all = [index for index, flights in flown.items() if all(number in flights for number in judged)]

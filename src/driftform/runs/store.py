@@ -480,6 +480,12 @@ class Store:
         """Return one evaluation."""
         return next(self.read_records(targets, index, 1))
 
+    def read_genome(self, index: int) -> Genome:
+        """Return the genome of one evaluation."""
+        query = "SELECT grammar, symbols FROM evaluation WHERE id = ?"
+        with self._reading():
+            return self._genome(*self._connection.execute(query, (index,)).fetchone())
+
     def find_best(self, target: str) -> tuple[int, float] | None:
         """Index and fitness of the best evaluation for a target, the earliest of equals; ``None`` before any."""
         query = """
@@ -515,6 +521,12 @@ class Store:
         except (sqlite3.Error, zlib.error, ValueError, TypeError, KeyError, RecursionError) as error:
             raise _describe_read_error(self._path, error) from None
 
+    def _genome(self, grammar: object, symbols: object) -> Genome:
+        """Return a genome from the values of its columns."""
+        if self._grammar not in (None, grammar):
+            raise ValueError(f"a genome is of the grammar {grammar!r}, expected {self._grammar!r}")
+        return Genome(check_text(grammar, "a grammar"), read_texts(symbols, "the symbols"))
+
     def _record(self, row: tuple[Any, ...], targets: Sequence[str]) -> Record:
         index, generation, population, parents, grammar, symbols, seed, failure, ended, _, *rest = row
         contact, drift, error, seconds, blob = rest
@@ -525,9 +537,7 @@ class Store:
                 f"SELECT target, fitness FROM score WHERE {among} AND evaluation = ?", (*targets, index)
             ).fetchall()
         )
-        if self._grammar not in (None, grammar):
-            raise ValueError(f"a genome is of the grammar {grammar!r}, expected {self._grammar!r}")
-        genome = Genome(check_text(grammar, "a grammar"), read_texts(symbols, "the symbols"))
+        genome = self._genome(grammar, symbols)
         evaluation = Evaluation(
             genome,
             np.array([_check_fitness(scores[target]) for target in targets]),

@@ -51,7 +51,7 @@ def survey(
         for number, (candidate, evaluation) in enumerate(zip(candidates, evaluations, strict=True))
         if evaluation.failure is None and candidate.threshold is not None
     ]
-    conditions = draw_rounds(study.scenario, study.seed) if count else ()
+    conditions = draw_rounds(study) if count else ()
     for condition in range(count):
         alive = [n for n in alive if np.any(given[n].fitness > np.array(candidates[n].threshold))]
         pairs = [(first + number, condition) for number in alive]
