@@ -82,23 +82,22 @@ def evolve(
         run={"seed": seed, "evaluations": evaluations},
         calibration=calibration,
     )
-    warnings = list_warnings(checked)
-    # What runs a study takes a second to import. A wrong study is refused before.
+    # What runs a study takes a second to import. A wrong study is refused before, and its workers import meanwhile.
     from driftform.cli.executors import open_executor
-    from driftform.cli.running import advance_run
-    from driftform.runs.directory import check_new
-    from driftform.runs.run import Run, check_study
 
-    check_study(checked)
-    if out is not None:
-        check_new(out)
-    for warning in warnings:
-        typer.echo(f"warning: {warning}", err=True)
-    with (
-        open_executor(checked, executor, scheduler, workers) as place,
-        Run.create(out or _next_directory(study), checked) as run,
-    ):
-        advance_run(run, place, json, warnings)
+    with open_executor(checked, executor, scheduler, workers) as place:
+        from driftform.cli.running import advance_run
+        from driftform.runs.directory import check_new
+        from driftform.runs.run import Run, check_study
+
+        check_study(checked)
+        if out is not None:
+            check_new(out)
+        warnings = list_warnings(checked)
+        for warning in warnings:
+            typer.echo(f"warning: {warning}", err=True)
+        with Run.create(out or _next_directory(study), checked) as run:
+            advance_run(run, place, json, warnings)
 
 
 def _next_directory(study: str) -> Path:

@@ -36,7 +36,9 @@ def _executor(study: "Study", name: str, scheduler: str | None, workers: int | N
     if name == "local":
         from driftform.execution import LocalProcesses
 
-        return LocalProcesses(study.document, count)
+        processes = LocalProcesses(study.document, count)
+        processes.start(study.evaluations)
+        return processes
     from driftform.execution.cluster import Cluster
 
     if scheduler is None:

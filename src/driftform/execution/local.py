@@ -19,6 +19,11 @@ class LocalProcesses(PoolExecutor):
         self._processes = [_Process(document, rehearses=number == 1) for number in range(workers)]
         super().__init__(self._processes)
 
+    def start(self, count: int) -> None:
+        """Start ``count`` of the processes, or all; they load what they need while the caller prepares their first tasks."""
+        for process in self._processes[:count]:
+            process.start_worker()
+
     def call(self, functions: "Sequence[Callable[[], T]]") -> list[T]:
         """Call functions in the worker processes, in turn, and return what they return, in their order.
 
@@ -58,7 +63,7 @@ class LocalProcesses(PoolExecutor):
 
 
 class _Process(WorkerGroup):
-    """One worker process; it starts with the first task, and again after it died."""
+    """One worker process; it starts with the first task, if not before, and again after it died."""
 
     processes = 1
 
@@ -84,9 +89,13 @@ class _Process(WorkerGroup):
         while future is None:
             # There is no process, or it died while it waited for work.
             self.close()
-            self._worker = Worker(self._document, self.timeout)
-            future = self._worker.submit(function)
+            future = self.start_worker().submit(function)
         return future
+
+    def start_worker(self) -> Worker:
+        """Start the process, which does not run."""
+        self._worker = Worker(self._document, self.timeout)
+        return self._worker
 
     def find_death(self, error: BaseException) -> Death | None:
         return error.death if isinstance(error, WorkerDiedError) else None

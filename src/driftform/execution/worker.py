@@ -245,6 +245,9 @@ def _serve(connection: "Connection[Any, Any]") -> None:
     # A coordinator that has ended needs no answer.
     with suppress(EOFError, OSError):
         _document = connection.recv()
+        # What is wrong with it is the error of the first task, which tries again.
+        with suppress(BaseException):
+            _load_pipeline()
         while True:
             _answer()
 
@@ -288,7 +291,6 @@ def _load_pipeline() -> Pipeline:
 
 def work(batch: Sequence[Job], *, rehearses: bool = False) -> list[Outcome]:
     """Evaluate the genomes of one task, in a worker process, which flies one of them under other conditions before."""
-    # Loaded by the first task: an exception is then the error of that task, and not a dead process.
     pipeline = _load_pipeline()
     _report("begun")
     if rehearses:
