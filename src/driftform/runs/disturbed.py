@@ -1,10 +1,11 @@
 """Flights of evaluations under disturbed conditions: each is flown once, and stored as it arrives."""
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import lru_cache
 
 from driftform.execution import Executor, Job
 from driftform.runs.store import DisturbedResult, Store
-from driftform.scenario import Scenario, evaluation_seed
+from driftform.scenario import Calibration, Robustness, Scenario, evaluation_seed
 from driftform.scenario.disturbances import Condition, draw_conditions
 from driftform.study import Study
 from driftform.trajectory.way import find_offsets
@@ -12,7 +13,12 @@ from driftform.trajectory.way import find_offsets
 
 def draw_rounds(scenario: Scenario, seed: int) -> tuple[Condition, ...]:
     """Return the conditions of the choice, and after them those of the promise, for a run with this seed."""
-    robustness, calibration = scenario.robustness, scenario.calibration
+    return _draw_rounds(scenario.robustness, scenario.calibration, seed)
+
+
+@lru_cache(maxsize=8)
+def _draw_rounds(robustness: Robustness, calibration: Calibration, seed: int) -> tuple[Condition, ...]:
+    """Draw the conditions once for all targets of a run."""
     return (
         *draw_conditions(robustness, robustness.conditions, (seed, 0), calibration),
         *draw_conditions(robustness, robustness.checks, (seed, 1), calibration),

@@ -25,7 +25,7 @@ from llvmlite.binding import add_symbol
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
-from numba.core.runtime import _nrt_python
+from numba.core.runtime._nrt_python import c_helpers
 from numba.core.types import Dispatcher, unliteral
 from numba.core.types.functions import BaseFunction
 from numba.extending import intrinsic
@@ -147,7 +147,7 @@ def _publish_runtime() -> None:
 
     numba does this too before it compiles, and then compiles what counts references, of which that code has its own copy.
     """
-    for name, address in _nrt_python.c_helpers.items():
+    for name, address in c_helpers.items():
         add_symbol(name if name.startswith("_") else f"NRT_{name}", address)
 
 
