@@ -21,10 +21,10 @@ PEER = (sys.executable, "-c", "import numpy, numba, scipy")
 BOUNDS = {
     "--help": 0.5,
     "plugins list": 1.5,
-    "simulate RUN:TP1": 3.2,
-    "inspect RUN:TP1": 3.3,
-    "pick RUN 3.3 0 0.2": 2.8,
-    "report RUN": 4.2,
+    "simulate RUN:TP1": 2.2,
+    "inspect RUN:TP1": 2.3,
+    "pick RUN 3.3 0 0.2": 2.3,
+    "report RUN": 3.3,
 }
 """Greatest CPU times of commands, in those of the imports."""
 

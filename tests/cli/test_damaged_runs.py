@@ -153,6 +153,16 @@ def test_to_resume_and_to_read(
         assert told in line
 
 
+def test_a_run_whose_exporter_is_no_longer_installed_is_read_and_not_resumed(
+    call: Callable[..., Any], refused: Refused, run_copy: Path
+) -> None:
+    studied(lambda study: study["run"].update(formats=["gone"]))(run_copy / "run.db")
+    assert call("inspect", "run:TP1").exit_code == 0
+    line = refused("resume", "run", "--workers", 1)
+    assert line.startswith("error: run/run.db: ")
+    assert "no exporter is named 'gone'" in line
+
+
 @pytest.mark.parametrize(
     "harm",
     [

@@ -191,6 +191,14 @@ def test_a_robust_fitness_is_the_mean_the_quantile_or_the_worst():
     assert robust_fitness(fitness, Robustness(score="quantile", quantile=1 / 3)) == pytest.approx(85.0)
 
 
+@pytest.mark.parametrize("quantile", [0.0, 0.1, 1 / 3, 0.5, 0.93, 1.0])
+@pytest.mark.parametrize("conditions", [1, 2, 11, 24])
+def test_the_quantile_of_a_robust_fitness_is_that_of_numpy_to_the_last_bit(conditions, quantile):
+    fitness = np.random.default_rng(conditions).uniform(0, 100, (conditions, 5))
+    found = robust_fitness(fitness, Robustness(score="quantile", quantile=quantile))
+    assert np.array_equal(found, np.quantile(fitness, quantile, axis=0))
+
+
 def test_finalists_are_the_best_for_any_target_and_the_earlier_of_equals():
     fitness, all_may = np.array([[5.0, 9.0], [7.0, 1.0], [7.0, 2.0], [1.0, 8.0]]), np.ones((4, 2), bool)
     assert choose_finalists(fitness, 1, all_may) == [0, 1]

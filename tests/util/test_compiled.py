@@ -196,3 +196,23 @@ def test_a_kernel_from_the_cache_holds_machine_code_only_and_other_kernels_can_c
     run_kernel(tmp_path, script)
     [same] = tmp_path.rglob("buoyancy.slice_depth-*.nbc")
     assert same == file
+
+
+SPACED = """
+import sys
+import numpy as np
+from numba.core.runtime.nrt import rtsys
+from driftform.trajectory.resampling import select_spaced
+print(select_spaced(np.arange(5.0), 2.0).tolist(), "numba.np.arrayobj" in sys.modules, rtsys._init)
+"""
+
+
+@pytest.mark.long
+def test_loading_a_kernel_that_makes_arrays_neither_compiles_nor_imports_what_its_compilation_needs(tmp_path):
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    command = [sys.executable, "-c", SPACED]
+    printed = [
+        subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
+        for _ in ("compiled", "loaded")
+    ]
+    assert printed == ["[0, 2, 4] True True\n", "[0, 2, 4] False False\n"]

@@ -1,5 +1,6 @@
 """The command line: one file for each command, and nothing heavy imported before a command runs."""
 
+import atexit
 import gc
 import io
 import sys
@@ -19,6 +20,8 @@ Most objects, such as those of imported modules, live until the command ends. Wi
 def main() -> None:
     """Run the command line."""
     gc.set_threshold(BETWEEN_SEARCHES)
+    # Python searches all objects once more when it ends, for a sixth of the time of a short command. Frozen ones it passes over.
+    atexit.register(gc.freeze)
     for stream in (sys.stdout, sys.stderr):
         # A name may have letters, or bytes, that the encoding of a terminal or of a pipe lacks.
         if isinstance(stream, io.TextIOWrapper):

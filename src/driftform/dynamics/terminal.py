@@ -1,15 +1,17 @@
 """Terminal speed: the speed at which the drag of a body equals its net weight."""
 
-from collections.abc import Callable
-
 import numpy as np
 
-from driftform.dynamics.drag import sphere_drag, still_water_wrench, strip_drag
-from driftform.dynamics.vectors import ZERO
+from driftform.dynamics.drag import axial_drag, sphere_drag, strip_drag
+from driftform.dynamics.vectors import ZERO, Vector, add, dot, scale
 from driftform.types import Drag, FloatArray
 from driftform.util.compiled import compiled
 
 _MAX_SPEED = 100.0
+
+_AHEAD: Vector = (1.0, 0.0, 0.0)
+_ASTERN: Vector = (-1.0, 0.0, 0.0)
+_ACROSS: Vector = (0.0, 0.0, 1.0)
 
 
 def terminal_speeds(
@@ -26,39 +28,56 @@ def terminal_speeds(
     density, viscosity
         of the water, kg/m3 and m2/s.
     """
-    sign = 1.0 if fore_first else -1.0
-
-    def along(speed: float) -> float:
-        return float(abs(still_water_wrench(drag, (sign * speed, 0.0, 0.0), ZERO, density, viscosity)[0]))
-
-    return _balance_speed(along, abs(net)), terminal_speed_across(drag, net, density, viscosity)
+    along = _balance(drag, net, _AHEAD if fore_first else _ASTERN, density, viscosity)
+    return along, terminal_speed_across(drag, net, density, viscosity)
 
 
 def terminal_speed_across(drag: Drag, net: float, density: float, viscosity: float) -> float:
     """Return the terminal speed (m/s) across the axis; see :func:`terminal_speeds`."""
-    strips = np.array(drag.strips)
+    return _balance(drag, net, _ACROSS, density, viscosity)
 
-    def across(speed: float) -> float:
-        return _drag_across(speed, strips, drag.round_area, drag.diameter, density, viscosity)
 
-    return _balance_speed(across, abs(net))
+def _balance(drag: Drag, net: float, direction: Vector, density: float, viscosity: float) -> float:
+    axial = np.array([drag.friction_area, drag.length, drag.ahead, drag.astern])
+    strips, sphere = np.array(drag.strips), (drag.round_area, drag.diameter)
+    return _balance_speed(abs(net), direction, strips, axial, sphere, density, viscosity)
 
 
 @compiled
-def _drag_across(
-    speed: float, strips: FloatArray, round_area: float, diameter: float, density: float, viscosity: float
+def _balance_speed(
+    force: float,
+    direction: Vector,
+    strips: FloatArray,
+    axial: FloatArray,
+    sphere: tuple[float, float],
+    density: float,
+    viscosity: float,
 ) -> float:
-    """Return the drag (N) of a motion across the axis: that of the strips and of the sphere."""
-    moving = (0.0, 0.0, speed)
-    total = -sphere_drag(moving, density, viscosity, round_area, diameter)[2]
-    for k in range(strips.shape[0]):
-        total -= strip_drag(moving, ZERO, ZERO, 0.0, (density, viscosity, 1.0), strips[k])[2]
-    return total
-
-
-def _balance_speed(drag: Callable[[float], float], force: float) -> float:
+    """Return the speed (m/s) in a direction of the body at which its drag in still water is ``force``, N."""
     low, high = 0.0, _MAX_SPEED
     for _ in range(60):
         middle = (low + high) / 2
-        low, high = (middle, high) if drag(middle) < force else (low, middle)
+        drag = _drag_against(scale(middle, direction), strips, axial, sphere, density, viscosity)
+        if -dot(drag, direction) < force:
+            low = middle
+        else:
+            high = middle
     return (low + high) / 2
+
+
+@compiled
+def _drag_against(
+    moving: Vector,
+    strips: FloatArray,
+    axial: FloatArray,
+    sphere: tuple[float, float],
+    density: float,
+    viscosity: float,
+) -> Vector:
+    """Return the drag (N) of a motion along the axis, or across it: that of the ends, of the sphere and of the strips."""
+    area, diameter = sphere
+    total = sphere_drag(moving, density, viscosity, area, diameter)
+    total = add(total, (axial_drag(moving[0], density, viscosity, axial), 0.0, 0.0))
+    for k in range(strips.shape[0]):
+        total = add(total, strip_drag(moving, ZERO, ZERO, 0.0, (density, viscosity, 1.0), strips[k]))
+    return total

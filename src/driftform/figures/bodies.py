@@ -8,7 +8,7 @@ import numpy as np
 from driftform.figures import svg
 from driftform.figures.projection import simplify_polyline
 from driftform.figures.style import tint
-from driftform.geometry import radius_at
+from driftform.geometry import radii_at
 from driftform.types import Body, FloatArray
 
 
@@ -66,8 +66,8 @@ def draw_rims(
 ) -> None:
     """Draw the joints between modules as faint lines across the outside."""
     data = ""
-    for x in inner_joints(body):
-        r = radius_at(body.outer, float(x))
+    joints = inner_joints(body)
+    for x, r in zip(joints, radii_at(body.outer, joints), strict=True):
         data += svg.path_data(place.to_page(np.array([[x, r], [x, -below * r]])))
     if data:
         svg.add_line(parent, data, colour, width, "joints")

@@ -1,6 +1,6 @@
 """Exact geometry of bodies of revolution: from contours to volumes, centroids and inertia."""
 
-from driftform.geometry.distance import distance_from, radius_at
+from driftform.geometry.distance import distance_from, radii_at, radius_at
 from driftform.geometry.mass import displaced_moments, hull_mass, hull_moments, hull_volume, mass_properties
 from driftform.geometry.solids import solid_of_revolution
 
@@ -11,6 +11,7 @@ __all__ = [
     "hull_moments",
     "hull_volume",
     "mass_properties",
+    "radii_at",
     "radius_at",
     "solid_of_revolution",
 ]

@@ -24,11 +24,17 @@ def distance_from(points: FloatArray, contour: FloatArray) -> FloatArray:
 
 def radius_at(contour: FloatArray, x: float) -> float:
     """Return the radius (m) of the contour at ``x``, the greatest one where the contour has a step."""
+    return float(radii_at(contour, np.array([x]))[0])
+
+
+def radii_at(contour: FloatArray, x: FloatArray) -> FloatArray:
+    """Return the radius (m) of the contour at each of ``x`` (n,), as :func:`radius_at` does; zero beyond the ends."""
     low, high = contour[:-1], contour[1:]
-    spans = (np.minimum(low[:, 0], high[:, 0]) <= x + 1e-9) & (np.maximum(low[:, 0], high[:, 0]) >= x - 1e-9)
-    low, high = low[spans], high[spans]
-    run = high[:, 0] - low[:, 0]
+    at, run = x[:, None], high[:, 0] - low[:, 0]
+    spans = (np.minimum(low[:, 0], high[:, 0]) <= at + 1e-9) & (
+        np.maximum(low[:, 0], high[:, 0]) >= at - 1e-9
+    )
     steep = np.abs(run) < 1e-9
-    s = np.clip(np.divide(x - low[:, 0], run, out=np.zeros_like(run), where=~steep), 0, 1)
+    s = np.clip((at - low[:, 0]) / np.where(steep, 1.0, run), 0, 1)
     radii = np.where(steep, np.maximum(low[:, 1], high[:, 1]), low[:, 1] + s * (high[:, 1] - low[:, 1]))
-    return float(radii.max(initial=0.0))
+    return np.asarray(np.where(spans, radii, 0.0).max(axis=1, initial=0.0))

@@ -7,7 +7,7 @@ that the choice never saw show how far the winner misses.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from math import inf
+from math import ceil, inf
 from typing import Any
 
 import numpy as np
@@ -141,12 +141,18 @@ def _race(
 def robust_fitness(fitness: FloatArray, robustness: Robustness) -> FloatArray:
     """Return the scores of a finalist from its fitness under all conditions of the choice, (conditions, targets).
 
-    It is the mean, the smallest value, or the quantile ``robustness.quantile``, by ``robustness.score``.
+    It is the mean, the smallest value, or the quantile ``robustness.quantile``, by ``robustness.score``. The quantile is that of
+    ``numpy.quantile``, which imports ``numpy.ma`` in a tenth of the time that numpy itself takes.
     """
     if robustness.score == "mean":
         return np.asarray(fitness.mean(axis=0))
-    lowest = 0.0 if robustness.score == "worst" else robustness.quantile
-    return np.asarray(np.quantile(fitness, lowest, axis=0))
+    if robustness.score == "worst":
+        return np.asarray(fitness.min(axis=0))
+    ordered = np.sort(fitness, axis=0)
+    place = robustness.quantile * (len(ordered) - 1)
+    low, high, part = ordered[int(place)], ordered[ceil(place)], place % 1
+    # From the nearer end, as numpy does: the other sum rounds differently.
+    return np.asarray(low + (high - low) * part if part < 0.5 else high - (high - low) * (1 - part))
 
 
 @dataclass(frozen=True, eq=False)

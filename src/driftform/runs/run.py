@@ -114,6 +114,7 @@ class Run:
             if not (directory / DATABASE).exists():
                 cls._begin_again(directory)
             run = cls._load(directory, evaluations)
+            run.study.check_formats()
             if evaluations is not None:
                 run._check_budget(evaluations)
             yield run

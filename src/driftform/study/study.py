@@ -132,6 +132,16 @@ class Study:
         )
         return strategy
 
+    def check_formats(self) -> None:
+        """Check that the formats of a run's files can be written, as :func:`load_study` does for files.
+
+        Raises
+        ------
+        InputError
+            if there is no exporter for one.
+        """
+        _check_formats(self.run.formats, [Source(self.name, self.document)])
+
     def make_exporter(self, name: str) -> Exporter[Any]:
         """Create an exporter with the options of its table ``[exporter.<name>]``, if there is one."""
         exporter: Exporter[Any] = self._make_named("exporter", name)
@@ -241,9 +251,13 @@ def load_study(
     document: dict[str, Any] = {}
     for layer in layers:
         document = merge_source(document, layer)
-    # A document may come from an agent file, which needs no strategy to fly.
-    required = [seam for seam in SELECTED if seam != "strategy" or not isinstance(source, Document)]
-    return replace(_check_document(document, layers, targets, required), name=label, given=given)
+    # A document may come from an agent file, which needs no strategy to fly; whoever writes files checks their formats.
+    is_file = not isinstance(source, Document)
+    required = [seam for seam in SELECTED if seam != "strategy" or is_file]
+    study = _check_document(document, layers, targets, required)
+    if is_file:
+        _check_formats(study.run.formats, layers)
+    return replace(study, name=label, given=given)
 
 
 def _check_document(
@@ -305,14 +319,17 @@ def _check_document(
     _check_folders(scenario, layers)
     scenario = _keep_targets(scenario, wanted)
     run = _fill_budget(run, scenario, resolved)
-    for index, name in enumerate(run.formats):
+    head = {key: document[key] for key in ("title", "description") if key in document}
+    resolved = {**head, **_to_plain(scenario), **resolved, **named, "run": _to_plain(run)}
+    return Study(resolved, scenario, run)
+
+
+def _check_formats(formats: Sequence[str], layers: Sequence[Source]) -> None:
+    for index, name in enumerate(formats):
         try:
             registry().find("exporter", name)
         except InputError as error:
             raise InputError(f"{locate_key(layers, ('run', 'formats', index))}: {error}") from None
-    head = {key: document[key] for key in ("title", "description") if key in document}
-    resolved = {**head, **_to_plain(scenario), **resolved, **named, "run": _to_plain(run)}
-    return Study(resolved, scenario, run)
 
 
 def _describe_no_table(key: str, value: object) -> str:
