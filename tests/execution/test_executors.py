@@ -251,6 +251,19 @@ def test_closing_in_the_middle_does_not_wait_and_leaves_no_process(jobs: list[Jo
     executor.close()
 
 
+@pytest.mark.parametrize("count", [1, 5])
+def test_processes_that_are_started_before_their_first_task_are_those_that_evaluate(
+    jobs: list[Job], count: int
+) -> None:
+    with closing(LocalProcesses(study_of().document, 2)) as executor:
+        executor.start(count)
+        started = set(workers_of(executor))
+        assert len(started) == min(count, 2)
+        outcomes = collect(executor.evaluate(jobs))
+        assert started <= set(workers_of(executor)) and len(workers_of(executor)) == 2
+    assert_same(outcomes, collect(InProcess(study_of().make_pipeline()).evaluate(jobs)))
+
+
 def test_an_error_in_a_study_is_raised_and_no_genome_is_blamed(jobs: list[Job], make: Make) -> None:
     study = study_of()
     broken = Study({**study.document, "simulator": {"use": "fake", "pause": -1.0}}, study.scenario, study.run)
