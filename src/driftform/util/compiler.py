@@ -57,6 +57,10 @@ class _PartLibrary(JITCodeLibrary):
         return 0
 
     def finalize(self) -> None:
+        for function in self._final_module.functions:
+            if not function.is_declaration:
+                # Several parts may hold the same function of numba, such as one that makes the arguments of an exception.
+                function.linkage = Linkage.weak_odr
         self._finalize_dynamic_globals()
         self._finalized = True
 
@@ -68,6 +72,9 @@ class _PartLibrary(JITCodeLibrary):
         if self._shared_module is None:
             library = JITCodeLibrary(self._codegen, self.name)
             library._final_module.link_in(self._final_module, preserve=True)
+            for function in library._final_module.functions:
+                if not function.is_declaration:
+                    function.linkage = Linkage.external
             library._linking_libraries = self._linking_libraries
             library.finalize()
             codegen: Any = self._codegen
