@@ -6,6 +6,7 @@ files for all parts took a third of the compilation.
 
 Parts count no references to arrays: the entry that calls them keeps every array alive. Counting is atomic, and took half of
 the time of a flight. A kernel that makes arrays, or gets new ones from another kernel, counts them: it is `allocating`.
+A kernel that returns arrays in the memory of others is `borrowing`.
 """
 
 import gc
@@ -32,7 +33,7 @@ from numba.extending import intrinsic
 
 from driftform.types import FloatArray
 from driftform.util import compiler
-from driftform.util.compiler import EntryCompiler, PartCompiler
+from driftform.util.compiler import EntryCompiler, PartCompiler, VectorizingCompiler
 from driftform.util.preparation import preparing
 
 P = ParamSpec("P")
@@ -85,12 +86,11 @@ def borrowing(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def vectorized(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a function and what it calls with all that numba can do, in twice the time that :func:`compiled` takes.
+    """Compile a function as :func:`allocating` does, with more optimization of it and of what it calls.
 
-    For long loops of arithmetic, which then use instructions for several numbers at once. What it calls are plain functions
-    of numba.
+    For long loops of arithmetic, which then use instructions for several numbers at once.
     """
-    return cast(Callable[P, R], _Entry(function, allocates=True, pipeline_class=Compiler))
+    return cast(Callable[P, R], _Entry(function, allocates=True, pipeline_class=VectorizingCompiler))
 
 
 @contextmanager

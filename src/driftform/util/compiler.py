@@ -100,6 +100,8 @@ class _PartLibrary(JITCodeLibrary):
 class _EntryLibrary(JITCodeLibrary):
     """The code of an entry, with that of all parts."""
 
+    _speed_level = 1
+
     def finalize(self) -> None:
         own = {function.name for function in self._final_module.functions if not function.is_declaration}
         self._link_parts()
@@ -128,8 +130,9 @@ class _EntryLibrary(JITCodeLibrary):
 
     def _optimize_final_module(self) -> None:
         # More optimization, such as copies of the bodies of loops, takes twice the time and makes no flight faster.
-        tuning = create_pipeline_tuning_options(speed_level=1)
-        tuning.loop_unrolling = tuning.loop_vectorization = tuning.slp_vectorization = False
+        tuning = create_pipeline_tuning_options(speed_level=self._speed_level)
+        if self._speed_level == 1:
+            tuning.loop_unrolling = tuning.loop_vectorization = tuning.slp_vectorization = False
         builder = create_pass_builder(self._codegen._tm, tuning)
         manager = builder.getModulePassManager()
         manager.add_refprune_pass()
@@ -335,11 +338,19 @@ class PartCompiler(_KernelCompiler):
         super().__init__(typing, target, _PartLibrary(target.codegen(), "part"), *rest)
 
 
+class _VectorizedLibrary(_EntryLibrary):
+    """The code of an entry whose loops use instructions for several numbers at once."""
+
+    _speed_level = 3
+
+
 class EntryCompiler(_KernelCompiler):
     """Compiles an entry, and its parts with it."""
 
+    _library: type[_EntryLibrary] = _EntryLibrary
+
     def __init__(self, typing: Any, target: Any, _: None, *rest: Any) -> None:
-        library = _EntryLibrary(target.codegen(), "entry")
+        library = self._library(target.codegen(), "entry")
         library.enable_object_caching()
         super().__init__(typing, target, library, *rest)
 
@@ -347,6 +358,12 @@ class EntryCompiler(_KernelCompiler):
         """Compile the entry, and whatever it calls, as parts."""
         with _make_parts(self.state.targetctx.codegen()):
             return super().compile_extra(func)
+
+
+class VectorizingCompiler(EntryCompiler):
+    """Compiles an entry whose loops use instructions for several numbers at once."""
+
+    _library = _VectorizedLibrary
 
 
 @contextmanager
