@@ -201,6 +201,12 @@ class _KernelLower(Lower):
         elif name not in self._blk_local_varmap:
             self._singly_assigned_vars.discard(name)
 
+    def lower_assign(self, ty: Any, inst: Any) -> Any:
+        if isinstance(ty, types.Dispatcher) and isinstance(inst.value, ir.Global | ir.FreeVar):
+            # Its type says which kernel is called; numba would also write and load the address of its object.
+            return self.context.get_dummy_value()
+        return super().lower_assign(ty, inst)
+
     def lower_binop(self, resty: Any, expr: Any, op: Any) -> Any:
         if op not in (operator.pow, operator.ipow):
             # Only powers have instructions of their own for constants; numba would try three of them for each operator.
