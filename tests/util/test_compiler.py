@@ -5,7 +5,7 @@ import pytest
 from numba import njit
 from numba.core.registry import cpu_target
 
-from driftform.util.compiled import allocating, compiled
+from driftform.util.compiled import allocating, borrow, borrowing, compiled
 
 LAST, CORNER = -1, (1, -1)
 
@@ -127,3 +127,74 @@ def test_numba_makes_its_own_libraries_after_a_kernel_is_compiled(arrays):
     with pytest.raises(Exception, match="nothing"):
         fail("x")
     assert codegen._library_class is usual
+
+
+@compiled
+def visit(start: int, stop: int, step: int, out: np.ndarray) -> int:
+    count = 0
+    for k in range(stop):
+        out[count] = k
+        count += 1
+    for k in range(start, stop):
+        for j in range(k):
+            out[count] = 10 * k + j
+            count += 1
+    for k in range(start, stop, step):
+        out[count] = -k
+        count += 1
+    return count
+
+
+@pytest.mark.parametrize("limits", [(0, 3, 1), (1, 5, 2), (4, 1, -1), (2, -2, 1), (3, 3, -1)])
+def test_ranges_are_those_of_python(limits):
+    out, expected = np.zeros(40), np.zeros(40)
+    assert visit(*limits, out) == visit.py_func(*limits, expected)
+    assert np.array_equal(out, expected)
+
+
+@compiled
+def root(x: float) -> float:
+    if x < 0.0:
+        raise ValueError("negative")
+    return x**0.5
+
+
+@compiled
+def sum_of_roots(values: np.ndarray) -> float:
+    total = 0.0
+    for value in values:
+        total += max(root(value), 1.0)
+    return total
+
+
+@compiled
+def twice(values: np.ndarray) -> float:
+    return 2.0 * sum_of_roots(values)
+
+
+def test_an_exception_passes_through_the_kernels_that_call_the_one_that_raises_it():
+    assert twice(np.array([4.0, 0.0])) == 6.0
+    with pytest.raises(ValueError, match="negative"):
+        twice(np.array([4.0, -1.0]))
+    assert twice(np.array([9.0])) == 6.0
+
+
+@borrowing
+def halves(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    n = values.shape[0] // 4
+    return borrow(values, 0, (n, 2)), borrow(values, 2 * n, (n, 2, 1))
+
+
+@allocating
+def swap(values: np.ndarray) -> np.ndarray:
+    a, b = halves(values)
+    for i in range(a.shape[0]):
+        for j in range(2):
+            a[i, j], b[i, j, 0] = b[i, j, 0], a[i, j]
+    return a[1].copy()
+
+
+def test_borrowed_arrays_are_in_the_memory_of_the_array():
+    values = np.arange(12.0)
+    assert swap(values).tolist() == [8.0, 9.0]
+    assert values.tolist() == [*range(6, 12), *range(6)]

@@ -40,7 +40,7 @@ from driftform.dynamics.vectors import (
     to_world,
 )
 from driftform.types import FloatArray
-from driftform.util.compiled import allocating, compiled
+from driftform.util.compiled import borrow, borrowing, compiled
 
 MOST = 4
 """Number of surfaces that may touch at once; of a body that rests on more no Jacobian is made."""
@@ -73,6 +73,8 @@ class ContactJacobian(NamedTuple):
         accelerations that they cause: rows 0 and 1 to d, (c, 1 + d, v).
     turns
         the accelerations by unit torques across the axis, (1 or 2, v).
+    trial
+        room for the slip of a bristle, m/s, (3,).
     """
 
     fast: FloatArray
@@ -84,22 +86,36 @@ class ContactJacobian(NamedTuple):
     pushes: FloatArray
     pulls: FloatArray
     turns: FloatArray
+    trial: FloatArray
 
 
-@allocating
-def make_jacobian(velocities: int, directions: int) -> ContactJacobian:
-    """Return a Jacobian to be filled: of 3 velocities in the plane or 6 in space, and bristles with so many directions."""
+EQUATIONS = 6 + 3 * MOST
+"""Numbers of a body in space whose bristles all touch; no other motion has more."""
+
+_SIZES = (EQUATIONS**2, 6 * 6, MOST, MOST * 4, MOST * 3, MOST * 4, MOST * 4 * 6, MOST * 4 * 6, 2 * 6, 3)
+_STIFF, _TOUCHING, _SPRINGS, _NORMALS, _CURVATURES, _PUSHES, _PULLS, _TURNS, _TRIAL, JACOBIAN_ROOM = (
+    np.cumsum(_SIZES).tolist()
+)
+
+
+@borrowing
+def make_jacobian(room: FloatArray, velocities: int, directions: int) -> ContactJacobian:
+    """Return a Jacobian to be filled: of 3 velocities in the plane or 6 in space, and bristles with so many directions.
+
+    It is in the first :data:`JACOBIAN_ROOM` numbers of ``room``, which must be zero.
+    """
     size = velocities + MOST * directions
     return ContactJacobian(
-        np.empty((size, size)),
-        np.empty((velocities, velocities)),
-        np.empty(MOST),
-        np.empty((MOST, 4)),
-        np.zeros((MOST, 3)),
-        np.zeros((MOST, 2, 2)),
-        np.empty((MOST, 1 + directions, velocities)),
-        np.empty((MOST, 1 + directions, velocities)),
-        np.empty((velocities // 3, velocities)),
+        borrow(room, 0, (size, size)),
+        borrow(room, _STIFF, (velocities, velocities)),
+        borrow(room, _TOUCHING, (MOST,)),
+        borrow(room, _SPRINGS, (MOST, 4)),
+        borrow(room, _NORMALS, (MOST, 3)),
+        borrow(room, _CURVATURES, (MOST, 2, 2)),
+        borrow(room, _PUSHES, (MOST, 1 + directions, velocities)),
+        borrow(room, _PULLS, (MOST, 1 + directions, velocities)),
+        borrow(room, _TURNS, (velocities // 3, velocities)),
+        borrow(room, _TRIAL, (3,)),
     )
 
 
@@ -303,7 +319,7 @@ def _complete(y: FloatArray, count: int, law: FloatArray, friction: float, jacob
                     stiff[a, b] -= change * pull[a] * pushes[j, 0, b]
 
 
-@allocating
+@compiled
 def _add_bristle(
     y: FloatArray,
     i: int,
@@ -317,7 +333,7 @@ def _add_bristle(
     fast, push, pull, normal = jacobian.fast, jacobian.pushes[i], jacobian.pulls[i], jacobian.normals[i]
     v, d = push.shape[1], push.shape[0] - 1
     first, bent = v + i * d, v + d * int(jacobian.touching[i])
-    trial, along = np.empty(3), 0.0
+    trial, along = jacobian.trial, 0.0
     for a in range(d):
         trial[a] = _dot(push[1 + a], y) + y[bent + a]
         along += trial[a] * normal[a]

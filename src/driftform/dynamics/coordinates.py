@@ -26,7 +26,7 @@ from driftform.dynamics.plane import (
 )
 from driftform.dynamics.rotations import rotation_from_vector, rotation_vector_from_quaternion
 from driftform.types import FloatArray
-from driftform.util.compiled import allocating, borrow, compiled
+from driftform.util.compiled import borrow, compiled
 
 GREATEST = 1e9
 """Acceleration (m/s2, rad/s2) to which those of trial steps are limited.
@@ -109,7 +109,7 @@ def describe_motion(model: FlightModel, start: FloatArray) -> Motion:
     return Motion(coordinates, start[7:], pack(model), accelerate, fill_sample, bristles, can_touch)
 
 
-@allocating
+@compiled
 def _can_touch(coordinates: FloatArray, values: FloatArray, fittings: FloatArray | None = None) -> bool:
     """Return True if a surface may touch a wall."""
     model = unpack(values, fittings)
@@ -123,7 +123,7 @@ def _can_touch_in_plane(coordinates: FloatArray, values: FloatArray) -> bool:
     return is_near_in_plane((coordinates[0], coordinates[1]), values)
 
 
-@allocating
+@compiled
 def _accelerations_in_space(
     t: float,
     coordinates: FloatArray,
@@ -151,7 +151,7 @@ def _bound(acceleration: float) -> float:
     return -GREATEST if acceleration < -GREATEST else acceleration
 
 
-@allocating
+@compiled
 def _fill_sample_in_space(
     sample: FloatArray,
     t: float,
@@ -177,21 +177,21 @@ def _fill_sample_in_space(
 def _accelerations_in_plane(
     t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
 ) -> tuple[float, float, float]:
-    plane = borrow(values)
     attitude = math.cos(coordinates[2]), math.sin(coordinates[2])
     position, velocity = (coordinates[0], coordinates[1]), (rates[0], rates[1])
     # Each surface has 17 numbers, and with friction two for its bristle.
-    count = (plane.shape[0] - MODEL_SIZE) // (19 if plane[RUB] > 0.0 else 17)
+    rubs = values[RUB] > 0.0
+    count = (values.shape[0] - MODEL_SIZE) // (19 if rubs else 17)
     touches, bristles = MODEL_SIZE + 7 * count, MODEL_SIZE + 17 * count
     a_x, a_z, alpha = accelerations_in_plane(
         position,
         attitude,
         velocity,
         rates[2],
-        plane,
-        plane[MODEL_SIZE:touches].reshape(-1, 7),
-        plane[touches:bristles].reshape(-1, 10),
-        plane[bristles:],
+        values,
+        borrow(values, MODEL_SIZE, (count, 7)),
+        borrow(values, touches, (count, 10)),
+        borrow(values, bristles, (2 * count if rubs else 0,)),
     )
     return _bound(a_x), _bound(a_z), _bound(alpha)
 

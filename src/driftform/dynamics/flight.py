@@ -27,6 +27,7 @@ from driftform.dynamics.model import (
 )
 from driftform.dynamics.profiles import AT_A_POINT
 from driftform.dynamics.rotations import quaternion_rate, rotation_from_quaternion
+from driftform.dynamics.runge_kutta import copy
 from driftform.dynamics.vectors import Vector, dot, scale, subtract, to_body
 from driftform.scenario import Scenario
 from driftform.types import End, FloatArray, Trajectory
@@ -117,9 +118,11 @@ def finish_trajectory(
     ``step_limit`` steps at the step limit, and one whose estimated ``error`` (m) exceeds ``accepted`` as not converged.
     """
     values = pack(model)
-    rows, velocity, last, broken, left, past, touched, time = _finish(
-        np.ascontiguousarray(samples), values, model.fittings
+    rows, velocity, room = np.empty(samples.shape), np.empty((len(samples), 6)), np.empty((2, SAMPLE))
+    count, broken, left, past, touched, time = _finish(
+        np.ascontiguousarray(samples), values, model.fittings, rows, velocity, room
     )
+    rows, velocity, last = rows[:count], velocity[:count], room[0]
     if broken:
         end = End.NON_FINITE
     elif left:
@@ -147,45 +150,53 @@ def finish_trajectory(
     )
 
 
-@allocating
+@compiled
 def _finish(
-    samples: FloatArray, values: FloatArray, fittings: FloatArray | None
-) -> tuple[FloatArray, FloatArray, FloatArray, bool, bool, bool, int, float]:
-    """Return what of a trajectory follows from its raw samples.
+    samples: FloatArray,
+    values: FloatArray,
+    fittings: FloatArray | None,
+    rows: FloatArray,
+    velocity: FloatArray,
+    room: FloatArray,
+) -> tuple[int, bool, bool, bool, int, float]:
+    """Fill in what of a trajectory follows from its raw samples, and return what else does.
 
-    These are the finite samples, cut at the outlet; their velocities in the body frame; the last sample before the cut; whether
-    one is not finite, whether the flight has left the pipe, and whether by an outlet; then the result of
-    :func:`find_contact`.
+    ``rows`` and ``velocity`` are filled with the finite samples, cut at the outlet, and with their velocities in the body frame,
+    and the first row of ``room`` (2, 14) with the last sample before the cut. The result is how many samples these are; whether
+    one is not finite, whether the flight has left the pipe, and whether by an outlet; then that of :func:`find_contact`.
     """
-    model = unpack(values, fittings)
-    rows, broken = _keep_finite(samples)
-    last = rows[rows.shape[0] - 1].copy() if rows.shape[0] > 0 else samples[0].copy()
+    model, last, between = unpack(values, fittings), room[0], room[1]
+    count, broken = _keep_finite(samples, rows)
+    copy(rows[count - 1] if count > 0 else samples[0], last)
     position = position_of(last)
     left = has_left_pipe(position, model.pipe, model.fittings)
     past = left and distance_past_outlet(position, model.pipe, model.fittings) >= 0.0
-    touched, time = _find_contact(rows, model)
-    if rows.shape[0] > 1 and (model.pipe.shape[0] > 0 or model.fittings is not None):
-        _cut_at_outlet(rows[rows.shape[0] - 2], rows[rows.shape[0] - 1], model.pipe, model.fittings)
-    return rows, _body_velocity(rows), last, broken, left, past, touched, time
+    touched, time = _find_contact(rows[:count], model, between)
+    if count > 1 and (model.pipe.shape[0] > 0 or model.fittings is not None):
+        _cut_at_outlet(rows[count - 2], rows[count - 1], model.pipe, model.fittings, between)
+    _fill_body_velocity(rows[:count], velocity)
+    return count, broken, left, past, touched, time
 
 
-@allocating
-def _keep_finite(samples: FloatArray) -> tuple[FloatArray, bool]:
-    """Return the samples before the first that is not finite, in strictly ascending order, and True if there is one."""
-    rows, count = np.empty(samples.shape), 0
+@compiled
+def _keep_finite(samples: FloatArray, rows: FloatArray) -> tuple[int, bool]:
+    """Fill ``rows`` with the samples before the first that is not finite, in strictly ascending order.
+
+    Return how many they are, and True if there is one that is not finite.
+    """
+    count = 0
     for k in range(samples.shape[0]):
         if not is_finite(samples[k]):
-            return rows[:count].copy(), True
+            return count, True
         if count == 0 or samples[k, 0] > rows[count - 1, 0]:
-            for j in range(SAMPLE):
-                rows[count, j] = samples[k, j]
+            copy(samples[k], rows[count])
             count += 1
-    return rows[:count].copy(), False
+    return count, False
 
 
-@allocating
+@compiled
 def _cut_at_outlet(
-    before: FloatArray, after: FloatArray, pipe: FloatArray, fittings: FloatArray | None
+    before: FloatArray, after: FloatArray, pipe: FloatArray, fittings: FloatArray | None, room: FloatArray
 ) -> None:
     """Move the sample ``after`` back to the outlet's plane if it lies past that plane and ``before`` does not.
 
@@ -210,7 +221,7 @@ def _cut_at_outlet(
     for j in range(4, 8):
         sign += before[j] * after[j]
     sign = 1.0 if sign >= 0.0 else -1.0
-    q, rate = np.empty(4), np.empty(4)
+    q, rate = room[:4], room[4:8]
     for j in range(4):
         p, v = (before[4 + j], 0.0, 0.0), (start[j], 0.0, 0.0)
         curve = cubic_between(p, v, (sign * after[4 + j], 0.0, 0.0), (sign * end[j], 0.0, 0.0), h)
@@ -232,15 +243,13 @@ def _quaternion_rate(row: FloatArray) -> tuple[float, float, float, float]:
     return quaternion_rate(row[4], row[5], row[6], row[7], row[11], row[12], row[13])
 
 
-@allocating
-def _body_velocity(rows: FloatArray) -> FloatArray:
-    """Return linear and angular velocity of raw samples (k, 14), in the body frame, (k, 6)."""
-    out = np.empty((rows.shape[0], 6))
+@compiled
+def _fill_body_velocity(rows: FloatArray, out: FloatArray) -> None:
+    """Fill ``out`` with linear and angular velocity of raw samples (k, 14), in the body frame, (k, 6)."""
     for k in range(rows.shape[0]):
         out[k, 0], out[k, 1], out[k, 2] = to_body(_rotation(rows[k]), velocity_of(rows[k]))
         for j in range(3):
             out[k, 3 + j] = rows[k, 11 + j]
-    return out
 
 
 @allocating
@@ -248,14 +257,14 @@ def find_contact(
     rows: FloatArray, values: FloatArray, fittings: FloatArray | None = None
 ) -> tuple[int, float]:
     """Return the first sample at which a surface touches, and the time (s) of the contact; the number of samples without one."""
-    return _find_contact(rows, unpack(values, fittings))
+    return _find_contact(rows, unpack(values, fittings), np.empty(SAMPLE))
 
 
-@allocating
-def _find_contact(rows: FloatArray, model: FlightModel) -> tuple[int, float]:
+@compiled
+def _find_contact(rows: FloatArray, model: FlightModel, room: FloatArray) -> tuple[int, float]:
     for k in range(rows.shape[0]):
         if _contact_depth(rows[k], model) > 0.0:
-            return k, rows[0, 0] if k == 0 else _locate_contact(rows[k - 1], rows[k], model)
+            return k, rows[0, 0] if k == 0 else _locate_contact(rows[k - 1], rows[k], model, room)
     return rows.shape[0], math.inf
 
 
@@ -271,7 +280,7 @@ def _conserves_energy(model: FlightModel) -> bool:
     return bool(table[STEADY] != 0.0 and table[DAMPED] == 0.0 and len(model.strips) == 0 and not rises)
 
 
-@allocating
+@compiled
 def _energy_drift(rows: FloatArray, values: FloatArray, count: int) -> float:
     """Return the range of the energy over the first ``count`` samples, relative to the largest kinetic energy."""
     model = unpack(values, None)
@@ -335,11 +344,10 @@ def _rotation(row: FloatArray) -> tuple[Vector, Vector, Vector]:
     return rotation_from_quaternion(row[4], row[5], row[6], row[7])
 
 
-@allocating
-def _locate_contact(before: FloatArray, after: FloatArray, model: FlightModel) -> float:
+@compiled
+def _locate_contact(before: FloatArray, after: FloatArray, model: FlightModel, between: FloatArray) -> float:
     """Return the time (s) between two samples at which a surface first touches, by bisection on the path between them."""
-    low, high, h = 0.0, 1.0, after[0] - before[0]
-    between, sign = np.empty(SAMPLE), 1.0
+    low, high, h, sign = 0.0, 1.0, after[0] - before[0], 1.0
     if before[4] * after[4] + before[5] * after[5] + before[6] * after[6] + before[7] * after[7] < 0.0:
         sign = -1.0
     path = sample_path(before, after)

@@ -32,6 +32,10 @@ DEEPEST = 1e-3
 """Depth (m) beyond which a spring weakens: impacts below 4 m/s stay above it, but trial steps of an integrator go deeper by far,
 and must remain finite."""
 
+# Powers in the source, not in kernels: numba compiles a function for them, which can raise an exception.
+_STIFFENING = STIFF_DEPTH**-4
+_STIFFEST = (DEEPEST / STIFF_DEPTH) ** 4
+
 ONSET = 0.25
 """The damper sets in where the spring's speed q reaches this share of the speed of approach."""
 
@@ -105,10 +109,10 @@ def spring(s: float, x: float, r: float, depth: float, law: FloatArray) -> tuple
     mass = 1.0 / mobility
     stiffness, square = mass * law[FREQUENCY] * law[FREQUENCY], depth * depth
     if depth < DEEPEST:
-        stiffer = square * square * STIFF_DEPTH**-4
+        stiffer = square * square * _STIFFENING
         energy, force = square * (1.0 + stiffer / 3.0), depth * (1.0 + stiffer)
     else:
-        ratio, square, stiffer = DEEPEST / depth, DEEPEST * DEEPEST, (DEEPEST / STIFF_DEPTH) ** 4
+        ratio, square, stiffer = DEEPEST / depth, DEEPEST * DEEPEST, _STIFFEST
         energy = square * (1.0 + stiffer / 3.0 + 2.0 * (1.0 + stiffer) * (1.0 - ratio))
         force = DEEPEST * (1.0 + stiffer) * ratio * ratio
     energy *= stiffness
@@ -118,7 +122,9 @@ def spring(s: float, x: float, r: float, depth: float, law: FloatArray) -> tuple
 @compiled
 def spring_slope(mass: float, depth: float, law: FloatArray) -> float:
     """Return half of the second derivative of e with respect to the depth, N/m; beyond DEEPEST that at it."""
-    return float(mass * law[FREQUENCY] ** 2 * (1.0 + 5.0 * (min(depth, DEEPEST) / STIFF_DEPTH) ** 4))
+    ratio = min(depth, DEEPEST) / STIFF_DEPTH
+    square = ratio * ratio
+    return float(mass * (law[FREQUENCY] * law[FREQUENCY]) * (1.0 + 5.0 * (square * square)))
 
 
 @compiled

@@ -11,6 +11,7 @@ A motion that stays in the vertical plane is integrated there: the same steps, o
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,13 +26,13 @@ from driftform.dynamics.flight import SAMPLE, has_left_pipe, is_finite, position
 from driftform.dynamics.impact import FREQUENCY
 from driftform.dynamics.model import REACH, FlightModel, pack, unpack
 from driftform.dynamics.plane import STATE_INDICES, plane_model, stays_in_plane
-from driftform.dynamics.rates import STATE, fill_rate, roll
-from driftform.dynamics.rosenbrock import make_work_space, take_implicit_step
+from driftform.dynamics.rates import PLANE_STATE, STATE, fill_rate, roll
+from driftform.dynamics.rosenbrock import WORK_ROOM, WORK_STATES, make_work_space, take_implicit_step
 from driftform.dynamics.runge_kutta import copy, take_step
 from driftform.dynamics.tableaus import DOP853, DOPRI5, ROS34PW2
 from driftform.dynamics.vectors import dot, subtract
 from driftform.types import FloatArray
-from driftform.util.compiled import allocating, compiled
+from driftform.util.compiled import allocating, borrow, compiled
 
 TOLERANCE_RATIO = 10.0
 """Ratio of the tolerances of the two integrations that are compared."""
@@ -72,6 +73,9 @@ JACOBIAN_STEPS = 4
 
 EXPLICIT_STEPS = 10
 """Explicit steps after an implicit one that was rejected and became as short as they are."""
+
+_STATES = len(DOP853.b) + 3
+"""States in the room of an integration: that of the last step, that of the next one, and the slopes of all stages."""
 
 _ALL_PLACES, _PLACES_IN_PLANE = np.arange(STATE), np.array(STATE_INDICES)
 
@@ -178,13 +182,12 @@ def _integrate_to_accuracy(
 
     Either ``plane`` or ``in_space`` is None, and its motion is not compiled.
     """
-    model = unpack(values, fittings)
     is_first, least = coarse.shape[0] == 0, 0.0
     if is_first:
         tolerance *= TOLERANCE_RATIO
     while True:
         fine = _integrate_at_tolerance(
-            model, plane, in_space, start, horizon, tolerance, max_step, step_limit
+            values, fittings, plane, in_space, start, horizon, tolerance, max_step, step_limit
         )
         if is_first:
             return fine, math.inf, tolerance
@@ -236,9 +239,23 @@ def greatest_distance(a: FloatArray, b: FloatArray) -> float:
     return math.sqrt(greatest)
 
 
+class _Progress(NamedTuple):
+    """How far an integration is: time (s), next step (s), what chooses the steps, samples, and whether the flight has ended."""
+
+    t: float
+    h: float
+    earlier: float
+    taken: int
+    explicit: int
+    age: int
+    touching: int
+    ended: bool
+
+
 @allocating
 def _integrate_at_tolerance(
-    model: FlightModel,
+    values: FloatArray,
+    fittings: FloatArray | None,
     plane: FloatArray | None,
     in_space: bool | None,
     start: FloatArray,
@@ -248,28 +265,84 @@ def _integrate_at_tolerance(
     step_limit: int,
 ) -> FloatArray:
     """Return raw samples (k, 14) of the release and the end of every step, up to the first one past the outlet."""
-    samples, places, velocities, directions = np.empty((256, SAMPLE)), _ALL_PLACES, 6, 3
-    if plane is not None:
-        places, velocities, directions = _PLACES_IN_PLANE, 3, 1
-    bristles = model.bristles.shape[0] // 2
-    if bristles == 0:
-        directions = 0
-    angles = 0 if plane is not None else 1
-    size = places.shape[0] + directions * bristles + angles
-    y, new, slopes = np.zeros(size), np.empty(size), np.empty((DOP853.b.shape[0] + 1, size))
-    work = make_work_space(size, velocities, directions)
-    for i in range(places.shape[0]):
-        y[i] = start[places[i]]
-    t, h, earlier, count, explicit = 0.0, min(FIRST_STEP, horizon), LOG_MIN_ERROR, 0, 0
-    age, touching = JACOBIAN_STEPS, 0
-    longest = MOST_RADIANS / model.law[FREQUENCY]
-    fill_rate(t, y, model, plane, in_space, slopes[0])
+    samples = np.empty((256, SAMPLE))
+    room = np.zeros(WORK_ROOM + (WORK_STATES + _STATES) * _state_size(values, plane))
+    progress = _Progress(0.0, min(FIRST_STEP, horizon), LOG_MIN_ERROR, 0, 0, JACOBIAN_STEPS, 0, False)
     while True:
-        if count == samples.shape[0]:
-            longer = np.empty((2 * count, SAMPLE))
-            for k in range(count):
-                copy(samples[k], longer[k])
-            samples = longer
+        progress = _take_steps(
+            values,
+            fittings,
+            plane,
+            in_space,
+            start,
+            horizon,
+            tolerance,
+            max_step,
+            step_limit,
+            room,
+            progress,
+            samples,
+        )
+        if progress.ended:
+            return samples[: progress.taken]
+        longer = np.empty((2 * progress.taken, SAMPLE))
+        _copy_rows(samples, longer)
+        samples = longer
+
+
+@compiled
+def _state_size(values: FloatArray, plane: FloatArray | None) -> int:
+    """Return how many numbers change along a flight of the packed model ``values``: see :mod:`driftform.dynamics.rates`."""
+    bristles = int(values[9]) // 2
+    if plane is not None:
+        return PLANE_STATE + bristles
+    return STATE + 3 * bristles + 1
+
+
+@compiled
+def _copy_rows(source: FloatArray, target: FloatArray) -> None:
+    for k in range(source.shape[0]):
+        copy(source[k], target[k])
+
+
+@compiled
+def _take_steps(
+    values: FloatArray,
+    fittings: FloatArray | None,
+    plane: FloatArray | None,
+    in_space: bool | None,
+    start: FloatArray,
+    horizon: float,
+    tolerance: float,
+    max_step: float,
+    step_limit: int,
+    room: FloatArray,
+    progress: _Progress,
+    samples: FloatArray,
+) -> _Progress:
+    """Fill ``samples`` until the flight ends or there is no room for another one; return how far it is then.
+
+    ``room`` holds the state, and is zero at the release.
+    """
+    model = unpack(values, fittings)
+    places, velocities, directions, angles = _ALL_PLACES, 6, 3, 1
+    if plane is not None:
+        places, velocities, directions, angles = _PLACES_IN_PLANE, 3, 1, 0
+    if model.bristles.shape[0] == 0:
+        directions = 0
+    size = _state_size(values, plane)
+    work = make_work_space(room, size, velocities, directions)
+    first = WORK_ROOM + WORK_STATES * size
+    y, new = borrow(room, first, (size,)), borrow(room, first + size, (size,))
+    slopes = borrow(room, first + 2 * size, (_STATES - 2, size))
+    t, h, earlier, count = progress.t, progress.h, progress.earlier, progress.taken
+    explicit, age, touching, ended = progress.explicit, progress.age, progress.touching, False
+    longest = MOST_RADIANS / model.law[FREQUENCY]
+    if count == 0:
+        for i in range(places.shape[0]):
+            y[i] = start[places[i]]
+        fill_rate(t, y, model, plane, in_space, slopes[0])
+    while count < samples.shape[0]:
         row = samples[count]
         row[0] = t
         copy(start, row[1:])
@@ -285,6 +358,7 @@ def _integrate_at_tolerance(
             or count > step_limit
             or has_left_pipe(position, model.pipe, model.fittings)
         ):
+            ended = True
             break
         pair, sharp = DOPRI5, tolerance * min(LOOSEST_RATIO, math.exp(TOLERANCE_GROWTH * t))
         near = not is_far_from_wall(position, model.table[REACH], model.pipe, model.fittings)
@@ -327,7 +401,7 @@ def _integrate_at_tolerance(
         now = math.log(max(error, 1e-8))
         h *= min(5.0, max(0.2, 0.9 * math.exp((0.4 * earlier - 0.7 * now) / power)))
         earlier = max(now, LOG_MIN_ERROR)
-    return samples[:count]
+    return _Progress(t, h, earlier, count, explicit, age, touching, ended)
 
 
 @compiled

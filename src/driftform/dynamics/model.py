@@ -15,7 +15,7 @@ from driftform.dynamics.terminal import terminal_speed_across
 from driftform.geometry.slices import slice_solid
 from driftform.scenario import Scenario, TurbulentFlow
 from driftform.types import Agent, Body, Drag, FloatArray
-from driftform.util.compiled import allocating, borrow
+from driftform.util.compiled import borrow, borrowing
 from driftform.util.latest import keep_latest
 
 # Rows of the table that the kernels read; six columns each.
@@ -172,38 +172,37 @@ def pack(model: FlightModel) -> FloatArray:
     return np.concatenate(flat)
 
 
-@allocating
+@borrowing
 def unpack(values: FloatArray, fittings: FloatArray | None) -> FlightModel:
     """Return the model that :func:`pack` put into one array, with its fittings; its arrays share that memory."""
-    values = borrow(values)
     surfaces = 10 + 6 * int(values[0])
     law = surfaces + 7 * int(values[1])
     pipe = law + int(values[2])
     flow = pipe + 8 * int(values[3])
     gusts = flow + int(values[4])
-    cuts = gusts + 12 * int(values[5])
-    strips = cuts + 4 * int(values[6])
+    slices = gusts + 12 * int(values[5])
+    strips = slices + 4 * int(values[6])
     touches = strips + 4 * int(values[7])
     bristles = touches + 10 * int(values[8])
     return FlightModel(
-        values[10:surfaces].reshape(-1, 6),
-        values[surfaces:law].reshape(-1, 7),
-        values[law:pipe],
-        values[pipe:flow].reshape(-1, 8),
-        values[flow:gusts],
-        values[gusts:cuts].reshape(-1, 12),
-        values[cuts:strips].reshape(-1, 4),
-        values[strips:touches].reshape(-1, 4),
-        values[touches:bristles].reshape(-1, 10),
-        values[bristles:].reshape(-1, 3),
+        borrow(values, 10, (int(values[0]), 6)),
+        borrow(values, surfaces, (int(values[1]), 7)),
+        borrow(values, law, (int(values[2]),)),
+        borrow(values, pipe, (int(values[3]), 8)),
+        borrow(values, flow, (int(values[4]),)),
+        borrow(values, gusts, (int(values[5]), 12)),
+        borrow(values, slices, (int(values[6]), 4)),
+        borrow(values, strips, (int(values[7]), 4)),
+        borrow(values, touches, (int(values[8]), 10)),
+        borrow(values, bristles, (int(values[9]), 3)),
         _borrow_fittings(fittings),
     )
 
 
-@allocating
+@borrowing
 def _borrow_fittings(fittings: FloatArray | None) -> FloatArray | None:
     # numba compiles no branch for an argument that is None.
-    return borrow(fittings) if fittings is not None else None
+    return borrow(fittings, 0, (fittings.shape[0],)) if fittings is not None else None
 
 
 def invert_mass(total: FloatArray, length: float) -> FloatArray:

@@ -12,7 +12,7 @@ from driftform.dynamics.model import AXISYMMETRIC, FlightModel
 from driftform.dynamics.plane import fill_rate_in_plane
 from driftform.dynamics.rotations import quaternion_product, quaternion_rate, rotation_from_quaternion
 from driftform.types import FloatArray
-from driftform.util.compiled import compiled
+from driftform.util.compiled import borrow, compiled
 
 STATE = 13
 """Numbers in a state: position (3) and velocity (3) in the world, quaternion between them, body rates (3) at the end."""
@@ -36,7 +36,7 @@ def fill_rate(
     """
     # numba compiles no branch for an argument that is None. Motion in space takes most of the time to compile.
     if plane is not None:
-        room = model.bristles.reshape(-1)[: 2 * (y.shape[0] - PLANE_STATE)]
+        room = borrow(model.bristles, 0, (2 * (y.shape[0] - PLANE_STATE),))
         fill_rate_in_plane(y, plane, model.surfaces, model.touches, room, out)
     if in_space is not None:
         fill_rate_in_space(t, y, model, out)

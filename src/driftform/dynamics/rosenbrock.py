@@ -12,9 +12,7 @@ the velocities and the bristles of the surfaces that touch. The other bristles o
 import math
 from typing import NamedTuple
 
-import numpy as np
-
-from driftform.dynamics.contact_jacobian import ContactJacobian, make_jacobian
+from driftform.dynamics.contact_jacobian import EQUATIONS, JACOBIAN_ROOM, ContactJacobian, make_jacobian
 from driftform.dynamics.impact import FREQUENCY
 from driftform.dynamics.model import FlightModel
 from driftform.dynamics.rates import fill_rate
@@ -22,7 +20,7 @@ from driftform.dynamics.rotations import quaternion_product, quaternion_rate
 from driftform.dynamics.runge_kutta import copy, normalise, squared_error
 from driftform.dynamics.tableaus import ROS34PW2
 from driftform.types import FloatArray
-from driftform.util.compiled import allocating, compiled
+from driftform.util.compiled import borrow, borrowing, compiled
 
 
 class WorkSpace(NamedTuple):
@@ -36,18 +34,30 @@ class WorkSpace(NamedTuple):
     state: FloatArray
 
 
-@allocating
-def make_work_space(size: int, velocities: int, directions: int) -> WorkSpace:
-    """Return room for steps of states of this ``size``; see :class:`ContactJacobian` for the other numbers."""
-    jacobian = make_jacobian(velocities, directions)
-    equations = jacobian.fast.shape[0]
+_UNKNOWNS = JACOBIAN_ROOM + EQUATIONS**2
+_POSE = _UNKNOWNS + EQUATIONS
+WORK_ROOM = _POSE + 6
+"""Numbers of a work space, without the states."""
+
+WORK_STATES = len(ROS34PW2.b) + 1
+"""States in a work space."""
+
+
+@borrowing
+def make_work_space(room: FloatArray, size: int, velocities: int, directions: int) -> WorkSpace:
+    """Return room for steps of states of this ``size``; see :class:`ContactJacobian` for the other numbers.
+
+    It is in the first WORK_ROOM + WORK_STATES ``size`` numbers of ``room``, which must be zero.
+    """
+    jacobian = make_jacobian(room, velocities, directions)
+    equations, stages = jacobian.fast.shape[0], WORK_STATES - 1
     return WorkSpace(
         jacobian,
-        np.empty((ROS34PW2.b.shape[0], size)),
-        np.empty((equations, equations)),
-        np.empty(equations),
-        np.empty(velocities),
-        np.empty(size),
+        borrow(room, WORK_ROOM, (stages, size)),
+        borrow(room, JACOBIAN_ROOM, (equations, equations)),
+        borrow(room, _UNKNOWNS, (equations,)),
+        borrow(room, _POSE, (velocities,)),
+        borrow(room, WORK_ROOM + stages * size, (size,)),
     )
 
 

@@ -61,7 +61,8 @@ def squared_error(
         e = 0.0
         for k in range(weights.shape[0]):
             e += weights[k] * slopes[k, j]
-        total += (e / (tolerance * (1.0 + max(abs(y[j]), abs(new[j]))))) ** 2
+        e /= tolerance * (1.0 + max(abs(y[j]), abs(new[j])))
+        total += e * e
     # Divide by the number of values in space: those that a motion in the plane leaves at zero have no error.
     return total / STATE
 

@@ -27,7 +27,7 @@ from driftform.dynamics.model import (
 from driftform.dynamics.rotations import rotation_from_vector
 from driftform.dynamics.vectors import Rotation, dot
 from driftform.types import FloatArray
-from driftform.util.compiled import allocating, compiled
+from driftform.util.compiled import compiled
 
 _DIFFERENCE = 1e-6
 """Step of the central differences for the eigenvalues, m, rad, m/s and rad/s."""
@@ -120,7 +120,7 @@ def _rotation(pitch: float) -> Rotation:
     return rotation_from_vector(0.0, pitch, 0.0)
 
 
-@allocating
+@compiled
 def _find_rest_afloat(values: FloatArray, pitches: FloatArray) -> tuple[float, float]:
     """Return pitch (rad) and height (m) of least potential energy: the best of the pitches, refined."""
     model = unpack(values, None)

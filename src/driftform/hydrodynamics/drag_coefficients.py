@@ -14,6 +14,9 @@ CROSSFLOW_PLATEAU = 1.18
 LAMINAR_BELOW = 5e5
 """Reynolds number (on length) at which a boundary layer becomes turbulent."""
 
+_FRONT = LAMINAR_BELOW * 0.075 / (math.log10(LAMINAR_BELOW) - 2.0) ** 2 - 1.328 * math.sqrt(LAMINAR_BELOW)
+"""A of :func:`friction_coefficient`."""
+
 
 @compiled
 def crossflow_coefficient(reynolds: float) -> float:
@@ -111,8 +114,9 @@ def friction_coefficient(reynolds: float) -> float:
         return math.inf
     if reynolds < LAMINAR_BELOW:
         return 1.328 / math.sqrt(reynolds)
-    front = LAMINAR_BELOW * 0.075 / (math.log10(LAMINAR_BELOW) - 2.0) ** 2 - 1.328 * math.sqrt(LAMINAR_BELOW)
-    return 0.075 / (math.log10(reynolds) - 2.0) ** 2 - front / reynolds
+    # The square is a product: numba compiles a function for powers, which can raise an exception.
+    root = math.log10(reynolds) - 2.0
+    return 0.075 / (root * root) - _FRONT / reynolds
 
 
 _ASPECTS = np.array([1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 40.0])

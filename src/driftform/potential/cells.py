@@ -200,8 +200,7 @@ def cut_stiffness(
     """
     count = len(corners)
     matrices, volumes = np.empty((count, 64, 64)), np.empty(count)
-    walls = np.empty((0, 7))
-    found = [walls for _ in range(0)]
+    found = [np.empty((0, 7))]
     for c in range(count):
         inner, outer = cut_cell(corners[c], width, wall, parts, nodes, weights)
         rows = gradient_rows(inner, corners[c], width)

@@ -6,6 +6,7 @@ files for all parts took a third of the compilation.
 
 Parts count no references to arrays: the entry that calls them keeps every array alive. Counting is atomic, and took half of
 the time of a flight. A kernel that makes arrays, or gets new ones from another kernel, counts them: it is `allocating`.
+A kernel that returns arrays in the memory of others is `borrowing`.
 """
 
 import gc
@@ -23,16 +24,17 @@ from typing import Any, ParamSpec, TypeVar, cast
 from filelock import FileLock
 from llvmlite.binding import add_symbol
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.cgutils import pack_array
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime._nrt_python import c_helpers
-from numba.core.types import Dispatcher, unliteral
+from numba.core.types import Dispatcher, intp, unliteral
 from numba.core.types.functions import BaseFunction
 from numba.extending import intrinsic
 
 from driftform.types import FloatArray
 from driftform.util import compiler
-from driftform.util.compiler import EntryCompiler, PartCompiler
+from driftform.util.compiler import EntryCompiler, PartCompiler, VectorizingCompiler
 from driftform.util.preparation import preparing
 
 P = ParamSpec("P")
@@ -79,13 +81,17 @@ def allocating(function: Callable[P, R]) -> Callable[P, R]:
     return cast(Callable[P, R], _Entry(function, allocates=True))
 
 
-def vectorized(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a function and what it calls with all that numba can do, in twice the time that :func:`compiled` takes.
+def borrowing(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a function as :func:`compiled` does, which returns arrays, all of which it has from :data:`borrow`."""
+    return cast(Callable[P, R], _Entry(function, borrows=True))
 
-    For long loops of arithmetic, which then use instructions for several numbers at once. What it calls are plain functions
-    of numba.
+
+def vectorized(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a function as :func:`allocating` does, with more optimization of it and of what it calls.
+
+    For long loops of arithmetic, which then use instructions for several numbers at once.
     """
-    return cast(Callable[P, R], _Entry(function, allocates=True, pipeline_class=Compiler))
+    return cast(Callable[P, R], _Entry(function, allocates=True, pipeline_class=VectorizingCompiler))
 
 
 @contextmanager
@@ -201,15 +207,16 @@ class _Cache(FunctionCache):
 class _Part(CPUDispatcher):
     """A kernel as other kernels call it."""
 
-    def __init__(self, function: Callable[..., Any], allocates: bool) -> None:
+    def __init__(self, function: Callable[..., Any], allocates: bool, borrows: bool) -> None:
         # numba's runtime counts the references; a part without this option would do as its caller does.
         options = {**_OPTIONS, "no_cpython_wrapper": True, "_nrt": allocates}
         super().__init__(function, targetoptions=options, pipeline_class=PartCompiler)
+        self.borrows = borrows
 
     def add_overload(self, overload: Any) -> None:
         """Keep what was compiled for some types of arguments; refuse it if it would lose an array, or free it too early."""
         if not self.targetoptions["_nrt"]:
-            _require_no_arrays(overload)
+            _require_no_arrays(overload, self.borrows)
         super().add_overload(overload)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
@@ -217,13 +224,14 @@ class _Part(CPUDispatcher):
         return super().get_call_template(tuple(map(unliteral, args)), kws)
 
 
-def _require_no_arrays(overload: Any) -> None:
-    """Raise TypeError if a part that counts no references returns arrays, or calls a kernel that does."""
+def _require_no_arrays(overload: Any, borrows: bool) -> None:
+    """Raise TypeError if a part that counts no references returns arrays of its own, or calls a kernel that does."""
     types = overload.target_context.data_model_manager
     calls, typemap = overload.type_annotation.calltypes, overload.type_annotation.typemap
-    returned = [overload.signature.return_type]
+    returned = [] if borrows else [overload.signature.return_type]
     for call, signature in calls.items():
-        if getattr(call, "op", "") == "call" and isinstance(typemap[call.func.name], Dispatcher):
+        kernel = typemap[call.func.name] if getattr(call, "op", "") == "call" else None
+        if isinstance(kernel, Dispatcher) and not getattr(kernel.dispatcher, "borrows", False):
             returned.append(signature.return_type)
     if any(types[kind].contains_nrt_meminfo() for kind in returned):
         raise TypeError(
@@ -239,17 +247,26 @@ class _Entry(CPUDispatcher):
         function: Callable[..., Any],
         *_: object,
         allocates: bool = False,
+        borrows: bool = False,
         pipeline_class: type[Compiler] = EntryCompiler,
     ) -> None:
-        super().__init__(function, targetoptions=_OPTIONS, pipeline_class=pipeline_class)
-        self._allocates = allocates
+        super().__init__(
+            function, targetoptions={**_OPTIONS, "_nrt": allocates}, pipeline_class=pipeline_class
+        )
+        self._allocates, self._borrows = allocates, borrows
+
+    def add_overload(self, overload: Any) -> None:
+        """Keep what was compiled or loaded for some types of arguments; see :meth:`_Part.add_overload`."""
+        if not self._allocates and hasattr(overload.type_annotation, "calltypes"):
+            _require_no_arrays(overload, borrows=False)
+        super().add_overload(overload)
 
     # Most kernels of a process are never called from Python, and their machine code is loaded with that of others: part
     # and cache are made when they are needed.
 
     @cached_property
     def _part(self) -> Any:
-        return _Part(self.py_func, self._allocates)
+        return _Part(self.py_func, self._allocates, self._borrows)
 
     @cached_property
     def _has_cache(self) -> bool:
@@ -307,17 +324,35 @@ def _announce() -> None:
         print(text, file=sys.stderr, flush=True)
 
 
-def _borrow(_: Any, array: Any) -> Any:
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        view = context.make_array(signature.return_type)(context, builder, arguments[0])
-        view.meminfo = view.meminfo.type(None)
-        return view._getvalue()
+def _borrow(_: Any, array: Any, start: Any, shape: Any) -> Any:
+    kind = array.copy(ndim=len(shape), layout="C")
 
-    return array(array), generate
+    def generate(context: Any, builder: Any, __: Any, arguments: Any) -> Any:
+        model, length = context.data_model_manager[kind], context.get_constant(intp, 1)
+        given = context.data_model_manager[array].get(builder, arguments[0], "data")
+        sides = [builder.extract_value(arguments[2], axis) for axis in range(kind.ndim)]
+        size = context.get_constant(intp, context.get_abi_sizeof(given.type.pointee))
+        strides = [size]
+        for side in reversed(sides):
+            strides.insert(0, builder.mul(strides[0], side))
+            length = builder.mul(length, side)
+        fields = {
+            "nitems": length,
+            "itemsize": size,
+            "data": builder.gep(given, [arguments[1]]),
+            "shape": pack_array(builder, sides),  # type: ignore[no-untyped-call]
+            "strides": pack_array(builder, strides[1:]),  # type: ignore[no-untyped-call]
+        }
+        view = model.get_value_type()(None)
+        for name, field in fields.items():
+            view = model.set(builder, view, field, name)
+        return view
+
+    return kind(array, intp, shape), generate
 
 
-borrow: Callable[[FloatArray], FloatArray] = cast(Any, intrinsic)(_borrow)
-"""In kernels that count references: return the same array, to which and to whose slices none are counted.
+borrow: Callable[[FloatArray, int, tuple[int, ...]], FloatArray] = cast(Any, intrinsic)(_borrow)
+"""In kernels: return the numbers from the index ``start`` on of an array (n,) as an array of this shape, in the same memory.
 
-The caller of the kernel must keep the array alive.
+No references are counted to it and to its slices. The caller of the kernel must keep the array alive.
 """

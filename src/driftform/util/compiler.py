@@ -11,12 +11,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from llvmlite import ir as llvm
 from llvmlite.binding import Linkage, create_pass_builder, create_pipeline_tuning_options, parse_assembly
-from numba.core import ir, typed_passes, types, untyped_passes
+from numba.core import base, ir, typed_passes, types, untyped_passes
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import PassManager, register_pass
+from numba.core.imputils import user_function
 from numba.core.ir_utils import get_definition, guard
 from numba.core.lowering import Lower
 from numba.core.typed_passes import NativeLowering
@@ -43,6 +45,17 @@ class _PartLibrary(JITCodeLibrary):
     def __init__(self, codegen: Any, name: str) -> None:
         super().__init__(codegen, name)
         self._environments: dict[str, object] = {}
+        self.raises = True
+
+    def add_ir_module(self, ir_module: Any) -> None:
+        """Add the function, and note whether it can return another status than 0, that of success."""
+        if ir_module.name == "cfunc_wrapper":
+            # A wrapper for callers in C, which numba writes for functions of its own.
+            return
+        ends = (block.terminator for function in ir_module.functions for block in function.blocks)
+        statuses = [end.return_value for end in ends if isinstance(end, llvm.Ret)]
+        self.raises = any(getattr(status, "constant", None) != 0 for status in statuses)
+        super().add_ir_module(ir_module)
 
     @property
     def codegen(self) -> "_PartLibrary":
@@ -57,6 +70,10 @@ class _PartLibrary(JITCodeLibrary):
         return 0
 
     def finalize(self) -> None:
+        for function in self._final_module.functions:
+            if not function.is_declaration:
+                # Several parts may hold the same function of numba, such as one that makes the arguments of an exception.
+                function.linkage = Linkage.weak_odr
         self._finalize_dynamic_globals()
         self._finalized = True
 
@@ -68,6 +85,9 @@ class _PartLibrary(JITCodeLibrary):
         if self._shared_module is None:
             library = JITCodeLibrary(self._codegen, self.name)
             library._final_module.link_in(self._final_module, preserve=True)
+            for function in library._final_module.functions:
+                if not function.is_declaration:
+                    function.linkage = Linkage.external
             library._linking_libraries = self._linking_libraries
             library.finalize()
             codegen: Any = self._codegen
@@ -79,6 +99,8 @@ class _PartLibrary(JITCodeLibrary):
 
 class _EntryLibrary(JITCodeLibrary):
     """The code of an entry, with that of all parts."""
+
+    _speed_level = 1
 
     def finalize(self) -> None:
         own = {function.name for function in self._final_module.functions if not function.is_declaration}
@@ -108,8 +130,9 @@ class _EntryLibrary(JITCodeLibrary):
 
     def _optimize_final_module(self) -> None:
         # More optimization, such as copies of the bodies of loops, takes twice the time and makes no flight faster.
-        tuning = create_pipeline_tuning_options(speed_level=1)
-        tuning.loop_unrolling = tuning.loop_vectorization = tuning.slp_vectorization = False
+        tuning = create_pipeline_tuning_options(speed_level=self._speed_level)
+        if self._speed_level == 1:
+            tuning.loop_unrolling = tuning.loop_vectorization = tuning.slp_vectorization = False
         builder = create_pass_builder(self._codegen._tm, tuning)
         manager = builder.getModulePassManager()
         manager.add_refprune_pass()
@@ -121,6 +144,28 @@ class _EntryLibrary(JITCodeLibrary):
         names = (f.name for f in self.get_defined_functions() if f.linkage != Linkage.internal)
         stubs = parse_assembly("\n".join(f'define void @"{name}"() {{ unreachable }}' for name in names))
         return self.name, "object", (self._get_compiled_object(), stubs.as_bitcode())
+
+
+def _write_calls(fndesc: Any, libraries: Any) -> Any:
+    """Return what writes the calls of a function, without a look at the status of a part that cannot raise an exception.
+
+    numba writes 25 instructions around a call to pass exceptions on. Most functions raise none.
+    """
+    [library] = libraries
+    if not isinstance(library, _PartLibrary) or library.raises:
+        return user_function(fndesc, libraries)
+
+    def write(context: Any, builder: Any, _: Any, arguments: Any) -> Any:
+        function = context.declare_function(builder.module, fndesc)
+        result, exception = function.args[:2]
+        with builder.goto_entry_block():
+            room = builder.alloca(result.type.pointee)
+        flat = context.get_arg_packer(fndesc.argtypes).as_arguments(builder, arguments)
+        builder.call(function, [room, exception.type(None), *flat])
+        return context.get_returned_value(builder, fndesc.restype, builder.load(room))
+
+    write.signature, write.libs = fndesc.argtypes, (library,)  # type: ignore[attr-defined]
+    return write
 
 
 class _KernelLower(Lower):
@@ -156,11 +201,57 @@ class _KernelLower(Lower):
         elif name not in self._blk_local_varmap:
             self._singly_assigned_vars.discard(name)
 
+    def lower_assign(self, ty: Any, inst: Any) -> Any:
+        if isinstance(ty, types.Dispatcher) and isinstance(inst.value, ir.Global | ir.FreeVar):
+            # Its type says which kernel is called; numba would also write and load the address of its object.
+            return self.context.get_dummy_value()
+        return super().lower_assign(ty, inst)
+
     def lower_binop(self, resty: Any, expr: Any, op: Any) -> Any:
         if op not in (operator.pow, operator.ipow):
             # Only powers have instructions of their own for constants; numba would try three of them for each operator.
             expr.static_lhs = expr.static_rhs = ir.UNDEFINED
         return super().lower_binop(resty, expr, op)
+
+    def lower_expr(self, resty: Any, expr: Any) -> Any:
+        if expr.op in ("getiter", "iternext") and self._counts_up(expr.value):
+            value = self.loadvar(expr.value.name)
+            return self._begin_count(value, resty) if expr.op == "getiter" else self._count(value, resty)
+        return super().lower_expr(resty, expr)
+
+    def _counts_up(self, value: Any) -> bool:
+        """Return True for a range in steps of one, and for its iterator."""
+        definition = guard(get_definition, self.func_ir, value)
+        if getattr(definition, "op", "") == "getiter":
+            definition = guard(get_definition, self.func_ir, definition.value)
+        return (
+            getattr(definition, "op", "") == "call"
+            and len(definition.args) < 3
+            and getattr(self.typeof(definition.func.name), "typing_key", None) is range
+        )
+
+    def _begin_count(self, value: Any, kind: Any) -> Any:
+        """Return the iterator of such a range; numba would divide by its step, and look whether that is zero."""
+        builder = self.builder
+        start, stop, step = (builder.extract_value(value, k) for k in range(3))
+        with builder.goto_entry_block():
+            place, count = builder.alloca(start.type), builder.alloca(start.type)
+        builder.store(start, place)
+        builder.store(builder.sub(stop, start), count)
+        iterator = llvm.Constant(self.context.get_value_type(kind), llvm.Undefined)
+        for index, field in enumerate((place, stop, step, count)):
+            iterator = builder.insert_value(iterator, field, index)
+        return iterator
+
+    def _count(self, value: Any, kind: Any) -> Any:
+        """Return the next number, and whether it is in the range; numba would count what remains of the range as well."""
+        builder = self.builder
+        place, stop = builder.extract_value(value, 0), builder.extract_value(value, 1)
+        number = builder.load(place)
+        builder.store(builder.add(number, number.type(1)), place)
+        pair = llvm.Constant(self.context.get_value_type(kind), llvm.Undefined)
+        pair = builder.insert_value(pair, number, 0)
+        return builder.insert_value(pair, builder.icmp_signed("<", number, stop), 1)
 
     def lower_getitem(self, resty: Any, expr: Any, value: Any, index: Any, signature: Any) -> Any:
         if not self._is_element(value, index):
@@ -253,11 +344,19 @@ class PartCompiler(_KernelCompiler):
         super().__init__(typing, target, _PartLibrary(target.codegen(), "part"), *rest)
 
 
+class _VectorizedLibrary(_EntryLibrary):
+    """The code of an entry whose loops use instructions for several numbers at once."""
+
+    _speed_level = 3
+
+
 class EntryCompiler(_KernelCompiler):
     """Compiles an entry, and its parts with it."""
 
+    _library: type[_EntryLibrary] = _EntryLibrary
+
     def __init__(self, typing: Any, target: Any, _: None, *rest: Any) -> None:
-        library = _EntryLibrary(target.codegen(), "entry")
+        library = self._library(target.codegen(), "entry")
         library.enable_object_caching()
         super().__init__(typing, target, library, *rest)
 
@@ -267,12 +366,21 @@ class EntryCompiler(_KernelCompiler):
             return super().compile_extra(func)
 
 
+class VectorizingCompiler(EntryCompiler):
+    """Compiles an entry whose loops use instructions for several numbers at once."""
+
+    _library = _VectorizedLibrary
+
+
 @contextmanager
 def _make_parts(codegen: Any) -> Iterator[None]:
     """Let numba compile its own functions as parts; functions that are no kernels wait meanwhile."""
+    context: Any = base
     with global_compiler_lock:
         codegen._library_class = _PartLibrary
+        context.user_function = _write_calls
         try:
             yield
         finally:
             del codegen._library_class
+            context.user_function = user_function

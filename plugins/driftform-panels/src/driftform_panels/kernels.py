@@ -12,14 +12,11 @@ m = 1. The equations hold in any unit of length.
 """
 
 import math
-from collections.abc import Callable
-from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
-from numba import njit
 
 from driftform.types import FloatArray
-from driftform.util.compiled import vectorized
+from driftform.util.compiled import compiled, vectorized
 
 NODES = 3
 """Values of the potential on each panel, at Gauss's points of the panel's parameter."""
@@ -43,35 +40,8 @@ _POINTS_8, _WEIGHTS_8 = (_x + 1) / 2, _w / 2
 _BASIS = np.linalg.inv(np.vander(POINTS)).T.copy()
 """Row k holds the quadratic that is 1 at the k-th point and 0 at the others, highest power first."""
 
-P = ParamSpec("P")
-R = TypeVar("R")
 
-
-_njit: Any = njit
-"""numba's decorator, with the options that its annotations do not know."""
-
-
-def _compile(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a function that compiled functions call, and tests."""
-    dispatcher: Callable[P, R] = _njit(error_model="numpy", nogil=True, no_cfunc_wrapper=True)(function)
-    return dispatcher
-
-
-def _compile_part(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a function that only compiled functions call: it has no Python wrapper, and Python must not call it."""
-    dispatcher: Callable[P, R] = _njit(
-        error_model="numpy", nogil=True, no_cfunc_wrapper=True, no_cpython_wrapper=True
-    )(function)
-    return dispatcher
-
-
-def _inline(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile into the caller: a loop that calls a function of this size is not vectorised."""
-    dispatcher: Callable[P, R] = njit(inline="always", error_model="numpy", nogil=True)(function)
-    return dispatcher
-
-
-@_inline
+@compiled
 def _ring_integrals(dx: float, r: float, s: float) -> tuple[float, float]:
     """Return I0 and I1 / I0, with I_m = int cos(m theta) / R over the ring, R^2 = dx^2 + r^2 + s^2 - 2 r s cos(theta).
 
@@ -100,7 +70,7 @@ def _ring_integrals(dx: float, r: float, s: float) -> tuple[float, float]:
     return 4.0 * math.pi / (a + g), total / p
 
 
-@_compile
+@compiled
 def integrate_rings(x: float, r: float, source: FloatArray, count: int, out: FloatArray) -> None:
     """Compute the influence of rings on one point of the meridian; the loop is compiled to vector instructions.
 
@@ -139,17 +109,17 @@ def integrate_rings(x: float, r: float, source: FloatArray, count: int, out: Flo
         )
 
 
-@_compile_part
+@compiled
 def _evaluate(curve: FloatArray, u: float) -> float:
     return float(((curve[0] * u + curve[1]) * u + curve[2]) * u + curve[3])
 
 
-@_compile_part
+@compiled
 def _slope(curve: FloatArray, u: float) -> float:
     return float((3.0 * curve[0] * u + 2.0 * curve[1]) * u + curve[2])
 
 
-@_compile_part
+@compiled
 def _place_ring(x: FloatArray, r: FloatArray, u: float, weight: float, source: FloatArray, k: int) -> None:
     """Place a ring at the point u of a panel, with its weight in a quadrature over u."""
     source[0, k] = _evaluate(x, u)
@@ -158,7 +128,7 @@ def _place_ring(x: FloatArray, r: FloatArray, u: float, weight: float, source: F
     source[3, k] = weight * _slope(x, u)
 
 
-@_compile_part
+@compiled
 def _choose_points_around(u: float, points: FloatArray, weights: FloatArray) -> int:
     """Choose points and weights for a panel whose integrand is logarithmic at u; return their number.
 
@@ -175,7 +145,7 @@ def _choose_points_around(u: float, points: FloatArray, weights: FloatArray) -> 
     return count
 
 
-@_compile_part
+@compiled
 def _choose_points_beside(
     xi: float, ri: float, x: FloatArray, r: FloatArray, length: float, points: FloatArray, weights: FloatArray
 ) -> int:
