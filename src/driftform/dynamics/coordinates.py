@@ -26,7 +26,7 @@ from driftform.dynamics.plane import (
 )
 from driftform.dynamics.rotations import rotation_from_vector, rotation_vector_from_quaternion
 from driftform.types import FloatArray
-from driftform.util.compiled import allocating, borrow, compiled
+from driftform.util.compiled import allocating, compiled
 
 GREATEST = 1e9
 """Acceleration (m/s2, rad/s2) to which those of trial steps are limited.
@@ -175,9 +175,8 @@ def _fill_sample_in_space(
 
 @compiled
 def _accelerations_in_plane(
-    t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
+    t: float, coordinates: FloatArray, rates: FloatArray, plane: FloatArray
 ) -> tuple[float, float, float]:
-    plane = borrow(values)
     attitude = math.cos(coordinates[2]), math.sin(coordinates[2])
     position, velocity = (coordinates[0], coordinates[1]), (rates[0], rates[1])
     # Each surface has 17 numbers, and with friction two for its bristle.

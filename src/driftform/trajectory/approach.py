@@ -9,7 +9,7 @@ from driftform.dynamics.vectors import add, distance_between, norm, scale, subtr
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.trajectory.path import row_vector, stretch_cubic, world_velocity
 from driftform.types import FloatArray, Trajectory
-from driftform.util.compiled import allocating, compiled
+from driftform.util.compiled import allocating
 
 _STATIONS = 4
 """Points of each stretch, its start among them, that are compared before Newton's method starts."""
@@ -56,7 +56,7 @@ def closest_approach(trajectory: Trajectory, points: FloatArray) -> tuple[FloatA
     return distances, times
 
 
-@compiled
+@allocating
 def _find_closest(
     t: FloatArray,
     position: FloatArray,

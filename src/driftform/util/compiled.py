@@ -4,8 +4,8 @@ A kernel that is called from Python is an entry: it has a Python wrapper, and it
 all kernels that it calls. A kernel that is called from another kernel is a part of it, and has neither: wrappers and
 files for all parts took a third of the compilation.
 
-Parts count no references to arrays: the entry that calls them keeps every array alive. Counting is atomic, and took half of
-the time of a flight. A kernel that makes arrays, or gets new ones from another kernel, counts them: it is `allocating`.
+Kernels count no references to arrays: their caller keeps every array alive. Counting is atomic, and took half of the time
+of a flight. A kernel that makes arrays, or gets new ones from another kernel, counts them: it is `allocating`.
 """
 
 import gc
@@ -188,7 +188,10 @@ class _Part(CPUDispatcher):
 
 
 def _require_no_arrays(overload: Any) -> None:
-    """Raise TypeError if a part that counts no references returns arrays, or calls a kernel that does."""
+    """Raise TypeError if a kernel that counts no references returns arrays, or calls a kernel that does."""
+    if isinstance(overload.type_annotation, str):
+        # From the cache, and required before.
+        return
     types = overload.target_context.data_model_manager
     calls, typemap = overload.type_annotation.calltypes, overload.type_annotation.typemap
     returned = [overload.signature.return_type]
@@ -211,8 +214,15 @@ class _Entry(CPUDispatcher):
         allocates: bool = False,
         pipeline_class: type[Compiler] = EntryCompiler,
     ) -> None:
-        super().__init__(function, targetoptions=_OPTIONS, pipeline_class=pipeline_class)
+        options = {**_OPTIONS, "_nrt": allocates}
+        super().__init__(function, targetoptions=options, pipeline_class=pipeline_class)
         self._allocates = allocates
+
+    def add_overload(self, overload: Any) -> None:
+        """See :meth:`_Part.add_overload`."""
+        if not self._allocates:
+            _require_no_arrays(overload)
+        super().add_overload(overload)
 
     # Most kernels of a process are never called from Python, and their machine code is loaded with that of others: part
     # and cache are made when they are needed.
