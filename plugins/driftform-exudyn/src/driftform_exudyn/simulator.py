@@ -29,8 +29,8 @@ class ExudynOptions(Table):
         le=1e6,
     )
     tolerance: float = option(
-        4e-6,
-        "initial relative and absolute tolerance of a step in every coordinate (DOPRI5)",
+        1e-6,
+        "initial tolerance of a step at the release in every coordinate; it grows along the flight (DOPRI5)",
         "SI",
         ge=1e-15,
         le=1e-2,
