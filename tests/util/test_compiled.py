@@ -106,8 +106,9 @@ def test_numba_is_left_as_it_was_after_a_kernel_is_compiled():
     assert BaseFunction.get_call_type is resolve
 
 
+@pytest.mark.parametrize("enters", [True, False])
 @pytest.mark.parametrize("fails", ["returns", "receives"])
-def test_a_part_that_counts_no_references_and_gets_hold_of_an_array_is_refused(fails):
+def test_a_kernel_that_counts_no_references_and_gets_hold_of_an_array_is_refused(fails, enters):
     import numpy as np
 
     from driftform.util.compiled import allocating, compiled
@@ -134,7 +135,7 @@ def test_a_part_that_counts_no_references_and_gets_hold_of_an_array_is_refused(f
     with pytest.raises(
         Exception, match=f"{fails}: a kernel that returns or receives new arrays must be @allocating"
     ):
-        enter(np.ones(3))
+        (enter if enters else part)(np.ones(3))
 
 
 FLIGHTS = """

@@ -10,6 +10,7 @@ from driftform.dynamics.flight import release_state
 from driftform.dynamics.integrator import greatest_distance
 from driftform.dynamics.model import DAMPED, flight_model
 from driftform.study import load_study
+from driftform_exudyn import integration
 from driftform_exudyn.integration import integrate_motion, make_settings
 
 PIPELINE = load_study("paper").make_pipeline()
@@ -61,3 +62,13 @@ def test_an_interruption_stops_a_flight_as_it_stops_anything(which, function):
 def test_the_step_limit_ends_a_flight(which):
     motion = motions(1)[which == "space"]
     assert len(integrate_motion(motion, SETTINGS, 17)) == 18
+
+
+@pytest.mark.parametrize("which", ["plane", "space"])
+def test_the_tolerance_grows_along_a_flight_and_the_settings_remain(which, monkeypatch):
+    motion = motions(1)[which == "space"]
+    growing = integrate_motion(motion, SETTINGS, 10_000)
+    assert SETTINGS.timeIntegration.absoluteTolerance == 1e-8
+    monkeypatch.setattr(integration, "TOLERANCE_GROWTH", 0.0)
+    constant = integrate_motion(motion, SETTINGS, 10_000)
+    assert len(growing) < 0.95 * len(constant)

@@ -175,23 +175,23 @@ def _fill_sample_in_space(
 
 @compiled
 def _accelerations_in_plane(
-    t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
+    t: float, coordinates: FloatArray, rates: FloatArray, plane: FloatArray
 ) -> tuple[float, float, float]:
     attitude = math.cos(coordinates[2]), math.sin(coordinates[2])
     position, velocity = (coordinates[0], coordinates[1]), (rates[0], rates[1])
     # Each surface has 17 numbers, and with friction two for its bristle.
-    rubs = values[RUB] > 0.0
-    count = (values.shape[0] - MODEL_SIZE) // (19 if rubs else 17)
+    rubs = plane[RUB] > 0.0
+    count = (plane.shape[0] - MODEL_SIZE) // (19 if rubs else 17)
     touches, bristles = MODEL_SIZE + 7 * count, MODEL_SIZE + 17 * count
     a_x, a_z, alpha = accelerations_in_plane(
         position,
         attitude,
         velocity,
         rates[2],
-        values,
-        borrow(values, MODEL_SIZE, (count, 7)),
-        borrow(values, touches, (count, 10)),
-        borrow(values, bristles, (2 * count if rubs else 0,)),
+        plane,
+        borrow(plane, MODEL_SIZE, (count, 7)),
+        borrow(plane, touches, (count, 10)),
+        borrow(plane, bristles, (2 * count if rubs else 0,)),
     )
     return _bound(a_x), _bound(a_z), _bound(alpha)
 

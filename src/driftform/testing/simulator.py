@@ -640,7 +640,7 @@ class SimulatorContract(Contract):
             assert flights[index].error == checked.error
 
     def test_a_screened_flight_that_does_not_matter_is_unchecked_or_the_simulated_one(self) -> None:
-        """It is the flight that ``matters`` received with the agent's index, whose error is ``None``; or it is checked."""
+        """It is the flight that ``matters`` received first with the agent's index, whose error is ``None``; or it is checked."""
         agents, scenario = self._screened()
         simulator = self.plugin()
         seen: dict[int, Trajectory] = {}

@@ -4,8 +4,8 @@ A kernel that is called from Python is an entry: it has a Python wrapper, and it
 all kernels that it calls. A kernel that is called from another kernel is a part of it, and has neither: wrappers and
 files for all parts took a third of the compilation.
 
-Parts count no references to arrays: the entry that calls them keeps every array alive. Counting is atomic, and took half of
-the time of a flight. A kernel that makes arrays, or gets new ones from another kernel, counts them: it is `allocating`.
+Kernels count no references to arrays: their caller keeps every array alive. Counting is atomic, and took half of the time
+of a flight. A kernel that makes arrays, or gets new ones from another kernel, counts them: it is `allocating`.
 A kernel that returns arrays in the memory of others is `borrowing`.
 """
 
@@ -92,6 +92,18 @@ def vectorized(function: Callable[P, R]) -> Callable[P, R]:
     For long loops of arithmetic, which then use instructions for several numbers at once.
     """
     return cast(Callable[P, R], _Entry(function, allocates=True, pipeline_class=VectorizingCompiler))
+
+
+def find_code(function: Callable[P, R], *arguments: P.args, **_: P.kwargs) -> Callable[P, R]:
+    """Return the machine code of a kernel for arguments of the same types, or the function if it is none or has others.
+
+    A call takes 0.15 us less, because nothing looks at the types again.
+    """
+    if not isinstance(function, _Entry) or function.py_func.__code__.co_argcount != len(arguments):
+        return function
+    types = tuple(map(function.typeof_pyval, arguments))
+    known = cast(Any, function.overloads).get(types)
+    return cast(Callable[P, R], known.entry_point if known else function.compile(types))
 
 
 @contextmanager
@@ -225,7 +237,7 @@ class _Part(CPUDispatcher):
 
 
 def _require_no_arrays(overload: Any, borrows: bool) -> None:
-    """Raise TypeError if a part that counts no references returns arrays of its own, or calls a kernel that does."""
+    """Raise TypeError if a kernel that counts no references returns arrays of its own, or calls a kernel that does."""
     types = overload.target_context.data_model_manager
     calls, typemap = overload.type_annotation.calltypes, overload.type_annotation.typemap
     returned = [] if borrows else [overload.signature.return_type]

@@ -13,7 +13,9 @@ import numpy as np
 
 from driftform.dynamics.coordinates import Motion
 from driftform.dynamics.flight import SAMPLE
+from driftform.dynamics.integrator import LOOSEST_RATIO, TOLERANCE_GROWTH
 from driftform.types import FloatArray
+from driftform.util.compiled import find_code
 from driftform_exudyn.headless import exudyn
 from driftform_exudyn.headless import items as typed_items
 
@@ -32,12 +34,15 @@ STEP_SAFETY = 0.75
 With Exudyn's default of 0.9 every fourth step is rejected, and the same error takes a fifth more evaluations.
 """
 
+TOLERANCE_PERIOD = 0.1
+"""Time between two changes of the tolerance, s: each takes as long as two evaluations."""
+
 
 def make_settings(integrator: str, horizon: float, tolerance: float, max_step: float) -> Any:
     """Return Exudyn's settings for a flight of at most ``horizon`` s.
 
-    ``tolerance`` applies to DOPRI5. RK67 and RK44 take equal steps of at most ``max_step`` s; steps of DOPRI5 are not
-    longer either.
+    ``tolerance`` is that of a step of DOPRI5 at the release, in every coordinate. RK67 and RK44 take equal steps of at
+    most ``max_step`` s; steps of DOPRI5 are not longer either.
     """
     settings = exudyn.SimulationSettings()
     settings.solution.file.write = False
@@ -47,7 +52,8 @@ def make_settings(integrator: str, horizon: float, tolerance: float, max_step: f
     integration.verboseMode = 0
     integration.solverType = getattr(exudyn.DynamicSolverType, integrator)
     integration.absoluteTolerance = tolerance
-    integration.relativeTolerance = tolerance
+    # Exudyn adds the relative tolerance times the number, not its size: a number near -1 would leave none.
+    integration.relativeTolerance = 0.0
     integration.minimumStepSize = 1e-10
     integration.stepSizeSafety = STEP_SAFETY
     integration.explicit.computeEndOfStepAccelerations = False
@@ -55,13 +61,18 @@ def make_settings(integrator: str, horizon: float, tolerance: float, max_step: f
 
 
 def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
-    """Return the raw samples of a flight, (k, 14): the release and the ends of at most ``limit`` steps."""
+    """Return the raw samples of a flight, (k, 14): the release and the ends of at most ``limit`` steps.
+
+    The tolerance grows along the flight, as in :mod:`driftform.dynamics.integrator`.
+    """
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
-    accelerations, fill_sample, values = motion.accelerations, motion.fill_sample, motion.values
+    values, b = motion.values, motion.bristles
+    integration = settings.timeIntegration
+    tolerance = integration.absoluteTolerance
     nowhere = (np.nan,) * len(motion.rates)
     samples = np.empty((1024, SAMPLE))
-    count, tries, b = 0, 0, motion.bristles
+    count, tries, due = 0, 0, 0.0
     known: tuple[float, ...] | None = None
 
     def bristle_rates(_: Any, t: float, *__: Any) -> FloatArray:
@@ -71,18 +82,24 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
         return values[-b:]
 
     def force(_: Any, t: float, *__: Any) -> tuple[float, ...]:
-        # Exudyn asks for the rates of the bristles at a state first, and they are computed together.
         nonlocal tries, known
         tries += 1
-        found, known = known, None
         if tries > MAX_TRIES:
             return nowhere
-        return accelerations(t, coordinates, rates, values) if found is None else found
+        if known is None:
+            return accelerations(t, coordinates, rates, values)
+        # Exudyn asks for the rates of the bristles at a state first, and they are computed together.
+        found, known = known, None
+        return found
 
     def after_step(_: Any, t: float) -> bool:
-        nonlocal samples, count, tries
+        nonlocal samples, count, tries, due
         tries = 0
-        if motion.touches is not None and not motion.touches(coordinates, values):
+        if t >= due:
+            # Exudyn reads this at every step.
+            integration.absoluteTolerance = tolerance * min(LOOSEST_RATIO, math.exp(TOLERANCE_GROWTH * t))
+            due = t + TOLERANCE_PERIOD
+        if b and motion.touches is not None and not motion.touches(coordinates, values):
             bristles[:] = 0.0
         if count == len(samples):
             samples = np.concatenate([samples, np.empty_like(samples)])
@@ -103,6 +120,8 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
     coordinates: Any = mbs.systemData.GetODE2Coordinates(copy=False)
     rates: Any = mbs.systemData.GetODE2Coordinates_t(copy=False)
     bristles: Any = mbs.systemData.GetODE1Coordinates(copy=False)
+    accelerations = find_code(motion.accelerations, 0.0, coordinates, rates, values)
+    fill_sample = find_code(motion.fill_sample, samples[0], 0.0, coordinates, rates, values)
     after_step(mbs, 0.0)
     mbs.SetPostStepUserFunction(after_step)
     # Exudyn raises an error if the error control fails, and returns True after NaN: the samples show both.
@@ -112,6 +131,8 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
         except exudyn.ModelError as error:
             # An interrupt is raised in the running Python code, usually a function that Exudyn calls.
             raise error.__cause__ or error from None
+        finally:
+            integration.absoluteTolerance = tolerance
     return samples[:count]
 
 

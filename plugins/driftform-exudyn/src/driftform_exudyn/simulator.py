@@ -1,6 +1,7 @@
 """Flights integrated by Exudyn, with driftform's equations of motion as the right-hand side."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Literal
 
 from driftform.interfaces import Simulator
@@ -29,8 +30,8 @@ class ExudynOptions(Table):
         le=1e6,
     )
     tolerance: float = option(
-        4e-6,
-        "initial relative and absolute tolerance of a step in every coordinate (DOPRI5)",
+        1e-6,
+        "initial tolerance of a step at the release in every coordinate; it grows along the flight (DOPRI5)",
         "SI",
         ge=1e-15,
         le=1e-2,
@@ -58,7 +59,8 @@ class ExudynSimulator(Simulator[ExudynOptions]):
 
     The error of a flight is its distance from a flight by another integrator,
     :mod:`driftform.dynamics.integrator`, plus the error of that flight. The two share only the equations. In a search the
-    other integrator, which is several times faster, also flies first: Exudyn flies what matters to the search.
+    other integrator, which is several times faster, also flies first, twice if that is not clear enough: Exudyn flies what
+    matters to the search.
     """
 
     name = "exudyn"
@@ -74,7 +76,7 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         scenarios: Sequence[Scenario],
         matters: Callable[[int, Trajectory], bool],
     ) -> list[Trajectory]:
-        """Return the flights of many agents; of one that does not matter, the coarsest that the reference is made of."""
+        """Return the flights of many agents; of one that does not matter, the reference, or the coarsest that it is made of."""
         return [
             self._fly(agent, scenario, lambda flight, index=index: matters(index, flight))  # type: ignore[misc]
             for index, (agent, scenario) in enumerate(zip(agents, scenarios, strict=True))
@@ -97,26 +99,33 @@ class ExudynSimulator(Simulator[ExudynOptions]):
         options, horizon = self.options, scenario.flight.horizon
         model = flight_model(agent, scenario)
         start = release_state(model, scenario)
+        accuracy = Accuracy(REFERENCE_SHARE * options.accuracy, step_limit=options.step_limit)
         first: FloatArray | None = None
         if matters is not None:
-            accuracy = Accuracy(REFERENCE_SHARE * options.accuracy, step_limit=options.step_limit)
             first = integrate_once(model, start, horizon, accuracy)
             screened = finish_trajectory(first, model, horizon, options.step_limit)
             if not matters(screened):
                 return screened
+        reference = integrate(model, start, horizon, accuracy, first)
+        if matters is not None:
+            screened = finish_trajectory(
+                reference.samples, model, horizon, options.step_limit, reference.error, options.accuracy
+            )
+            if not matters(screened):
+                return replace(screened, error=None)
         # Exudyn takes longer to import than most flights take.
         from driftform_exudyn.integration import integrate_motion, make_settings
 
         motion = describe_motion(model, start)
-        tolerance, share = options.tolerance, REFERENCE_SHARE
+        tolerance = options.tolerance
         while True:
             settings = make_settings(options.integrator, horizon, tolerance, options.max_step)
             samples = integrate_motion(motion, settings, options.step_limit)
-            accuracy = Accuracy(share * options.accuracy, step_limit=options.step_limit)
-            reference = integrate(model, start, horizon, accuracy, first)
             error = reference.error + greatest_distance(reference.samples, samples)
-            tolerance, share = TIGHTENING * tolerance, TIGHTENING * share
+            tolerance *= TIGHTENING
             hopeless = all(has_failed(flown, options.step_limit) for flown in (reference.samples, samples))
             last = options.integrator != "DOPRI5" or tolerance < options.tightest or hopeless
             if error <= options.accuracy or last:
                 return finish_trajectory(samples, model, horizon, options.step_limit, error, options.accuracy)
+            accuracy = replace(accuracy, position=TIGHTENING * accuracy.position)
+            reference = integrate(model, start, horizon, accuracy, first)
