@@ -156,9 +156,11 @@ def require_morphology(morphology: object, grammar: Grammar[Any]) -> Morphology:
     # Modules of a kind are often one object, which is checked once.
     for module in {id(module): module for module in (*found.fore, *found.aft)}.values():
         size = require(module, Module, grammar, "express")
-        if not (_are_numbers([size.length, size.tilt], 2, -np.inf, np.inf)) or not (
-            0 < size.length < math.inf and abs(size.tilt) < math.pi / 2
-        ):
+        # Whether floats are numbers need not be asked.
+        are_numbers = type(size.length) is type(size.tilt) is float or _are_numbers(
+            [size.length, size.tilt], 2, -np.inf, np.inf
+        )
+        if not (are_numbers and 0 < size.length < math.inf and abs(size.tilt) < math.pi / 2):
             what = f"{_show(size.length)} m and {_show(size.tilt)} rad as length and tilt of a module"
             raise _refuse(grammar, "express", what, "a length above 0 and a tilt below a right angle")
     return found

@@ -4,9 +4,10 @@ import math
 from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 
 from driftform.types import Body, FloatArray
-from driftform.util.compiled import allocating
+from driftform.util.compiled import allocating, compiled
 
 FEWEST_EDGES = 3
 """Edges in a row with their ends on one circle about a point of the axis that make a dome.
@@ -30,8 +31,7 @@ def touching_vertices(body: Body) -> FloatArray:
     The bore of a pipe is convex, so a body is inside exactly if its convex hull is: nothing else can touch. Vertices
     on the axis are included.
     """
-    x, r = body.outer.T
-    return _upper_hull(body.outer[np.lexsort((r, x))])
+    return _find_upper_hull(_sort_along(body.outer))
 
 
 def touching_rims(body: Body) -> FloatArray:
@@ -47,27 +47,7 @@ def touching_surfaces(body: Body) -> FloatArray:
     its normals' components along the axis; beyond them it ends in a rim. Contours are polylines: a dome is where the
     ends of at least :data:`FEWEST_EDGES` edges lie on one circle about a point of the axis.
     """
-    vertices = touching_vertices(body)
-    ends = _find_arcs(vertices)
-    points = vertices.tolist()
-    rows: list[tuple[float, ...]] = []
-    k, last = 0, len(points) - 1
-    while k <= last:
-        end = ends[k]
-        if end - k >= FEWEST_EDGES:
-            (x0, r0), (x1, r1) = points[k], points[end]
-            x = 0.5 * (x0 + x1) + 0.5 * (r1 - r0) * (r0 + r1) / (x1 - x0)
-            radius = math.hypot(x1 - x, r1)
-            aft, fore = ((points[i][0] - x) / radius for i in (k, end))
-            rows.append((x, 0.0, radius, max(-1.0, aft), min(1.0, fore)))
-            k = end
-            # The end of a dome is its own rim; what comes next may start with it.
-            k += 0 if ends[k] - k >= FEWEST_EDGES else 1
-        else:
-            if points[k][1] > 0.0:
-                rows.append((*points[k], 0.0, 0.0, 0.0))
-            k += 1
-    return np.array(rows).reshape(-1, 5)
+    return _find_surfaces(_sort_along(body.outer))
 
 
 def refined_surfaces(body: Body, spacing: float) -> FloatArray:
@@ -97,25 +77,74 @@ def refined_surfaces(body: Body, spacing: float) -> FloatArray:
     return np.vstack([surfaces, added])
 
 
-def _find_arcs(vertices: FloatArray) -> list[int]:
-    """Return for each vertex (x, r) the last one on the circle through it and the next; itself without such a circle."""
-    (x, r), (dx, dr) = vertices[:-1].T, np.diff(vertices, axis=0).T
-    # An edge across the axis has no such circle.
-    with np.errstate(divide="ignore", invalid="ignore"):
-        centres = x + 0.5 * dx + dr * (r + 0.5 * dr) / dx
-        radii = np.hypot(x - centres, r)
-        change = np.maximum(np.abs(np.diff(centres)), np.abs(np.diff(radii)))
-    curved = (dx > 0.0) & (np.hypot(dx, dr) <= LONGEST_STEP * radii)
-    continued = [*(curved[1:] & (change <= ROUNDNESS * radii[:-1])).tolist(), False]
-    ends = list(range(len(vertices)))
-    for k, is_curved in reversed(list(enumerate(curved.tolist()))):
-        if is_curved:
-            ends[k] = ends[k + 1] if continued[k] else k + 1
-    return ends
+def _sort_along(points: FloatArray) -> FloatArray:
+    """Return points (x, r) in ascending order of x, and of r where x is the same, (n, 2)."""
+    x, r = points.T
+    return points[np.lexsort((r, x))]
 
 
 @allocating
-def _upper_hull(points: FloatArray) -> FloatArray:
+def _find_surfaces(points: FloatArray) -> FloatArray:
+    """Return what :func:`touching_surfaces` does from the vertices (n, 2) of a contour, sorted by x."""
+    vertices = _find_upper_hull(points)
+    ends, count = _find_arcs(vertices), vertices.shape[0]
+    surfaces, row, k = np.zeros((count, 5)), 0, 0
+    while k < count:
+        (x, r), end = (vertices[k, 0], vertices[k, 1]), ends[k]
+        if end - k >= FEWEST_EDGES:
+            last, height = vertices[end, 0], vertices[end, 1]
+            centre = _centre_circle(x, r, last, height)
+            radius = math.hypot(last - centre, height)
+            surfaces[row, 0], surfaces[row, 2] = centre, radius
+            surfaces[row, 3], surfaces[row, 4] = (
+                max(-1.0, (x - centre) / radius),
+                min(1.0, (last - centre) / radius),
+            )
+            row += 1
+            # The end of a dome is its own rim; what comes next may start with it.
+            k = end if ends[end] - end >= FEWEST_EDGES else end + 1
+        else:
+            if r > 0.0:
+                surfaces[row, 0], surfaces[row, 1] = x, r
+                row += 1
+            k += 1
+    return surfaces[:row]
+
+
+@allocating
+def _find_arcs(vertices: FloatArray) -> npt.NDArray[np.int64]:
+    """Return for each vertex (x, r) the last one on the circle through it and the next; itself without such a circle, (n,)."""
+    count = vertices.shape[0]
+    ends = np.empty(count, np.int64)
+    ends[count - 1] = count - 1
+    # Of the edge that follows; an edge across the axis has no such circle.
+    is_curved, centre, radius = False, 0.0, 0.0
+    for k in range(count - 2, -1, -1):
+        x, r, dx, dr = (
+            vertices[k, 0],
+            vertices[k, 1],
+            vertices[k + 1, 0] - vertices[k, 0],
+            vertices[k + 1, 1] - vertices[k, 1],
+        )
+        next_centre, next_radius, continues = centre, radius, is_curved
+        centre = _centre_circle(x, r, vertices[k + 1, 0], vertices[k + 1, 1])
+        radius = math.hypot(x - centre, r)
+        is_curved = dx > 0.0 and math.hypot(dx, dr) <= LONGEST_STEP * radius
+        ends[k] = k
+        if is_curved:
+            change = max(abs(next_centre - centre), abs(next_radius - radius))
+            ends[k] = ends[k + 1] if continues and change <= ROUNDNESS * radius else k + 1
+    return ends
+
+
+@compiled
+def _centre_circle(x0: float, r0: float, x1: float, r1: float) -> float:
+    """Return where on the axis (m) the centre of a circle through two points (x, r) is."""
+    return 0.5 * (x0 + x1) + 0.5 * (r1 - r0) * (r0 + r1) / (x1 - x0)
+
+
+@allocating
+def _find_upper_hull(points: FloatArray) -> FloatArray:
     """Return the vertices of the upper convex hull of points (n, 2) that are sorted by x (Andrew 1979)."""
     hull = np.empty_like(points)
     count = 0
