@@ -136,7 +136,11 @@ class Disturbed(InProcess):
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows does not let a directory go that is in use")
 @pytest.mark.parametrize("deed", ["moved", "deleted", "replaced"])
-def test_a_run_whose_directory_goes_away_stops_and_says_so(tmp_path: Path, rows: Rows, deed: str) -> None:
+def test_a_run_whose_directory_goes_away_stops_and_says_so(
+    tmp_path: Path, rows: Rows, deed: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # So that the first are written before the directory goes away.
+    monkeypatch.setattr("driftform.runs.search.UNWRITTEN_S", 0.0)
     study = load_study(
         None,
         use={"simulator": "fake", "strategy": "paper"},
