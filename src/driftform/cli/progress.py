@@ -18,6 +18,7 @@ class Progress(Observer):
         self._status = RunStatus(run.study.scenario.target_names, run.study.evaluations)
         self._throughput = Throughput(0)
         self._stored = 0
+        self._printed = 0
         self._live = sys.stdout.isatty() and sys.stderr.isatty()
         self._flies_finalists = run.study.scenario.robustness.conditions > 0
         self._footer = f"{run.path}: Ctrl-C stops, 'driftform resume' continues"
@@ -56,8 +57,11 @@ class Progress(Observer):
         self._throughput.mark(self._status.done)
 
     def generation(self, evaluations: int) -> None:
-        """Print a line off a terminal; not for each generation that was stored before."""
-        if not self._live and (evaluations > self._stored or evaluations == self._status.budget):
+        """Print a line off a terminal if there are new evaluations; not for each generation that was stored before."""
+        if self._live or self._printed == self._status.done:
+            return
+        if evaluations > self._stored or evaluations == self._status.budget:
+            self._printed = self._status.done
             print(progress_line(self._status, self._throughput), file=sys.stderr, flush=True)
 
     def _state(self) -> str:

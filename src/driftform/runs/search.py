@@ -116,8 +116,8 @@ def _search(
                     batch.outcomes[index] = evaluation
                     journal.add(batch.record(index, evaluation))
             batch = batches[0]
-            if count_survey(study.scenario.robustness) or told + len(batch.candidates) == study.evaluations:
-                # The survey reads them, and nothing follows the last.
+            if len(batches) == 1 or count_survey(study.scenario.robustness):
+                # Nothing is flown meanwhile, or the survey reads them.
                 journal.write()
             strategy.tell(told, survey(study, store, executor, told, batch.candidates, batch.ordered))
             best.add(batch.ordered)
