@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from driftform.cli.app import app
 
-pytestmark = pytest.mark.long
+pytestmark = [pytest.mark.long, pytest.mark.peers]
 
 PAGE = "networks.md"
 
@@ -21,8 +21,6 @@ QUICKLY = {"evolve": ["--evaluations", "40", "--workers", "1"]}
 def _in_an_empty_folder(
     tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    for module in ("wntr", "resvg_py"):
-        pytest.importorskip(module)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.getbasetemp() / "networks"))
 
