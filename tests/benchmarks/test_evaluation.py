@@ -77,7 +77,11 @@ def test_errors_of_unchecked_flights(publish, count_of, tmp_path):
         "|---|---|---|---|---|---|---|---|",
     ]
     for use, number in zip(SIMULATORS, (count, count // 10), strict=True):
-        study = load_study("paper", use={"simulator": use}, run={"seed": 1, "evaluations": number})
+        study = load_study(
+            "paper",
+            use={"simulator": use, "strategy": "evolution"},
+            run={"seed": 1, "evaluations": number},
+        )
         pipeline, rng = study.make_pipeline(), np.random.default_rng(1)
         search = Recorder(InProcess(pipeline))
         with Store.create(tmp_path / f"{use}.db", {}) as store:
