@@ -1,4 +1,4 @@
-"""What Exudyn does not fly, and whose flight stands for it."""
+"""Which agents of a search Exudyn does not fly, and the flight that is returned instead."""
 
 import numpy as np
 
