@@ -239,6 +239,12 @@ def greatest_distance(a: FloatArray, b: FloatArray) -> float:
     return math.sqrt(greatest)
 
 
+@compiled
+def grow_tolerance(tolerance: float, t: float) -> float:
+    """Return the tolerance of a step at the time ``t`` (s) after the release, where it is ``tolerance``."""
+    return tolerance * min(LOOSEST_RATIO, math.exp(TOLERANCE_GROWTH * t))
+
+
 class _Progress(NamedTuple):
     """How far an integration is: time (s), next step (s), what chooses the steps, samples, and whether the flight has ended."""
 
@@ -360,7 +366,7 @@ def _take_steps(
         ):
             ended = True
             break
-        pair, sharp = DOPRI5, tolerance * min(LOOSEST_RATIO, math.exp(TOLERANCE_GROWTH * t))
+        pair, sharp = DOPRI5, grow_tolerance(tolerance, t)
         near = not is_far_from_wall(position, model.table[REACH], model.pipe, model.fittings)
         if not near:
             pair = DOP853

@@ -13,7 +13,7 @@ import numpy as np
 
 from driftform.dynamics.coordinates import Motion
 from driftform.dynamics.flight import SAMPLE
-from driftform.dynamics.integrator import LOOSEST_RATIO, TOLERANCE_GROWTH
+from driftform.dynamics.integrator import grow_tolerance
 from driftform.types import FloatArray
 from driftform.util.compiled import find_code
 from driftform_exudyn.headless import exudyn
@@ -97,7 +97,7 @@ def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
         tries = 0
         if t >= due:
             # Exudyn reads this at every step.
-            integration.absoluteTolerance = tolerance * min(LOOSEST_RATIO, math.exp(TOLERANCE_GROWTH * t))
+            integration.absoluteTolerance = grow_tolerance(tolerance, t)
             due = t + TOLERANCE_PERIOD
         if b and motion.touches is not None and not motion.touches(coordinates, values):
             bristles[:] = 0.0
