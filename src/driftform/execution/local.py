@@ -9,7 +9,7 @@ from typing import Any
 
 from driftform.execution.jobs import ATTEMPTS, FunctionDiedError, Job, Outcome, T
 from driftform.execution.pool import Cause, Death, PoolExecutor, WorkerDiedError, WorkerGroup
-from driftform.execution.worker import Worker, work
+from driftform.execution.worker import Worker, prepare, work
 
 
 class LocalProcesses(PoolExecutor):
@@ -22,7 +22,8 @@ class LocalProcesses(PoolExecutor):
     def start(self, count: int) -> None:
         """Start ``count`` of the processes, or all; they load what they need while the caller prepares their first tasks."""
         for process in self._processes[:count]:
-            process.start_worker()
+            # If that fails, the first evaluation fails alike, and reports it.
+            process.start(prepare)
 
     def call(self, functions: "Sequence[Callable[[], T]]") -> list[T]:
         """Call functions in the worker processes, in turn, and return what they return, in their order.
@@ -89,13 +90,9 @@ class _Process(WorkerGroup):
         while future is None:
             # There is no process, or it died while it waited for work.
             self.close()
-            future = self.start_worker().submit(function)
+            self._worker = Worker(self._document, self.timeout)
+            future = self._worker.submit(function)
         return future
-
-    def start_worker(self) -> Worker:
-        """Start the process, which does not run."""
-        self._worker = Worker(self._document, self.timeout)
-        return self._worker
 
     def find_death(self, error: BaseException) -> Death | None:
         return error.death if isinstance(error, WorkerDiedError) else None

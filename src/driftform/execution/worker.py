@@ -245,9 +245,6 @@ def _serve(connection: "Connection[Any, Any]") -> None:
     # A coordinator that has ended needs no answer.
     with suppress(EOFError, OSError):
         _document = connection.recv()
-        # What is wrong with it is the error of the first task, which tries again.
-        with suppress(BaseException):
-            _load_pipeline()
         while True:
             _answer()
 
@@ -289,8 +286,14 @@ def _load_pipeline() -> Pipeline:
     return load_study(Document("the study", _document)).make_pipeline()
 
 
+def prepare() -> None:
+    """Load what the first evaluation needs, in a worker process."""
+    _load_pipeline()
+
+
 def work(batch: Sequence[Job], *, rehearses: bool = False) -> list[Outcome]:
     """Evaluate the genomes of one task, in a worker process, which flies one of them under other conditions before."""
+    # Loaded by a task: an exception is then the error of that task, and not a dead process.
     pipeline = _load_pipeline()
     _report("begun")
     if rehearses:
