@@ -45,9 +45,9 @@ def fly_disturbed(
     """
     targets = study.scenario.target_names
     pairs = list(wanted)
-    indices = {index for index, _ in pairs} or {0}
+    indices = {index for index, _ in pairs}
     # A flight has a result for each target.
-    flown = store.read_disturbed(targets[0], min(indices), max(indices) + 1)
+    flown = store.read_disturbed(targets[0], min(indices, default=0), max(indices, default=-1) + 1)
     missing = [(index, condition) for index, condition in pairs if condition not in flown.get(index, ())]
     genomes = {index: store.read_genome(index) for index in {index for index, _ in missing}}
     jobs = [

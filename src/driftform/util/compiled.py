@@ -95,10 +95,9 @@ def vectorized(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def find_code(function: Callable[P, R], *arguments: P.args, **_: P.kwargs) -> Callable[P, R]:
-    """Return the machine code of a kernel for arguments of these types; the function itself if that is not possible.
+    """Return the machine code of a kernel for arguments of these types, which must be all that it has.
 
-    It must be a kernel, and the arguments all that it has.
-    A call takes 0.15 us less, because nothing looks at the types again.
+    Another function, or one with more arguments, is returned itself. A call takes 0.15 us less, because nothing looks at the types again.
     """
     if not isinstance(function, _Entry) or function.py_func.__code__.co_argcount != len(arguments):
         return function

@@ -18,8 +18,6 @@ from driftform_lsystem.alphabet import (
     RULES,
 )
 
-_PLACES_OF_GENOTYPE = [*range(len(QUINTUPLE))] * (GENOTYPE_LENGTH // len(QUINTUPLE))
-
 
 def find_quintuple_fault(symbols: Sequence[str]) -> str | None:
     """Return the first fault in symbols that should be complete quintuples, or ``None``."""
@@ -50,8 +48,8 @@ def find_rule_fault(rule: str, symbols: Sequence[str]) -> str | None:
 
 def find_fault(symbols: Sequence[str]) -> str | None:
     """Return the first fault in the symbols of a genome, or ``None``."""
-    if list(map(PLACE.get, symbols)) == _PLACES_OF_GENOTYPE:
-        # The usual case, and the quickest: all symbols at once.
+    if len(symbols) == GENOTYPE_LENGTH and find_quintuple_fault(symbols) is None:
+        # The usual case, and the quickest: all rules at once.
         return None
     if is_word(symbols):
         return find_quintuple_fault(symbols[1:])
