@@ -4,6 +4,7 @@ import json
 import os
 import shutil
 import sqlite3
+import struct
 import zlib
 from collections.abc import Callable
 from contextlib import closing
@@ -59,10 +60,15 @@ def flown(blob: bytes) -> Callable[[Path], None]:
     return harm
 
 
-def flight_of(*rows: list[float]) -> bytes:
-    """A flight as it is stored, of rows of 14 numbers."""
-    planes = np.array(rows, dtype="<f4").T.copy().view(np.uint8).reshape(-1, 4).T
-    return zlib.compress(planes.tobytes())
+def flight_of(*rows: list[float], numbers: int = 0x3FFF, count: int | None = None) -> bytes:
+    """A flight as it is stored, of rows of 14 numbers; it says which are there, and how many rows."""
+    planes = np.array(rows, dtype="<f4").T.copy().view(np.uint8).reshape(-1, 4).T.tobytes()
+    header = struct.pack("<HII", numbers, len(rows) if count is None else count, zlib.adler32(planes))
+    low = len(planes) // 4 * 3
+    return header + planes[:low] + zlib.compress(planes[low:])
+
+
+SOUND = flight_of([0.0] * 14, [1.0] * 14)
 
 
 def studied(change: Callable[[dict[str, Any]], object]) -> Callable[[Path], None]:
@@ -129,8 +135,14 @@ DAMAGE = "is damaged"
         (sql("UPDATE evaluation SET seed = 'x'"), "a seed is 'x'"),
         (sql("UPDATE evaluation SET seconds = -1"), "the time of an evaluation is -1.0"),
         (sql("UPDATE evaluation SET contact = 'x'"), "the contact of a flight is 'x'"),
-        (flown(zlib.compress(bytes(1 << 29), 9)), "a flight is cut short, or too large"),
-        (flown(zlib.compress(bytes(57))), "a flight has 57 bytes"),
+        (flown(b""), "a flight is cut short"),
+        (flown(SOUND[:-1]), "a flight has another length than it says"),
+        (flown(SOUND + b"x"), "a flight has another length than it says"),
+        (flown(SOUND[:20] + b"x" + SOUND[21:]), "a flight has other bytes than it says"),
+        (flown(flight_of([0.0] * 14, count=1 << 31)), "a flight has another length than it says"),
+        (flown(flight_of([0.0] * 14, numbers=0xFFFF)), "a flight has another length than it says"),
+        (flown(flight_of([], numbers=0, count=1 << 31)), "a flight has another length than it says"),
+        (flown(SOUND[:94] + zlib.compress(bytes(1 << 29), 9)), "a flight has another length than it says"),
         (flown(flight_of([0.0] * 14, [np.nan] * 14)), "a flight has numbers that are not finite"),
         (flown(flight_of([1.0] * 14, [0.5] * 14)), "the times of a flight decrease"),
         (studied(lambda study: study.update(targets={})), "the study's targets is {}"),

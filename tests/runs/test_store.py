@@ -132,6 +132,20 @@ def test_a_stored_flight_keeps_its_ends_and_is_within_single_precision_between(f
     assert max(np.diff(kept.t), default=0.0) <= widest + 2 * SAMPLE_GAP
 
 
+@given(trajectories(), st.sampled_from([0.0, -0.0, 1.0]))
+def test_what_is_zero_all_along_takes_no_room_and_keeps_its_sign(flight: Trajectory, sway: float) -> None:
+    velocity = flight.velocity.copy()
+    velocity[:, 1] = sway
+    swaying = encode(replace(flight, velocity=velocity))
+    velocity[:, 1] = 0.0
+    straight = encode(replace(flight, velocity=velocity))
+    kept = decode(swaying, flight.end)
+    assert (np.signbit(kept.velocity[:, 1]) == np.signbit(sway)).all()
+    assert (kept.velocity[:, 1] == sway).all()
+    is_stored = bool(np.signbit(sway)) or sway != 0.0
+    assert (len(swaying) > len(straight)) == is_stored
+
+
 @given(trajectories())
 def test_what_was_stored_once_is_stored_the_same_again(flight: Trajectory) -> None:
     once = decode(encode(flight), flight.end)

@@ -27,14 +27,14 @@ from driftform.runs.values import (
     read_study_document,
     read_texts,
 )
-from driftform.trajectory.compression import compress, decode, diagnostics
+from driftform.trajectory.compression import LARGEST_FLIGHT, compress, decode, diagnostics
 from driftform.types import Candidate, End, Evaluation, FloatArray, Genome, Trajectory
 from driftform.util.files import write_whole
 
 APPLICATION_ID = 0x64726674
 """In the header of a file of SQLite: by it a database is known as one of ours."""
 
-SCHEMA_VERSION = 4
+SCHEMA_VERSION = 5
 """Of the tables; a database of another version is refused."""
 
 _SCHEMA = """
@@ -57,7 +57,7 @@ CREATE TABLE evaluation (
     energy_drift REAL,           -- up to then, relative
     error REAL,                  -- estimated, of the position, m
     seconds REAL NOT NULL,       -- that the evaluation took
-    trajectory BLOB              -- see encoded(): t, position, quaternion, velocity
+    trajectory BLOB              -- see driftform.trajectory.compression.encode
 );
 CREATE TABLE score (
     evaluation INTEGER NOT NULL REFERENCES evaluation (id),
@@ -98,8 +98,8 @@ _HEADER = 100
 _LARGEST = 2**63 - 1
 """Integer of SQLite."""
 
-_LARGEST_VALUE = 1 << 26
-"""Largest text or blob that is read, bytes: SQLite refuses a larger one before it takes memory."""
+_LARGEST_ROW = LARGEST_FLIGHT + (1 << 20)
+"""Largest row that is written or read, bytes: SQLite refuses a larger one before it takes memory."""
 
 _DAMAGE = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
 """Errors of SQLite that mean damage; all others are about the place: a full disk, a lock, a right that is missing."""
@@ -646,7 +646,7 @@ def _connect(path: Path, read_only: bool = False) -> sqlite3.Connection:
             connection = sqlite3.connect(path, isolation_level=None)
     except sqlite3.Error as error:
         raise WorkFailedError(f"{path}: cannot be opened: {error}") from None
-    connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _LARGEST_VALUE)
+    connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _LARGEST_ROW)
     return connection
 
 

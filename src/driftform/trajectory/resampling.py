@@ -81,16 +81,27 @@ def select_spaced(t: FloatArray, gap: float) -> npt.NDArray[np.int64]:
     return kept[:count]
 
 
-def byte_planes(
+@allocating
+def thin_samples(
     t: FloatArray, position: FloatArray, quaternion: FloatArray, velocity: FloatArray, gap: float
-) -> npt.NDArray[np.uint8]:
-    """Return the samples that are at least ``gap`` (s) apart, in single precision: their n-th lowest bytes in row n.
+) -> npt.NDArray[np.float32]:
+    """Return samples of a trajectory that are at least ``gap`` (s) apart, in single precision, (14, k).
 
-    A row has the bytes of t, then those of each column of position, quaternion and velocity, (4, 14 k).
+    The first and the last are always among them; only where a flight lasts less than ``gap`` are they closer. The times
+    are compared as they are rounded, so that a trajectory that was thinned before keeps all its samples.
     """
-    samples = np.vstack([t, position.T, quaternion.T, velocity.T])
-    with np.errstate(over="ignore"):
-        # Thin by the rounded times, so that a trajectory that was thinned before keeps all its samples.
-        kept = select_spaced(samples[0].astype(np.float32).astype(float), gap)
-        values = np.ascontiguousarray(samples[:, kept], "<f4")
-    return np.ascontiguousarray(values.view(np.uint8).reshape(-1, 4).T)
+    rounded = np.empty_like(t)
+    for k in range(t.shape[0]):
+        rounded[k] = np.float32(t[k])
+    kept = select_spaced(rounded, gap)
+    samples = np.empty((14, kept.shape[0]), dtype=np.float32)
+    for k in range(kept.shape[0]):
+        row = kept[k]
+        samples[0, k] = np.float32(t[row])
+        for i in range(3):
+            samples[1 + i, k] = np.float32(position[row, i])
+        for i in range(4):
+            samples[4 + i, k] = np.float32(quaternion[row, i])
+        for i in range(6):
+            samples[8 + i, k] = np.float32(velocity[row, i])
+    return samples
