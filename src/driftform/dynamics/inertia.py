@@ -13,12 +13,18 @@ def cross_matrix(vector: FloatArray) -> FloatArray:
 
 def rigid_body_mass(mass: MassProperties) -> FloatArray:
     """Return M_RB about the body frame's origin, (6, 6) (Fossen 2011, eq. 3.44)."""
-    S = cross_matrix(mass.cog)
-    matrix = np.zeros((6, 6))
-    matrix[:3, :3] = mass.mass * np.eye(3)
-    matrix[:3, 3:] = -mass.mass * S
-    matrix[3:, :3] = mass.mass * S
-    matrix[3:, 3:] = mass.inertia - mass.mass * S @ S
+    m, (x, y, z) = mass.mass, mass.cog.tolist()
+    matrix = np.array(
+        [
+            [m, 0.0, 0.0, 0.0, m * z, -m * y],
+            [0.0, m, 0.0, -m * z, 0.0, m * x],
+            [0.0, 0.0, m, m * y, -m * x, 0.0],
+            [0.0, -m * z, m * y, m * y * y + m * z * z, -m * x * y, -m * x * z],
+            [m * z, 0.0, -m * x, -m * x * y, m * x * x + m * z * z, -m * y * z],
+            [-m * y, m * x, 0.0, -m * x * z, -m * y * z, m * x * x + m * y * y],
+        ]
+    )
+    matrix[3:, 3:] += mass.inertia
     return matrix
 
 

@@ -1,5 +1,6 @@
 """An agent in a scenario as plain arrays: the input of the compiled equations of motion."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from driftform.dynamics.terminal import terminal_speed_across
 from driftform.geometry.slices import slice_solid
 from driftform.scenario import Scenario, TurbulentFlow
 from driftform.types import Agent, Body, Drag, FloatArray
-from driftform.util.compiled import borrow, borrowing
+from driftform.util.compiled import borrow, borrowing, compiled
 from driftform.util.latest import keep_latest
 
 # Rows of the table that the kernels read; six columns each.
@@ -40,10 +41,7 @@ AXISYMMETRIC = (32, 4)
 
 _FEWEST, _MOST_SLICES = 16, 64
 
-_ROLL = np.kron(
-    np.eye(2), [[1.0, 0.0, 0.0], [0.0, np.cos(1.0), -np.sin(1.0)], [0.0, np.sin(1.0), np.cos(1.0)]]
-)
-"""A roll by 1 rad of forces and torques, (6, 6)."""
+_NO_DRAG = Drag(np.empty((0, 4)))
 
 
 class FlightModel(NamedTuple):
@@ -110,14 +108,14 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     fittings, (flow, current, pipe) = fitting_array(scenario), _environment(scenario)
     surfaces = _surface_rows(agent.body, inverse, scenario)
     gusts = _gusts(agent, scenario)
-    drag = coefficients.drag or Drag(np.empty((0, 4)))
+    drag = coefficients.drag or _NO_DRAG
     table = np.zeros((ROWS, 6))
     table[MASS : MASS + 6], table[INVERSE : INVERSE + 6] = total, inverse
     table[LINEAR : LINEAR + 6] = coefficients.linear_damping
     table[QUADRATIC : QUADRATIC + 6] = coefficients.quadratic_damping
     table[COG, :3], table[COB, :3] = mass.cog, mass.cob
     table[DAMPING_POINT, :3] = coefficients.origin
-    table[DAMPED] = np.any(table[LINEAR:COG])
+    table[DAMPED] = table[LINEAR:COG].any()
     table[CURRENT, :3] = current
     table[STEADY] = flow[0] == UNIFORM and not len(gusts) and fittings is None
     table[AXIAL_DRAG] = (
@@ -215,21 +213,44 @@ def invert_mass(total: FloatArray, length: float) -> FloatArray:
         return np.full((6, 6), np.nan)
     scale = np.array([[1.0], [1.0], [1.0], [1 / length], [1 / length], [1 / length]])
     values, vectors = np.linalg.eigh(scale * total * scale.T)
-    kept = values > 1e-13 * values.max()
+    kept = values > 1e-13 * values[-1]
     axes = scale * vectors[:, kept]
     inverse = (axes / values[kept]) @ axes.T
     # The inverse for a body with a plane of symmetry does not couple motions in and out of that plane. Rounding must
     # not couple them either: it would start an out-of-plane motion that the undamped equations amplify.
-    return np.where(np.abs(inverse) > 1e-14 * np.abs(inverse).max(), inverse, 0.0)
+    size = np.abs(inverse)
+    inverse[size <= 1e-14 * size.max()] = 0.0
+    return inverse
 
 
+@compiled
 def _is_axisymmetric(table: FloatArray) -> bool:
     """Return True if mass, damping and all centres of a table are the same after a roll."""
-    parts = np.array([table[row : row + 6] for row in (MASS, LINEAR, QUADRATIC)])
-    if table[[COG, COB, DAMPING_POINT], 1:3].any() or not np.isfinite(parts).all():
-        return False
-    change = np.abs(_ROLL @ parts @ _ROLL.T - parts).max(axis=(1, 2))
-    return bool((change <= 1e-12 * np.abs(parts).max(axis=(1, 2))).all())
+    for row in (COG, COB, DAMPING_POINT):
+        if table[row, 1] != 0.0 or table[row, 2] != 0.0:
+            return False
+    for row in (MASS, LINEAR, QUADRATIC):
+        largest, change = 0.0, 0.0
+        for i in range(row, row + 6):
+            for j in range(6):
+                largest = max(largest, abs(table[i, j]))
+        # A roll turns the pairs sway, heave and pitch, yaw: it changes what couples one with surge or roll, and each
+        # block of two pairs that is not a scale and a turn.
+        for i in range(0, 6, 3):
+            for j in range(0, 6, 3):
+                up, low = table[row + i + 1], table[row + i + 2]
+                change = max(
+                    change,
+                    abs(table[row + i, j + 1]),
+                    abs(table[row + i, j + 2]),
+                    abs(up[j]),
+                    abs(low[j]),
+                    abs(up[j + 1] - low[j + 2]),
+                    abs(up[j + 2] + low[j + 1]),
+                )
+        if not (math.isfinite(largest) and change <= 1e-12 * largest):
+            return False
+    return True
 
 
 def _surface_rows(body: Body, inverse: FloatArray, scenario: Scenario) -> FloatArray:
@@ -237,21 +258,39 @@ def _surface_rows(body: Body, inverse: FloatArray, scenario: Scenario) -> FloatA
         surfaces = touching_surfaces(body)
     else:
         surfaces = refined_surfaces(body, rim_spacing(scenario.pipe.layout))
-    x, r = surfaces[:, 0], surfaces[:, 1] + surfaces[:, 2]
-    # 1 / (effective mass) of a push at (x, 0, r) is J M^-1 J^T, with J of a force along the axis, and around it.
-    push = np.zeros((2, len(surfaces), 6))
-    push[0, :, 0], push[0, :, 4] = 1.0, r
-    push[1, :, 1], push[1, :, 3], push[1, :, 5] = 1.0, -r, x
-    with np.errstate(divide="ignore", invalid="ignore"):
-        along, around = 1 / np.einsum("aki,ij,akj->ak", push, inverse, push)
+    rows = np.empty((len(surfaces), 7))
+    rows[:, :5] = surfaces
     # A bore of radius R falls away from its tangent by r^2 / (2 R) within r.
     if scenario.pipe.is_open:
-        fall = np.zeros(len(surfaces))
+        rows[:, 5] = 0.0
     elif scenario.pipe.straight is not None:
-        fall = surfaces[:, 1] ** 2 / scenario.pipe.layout.narrowest
+        rows[:, 5] = surfaces[:, 1] ** 2 / scenario.pipe.layout.narrowest
     else:
-        fall = r**2 * greatest_curvature(scenario.pipe.layout)
-    return np.column_stack([surfaces, fall, np.minimum(along, around)])
+        rows[:, 5] = (surfaces[:, 1] + surfaces[:, 2]) ** 2 * greatest_curvature(scenario.pipe.layout)
+    _fill_effective_masses(rows, inverse)
+    return rows
+
+
+@compiled
+def _fill_effective_masses(surfaces: FloatArray, inverse: FloatArray) -> None:
+    """Fill the last number of each surface: the smaller of the masses (kg) that a push along the axis moves, and one around it."""
+    for k in range(surfaces.shape[0]):
+        row = surfaces[k]
+        x, r = row[0], row[1] + row[2]
+        # 1 / (effective mass) of a push at (x, 0, r) is J M^-1 J^T, with J of a force along the axis, and around it.
+        along = inverse[0, 0] + inverse[0, 4] * r + r * inverse[4, 0] + r * inverse[4, 4] * r
+        around = (
+            inverse[1, 1]
+            - inverse[1, 3] * r
+            + inverse[1, 5] * x
+            - r * inverse[3, 1]
+            + r * inverse[3, 3] * r
+            - r * inverse[3, 5] * x
+            + x * inverse[5, 1]
+            - x * inverse[5, 3] * r
+            + x * inverse[5, 5] * x
+        )
+        row[6] = min(1.0 / along, 1.0 / around)
 
 
 def pipe_rows(scenario: Scenario) -> FloatArray:
