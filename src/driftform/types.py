@@ -33,6 +33,8 @@ BoolArray: TypeAlias = npt.NDArray[np.bool_]
 def freeze(values: npt.ArrayLike, shape: tuple[int | None, ...], what: str) -> FloatArray:
     """Return a read-only float64 copy of ``values``, checked against ``shape`` (``None`` means any length).
 
+    An array that is one already, and owns its memory, is returned itself.
+
     Raises
     ------
     TypeError
@@ -43,7 +45,9 @@ def freeze(values: npt.ArrayLike, shape: tuple[int | None, ...], what: str) -> F
     given = np.asarray(values)
     if given.dtype.kind not in "biuf":
         raise TypeError(f"{what} holds values of type {given.dtype}, expected real numbers")
-    array = np.array(given, dtype=np.float64, order="C")
+    flags = given.flags
+    is_frozen = flags.owndata and not flags.writeable and flags.c_contiguous and given.dtype == np.float64
+    array = given if is_frozen else np.array(given, dtype=np.float64, order="C")
     fits = array.shape == shape or (
         array.ndim == len(shape)
         and array.shape == tuple([m if n is None else n for n, m in zip(shape, array.shape, strict=True)])

@@ -117,37 +117,32 @@ def finish_trajectory(
     A flight that stopped before the ``horizon`` (s) without another reason ends as non-finite, one with more than
     ``step_limit`` steps at the step limit, and one whose estimated ``error`` (m) exceeds ``accepted`` as not converged.
     """
-    values = pack(model)
-    rows, velocity, room = np.empty(samples.shape), np.empty((len(samples), 6)), np.empty((2, SAMPLE))
+    values, k = pack(model), len(samples)
+    fields, room = (np.empty(k), np.empty((k, 3)), np.empty((k, 4)), np.empty((k, 6))), np.empty((2, SAMPLE))
     count, broken, left, past, touched, time = _finish(
-        np.ascontiguousarray(samples), values, model.fittings, rows, velocity, room
+        np.ascontiguousarray(samples), values, model.fittings, *fields, room
     )
-    rows, velocity, last = rows[:count], velocity[:count], room[0]
+    if count < k:
+        fields = tuple(field[:count].copy() for field in fields)
+    for field in fields:
+        field.setflags(write=False)
+    t = fields[0]
     if broken:
         end = End.NON_FINITE
     elif left:
         end = End.OUTLET if past else End.INLET
-    elif last[0] >= horizon * (1 - 1e-9):
+    elif t[-1] >= horizon * (1 - 1e-9):
         end = End.HORIZON
     else:
-        end = End.STEP_LIMIT if len(samples) > step_limit else End.NON_FINITE
+        end = End.STEP_LIMIT if k > step_limit else End.NON_FINITE
     if not end.failed and error is not None and not error <= accepted:
         end = End.NOT_CONVERGED
     # What touches after the outlet does not count.
-    contact = time if touched < len(rows) and time <= rows[-1, 0] else None
+    contact = time if time < math.inf and time <= t[-1] else None
     drift = None
     if touched and _conserves_energy(model):
-        drift = _energy_drift(np.vstack([rows[:-1], last]), values, touched)
-    return Trajectory(
-        rows[:, 0],
-        rows[:, 1:4],
-        rows[:, 4:8],
-        velocity,
-        end,
-        contact=contact,
-        energy_drift=drift,
-        error=error,
-    )
+        drift = _energy_drift(samples, values, touched)
+    return Trajectory(*fields, end, contact=contact, energy_drift=drift, error=error)
 
 
 @compiled
@@ -155,43 +150,56 @@ def _finish(
     samples: FloatArray,
     values: FloatArray,
     fittings: FloatArray | None,
-    rows: FloatArray,
+    t: FloatArray,
+    position: FloatArray,
+    quaternion: FloatArray,
     velocity: FloatArray,
     room: FloatArray,
 ) -> tuple[int, bool, bool, bool, int, float]:
-    """Fill in what of a trajectory follows from its raw samples, and return what else does.
+    """Fill in the fields of a trajectory from its raw samples, and return what else follows from them.
 
-    ``rows`` and ``velocity`` are filled with the finite samples, cut at the outlet, and with their velocities in the body frame,
-    and the first row of ``room`` (2, 14) with the last sample before the cut. The result is how many samples these are; whether
-    one is not finite, whether the flight has left the pipe, and whether by an outlet; then that of :func:`find_contact`.
+    The fields are filled with the samples before the first that is not finite, in strictly ascending order, cut at the
+    outlet. The result is how many samples these are; whether one is not finite, whether the flight has left the pipe,
+    and whether by an outlet; then that of :func:`find_contact`. ``room`` is (2, 14).
     """
-    model, last, between = unpack(values, fittings), room[0], room[1]
-    count, broken = _keep_finite(samples, rows)
-    copy(rows[count - 1] if count > 0 else samples[0], last)
-    position = position_of(last)
-    left = has_left_pipe(position, model.pipe, model.fittings)
-    past = left and distance_past_outlet(position, model.pipe, model.fittings) >= 0.0
-    touched, time = _find_contact(rows[:count], model, between)
+    model, after, between = unpack(values, fittings), room[0], room[1]
+    count, before, last, broken = 0, 0, 0, False
+    for k in range(samples.shape[0]):
+        if not is_finite(samples[k]):
+            broken = True
+            break
+        if count == 0 or samples[k, 0] > samples[last, 0]:
+            _fill_fields(samples[k], count, t, position, quaternion, velocity)
+            count, before, last = count + 1, last, k
+    end = position_of(samples[last])
+    left = has_left_pipe(end, model.pipe, model.fittings)
+    past = left and distance_past_outlet(end, model.pipe, model.fittings) >= 0.0
+    touched, time = _find_contact(samples[: last + 1 if count > 0 else 0], model, between)
     if count > 1 and (model.pipe.shape[0] > 0 or model.fittings is not None):
-        _cut_at_outlet(rows[count - 2], rows[count - 1], model.pipe, model.fittings, between)
-    _fill_body_velocity(rows[:count], velocity)
+        copy(samples[last], after)
+        _cut_at_outlet(samples[before], after, model.pipe, model.fittings, between)
+        _fill_fields(after, count - 1, t, position, quaternion, velocity)
     return count, broken, left, past, touched, time
 
 
 @compiled
-def _keep_finite(samples: FloatArray, rows: FloatArray) -> tuple[int, bool]:
-    """Fill ``rows`` with the samples before the first that is not finite, in strictly ascending order.
-
-    Return how many they are, and True if there is one that is not finite.
-    """
-    count = 0
-    for k in range(samples.shape[0]):
-        if not is_finite(samples[k]):
-            return count, True
-        if count == 0 or samples[k, 0] > rows[count - 1, 0]:
-            copy(samples[k], rows[count])
-            count += 1
-    return count, False
+def _fill_fields(
+    row: FloatArray,
+    k: int,
+    t: FloatArray,
+    position: FloatArray,
+    quaternion: FloatArray,
+    velocity: FloatArray,
+) -> None:
+    """Fill the ``k``-th sample of a trajectory from a raw one, (14,)."""
+    t[k] = row[0]
+    for j in range(3):
+        position[k, j] = row[1 + j]
+    for j in range(4):
+        quaternion[k, j] = row[4 + j]
+    velocity[k, 0], velocity[k, 1], velocity[k, 2] = to_body(_rotation(row), velocity_of(row))
+    for j in range(3):
+        velocity[k, 3 + j] = row[11 + j]
 
 
 @compiled
@@ -241,15 +249,6 @@ def _cut_at_outlet(
 @compiled
 def _quaternion_rate(row: FloatArray) -> tuple[float, float, float, float]:
     return quaternion_rate(row[4], row[5], row[6], row[7], row[11], row[12], row[13])
-
-
-@compiled
-def _fill_body_velocity(rows: FloatArray, out: FloatArray) -> None:
-    """Fill ``out`` with linear and angular velocity of raw samples (k, 14), in the body frame, (k, 6)."""
-    for k in range(rows.shape[0]):
-        out[k, 0], out[k, 1], out[k, 2] = to_body(_rotation(rows[k]), velocity_of(rows[k]))
-        for j in range(3):
-            out[k, 3 + j] = rows[k, 11 + j]
 
 
 @allocating
