@@ -10,6 +10,7 @@ from driftform.options import Table, option
 from driftform.scenario.layout import Layout, lay_out
 from driftform.scenario.parts import PartTable, StraightPart
 from driftform.types import FloatArray
+from driftform.util.latest import keep_latest
 
 Number: TypeAlias = Annotated[float, Field(strict=True, ge=-1e6, le=1e6)]
 """A number; text such as "1.0" is not accepted."""
@@ -121,6 +122,7 @@ class Pipe(Table):
         return best
 
 
+@keep_latest
 @lru_cache(maxsize=32)
 def _lay_out(pipe: Pipe) -> Layout:
     if pipe.parts:

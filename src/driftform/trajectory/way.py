@@ -14,6 +14,7 @@ from driftform.scenario import Pipe, Scenario, Vector
 from driftform.trajectory.approach import Approach, closest_approach
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import End, Evaluation, FloatArray, Trajectory
+from driftform.util.latest import keep_latest
 
 _BETWEEN = 4
 """Points of the path between two samples, the first one included, that are compared first."""
@@ -61,6 +62,7 @@ def find_offsets(evaluation: Evaluation, scenario: Scenario) -> FloatArray:
     return np.asarray(offsets * (through / straight)[:, None])
 
 
+@keep_latest
 def farthest_distances(scenario: Scenario) -> FloatArray:
     """Return for each target the greatest distance through the water to a point of the pipe's volume, m, (targets,)."""
     return _farthest_distances(scenario.pipe, tuple(scenario.target_points().values()))
