@@ -210,7 +210,11 @@ def test_memory_is_bounded(monkeypatch: pytest.MonkeyPatch):
     strategy = evolution(10)
     played(strategy, 600)
     assert len(strategy._known) <= 101
-    assert all(len(elite.family) <= 20 for elites in strategy._elites for _, elite in elites)
+    assert all(
+        len(elite.family.members) == len(elite.family.early) <= 20
+        for elites in strategy._elites
+        for _, elite in elites
+    )
     assert len(strategy._moved) <= LENGTH * 6, "two ways between any two of three letters, at each place"
 
 

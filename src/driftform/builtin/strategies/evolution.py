@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -27,9 +27,6 @@ MAX_DRAWS = 4
 
 MAX_HASHES = 200_000
 """Number of hashes of genomes and bodies that are kept, so that no body flies twice."""
-
-Position: TypeAlias = tuple[float, float, float]
-"""In the world frame, m."""
 
 
 class EvolutionOptions(Table):
@@ -91,9 +88,30 @@ class _FlightRecord:
 
     index: int
     genome: Genome
-    family: "deque[_FlightRecord]"
-    early: Position | None
+    family: "_Family"
+    early: FloatArray | None
     useless: set[int] = field(default_factory=set)
+
+
+class _Family:
+    """The latest flights of descendants of one random genome, and their early positions as one array, because all are compared.
+
+    Attributes
+    ----------
+    members
+        with an early position, oldest first.
+    early
+        position of each, m, (n, 3).
+    """
+
+    def __init__(self) -> None:
+        self.members: deque[_FlightRecord] = deque(maxlen=FAMILY_SIZE)
+        self.early = np.empty((0, 3))
+
+    def add(self, member: _FlightRecord, early: FloatArray) -> None:
+        """Take a flight with its early position (m, (3,)), in place of the oldest one if there are enough."""
+        self.members.append(member)
+        self.early = np.concatenate([self.early[1 - FAMILY_SIZE :], [early]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,14 +186,12 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         self._requests: deque[list[_Request]] = deque()
         self._requested_bodies: set[int] = set()
         self._guesses: dict[int, Iterator[tuple[_FlightRecord, int]]] = {}
-        self._families: dict[int, tuple[list[_FlightRecord], FloatArray]] = {}
         self._small: tuple[list[int], FloatArray, FloatArray] | None = None
 
     def ask(self, limit: int) -> list[Candidate]:
         """Return random genomes until one of them has a fitness above zero, and children after that."""
         self._requested_bodies.clear()
         self._guesses.clear()
-        self._families.clear()
         self._small = None
         if any(self._elites):
             batch = [self._make_child(number) for number in self._choose_targets()]
@@ -207,12 +223,12 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         early = (
             position_at(trajectory, self._time) if trajectory is not None and self._time is not None else None
         )
-        family: deque[_FlightRecord] = parent.family if parent else deque(maxlen=FAMILY_SIZE)
+        family = parent.family if parent else _Family()
         record = _FlightRecord(index, request.candidate.genome, family, early)
         if early is not None:
-            family.append(record)
-            if parent and parent.early and request.change:
-                moved = np.subtract(early, parent.early)
+            family.add(record, early)
+            if parent and parent.early is not None and request.change:
+                moved = early - parent.early
                 self._moved.put(request.change, moved)
                 self._moved.put(request.change.undo(), -moved)
         for elites, fitness, least in zip(
@@ -277,25 +293,16 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         if elite.early is None or not self._moved:
             return iter(())
         numbers, moved, size = self._smallest_changes()
-        members = self._family_of(elite)
-        away = members[1] - elite.early
+        away = elite.family.early - elite.early
         near = smallest_indices(np.einsum("ij,ij->i", away, away), COMBINED)
         # Coordinate by coordinate: loops over three numbers would take twice the time.
         squares = [np.add.outer(here, there) ** 2 for here, there in zip(away[near].T, moved.T, strict=True)]
         miss = np.sqrt(squares[0] + squares[1] + squares[2]) + self.options.doubt * size
         rows, columns = np.divmod(smallest_indices(miss.ravel(), MAX_GUESSES), len(numbers))
-        nearest = [members[0][index] for index in near.tolist()]
+        nearest = [elite.family.members[index] for index in near.tolist()]
         return zip(
             map(nearest.__getitem__, rows.tolist()), map(numbers.__getitem__, columns.tolist()), strict=True
         )
-
-    def _family_of(self, elite: _FlightRecord) -> tuple[list[_FlightRecord], FloatArray]:
-        """Return the members of the elite's family, and their early positions, m, (n, 3)."""
-        key = id(elite.family)
-        if key not in self._families:
-            members = list(elite.family)
-            self._families[key] = members, np.array([member.early for member in members])
-        return self._families[key]
 
     def _smallest_changes(self) -> tuple[list[int], FloatArray, FloatArray]:
         """Return the numbers of the changes that moved the early path least, their displacements, and the lengths of those.
@@ -350,16 +357,15 @@ def _find_change(parent: Genome, child: Genome, place: int) -> Change | None:
     return change if change.apply(parent) == child else None
 
 
-def position_at(trajectory: Trajectory, time: float) -> Position:
-    """Return the linearly interpolated position (m) at a time (s); the last position after the end."""
-    after = min(int(np.searchsorted(trajectory.t, time)), len(trajectory.t) - 1)
+def position_at(trajectory: Trajectory, time: float) -> FloatArray:
+    """Return the linearly interpolated position (m, (3,)) at a time (s); the last position after the end."""
+    t, position = trajectory.t, trajectory.position
+    after = min(int(t.searchsorted(time)), len(t) - 1)
     before = max(after - 1, 0)
-    gap = trajectory.t[after] - trajectory.t[before]
-    share = min(1.0, (time - trajectory.t[before]) / gap) if gap > 0 else 1.0
-    x, y, z = (
-        trajectory.position[before] + share * (trajectory.position[after] - trajectory.position[before])
-    ).tolist()
-    return x, y, z
+    gap = t[after] - t[before]
+    share = min(1.0, (time - t[before]) / gap) if gap > 0 else 1.0
+    found: FloatArray = position[before] + share * (position[after] - position[before])
+    return found
 
 
 def smallest_indices(values: FloatArray, count: int) -> npt.NDArray[np.intp]:
