@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import islice
 from typing import NamedTuple
 
@@ -70,12 +70,11 @@ class Change(NamedTuple):
         """Return the opposite change."""
         return Change(self.place, self.new, self.old)
 
-    def apply(self, genome: Genome) -> Genome | None:
-        """Return the changed genome, or ``None`` if it does not have the symbol ``old`` there."""
-        symbols = genome.symbols
+    def apply(self, symbols: tuple[str, ...]) -> tuple[str, ...] | None:
+        """Return the changed symbols of a genome, or ``None`` if they do not have the symbol ``old`` there."""
         if self.place >= len(symbols) or symbols[self.place] != self.old:
             return None
-        return Genome(genome.grammar, (*symbols[: self.place], self.new, *symbols[self.place + 1 :]))
+        return (*symbols[: self.place], self.new, *symbols[self.place + 1 :])
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,15 +145,17 @@ class _Displacements:
         return change in self._numbers
 
     def put(self, change: Change, moved: FloatArray) -> None:
-        """Keep the displacement (3,) by a change, in place of an earlier one."""
-        number = self._numbers.setdefault(change, len(self.changes))
-        if number == len(self.changes):
-            self.changes.append(change)
-        if number == len(self._moved):
-            self._moved = np.concatenate([self._moved, np.empty_like(self._moved)])
-            self._size = np.concatenate([self._size, np.empty_like(self._size)])
-        self._moved[number] = moved
-        self._size[number] = np.sqrt(moved @ moved)
+        """Keep the displacement (3,) by a change, and the opposite by the opposite change, in place of earlier ones."""
+        size = np.sqrt(moved @ moved)
+        for way, by in ((change, moved), (change.undo(), -moved)):
+            number = self._numbers.setdefault(way, len(self.changes))
+            if number == len(self.changes):
+                self.changes.append(way)
+            if number == len(self._moved):
+                self._moved = np.concatenate([self._moved, np.empty_like(self._moved)])
+                self._size = np.concatenate([self._size, np.empty_like(self._size)])
+            self._moved[number] = by
+            self._size[number] = size
 
     def find_smallest(self, count: int) -> tuple[list[int], FloatArray, FloatArray]:
         """Return the numbers of the changes with the smallest displacements, those (m, (n, 3)), and their lengths (m, (n,))."""
@@ -183,6 +184,7 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         self._time: float | None = None
         self._known: dict[int, None] = {}
         self._generation = 0
+        self._threshold: tuple[float, ...] = ()
         self._requests: deque[list[_Request]] = deque()
         self._requested_bodies: set[int] = set()
         self._guesses: dict[int, Iterator[tuple[_FlightRecord, int]]] = {}
@@ -193,16 +195,17 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         self._requested_bodies.clear()
         self._guesses.clear()
         self._small = None
+        self._threshold = self._find_threshold()
         if any(self._elites):
             batch = [self._make_child(number) for number in self._choose_targets()]
         else:
             batch = [self._draw_random() for _ in range(self.options.random)]
-        requests, threshold = batch[:limit], self._find_threshold()
+        requests = batch[:limit]
         for request in requests:
-            self._remember(hash(request.candidate.genome), request.body)
+            self._remember(hash(request.candidate.genome.symbols), request.body)
         self._requests.append(requests)
         self._generation += 1
-        return [replace(request.candidate, threshold=threshold) for request in requests]
+        return [request.candidate for request in requests]
 
     def can_ask_ahead(self) -> bool:
         """Return True once there are elites: a child of the batch before last is as good as one of the last."""
@@ -228,9 +231,7 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         if early is not None:
             family.add(record, early)
             if parent and parent.early is not None and request.change:
-                moved = early - parent.early
-                self._moved.put(request.change, moved)
-                self._moved.put(request.change.undo(), -moved)
+                self._moved.put(request.change, early - parent.early)
         for elites, fitness, least in zip(
             self._elites, evaluation.fitness.tolist(), self._find_threshold(), strict=True
         ):
@@ -281,10 +282,12 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
             if number in parent.useless:
                 continue
             change = self._moved.changes[number]
-            genome = change.apply(parent.genome)
-            if genome is None or hash(genome) in self._known:
+            symbols = change.apply(parent.genome.symbols)
+            if symbols is None or hash(symbols) in self._known:
                 parent.useless.add(number)
-            elif (body := self._hash_new_body(genome)) is not None:
+                continue
+            genome = Genome(parent.genome.grammar, symbols)
+            if (body := self._hash_new_body(genome)) is not None:
                 return _Request(self._make_candidate(genome, target, parent), body, parent, change)
         return None
 
@@ -319,14 +322,14 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
             body = self._hash_new_body(genome)
             if body is not None:
                 break
-        return _Request(Candidate(genome, (), self._generation), body)
+        return _Request(Candidate(genome, (), self._generation, threshold=self._threshold), body)
 
     def _make_candidate(self, genome: Genome, target: str, parent: _FlightRecord) -> Candidate:
-        return Candidate(genome, (parent.index,), self._generation, target)
+        return Candidate(genome, (parent.index,), self._generation, target, self._threshold)
 
     def _hash_new_body(self, genome: Genome) -> int | None:
         """Return the hash of the body that a genome grows into, or ``None`` if that body was already asked for."""
-        name = hash(genome)
+        name = hash(genome.symbols)
         if name in self._known:
             return None
         try:
@@ -354,7 +357,7 @@ def _find_change(parent: Genome, child: Genome, place: int) -> Change | None:
     if len(parent.symbols) != len(child.symbols):
         return None
     change = Change(place, parent.symbols[place], child.symbols[place])
-    return change if change.apply(parent) == child else None
+    return change if change.apply(parent.symbols) == child.symbols else None
 
 
 def position_at(trajectory: Trajectory, time: float) -> FloatArray:
@@ -375,6 +378,6 @@ def smallest_indices(values: FloatArray, count: int) -> npt.NDArray[np.intp]:
     array([1, 2])
     """
     if len(values) > count:
-        chosen = np.argpartition(values, count - 1)[:count]
-        return chosen[np.argsort(values[chosen])]
-    return np.argsort(values)
+        chosen = values.argpartition(count - 1)[:count]
+        return chosen[values[chosen].argsort()]
+    return values.argsort()
