@@ -302,7 +302,7 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         squares = [np.add.outer(here, there) ** 2 for here, there in zip(away[near].T, moved.T, strict=True)]
         miss = np.sqrt(squares[0] + squares[1] + squares[2]) + self.options.doubt * size
         rows, columns = np.divmod(smallest_indices(miss.ravel(), MAX_GUESSES), len(numbers))
-        nearest = [elite.family.members[index] for index in near.tolist()]
+        nearest = list(map(elite.family.members.__getitem__, near.tolist()))
         return zip(
             map(nearest.__getitem__, rows.tolist()), map(numbers.__getitem__, columns.tolist()), strict=True
         )
