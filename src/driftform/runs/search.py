@@ -96,6 +96,8 @@ def _search(
     arrivals = _evaluate_forever(executor, waiting)
     batches: deque[_Batch] = deque()
     asked = told = 0
+    # Nobody else writes meanwhile: beyond what is stored now there is nothing to read.
+    stored = store.last_index() + 1
     with _keep_journal(store, targets, on_record) as journal:
         while told < study.evaluations:
             # The order of these calls depends on no time: with any workers, and after an interruption, it is the same.
@@ -103,10 +105,11 @@ def _search(
                 not batches or (len(batches) <= AHEAD and strategy.can_ask_ahead())
             ):
                 batch = _ask(study, strategy, asked)
-                for record in store.read_records(targets, asked, len(batch.candidates)):
-                    _require_same(record, batch)
-                    batch.outcomes[record.index] = record.evaluation
-                    on_record(record)
+                if asked < stored:
+                    for record in store.read_records(targets, asked, len(batch.candidates)):
+                        _require_same(record, batch)
+                        batch.outcomes[record.index] = record.evaluation
+                        on_record(record)
                 waiting.extend(_list_jobs(batch, best))
                 batches.append(batch)
                 asked += len(batch.candidates)

@@ -5,6 +5,7 @@ after the core's letter in a developed word.
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 from driftform.errors import did_you_mean
 from driftform_lsystem.alphabet import (
@@ -46,7 +47,9 @@ def find_rule_fault(rule: str, symbols: Sequence[str]) -> str | None:
     return None if fault is None else f"rule {rule}: {fault}"
 
 
-def find_fault(symbols: Sequence[str]) -> str | None:
+# A search varies a few genomes again and again.
+@lru_cache(maxsize=256)
+def find_fault(symbols: tuple[str, ...]) -> str | None:
     """Return the first fault in the symbols of a genome, or ``None``."""
     if len(symbols) == GENOTYPE_LENGTH and find_quintuple_fault(symbols) is None:
         # The usual case, and the quickest: all rules at once.

@@ -10,10 +10,14 @@ from driftform.options import Table
 from driftform.types import Genome, Morphology
 from driftform_lsystem import checking
 from driftform_lsystem import text as lines
-from driftform_lsystem.alphabet import GENOTYPE_LENGTH, PLACE, QUINTUPLE, RULE_LENGTH, RULES
+from driftform_lsystem.alphabet import GENOTYPE_LENGTH, OTHERS, QUINTUPLE, RULE_LENGTH, RULES
 from driftform_lsystem.interpret import interpret
 from driftform_lsystem.options import LSystemOptions
 from driftform_lsystem.rewriting import grow, split
+
+_CLASSES = QUINTUPLE * (GENOTYPE_LENGTH // len(QUINTUPLE))
+_SIZES = np.array([len(symbols) for symbols in _CLASSES])
+"""Number of symbols in the class of each place of a genotype, (60,)."""
 
 
 class LSystemGrammar(Grammar[LSystemOptions]):
@@ -29,9 +33,8 @@ class LSystemGrammar(Grammar[LSystemOptions]):
 
     def random(self, rng: np.random.Generator) -> Genome:
         """Return a genotype drawn uniformly from all 108^12."""
-        classes = QUINTUPLE * (GENOTYPE_LENGTH // len(QUINTUPLE))
-        drawn = rng.integers(0, [len(symbols) for symbols in classes])
-        return self._genome(symbols[i] for symbols, i in zip(classes, drawn.tolist(), strict=True))
+        drawn = rng.integers(0, _SIZES).tolist()
+        return self._genome([symbols[i] for symbols, i in zip(_CLASSES, drawn, strict=True)])
 
     def flip(self, genome: Genome, index: int, rng: np.random.Generator) -> Genome:
         """Return the genome with the symbol at ``index`` changed to another of its class.
@@ -143,7 +146,6 @@ class LSystemGrammar(Grammar[LSystemOptions]):
 
 def _flip(symbols: list[str], index: int, rng: np.random.Generator) -> None:
     """Change one symbol to another of its class, in place; the core's letter has no other."""
-    place = PLACE.get(symbols[index])
-    if place is not None:
-        others = [symbol for symbol in QUINTUPLE[place] if symbol != symbols[index]]
+    others = OTHERS.get(symbols[index])
+    if others is not None:
         symbols[index] = others[rng.integers(len(others))]

@@ -11,8 +11,14 @@ from driftform_lsystem.options import MAX_TILT_DEG, LSystemOptions
 
 def interpret(steps: Sequence[Sequence[str]], options: LSystemOptions) -> Morphology:
     """Return the modules that quintuples build: lengths in m, tilts in rad."""
-    aft, fore = place_modules(steps, skip=options.occupied == "skip")
-    return Morphology(fore=_make_modules(fore, options), aft=_make_modules(aft, options))
+    modules = _make_catalogue(options)
+    aft, fore = (
+        tuple([modules[kind] for kind in side])
+        for side in place_modules(steps, skip=options.occupied == "skip")
+    )
+    if options.tilt_reference == "neighbour":
+        aft, fore = _lean(aft), _lean(fore)
+    return Morphology(fore, aft)
 
 
 def place_modules(steps: Sequence[Sequence[str]], *, skip: bool = False) -> tuple[list[str], list[str]]:
@@ -28,28 +34,27 @@ def place_modules(steps: Sequence[Sequence[str]], *, skip: bool = False) -> tupl
         at = reference + (add == "addF")
         # Only the places beyond the two ends of the chain are free.
         if not skip or at in (0, len(places)):
-            places.insert(at, tilt + degree + letter)
+            places.insert(at, f"{tilt}{degree}{letter}")
             if at == reference:
                 reference += 1
         if move == "moveF":
-            reference = min(reference + 1, len(places) - 1)
-        elif move == "moveB":
-            reference = max(reference - 1, 0)
+            if reference < len(places) - 1:
+                reference += 1
+        elif move == "moveB" and reference > 0:
+            reference -= 1
     core = places.index(CORE)
     return places[:core][::-1], places[core + 1 :]
 
 
-def _make_modules(side: Sequence[str], options: LSystemOptions) -> tuple[Module, ...]:
-    modules = _make_catalogue(options)
-    if options.tilt_reference == "axis":
-        return tuple([modules[kind] for kind in side])
+def _lean(side: Sequence[Module]) -> tuple[Module, ...]:
+    """Return the modules on a side with each tilt taken from the wall of the next module towards the core."""
     limit = math.radians(MAX_TILT_DEG)
     leaning = []
     wall = 0.0
-    for kind in side:
+    for module in side:
         # Each step is clipped, and not the sum: the tilt of the next module refers to the clipped wall.
-        wall = min(max(wall + modules[kind].tilt, -limit), limit)
-        leaning.append(Module(modules[kind].length, wall))
+        wall = min(max(wall + module.tilt, -limit), limit)
+        leaning.append(Module(module.length, wall))
     return tuple(leaning)
 
 

@@ -8,13 +8,13 @@ Step = tuple[str, ...]
 """A quintuple: add, tilt, degree, letter and move."""
 
 
-def split(symbols: Sequence[str]) -> list[Step]:
+def split(symbols: tuple[str, ...]) -> list[Step]:
     """Return symbols without the core's letter as quintuples."""
     width = len(QUINTUPLE)
-    return [tuple(symbols[k : k + width]) for k in range(0, len(symbols), width)]
+    return [symbols[k : k + width] for k in range(0, len(symbols), width)]
 
 
-def grow(genotype: Sequence[str], iterations: int, *, last: bool = False) -> list[Step]:
+def grow(genotype: tuple[str, ...], iterations: int, *, last: bool = False) -> list[Step]:
     """Return one quintuple for each module of the word that the axiom C grows into.
 
     The core's rule keeps its letter, C -> C q q q, and so adds three modules in each iteration. The letters
@@ -40,11 +40,10 @@ def _replace_letters(rule: Sequence[Step], grown: dict[str, list[Step]], last: b
     """Return the steps of a rule with each letter replaced by what it has grown into."""
     steps: list[Step] = []
     for step in rule:
-        children = grown[step[LETTER_PLACE]]
+        first = len(steps)
+        steps += grown[step[LETTER_PLACE]]
         if last:
-            steps += children[:-1]
-            steps.append(children[-1][: LETTER_PLACE + 1] + step[LETTER_PLACE + 1 :])
+            steps[-1] = steps[-1][: LETTER_PLACE + 1] + step[LETTER_PLACE + 1 :]
         else:
-            steps.append(step[:LETTER_PLACE] + children[0][LETTER_PLACE:])
-            steps += children[1:]
+            steps[first] = step[:LETTER_PLACE] + steps[first][LETTER_PLACE:]
     return steps

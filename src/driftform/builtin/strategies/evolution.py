@@ -2,9 +2,9 @@
 
 from collections import deque
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import islice
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -27,9 +27,6 @@ MAX_DRAWS = 4
 
 MAX_HASHES = 200_000
 """Number of hashes of genomes and bodies that are kept, so that no body flies twice."""
-
-Position: TypeAlias = tuple[float, float, float]
-"""In the world frame, m."""
 
 
 class EvolutionOptions(Table):
@@ -73,12 +70,11 @@ class Change(NamedTuple):
         """Return the opposite change."""
         return Change(self.place, self.new, self.old)
 
-    def apply(self, genome: Genome) -> Genome | None:
-        """Return the changed genome, or ``None`` if it does not have the symbol ``old`` there."""
-        symbols = genome.symbols
+    def apply(self, symbols: tuple[str, ...]) -> tuple[str, ...] | None:
+        """Return the changed symbols of a genome, or ``None`` if they do not have the symbol ``old`` there."""
         if self.place >= len(symbols) or symbols[self.place] != self.old:
             return None
-        return Genome(genome.grammar, (*symbols[: self.place], self.new, *symbols[self.place + 1 :]))
+        return (*symbols[: self.place], self.new, *symbols[self.place + 1 :])
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,9 +87,30 @@ class _FlightRecord:
 
     index: int
     genome: Genome
-    family: "deque[_FlightRecord]"
-    early: Position | None
+    family: "_Family"
+    early: FloatArray | None
     useless: set[int] = field(default_factory=set)
+
+
+class _Family:
+    """The latest flights of descendants of one random genome, and their early positions as one array, because all are compared.
+
+    Attributes
+    ----------
+    members
+        with an early position, oldest first.
+    early
+        position of each, m, (n, 3).
+    """
+
+    def __init__(self) -> None:
+        self.members: deque[_FlightRecord] = deque(maxlen=FAMILY_SIZE)
+        self.early = np.empty((0, 3))
+
+    def add(self, member: _FlightRecord, early: FloatArray) -> None:
+        """Take a flight with its early position (m, (3,)), in place of the oldest one if there are enough."""
+        self.members.append(member)
+        self.early = np.concatenate([self.early[1 - FAMILY_SIZE :], [early]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,15 +145,17 @@ class _Displacements:
         return change in self._numbers
 
     def put(self, change: Change, moved: FloatArray) -> None:
-        """Keep the displacement (3,) by a change, in place of an earlier one."""
-        number = self._numbers.setdefault(change, len(self.changes))
-        if number == len(self.changes):
-            self.changes.append(change)
-        if number == len(self._moved):
-            self._moved = np.concatenate([self._moved, np.empty_like(self._moved)])
-            self._size = np.concatenate([self._size, np.empty_like(self._size)])
-        self._moved[number] = moved
-        self._size[number] = np.sqrt(moved @ moved)
+        """Keep the displacement (3,) by a change, and the opposite by the opposite change, in place of earlier ones."""
+        size = np.sqrt(moved @ moved)
+        for way, by in ((change, moved), (change.undo(), -moved)):
+            number = self._numbers.setdefault(way, len(self.changes))
+            if number == len(self.changes):
+                self.changes.append(way)
+            if number == len(self._moved):
+                self._moved = np.concatenate([self._moved, np.empty_like(self._moved)])
+                self._size = np.concatenate([self._size, np.empty_like(self._size)])
+            self._moved[number] = by
+            self._size[number] = size
 
     def find_smallest(self, count: int) -> tuple[list[int], FloatArray, FloatArray]:
         """Return the numbers of the changes with the smallest displacements, those (m, (n, 3)), and their lengths (m, (n,))."""
@@ -165,28 +184,28 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         self._time: float | None = None
         self._known: dict[int, None] = {}
         self._generation = 0
+        self._threshold: tuple[float, ...] = ()
         self._requests: deque[list[_Request]] = deque()
         self._requested_bodies: set[int] = set()
         self._guesses: dict[int, Iterator[tuple[_FlightRecord, int]]] = {}
-        self._families: dict[int, tuple[list[_FlightRecord], FloatArray]] = {}
         self._small: tuple[list[int], FloatArray, FloatArray] | None = None
 
     def ask(self, limit: int) -> list[Candidate]:
         """Return random genomes until one of them has a fitness above zero, and children after that."""
         self._requested_bodies.clear()
         self._guesses.clear()
-        self._families.clear()
         self._small = None
+        self._threshold = self._find_threshold()
         if any(self._elites):
             batch = [self._make_child(number) for number in self._choose_targets()]
         else:
             batch = [self._draw_random() for _ in range(self.options.random)]
-        requests, threshold = batch[:limit], self._find_threshold()
+        requests = batch[:limit]
         for request in requests:
-            self._remember(hash(request.candidate.genome), request.body)
+            self._remember(hash(request.candidate.genome.symbols), request.body)
         self._requests.append(requests)
         self._generation += 1
-        return [replace(request.candidate, threshold=threshold) for request in requests]
+        return [request.candidate for request in requests]
 
     def can_ask_ahead(self) -> bool:
         """Return True once there are elites: a child of the batch before last is as good as one of the last."""
@@ -207,14 +226,12 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         early = (
             position_at(trajectory, self._time) if trajectory is not None and self._time is not None else None
         )
-        family: deque[_FlightRecord] = parent.family if parent else deque(maxlen=FAMILY_SIZE)
+        family = parent.family if parent else _Family()
         record = _FlightRecord(index, request.candidate.genome, family, early)
         if early is not None:
-            family.append(record)
-            if parent and parent.early and request.change:
-                moved = np.subtract(early, parent.early)
-                self._moved.put(request.change, moved)
-                self._moved.put(request.change.undo(), -moved)
+            family.add(record, early)
+            if parent and parent.early is not None and request.change:
+                self._moved.put(request.change, early - parent.early)
         for elites, fitness, least in zip(
             self._elites, evaluation.fitness.tolist(), self._find_threshold(), strict=True
         ):
@@ -265,10 +282,12 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
             if number in parent.useless:
                 continue
             change = self._moved.changes[number]
-            genome = change.apply(parent.genome)
-            if genome is None or hash(genome) in self._known:
+            symbols = change.apply(parent.genome.symbols)
+            if symbols is None or hash(symbols) in self._known:
                 parent.useless.add(number)
-            elif (body := self._hash_new_body(genome)) is not None:
+                continue
+            genome = Genome(parent.genome.grammar, symbols)
+            if (body := self._hash_new_body(genome)) is not None:
                 return _Request(self._make_candidate(genome, target, parent), body, parent, change)
         return None
 
@@ -277,25 +296,16 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
         if elite.early is None or not self._moved:
             return iter(())
         numbers, moved, size = self._smallest_changes()
-        members = self._family_of(elite)
-        away = members[1] - elite.early
+        away = elite.family.early - elite.early
         near = smallest_indices(np.einsum("ij,ij->i", away, away), COMBINED)
         # Coordinate by coordinate: loops over three numbers would take twice the time.
         squares = [np.add.outer(here, there) ** 2 for here, there in zip(away[near].T, moved.T, strict=True)]
         miss = np.sqrt(squares[0] + squares[1] + squares[2]) + self.options.doubt * size
         rows, columns = np.divmod(smallest_indices(miss.ravel(), MAX_GUESSES), len(numbers))
-        nearest = [members[0][index] for index in near.tolist()]
+        nearest = list(map(elite.family.members.__getitem__, near.tolist()))
         return zip(
             map(nearest.__getitem__, rows.tolist()), map(numbers.__getitem__, columns.tolist()), strict=True
         )
-
-    def _family_of(self, elite: _FlightRecord) -> tuple[list[_FlightRecord], FloatArray]:
-        """Return the members of the elite's family, and their early positions, m, (n, 3)."""
-        key = id(elite.family)
-        if key not in self._families:
-            members = list(elite.family)
-            self._families[key] = members, np.array([member.early for member in members])
-        return self._families[key]
 
     def _smallest_changes(self) -> tuple[list[int], FloatArray, FloatArray]:
         """Return the numbers of the changes that moved the early path least, their displacements, and the lengths of those.
@@ -312,14 +322,14 @@ class EvolutionStrategy(Strategy[EvolutionOptions]):
             body = self._hash_new_body(genome)
             if body is not None:
                 break
-        return _Request(Candidate(genome, (), self._generation), body)
+        return _Request(Candidate(genome, (), self._generation, threshold=self._threshold), body)
 
     def _make_candidate(self, genome: Genome, target: str, parent: _FlightRecord) -> Candidate:
-        return Candidate(genome, (parent.index,), self._generation, target)
+        return Candidate(genome, (parent.index,), self._generation, target, self._threshold)
 
     def _hash_new_body(self, genome: Genome) -> int | None:
         """Return the hash of the body that a genome grows into, or ``None`` if that body was already asked for."""
-        name = hash(genome)
+        name = hash(genome.symbols)
         if name in self._known:
             return None
         try:
@@ -347,19 +357,18 @@ def _find_change(parent: Genome, child: Genome, place: int) -> Change | None:
     if len(parent.symbols) != len(child.symbols):
         return None
     change = Change(place, parent.symbols[place], child.symbols[place])
-    return change if change.apply(parent) == child else None
+    return change if change.apply(parent.symbols) == child.symbols else None
 
 
-def position_at(trajectory: Trajectory, time: float) -> Position:
-    """Return the linearly interpolated position (m) at a time (s); the last position after the end."""
-    after = min(int(np.searchsorted(trajectory.t, time)), len(trajectory.t) - 1)
+def position_at(trajectory: Trajectory, time: float) -> FloatArray:
+    """Return the linearly interpolated position (m, (3,)) at a time (s); the last position after the end."""
+    t, position = trajectory.t, trajectory.position
+    after = min(int(t.searchsorted(time)), len(t) - 1)
     before = max(after - 1, 0)
-    gap = trajectory.t[after] - trajectory.t[before]
-    share = min(1.0, (time - trajectory.t[before]) / gap) if gap > 0 else 1.0
-    x, y, z = (
-        trajectory.position[before] + share * (trajectory.position[after] - trajectory.position[before])
-    ).tolist()
-    return x, y, z
+    gap = t[after] - t[before]
+    share = min(1.0, (time - t[before]) / gap) if gap > 0 else 1.0
+    found: FloatArray = position[before] + share * (position[after] - position[before])
+    return found
 
 
 def smallest_indices(values: FloatArray, count: int) -> npt.NDArray[np.intp]:
@@ -369,6 +378,6 @@ def smallest_indices(values: FloatArray, count: int) -> npt.NDArray[np.intp]:
     array([1, 2])
     """
     if len(values) > count:
-        chosen = np.argpartition(values, count - 1)[:count]
-        return chosen[np.argsort(values[chosen])]
-    return np.argsort(values)
+        chosen = values.argpartition(count - 1)[:count]
+        return chosen[values[chosen].argsort()]
+    return values.argsort()
