@@ -5,11 +5,29 @@ import pytest
 
 from driftform.errors import WorkFailedError
 from driftform.scenario import Fluid
-from driftform.types import End, MassProperties, Trajectory
+from driftform.types import End, MassProperties, Trajectory, freeze
 
 
 def make_trajectory(end: End) -> Trajectory:
     return Trajectory(np.array([0.0, 1.23456]), np.zeros((2, 3)), np.zeros((2, 4)), np.zeros((2, 6)), end)
+
+
+@pytest.mark.parametrize(
+    ("given", "shape"),
+    [((), (None,)), ((), (1,)), ((3,), (2,)), ((2, 3), (None, 2)), ((2,), (None, 2)), ((2, 2, 2), (None, 2))],
+)
+def test_an_array_of_another_shape_is_refused(given: tuple[int, ...], shape: tuple[int | None, ...]) -> None:
+    with pytest.raises(ValueError, match=r"^values has shape .*, expected "):
+        freeze(np.zeros(given), shape, "values")
+
+
+@pytest.mark.parametrize("shape", [(0, 2), (3, 2)])
+def test_an_array_is_copied_and_read_only(shape: tuple[int, ...]) -> None:
+    given = np.ones(shape, order="F")
+    kept = freeze(given, (None, 2), "values")
+    given[:] = 2.0
+    np.testing.assert_array_equal(kept, np.ones(shape))
+    assert kept.flags.c_contiguous and not kept.flags.writeable
 
 
 @pytest.mark.parametrize(("mass", "newtons"), [(0.9, 0.98), (1.0, 0.0), (1.1, -0.98)])

@@ -66,9 +66,7 @@ def require_flights(
             raise _refuse(plugin, method, f"a flight that ended by {_describe(flight.end)}", "an End")
         if not len(t) or t[0] != 0 or not (np.diff(t) > 0).all():
             raise _refuse(plugin, method, "a flight without increasing times", "times from 0 s")
-        if not flight.end.failed and not all(
-            np.isfinite(array).all() for array in (t, flight.position, flight.quaternion, flight.velocity)
-        ):
+        if not flight.end.failed and not _are_finite(t, flight.position, flight.quaternion, flight.velocity):
             raise _refuse(plugin, method, "a flight that is not finite", "an end that says so")
         if not flight.end.failed and not _have_unit_length(flight.quaternion):
             raise _refuse(plugin, method, "a flight with quaternions of another length", "length 1")
@@ -156,10 +154,10 @@ def require_morphology(morphology: object, grammar: Grammar[Any]) -> Morphology:
     # Modules of a kind are often one object, which is checked once.
     for module in {id(module): module for module in (*found.fore, *found.aft)}.values():
         size = require(module, Module, grammar, "express")
-        if not (_are_numbers([size.length, size.tilt], 2, -np.inf, np.inf)) or not (
-            0 < size.length < math.inf and abs(size.tilt) < math.pi / 2
-        ):
-            what = f"{_show(size.length)} m and {_show(size.tilt)} rad as length and tilt of a module"
+        length, tilt = size.length, size.tilt
+        are_numbers = type(length) is type(tilt) is float or _are_numbers([length, tilt], 2, -np.inf, np.inf)
+        if not (are_numbers and 0 < length < math.inf and abs(tilt) < math.pi / 2):
+            what = f"{_show(length)} m and {_show(tilt)} rad as length and tilt of a module"
             raise _refuse(grammar, "express", what, "a length above 0 and a tilt below a right angle")
     return found
 
@@ -178,9 +176,7 @@ def require_body(body: object, builder: Plugin[Any]) -> Body:
         if name == "cavity" and not len(contour):
             continue
         x, r = contour.T
-        if len(contour) < 3 or not (
-            np.isfinite(contour).all() and x[0] < x[-1] and r.min() >= 0 == r[0] == r[-1]
-        ):
+        if len(contour) < 3 or not (_are_finite(contour) and x[0] < x[-1] and r.min() >= 0 == r[0] == r[-1]):
             raise _refuse(
                 builder,
                 "build",
@@ -200,13 +196,9 @@ def require_coefficients(coefficients: object, body: Body, model: Plugin[Any]) -
     """
     found = require(coefficients, Coefficients, model, "coefficients")
     for name in ("added_mass", "origin", "linear_damping", "quadratic_damping"):
-        if not np.isfinite(getattr(found, name)).all():
+        if not _are_finite(getattr(found, name)):
             raise _refuse(model, "coefficients", f"{name} that is not finite", "numbers")
-    # In units in which masses and moments of inertia are alike.
-    scale = np.array([1.0, 1.0, 1.0, *[1 / body.length] * 3])
-    scaled = found.added_mass * np.outer(scale, scale)
-    rounding = 1e-6 * np.abs(scaled).max()
-    if np.abs(scaled - scaled.T).max() > rounding or np.linalg.eigvalsh(scaled).min() < -rounding:
+    if not _is_semidefinite(found.added_mass, body.length):
         what = "an added mass that is not symmetric and positive semi-definite"
         raise _refuse(model, "coefficients", what, "one that is")
     return found
@@ -276,6 +268,24 @@ def require_findings(findings: object, checker: Plugin[Any]) -> Iterator[Finding
             if not isinstance(value := getattr(found, name), str):
                 raise _refuse(checker, "check", f"a Finding with {name} = {_show(value)}", "text")
         yield found
+
+
+def _are_finite(*arrays: FloatArray) -> bool:
+    """Whether all numbers in arrays are finite: the sum of their squares is, unless it overflows."""
+    return all(math.isfinite(np.vdot(array, array)) or np.isfinite(array).all() for array in arrays)
+
+
+def _is_semidefinite(matrix: FloatArray, length: float) -> bool:
+    """Whether an added mass (6, 6) of a body of that length is symmetric and positive semi-definite, within rounding."""
+    diagonal = matrix.diagonal().tolist()
+    if min(diagonal) >= 0 and np.count_nonzero(matrix) == 6 - diagonal.count(0.0):
+        # The usual case, and the quickest: the eigenvalues of a diagonal matrix are its diagonal.
+        return True
+    # In units in which masses and moments of inertia are alike.
+    scale = np.array([1.0, 1.0, 1.0, *[1 / length] * 3])
+    scaled = matrix * np.outer(scale, scale)
+    rounding = 1e-6 * np.abs(scaled).max()
+    return bool(np.abs(scaled - scaled.T).max() <= rounding and np.linalg.eigvalsh(scaled).min() >= -rounding)
 
 
 def _have_unit_length(quaternions: FloatArray) -> bool:

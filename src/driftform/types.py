@@ -31,7 +31,7 @@ BoolArray: TypeAlias = npt.NDArray[np.bool_]
 
 
 def freeze(values: npt.ArrayLike, shape: tuple[int | None, ...], what: str) -> FloatArray:
-    """Return a read-only float64 copy of ``values``, checked against ``shape`` (``None`` means any length).
+    """Return a read-only float64 copy of ``values``, checked against ``shape``, which may begin with ``None`` for any length.
 
     An array that is one already, and owns its memory, is returned itself.
 
@@ -48,11 +48,8 @@ def freeze(values: npt.ArrayLike, shape: tuple[int | None, ...], what: str) -> F
     flags = given.flags
     is_frozen = flags.owndata and not flags.writeable and flags.c_contiguous and given.dtype == np.float64
     array = given if is_frozen else np.array(given, dtype=np.float64, order="C")
-    fits = array.shape == shape or (
-        array.ndim == len(shape)
-        and array.shape == tuple([m if n is None else n for n, m in zip(shape, array.shape, strict=True)])
-    )
-    if not fits:
+    first = int(shape[0] is None)
+    if array.ndim != len(shape) or array.shape[first:] != shape[first:]:
         wanted = ", ".join("n" if n is None else str(n) for n in shape)
         raise ValueError(f"{what} has shape {array.shape}, expected ({wanted})")
     array.setflags(write=False)

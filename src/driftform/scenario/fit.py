@@ -1,13 +1,14 @@
 """Whether a body fits into its pipe where it is released, and is in the water there."""
 
+import math
 from itertools import pairwise
 
 import numpy as np
 
 from driftform.geometry.clearance import farthest_from_line, lowest_along
-from driftform.geometry.pipe_parts import Straight
+from driftform.geometry.pipe_parts import Opening, Straight
 from driftform.scenario import Scenario
-from driftform.types import Body
+from driftform.types import Body, FloatArray
 from driftform.util.vectors import cross
 
 _ROUNDING = 1e-9
@@ -41,7 +42,7 @@ def find_misfit(body: Body, scenario: Scenario) -> str | None:
         return f"it is too wide for the pipe: {show_length(body.max_diameter)} across, in a bore of {show_length(bore)}"
     if not _lies_in_first_straight(body, scenario):
         return _find_misfit_in_parts(body, scenario)
-    reach = _reach_from_axis(body, scenario)
+    reach = _reach_from_axis(body, position, axis, inlet)
     if reach > inlet.radius * (1 + _ROUNDING):
         return (
             f"it is released in the wall: it reaches {show_length(reach)} from the axis of a bore with the radius "
@@ -50,13 +51,14 @@ def find_misfit(body: Body, scenario: Scenario) -> str | None:
     return None
 
 
-def _reach_from_axis(body: Body, scenario: Scenario) -> float:
+def _reach_from_axis(body: Body, position: FloatArray, axis: FloatArray, inlet: Opening) -> float:
     """Return the greatest distance (m) of a released body from the axis of the inlet; a bound of it if that fits already."""
-    inlet, position, direction = scenario.pipe.layout.inlet, scenario.release_position(), scenario.direction()
-    bound = np.linalg.norm(cross(position - inlet.centre, direction)) + np.hypot(*body.outer.T).max()
+    direction = inlet.axes[0]
+    off_axis = math.hypot(*cross(position - inlet.centre, direction).tolist())
+    bound = off_axis + float(np.hypot(*body.outer.T).max())
     if bound < inlet.radius:
-        return float(bound)
-    return farthest_from_line(body.outer, position, scenario.release_axis(), inlet.centre, direction)
+        return bound
+    return farthest_from_line(body.outer, position, axis, inlet.centre, direction)
 
 
 def _lies_in_first_straight(body: Body, scenario: Scenario) -> bool:

@@ -13,7 +13,7 @@ from driftform.options import Table, option
 from driftform.types import Body, Core, Fittings, Module, Morphology
 from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM
 from driftform_frusta.kit.options import KitOptions
-from driftform_frusta.section import build_chain, hull_section, join_chains, open_section
+from driftform_frusta.section import hull_section, lay_chains, open_section
 
 _PAPERS = Core(radius=0.01, mass=0.05)
 """The paper's core."""
@@ -137,15 +137,13 @@ class FrustaBuilder(PhenotypeBuilder[FrustaOptions]):
         _check_modules("aft", morphology.aft)
         o = self.options
         dome = o.core_radius + o.clearance + o.wall
-        least = o.min_radius + o.wall / 2
-        fore = build_chain(morphology.fore, dome, least)
-        aft = build_chain(morphology.aft, dome, least)
+        chains = lay_chains(morphology.fore, morphology.aft, dome, o.min_radius + o.wall / 2)
         section = hull_section if o.wall_model == "mitred" else open_section
-        outer, cavity = section(fore, aft, dome, o.wall)
+        outer, cavity = section(chains, dome, o.wall)
         body = Body(
             outer=outer,
             cavity=cavity,
-            joints=join_chains(fore, aft)[:, 0],
+            joints=chains[:, 0],
             core=Core(o.core_radius, o.core_mass),
             wall=o.wall,
             hull_density=o.hull_density,
