@@ -100,7 +100,7 @@ def _draw_cells(root: ET.Element, window: Window, reach: CoverageMap, shift: Flo
     right, top = x + (end - start) * width, z + height
     boxes = _to_page(window, np.stack([x, z, right, z, right, top, x, top], axis=1))
     numbers = classes[start, row]
-    for number in np.unique(numbers).tolist():
+    for number in sorted(set(numbers.tolist())):
         colour = RAMP[number] if number >= 0 else "#ffffff"
         # The stroke closes the seams that browsers leave between neighbours.
         svg.add(
