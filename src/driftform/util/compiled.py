@@ -9,6 +9,10 @@ of a flight. A kernel that makes arrays, or gets new ones from another kernel, c
 A kernel that returns arrays in the memory of others is `borrowing`.
 """
 
+# Before numba is imported below.
+import driftform.util.numba_alone  # noqa: F401
+
+# isort: split
 import gc
 import hashlib
 import multiprocessing
