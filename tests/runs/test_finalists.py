@@ -75,6 +75,8 @@ def test_what_is_stored_is_what_the_pipeline_finds_under_that_condition(store: S
     study = study_of()
     fly_finalists(study, store, InProcess(study.make_pipeline()))
     index, flights = next(iter(store.read_disturbed("TP6").items()))
+    offsets = store.read_offsets("TP6", index)
+    assert offsets.keys() == flights.keys()
     genome = store.read_record(index, ("TP2", "TP6")).candidate.genome
     conditions = draw_rounds(study)
     # Flights of the choice are unchecked, and those of the promise are checked.
@@ -86,7 +88,7 @@ def test_what_is_stored_is_what_the_pipeline_finds_under_that_condition(store: S
     )
     d_max = study.scenario.pipe.farthest_distance(study.scenario.targets["TP6"])
     for number, evaluation in enumerate(evaluations):
-        fitness, offset = flights[number]
+        fitness, offset = flights[number], offsets[number]
         assert fitness == float(evaluation.fitness[1])
         if evaluation.failure is not None:
             assert np.isnan(offset).all()
@@ -107,7 +109,7 @@ def test_the_best_agent_is_the_one_that_was_chosen_with_its_own_promise(store: S
     for number, target in enumerate(("TP2", "TP6")):
         disturbed = store.read_disturbed(target)
         scores = {
-            i: robust_fitness(np.array([flights[c][0] for c in range(4)]), study.scenario.robustness)
+            i: robust_fitness(np.array([flights[c] for c in range(4)]), study.scenario.robustness)
             for i, flights in disturbed.items()
         }
         best = find_best_agent(study, store, target)
@@ -116,7 +118,8 @@ def test_the_best_agent_is_the_one_that_was_chosen_with_its_own_promise(store: S
         assert chosen == max(scores, key=lambda index: scores[index])
         assert best.result["robust"]["score"] == pytest.approx(max(scores.values()))
         # A flight that failed misses by more than any other, and JSON has no infinite number.
-        lengths = [np.linalg.norm(disturbed[chosen][c][1]) for c in (4, 5, 6)]
+        offsets = store.read_offsets(target, chosen)
+        lengths = [np.linalg.norm(offsets[c]) for c in (4, 5, 6)]
         fresh = sorted(np.inf if np.isnan(length) else float(length) for length in lengths)
         for name, length in (("median", fresh[1]), ("p90", fresh[2])):
             assert best.result[name] == (None if np.isinf(length) else pytest.approx(length))

@@ -60,7 +60,7 @@ def fly_batch(
 def disturbed(store: Store, index: int) -> FloatArray:
     """Fitness of the disturbed flights of an evaluation, (flights, targets)."""
     flown = [store.read_disturbed(target).get(index, {}) for target in TARGETS]
-    return np.array([[column[number][0] for column in flown] for number in sorted(flown[0])])
+    return np.array([[column[number] for column in flown] for number in sorted(flown[0])])
 
 
 def test_a_strategy_receives_the_mean_of_the_disturbed_flights_where_it_matters(store: Store) -> None:

@@ -204,7 +204,8 @@ import sys
 import numpy as np
 from numba.core.runtime.nrt import rtsys
 from driftform.trajectory.resampling import select_spaced
-print(select_spaced(np.arange(5.0), 2.0).tolist(), "numba.np.arrayobj" in sys.modules, rtsys._init)
+spaced = select_spaced(np.arange(5.0), 2.0).tolist()
+print(spaced, sorted({"numba.np.arrayobj", "numpy.ma"} & set(sys.modules)), rtsys._init)
 """
 
 
@@ -216,4 +217,4 @@ def test_loading_a_kernel_that_makes_arrays_neither_compiles_nor_imports_what_it
         subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
         for _ in ("compiled", "loaded")
     ]
-    assert printed == ["[0, 2, 4] True True\n", "[0, 2, 4] False False\n"]
+    assert printed == ["[0, 2, 4] ['numba.np.arrayobj', 'numpy.ma'] True\n", "[0, 2, 4] [] False\n"]

@@ -65,9 +65,8 @@ def draw_rims(
     parent: ET.Element, body: Body, place: Placement, colour: str, width: float, below: float
 ) -> None:
     """Draw the joints between modules as faint lines across the outside."""
-    data = ""
-    joints = inner_joints(body)
-    for x, r in zip(joints, radii_at(body.outer, joints), strict=True):
-        data += svg.path_data(place.to_page(np.array([[x, r], [x, -below * r]])))
-    if data:
-        svg.add_line(parent, data, colour, width, "joints")
+    x = inner_joints(body)
+    if len(x):
+        r = radii_at(body.outer, x)
+        rims = place.to_page(np.array([[x, r], [x, -below * r]]).transpose(2, 0, 1))
+        svg.add_line(parent, svg.lines_data(rims), colour, width, "joints")

@@ -1,6 +1,5 @@
 """Coverage of the pipe by a run: the closest approach of its flights to each cell, and the cells not crossed."""
 
-from collections.abc import Iterable
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -93,29 +92,26 @@ def _draw_cells(root: ET.Element, window: Window, reach: CoverageMap, shift: Flo
     classes[~reach.reached.reshape(columns, rows)] = -1
     low = reach.cells.centres().reshape(columns, rows, 2) - reach.cells.size[:2] / 2 + shift
     width, height = reach.cells.size[:2]
-    shapes: dict[int, list[str]] = {number: [] for number in range(-1, len(RAMP))}
-    for row in range(rows):
-        # Equal neighbours along the pipe are drawn as one rectangle.
-        starts = np.flatnonzero(np.diff(classes[:, row], prepend=-2))
-        ends = np.append(starts[1:], columns)
-        x, z = low[starts, row].T
-        right, top = x + (ends - starts) * width, z + height
-        boxes = np.stack([x, z, right, z, right, top, x, top], axis=1)
-        for number, box in zip(classes[starts, row].tolist(), _to_page(window, boxes), strict=True):
-            shapes[number].append(svg.path_data(box, closed=True))
-    for number, data in shapes.items():
-        if data:
-            colour = RAMP[number] if number >= 0 else "#ffffff"
-            # The stroke closes the seams that browsers leave between neighbours.
-            svg.add(
-                root,
-                "path",
-                class_="reached" if number >= 0 else "unreached",
-                d="".join(data),
-                fill=colour,
-                stroke=colour,
-                stroke_width=0.4,
-            )
+    # Equal neighbours along the pipe are drawn as one rectangle.
+    row, start = np.nonzero(np.diff(classes.T, prepend=-2))
+    end = np.append(start[1:], 0)
+    end[end == 0] = columns
+    x, z = low[start, row].T
+    right, top = x + (end - start) * width, z + height
+    boxes = _to_page(window, np.stack([x, z, right, z, right, top, x, top], axis=1))
+    numbers = classes[start, row]
+    for number in sorted(set(numbers.tolist())):
+        colour = RAMP[number] if number >= 0 else "#ffffff"
+        # The stroke closes the seams that browsers leave between neighbours.
+        svg.add(
+            root,
+            "path",
+            class_="reached" if number >= 0 else "unreached",
+            d=svg.lines_data(boxes[numbers == number], closed=True),
+            fill=colour,
+            stroke=colour,
+            stroke_width=0.4,
+        )
     bare = low[classes < 0]
     if len(bare):
         _draw_hatching(root, _to_page(window, np.hstack([bare, bare + reach.cells.size[:2]])))
@@ -126,9 +122,8 @@ def _to_page(window: Window, lines: FloatArray) -> FloatArray:
     return window.to_page(lines.reshape(-1, 2)).reshape(len(lines), -1, 2)
 
 
-def _draw_hatching(root: ET.Element, diagonals: Iterable[FloatArray]) -> None:
-    data = "".join(svg.path_data(pair) for pair in diagonals)
-    svg.add(root, "path", class_="hatching", d=data, stroke=MUTED, stroke_width=0.8)
+def _draw_hatching(root: ET.Element, diagonals: FloatArray) -> None:
+    svg.add(root, "path", class_="hatching", d=svg.lines_data(diagonals), stroke=MUTED, stroke_width=0.8)
 
 
 def _draw_points(
@@ -160,5 +155,5 @@ def _draw_legend(root: ET.Element, top: float) -> None:
     svg.add(
         root, "rect", x=x, y=top, width=width, height=height, fill="#ffffff", stroke=MUTED, stroke_width=0.8
     )
-    _draw_hatching(root, [np.array([(x + d, top + height), (x + d + height, top)]) for d in (0, 10, 20)])
+    _draw_hatching(root, np.array([[(x + d, top + height), (x + d + height, top)] for d in (0, 10, 20)]))
     write(root, x + width + 8, top + 11, "no flight", 12, MUTED)

@@ -166,9 +166,9 @@ def _draw_cut(root: ET.Element, body: Body, place: Placement) -> None:
     svg.add(root, "path", class_="wall", d=data, fill=tint(_STEEL, 0.16), fill_rule="evenodd")
     # A wall of a few px needs close lines to look hatched.
     spacing = 4.0 if body.wall * place.px_per_m < 8 else 6.0
-    lines = "".join(svg.path_data(pair) for pair in hatch([wall, cavity], spacing))
-    if lines:
-        svg.add_line(root, lines, _STEEL, 0.8, "hatch")
+    lines = hatch([wall, cavity], spacing)
+    if len(lines):
+        svg.add_line(root, svg.lines_data(lines), _STEEL, 0.8, "hatch")
     if len(cavity):
         svg.add_line(root, svg.path_data(cavity), INK, 0.9, "cavity", stroke_linejoin="round")
     radius = body.core.radius * place.px_per_m
@@ -183,8 +183,8 @@ def _draw_cut(root: ET.Element, body: Body, place: Placement) -> None:
     svg.add_line(root, upper.replace("0 0 1", "0 0 0"), "#7a5300", 1.1)
 
 
-def hatch(polygons: list[FloatArray], spacing: float) -> list[FloatArray]:
-    """Return the pieces, (2, 2) each, of 45 degree lines ``spacing`` apart that lie inside ``polygons``.
+def hatch(polygons: list[FloatArray], spacing: float) -> FloatArray:
+    """Return the pieces of 45 degree lines ``spacing`` apart that lie inside ``polygons``, (pieces, 2, 2).
 
     The even-odd rule decides what is inside. An SVG pattern would do the same, but needs an id.
     """
@@ -194,21 +194,17 @@ def hatch(polygons: list[FloatArray], spacing: float) -> list[FloatArray]:
     ]
     starts = np.vstack(turned)
     ends = np.vstack([np.roll(p, -1, axis=0) for p in turned])
-    pieces: list[FloatArray] = []
     lines = (
         np.arange(np.ceil(starts[:, 0].min() / spacing), np.floor(starts[:, 0].max() / spacing) + 1) * spacing
     )
-    for u in lines:
-        # Half-open intervals, so that a line through a corner meets only one of its two edges.
-        meets = (starts[:, 0] <= u) != (ends[:, 0] <= u)
-        a, b = starts[meets], ends[meets]
-        v = np.sort(a[:, 1] + (u - a[:, 0]) / (b[:, 0] - a[:, 0]) * (b[:, 1] - a[:, 1]))
-        for low, high in v.reshape(-1, 2):
-            if high - low > 0.3:
-                pieces.append(
-                    np.array([[(u - low) * root, (u + low) * root], [(u - high) * root, (u + high) * root]])
-                )
-    return pieces
+    # Half-open intervals, so that a line through a corner meets only one of its two edges.
+    line, edge = np.nonzero((starts[:, 0] <= lines[:, None]) != (ends[:, 0] <= lines[:, None]))
+    a, b, u = starts[edge], ends[edge], lines[line]
+    v = a[:, 1] + (u - a[:, 0]) / (b[:, 0] - a[:, 0]) * (b[:, 1] - a[:, 1])
+    # A line enters and leaves in turn, so it has an even number of crossings.
+    low, high = v[np.lexsort((v, line))].reshape(-1, 2).T
+    pieces = np.array([[u[::2] - low, u[::2] + low], [u[::2] - high, u[::2] + high]]) * root
+    return np.asarray(pieces.transpose(2, 0, 1)[high - low > 0.3])
 
 
 def _draw_axis(root: ET.Element, body: Body, place: Placement) -> None:
@@ -263,11 +259,10 @@ def _draw_dimensions(root: ET.Element, body: Body, place: Placement) -> None:
         edge = place.y + radius_at(body.outer, float(end)) * place.px_per_m
         _draw_thin(root, x, edge + 4, x, level + 5)
     _draw_arrow(root, left, level, right, level)
-    joints = "".join(
-        svg.path_data([(x, level), (x, level + 5)]) for x in place.x + place.px_per_m * inner_joints(body)
-    )
-    if joints:
-        svg.add_line(root, joints, MUTED, 0.8, "ticks")
+    joints = place.x + place.px_per_m * inner_joints(body)
+    if len(joints):
+        ticks = np.array([[(x, level), (x, level + 5)] for x in joints])
+        svg.add_line(root, svg.lines_data(ticks), MUTED, 0.8, "ticks")
     text = _format_mm(body.length)
     fits = right - left > text_width(text, 12) + 20
     write(

@@ -116,7 +116,7 @@ def agent_data(agent: Agent, flight: Trajectory, closest: Sequence[float], colou
     """Return the data of an agent and its flight, which passes its targets at the times ``closest``, s."""
     body = agent.body
     # Evenly in time, and at the closest approaches.
-    t = np.unique(np.append(np.linspace(flight.t[0], flight.t[-1], MAX_SAMPLES - 1), closest))
+    t = np.array(sorted({*np.linspace(flight.t[0], flight.t[-1], MAX_SAMPLES - 1).tolist(), *closest}))
     nearest = np.clip(np.searchsorted(flight.t, t), 0, len(flight.t) - 1)
     return {
         "colour": colour,

@@ -209,15 +209,16 @@ def find_winner(study: Study, store: Store, target: str) -> Winner | None:
     fitness, undisturbed = study.make_plugin("fitness"), store.read_fitness(target, judged_all)
     reaching = _find_reaching(fitness, undisturbed)
     eligible = [index for index, reaches in zip(judged_all, reaching, strict=True) if reaches]
-    judged_fitness = np.array([[flown[index][number][0] for number in judged] for index in eligible])
+    judged_fitness = np.array([[flown[index][number] for number in judged] for index in eligible])
     scores = dict(zip(eligible, robust_fitness(judged_fitness.T, robustness).tolist(), strict=True))
     best = max(scores.values())
     equals = sorted((index for index in scores if scores[index] == best), key=lambda i: (-undisturbed[i], i))
-    flights = [flown[equals[0]][number] for number in checked if number in flown[equals[0]]]
-    if len(flights) < len(checked):
+    flights = flown[equals[0]]
+    if not all(number in flights for number in checked):
         return Winner(equals[0], best, None)
-    misses = Misses(conditions[len(judged) :], np.array([offset for _, offset in flights])[:, None])
-    reached = [fitness.judge(score) for score, _ in flights].count(Verdict.REACHED) / len(checked)
+    offsets = store.read_offsets(target, equals[0])
+    misses = Misses(conditions[len(judged) :], np.array([offsets[number] for number in checked])[:, None])
+    reached = [fitness.judge(flights[number]) for number in checked].count(Verdict.REACHED) / len(checked)
     return Winner(equals[0], best, misses, reached)
 
 

@@ -12,6 +12,7 @@ from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -377,26 +378,39 @@ class Store:
 
     def read_disturbed(
         self, target: str, first: int = 0, end: int = MAX_INDEX
-    ) -> dict[int, dict[int, tuple[float, FloatArray]]]:
-        """Return fitness (%) and offset (m, (3,)) of every disturbed flight: by evaluation, and by condition.
+    ) -> dict[int, dict[int, float]]:
+        """Return the fitness (%) of every disturbed flight: by evaluation, and by condition.
 
-        The offset is the vector from the target to the closest approach, NaN for a failed flight. Evaluations are those
-        from ``first`` up to ``end``, exclusive.
+        Evaluations are those from ``first`` up to ``end``, exclusive.
         """
         query = (
-            "SELECT evaluation, condition, fitness, x, y, z FROM disturbed "
+            "SELECT evaluation, condition, fitness FROM disturbed "
             "WHERE target = ? AND evaluation >= ? AND evaluation < ? ORDER BY evaluation, condition"
         )
-        found: dict[int, dict[int, tuple[float, FloatArray]]] = {}
+        found: dict[int, dict[int, float]] = {}
         with self._reading():
             rows = self._connection.execute(query, (target, first, end)).fetchall()
-            offsets = np.array([row[3:] for row in rows], dtype=np.float64)
-            for index, flights in groupby(zip(rows, offsets, strict=True), key=lambda pair: pair[0][0]):
+            for index, flights in groupby(rows, key=itemgetter(0)):
                 found[check_integer(index, "an evaluation")] = {
-                    check_integer(row[1], "a condition"): (_check_fitness(row[2]), offset)
-                    for row, offset in flights
+                    check_integer(condition, "a condition"): _check_fitness(fitness)
+                    for _, condition, fitness in flights
                 }
         return found
+
+    def read_offsets(self, target: str, evaluation: int) -> dict[int, FloatArray]:
+        """Return the offset (m, (3,)) of every disturbed flight of an evaluation, by condition.
+
+        It is the vector from the target to the closest approach, NaN for a failed flight.
+        """
+        query = (
+            "SELECT condition, x, y, z FROM disturbed WHERE target = ? AND evaluation = ? ORDER BY condition"
+        )
+        with self._reading():
+            rows = self._connection.execute(query, (target, evaluation)).fetchall()
+            return {
+                check_integer(condition, "a condition"): np.array(offset, dtype=np.float64)
+                for condition, *offset in rows
+            }
 
     def count(self) -> int:
         """How many evaluations there are."""

@@ -85,7 +85,7 @@ def read_flights(
     """Return the fitness of the first ``count`` disturbed flights, (count, targets), of evaluations that have all."""
     columns = [store.read_disturbed(target, first, end) for target in targets]
     return {
-        index: np.array([[column[index][number][0] for column in columns] for number in range(count)])
+        index: np.array([[column[index][number] for column in columns] for number in range(count)])
         for index, flights in columns[0].items()
         if all(number in flights for number in range(count))
     }

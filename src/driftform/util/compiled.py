@@ -9,6 +9,10 @@ of a flight. A kernel that makes arrays, or gets new ones from another kernel, c
 A kernel that returns arrays in the memory of others is `borrowing`.
 """
 
+# Before numba is imported below.
+import driftform.util.numba_alone  # noqa: F401
+
+# isort: split
 import gc
 import hashlib
 import multiprocessing
@@ -21,6 +25,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar, cast
 
+import numpy as np
 from filelock import FileLock
 from llvmlite.binding import add_symbol
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
@@ -28,9 +33,11 @@ from numba.core.cgutils import pack_array
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime._nrt_python import c_helpers
-from numba.core.types import Dispatcher, intp, unliteral
+from numba.core.types import Array, Dispatcher, intp, unliteral
 from numba.core.types.functions import BaseFunction
+from numba.core.typing.typeof import _typeof_ndarray, typeof_impl
 from numba.extending import intrinsic
+from numba.np.numpy_support import from_dtype, map_layout
 
 from driftform.types import FloatArray
 from driftform.util import compiler
@@ -64,6 +71,14 @@ def _hash_sources() -> str:
 
 
 _DIGEST = _hash_sources()
+
+
+@typeof_impl.register(np.ndarray)
+def _type_of_array(array: Any, context: Any) -> Any:
+    """Return numba's type of an array of numbers; numba itself imports ``numpy.ma`` to refuse the arrays of that."""
+    if type(array) is not np.ndarray or array.dtype.kind not in "biufc":
+        return _typeof_ndarray(array, context)  # type: ignore[no-untyped-call]
+    return Array(from_dtype(array.dtype), array.ndim, map_layout(array), readonly=not array.flags.writeable)
 
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
