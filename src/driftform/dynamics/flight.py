@@ -118,15 +118,13 @@ def finish_trajectory(
     ``step_limit`` steps at the step limit, and one whose estimated ``error`` (m) exceeds ``accepted`` as not converged.
     """
     values, k = pack(model), len(samples)
-    fields, room = (np.empty(k), np.empty((k, 3)), np.empty((k, 4)), np.empty((k, 6))), np.empty((2, SAMPLE))
+    filled = np.empty(k), np.empty((k, 3)), np.empty((k, 4)), np.empty((k, 6))
     count, broken, left, past, touched, time = _finish(
-        np.ascontiguousarray(samples), values, model.fittings, *fields, room
+        np.ascontiguousarray(samples), values, model.fittings, *filled, np.empty((2, SAMPLE))
     )
-    if count < k:
-        fields = tuple(field[:count].copy() for field in fields)
-    for field in fields:
+    t, position, quaternion, velocity = (field if count == k else field[:count].copy() for field in filled)
+    for field in (t, position, quaternion, velocity):
         field.setflags(write=False)
-    t = fields[0]
     if broken:
         end = End.NON_FINITE
     elif left:
@@ -142,7 +140,9 @@ def finish_trajectory(
     drift = None
     if touched and _conserves_energy(model):
         drift = _energy_drift(samples, values, touched)
-    return Trajectory(*fields, end, contact=contact, energy_drift=drift, error=error)
+    return Trajectory(
+        t, position, quaternion, velocity, end, contact=contact, energy_drift=drift, error=error
+    )
 
 
 @compiled

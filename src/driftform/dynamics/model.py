@@ -215,7 +215,7 @@ def invert_mass(total: FloatArray, length: float) -> FloatArray:
     values, vectors = np.linalg.eigh(scale * total * scale.T)
     kept = values > 1e-13 * values[-1]
     axes = scale * vectors[:, kept]
-    inverse = (axes / values[kept]) @ axes.T
+    inverse: FloatArray = (axes / values[kept]) @ axes.T
     # The inverse for a body with a plane of symmetry does not couple motions in and out of that plane. Rounding must
     # not couple them either: it would start an out-of-plane motion that the undamped equations amplify.
     size = np.abs(inverse)
