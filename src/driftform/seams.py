@@ -178,7 +178,7 @@ def require_body(body: object, builder: Plugin[Any]) -> Body:
         if name == "cavity" and not len(contour):
             continue
         x, r = contour.T
-        if len(contour) < 3 or not (_are_finite(contour) and x[0] < x[-1] and r.min() >= 0 == r[0] == r[-1]):
+        if len(contour) < 3 or not (_is_finite(contour) and x[0] < x[-1] and r.min() >= 0 == r[0] == r[-1]):
             raise _refuse(
                 builder,
                 "build",
@@ -198,7 +198,7 @@ def require_coefficients(coefficients: object, body: Body, model: Plugin[Any]) -
     """
     found = require(coefficients, Coefficients, model, "coefficients")
     for name in ("added_mass", "origin", "linear_damping", "quadratic_damping"):
-        if not _are_finite(getattr(found, name)):
+        if not _is_finite(getattr(found, name)):
             raise _refuse(model, "coefficients", f"{name} that is not finite", "numbers")
     if not _is_semidefinite(found.added_mass, body.length):
         what = "an added mass that is not symmetric and positive semi-definite"
@@ -272,12 +272,12 @@ def require_findings(findings: object, checker: Plugin[Any]) -> Iterator[Finding
         yield found
 
 
-def _are_finite(*arrays: FloatArray) -> bool:
-    """Whether all numbers in short arrays are finite: the sum of their squares is, unless it overflows.
+def _is_finite(array: FloatArray) -> bool:
+    """Whether all numbers in a short array are finite: the sum of their squares is, unless it overflows.
 
-    Of long ones the linear algebra library would start threads for the sum.
+    For a long one, such as a flight, BLAS would start threads, which take more time than they save.
     """
-    return all(math.isfinite(np.vdot(array, array)) or np.isfinite(array).all() for array in arrays)
+    return math.isfinite(np.vdot(array, array)) or bool(np.isfinite(array).all())
 
 
 def _is_semidefinite(matrix: FloatArray, length: float) -> bool:

@@ -117,10 +117,10 @@ def finish_trajectory(
     A flight that stopped before the ``horizon`` (s) without another reason ends as non-finite, one with more than
     ``step_limit`` steps at the step limit, and one whose estimated ``error`` (m) exceeds ``accepted`` as not converged.
     """
-    values, k = pack(model), len(samples)
+    samples, values, k = np.ascontiguousarray(samples), pack(model), len(samples)
     filled = np.empty(k), np.empty((k, 3)), np.empty((k, 4)), np.empty((k, 6))
     count, broken, left, past, touched, time = _finish(
-        np.ascontiguousarray(samples), values, model.fittings, *filled, np.empty((2, SAMPLE))
+        samples, values, model.fittings, *filled, np.empty((2, SAMPLE))
     )
     t, position, quaternion, velocity = (field if count == k else field[:count].copy() for field in filled)
     for field in (t, position, quaternion, velocity):

@@ -18,7 +18,7 @@ PX_PER_MM = 96 / 25.4
 """CSS defines the pixel as 1/96 inch, so a picture can be printed to scale."""
 
 _SHORTENED = (("-0.00", "0.00"), (".00", ""), *((f".{digit}0", f".{digit}") for digit in range(1, 10)))
-"""What stands for the ends of numbers with two decimals where :func:`format_number` has fewer."""
+"""Replacements, in this order, that shorten numbers with two decimals to those of :func:`format_number`."""
 
 _NOT_XML = "[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 

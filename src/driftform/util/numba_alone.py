@@ -1,6 +1,6 @@
 """numba, imported without coverage.py: where that is installed, its import takes a tenth of that of numba, for nothing.
 
-numba would tell it which lines of kernels were compiled, if ``NUMBA_JIT_COVERAGE`` is set.
+numba uses it only if ``NUMBA_JIT_COVERAGE`` is set, to report the lines of kernels that it compiled.
 """
 
 import sys
