@@ -10,11 +10,12 @@ from driftform.dynamics.fittings import fitting_array, greatest_curvature, rim_s
 from driftform.dynamics.flow import flow_array, gust_array
 from driftform.dynamics.impact import contact_law
 from driftform.dynamics.inertia import added_mass_at, rigid_body_mass
+from driftform.dynamics.inverse import invert_mass
 from driftform.dynamics.profiles import UNIFORM
 from driftform.dynamics.surfaces import refined_surfaces, touching_surfaces
 from driftform.dynamics.terminal import terminal_speed_across
 from driftform.geometry.slices import slice_solid
-from driftform.scenario import Scenario, TurbulentFlow
+from driftform.scenario import Contact, Scenario, TurbulentFlow
 from driftform.types import Agent, Body, Drag, FloatArray
 from driftform.util.compiled import borrow, borrowing, compiled
 from driftform.util.latest import keep_latest
@@ -102,10 +103,9 @@ class FlightModel(NamedTuple):
 def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     """Return the arrays of an agent in a scenario."""
     mass, fluid, coefficients = agent.mass, scenario.fluid, agent.coefficients
-    contact = scenario.calibrated_contact()
     total = rigid_body_mass(mass) + added_mass_at(coefficients, np.zeros(3))
     inverse = invert_mass(total, max(agent.body.length, agent.body.max_diameter))
-    fittings, (flow, current, pipe) = fitting_array(scenario), _environment(scenario)
+    fittings, (flow, current, pipe, contact) = fitting_array(scenario), _environment(scenario)
     surfaces = _surface_rows(agent.body, inverse, scenario)
     gusts = _gusts(agent, scenario)
     drag = coefficients.drag or _NO_DRAG
@@ -157,9 +157,9 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
 
 
 @keep_latest
-def _environment(scenario: Scenario) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return what does not depend on the agent: flow, mean current (m/s) and straight pipe."""
-    return flow_array(scenario), scenario.current(), pipe_rows(scenario)
+def _environment(scenario: Scenario) -> tuple[FloatArray, FloatArray, FloatArray, Contact]:
+    """Return what does not depend on the agent: flow, mean current (m/s), straight pipe and contact."""
+    return flow_array(scenario), scenario.current(), pipe_rows(scenario), scenario.calibrated_contact()
 
 
 def pack(model: FlightModel) -> FloatArray:
@@ -201,26 +201,6 @@ def unpack(values: FloatArray, fittings: FloatArray | None) -> FlightModel:
 def _borrow_fittings(fittings: FloatArray | None) -> FloatArray | None:
     # numba compiles no branch for an argument that is None.
     return borrow(fittings, 0, (fittings.shape[0],)) if fittings is not None else None
-
-
-def invert_mass(total: FloatArray, length: float) -> FloatArray:
-    """Invert a 6x6 mass matrix in units of kg and ``length`` (m), so that its blocks are of similar size.
-
-    A direction without inertia (roll of a massless body) gets an acceleration of zero instead of an infinite one. The
-    inverse of a matrix that is not finite is NaN, and the flight fails at its first step.
-    """
-    if not np.isfinite(total).all():
-        return np.full((6, 6), np.nan)
-    scale = np.array([[1.0], [1.0], [1.0], [1 / length], [1 / length], [1 / length]])
-    values, vectors = np.linalg.eigh(scale * total * scale.T)
-    kept = values > 1e-13 * values[-1]
-    axes = scale * vectors[:, kept]
-    inverse: FloatArray = (axes / values[kept]) @ axes.T
-    # The inverse for a body with a plane of symmetry does not couple motions in and out of that plane. Rounding must
-    # not couple them either: it would start an out-of-plane motion that the undamped equations amplify.
-    size = np.abs(inverse)
-    inverse[size <= 1e-14 * size.max()] = 0.0
-    return inverse
 
 
 @compiled
