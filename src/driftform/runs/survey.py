@@ -2,6 +2,9 @@
 
 An agent that passes a target within a millimetre in the mean flow may owe that to a balance which the weight of a print
 upsets. A strategy that receives the fitness under disturbed conditions breeds agents that do not.
+
+The undisturbed flight counts as one of these conditions. Without it, agents that slide along the wall half a metre from
+their target, whatever disturbs them, would displace those that reach it, and a search could not leave them any more.
 """
 
 from collections.abc import Sequence
@@ -31,11 +34,11 @@ def survey(
     candidates: Sequence[Candidate],
     evaluations: Sequence[Evaluation],
 ) -> list[Evaluation]:
-    """Return what a strategy is given for a batch: evaluations with their mean fitness under the survey's conditions.
+    """Return what a strategy is given for a batch: evaluations with the mean fitness of all flights of an agent.
 
     The conditions are the first of those of the choice, the same for all agents. An agent is surveyed only while its
-    fitness exceeds its ``threshold`` for some target, first that of its undisturbed flight, and then its mean so far:
-    any other fitness does not matter to its strategy. An agent without a threshold is not surveyed.
+    mean fitness, of the undisturbed flight at first, exceeds its ``threshold`` for some target: any other fitness does
+    not matter to its strategy. An agent without a threshold is not surveyed.
 
     Parameters
     ----------
@@ -59,24 +62,32 @@ def survey(
         fly_disturbed(study, store, executor, conditions, pairs, threshold=(inf,) * len(targets))
         flown = read_flights(store, targets, condition + 1, first, first + len(candidates))
         for number in alive:
-            given[number] = replace(given[number], fitness=flown[first + number].mean(axis=0))
+            given[number] = replace(
+                given[number], fitness=_mean_fitness(evaluations[number].fitness, flown[first + number])
+            )
     return given
 
 
 def read_scores(study: Study, store: Store) -> dict[int, FloatArray]:
-    """Return the fitness by which finalists are chosen, for each target, by evaluation: the mean of the survey.
+    """Return the fitness by which finalists are chosen, for each target, by evaluation: that which a strategy is given.
 
-    Without a survey it is that of the undisturbed flight.
+    With a survey it has only those that were flown under all its conditions, if there are any.
     """
     targets, count = study.scenario.target_names, count_survey(study.scenario.robustness)
-    surveyed = read_flights(store, targets, count, 0, store.last_index() + 1) if count else {}
-    if surveyed:
-        return {index: flights.mean(axis=0) for index, flights in surveyed.items()}
-    return {
+    undisturbed = {
         brief.index: np.array(brief.fitness)
         for brief in store.read_summaries(targets)
         if brief.failure is None
     }
+    surveyed = read_flights(store, targets, count, 0, store.last_index() + 1) if count else {}
+    if surveyed:
+        return {index: _mean_fitness(undisturbed[index], flights) for index, flights in surveyed.items()}
+    return undisturbed
+
+
+def _mean_fitness(undisturbed: FloatArray, disturbed: FloatArray) -> FloatArray:
+    """Return the mean of an undisturbed flight, (targets,), and of disturbed ones, (flights, targets)."""
+    return np.asarray(np.vstack([undisturbed, disturbed]).mean(axis=0))
 
 
 def read_flights(

@@ -115,7 +115,7 @@ class Robustness(Table):
     survey: int = option(
         2,
         "disturbed flights, among those of the choice, of each agent that may be among the best of the search; the search "
-        "goes by their mean fitness, or by that of the undisturbed flight if 0",
+        "goes by the mean fitness of these and of the undisturbed flight",
         ge=0,
         le=10_000,
     )
