@@ -41,8 +41,13 @@ def test_a_sphere_that_settles_has_nearly_the_drag_of_the_model() -> None:
 
 def test_a_sphere_that_bounces_has_nearly_the_restitution_of_steel_on_glass() -> None:
     found = calibrate(BOUNCING)
-    assert_near_1(found)
-    assert found.factors["restitution"].known and found.factors["net_weight"].known
+    for name, most in (("restitution", 0.25), ("net_weight", 0.01)):
+        assert found.factors[name].known
+        assert found.factors[name].value == pytest.approx(1, abs=most)
+    # Quite different pairs of drag and restitution fit nearly as well. The history force, which is left out, asks for more
+    # drag, never for less.
+    drag = found.factors["cross_drag"]
+    assert not drag.known or 1.0 < drag.value < 1.6
     assert found.fit.residual < 0.5 * found.fit.before
 
 
