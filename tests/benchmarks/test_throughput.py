@@ -12,6 +12,7 @@ import shutil
 import subprocess
 import sys
 import time
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, closing
 from dataclasses import dataclass
@@ -53,9 +54,9 @@ class Replayed:
         outcomes = list(chain.from_iterable(InProcess(study.make_pipeline()).evaluate(jobs)))
         self._sent = cycle([pickle.dumps(outcomes[i : i + GROUP]) for i in range(0, count, GROUP)])
 
-    def evaluate(self, jobs: Sequence[Job]) -> Iterator[list[Outcome]]:
-        for start in range(0, len(jobs), GROUP):
-            group = jobs[start : start + GROUP]
+    def evaluate(self, jobs: deque[Job]) -> Iterator[list[Outcome]]:
+        while jobs:
+            group = [jobs.popleft() for _ in range(min(GROUP, len(jobs)))]
             outcomes = pickle.loads(next(self._sent))
             yield [(job.index, evaluation) for job, (_, evaluation) in zip(group, outcomes, strict=False)]
 
