@@ -15,7 +15,8 @@ from manifold3d import CrossSection, FillRule, JoinType
 
 from driftform.geometry import hull_volume, radius_at, solid_of_revolution
 from driftform.types import Agent, Body, FloatArray, Module
-from driftform_frusta.section import DOME_STEP, MM
+from driftform_frusta.kit.meridian import MM
+from driftform_frusta.section import DOME_STEP
 
 _TOLERANCE = 5e-5
 """Of the volume, relative: OpenSCAD, which clips on a grid of 15 nm, adds some 2e-5, and 1e-4 is promised."""

@@ -11,8 +11,6 @@ from driftform.types import FloatArray, Module
 DOME_STEP = np.deg2rad(2.5)
 """The dome is an inscribed polyline of this step s; its volume is s^2 / 4 = 5e-4 below that of the sphere."""
 
-MM = 1e3
-
 
 def lay_chains(
     fore: Sequence[Module], aft: Sequence[Module], start_radius: float, least_radius: float
