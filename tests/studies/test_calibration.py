@@ -120,7 +120,7 @@ def evolve(folder: Path, name: str, calibration: Calibration) -> list[Design]:
     """Return the best agent for each target of the default study with a calibration, by undisturbed flights."""
     study = make_study(calibration)
     run = df.evolve(study, folder / name, progress=False)
-    return [df.agent(f"{run.path}:{target}") for target in study.scenario.target_names]
+    return [df.open_agent(f"{run.path}:{target}") for target in study.scenario.target_names]
 
 
 def make_study(calibration: Calibration) -> Study:

@@ -114,7 +114,7 @@ class Design:
 
     @property
     def genome(self) -> str:
-        """The genome as text; :func:`driftform.agent` reads it."""
+        """The genome as text; :func:`driftform.open_agent` reads it."""
         return self.pipeline.grammar.to_text(self.stored.genome)
 
     @property
