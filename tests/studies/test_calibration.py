@@ -19,8 +19,8 @@ import pytest
 
 import driftform as df
 from driftform.design.design import Design
+from driftform.motion.approach import closest_approach
 from driftform.study import Study, load_study
-from driftform.trajectory.approach import closest_approach
 from driftform.types import FloatArray
 from driftform.water import Calibration, Factors
 from driftform.water.factors import NAMES

@@ -7,10 +7,10 @@ from itertools import repeat
 import numpy as np
 import pytest
 
+from driftform.motion.interpolation import interpolate_positions
+from driftform.motion.way import name_outlet
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
-from driftform.trajectory.interpolation import interpolate_positions
-from driftform.trajectory.way import name_outlet
 from driftform.types import End
 
 pytestmark = pytest.mark.slow
