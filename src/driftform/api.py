@@ -24,8 +24,9 @@ from driftform.runs.run import check_study
 from driftform.runs.store import Record
 from driftform.runs.tables import evaluation_batches, write_tables
 from driftform.runs.wording import list_cells, list_headings
-from driftform.search import InProcess, LocalProcesses
+from driftform.search import LocalProcesses
 from driftform.search.advance import Observer, advance_run, list_best
+from driftform.search.in_process import InProcess
 from driftform.search.picking import pick_agent
 from driftform.study import Study, load_study
 from driftform.study.advice import list_warnings

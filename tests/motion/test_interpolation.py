@@ -15,7 +15,9 @@ from driftform.testing.bodies import hollow_body
 from driftform.testing.renderer import drifting_trajectory
 from driftform.types import Agent, Coefficients, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
-from driftform.water import Fluid, Release, Scenario, UniformFlow
+from driftform.water import Fluid, Scenario
+from driftform.water.flow import UniformFlow
+from driftform.water.scenario import Release
 
 STILL = Scenario(flow=UniformFlow(speed=0.0), release=Release(velocity="rest"))
 

@@ -5,8 +5,8 @@ import pytest
 
 from driftform.runs.dependence import MIN_FLIGHTS, REST, divide_spread
 from driftform.runs.misses import Misses
-from driftform.water import Robustness
 from driftform.water.disturbances import draw_conditions
+from driftform.water.scenario import Robustness
 
 ROBUSTNESS = Robustness()
 

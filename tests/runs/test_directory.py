@@ -12,8 +12,9 @@ import pytest
 from driftform.errors import WorkFailedError
 from driftform.runs import store
 from driftform.runs.run import Run
-from driftform.search import InProcess, Job, Outcome
 from driftform.search.advance import advance_run
+from driftform.search.in_process import InProcess
+from driftform.search.jobs import Job, Outcome
 from driftform.study import load_study
 from driftform.util import files
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from driftform.runs.run import Run
-from driftform.search import InProcess
 from driftform.search.advance import search_run
+from driftform.search.in_process import InProcess
 from driftform.study import load_study
 from driftform.util import preparation
 from driftform.water import tee_store as store

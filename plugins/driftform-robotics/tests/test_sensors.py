@@ -11,7 +11,8 @@ from driftform.testing.bodies import cylinder_body, hollow_body
 from driftform.testing.renderer import drifting_trajectory
 from driftform.types import Agent, Coefficients, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
-from driftform.water import Fluid, Pipe, Scenario, Segment, UniformFlow
+from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.water.flow import UniformFlow
 from driftform_robotics import sensors
 
 PIPE = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0),))

@@ -11,7 +11,8 @@ from driftform.motion.interpolation import interpolate_positions
 from driftform.report.contents import Contents
 from driftform.report.streams import trace_streams
 from driftform.types import Agent, FloatArray, Trajectory
-from driftform.water import Pipe, Scenario, UniformFlow
+from driftform.water import Pipe, Scenario
+from driftform.water.flow import UniformFlow
 from driftform.water.pipe_parts import Straight
 
 MAX_SAMPLES = 240

@@ -14,7 +14,8 @@ from driftform.runs.run import Run
 from driftform.runs.store import Store
 from driftform.util.files import make_directory
 from driftform.util.progress import track_progress
-from driftform.water import Pipe, Scenario, Vector
+from driftform.water import Pipe, Scenario
+from driftform.water.pipe import Vector
 
 
 def pick_agent(run: Run, point: Vector) -> StoredAgent:

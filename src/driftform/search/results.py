@@ -15,8 +15,8 @@ from driftform.runs.agent_file import StoredAgent, agent_document, write_agent
 from driftform.runs.directory import DATABASE
 from driftform.runs.store import Store
 from driftform.runs.wording import describe_worst
-from driftform.search import Executor, FunctionDiedError
 from driftform.search.finalists import find_best_agent
+from driftform.search.jobs import Executor, FunctionDiedError
 from driftform.study import Study
 from driftform.types import Agent, Trajectory
 from driftform.util.files import remove_parts, write_text, write_whole

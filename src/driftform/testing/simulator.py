@@ -28,19 +28,10 @@ from driftform.testing.bodies import spheroid_body
 from driftform.testing.contract import Contract
 from driftform.types import Agent, Coefficients, Drag, End, FloatArray, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
-from driftform.water import (
-    Contact,
-    FlightLimits,
-    Fluid,
-    Pipe,
-    PowerLawFlow,
-    Release,
-    Scenario,
-    Segment,
-    TurbulentFlow,
-    UniformFlow,
-    Vector,
-)
+from driftform.water import Fluid, Pipe, Scenario, Segment, TurbulentFlow
+from driftform.water.flow import PowerLawFlow, UniformFlow
+from driftform.water.pipe import Vector
+from driftform.water.scenario import Contact, FlightLimits, Release
 
 SPHEROID = Spheroid(0.06, 0.01)
 """A neutral spheroid, 120 mm long and 20 mm thick."""

@@ -15,7 +15,7 @@ from driftform.errors import InputError
 from driftform.types import Agent, Body, Coefficients, Core
 
 if TYPE_CHECKING:
-    from driftform.design.design import Design
+    from driftform import Design
     from driftform.interfaces import Simulator
     from driftform.water import Scenario
 
@@ -91,12 +91,12 @@ def open_traveller(
     InputError
         if there is no such agent, or no core gives it that buoyancy.
     """
-    from driftform.design.opening import open_agent
+    from driftform import open_agent
 
     environment = scenario or str(SCENARIO)
     if not text.startswith(_SPHERE):
-        return trim_design(open_agent(text, environment, settings), buoyancy)
-    from driftform.study import load_study
+        return trim_design(open_agent(text, *settings, scenario=environment), buoyancy)
+    from driftform import load_study
 
     pipeline = load_study(environment, settings, run={"seed": 0}).make_pipeline()
     number = text.removeprefix(_SPHERE).removesuffix("mm")
@@ -151,7 +151,7 @@ def _name_trim(buoyancy: float) -> str:
 def make_sphere(diameter: float, scenario: "Scenario", buoyancy: float = 0.0) -> Agent:
     """Return a homogeneous sphere, whose added mass is half of that of the water it displaces; ``buoyancy`` in N."""
     from driftform.agent import mass_properties
-    from driftform.motion.body_drag import estimate_drag
+    from driftform.motion import estimate_drag
 
     radius, fluid = diameter / 2, scenario.fluid
     angle = np.linspace(0, np.pi, 65)

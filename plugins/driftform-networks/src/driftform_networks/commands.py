@@ -5,8 +5,7 @@ from typing import Annotated, TypeAlias
 
 import typer
 
-from driftform.cli.options import Json
-from driftform.cli.output import print_result
+from driftform.cli import options, print_result
 from driftform.errors import InputError
 
 Net: TypeAlias = Annotated[
@@ -145,7 +144,7 @@ def show(
     at: At = 0.0,
     map: Map = None,
     cache: Cache = None,
-    json: Json = False,
+    json: options.Json = False,
 ) -> None:
     """Show what a network is: its pipes, flows, sources, loops and reversals."""
     from driftform_networks.show import show_network
@@ -164,7 +163,7 @@ def tracers(
     tables: Tables = None,
     report: Report = None,
     cache: Cache = None,
-    json: Json = False,
+    json: options.Json = False,
 ) -> None:
     """Compute where point tracers go, which divide like the water: probability and age at each node.
 
@@ -201,7 +200,7 @@ def route(
     tables: Tables = None,
     report: Report = None,
     cache: Cache = None,
-    json: Json = False,
+    json: options.Json = False,
 ) -> None:
     """Compute where an agent goes: probability and age at each node, what it sees, where it is stuck.
 
@@ -291,7 +290,7 @@ def fleet(
         ),
     ] = None,
     cache: Cache = None,
-    json: Json = False,
+    json: options.Json = False,
 ) -> None:
     """Choose a fleet: which agents, released where and when, see most of the pipes together.
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from driftform.cli.output import CommandResult, TextTable
+from driftform.cli import CommandResult, TextTable
 from driftform.errors import InputError
-from driftform.figures.files import write_picture
+from driftform.figures import write_picture
 from driftform.util.files import check_directory, make_directory, write_text
 from driftform_networks.bodies import Traveller
 from driftform_networks.candidates import save_agents

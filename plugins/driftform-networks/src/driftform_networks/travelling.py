@@ -335,8 +335,8 @@ def _work(stages: "Sequence[Sequence[StraightTask | TeeTask]]", workers: int, pr
             task()
             progress(done, total)
         return
+    from driftform import load_study
     from driftform.search import LocalProcesses
-    from driftform.study import load_study
 
     with closing(LocalProcesses(load_study(str(SCENARIO), run={"seed": 0}).document, workers)) as executor:
         size, done = 4 * workers, 0

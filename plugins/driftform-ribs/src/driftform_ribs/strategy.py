@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from driftform.interfaces import SearchSpace, Strategy
-from driftform.options import Table, option
+from driftform.interfaces import SearchSpace, Strategy, Table, option
 from driftform.runs.coverage import PipeGrid
 from driftform.types import Candidate, Evaluation, FloatArray, Trajectory
 
