@@ -152,7 +152,7 @@ def route(
     continues.
     """
     from driftform.util.progress import count_progress
-    from driftform_networks.api import route_by_branch
+    from driftform_networks import api
     from driftform_networks.bodies import open_traveller
     from driftform_networks.page import BODIES
     from driftform_networks.reading import open_network
@@ -166,7 +166,7 @@ def route(
     network.find_node(release)
     traveller = open_traveller(agent, scenario, settings or (), buoyancy)
     with count_progress("flight tables") as progress:
-        passage, branches = route_by_branch(
+        passage = api.route(
             network,
             traveller,
             release,
@@ -181,7 +181,7 @@ def route(
             compare=True,
         )
     title = f"{network.name}: {traveller.name} from {release} at hour {at:g}"
-    return present_passage(passage, title, outputs, BODIES, branches)
+    return present_passage(passage, title, outputs, BODIES)
 
 
 def fleet(

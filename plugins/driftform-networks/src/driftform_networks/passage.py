@@ -1,7 +1,7 @@
 """Where a body goes in a network, when it arrives, what it sees and where it ends."""
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -9,7 +9,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order
 
 from driftform.types import BoolArray, FloatArray
-from driftform_networks.chain import LOST, Visits
+from driftform_networks.chain import Visits
 from driftform_networks.network import Network
 from driftform_networks.routing import Routing
 from driftform_networks.snapshot import STILL
@@ -44,10 +44,6 @@ class Ending:
     probability: float
     reason: str = ""
 
-    def as_document(self) -> dict[str, Any]:
-        """Return it as plain values for JSON."""
-        return asdict(self)
-
 
 @dataclass(frozen=True, eq=False)
 class Passage:
@@ -78,6 +74,8 @@ class Passage:
         whether the flows changed on the way.
     flown, divided
         number of junctions on its ways that it was flown through, and that streamtubes divide.
+    branches
+        the passages where branches leave the pipes at each side; empty if they were not asked for.
     """
 
     network: Network
@@ -92,6 +90,7 @@ class Passage:
     unsteady: bool = False
     flown: int = 0
     divided: int = 0
+    branches: Mapping[str, "Passage"] = field(default_factory=dict)
 
     @property
     def coverage(self) -> float:
@@ -116,22 +115,18 @@ class Passage:
             nodes[names[node]] = {"probability": float(self.probability[node]), "age": float(self.age[node])}
             if len(self.quantiles):
                 nodes[names[node]]["age_quantiles"] = self.quantiles[node].tolist()
-        links = {
-            name: float(share)
-            for name, share, reachable in zip(self.network.links, self.seen, self.reachable, strict=True)
-            if reachable
-        }
+        links = self.link_table()
         return {
             "network": self.network.name,
             "release": names[self.release],
             "hour": self.hour,
             "unsteady": self.unsteady,
             "nodes": nodes,
-            "links": links,
+            "links": dict(zip(links["link"], links["seen"], strict=True)),
             "coverage": self.coverage,
             "reachable_length": float(self.network.length[self.reachable].sum()),
-            "ends": [end.as_document() for end in self.ends],
-            "stuck": [end.as_document() for end in self.stuck],
+            "ends": [asdict(end) for end in self.ends],
+            "stuck": [asdict(end) for end in self.stuck],
         }
 
     def node_table(self) -> dict[str, list[Any]]:
@@ -163,10 +158,7 @@ class Passage:
 
     def end_table(self) -> dict[str, list[Any]]:
         """Return the ends as columns."""
-        return {
-            name: [getattr(end, name) for end in self.ends]
-            for name in ("kind", "place", "probability", "reason")
-        }
+        return {field.name: [getattr(end, field.name) for end in self.ends] for field in fields(Ending)}
 
 
 def measure_coverage(network: Network, seen: FloatArray, reachable: BoolArray) -> float:
@@ -187,15 +179,12 @@ def find_reachable(network: Network, release: int, steps: Sequence[int]) -> Bool
     return np.asarray((forward & reached[network.start]) | (backward & reached[network.end]))
 
 
-def summarise_visits(visits: Visits, routing: Routing) -> Passage:
+def summarise_visits(visits: Visits) -> Passage:
     """Return the passage of a body through the flows of one hour."""
-    chain, snapshot = visits.chain, visits.chain.snapshot
-    network, entries = snapshot.network, visits.entries
-    passes = np.bincount(chain.link, entries * (1 - chain.held), len(snapshot.links))
-    entered = np.bincount(chain.link, entries, len(snapshot.links))
+    routing, snapshot = visits.routing, visits.routing.snapshot
+    network = snapshot.network
     seen = np.zeros(len(network.links))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        seen[snapshot.links] = np.where(entered > 0, visits.link_probability * passes / entered, 0.0)
+    seen[snapshot.links] = visits.seen
     flown, divided = _count_junctions([routing], visits.node_probability)
     return Passage(
         network,
@@ -205,7 +194,7 @@ def summarise_visits(visits: Visits, routing: Routing) -> Passage:
         visits.node_age,
         seen,
         find_reachable(network, visits.release, [snapshot.step]),
-        _sort(_merge(_list_ends(visits, routing))),
+        _merge(_list_ends(visits)),
         flown=flown,
         divided=divided,
     )
@@ -222,27 +211,18 @@ def _count_junctions(routings: Sequence[Routing], probability: FloatArray) -> tu
     return len(flown), len(divided - flown)
 
 
-def _list_ends(visits: Visits, routing: Routing) -> list[Ending]:
-    chain, snapshot = visits.chain, visits.chain.snapshot
-    network, entries = snapshot.network, visits.entries
-    links, nodes = len(snapshot.links), len(network.nodes)
-    head = snapshot.head[chain.link]
-    left = np.bincount(head, entries * chain.leaves, nodes)
-    left[visits.release] += max(0.0, 1 - visits.first)
-    stays = np.bincount(chain.link, entries * chain.stays, links)
-    held = np.bincount(chain.link, entries * chain.held, links)
-    ends = [_leave(network, node, left[node]) for node in np.flatnonzero(left > _LEAST).tolist()]
-    ends += [
-        Ending("stuck", network.nodes[snapshot.head[link]], stays[link], routing.tables[link].obstacle)
-        for link in np.flatnonzero(stays > _LEAST).tolist()
-    ]
-    ends += [
-        Ending("stuck", snapshot.name(link), held[link], routing.transfers[link].obstacle)
-        for link in np.flatnonzero(held > _LEAST).tolist()
-    ]
-    if (lost := LOST * float(entries.sum())) > _LEAST:
-        ends.append(Ending("circling", "", lost, "a loop without an exit"))
-    return ends
+def _list_ends(visits: Visits) -> Iterator[Ending]:
+    routing, snapshot = visits.routing, visits.routing.snapshot
+    network = snapshot.network
+    for node in np.flatnonzero(visits.left > _LEAST).tolist():
+        yield _leave(network, node, visits.left[node])
+    for link in np.flatnonzero(visits.stays > _LEAST).tolist():
+        place = network.nodes[snapshot.head[link]]
+        yield Ending("stuck", place, visits.stays[link], routing.tables[link].obstacle)
+    for link in np.flatnonzero(visits.held > _LEAST).tolist():
+        yield Ending("stuck", snapshot.name(link), visits.held[link], routing.transfers[link].obstacle)
+    if visits.lost > _LEAST:
+        yield Ending("circling", "", visits.lost, "a loop without an exit")
 
 
 def _leave(network: Network, node: int, probability: float) -> Ending:
@@ -250,29 +230,15 @@ def _leave(network: Network, node: int, probability: float) -> Ending:
     return Ending("demand" if kind == "junction" else kind, network.nodes[node], float(probability))
 
 
-def summarise_walks(walks: Walks, routings: Sequence[Routing], steps: Sequence[int]) -> Passage:
+def summarise_walks(walks: Walks, routings: Sequence[Routing]) -> Passage:
     """Return the passage of bodies that were followed one by one, with quantiles of their arrival times."""
-    network = walks.network
-    nodes = len(network.nodes)
-    _, node, time = walks.first_arrivals()
-    probability = np.bincount(node, minlength=nodes) / walks.count
+    network, nodes = walks.network, len(walks.network.nodes)
+    node, time = walks.first_arrivals()
+    arrivals = np.bincount(node, minlength=nodes)
+    probability = arrivals / walks.count
     with np.errstate(invalid="ignore"):
-        age = np.bincount(node, time, nodes) / np.bincount(node, minlength=nodes)
+        age = np.bincount(node, time, nodes) / arrivals
     probability[walks.release], age[walks.release] = 1.0, 0.0
-    _, link, share = walks.covered()
-    seen = np.bincount(link, share, len(network.links)) / walks.count
-    ends: list[Ending] = []
-    for how in (LEFT, HELD_IN_LINK, HELD_AT_NODE, UNDER_WAY):
-        places, counts = np.unique(walks.place[walks.ends == how], return_counts=True)
-        for place, count in zip(places.tolist(), (counts / walks.count).tolist(), strict=True):
-            match how:
-                case _ if how == LEFT:
-                    ends.append(_leave(network, place, count))
-                case _ if how == UNDER_WAY:
-                    ends.append(Ending("under way", "", count))
-                case _:
-                    name = (network.links if how == HELD_IN_LINK else network.nodes)[place]
-                    ends.append(Ending("stuck", name, count, _find_obstacle(routings, how, place)))
     flown, divided = _count_junctions(routings, probability)
     return Passage(
         network,
@@ -280,14 +246,28 @@ def summarise_walks(walks: Walks, routings: Sequence[Routing], steps: Sequence[i
         float(walks.began.min()) / 3600,
         probability,
         age,
-        seen,
-        find_reachable(network, walks.release, steps),
-        _sort(_merge(ends)),
+        walks.measure_sight(),
+        find_reachable(network, walks.release, [routing.snapshot.step for routing in routings]),
+        _merge(_count_ends(walks, routings)),
         measure_quantiles(walks),
         unsteady=True,
         flown=flown,
         divided=divided,
     )
+
+
+def _count_ends(walks: Walks, routings: Sequence[Routing]) -> Iterator[Ending]:
+    network = walks.network
+    for how in (LEFT, HELD_IN_LINK, HELD_AT_NODE, UNDER_WAY):
+        places, counts = np.unique(walks.place[walks.ends == how], return_counts=True)
+        for place, share in zip(places.tolist(), (counts / walks.count).tolist(), strict=True):
+            if how == LEFT:
+                yield _leave(network, place, share)
+            elif how == UNDER_WAY:
+                yield Ending("under way", "", share)
+            else:
+                name = (network.links if how == HELD_IN_LINK else network.nodes)[place]
+                yield Ending("stuck", name, share, _find_obstacle(routings, how, place))
 
 
 def _find_obstacle(routings: Sequence[Routing], how: int, place: int) -> str:
@@ -302,25 +282,19 @@ def _find_obstacle(routings: Sequence[Routing], how: int, place: int) -> str:
     return ""
 
 
-def _merge(ends: Sequence[Ending]) -> list[Ending]:
-    """Return ends of the same kind at the same place as one; those under way are in no particular place."""
+def _merge(ends: Iterable[Ending]) -> tuple[Ending, ...]:
+    """Return ends of the same kind at the same place as one, the most probable first."""
     found: dict[tuple[str, str], Ending] = {}
     for end in ends:
-        place = "" if end.kind == "under way" else end.place
-        before = found.get((end.kind, place))
-        total = float(end.probability) + (before.probability if before else 0.0)
-        found[end.kind, place] = Ending(end.kind, place, total, before.reason if before else end.reason)
-    return list(found.values())
-
-
-def _sort(ends: Sequence[Ending]) -> tuple[Ending, ...]:
-    return tuple(sorted(ends, key=lambda end: (-end.probability, end.kind, end.place)))
+        before = found.get((end.kind, end.place), Ending(end.kind, end.place, 0.0, end.reason))
+        found[end.kind, end.place] = replace(before, probability=before.probability + float(end.probability))
+    return tuple(sorted(found.values(), key=lambda end: (-end.probability, end.kind, end.place)))
 
 
 def measure_quantiles(walks: Walks) -> FloatArray:
     """Return quantiles of the first arrivals at each node, s, (nodes, quantiles); NaN where no walk arrives."""
     found = np.full((len(walks.network.nodes), len(QUANTILES)), np.nan)
-    _, node, time = walks.first_arrivals()
+    node, time = walks.first_arrivals()
     order = np.argsort(node, kind="stable")
     nodes, starts = np.unique(node[order], return_index=True)
     for place, times in zip(nodes, np.split(time[order], starts[1:]), strict=True):

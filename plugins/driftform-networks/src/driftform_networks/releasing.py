@@ -61,6 +61,15 @@ def release(
     return None
 
 
+def spread_numbers(count: int, columns: int, seed: int) -> FloatArray:
+    """Return numbers in [0, 1) that fill the unit cube evenly, (at least count, columns): a scrambled Sobol sequence."""
+    from scipy.stats import qmc
+
+    return np.asarray(
+        qmc.Sobol(columns, rng=np.random.default_rng(seed)).random_base2((count - 1).bit_length())
+    )
+
+
 def draw_attitude(numbers: FloatArray) -> tuple[float, float]:
     """Return pitch and yaw, degrees, of an axis that points anywhere alike, from two numbers in [0, 1)."""
     return float(np.rad2deg(np.arcsin(2 * numbers[0] - 1))), float(360 * numbers[1] - 180)

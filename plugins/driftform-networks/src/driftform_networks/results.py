@@ -64,16 +64,9 @@ class Outputs:
 
 
 def present_passage(
-    passage: Passage,
-    title: str,
-    outputs: Outputs,
-    assumptions: Sequence[str] = WATER,
-    branches: Mapping[str, Passage] | None = None,
+    passage: Passage, title: str, outputs: Outputs, assumptions: Sequence[str] = WATER
 ) -> CommandResult:
-    """Write the files of a passage, and return what a command prints of it.
-
-    ``branches`` are the passages with branches at other sides of the pipes.
-    """
+    """Write the files of a passage, and return what a command prints of it."""
     length = passage.network.length[passage.reachable].sum() / 1000
     lines = [f"sees {100 * passage.coverage:.1f} % of the {length:.1f} km that its water reaches"]
     if assumptions is BODIES:
@@ -84,8 +77,8 @@ def present_passage(
         lines.append(f"{100 * sum(end.probability for end in passage.stuck):.1f} % end in the pipes")
     tables = [*_table_nodes(passage), *_table_ends(passage)]
     document = passage.as_document()
-    if branches:
-        document["branches"] = {side: _compare(passage, other) for side, other in branches.items()}
+    if passage.branches:
+        document["branches"] = {side: _compare(passage, other) for side, other in passage.branches.items()}
         tables.append(_table_branches(document["branches"]))
     files = _write_figures(
         outputs, title, lambda: {"Map": passage_svg(passage, title)}, [*lines, *tables], assumptions

@@ -1,11 +1,10 @@
 """Flights of a body through a tee, and what they say about its way: the outlet, the band there, and where it is held."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import qmc
 
 from driftform.errors import WorkFailedError
 from driftform.geometry.pipe_parts import Opening
@@ -16,7 +15,7 @@ from driftform_networks.bore import BANDS, find_band, spread_points
 from driftform_networks.cache import keep_result
 from driftform_networks.flights import StraightTask
 from driftform_networks.network import IntArray
-from driftform_networks.releasing import draw_attitude, locate_middle, release, turn
+from driftform_networks.releasing import draw_attitude, locate_middle, release, spread_numbers, turn
 from driftform_networks.tees import BRANCH, RUN, Tee
 
 RINGS, AROUND = 7, 15
@@ -62,13 +61,19 @@ class TeeFlights:
 class TeeTask:
     """Flights to make through a tee: of a body from the ends of straight flights, or from anywhere in the bore without them.
 
-    The worker process that makes them writes them to ``path``, as that of a straight pipe does.
+    ``folder`` keeps the result.
     """
 
     traveller: Traveller
+    folder: Path
     tee: Tee
     straight: StraightTask | None
-    path: Path
+
+    @property
+    def path(self) -> Path:
+        """File of the result."""
+        main = self.straight and [self.straight.bore, self.straight.speed, self.straight.slope]
+        return self.folder / self.traveller.name_file(tee=[asdict(self.tee), main])
 
     def __call__(self) -> TeeFlights:
         """Make the flights, or read them."""
@@ -157,7 +162,7 @@ def _spread(traveller: Traveller, tee: Tee, document: dict[str, Any]) -> tuple[l
     places = spread_points(1.0, RINGS, AROUND)
     # The thousandth keeps the releases off the wall.
     places *= np.minimum(1.0, 0.999 * room / np.linalg.norm(places, axis=1))[:, None]
-    numbers = qmc.Sobol(2, rng=np.random.default_rng(_SEED)).random(2 ** int(np.ceil(np.log2(len(places)))))
+    numbers = spread_numbers(len(places), 2, _SEED)
     bands, scenarios = [], []
     for band, place, pair in zip(find_band(places, room).tolist(), places, numbers, strict=False):
         attitude = draw_attitude(pair)
