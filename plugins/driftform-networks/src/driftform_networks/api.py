@@ -11,12 +11,12 @@ from driftform_networks.bodies import Traveller, open_traveller
 from driftform_networks.chain import follow
 from driftform_networks.junctions import SIDES, Geometry
 from driftform_networks.network import Network
-from driftform_networks.passage import Passage, measure_quantiles, summarise_visits, summarise_walks
+from driftform_networks.passage import Passage
 from driftform_networks.routing import Routing
 from driftform_networks.snapshot import Snapshot, divide_flow, take_snapshot
 from driftform_networks.tracers import route_tracers
 from driftform_networks.travelling import Progress, Travel, Traveling, make_flights
-from driftform_networks.walkers import walk
+from driftform_networks.walkers import measure_quantiles, summarise_walks, walk
 
 WALKS = 2000
 """Walks by default."""
@@ -109,9 +109,7 @@ def route(
     make_flights([traveling, *sides.values()], snapshots, workers, progress)
     passage = _follow(snapshots, traveling.route, release, hour, unsteady, walks, seed)
     node = passage.release
-    branches = {
-        side: summarise_visits(follow(other.route(snapshots[0]), node)) for side, other in sides.items()
-    }
+    branches = {side: follow(other.route(snapshots[0]), node) for side, other in sides.items()}
     return replace(passage, branches=branches)
 
 
@@ -157,7 +155,7 @@ def _follow(
     if unsteady:
         times = [*network.hydraulics.times[snapshots[0].step :], network.hydraulics.end]
         return summarise_walks(walk(routings, times, node, np.full(walks, 3600 * hour), rng), routings)
-    passage = summarise_visits(follow(routings[0], node))
+    passage = follow(routings[0], node)
     if not walks:
         return passage
     found = walk(routings, [0.0, np.inf], node, np.zeros(walks), rng)

@@ -1,6 +1,6 @@
 """Where a body goes in flows that do not change: the Markov chain over links and bands of their bore, solved."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
 
 import numpy as np
 from scipy import sparse
@@ -9,6 +9,15 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from driftform.types import FloatArray
 from driftform_networks.network import IntArray
+from driftform_networks.passage import (
+    LEAST,
+    Ending,
+    Passage,
+    count_junctions,
+    find_reachable,
+    leave,
+    merge_ends,
+)
 from driftform_networks.routing import Routing
 from driftform_networks.snapshot import Snapshot, divide_flow
 
@@ -16,45 +25,7 @@ LOST = 1e-9
 """Probability, for each link, that a body is no longer followed: it makes loops without an exit solvable."""
 
 
-@dataclass(frozen=True, eq=False)
-class Visits:
-    """Where a body goes in flows that do not change.
-
-    Attributes
-    ----------
-    routing
-        its tables.
-    release
-        node where it enters the water.
-    node_visits
-        expected number of arrivals at each node, (nodes,).
-    node_probability
-        probability that the body ever arrives at each node, (nodes,).
-    node_age
-        mean time from the release to the arrivals at each node, s, (nodes,); NaN where it never comes.
-    seen
-        probability that it passes each link of the snapshot, (links,).
-    left
-        probability that it leaves the pipes at each node, (nodes,).
-    held, stays
-        probability that it comes to rest within each link of the snapshot, and at its downstream end, (links,).
-    lost
-        probability that it goes round in loops without an exit.
-    """
-
-    routing: Routing
-    release: int
-    node_visits: FloatArray
-    node_probability: FloatArray
-    node_age: FloatArray
-    seen: FloatArray
-    left: FloatArray
-    held: FloatArray
-    stays: FloatArray
-    lost: float
-
-
-def follow(routing: Routing, release: int) -> Visits:
+def follow(routing: Routing, release: int) -> Passage:
     """Return where a body goes that enters the water at a node, and divides there like the water.
 
     Expected entries x into the states satisfy x = first + x P, and their ages the same equation with the durations as
@@ -66,8 +37,8 @@ def follow(routing: Routing, release: int) -> Visits:
     InputError
         if no water flows from the node into a pipe.
     """
-    snapshot, bands = routing.snapshot, routing.bands
-    links, nodes = len(snapshot.links), len(snapshot.network.nodes)
+    snapshot, network, bands = routing.snapshot, routing.snapshot.network, routing.bands
+    links, nodes = len(snapshot.links), len(network.nodes)
     link = np.repeat(np.arange(links), bands)
     head = snapshot.head[link]
     first = (divide_flow(snapshot, release, routing.retained)[:, None] * routing.release).ravel()
@@ -81,10 +52,10 @@ def follow(routing: Routing, release: int) -> Visits:
     entries[entries < 1e-15] = 0.0
     time = solver.solve(step.T @ (entries * duration))
     passes = entries * (1 - held)
-    visits = np.asarray(np.bincount(head, passes, nodes), dtype=np.float64)
+    visits = _sum_up(head, passes, nodes)
     visits[release] += 1
     # The time of an arrival is that of the entry, and the time through the link.
-    arrival_time = np.bincount(head, (time + entries * duration) * (1 - held), nodes)
+    arrival_time = _sum_up(head, (time + entries * duration) * (1 - held), nodes)
     entered = entries.reshape(links, bands).sum(axis=1)
     probability, enters = np.minimum(visits, 1.0), np.minimum(entered, 1.0)
     for node in find_loops(snapshot):
@@ -92,24 +63,49 @@ def follow(routing: Routing, release: int) -> Visits:
         for outlet in snapshot.outlets[node]:
             enters[outlet] = _enter_once(solver, entries, np.flatnonzero(link == outlet)).sum()
     probability[release] = 1.0
-    left, rests, stops = (
-        np.asarray(np.bincount(place, entries * share, count), dtype=np.float64)
-        for place, share, count in ((head, leaves, nodes), (link, held, links), (link, stays, links))
-    )
-    left[release] += max(0.0, 1 - float(first.sum()))
+    seen = np.zeros(len(network.links))
     with np.errstate(invalid="ignore", divide="ignore"):
-        return Visits(
-            routing,
-            release,
-            visits,
-            probability,
-            arrival_time / visits,
-            np.where(entered > 0, enters * np.bincount(link, passes, links) / entered, 0.0),
-            left,
-            rests,
-            stops,
-            LOST * float(entries.sum()),
-        )
+        age = arrival_time / visits
+        passed = enters * _sum_up(link, passes, links) / entered
+    seen[snapshot.links] = np.where(entered > 0, passed, 0.0)
+    left = _sum_up(head, entries * leaves, nodes)
+    left[release] += max(0.0, 1 - float(first.sum()))
+    rests, stops = (_sum_up(link, entries * share, links) for share in (held, stays))
+    flown, divided = count_junctions([routing], probability)
+    ends = _list_ends(routing, left, rests, stops, LOST * float(entries.sum()))
+    return Passage(
+        network,
+        release,
+        snapshot.hour,
+        visits,
+        probability,
+        age,
+        seen,
+        find_reachable(network, release, [snapshot.step]),
+        merge_ends(ends),
+        flown=flown,
+        divided=divided,
+    )
+
+
+def _sum_up(place: IntArray, values: FloatArray, count: int) -> FloatArray:
+    """Return the sums of values of states that are at the same place, (count,)."""
+    return np.asarray(np.bincount(place, values, count), dtype=np.float64)
+
+
+def _list_ends(
+    routing: Routing, left: FloatArray, held: FloatArray, stays: FloatArray, lost: float
+) -> Iterator[Ending]:
+    """Yield the ends: out of the pipes at nodes, at rest in links and at their downstream ends, and in loops."""
+    snapshot, network = routing.snapshot, routing.snapshot.network
+    for node in np.flatnonzero(left > LEAST).tolist():
+        yield leave(network, node, left[node])
+    for link in np.flatnonzero(stays > LEAST).tolist():
+        yield Ending("stuck", network.nodes[snapshot.head[link]], stays[link], routing.tables[link].obstacle)
+    for link in np.flatnonzero(held > LEAST).tolist():
+        yield Ending("stuck", snapshot.name(link), held[link], routing.transfers[link].obstacle)
+    if lost > LEAST:
+        yield Ending("circling", "", lost, "a loop without an exit")
 
 
 def _link_states(routing: Routing) -> tuple[sparse.csr_array, FloatArray, FloatArray]:

@@ -13,7 +13,7 @@ from driftform_networks.chain import follow
 from driftform_networks.choosing import bound_steering, choose_fleet
 from driftform_networks.junctions import Geometry
 from driftform_networks.network import Network
-from driftform_networks.passage import Ending, Passage, find_reachable, summarise_visits
+from driftform_networks.passage import Ending, Passage, find_reachable
 from driftform_networks.snapshot import Snapshot, divide_flow, take_snapshot
 from driftform_networks.tracers import route_tracers
 from driftform_networks.travelling import Progress, Travel, Traveling, make_flights
@@ -222,7 +222,7 @@ def plan_fleet(
     for traveller, traveling in zip(travellers, travelings, strict=True):
         routings = {snapshot.hour: traveling.route(snapshot) for snapshot in snapshots}
         names += [traveller.name] * len(cases)
-        passages += [summarise_visits(follow(routings[snapshot.hour], node)) for snapshot, node in cases]
+        passages += [follow(routings[snapshot.hour], node) for snapshot, node in cases]
     seen = np.array([passage.seen for passage in passages])
     chosen, curve, choice_bound = choose_fleet(seen, length, size)
     missed = np.cumprod(1 - seen[chosen], axis=0) @ length / length.sum()
@@ -248,7 +248,5 @@ def _choose_water(
 ) -> FloatArray:
     """Return the curve of tracers that are released at the best places."""
     routings = {snapshot.hour: route_tracers(snapshot, retained) for snapshot, _ in cases}
-    seen = np.array([
-        summarise_visits(follow(routings[snapshot.hour], node)).seen for snapshot, node in cases
-    ])  # fmt: skip
+    seen = np.array([follow(routings[snapshot.hour], node).seen for snapshot, node in cases])
     return choose_fleet(seen, length, size)[1]

@@ -6,13 +6,19 @@ from pathlib import Path
 
 import numpy as np
 
-from driftform.errors import WorkFailedError
 from driftform.types import End, FloatArray, Trajectory
 from driftform.water import Scenario
 from driftform_networks.bodies import Traveller
 from driftform_networks.bore import BANDS, find_band, sample_band
 from driftform_networks.cache import keep_result
-from driftform_networks.releasing import draw_attitude, locate_middle, measure_pace, release, spread_numbers
+from driftform_networks.releasing import (
+    draw_attitude,
+    fly,
+    locate_middle,
+    measure_pace,
+    release,
+    spread_numbers,
+)
 
 CELLS = 3
 """Cells of a flight; the transfer from band to band is that through one cell."""
@@ -51,15 +57,12 @@ class StraightFlights:
     states
         bodies at the ends of cells: band, place of the centre of the displaced water to the right and upward relative
         to the bore's radius, quaternion, velocity over ground in the body frame, (n, 13).
-    failed
-        share of the flights that the simulator could not fly.
     """
 
     cell: float
     transfer: FloatArray
     slowness: FloatArray
     states: FloatArray
-    failed: float
 
 
 @dataclass(frozen=True)
@@ -101,14 +104,8 @@ def fly_straight(traveller: Traveller, bore: float, speed: float, slope: float) 
     scenarios = _make_scenarios(traveller, bore, speed, slope, cell)
     if not scenarios:
         # It fits in no attitude: it is held at once.
-        return StraightFlights(cell, np.zeros((BANDS, BANDS)), np.ones(BANDS), np.zeros((0, 13)), 0.0)
-    agents = [traveller.agent] * len(scenarios)
-    flights = traveller.simulator.screen_batch(agents, scenarios, lambda _, __: False)
-    sound = [flight for flight in flights if not flight.end.failed and len(flight.t) > 1]
-    if not sound:
-        raise WorkFailedError(
-            f"{traveller.name}: cannot be flown in a bore of {1000 * bore:.0f} mm: {flights[0].failure}"
-        )
+        return StraightFlights(cell, np.zeros((BANDS, BANDS)), np.ones(BANDS), np.zeros((0, 13)))
+    flights = fly(traveller, scenarios, f"in a bore of {1000 * bore:.0f} mm")
     room = max(1 - traveller.agent.body.max_diameter / bore, 1e-3)
     counts, held = np.zeros((BANDS, BANDS)), np.zeros(BANDS)
     times, passed = np.zeros(BANDS), np.zeros(BANDS)
@@ -119,8 +116,10 @@ def fly_straight(traveller: Traveller, bore: float, speed: float, slope: float) 
         times[before] += time
         passed[before] += 1
 
-    for flight in sound:
-        frame = scenarios[0].release_frame()
+    frame = scenarios[0].release_frame()
+    for flight in flights:
+        if flight is None or len(flight.t) < 2:
+            continue
         rows = _cross_cells(flight, frame, _LEAD * bore, cell)
         middle = locate_middle(flight, rows, traveller.agent.mass.cob)
         where = _relative(middle @ frame, bore)
@@ -144,9 +143,7 @@ def fly_straight(traveller: Traveller, bore: float, speed: float, slope: float) 
         slowness = np.where(
             passed > 0, times / (passed * water), times.sum() / max(passed.sum() * water, 1e-9)
         )
-    return StraightFlights(
-        cell, transfer, slowness, np.array(states).reshape(-1, 13), 1 - len(sound) / len(flights)
-    )
+    return StraightFlights(cell, transfer, slowness, np.array(states).reshape(-1, 13))
 
 
 def _make_scenarios(

@@ -1,6 +1,6 @@
 """Where a body goes in a network, when it arrives, what it sees and where it ends."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
@@ -9,16 +9,14 @@ from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order
 
 from driftform.types import BoolArray, FloatArray
-from driftform_networks.chain import Visits
 from driftform_networks.network import Network
 from driftform_networks.routing import Routing
 from driftform_networks.snapshot import STILL
-from driftform_networks.walkers import HELD_AT_NODE, HELD_IN_LINK, LEFT, UNDER_WAY, Walks
 
 QUANTILES = (0.05, 0.5, 0.95)
 """Quantiles of arrival times."""
 
-_LEAST = 1e-6
+LEAST = 1e-6
 """Probability below which an end is left out."""
 
 
@@ -57,6 +55,8 @@ class Passage:
         node of the release.
     hour
         hour of the release.
+    visits
+        mean number of its arrivals at each node, (nodes,).
     probability
         probability that it ever arrives at each node, (nodes,).
     age
@@ -81,6 +81,7 @@ class Passage:
     network: Network
     release: int
     hour: float
+    visits: FloatArray
     probability: FloatArray
     age: FloatArray
     seen: FloatArray
@@ -94,8 +95,9 @@ class Passage:
 
     @property
     def coverage(self) -> float:
-        """Expected share of the reachable length that the body sees."""
-        return measure_coverage(self.network, self.seen, self.reachable)
+        """Expected share of the reachable length that the body sees; 0 if nothing is reachable."""
+        length = np.where(self.reachable, self.network.length, 0.0)
+        return float(length @ self.seen / length.sum()) if length.sum() > 0 else 0.0
 
     @property
     def stuck(self) -> tuple[Ending, ...]:
@@ -111,7 +113,7 @@ class Passage:
         """Return the passage as plain values for JSON: nodes that are reached, coverage, ends."""
         names = self.network.nodes
         nodes: dict[str, dict[str, Any]] = {}
-        for node in np.flatnonzero(self.probability > _LEAST):
+        for node in np.flatnonzero(self.probability > LEAST):
             nodes[names[node]] = {"probability": float(self.probability[node]), "age": float(self.age[node])}
             if len(self.quantiles):
                 nodes[names[node]]["age_quantiles"] = self.quantiles[node].tolist()
@@ -131,7 +133,7 @@ class Passage:
 
     def node_table(self) -> dict[str, list[Any]]:
         """Return the nodes that are reached as columns, for ``pandas.DataFrame(passage.node_table())``."""
-        rows = np.flatnonzero(self.probability > _LEAST)
+        rows = np.flatnonzero(self.probability > LEAST)
         columns: dict[str, list[Any]] = {
             "node": [self.network.nodes[row] for row in rows],
             "kind": [self.network.node_kinds[row] for row in rows],
@@ -161,12 +163,6 @@ class Passage:
         return {field.name: [getattr(end, field.name) for end in self.ends] for field in fields(Ending)}
 
 
-def measure_coverage(network: Network, seen: FloatArray, reachable: BoolArray) -> float:
-    """Return the expected share of the reachable length that is seen; 0 if nothing is reachable."""
-    length = np.where(reachable, network.length, 0.0)
-    return float(length @ seen / length.sum()) if length.sum() > 0 else 0.0
-
-
 def find_reachable(network: Network, release: int, steps: Sequence[int]) -> BoolArray:
     """Return whether water of a node may reach each link by the flows of some hydraulic steps, (links,)."""
     flow = network.hydraulics.flow[list(steps)]
@@ -179,125 +175,27 @@ def find_reachable(network: Network, release: int, steps: Sequence[int]) -> Bool
     return np.asarray((forward & reached[network.start]) | (backward & reached[network.end]))
 
 
-def summarise_visits(visits: Visits) -> Passage:
-    """Return the passage of a body through the flows of one hour."""
-    routing, snapshot = visits.routing, visits.routing.snapshot
-    network = snapshot.network
-    seen = np.zeros(len(network.links))
-    seen[snapshot.links] = visits.seen
-    flown, divided = _count_junctions([routing], visits.node_probability)
-    return Passage(
-        network,
-        visits.release,
-        snapshot.hour,
-        visits.node_probability,
-        visits.node_age,
-        seen,
-        find_reachable(network, visits.release, [snapshot.step]),
-        _merge(_list_ends(visits)),
-        flown=flown,
-        divided=divided,
-    )
-
-
-def _count_junctions(routings: Sequence[Routing], probability: FloatArray) -> tuple[int, int]:
+def count_junctions(routings: Sequence[Routing], probability: FloatArray) -> tuple[int, int]:
     """Return at how many nodes that bodies come to flights divide them, and at how many others streamtubes do."""
     flown, divided = set[int](), set[int]()
     for routing in routings:
         snapshot = routing.snapshot
         for node, table in zip(snapshot.head.tolist(), routing.tables, strict=True):
-            if table.choice.shape[1] > 1 and probability[node] > _LEAST and not snapshot.stores[node]:
+            if table.choice.shape[1] > 1 and probability[node] > LEAST and not snapshot.stores[node]:
                 (flown if table.is_flown else divided).add(node)
     return len(flown), len(divided - flown)
 
 
-def _list_ends(visits: Visits) -> Iterator[Ending]:
-    routing, snapshot = visits.routing, visits.routing.snapshot
-    network = snapshot.network
-    for node in np.flatnonzero(visits.left > _LEAST).tolist():
-        yield _leave(network, node, visits.left[node])
-    for link in np.flatnonzero(visits.stays > _LEAST).tolist():
-        place = network.nodes[snapshot.head[link]]
-        yield Ending("stuck", place, visits.stays[link], routing.tables[link].obstacle)
-    for link in np.flatnonzero(visits.held > _LEAST).tolist():
-        yield Ending("stuck", snapshot.name(link), visits.held[link], routing.transfers[link].obstacle)
-    if visits.lost > _LEAST:
-        yield Ending("circling", "", visits.lost, "a loop without an exit")
-
-
-def _leave(network: Network, node: int, probability: float) -> Ending:
+def leave(network: Network, node: int, probability: float) -> Ending:
+    """Return the end of bodies that leave the pipes at a node."""
     kind = network.node_kinds[node]
-    return Ending("demand" if kind == "junction" else kind, network.nodes[node], float(probability))
+    return Ending("demand" if kind == "junction" else kind, network.nodes[node], probability)
 
 
-def summarise_walks(walks: Walks, routings: Sequence[Routing]) -> Passage:
-    """Return the passage of bodies that were followed one by one, with quantiles of their arrival times."""
-    network, nodes = walks.network, len(walks.network.nodes)
-    node, time = walks.first_arrivals()
-    arrivals = np.bincount(node, minlength=nodes)
-    probability = arrivals / walks.count
-    with np.errstate(invalid="ignore"):
-        age = np.bincount(node, time, nodes) / arrivals
-    probability[walks.release], age[walks.release] = 1.0, 0.0
-    flown, divided = _count_junctions(routings, probability)
-    return Passage(
-        network,
-        walks.release,
-        float(walks.began.min()) / 3600,
-        probability,
-        age,
-        walks.measure_sight(),
-        find_reachable(network, walks.release, [routing.snapshot.step for routing in routings]),
-        _merge(_count_ends(walks, routings)),
-        measure_quantiles(walks),
-        unsteady=True,
-        flown=flown,
-        divided=divided,
-    )
-
-
-def _count_ends(walks: Walks, routings: Sequence[Routing]) -> Iterator[Ending]:
-    network = walks.network
-    for how in (LEFT, HELD_IN_LINK, HELD_AT_NODE, UNDER_WAY):
-        places, counts = np.unique(walks.place[walks.ends == how], return_counts=True)
-        for place, share in zip(places.tolist(), (counts / walks.count).tolist(), strict=True):
-            if how == LEFT:
-                yield _leave(network, place, share)
-            elif how == UNDER_WAY:
-                yield Ending("under way", "", share)
-            else:
-                name = (network.links if how == HELD_IN_LINK else network.nodes)[place]
-                yield Ending("stuck", name, share, _find_obstacle(routings, how, place))
-
-
-def _find_obstacle(routings: Sequence[Routing], how: int, place: int) -> str:
-    """Return the first obstacle that the tables name at a place."""
-    for routing in routings:
-        snapshot = routing.snapshot
-        at = snapshot.links == place if how == HELD_IN_LINK else snapshot.head == place
-        tables = routing.transfers if how == HELD_IN_LINK else routing.tables
-        for link in np.flatnonzero(at).tolist():
-            if tables[link].obstacle:
-                return str(tables[link].obstacle)
-    return ""
-
-
-def _merge(ends: Iterable[Ending]) -> tuple[Ending, ...]:
+def merge_ends(ends: Iterable[Ending]) -> tuple[Ending, ...]:
     """Return ends of the same kind at the same place as one, the most probable first."""
     found: dict[tuple[str, str], Ending] = {}
     for end in ends:
         before = found.get((end.kind, end.place), Ending(end.kind, end.place, 0.0, end.reason))
         found[end.kind, end.place] = replace(before, probability=before.probability + float(end.probability))
     return tuple(sorted(found.values(), key=lambda end: (-end.probability, end.kind, end.place)))
-
-
-def measure_quantiles(walks: Walks) -> FloatArray:
-    """Return quantiles of the first arrivals at each node, s, (nodes, quantiles); NaN where no walk arrives."""
-    found = np.full((len(walks.network.nodes), len(QUANTILES)), np.nan)
-    node, time = walks.first_arrivals()
-    order = np.argsort(node, kind="stable")
-    nodes, starts = np.unique(node[order], return_index=True)
-    for place, times in zip(nodes, np.split(time[order], starts[1:]), strict=True):
-        found[place] = np.quantile(times, QUANTILES)
-    found[walks.release] = 0.0
-    return found

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from driftform.errors import WorkFailedError
 from driftform.types import FloatArray, Trajectory
 from driftform.water import Scenario
 from driftform.water.misfit import find_misfit
@@ -80,6 +81,21 @@ def turn(quaternion: FloatArray, vector: FloatArray) -> FloatArray:
     w, axis = quaternion[:, :1], quaternion[:, 1:]
     turned = np.cross(axis, vector)
     return np.asarray(vector + 2 * (w * turned + np.cross(axis, turned)))
+
+
+def fly(traveller: Traveller, scenarios: list[Scenario], pipe: str) -> list[Trajectory | None]:
+    """Return the flights of a body, ``None`` for those that the simulator cannot fly.
+
+    Raises
+    ------
+    WorkFailedError
+        if it can fly none of them; ``pipe`` says where.
+    """
+    agents = [traveller.agent] * len(scenarios)
+    flights = traveller.simulator.screen_batch(agents, scenarios, lambda _, __: False)
+    if all(flight.end.failed for flight in flights):
+        raise WorkFailedError(f"{traveller.name}: cannot be flown {pipe}: {flights[0].failure}")
+    return [None if flight.end.failed else flight for flight in flights]
 
 
 def locate_middle(flight: Trajectory, rows: list[int] | IntArray, middle: FloatArray) -> FloatArray:

@@ -1,12 +1,21 @@
 """Bodies followed one by one through flows that change with time, or that are those of one hour for ever."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from driftform.types import FloatArray
 from driftform_networks.network import IntArray, Network
+from driftform_networks.passage import (
+    QUANTILES,
+    Ending,
+    Passage,
+    count_junctions,
+    find_reachable,
+    leave,
+    merge_ends,
+)
 from driftform_networks.routing import Routing
 from driftform_networks.snapshot import STILL
 
@@ -272,3 +281,68 @@ def _accumulate(probability: FloatArray) -> FloatArray:
     total = np.cumsum(probability, axis=-1)
     whole = total[..., -1:] > 1 - 1e-9
     return np.where(whole & (total > 1 - 1e-9), 1.0, total)
+
+
+def summarise_walks(walks: Walks, routings: Sequence[Routing]) -> Passage:
+    """Return the passage of bodies that were followed one by one, with quantiles of their arrival times."""
+    network, nodes = walks.network, len(walks.network.nodes)
+    node, time = walks.first_arrivals()
+    arrivals = np.bincount(node, minlength=nodes)
+    probability = arrivals / walks.count
+    with np.errstate(invalid="ignore"):
+        age = np.bincount(node, time, nodes) / arrivals
+    probability[walks.release], age[walks.release] = 1.0, 0.0
+    flown, divided = count_junctions(routings, probability)
+    return Passage(
+        network,
+        walks.release,
+        float(walks.began.min()) / 3600,
+        np.bincount(walks.node[walks.node >= 0], minlength=nodes) / walks.count,
+        probability,
+        age,
+        walks.measure_sight(),
+        find_reachable(network, walks.release, [routing.snapshot.step for routing in routings]),
+        merge_ends(_count_ends(walks, routings)),
+        measure_quantiles(walks),
+        unsteady=True,
+        flown=flown,
+        divided=divided,
+    )
+
+
+def _count_ends(walks: Walks, routings: Sequence[Routing]) -> Iterator[Ending]:
+    network = walks.network
+    for how in (LEFT, HELD_IN_LINK, HELD_AT_NODE, UNDER_WAY):
+        places, counts = np.unique(walks.place[walks.ends == how], return_counts=True)
+        for place, share in zip(places.tolist(), (counts / walks.count).tolist(), strict=True):
+            if how == LEFT:
+                yield leave(network, place, share)
+            elif how == UNDER_WAY:
+                yield Ending("under way", "", share)
+            else:
+                name = (network.links if how == HELD_IN_LINK else network.nodes)[place]
+                yield Ending("stuck", name, share, _find_obstacle(routings, how, place))
+
+
+def _find_obstacle(routings: Sequence[Routing], how: int, place: int) -> str:
+    """Return the first obstacle that the tables name at a place."""
+    for routing in routings:
+        snapshot = routing.snapshot
+        at = snapshot.links == place if how == HELD_IN_LINK else snapshot.head == place
+        tables = routing.transfers if how == HELD_IN_LINK else routing.tables
+        for link in np.flatnonzero(at).tolist():
+            if tables[link].obstacle:
+                return str(tables[link].obstacle)
+    return ""
+
+
+def measure_quantiles(walks: Walks) -> FloatArray:
+    """Return quantiles of the first arrivals at each node, s, (nodes, quantiles); NaN where no walk arrives."""
+    found = np.full((len(walks.network.nodes), len(QUANTILES)), np.nan)
+    node, time = walks.first_arrivals()
+    order = np.argsort(node, kind="stable")
+    nodes, starts = np.unique(node[order], return_index=True)
+    for place, times in zip(nodes, np.split(time[order], starts[1:]), strict=True):
+        found[place] = np.quantile(times, QUANTILES)
+    found[walks.release] = 0.0
+    return found
