@@ -56,8 +56,9 @@ def follow(routing: Routing, release: int) -> Passage:
     visits[release] += 1
     # The time of an arrival is that of the entry, and the time through the link.
     arrival_time = _sum_up(head, (time + entries * duration) * (1 - held), nodes)
-    entered = entries.reshape(links, bands).sum(axis=1)
-    probability, enters = np.minimum(visits, 1.0), np.minimum(entered, 1.0)
+    entered = _sum_up(link, entries, links)
+    probability = np.minimum(visits, 1.0)
+    enters = np.minimum(entries.reshape(links, bands).sum(axis=1), 1.0)
     for node in find_loops(snapshot):
         probability[node] = (1 - held) @ _enter_once(solver, entries, np.flatnonzero(head == node))
         for outlet in snapshot.outlets[node]:
@@ -119,7 +120,7 @@ def _link_states(routing: Routing) -> tuple[sparse.csr_array, FloatArray, FloatA
     row, column = (np.broadcast_to(index, steps.shape)[exists] for index in (states, following))
     step = sparse.csr_array((steps[exists], (row, column)), (states.size, states.size))
     held = np.clip(1 - transfer.sum(axis=2), 0.0, 1.0)
-    leaves = np.einsum("lab,lb->la", transfer, choice[..., -1])
+    leaves = transfer @ choice[..., -1:]
     return step, held.ravel(), leaves.ravel()
 
 

@@ -56,7 +56,7 @@ class Passage:
     hour
         hour of the release.
     visits
-        mean number of its arrivals at each node, (nodes,).
+        mean number of its arrivals at each node, (nodes,); the release is one.
     probability
         probability that it ever arrives at each node, (nodes,).
     age

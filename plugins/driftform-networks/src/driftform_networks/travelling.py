@@ -178,7 +178,7 @@ class Traveling:
         flights = self._read_straight(task)
         cells = max(1, round(float(network.length[index]) / flights.cell))
         if (task, cells) not in self._transfers:
-            self._transfers[task, cells] = _repeat(flights, cells, task)
+            self._transfers[task, cells] = repeat_cells(flights, cells, task)
         return self._transfers[task, cells]
 
     def _find_bend(self, bore: float, index: int) -> str:
@@ -253,7 +253,7 @@ def _match_speed(speed: float) -> float:
 _MIXING = TransferTable(np.tile(MIXED, (BANDS, 1)), np.ones(BANDS))
 
 
-def _repeat(flights: StraightFlights, cells: int, task: StraightTask) -> TransferTable:
+def repeat_cells(flights: StraightFlights, cells: int, task: StraightTask) -> TransferTable:
     """Return the table of a run of so many cells."""
     power, spent = np.eye(BANDS), np.zeros(BANDS)
     # By doubling: transfer and time of 1, 2, 4, ... cells.

@@ -292,12 +292,14 @@ def summarise_walks(walks: Walks, routings: Sequence[Routing]) -> Passage:
     with np.errstate(invalid="ignore"):
         age = np.bincount(node, time, nodes) / arrivals
     probability[walks.release], age[walks.release] = 1.0, 0.0
+    visits = np.bincount(walks.node[walks.node >= 0], minlength=nodes) / walks.count
+    visits[walks.release] += 1
     flown, divided = count_junctions(routings, probability)
     return Passage(
         network,
         walks.release,
         float(walks.began.min()) / 3600,
-        np.bincount(walks.node[walks.node >= 0], minlength=nodes) / walks.count,
+        visits,
         probability,
         age,
         walks.measure_sight(),
@@ -342,7 +344,8 @@ def measure_quantiles(walks: Walks) -> FloatArray:
     node, time = walks.first_arrivals()
     order = np.argsort(node, kind="stable")
     nodes, starts = np.unique(node[order], return_index=True)
-    for place, times in zip(nodes, np.split(time[order], starts[1:]), strict=True):
+    # Where no walk arrives at all, split returns one empty part.
+    for place, times in zip(nodes, np.split(time[order], starts[1:]), strict=False):
         found[place] = np.quantile(times, QUANTILES)
     found[walks.release] = 0.0
     return found
