@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import driftform
-from driftform_networks.bodies import FLOWN_BY, open_traveller
+from driftform_networks.bodies import FLOWN_BY, Traveller, open_traveller
 from driftform_networks.bore import BANDS, MIXED, find_band, sample_band, spread_points
 from driftform_networks.choosing import bound_steering
 from driftform_networks.dividing import divide_bodies
@@ -25,7 +25,10 @@ from driftform_networks.snapshot import take_snapshot
 from driftform_networks.streamtubes import divide_bore, smallest_share
 from driftform_networks.travelling import repeat_cells
 
-SPHERE = open_traveller("sphere:60mm")
+
+@pytest.fixture(scope="module")
+def sphere() -> Traveller:
+    return open_traveller("sphere:60mm")
 
 
 def draw_fork(fork_file: Path, side: float = 100.0) -> Network:
@@ -51,8 +54,10 @@ def test_a_wide_rod_between_equal_bores_passes_the_corner_at_its_middle(width: f
         assert longest_rod(1.0, 1.0, turn, width) == pytest.approx(middle, rel=1e-5)
 
 
-def test_a_body_that_is_as_long_as_the_corner_allows_passes_and_a_longer_one_does_not() -> None:
-    body = SPHERE.agent.body
+def test_a_body_that_is_as_long_as_the_corner_allows_passes_and_a_longer_one_does_not(
+    sphere: Traveller,
+) -> None:
+    body = sphere.agent.body
     assert find_obstacle(body, 0.1, 0.059, 0.0) == "too wide: 60 mm in a bore of 59 mm"
     # A sphere passes where the rod around it does, which is as long as it is wide.
     for bore, passes in ((0.064, True), (0.063, False)):
@@ -125,12 +130,14 @@ def test_a_flat_surface_divides_the_bore_by_a_segment_of_the_circle(share: float
     assert (entered[points[:, 0] > edge] == 1).all()
 
 
-def test_bodies_in_one_band_take_the_outlet_on_its_side_and_keep_their_band(fork_file: Path) -> None:
+def test_bodies_in_one_band_take_the_outlet_on_its_side_and_keep_their_band(
+    fork_file: Path, sphere: Traveller
+) -> None:
     network = run_epanet(fork_file)
     snapshot = take_snapshot(network)
     junction = Geometry(network, "top").describe(snapshot, network.links.index("main"))
     points = np.array([[1, 0.0, 0.75], [5, 0.0, -0.75]])
-    table = divide_bodies(SPHERE, junction, points, 0.02)
+    table = divide_bodies(sphere, junction, points, 0.02)
     assert table.choice[1] == pytest.approx([0, 1])
     assert table.choice[5] == pytest.approx([1, 0])
     # In a band that no flight reached, a body is anywhere: a third of the water, but for its own radius.
@@ -141,22 +148,22 @@ def test_bodies_in_one_band_take_the_outlet_on_its_side_and_keep_their_band(fork
 
 @pytest.mark.parametrize(("bore", "leaves"), [(0.02, 0.0), (0.08, 0.4)])
 def test_only_a_body_that_fits_leaves_with_its_share_of_the_demand(
-    bore: float, leaves: float, fork_file: Path
+    bore: float, leaves: float, fork_file: Path, sphere: Traveller
 ) -> None:
     network = run_epanet(fork_file)
     junction = Geometry(network, "side").describe(take_snapshot(network), network.links.index("main"))
-    table = divide_bodies(SPHERE, replace(junction, exit=0.4), None, bore)
+    table = divide_bodies(sphere, replace(junction, exit=0.4), None, bore)
     assert table.leaves == pytest.approx(leaves)
     assert table.choice.sum(axis=1) == pytest.approx(1 - leaves)
 
 
-@given(st.integers(1, 40), st.integers(0, 2**32 - 1))
-def test_a_run_of_cells_is_the_power_of_one(cells: int, seed: int) -> None:
+@given(cells=st.integers(1, 40), seed=st.integers(0, 2**32 - 1))
+def test_a_run_of_cells_is_the_power_of_one(sphere: Traveller, cells: int, seed: int) -> None:
     rng = np.random.default_rng(seed)
     transfer = rng.dirichlet(np.ones(BANDS), BANDS) * rng.uniform(0.9, 1, (BANDS, 1))
     slowness = rng.uniform(1, 3, BANDS)
     flights = StraightFlights(2.0, transfer, slowness, np.zeros((0, 13)))
-    task = StraightTask(SPHERE, Path(), 0.3, 0.5, 0.0)
+    task = StraightTask(sphere, Path(), 0.3, 0.5, 0.0)
     table = repeat_cells(flights, cells, task)
     assert table.transfer == pytest.approx(np.linalg.matrix_power(transfer, cells))
     spent = sum(np.linalg.matrix_power(transfer, cell) @ slowness for cell in range(cells))

@@ -159,4 +159,5 @@ def _follow(
     if not walks:
         return passage
     found = walk(routings, [0.0, np.inf], node, np.zeros(walks), rng)
-    return passage.with_quantiles(measure_quantiles(found))
+    reached = passage.probability[:, None] > 0
+    return replace(passage, quantiles=np.where(reached, measure_quantiles(found), np.nan))

@@ -104,11 +104,6 @@ class Passage:
         """Places where bodies are stuck."""
         return tuple(end for end in self.ends if end.kind in ("stuck", "circling"))
 
-    def with_quantiles(self, quantiles: FloatArray) -> "Passage":
-        """Return the passage with quantiles of arrival times; none for nodes that are never reached."""
-        known = np.where((self.probability > 0)[:, None], quantiles, np.nan)
-        return replace(self, quantiles=known)
-
     def as_document(self) -> dict[str, Any]:
         """Return the passage as plain values for JSON: nodes that are reached, coverage, ends."""
         names = self.network.nodes
