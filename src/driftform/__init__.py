@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pluggy
 
 if TYPE_CHECKING:
-    from driftform.api import agent, evolve, export_flow, load_study, open_run
+    from driftform.api import evolve, export_flow, load_study, open_agent, open_run
 
 __version__ = "0.1.0"
 
@@ -19,11 +19,11 @@ hookimpl = pluggy.HookimplMarker("driftform")
 
 __all__ = [
     "__version__",
-    "agent",
     "evolve",
     "export_flow",
     "hookimpl",
     "load_study",
+    "open_agent",
     "open_run",
 ]
 

@@ -1,6 +1,6 @@
 """driftform in notebooks and scripts: from a scenario to an evolved agent to its mesh.
 
-``import driftform as df`` offers :func:`load_study`, :func:`evolve`, :func:`open_run`, :func:`agent`,
+``import driftform as df`` offers :func:`load_study`, :func:`evolve`, :func:`open_run`, :func:`open_agent`,
 and :func:`export_flow`. What they return shows itself in a notebook: a run as its overview and a table of targets, an agent
 as a drawing of its section, a flight as its path. Quantities are in SI units, fitness is in percent, frames are those
 of :mod:`driftform.types`.
@@ -13,9 +13,10 @@ from contextlib import AbstractContextManager, closing, contextmanager
 from pathlib import Path
 from typing import Any
 
+from driftform.design import opening
 from driftform.design.design import Design
 from driftform.design.flight import Flight
-from driftform.design.opening import open_agent, open_best
+from driftform.design.opening import open_best
 from driftform.errors import InputError, did_you_mean
 from driftform.report.writing import write_report
 from driftform.runs.run import Run as StoredRun
@@ -38,10 +39,10 @@ __all__ = [
     "Flight",
     "NoTargetError",
     "Run",
-    "agent",
     "evolve",
     "export_flow",
     "load_study",
+    "open_agent",
     "open_run",
 ]
 
@@ -237,7 +238,7 @@ def open_run(directory: str | os.PathLike[str]) -> Run:
     return Run.open(Path(directory))
 
 
-def agent(
+def open_agent(
     text: str | os.PathLike[str],
     *settings: str,
     scenario: str | None = None,
@@ -257,7 +258,7 @@ def agent(
     InputError
         if there is no such agent.
     """
-    return open_agent(os.fspath(text), scenario, settings, use)
+    return opening.open_agent(os.fspath(text), scenario, settings, use)
 
 
 def export_flow(study: Study, path: str | os.PathLike[str], *, spacing: float | None = None) -> VelocityGrid:

@@ -27,9 +27,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from driftform.motion.body_drag import estimate_drag
+from driftform.motion.interpolation import interpolate_positions
 from driftform.testing.agents import solid_agent
 from driftform.testing.bodies import spheroid_body
-from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Coefficients
 from driftform.water import FlightLimits, Fluid, Pipe, Release, Scenario, UniformFlow
 from driftform_native.simulator import NativeOptions, NativeSimulator

@@ -12,8 +12,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from driftform.interfaces import ExportJob
+from driftform.motion.interpolation import interpolate_positions
 from driftform.study import Study
-from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Coefficients
 from driftform.water import FlightLimits, Fluid, Release, Scenario, UniformFlow
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from driftform.agent import mass_properties
+from driftform.motion.forces import accelerations_along
 from driftform.testing.bodies import cylinder_body, hollow_body
 from driftform.testing.renderer import drifting_trajectory
-from driftform.trajectory.forces import accelerations_along
 from driftform.types import Agent, Coefficients, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Fluid, Pipe, Scenario, Segment, UniformFlow

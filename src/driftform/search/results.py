@@ -252,7 +252,7 @@ def _write_overview(directory: Path, study: Study, store: Store) -> None:
 
 def _write_reach(directory: Path, study: Study, store: Store) -> None:
     from driftform.figures.reach import reach_svg
-    from driftform.trajectory.coverage import PipeGrid, map_coverage
+    from driftform.runs.coverage import PipeGrid, map_coverage
 
     reach = map_coverage(
         track_progress(store.read_trajectories(), store.count_sound(), "flights"),

@@ -10,8 +10,8 @@ from driftform.agent.mass_elements import load_ballast
 from driftform.motion.flight import find_contact, release_state
 from driftform.motion.integrator import Accuracy, integrate_once
 from driftform.motion.model import flight_model, pack
+from driftform.motion.path import evaluate_path
 from driftform.pipeline import Pipeline
-from driftform.trajectory.path import evaluate_path
 from driftform.types import Agent, Body, Coefficients, FloatArray, Morphology
 from driftform.water import Calibration, Factors, Scenario
 from driftform.water.factors import calibrate_body, calibrate_coefficients

@@ -72,7 +72,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
         progress: Callable[[int, int], None],
     ) -> WrittenFile:
         """Write the film. Facts: ``frames``, ``seconds`` of the film, ``size_px``."""
-        from driftform.trajectory.resampling import even_times
+        from driftform.motion.resampling import even_times
         from driftform_exudyn.scene import Scene
 
         self.check(path)
@@ -100,7 +100,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
     ) -> WrittenFile:
         """Write the still; the side view also shows the agent at equal intervals. Facts: ``t``, ``size_px``."""
         from driftform.figures.png import png_bytes
-        from driftform.trajectory.resampling import even_times
+        from driftform.motion.resampling import even_times
         from driftform_exudyn.scene import Scene
 
         self.check_still(path)

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from driftform.interfaces import SearchSpace, Strategy
 from driftform.options import Table, option
-from driftform.trajectory.coverage import PipeGrid
+from driftform.runs.coverage import PipeGrid
 from driftform.types import Candidate, Evaluation, FloatArray, Trajectory
 
 if TYPE_CHECKING:

@@ -74,7 +74,7 @@ class Leak(Fitness[LeakOptions]):
         self, trajectory: Trajectory, scenario: Scenario
     ) -> tuple[FloatArray, list[tuple["Plume", FloatArray]]]:
         """Return the times of the readings, s, and for each leak its plume and the readings, kg/m3."""
-        from driftform.trajectory.resampling import resample
+        from driftform.motion.resampling import resample
         from driftform_robotics.plume import make_plume
         from driftform_robotics.sensors import point_positions
 

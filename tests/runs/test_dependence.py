@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from driftform.trajectory.dependence import MIN_FLIGHTS, REST, divide_spread
-from driftform.trajectory.misses import Misses
+from driftform.runs.dependence import MIN_FLIGHTS, REST, divide_spread
+from driftform.runs.misses import Misses
 from driftform.water import Robustness
 from driftform.water.disturbances import draw_conditions
 

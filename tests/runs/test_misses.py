@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from driftform.trajectory.misses import Misses, estimate_quantile
+from driftform.runs.misses import Misses, estimate_quantile
 from driftform.water import Robustness
 from driftform.water.disturbances import draw_conditions
 

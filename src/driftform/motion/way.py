@@ -10,8 +10,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from driftform.trajectory.approach import Approach, closest_approach
-from driftform.trajectory.interpolation import interpolate_positions
+from driftform.motion.approach import Approach, closest_approach
+from driftform.motion.interpolation import interpolate_positions
 from driftform.types import End, Evaluation, FloatArray, Trajectory
 from driftform.util.latest import keep_latest
 from driftform.water import Pipe, Scenario, Vector
