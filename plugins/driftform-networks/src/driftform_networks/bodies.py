@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 SCENARIO = Path(__file__).with_name("network.toml")
 """The environment of flights in a network, if no other is named."""
 
-FLOWN_BY = ("agent", "water", "motion", "trajectory")
+FLOWN_BY = ("agent", "water", "motion")
 """Packages of driftform whose code decides how a body flies."""
 
 _SPHERE = "sphere:"
