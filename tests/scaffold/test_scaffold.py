@@ -198,7 +198,7 @@ def test_one_distribution_brings_plugins_of_several_seams(
 
 
 def test_no_placeholder_is_left_to_fill_in(tmp_path: Path) -> None:
-    for seam in SEAMS:
+    for seam in KINDS:
         for path, text in list_files([make_names("dwell", seam)]).items():
             prompts = text.replace("\n$ ", "\n") if path == "README.md" else text
             assert "$" not in prompts, f"{seam}: {path}"
@@ -210,7 +210,7 @@ def test_no_placeholder_is_left_to_fill_in(tmp_path: Path) -> None:
 )
 def test_a_scaffold_is_formatted_and_passes_the_linter(words: list[str], installed: Path) -> None:
     ruff = [sys.executable, "-m", "ruff", *words, "--isolated", "--no-cache", "--line-length", "110", "."]
-    for seam in SEAMS:
+    for seam in KINDS:
         # From the distribution's own folder: ruff looks there for which package is the first party.
         done = subprocess.run(ruff, cwd=installed / seam, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stdout

@@ -146,7 +146,7 @@ class PointSimulatorContract(Contract):
             "branch_radius": 0.05,
             "fillet": 0.01,
             "share": 0.5,
-            "branch": [{"length": 0.4}],
+            "branch": [{"length": 0.4, "outlet": "branch"}],
         }
         parts: list[dict[str, Any]] = [{"length": 0.6}, tee, {"length": 0.4, "outlet": "run"}]
         ends = []
