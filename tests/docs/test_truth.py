@@ -13,7 +13,6 @@ from driftform.cli.app import app
 from driftform.scenario import FLOWS, Fluid
 
 ROOT = Path(__file__).parents[2]
-CORE = ROOT / "src" / "driftform"
 SOURCE = re.compile(r"(?<![\w/])(?:src|plugins|tests)/[\w./-]*\w")
 COMMAND = re.compile(r"^(?:\$ )?(?:uv run )?(driftform(?: .*)?)$")
 
@@ -135,20 +134,6 @@ def test_source_files_that_the_pages_name_exist(pages: dict[str, str], blocks: l
     assert [pair for pair in missing if not any(file.startswith(pair[1]) for file in examples)] == []
 
 
-def test_the_map_of_packages_names_files_that_exist_and_leaves_out_no_package(pages: dict[str, str]) -> None:
-    section = pages["dataflow.md"].partition("## Where to look for what")[2].partition("<!-- ")[0]
-    rows = [line.split("|")[1:4] for line in section.splitlines() if line.startswith("| ")][1:]
-    found: set[str] = set()
-    for package, _, files in rows:
-        names = re.findall("`([^`]+)`", package)
-        found |= set(names)
-        for file in re.findall("`([^`]+)`", files):
-            folders = [CORE / name for name in names] or [CORE]
-            assert any((folder / file).is_file() for folder in (*folders, CORE)), f"{package}: {file}"
-    packages = {path.parent.name for path in CORE.glob("*/__init__.py")}
-    assert packages - {"scenarios"} == found
-
-
 @pytest.mark.peers
 def test_runnable_python_runs(blocks: list[Any]) -> None:
     runnable = [block for block in blocks if block.language == "python" and "runnable" in block.words]
@@ -203,7 +188,7 @@ def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
 def test_constants_of_the_contact_are_as_told(pages: dict[str, str]) -> None:
     from driftform.dynamics import bore, impact
 
-    section = pages["dataflow.md"].partition("## Contact with the wall")[2]
+    section = pages["physics.md"].partition("## Contact with the wall")[2]
     assert f"(d / {1000 * impact.STIFF_DEPTH:g} mm)^4" in section
     assert f"exp(-{impact.LUBRICATION:g} / St)" in section
     assert f"below about {bore.SINE_SMOOTHING:g}" in section
