@@ -18,7 +18,7 @@ def test_every_page_is_in_the_navigation(pages: dict[str, str]) -> None:
 
 def test_the_site_has_every_page(site: Path, pages: dict[str, str]) -> None:
     for name in pages:
-        page = site / (Path(name).stem if name != "index.md" else "") / "index.html"
+        page = site / (Path(name).with_suffix("") if name != "index.md" else "") / "index.html"
         assert page.is_file(), name
 
 

@@ -1,5 +1,6 @@
 """What the pages say exists: links, commands, hooks, options, and Python that runs."""
 
+import os
 import re
 import shlex
 from pathlib import Path
@@ -13,7 +14,7 @@ from driftform.cli.app import app
 from driftform.scenario import FLOWS, Fluid
 
 ROOT = Path(__file__).parents[2]
-SOURCE = re.compile(r"(?<![\w/])(?:src|plugins|tests)/[\w./-]*\w")
+SOURCE = re.compile(r"(?<![\w/(])(?:src|plugins|tests)/[\w./-]*\w")
 COMMAND = re.compile(r"^(?:\$ )?(?:uv run )?(driftform(?: .*)?)$")
 
 
@@ -82,9 +83,10 @@ def test_relative_links_resolve(docs: Path, prose: dict[str, str]) -> None:
             if re.match(r"[a-z]+:", target):
                 continue
             path, _, fragment = target.partition("#")
-            if path and not (docs / path).exists():
+            page = os.path.normpath(Path(name).parent / path) if path else name
+            if not (docs / page).exists():
                 wrong.append(f"{name}: {target}: no such file")
-            elif fragment and fragment not in anchors.get(path or name, {fragment}):
+            elif fragment and fragment not in anchors.get(page, {fragment}):
                 wrong.append(f"{name}: {target}: no such heading")
     assert wrong == []
 
@@ -100,7 +102,8 @@ def anchor(heading: str) -> str:
 
 def test_every_page_is_in_the_index(pages: dict[str, str]) -> None:
     for name in pages:
-        assert name == "index.md" or f"({name})" in pages["index.md"], f"index.md does not link {name}"
+        index = "plugins.md" if name.startswith("plugins/") else "index.md"
+        assert name == "index.md" or f"({name})" in pages[index], f"{index} does not link {name}"
 
 
 @pytest.mark.parametrize("page", ["dataflow.md", "write-a-plugin.md"])
