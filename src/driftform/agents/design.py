@@ -1,6 +1,7 @@
 """A design: an agent that a person opened, with its study, and all that can be done with it."""
 
 import os
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,12 +16,14 @@ from driftform.agents.inspection import compare_added_mass, inspect_agent
 from driftform.errors import InputError, WorkFailedError
 from driftform.faults import describe_fault
 from driftform.figures.section import section_svg
+from driftform.geometry import hull_mass
 from driftform.interfaces import ExportJob, Printer, Renderer
 from driftform.pipeline import Pipeline
 from driftform.printing.check import check_print_job, list_formats, require_judgement, write_print_job
 from driftform.printing.exporter_settings import list_exporter_settings, list_kit_settings
 from driftform.printing.kit import Balls, KitReport, measure_kit
 from driftform.printing.trim import LEAD, trim_agent, weigh_print
+from driftform.registry import registry
 from driftform.runs.agent_file import StoredAgent, agent_document
 from driftform.scenario import Scenario
 from driftform.scenario.disturbances import draw_conditions
@@ -254,6 +257,9 @@ class Design:
     def export(self, format: str, path: str | os.PathLike[str] | None = None) -> list[Path]:
         """Write it as a file for printers and other programs, and return the paths of what was written.
 
+        Warns if the agent was simulated as a kit, and the file holds its sealed hull; ``under("exporter.stl.kit=true")``
+        writes the kit.
+
         Parameters
         ----------
         format
@@ -266,7 +272,23 @@ class Design:
         InputError
             if there is no such format, or nothing can be written there.
         """
-        return [Path(file.path) for file in self.export_files(format, path)]
+        files = self.export_files(format, path)
+        if note := self.describe_missing_kit(files):
+            advice = f"export design.under('exporter.{format}.kit=true') instead"
+            warnings.warn(f"{note}; {advice}", stacklevel=2)
+        return [Path(file.path) for file in files]
+
+    def describe_missing_kit(self, files: Sequence[WrittenFile]) -> str:
+        """Return what the parts of its kit weigh, if it was simulated as one and ``files`` hold its sealed hull; else ``""``."""
+
+        def lacks_kit(file: WrittenFile) -> bool:
+            options = registry().find("exporter", file.format).Options.model_fields
+            return "mass_kg" in file.facts and "kit" not in file.facts and "kit" in options
+
+        body = self.agent.body
+        if not body.fittings.material.volume or not any(map(lacks_kit, files)):
+            return ""
+        return f"{self.name} was simulated as a kit, whose parts weigh {1000 * hull_mass(body):.2f} g"
 
     def export_files(
         self, format: str, path: str | os.PathLike[str] | None = None
