@@ -111,6 +111,14 @@ def test_every_hook_is_documented(page: str, pages: dict[str, str]) -> None:
     assert [hook for hook in hooks() if f"`{hook}`" not in pages[page]] == []
 
 
+@pytest.mark.peers
+def test_every_built_in_scenario_is_on_the_page_of_study_files(pages: dict[str, str]) -> None:
+    from driftform.study.sources import read_scenarios
+
+    section = pages["study-files.md"].partition("## Built-in scenarios")[2].partition("\n## ")[0]
+    assert set(re.findall(r"^\| `([\w-]+)` \|", section, re.MULTILINE)) == set(read_scenarios())
+
+
 def test_every_contract_is_documented(pages: dict[str, str]) -> None:
     from driftform import testing
 
