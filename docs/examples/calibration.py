@@ -3,12 +3,13 @@
 from pathlib import Path
 
 import driftform as df
+from driftform_calibration.designs import calibrate_design
 
 TRACKS = Path(__file__).parent.parent / "tracks"
 
 # `C` is the core alone; the study beside the track has the oil, and a core of the sphere's size.
 sphere = df.agent("C", scenario=str(TRACKS / "ten-cate-e4.toml"))
-found = sphere.calibrate(TRACKS / "ten-cate-e4.csv", printed_mass=0.0019792)
+found = calibrate_design(sphere, TRACKS / "ten-cate-e4.csv", printed_mass=0.0019792)
 
 drag = found.factors["cross_drag"]
 print(f"drag {drag.value:.2f} times the model's, 90 % interval {drag.low:.2f} to {drag.high:.2f}")

@@ -89,22 +89,11 @@ def test_a_print_is_checked_and_trimmed(printed: tuple[Path, dict[str, str]]) ->
 
 
 def test_each_method_of_a_design_and_of_a_run_is_on_the_page(pages: dict[str, str]) -> None:
-    from driftform.agents.design import Design
     from driftform.api import Run
+    from driftform.design.design import Design
 
     wanted = {
-        Design: (
-            "inspect",
-            "simulate",
-            "disturb",
-            "export",
-            "record",
-            "still",
-            "film",
-            "check",
-            "trim",
-            "under",
-        ),
+        Design: ("inspect", "simulate", "disturb", "export", "record", "still", "film", "under"),
         Run: ("pick", "report", "export_data", "evaluations", "best"),
     }
     for cls, names in wanted.items():

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 import typer
 
-from driftform import hookspecs
 from driftform.cli.app import app
-from driftform.scenario import FLOWS, Fluid
+from driftform.plugins import hookspecs
+from driftform.water import FLOWS, Fluid
 
 ROOT = Path(__file__).parents[2]
 SOURCE = re.compile(r"(?<![\w/(])(?:src|plugins|tests)/[\w./-]*\w")
@@ -128,7 +128,7 @@ def test_every_contract_is_documented(pages: dict[str, str]) -> None:
 def test_no_page_names_a_hook_that_is_not(pages: dict[str, str]) -> None:
     for name, text in pages.items():
         seams = re.findall(r"`driftform_([a-z]+)`", text)
-        packages = {"lsystem", "frusta", "striptheory", "exudyn", "dwell"}
+        packages = {"lsystem", "frusta", "striptheory", "exudyn", "paper", "dwell"}
         assert {f"driftform_{s}" for s in seams if s not in packages} <= set(hooks()), name
 
 
@@ -161,7 +161,7 @@ def test_python_is_runnable_or_a_file(blocks: list[Any]) -> None:
 
 def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
     """``grammar.occupied`` and the like, in inline code, with their value if one is given."""
-    from driftform.registry import registry
+    from driftform.plugins.registry import registry
     from driftform.study import load_study
 
     tables: dict[str, set[str]] = {}
@@ -197,7 +197,7 @@ def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
 
 
 def test_constants_of_the_contact_are_as_told(pages: dict[str, str]) -> None:
-    from driftform.dynamics import bore, impact
+    from driftform.motion import bore, impact
 
     section = pages["physics.md"].partition("## Contact with the wall")[2]
     assert f"(d / {1000 * impact.STIFF_DEPTH:g} mm)^4" in section
@@ -206,8 +206,8 @@ def test_constants_of_the_contact_are_as_told(pages: dict[str, str]) -> None:
 
 
 def test_constants_of_runs_are_as_told(pages: dict[str, str]) -> None:
-    from driftform import execution
-    from driftform.trajectory import compression
+    from driftform import search as execution
+    from driftform.runs import compression
 
     assert f"samples at least {compression.SAMPLE_GAP:g} s apart" in " ".join(pages["dataflow.md"].split())
     assert f"each of at most {execution.MAX_BATCH} genomes" in pages["dataflow.md"]
