@@ -6,7 +6,7 @@ WORD = "addF-tiltp-0-L-moveF-addB-tiltn-0-L-moveB-addF-tiltp-0-L-moveF"
 
 shares = {}
 for mass in (0.0095, 0.0105, 0.0115):
-    agent = df.agent(
+    agent = df.open_agent(
         WORD,
         "builder.core=custom",
         f"builder.core_mass={mass}",
