@@ -1,5 +1,6 @@
 """The examples of docs/python.md, one after the other, and the notebook that goes with it."""
 
+import inspect
 import json
 import warnings
 from collections.abc import Iterator
@@ -127,5 +128,6 @@ def test_the_notebook_runs_and_shows_pictures(tmp_path: Path) -> None:
 def test_every_function_of_the_package_is_on_the_page(pages: dict[str, str]) -> None:
     import driftform
 
-    functions = set(driftform.__all__) - {"__version__", "hookimpl"}
+    functions = {name for name in driftform.__all__ if inspect.isfunction(getattr(driftform, name))}
+    assert len(functions) > 4
     assert [name for name in functions if f"df.{name}(" not in pages[PAGE]] == []
