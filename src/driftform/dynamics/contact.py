@@ -120,7 +120,7 @@ def wall_wrench(position: Vector, R: Rotation, velocity: Vector, omega: Vector, 
     mass m that a push along the wall moves, k = m omega^2 and c = m omega. ``model.bristles`` holds omega z of every surface;
     its second half is filled with the rates of these. Without friction it is empty.
     """
-    bristles = model.bristles.shape[0] // 2
+    bristles, model.touches[0, 9] = model.bristles.shape[0] // 2, -1.0
     for k in range(bristles):
         for j in range(3):
             model.bristles[bristles + k, j] = -model.law[FREQUENCY] * model.bristles[k, j]
@@ -138,6 +138,7 @@ def wall_wrench(position: Vector, R: Rotation, velocity: Vector, omega: Vector, 
             springs = add_wrenches(springs, force_wrench(lever, scale(-energy * force, normal)))
             _keep_touch(model.touches[count], k, lever, normal, energy, force, turning)
             count += 1
+    model.touches[count, 9] = -1.0
     if not total > 0.0:
         return ZERO, ZERO
     root = math.sqrt(total)

@@ -181,8 +181,8 @@ def _accelerations_in_plane(
     position, velocity = (coordinates[0], coordinates[1]), (rates[0], rates[1])
     # Each surface has 17 numbers, and with friction two for its bristle.
     rubs = plane[RUB] > 0.0
-    count = (plane.shape[0] - MODEL_SIZE) // (19 if rubs else 17)
-    touches, bristles = MODEL_SIZE + 7 * count, MODEL_SIZE + 17 * count
+    count = (plane.shape[0] - MODEL_SIZE - 10) // (19 if rubs else 17)
+    touches, bristles = MODEL_SIZE + 7 * count, MODEL_SIZE + 17 * count + 10
     a_x, a_z, alpha = accelerations_in_plane(
         position,
         attitude,
@@ -190,7 +190,7 @@ def _accelerations_in_plane(
         rates[2],
         plane,
         borrow(plane, MODEL_SIZE, (count, 7)),
-        borrow(plane, touches, (count, 10)),
+        borrow(plane, touches, (count + 1, 10)),
         borrow(plane, bristles, (2 * count if rubs else 0,)),
     )
     return _bound(a_x), _bound(a_z), _bound(alpha)

@@ -16,18 +16,13 @@ from typing import NamedTuple
 import numpy as np
 
 from driftform.dynamics.contact import is_far_from_wall
-from driftform.dynamics.contact_jacobian import (
-    ContactJacobian,
-    fill_jacobian_in_plane,
-    fill_jacobian_in_space,
-)
 from driftform.dynamics.cubic import cubic_point
 from driftform.dynamics.flight import SAMPLE, has_left_pipe, is_finite, position_of, sample_path
 from driftform.dynamics.impact import FREQUENCY
 from driftform.dynamics.model import REACH, FlightModel, pack, unpack
 from driftform.dynamics.plane import STATE_INDICES, plane_model, stays_in_plane
 from driftform.dynamics.rates import PLANE_STATE, STATE, fill_rate, roll
-from driftform.dynamics.rosenbrock import WORK_ROOM, WORK_STATES, make_work_space, take_implicit_step
+from driftform.dynamics.rosenbrock import count_work_space, fill_jacobian, make_work_space, take_implicit_step
 from driftform.dynamics.runge_kutta import copy, take_step
 from driftform.dynamics.tableaus import DOP853, DOPRI5, ROS34PW2
 from driftform.dynamics.vectors import dot, subtract
@@ -68,7 +63,7 @@ MOST_RADIANS = 1.5
 Up to there DOPRI5 is more accurate; from about 3 on it is unstable.
 """
 
-JACOBIAN_STEPS = 4
+JACOBIAN_STEPS = 8
 """Implicit steps with one Jacobian."""
 
 EXPLICIT_STEPS = 10
@@ -272,7 +267,8 @@ def _integrate_at_tolerance(
 ) -> FloatArray:
     """Return raw samples (k, 14) of the release and the end of every step, up to the first one past the outlet."""
     samples = np.empty((256, SAMPLE))
-    room = np.zeros(WORK_ROOM + (WORK_STATES + _STATES) * _state_size(values, plane))
+    size = _state_size(values, plane)
+    room = np.zeros(count_work_space(size, 6 if plane is None else 3) + _STATES * size)
     progress = _Progress(0.0, min(FIRST_STEP, horizon), LOG_MIN_ERROR, 0, 0, JACOBIAN_STEPS, 0, False)
     while True:
         progress = _take_steps(
@@ -331,14 +327,12 @@ def _take_steps(
     ``room`` holds the state, and is zero at the release.
     """
     model = unpack(values, fittings)
-    places, velocities, directions, angles = _ALL_PLACES, 6, 3, 1
+    places, velocities, angles = _ALL_PLACES, 6, 1
     if plane is not None:
-        places, velocities, directions, angles = _PLACES_IN_PLANE, 3, 1, 0
-    if model.bristles.shape[0] == 0:
-        directions = 0
+        places, velocities, angles = _PLACES_IN_PLANE, 3, 0
     size = _state_size(values, plane)
-    work = make_work_space(room, size, velocities, directions)
-    first = WORK_ROOM + WORK_STATES * size
+    work = make_work_space(room, size, velocities)
+    first = count_work_space(size, velocities)
     y, new = borrow(room, first, (size,)), borrow(room, first + size, (size,))
     slopes = borrow(room, first + 2 * size, (_STATES - 2, size))
     t, h, earlier, count = progress.t, progress.h, progress.earlier, progress.taken
@@ -380,7 +374,7 @@ def _take_steps(
             h = min(h, horizon - t)
             implicit = near and h > longest and explicit < 0
             if implicit and age >= JACOBIAN_STEPS:
-                age, touching = 0, _fill_jacobian(y, model, plane, in_space, work.jacobian)
+                age, touching = 0, fill_jacobian(t, y, work, model, plane, in_space)
             implicit = implicit and touching > 0
             if implicit:
                 error = take_implicit_step(
@@ -409,19 +403,3 @@ def _take_steps(
         earlier = max(now, LOG_MIN_ERROR)
     return _Progress(t, h, earlier, count, explicit, age, touching, ended)
 
-
-@compiled
-def _fill_jacobian(
-    y: FloatArray,
-    model: FlightModel,
-    plane: FloatArray | None,
-    in_space: bool | None,
-    jacobian: ContactJacobian,
-) -> int:
-    """Fill the Jacobian of the wall's forces, and return the number of surfaces that touch."""
-    touching = 0
-    if plane is not None:
-        touching = fill_jacobian_in_plane(y, plane, model.surfaces, jacobian)
-    if in_space is not None:
-        touching = fill_jacobian_in_space(y, model, jacobian)
-    return touching

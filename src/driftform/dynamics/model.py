@@ -150,7 +150,7 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
         gusts,
         np.empty((0, 4)) if fluid.water_level is None else _buoyancy_slices(agent),
         _drag_strips(agent),
-        np.zeros((len(surfaces), 10)),
+        np.zeros((len(surfaces) + 1, 10)),
         np.zeros((2 * len(surfaces) if contact.friction > 0.0 else 0, 3)),
         fittings,
     )

@@ -238,7 +238,7 @@ def accelerations_in_plane(
     if plane[IS_DRAGGED] != 0.0:
         F_x, F_z, torque = _drag(u, v, q, -n_a * n_a * shear, shear, plane)
         X, Z, N = X + F_x, Z + F_z, N + torque
-    count = bristles.shape[0] // 2
+    count, touches[0, 9] = bristles.shape[0] // 2, -1.0
     for k in range(count):
         bristles[count + k] = -plane[LAW + FREQUENCY] * bristles[k]
     if abs(off) >= plane[NEAR]:
@@ -311,8 +311,9 @@ def press_in_plane(
             total += energy * energy
             pressed += energy * force
             moment += energy * force * arm
-            row[0], row[1], row[2], row[3], row[4], row[5] = depth, arm, energy, force, turning, k
+            row[0], row[1], row[2], row[3], row[4], row[9] = depth, arm, energy, force, turning, k
             count += 1
+    touches[count, 9] = -1.0
     if not total > 0.0:
         return 0.0, 0.0, 0.0
     if count > 1:
@@ -331,7 +332,7 @@ def press_in_plane(
         pressed += force
         moment += force * arm + row[4] * share * outward
         if rates > 0:
-            k, height, most = int(row[5]), side * (gap + row[0]), plane[RUB] * force
+            k, height, most = int(row[9]), side * (gap + row[0]), plane[RUB] * force
             rub = surfaces[k, 6] * law[FREQUENCY] * (sliding + height * q + bristles[k])
             rub = min(most, max(-most, rub))
             bristles[rates + k] += rub / surfaces[k, 6]
