@@ -129,7 +129,7 @@ def fake_plugin(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def fakes(fake_plugin: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """The plugin in this process, and in those that it starts."""
-    from driftform.registry import registry
+    from driftform.plugins.registry import registry
 
     monkeypatch.syspath_prepend(str(fake_plugin))
     registry.cache_clear()

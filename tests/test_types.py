@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from driftform.errors import WorkFailedError
-from driftform.scenario import Fluid
 from driftform.types import End, MassProperties, Trajectory, freeze
+from driftform.water import Fluid
 
 
 def make_trajectory(end: End) -> Trajectory:

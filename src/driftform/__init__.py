@@ -10,17 +10,16 @@ from typing import TYPE_CHECKING, Any
 import pluggy
 
 if TYPE_CHECKING:
-    from driftform.api import agent, check_file, evolve, export_flow, load_study, open_run
+    from driftform.api import agent, evolve, export_flow, load_study, open_run
 
 __version__ = "0.1.0"
 
 hookimpl = pluggy.HookimplMarker("driftform")
-"""Marks a function of a plugin module as the implementation of a hook of :mod:`driftform.hookspecs`."""
+"""Marks a function of a plugin module as the implementation of a hook of :mod:`driftform.plugins.hookspecs`."""
 
 __all__ = [
     "__version__",
     "agent",
-    "check_file",
     "evolve",
     "export_flow",
     "hookimpl",

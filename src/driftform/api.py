@@ -1,6 +1,6 @@
 """driftform in notebooks and scripts: from a scenario to an evolved agent to its mesh.
 
-``import driftform as df`` offers :func:`load_study`, :func:`evolve`, :func:`open_run`, :func:`agent`, :func:`check_file`
+``import driftform as df`` offers :func:`load_study`, :func:`evolve`, :func:`open_run`, :func:`agent`,
 and :func:`export_flow`. What they return shows itself in a notebook: a run as its overview and a table of targets, an agent
 as a drawing of its section, a flight as its path. Quantities are in SI units, fitness is in percent, frames are those
 of :mod:`driftform.types`.
@@ -13,24 +13,25 @@ from contextlib import AbstractContextManager, closing, contextmanager
 from pathlib import Path
 from typing import Any
 
-from driftform.agents.design import Design
-from driftform.agents.flight import Flight
-from driftform.agents.opening import check_file, open_agent, open_best
+from driftform.design.design import Design
+from driftform.design.flight import Flight
+from driftform.design.opening import open_agent, open_best
 from driftform.errors import InputError, did_you_mean
-from driftform.execution import InProcess, LocalProcesses
 from driftform.report.writing import write_report
-from driftform.runs.picking import pick_agent
-from driftform.runs.run import Observer, check_study
 from driftform.runs.run import Run as StoredRun
+from driftform.runs.run import check_study
 from driftform.runs.store import Record
 from driftform.runs.tables import evaluation_batches, write_tables
 from driftform.runs.wording import list_cells, list_headings
-from driftform.scenario.grid_files import VelocityGrid
+from driftform.search import InProcess, LocalProcesses
+from driftform.search.advance import Observer, advance_run, list_best
+from driftform.search.picking import pick_agent
 from driftform.study import Study, load_study
 from driftform.study.advice import list_warnings
-from driftform.tables.currents import sample_current, warn_of_flow, write_current
 from driftform.util.notebook import show_picture, show_table
 from driftform.util.progress import count_progress
+from driftform.water.currents import sample_current, warn_of_flow, write_current
+from driftform.water.grid_files import VelocityGrid
 
 __all__ = [
     "Design",
@@ -38,7 +39,6 @@ __all__ = [
     "NoTargetError",
     "Run",
     "agent",
-    "check_file",
     "evolve",
     "export_flow",
     "load_study",
@@ -134,6 +134,10 @@ class Run(StoredRun, Mapping[str, Design]):
         """
         return write_tables(self, None if folder is None else Path(folder), format, trajectories)
 
+    def best(self) -> Mapping[str, Mapping[str, Any]]:
+        """Return the result of the best agent of each target: fitness (%), error (% of d_max), evaluation."""
+        return list_best(self)
+
     def __repr__(self) -> str:
         return f"<Run {self.path}: {len(self)} targets>"
 
@@ -216,7 +220,7 @@ def evolve(
     for warning in list_warnings(study):
         warnings.warn(warning, stacklevel=2)
     with Run.ensure(Path(directory), study) as run, closing(_make_executor(study, workers)) as executor:
-        results = run.advance(executor, _Counter(study.evaluations) if progress else None)
+        results = advance_run(run, executor, _Counter(study.evaluations) if progress else None)
     for problem in (problem for best in results for problem in best.problems):
         warnings.warn(problem, stacklevel=2)
     return run

@@ -15,7 +15,6 @@ import numpy as np
 
 from driftform.errors import InputError
 from driftform.options import Table, option
-from driftform.scenario import Fluid, Scenario, Vector
 from driftform.types import (
     Agent,
     Body,
@@ -30,6 +29,7 @@ from driftform.types import (
     Verdict,
     WrittenFile,
 )
+from driftform.water import Fluid, Scenario, Vector
 
 OptionsT_co = TypeVar("OptionsT_co", bound=Table, covariant=True)
 

@@ -8,22 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from driftform.agent import mass_properties
+from driftform.agent.mass_elements import load_ballast
 from driftform.errors import WorkFailedError
-from driftform.faults import describe_fault
-from driftform.geometry import mass_properties
-from driftform.geometry.mass_elements import load_ballast
 from driftform.interfaces import Fitness, Grammar, Hydrodynamics, PhenotypeBuilder, Simulator
-from driftform.scenario import Scenario
-from driftform.scenario.calibration import calibrate_body, calibrate_coefficients
-from driftform.scenario.disturbances import (
-    Condition,
-    disturb_body,
-    disturb_calibration,
-    disturb_fluid,
-    disturb_scenario,
-)
-from driftform.scenario.fit import ease_release, find_misfit
-from driftform.seams import (
+from driftform.plugins.faults import describe_fault
+from driftform.plugins.seams import (
     require_body,
     require_coefficients,
     require_flights,
@@ -39,6 +29,16 @@ from driftform.types import (
     Morphology,
     Trajectory,
 )
+from driftform.water import Scenario
+from driftform.water.disturbances import (
+    Condition,
+    disturb_body,
+    disturb_calibration,
+    disturb_fluid,
+    disturb_scenario,
+)
+from driftform.water.factors import calibrate_body, calibrate_coefficients
+from driftform.water.misfit import ease_release, find_misfit
 
 MARGIN = 0.2
 """Fitness (%) below its threshold down to which an unchecked flight still matters, because its fitness may be too low.
@@ -136,7 +136,7 @@ class Pipeline:
         found = self.hydrodynamics.coefficients(body, fluid)
         coefficients = require_coefficients(found, body, self.hydrodynamics)
         if options.drag == "strips":
-            from driftform.hydrodynamics.drag import estimate_drag, wake_factor
+            from driftform.motion.body_drag import estimate_drag, wake_factor
 
             factor = wake_factor(coefficients, fluid.density * mass.volume)
             drag = estimate_drag(body, fluid.viscosity, factor, options.drag_without)

@@ -219,7 +219,7 @@ class Body:
 
 
 class FluidProperties(Protocol):
-    """The properties of a fluid that buoyancy depends on, as :class:`driftform.scenario.Fluid` has them."""
+    """The properties of a fluid that buoyancy depends on, as :class:`driftform.water.Fluid` has them."""
 
     @property
     def density(self) -> float:
@@ -266,7 +266,7 @@ class MassProperties:
 
 @dataclass(frozen=True, eq=False)
 class Drag:
-    """What the water's viscosity does to a body of revolution; with C_d and C_f see :mod:`driftform.dynamics.drag`.
+    """What the water's viscosity does to a body of revolution; with C_d and C_f see :mod:`driftform.motion.drag`.
 
     A strip's force is ``-1/2 rho C_d(Re) factor d dx |v| v`` with the velocity v across the axis at the
     strip, relative to the water there; C_d is that of a long cylinder. Along the axis it is

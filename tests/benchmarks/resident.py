@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from driftform.execution import InProcess, Job
+from driftform.search import InProcess, Job
 from driftform.study import load_study
 
 WARM_UP = 200

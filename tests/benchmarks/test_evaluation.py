@@ -14,14 +14,14 @@ from itertools import chain
 import numpy as np
 import pytest
 
-from driftform.dynamics.model import flight_model
-from driftform.execution import InProcess, Job, LocalProcesses, Outcome
-from driftform.geometry import mass_properties
+from driftform.agent import mass_properties
+from driftform.motion.model import flight_model
 from driftform.pipeline import MARGIN
-from driftform.runs.search import run_search
+from driftform.runs.compression import encode
 from driftform.runs.store import Store
+from driftform.search import InProcess, Job, LocalProcesses, Outcome
+from driftform.search.loop import run_search
 from driftform.study import load_study
-from driftform.trajectory.compression import encode
 
 pytestmark = pytest.mark.slow
 

@@ -12,13 +12,13 @@ import pytest
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from driftform.dynamics.flight import SAMPLE, finish_trajectory, has_left_pipe, release_state
-from driftform.dynamics.integrator import Accuracy, integrate
-from driftform.dynamics.model import flight_model, pack, unpack
-from driftform.dynamics.rates import fill_rate_in_space
+from driftform.motion.flight import SAMPLE, finish_trajectory, has_left_pipe, release_state
+from driftform.motion.integrator import Accuracy, integrate
+from driftform.motion.model import flight_model, pack, unpack
+from driftform.motion.rates import fill_rate_in_space
+from driftform.runs.compression import encode
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
-from driftform.trajectory.compression import encode
 from driftform.trajectory.interpolation import interpolate_positions
 
 pytestmark = pytest.mark.slow

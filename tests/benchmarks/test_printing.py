@@ -19,8 +19,9 @@ from driftform_frusta.exporters.stl import StlExporter
 from driftform_frusta.exporters.svg import SvgExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
 from driftform_frusta.hull import build_hull
+from driftform_frusta.kit_options import PartOptions
+from driftform_frusta.kits import make_parts
 from driftform_frusta.mesh import make_mesh
-from driftform_frusta.parts import PartOptions, make_parts
 from driftform_frusta.solid import to_solid
 
 pytestmark = pytest.mark.slow

@@ -22,11 +22,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.execution import InProcess, Job, LocalProcesses, Outcome
-from driftform.execution.cluster import Cluster
-from driftform.execution.pool import PoolExecutor
-from driftform.runs.search import run_search
 from driftform.runs.store import Store
+from driftform.search import InProcess, Job, LocalProcesses, Outcome
+from driftform.search.cluster import Cluster
+from driftform.search.loop import run_search
+from driftform.search.pool import PoolExecutor
 from driftform.study import Study, load_study
 
 pytestmark = [

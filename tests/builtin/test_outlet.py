@@ -7,11 +7,11 @@ import pytest
 
 from driftform.builtin.outlet import PASSED_BY, OutletFitness
 from driftform.options import Table
-from driftform.scenario import Scenario
 from driftform.testing import FitnessContract
 from driftform.testing.agents import sphere_agent
 from driftform.trajectory.way import farthest_distances
 from driftform.types import End, Trajectory, Verdict
+from driftform.water import Scenario
 
 TEE = {"kind": "tee", "branch_radius": 0.05, "share": 0.3, "branch": [{"length": 0.5, "outlet": "up"}]}
 PARTS = [{"length": 1.0}, TEE, {"length": 1.0, "outlet": "on"}]

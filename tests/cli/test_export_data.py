@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from driftform.runs import tables
+from driftform.runs import table_files, tables
+from driftform.runs.columns import SAMPLE_COLUMNS
 from driftform.runs.store import Record, Store
 from driftform.study import Document, load_study
-from driftform.tables import files as table_files
-from driftform.tables.columns import SAMPLE_COLUMNS
 
 FORMATS = ("csv", "parquet")
 TARGETS = ("TP1", "TP7")

@@ -22,8 +22,8 @@ HEAVY = (
 
 FOR_WORK = (
     "driftform.util.compiled",
-    "driftform.runs.search",
-    "driftform.execution",
+    "driftform.search.loop",
+    "driftform.search",
     "numba",
     "scipy",
     "exudyn",
@@ -87,9 +87,9 @@ def test_plugins_are_listed_without_what_only_their_work_needs() -> None:
 
 def test_commands_that_open_agents_and_runs_import_no_package_of_scipy() -> None:
     loaded = modules_after(
-        "import driftform.agents.opening, driftform.report.writing, driftform.runs.picking\n"
+        "import driftform.design.opening, driftform.report.writing, driftform.search.picking\n"
         "from driftform.study import load_study\n"
-        "from driftform.runs.disturbed import draw_rounds\n"
+        "from driftform.search.disturbed import draw_rounds\n"
         "draw_rounds(load_study('pipe-inspection', run={'seed': 0}))"
     )
     assert loaded & {"scipy.stats", "scipy.optimize", "scipy.special", "scipy.linalg"} == set()

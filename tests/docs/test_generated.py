@@ -20,10 +20,10 @@ from pydantic.fields import FieldInfo
 from driftform.cli.app import app
 from driftform.interfaces import SEAMS
 from driftform.options import describe_bounds, find_table
-from driftform.registry import Contribution, registry
-from driftform.scenario import FLOWS, Scenario
-from driftform.scenario.parts import PARTS as PIPE_PARTS
+from driftform.plugins.registry import Contribution, registry
 from driftform.study import RunOptions
+from driftform.water import FLOWS, Scenario
+from driftform.water.part_tables import PARTS as PIPE_PARTS
 
 Check = Callable[[Path, str], None]
 

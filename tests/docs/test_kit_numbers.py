@@ -8,10 +8,10 @@ from driftform.study import load_study
 
 
 def test_of_a_hundred_random_agents(pages: dict[str, str]) -> None:
-    from driftform.geometry import mass_properties
-    from driftform_frusta.kit.accounting import kit_mass
-    from driftform_frusta.kit.pieces import make_kit
-    from driftform_frusta.parts import PartOptions
+    from driftform.agent import mass_properties
+    from driftform_frusta.kit_options import PartOptions
+    from driftform_kit.cutting.accounting import kit_mass
+    from driftform_kit.cutting.pieces import make_kit
 
     pipeline, rng = load_study("paper", run={"seed": 0}).make_pipeline(), np.random.default_rng(1)
     options = PartOptions(kit=True)

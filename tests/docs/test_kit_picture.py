@@ -44,8 +44,8 @@ def body(fore: str, aft: str) -> Body:
 
 def panel(root: ET.Element, title: str, left: float, top: float) -> None:
     from driftform_frusta.colours import colour_of
-    from driftform_frusta.kit.pieces import make_kit
-    from driftform_frusta.parts import PartOptions
+    from driftform_frusta.kit_options import PartOptions
+    from driftform_kit.cutting.pieces import make_kit
 
     fore, aft, options, middle = JOINTS[title]
     kit = make_kit(body(fore, aft), PartOptions(kit=True, **options))

@@ -41,7 +41,7 @@ def job(name: str) -> ExportJob:
 
 def plate(name: str) -> bytes:
     from driftform_frusta.exporters.threemf import ThreeMfExporter
-    from driftform_frusta.kit.options import PartOptions
+    from driftform_frusta.kit_options import PartOptions
 
     return ThreeMfExporter(PartOptions(kit=True)).plate_picture(job(name))
 
@@ -57,9 +57,9 @@ def test_drawings_are_up_to_date(docs: Path, name: str) -> None:
 
 
 def test_the_assembly_sheet_is_up_to_date(docs: Path) -> None:
-    from driftform_frusta.kit.options import PartOptions
-    from driftform_frusta.sheet.contents import plan_sheet
-    from driftform_frusta.sheet.drawing import sheet_svg
+    from driftform_frusta.kit_options import PartOptions
+    from driftform_kit.sheet.contents import plan_sheet
+    from driftform_kit.sheet.drawing import sheet_svg
 
     compare(
         docs / "images" / "assembly-sheet.svg", sheet_svg(plan_sheet(job("float"), PartOptions(kit=True)))

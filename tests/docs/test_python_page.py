@@ -89,8 +89,8 @@ def test_a_print_is_checked_and_trimmed(printed: tuple[Path, dict[str, str]]) ->
 
 
 def test_each_method_of_a_design_and_of_a_run_is_on_the_page(pages: dict[str, str]) -> None:
-    from driftform.agents.design import Design
     from driftform.api import Run
+    from driftform.design.design import Design
 
     wanted = {
         Design: (

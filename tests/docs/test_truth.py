@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 import typer
 
-from driftform import hookspecs
 from driftform.cli.app import app
-from driftform.scenario import FLOWS, Fluid
+from driftform.plugins import hookspecs
+from driftform.water import FLOWS, Fluid
 
 ROOT = Path(__file__).parents[2]
 CORE = ROOT / "src" / "driftform"
@@ -165,7 +165,7 @@ def test_python_is_runnable_or_a_file(blocks: list[Any]) -> None:
 
 def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
     """``grammar.occupied`` and the like, in inline code, with their value if one is given."""
-    from driftform.registry import registry
+    from driftform.plugins.registry import registry
     from driftform.study import load_study
 
     tables: dict[str, set[str]] = {}
@@ -201,7 +201,7 @@ def test_options_that_the_pages_name_exist(prose: dict[str, str]) -> None:
 
 
 def test_constants_of_the_contact_are_as_told(pages: dict[str, str]) -> None:
-    from driftform.dynamics import bore, impact
+    from driftform.motion import bore, impact
 
     section = pages["dataflow.md"].partition("## Contact with the wall")[2]
     assert f"(d / {1000 * impact.STIFF_DEPTH:g} mm)^4" in section
@@ -210,8 +210,8 @@ def test_constants_of_the_contact_are_as_told(pages: dict[str, str]) -> None:
 
 
 def test_constants_of_runs_are_as_told(pages: dict[str, str]) -> None:
-    from driftform import execution
-    from driftform.trajectory import compression
+    from driftform import search as execution
+    from driftform.runs import compression
 
     assert f"samples at least {compression.SAMPLE_GAP:g} s apart" in " ".join(pages["dataflow.md"].split())
     assert f"each of at most {execution.MAX_BATCH} genomes" in pages["dataflow.md"]

@@ -20,13 +20,13 @@ import math
 
 import numpy as np
 
-from driftform.dynamics.drag import sphere_drag
-from driftform.dynamics.impact import LUBRICATION
-from driftform.hydrodynamics.drag import estimate_drag
-from driftform.scenario import Contact, FlightLimits, Fluid, Pipe, Release, Scenario, Segment, UniformFlow
+from driftform.motion.body_drag import estimate_drag
+from driftform.motion.drag import sphere_drag
+from driftform.motion.impact import LUBRICATION
 from driftform.testing.agents import solid_agent
 from driftform.testing.bodies import spheroid_body
 from driftform.types import Coefficients
+from driftform.water import Contact, FlightLimits, Fluid, Pipe, Release, Scenario, Segment, UniformFlow
 from driftform_native.simulator import NativeOptions, NativeSimulator
 
 BORE = 1.0

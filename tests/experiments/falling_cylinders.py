@@ -16,12 +16,12 @@ import math
 
 import numpy as np
 
-from driftform.dynamics.rotations import matrix_from_quaternion
-from driftform.geometry import solid_of_revolution
-from driftform.hydrodynamics.drag import estimate_drag, wake_factor
-from driftform.scenario import FlightLimits, Fluid, Pipe, Release, Scenario, UniformFlow
+from driftform.agent import solid_of_revolution
+from driftform.motion.body_drag import estimate_drag, wake_factor
 from driftform.testing.agents import solid_agent
 from driftform.testing.bodies import cylinder_body
+from driftform.util.rotations import matrix_from_quaternion
+from driftform.water import FlightLimits, Fluid, Pipe, Release, Scenario, UniformFlow
 from driftform_native.simulator import NativeOptions, NativeSimulator
 from driftform_panels.coefficients import PanelMethod
 from driftform_panels.solve import PanelOptions

@@ -15,11 +15,11 @@ change the velocity profile. It is therefore checked up to a diameter of 0.3 of 
 
 from dataclasses import replace
 
-from driftform.geometry import solid_of_revolution
-from driftform.hydrodynamics.drag import estimate_drag, wake_factor
-from driftform.scenario import FlightLimits, Fluid, LogLawFlow, Pipe, Release, Scenario, Segment
+from driftform.agent import solid_of_revolution
+from driftform.motion.body_drag import estimate_drag, wake_factor
 from driftform.testing.agents import solid_agent
 from driftform.testing.bodies import cylinder_body, spheroid_body
+from driftform.water import FlightLimits, Fluid, LogLawFlow, Pipe, Release, Scenario, Segment
 from driftform_native.simulator import NativeOptions, NativeSimulator
 from driftform_panels.coefficients import PanelMethod
 from driftform_panels.solve import PanelOptions

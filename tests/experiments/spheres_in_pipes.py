@@ -16,11 +16,11 @@ import math
 
 import numpy as np
 
-from driftform.hydrodynamics.drag import estimate_drag
-from driftform.scenario import Contact, FlightLimits, Fluid, LogLawFlow, Pipe, Release, Scenario, Segment
+from driftform.motion.body_drag import estimate_drag
 from driftform.testing.agents import solid_agent
 from driftform.testing.bodies import spheroid_body
 from driftform.types import Coefficients
+from driftform.water import Contact, FlightLimits, Fluid, LogLawFlow, Pipe, Release, Scenario, Segment
 from driftform_native.simulator import NativeOptions, NativeSimulator
 
 BORE = 1.25 * 0.0254

@@ -15,12 +15,12 @@ small angles is all that the section of the wake was chosen by.
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from driftform.dynamics.drag import still_water_wrench
-from driftform.dynamics.inertia import added_mass_at
-from driftform.geometry import solid_of_revolution
-from driftform.hydrodynamics.drag import estimate_drag, wake_factor
-from driftform.scenario import Fluid
+from driftform.agent import solid_of_revolution
+from driftform.motion.body_drag import estimate_drag, wake_factor
+from driftform.motion.drag import still_water_wrench
+from driftform.motion.inertia import added_mass_at
 from driftform.testing.bodies import make_body
+from driftform.water import Fluid
 from driftform_panels.coefficients import PanelMethod
 from driftform_panels.solve import PanelOptions
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 
+from driftform.agent import mass_properties
 from driftform.figures.layout import MINUS, text_width
-from driftform.geometry import mass_properties
-from driftform.scenario import Pipe, Scenario, Segment
 from driftform.types import Agent, Body, Coefficients, Core, End, FloatArray, Trajectory
+from driftform.water import Pipe, Scenario, Segment
 
 SVG = "{http://www.w3.org/2000/svg}"
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?")

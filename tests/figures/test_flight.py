@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform.figures.flight import flight_svg
-from driftform.scenario import Pipe, Scenario, Segment
 from driftform.types import End
+from driftform.water import Pipe, Scenario, Segment
 
 
 @settings(deadline=None, max_examples=40)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from driftform.figures.gallery import GalleryEntry
 from driftform.figures.overview import overview_svg
-from driftform.scenario import Scenario
+from driftform.water import Scenario
 
 RISE = {"TP5": 0.001, "TP6": 0.07, "TP7": -0.07, "TP8": 0.098, "TP9": -0.024, "TP10": 0.013}
 

@@ -8,7 +8,7 @@ import pytest
 from driftform.figures.pipe import pipe_svg
 from driftform.figures.plot import pipe_points
 from driftform.figures.projection import SIDE
-from driftform.scenario import Scenario
+from driftform.water import Scenario
 
 SVG = "{http://www.w3.org/2000/svg}"
 PIPE = {

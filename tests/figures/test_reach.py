@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 
 from driftform.figures.layout import MINUS
 from driftform.figures.reach import BOUNDS, RAMP, reach_svg
-from driftform.scenario import Pipe, Scenario, Segment
 from driftform.trajectory.coverage import CoverageMap, PipeGrid, map_coverage
+from driftform.water import Pipe, Scenario, Segment
 
 
 @pytest.fixture(scope="module")

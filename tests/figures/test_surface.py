@@ -11,7 +11,7 @@ from driftform.figures.bodies import Placement
 from driftform.figures.layout import MINUS
 from driftform.figures.section import section_svg
 from driftform.figures.surface import find_rest, find_surface
-from driftform.scenario import Fluid, Scenario
+from driftform.water import Fluid, Scenario
 
 DENSITY = 1000.0
 RADIUS, LENGTH = 0.02, 0.2

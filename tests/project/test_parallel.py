@@ -22,7 +22,7 @@ def hooks() -> ModuleType:
     ("args", "markexpr", "update", "workers"),
     [
         (["tests", "plugins"], None, "", 6),
-        (["tests/dynamics"], None, "", 6),
+        (["tests/motion"], None, "", 6),
         (["tests/project/test_parallel.py"], None, "", 0),
         (["tests/project/test_parallel.py::test_a"], None, "", 0),
         (["tests", "plugins"], "slow", "", 0),

@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 
 from driftform.cli.report import report
-from driftform.execution import InProcess
 from driftform.runs.directory import DATABASE
-from driftform.runs.search import run_search
 from driftform.runs.store import Store
+from driftform.search import InProcess
+from driftform.search.loop import run_search
 from driftform.study import load_study
 
 

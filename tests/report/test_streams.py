@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from driftform.report.streams import simplify_motion, spread_over_disc, trace_streams
-from driftform.scenario import Pipe, Scenario, UniformFlow
+from driftform.water import Pipe, Scenario, UniformFlow
 
 RUN = {"kind": "straight", "length": 1.0}
 SHARE = 0.4

@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from driftform.errors import WorkFailedError
-from driftform.execution import InProcess, Job, Outcome
 from driftform.runs import store
 from driftform.runs.run import Run
+from driftform.search import InProcess, Job, Outcome
 from driftform.study import load_study
 from driftform.util import files
 
@@ -140,7 +140,7 @@ def test_a_run_whose_directory_goes_away_stops_and_says_so(
     tmp_path: Path, rows: Rows, deed: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # So that the first are written before the directory goes away.
-    monkeypatch.setattr("driftform.runs.search.UNWRITTEN_S", 0.0)
+    monkeypatch.setattr("driftform.search.loop.UNWRITTEN_S", 0.0)
     study = load_study(
         None,
         use={"simulator": "fake", "strategy": "paper"},

@@ -14,10 +14,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from driftform.errors import InputError, WorkFailedError
-from driftform.runs.store import Record, Store
-from driftform.scenario import evaluation_seed
-from driftform.trajectory import compression
-from driftform.trajectory.compression import (
+from driftform.runs import compression
+from driftform.runs.compression import (
     SAMPLE_GAP,
     compress,
     compress_evaluation,
@@ -25,7 +23,9 @@ from driftform.trajectory.compression import (
     diagnostics,
     encode,
 )
+from driftform.runs.store import Record, Store
 from driftform.types import Candidate, End, Evaluation, Genome, Trajectory
+from driftform.water import evaluation_seed
 
 TARGETS = ("A", "B")
 COLUMNS = ("t", "position", "quaternion", "velocity")

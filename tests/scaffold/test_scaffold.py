@@ -95,7 +95,7 @@ def test_each_is_found_with_its_options_and_its_study_selects_it(installed: Path
     import json, sys
     from driftform.interfaces import SEAMS
     from driftform.options import describe
-    from driftform.registry import registry
+    from driftform.plugins.registry import registry
     from driftform.study import load_study
     for seam in SEAMS:
         study = load_study(f"{seam}/study.toml")

@@ -7,10 +7,10 @@ from concurrent.futures import Executor, ProcessPoolExecutor
 import numpy as np
 import pytest
 
-from driftform.scenario import Scenario
 from driftform.testing.simulator import largest_distance
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Agent
+from driftform.water import Scenario
 from driftform_native.simulator import NativeOptions, NativeSimulator
 
 NUDGE = 1e-8

@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.execution import LocalProcesses
-from driftform.registry import registry
-from driftform.runs.search import run_search
+from driftform.plugins.registry import registry
 from driftform.runs.store import Store
+from driftform.search import LocalProcesses
+from driftform.search.loop import run_search
 from driftform.study import load_study
 from driftform.trajectory.approach import closest_approach
 from driftform.trajectory.coverage import CoverageMap, PipeGrid

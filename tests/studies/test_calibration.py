@@ -18,15 +18,15 @@ import numpy as np
 import pytest
 
 import driftform as df
-from driftform.agents.design import Design
-from driftform.calibration.films import weigh_prior
-from driftform.calibration.fit import fit_factors
-from driftform.scenario import Calibration, Factors
-from driftform.scenario.calibration import NAMES
+from driftform.design.design import Design
 from driftform.study import Study, load_study
-from driftform.testing.films import draw_world, film_flight, place_drop
 from driftform.trajectory.approach import closest_approach
 from driftform.types import FloatArray
+from driftform.water import Calibration, Factors
+from driftform.water.factors import NAMES
+from driftform_calibration.films import weigh_prior
+from driftform_calibration.fit import fit_factors
+from driftform_calibration.made_films import draw_world, film_flight, place_drop
 
 pytestmark = pytest.mark.slow
 

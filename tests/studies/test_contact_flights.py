@@ -6,11 +6,11 @@ from itertools import repeat
 import numpy as np
 import pytest
 
-from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance, wall_depths
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import FloatArray, Trajectory
+from driftform.util.rotations import matrix_from_quaternion
 
 pytestmark = pytest.mark.slow
 

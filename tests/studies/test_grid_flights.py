@@ -5,11 +5,11 @@ import time
 import numpy as np
 import pytest
 
-from driftform.scenario import Scenario
 from driftform.study import load_study
-from driftform.tables.currents import sample_current, write_current
 from driftform.testing.simulator import largest_distance
 from driftform.trajectory.interpolation import interpolate_positions
+from driftform.water import Scenario
+from driftform.water.currents import sample_current, write_current
 
 pytestmark = pytest.mark.slow
 

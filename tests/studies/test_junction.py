@@ -69,8 +69,8 @@ def test_no_random_agent_passes_a_wall_and_every_end_has_a_name(workers, count_o
 
 def test_a_search_finds_an_agent_for_each_outlet_in_nine_of_ten_seeds(tmp_path, count_of):
     """Each leaves by its outlet in nine of ten disturbed flights, although the branch takes 30 % of the water."""
-    from driftform.execution.local import LocalProcesses
     from driftform.runs.run import Run
+    from driftform.search.local import LocalProcesses
 
     seeds, sound = count_of("SEEDS", 10), 0
     for seed in range(seeds):

@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from driftform.geometry.slices import slice_solid
-from driftform.scenario import Scenario, evaluation_seed
+from driftform.agent.slices import slice_solid
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance, wall_depths
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Agent, Drag, End, Trajectory
+from driftform.water import Scenario, evaluation_seed
 
 pytestmark = pytest.mark.slow
 

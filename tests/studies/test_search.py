@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.execution import Executor, LocalProcesses
-from driftform.runs.search import run_search
 from driftform.runs.store import Store
+from driftform.search import Executor, LocalProcesses
+from driftform.search.loop import run_search
 from driftform.study import Study, load_study
 from driftform.types import FloatArray
 

@@ -5,12 +5,12 @@ from itertools import repeat
 import numpy as np
 import pytest
 
-from driftform.scenario import Pipe
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance, wall_depths
 from driftform.testing.textbook import textbook_states
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import End, Trajectory
+from driftform.water import Pipe
 
 pytestmark = pytest.mark.slow
 

@@ -9,9 +9,9 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from driftform.interfaces import Plugin
-from driftform.registry import registry
-from driftform.scenario import Scenario
+from driftform.plugins.registry import registry
 from driftform.study import RunOptions
+from driftform.water import Scenario
 
 LOWER, UPPER = ("ge", "gt"), ("le", "lt")
 

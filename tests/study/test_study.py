@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 
 from driftform.errors import InputError
 from driftform.options import MAX_SEED
-from driftform.registry import registry
-from driftform.scenario import evaluation_seed
+from driftform.plugins.registry import registry
 from driftform.study import Document, load_study
 from driftform.study.sources import read_scenarios
+from driftform.water import evaluation_seed
 
 BASE = 'base = "pipe-inspection"\n'
 Write = Callable[..., str]

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from driftform.builtin.strategies.random import RandomOptions, RandomStrategy
 from driftform.interfaces import SearchSpace
+from driftform.search.strategies.random import RandomOptions, RandomStrategy
 from driftform.testing import StrategyContract
 from driftform.types import Candidate
 

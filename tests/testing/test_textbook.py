@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from driftform.dynamics.model import flight_model
-from driftform.dynamics.rates import fill_rate_in_space
-from driftform.hydrodynamics.drag import estimate_drag
+from driftform.motion.body_drag import estimate_drag
+from driftform.motion.model import flight_model
+from driftform.motion.rates import fill_rate_in_space
 from driftform.study import load_study
 from driftform.testing.agents import solid_agent
 from driftform.testing.bodies import spheroid_body

@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform.errors import InputError
-from driftform.scenario import Pipe, Scenario, Segment
 from driftform.trajectory.approach import closest_approach
 from driftform.trajectory.coverage import CoverageMap, PipeGrid, find_passes, map_coverage
 from driftform.trajectory.path import hermite_coefficients, world_velocity
 from driftform.types import End, Trajectory
+from driftform.water import Pipe, Scenario, Segment
 
 PIPE = Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0)
 CELLS = PipeGrid.of_segment(PIPE)

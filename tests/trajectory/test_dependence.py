@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from driftform.scenario import Robustness
-from driftform.scenario.disturbances import draw_conditions
 from driftform.trajectory.dependence import MIN_FLIGHTS, REST, divide_spread
 from driftform.trajectory.misses import Misses
+from driftform.water import Robustness
+from driftform.water.disturbances import draw_conditions
 
 ROBUSTNESS = Robustness()
 

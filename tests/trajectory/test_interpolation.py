@@ -5,9 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from driftform.dynamics.rotations import matrix_from_quaternion
-from driftform.geometry import mass_properties
-from driftform.scenario import Fluid, Release, Scenario, UniformFlow
+from driftform.agent import mass_properties
 from driftform.study import load_study
 from driftform.testing.bodies import hollow_body
 from driftform.testing.renderer import drifting_trajectory
@@ -16,6 +14,8 @@ from driftform.trajectory.interpolation import interpolate_attitudes, interpolat
 from driftform.trajectory.path import world_velocity
 from driftform.trajectory.resampling import even_times, resample
 from driftform.types import Agent, Coefficients, Trajectory
+from driftform.util.rotations import matrix_from_quaternion
+from driftform.water import Fluid, Release, Scenario, UniformFlow
 
 STILL = Scenario(flow=UniformFlow(speed=0.0), release=Release(velocity="rest"))
 

@@ -5,11 +5,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from driftform.scenario import Scenario
 from driftform.testing.fitness import straight_trajectory
 from driftform.trajectory.approach import closest_approach
 from driftform.trajectory.way import approach_targets, farthest_distances, find_target_approaches, name_outlet
 from driftform.types import End, Trajectory
+from driftform.water import Scenario
 
 TEE = {"kind": "tee", "name": "T", "branch_radius": 0.05, "share": 0.3, "roll_deg": 0}
 PARTS = [

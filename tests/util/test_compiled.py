@@ -12,7 +12,7 @@ from filelock import FileLock
 import driftform
 
 SCRIPT = """
-from driftform.dynamics.buoyancy import slice_depth
+from driftform.motion.buoyancy import slice_depth
 still = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 print(slice_depth(0.1, still, 0.5, (0.0, 0.0, 0.02), 1.0))
 """
@@ -192,7 +192,7 @@ def test_a_kernel_from_the_cache_holds_machine_code_only_and_other_kernels_can_c
     run_kernel(tmp_path)
     [file] = tmp_path.rglob("*.nbc")
     assert file.stat().st_size < 16_384, "the file holds more than the machine code of an entry"
-    used = "from driftform.dynamics.buoyancy import slice_depth\n"
+    used = "from driftform.motion.buoyancy import slice_depth\n"
     script = SCRIPT.replace("print(", "first = (").replace(used, used + CALLER) + "print(enter(first))"
     run_kernel(tmp_path, script)
     [same] = tmp_path.rglob("buoyancy.slice_depth-*.nbc")

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from driftform.interfaces import Simulator
-from driftform.scenario import Scenario
 from driftform.testing import SimulatorContract
 from driftform.types import Agent, Coefficients, End, Trajectory
+from driftform.water import Scenario
 from driftform_exudyn.simulator import ExudynOptions, ExudynSimulator
 
 Flight = Callable[[Agent, Scenario], Trajectory]
@@ -50,7 +50,7 @@ def with_velocity_in_the_world_frame(agent, scenario):
 
 
 def with_velocity_through_the_water(agent, scenario):
-    from driftform.dynamics.rotations import matrix_from_quaternion
+    from driftform.util.rotations import matrix_from_quaternion
 
     flight = sound(agent, scenario)
     current = np.einsum("kji,j->ki", matrix_from_quaternion(flight.quaternion), scenario.current())

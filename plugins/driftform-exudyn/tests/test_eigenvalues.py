@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from driftform.dynamics.coordinates import describe_motion
-from driftform.dynamics.model import COB, COG, INVERSE, MASS, flight_model
-from driftform.dynamics.rotations import matrix_from_quaternion
-from driftform.dynamics.stability import stable_rest
+from driftform.motion.coordinates import describe_motion
+from driftform.motion.model import COB, COG, INVERSE, MASS, flight_model
+from driftform.motion.stability import stable_rest
 from driftform.study import load_study
+from driftform.util.rotations import matrix_from_quaternion
 from driftform_exudyn.headless import exudyn, items
 
 

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from driftform.agent import mass_properties
 from driftform.errors import InputError, WorkFailedError
 from driftform.figures.style import BLUE, VERMILLION
-from driftform.geometry import mass_properties
-from driftform.scenario import Fluid, Pipe, Scenario, Segment
 from driftform.testing.bodies import hollow_body
 from driftform.testing.renderer import drifting_trajectory, read_film
 from driftform.types import Agent, Coefficients
+from driftform.water import Fluid, Pipe, Scenario, Segment
 from driftform_exudyn import encoder
 from driftform_exudyn.film import ExudynRenderer, FilmOptions
 from driftform_exudyn.follow import FollowView

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.figures.png import png_bytes
 from driftform.interfaces import Renderer
 from driftform.options import Table
@@ -15,6 +14,7 @@ from driftform.trajectory.interpolation import interpolate_attitudes
 from driftform.trajectory.resampling import even_times
 from driftform.types import WrittenFile
 from driftform.util.files import write_whole
+from driftform.util.rotations import matrix_from_quaternion
 from driftform_exudyn.encoder import encode
 
 pytestmark = pytest.mark.peers

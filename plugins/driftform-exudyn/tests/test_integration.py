@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from driftform.dynamics.coordinates import describe_motion
-from driftform.dynamics.flight import release_state
-from driftform.dynamics.integrator import greatest_distance
-from driftform.dynamics.model import DAMPED, flight_model
+from driftform.motion.coordinates import describe_motion
+from driftform.motion.flight import release_state
+from driftform.motion.integrator import greatest_distance
+from driftform.motion.model import DAMPED, flight_model
 from driftform.study import load_study
 from driftform_exudyn import integration
 from driftform_exudyn.integration import integrate_motion, make_settings

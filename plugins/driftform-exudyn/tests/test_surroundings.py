@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from driftform.scenario import Scenario
 from driftform.study import load_study
+from driftform.water import Scenario
 from driftform_exudyn.surroundings import list_bores, upright_axes
 
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from driftform.scenario import Contact, FlightLimits, Fluid, Pipe, Release, Scenario, Segment
 from driftform.testing.agents import sphere_agent
 from driftform.testing.textbook import distance_from_textbook, random_case
 from driftform.types import End
+from driftform.water import Contact, FlightLimits, Fluid, Pipe, Release, Scenario, Segment
 from driftform_exudyn.simulator import ExudynOptions, ExudynSimulator
 
 HORIZON = 3.0

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from driftform.geometry import mass_properties
+from driftform.agent import mass_properties
 from driftform.interfaces import ExportJob
-from driftform.scenario import Scenario
 from driftform.types import Agent, Body, Coefficients, Core
+from driftform.water import Scenario
 
 WALL = 1.25e-3
 DENSITY = 1050.0

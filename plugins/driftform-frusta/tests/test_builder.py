@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from driftform.geometry import hull_mass, hull_volume, mass_properties, solid_of_revolution
+from driftform.agent import hull_mass, hull_volume, mass_properties, solid_of_revolution
 from driftform.types import Module, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_frusta.hull import build_hull

@@ -11,7 +11,7 @@ from driftform_frusta.exporters.step import StepExporter
 from driftform_frusta.exporters.stl import StlExporter
 from driftform_frusta.exporters.svg import SvgExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
-from driftform_frusta.parts import PartOptions
+from driftform_frusta.kit_options import PartOptions
 
 
 class TestFrusta(BuilderContract):

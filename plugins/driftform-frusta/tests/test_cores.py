@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from driftform.agent import mass_properties
 from driftform.errors import InputError
-from driftform.geometry import mass_properties
 from driftform.study import Document, load_study
 from driftform.types import Core, Morphology
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions

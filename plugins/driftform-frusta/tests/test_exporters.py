@@ -9,9 +9,9 @@ import pytest
 import trimesh
 from pydantic import ValidationError
 
+from driftform.agent import hull_mass, hull_volume
+from driftform.agent.meshes import is_closed, merge_vertices, signed_volume
 from driftform.errors import WorkFailedError
-from driftform.geometry import hull_mass, hull_volume
-from driftform.geometry.meshes import is_closed, merge_vertices, signed_volume
 from driftform_frusta import mesh as meshes
 from driftform_frusta import printable
 from driftform_frusta.boundary import Solid

@@ -12,8 +12,8 @@ import pytest
 import trimesh
 from manifold3d import Error, Manifold, Mesh64
 
-from driftform.geometry import hull_volume
-from driftform.geometry.meshes import signed_volume
+from driftform.agent import hull_volume
+from driftform.agent.meshes import signed_volume
 from driftform.interfaces import ExportJob
 from driftform.study import load_study
 from driftform_frusta.exporters.glb import GlbExporter
@@ -22,7 +22,7 @@ from driftform_frusta.exporters.ply import PlyExporter
 from driftform_frusta.exporters.scad import ScadExporter
 from driftform_frusta.exporters.stl import StlExporter
 from driftform_frusta.exporters.threemf import ThreeMfExporter
-from driftform_frusta.parts import make_parts
+from driftform_frusta.kits import make_parts
 
 MESHES = (StlExporter, ThreeMfExporter, GlbExporter, ObjExporter, PlyExporter)
 ATTACHED = "https://driftform.invalid/2026/attachment"

@@ -3,7 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
-from driftform_frusta.parts import PartOptions
+from driftform_frusta.kit_options import PartOptions
 
 
 def test_by_default_the_hull_is_one_sealed_part():

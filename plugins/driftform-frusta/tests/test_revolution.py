@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from manifold3d import CrossSection, FillRule
 
+from driftform.agent.meshes import area_factor, is_closed
 from driftform.errors import WorkFailedError
-from driftform.geometry.meshes import area_factor, is_closed
 from driftform_frusta.hull import build_hull
 from driftform_frusta.revolution import revolve_profiles
 from driftform_frusta.solid import to_solid

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from driftform.agent import hull_volume
+from driftform.agent.meshes import area_factor
 from driftform.errors import WorkFailedError
-from driftform.geometry import hull_volume
-from driftform.geometry.meshes import area_factor
 from driftform_frusta.csg import (
     Box,
     Difference,

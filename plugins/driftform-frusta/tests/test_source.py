@@ -6,14 +6,15 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from driftform.geometry import hull_volume, mass_properties
+from driftform.agent import hull_volume, mass_properties
 from driftform.interfaces import ExportJob
-from driftform.scenario import Scenario
 from driftform.study import load_study
 from driftform.types import Agent, Coefficients, Module, Morphology
+from driftform.water import Scenario
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
+from driftform_frusta.kit_options import PartOptions
+from driftform_frusta.kits import make_parts
 from driftform_frusta.parametric import hull_source
-from driftform_frusta.parts import PartOptions, make_parts
 from driftform_frusta.source import write_source
 
 

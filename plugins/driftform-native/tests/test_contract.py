@@ -1,6 +1,6 @@
 """The native backend keeps every promise of a simulator, alone and in threads."""
 
-from driftform.dynamics.integrator import Accuracy
+from driftform.motion.integrator import Accuracy
 from driftform.testing import SimulatorContract
 from driftform_native.simulator import NativeOptions, NativeSimulator
 

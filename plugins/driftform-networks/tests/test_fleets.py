@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftform.agents.opening import open_agent
+from driftform.design.opening import open_agent
 from driftform_networks.api import trace
 from driftform_networks.candidates import spread_rows
 from driftform_networks.choosing import bound_steering, choose_fleet, choose_greedily

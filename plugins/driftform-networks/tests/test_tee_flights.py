@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from driftform.scenario import Scenario
 from driftform.types import End
+from driftform.water import Scenario
 from driftform_networks.bodies import Traveller, make_sphere, open_traveller
 from driftform_networks.bore import spread_points
 from driftform_networks.streamtubes import divide_bore, smallest_share

@@ -16,10 +16,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.geometry import solid_of_revolution
-from driftform.scenario import Fluid
+from driftform.agent import solid_of_revolution
 from driftform.testing.bodies import cylinder_body, make_body, remus_body
 from driftform.types import FloatArray
+from driftform.water import Fluid
 from driftform_panels.solve import solve
 from driftform_striptheory.coefficients import StripTheory, StripTheoryOptions
 

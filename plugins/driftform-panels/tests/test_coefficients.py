@@ -6,11 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from driftform.dynamics.inertia import added_mass_at
-from driftform.geometry import solid_of_revolution
-from driftform.scenario import Fluid
+from driftform.agent import solid_of_revolution
+from driftform.motion.inertia import added_mass_at
 from driftform.testing.bodies import cylinder_body, make_body, spheroid_body
 from driftform.types import Module, Morphology
+from driftform.water import Fluid
 from driftform_frusta.builder import FrustaBuilder, FrustaOptions
 from driftform_panels import driftform_hydrodynamics
 from driftform_panels.coefficients import PanelMethod

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from driftform.geometry import solid_of_revolution
+from driftform.agent import solid_of_revolution
 from driftform_panels.solve import solve
 
 CUP = [(0, 0), (0, 2), (6, 2), (6, 1.4), (2, 1.4), (2, 0)]

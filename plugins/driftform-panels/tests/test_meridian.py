@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from driftform.geometry import solid_of_revolution
+from driftform.agent import solid_of_revolution
 from driftform.testing.bodies import cylinder_body, make_body, mirrored_contour, spheroid_body
 from driftform_panels import meridian
 from driftform_panels.meridian import make_panels

@@ -6,10 +6,10 @@ import threading
 import numpy as np
 import pytest
 
-from driftform.dynamics.inertia import shift_origin
-from driftform.geometry import solid_of_revolution
-from driftform.scenario import Fluid
+from driftform.agent import solid_of_revolution
+from driftform.motion.inertia import shift_origin
 from driftform.testing.bodies import cylinder_body, dome_body, remus_body, spheroid_body
+from driftform.water import Fluid
 from driftform_panels import solve as module
 from driftform_panels.meridian import Panels, make_panels
 from driftform_panels.solve import PanelOptions, PanelSolution, solve, solve_panels

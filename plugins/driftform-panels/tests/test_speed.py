@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 
-from driftform.scenario import Fluid
+from driftform.water import Fluid
 from driftform_panels.coefficients import PanelMethod
 from driftform_panels.solve import PanelOptions, solve
 from driftform_striptheory.coefficients import StripTheory, StripTheoryOptions

@@ -10,11 +10,11 @@ import driftform_ribs
 from driftform.errors import InputError
 from driftform.interfaces import SearchSpace
 from driftform.options import Table
-from driftform.registry import registry
-from driftform.scenario import Pipe, Scenario, Segment
+from driftform.plugins.registry import registry
 from driftform.testing.letters import LetterGrammar
 from driftform.trajectory.coverage import PipeGrid
 from driftform.types import End, Evaluation, Genome, Trajectory
+from driftform.water import Pipe, Scenario, Segment
 from driftform_ribs.emitter import SymbolEmitter, to_solutions
 from driftform_ribs.strategy import RibsOptions, RibsStrategy, make_archive, station_heights
 

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from driftform.dynamics.equations import accelerations
-from driftform.dynamics.model import flight_model
-from driftform.dynamics.rotations import rotation_from_quaternion
-from driftform.geometry import mass_properties
+from driftform.agent import mass_properties
 from driftform.interfaces import ExportJob
-from driftform.scenario import Contact, Fluid, Release, Scenario, UniformFlow
+from driftform.motion.equations import accelerations
+from driftform.motion.model import flight_model
 from driftform.study import Document, Study, load_study
 from driftform.testing.bodies import hollow_body
 from driftform.types import Agent, Coefficients
+from driftform.util.rotations import rotation_from_quaternion
+from driftform.water import Contact, Fluid, Release, Scenario, UniformFlow
 from driftform_robotics.models.exporter import ModelOptions
 from driftform_robotics.models.mjcf import MjcfExporter
 from driftform_robotics.models.sdf import SdfExporter, SdfOptions

@@ -4,12 +4,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from driftform.dynamics.terminal import terminal_speeds
-from driftform.hydrodynamics.drag import estimate_drag
 from driftform.interfaces import ExportJob
-from driftform.scenario import Fluid
+from driftform.motion.body_drag import estimate_drag
+from driftform.motion.terminal import terminal_speeds
 from driftform.testing.bodies import cylinder_body
 from driftform.types import Agent, Coefficients, MassProperties
+from driftform.water import Fluid
 from driftform_robotics.models.damping import (
     MIN_SPEED,
     linear_damping,

@@ -12,10 +12,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from driftform.interfaces import ExportJob
-from driftform.scenario import FlightLimits, Fluid, Release, Scenario, UniformFlow
 from driftform.study import Study
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Coefficients
+from driftform.water import FlightLimits, Fluid, Release, Scenario, UniformFlow
 
 if sys.platform == "win32":
     pytest.skip("DART has no wheel for Windows", allow_module_level=True)

@@ -14,12 +14,12 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from driftform.dynamics.inertia import largest_added_mass_ratio
 from driftform.interfaces import ExportJob
-from driftform.scenario import FlightLimits, Fluid, Scenario
+from driftform.motion.inertia import largest_added_mass_ratio
 from driftform.study import Study
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Coefficients
+from driftform.water import FlightLimits, Fluid, Scenario
 from driftform_robotics.models.sdf import SdfExporter, SdfOptions
 
 T = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])

@@ -8,12 +8,12 @@ import pytest
 
 from driftform.errors import InputError
 from driftform.interfaces import Fitness
-from driftform.scenario import Pipe, Scenario, Segment, UniformFlow
 from driftform.study import Study, load_study
 from driftform.testing import FitnessContract
 from driftform.testing.agents import sphere_agent
 from driftform.testing.fitness import straight_trajectory
 from driftform.types import Trajectory
+from driftform.water import Pipe, Scenario, Segment, UniformFlow
 from driftform_robotics.leak import Leak, LeakOptions
 from driftform_robotics.plume import make_plume
 

@@ -9,12 +9,12 @@ import mujoco
 import numpy as np
 import pytest
 
-from driftform.dynamics.inertia import added_mass_at
-from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.interfaces import ExportJob
-from driftform.scenario import Scenario
+from driftform.motion.inertia import added_mass_at
 from driftform.testing.agents import Spheroid
 from driftform.types import Agent, Coefficients
+from driftform.util.rotations import matrix_from_quaternion
+from driftform.water import Scenario
 from driftform_robotics.models.damping import quadratic_wrench
 from driftform_robotics.models.ellipsoid import added_mass_factors
 

@@ -9,9 +9,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.interfaces import ExportJob
 from driftform.study import Study
+from driftform.util.rotations import matrix_from_quaternion
 from driftform_robotics.models.link import make_link
 from driftform_robotics.models.mujoco_path import Paths, compare_paths
 

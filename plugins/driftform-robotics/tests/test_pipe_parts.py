@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from driftform.scenario import Scenario
+from driftform.water import Scenario
 from driftform_robotics.models.pipe import list_bores
 
 PARTS = [

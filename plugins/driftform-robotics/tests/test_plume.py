@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.dynamics.flow import friction_factor
-from driftform.scenario import Fluid, LogLawFlow, Pipe, Scenario, Segment, UniformFlow
+from driftform.water import Fluid, LogLawFlow, Pipe, Scenario, Segment, UniformFlow
+from driftform.water.velocity import friction_factor
 from driftform_robotics.plume import (
     MAX_NEAR_TAU,
     eddy_diffusivity,

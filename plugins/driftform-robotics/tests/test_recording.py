@@ -18,14 +18,14 @@ from mcap.records import Schema
 from mcap_ros2.decoder import DecoderFactory
 from ruamel.yaml import YAML
 
-from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.interfaces import ExportJob
-from driftform.scenario import Pipe, Scenario, Segment
 from driftform.testing import RecorderContract
 from driftform.testing.renderer import drifting_trajectory
 from driftform.trajectory.forces import accelerations_along, net_wrench
 from driftform.trajectory.path import world_velocity
 from driftform.types import Trajectory
+from driftform.util.rotations import matrix_from_quaternion
+from driftform.water import Pipe, Scenario, Segment
 from driftform_robotics import sensors
 from driftform_robotics.plume import make_plume
 from driftform_robotics.recording.recorders import McapRecorder, Rosbag2Options, Rosbag2Recorder

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.dynamics.inertia import added_mass_at, rigid_body_mass, shift_origin
-from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.interfaces import ExportJob
-from driftform.scenario import Scenario
+from driftform.motion.inertia import added_mass_at, rigid_body_mass, shift_origin
+from driftform.util.rotations import matrix_from_quaternion
+from driftform.water import Scenario
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a shell script replaces the program")

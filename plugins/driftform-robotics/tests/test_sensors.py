@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from driftform.dynamics.rotations import matrix_from_quaternion
-from driftform.geometry import mass_properties
-from driftform.scenario import Fluid, Pipe, Scenario, Segment, UniformFlow
+from driftform.agent import mass_properties
 from driftform.testing.bodies import cylinder_body, hollow_body
 from driftform.testing.renderer import drifting_trajectory
 from driftform.trajectory.forces import accelerations_along
 from driftform.types import Agent, Coefficients, Trajectory
+from driftform.util.rotations import matrix_from_quaternion
+from driftform.water import Fluid, Pipe, Scenario, Segment, UniformFlow
 from driftform_robotics import sensors
 
 PIPE = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0),))

@@ -7,10 +7,10 @@ import pytest
 from pydantic import ValidationError
 from scipy.integrate import quad
 
-from driftform.dynamics.inertia import added_mass_at
-from driftform.scenario import Fluid
+from driftform.motion.inertia import added_mass_at
 from driftform.testing.bodies import cylinder_body, make_body, spheroid_body
 from driftform.types import Body
+from driftform.water import Fluid
 from driftform_striptheory import driftform_hydrodynamics
 from driftform_striptheory.coefficients import StripTheory, StripTheoryOptions
 from driftform_striptheory.ellipsoid import axial_coefficient

@@ -7,7 +7,7 @@ import zipfile
 
 import pytest
 
-from driftform.agents.opening import open_agent
+from driftform.design.opening import open_agent
 from driftform.runs.run import Run
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from driftform.scenario import Pipe
+from driftform.water import Pipe
 
 DOCS = Path(__file__).parents[3] / "docs" / "images"
 UPDATE = os.environ.get("UPDATE_DOCS") == "1"

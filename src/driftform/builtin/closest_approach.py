@@ -4,8 +4,8 @@ import numpy as np
 
 from driftform.interfaces import Fitness
 from driftform.options import Table
-from driftform.scenario import Scenario
 from driftform.types import Agent, FloatArray, Trajectory, Verdict
+from driftform.water import Scenario
 
 
 class ClosestApproach(Fitness[Table]):

@@ -28,9 +28,9 @@ def driftform_recorder() -> "list[type[Recorder[Any]]]":
 @hookimpl
 def driftform_strategy() -> "list[type[Strategy[Any]]]":
     """Return MAP-Elites, evolution by single symbols, the paper's genetic algorithm, and random search."""
-    from driftform.builtin.strategies.atlas import AtlasStrategy
-    from driftform.builtin.strategies.evolution import EvolutionStrategy
-    from driftform.builtin.strategies.paper import PaperStrategy
-    from driftform.builtin.strategies.random import RandomStrategy
+    from driftform.search.strategies.atlas import AtlasStrategy
+    from driftform.search.strategies.evolution import EvolutionStrategy
+    from driftform.search.strategies.paper import PaperStrategy
+    from driftform.search.strategies.random import RandomStrategy
 
     return [AtlasStrategy, EvolutionStrategy, PaperStrategy, RandomStrategy]

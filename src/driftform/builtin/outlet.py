@@ -4,8 +4,8 @@ import numpy as np
 
 from driftform.interfaces import Fitness
 from driftform.options import Table
-from driftform.scenario import Scenario
 from driftform.types import Agent, FloatArray, Trajectory
+from driftform.water import Scenario
 
 PASSED_BY = 90.0
 """Fitness (%) below which flights stay that do not leave by their outlet: less than a point that is nearly reached."""

@@ -8,8 +8,8 @@ import numpy as np
 
 from driftform.interfaces import ExportJob, Recorder
 from driftform.options import Table
-from driftform.tables.columns import SAMPLE_COLUMNS, Batch, Column
-from driftform.tables.files import check_format, write_csv, write_parquet
+from driftform.runs.columns import SAMPLE_COLUMNS, Batch, Column
+from driftform.runs.table_files import check_format, write_csv, write_parquet
 from driftform.types import Trajectory, WrittenFile
 from driftform.util.files import write_whole
 

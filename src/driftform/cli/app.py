@@ -3,7 +3,7 @@
 import os
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from typing import Annotated, Any
@@ -12,9 +12,6 @@ import typer
 
 from driftform import __version__
 from driftform.cli import (
-    calibrate,
-    check,
-    drop,
     evolve,
     export,
     export_data,
@@ -24,20 +21,14 @@ from driftform.cli import (
     pick,
     plugins,
     report,
-    reproduce,
     resume,
     sample,
     scenarios,
     simulate,
-    studio,
-    trim,
     watch,
 )
-from driftform.cli.help import Command, Group
+from driftform.cli.help import Command, Group, UsageError
 from driftform.errors import DriftformError, escape_controls
-
-_UsageError: Any = typer.BadParameter.__mro__[1]
-"""The base of what click says of options and arguments: newer typers bring a click of their own, without a name."""
 
 
 class Commands(Group):
@@ -47,19 +38,19 @@ class Commands(Group):
     """
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return a command of the core, or the group of commands that a plugin adds under a name."""
+        """Return a command of the core, or one that a plugin adds under a name."""
         found = super().get_command(ctx, cmd_name)
         if found is not None:
             return found
-        from driftform.cli.plugin_commands import make_group
+        from driftform.cli.added import find_added
 
-        return make_group(cmd_name)
+        return find_added(cmd_name)
 
-    def list_added(self) -> list[tuple[str, str]]:
-        """Return names and helps of the commands that plugins add."""
-        from driftform.cli.plugin_commands import list_groups
+    def list_added(self) -> Mapping[str, Any]:
+        """Return the commands that plugins add, by name."""
+        from driftform.cli.added import load_added
 
-        return [(name, help) for name, help in list_groups() if name not in self.commands]
+        return {name: command for name, command in load_added().commands.items() if name not in self.commands}
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read the options before the name of a command."""
@@ -82,7 +73,7 @@ def _one_line_for_each_error() -> Iterator[None]:
     except DriftformError as error:
         _print_errors(*error.args)
         raise typer.Exit(error.exit_code) from None
-    except _UsageError as error:
+    except UsageError as error:
         if type(error).__name__ == "NoArgsIsHelpError":
             raise
         message = error.format_message().replace("Input should be", "should be").rstrip(".")
@@ -103,7 +94,7 @@ def _one_line_for_each_error() -> Iterator[None]:
     except (typer.Exit, typer.Abort):
         raise
     except (Exception, SystemExit) as error:
-        from driftform.faults import trace_fault
+        from driftform.plugins.faults import trace_fault
 
         fault = trace_fault(error)
         if fault is None:
@@ -151,8 +142,6 @@ command("resume")(resume.resume)
 command("watch")(watch.watch)
 command("export-data")(export_data.export_data)
 command("report")(report.report)
-command("studio")(studio.studio)
-command("reproduce")(reproduce.reproduce)
 command("sample")(sample.sample)
 command("simulate")(simulate.simulate)
 command("inspect")(inspect.inspect)
@@ -160,9 +149,5 @@ command("pick", context_settings=pick.NUMBERS)(pick.pick)
 command("export")(export.export)
 command("export-flight")(export_flight.export_flight)
 command("export-flow")(export_flow.export_flow)
-command("check")(check.check)
-command("trim")(trim.trim)
-command("drop")(drop.drop)
-command("calibrate")(calibrate.calibrate)
 app.add_typer(plugins.app, name="plugins")
 app.add_typer(scenarios.app, name="scenarios")

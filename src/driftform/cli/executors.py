@@ -5,8 +5,8 @@ from contextlib import closing, contextmanager
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from driftform.execution import Executor
-    from driftform.execution.pool import PoolExecutor
+    from driftform.search import Executor
+    from driftform.search.pool import PoolExecutor
     from driftform.study import Study
 
 EXECUTORS = ("local", "dask")
@@ -34,12 +34,12 @@ def _executor(study: "Study", name: str, scheduler: str | None, workers: int | N
 
     count = workers or os.cpu_count() or 1
     if name == "local":
-        from driftform.execution import LocalProcesses
+        from driftform.search import LocalProcesses
 
         processes = LocalProcesses(study.document, count)
         processes.start(study.evaluations)
         return processes
-    from driftform.execution.cluster import Cluster
+    from driftform.search.cluster import Cluster
 
     if scheduler is None:
         return Cluster.start(study.document, count)

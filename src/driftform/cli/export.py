@@ -29,9 +29,9 @@ def export(
     json: Json = False,
 ) -> None:
     """Write an agent's hull as files for printers and other programs; older files of the same name are replaced."""
+    from driftform.agent import hull_mass
     from driftform.cli.formats import open_exported, parse_formats
     from driftform.cli.output import print_json
-    from driftform.geometry import hull_mass
     from driftform.util.files import make_directory
 
     names = parse_formats(format, "exporter", "stl")
@@ -71,7 +71,7 @@ def export(
 
 def _lacks_kit(file: "WrittenFile") -> bool:
     """Return whether a format that can hold a kit was written without one."""
-    from driftform.registry import registry
+    from driftform.plugins.registry import registry
 
     return "kit" not in file.facts and "kit" in registry().find("exporter", file.format).Options.model_fields
 

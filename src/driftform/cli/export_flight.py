@@ -35,9 +35,9 @@ def export_flight(
 
     Older files of the same name are replaced.
     """
-    from driftform.agents.opening import open_agent
     from driftform.cli.formats import parse_formats
     from driftform.cli.output import print_json
+    from driftform.design.opening import open_agent
     from driftform.errors import WorkFailedError
     from driftform.trajectory.resampling import check_rate
     from driftform.util.files import make_directory

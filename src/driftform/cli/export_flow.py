@@ -36,8 +36,8 @@ def export_flow(
     from driftform.cli.output import print_json, print_text
     from driftform.errors import InputError
     from driftform.study import load_study
-    from driftform.tables.currents import sample_current, warn_of_flow, write_current
     from driftform.util.files import check_directory
+    from driftform.water.currents import sample_current, warn_of_flow, write_current
 
     if out.suffix.lower() != ".csv":
         raise InputError(f"--out {out}: the file is CSV; choose a name that ends in .csv")

@@ -5,8 +5,8 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from driftform.agents.design import Design
-    from driftform.scenario import Vector
+    from driftform.design.design import Design
+    from driftform.water import Vector
 
 MM_PER_M = 1000.0
 
@@ -20,7 +20,7 @@ def parse_formats(text: str, seam: str, example: str) -> list[str]:
         if one of them is missing, or none is named.
     """
     from driftform.errors import InputError
-    from driftform.registry import registry
+    from driftform.plugins.registry import registry
 
     names = list(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
     if not names:
@@ -69,9 +69,9 @@ def open_exported(
     InputError
         if an option is not one of these exporters; the line names it as the user gave it.
     """
-    from driftform.agents.opening import open_agent
+    from driftform.design.opening import open_agent
     from driftform.errors import InputError
-    from driftform.printing.exporter_settings import list_exporter_settings
+    from driftform.study.exporter_settings import list_exporter_settings
 
     asked = _list_options(kit, bed, options)
     try:

@@ -1,14 +1,17 @@
 """Help pages: plain text, which appears at once, with the whole first sentence of each command."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from typing import Any
 
-from typer import Context, Typer
+from typer import BadParameter, Context, Typer
 from typer.core import TyperCommand, TyperGroup
 
 from driftform.cli.options import Json
 from driftform.cli.output import reserve_stdout
+
+UsageError: Any = BadParameter.__mro__[1]
+"""The base of what click says of options and arguments: newer typers bring a click of their own, without a name."""
 
 _LONGEST = 1000
 """Characters after which a command's first sentence would be cut."""
@@ -19,14 +22,14 @@ class Group(TyperGroup):
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the name of each command and its first sentence."""
-        rows = [(name, command.get_short_help_str(_LONGEST)) for name, command in self.commands.items()]
-        rows += self.list_added()
+        commands = {**self.commands, **self.list_added()}
+        rows = [(name, command.get_short_help_str(_LONGEST)) for name, command in commands.items()]
         with formatter.section("Commands"):
             formatter.write_dl(rows)
 
-    def list_added(self) -> list[tuple[str, str]]:
-        """Return names and helps of commands that are added to the group when they are asked for."""
-        return []
+    def list_added(self) -> Mapping[str, Any]:
+        """Return commands by name that are added to the group when they are asked for."""
+        return {}
 
 
 def make_group(help: str, list_all: Callable[[bool], None]) -> Typer:

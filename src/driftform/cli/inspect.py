@@ -24,8 +24,8 @@ def inspect(
     json: Json = False,
 ) -> None:
     """Show an agent's modules, mass, buoyancy, inertia, added mass and warnings."""
-    from driftform.agents.opening import open_agent
     from driftform.cli.output import print_json
+    from driftform.design.opening import open_agent
 
     design = open_agent(agent, scenario, settings or (), {"hydrodynamics": hydrodynamics})
     facts = design.inspect()

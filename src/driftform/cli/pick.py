@@ -29,8 +29,8 @@ def pick(
     Searches every stored flight; the run need not be finished.
     """
     from driftform.cli.output import print_json
-    from driftform.runs.picking import write_pick
     from driftform.runs.run import Run
+    from driftform.search.picking import write_pick
 
     stored, path = write_pick(Run.open(run, check=False), (x, y, z), out)
     if json:

@@ -12,7 +12,7 @@ from driftform.cli.options import Json
 def list_(json: Json = False) -> None:
     """List the plugins by seam, also those that cannot be used, with the reason."""
     from driftform.cli.output import print_json, print_table
-    from driftform.registry import registry
+    from driftform.plugins.registry import registry
 
     columns = ("seam", "name", "distribution", "version", "state")
     rows = [{c: getattr(row, c) for c in columns} for row in registry().contributions()]
@@ -36,7 +36,7 @@ def show(
     from driftform.cli.output import print_json, print_table
     from driftform.errors import InputError, did_you_mean
     from driftform.options import describe
-    from driftform.registry import registry
+    from driftform.plugins.registry import registry
 
     installed = registry().contributions()
     rows = [row for row in installed if row.name == name]

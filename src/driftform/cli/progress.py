@@ -5,9 +5,10 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 
 from driftform.cli.display import View, format_duration, format_failures, format_throughput, progress_line
-from driftform.runs.run import Observer, Run
+from driftform.runs.run import Run
 from driftform.runs.status import RunStatus, Throughput
 from driftform.runs.store import Record
+from driftform.search.advance import Observer
 from driftform.util.progress import REFRESH, count_progress
 
 

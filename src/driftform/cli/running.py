@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import typer
 
 if TYPE_CHECKING:
-    from driftform.execution import Executor
-    from driftform.runs.results import Best
     from driftform.runs.run import Run
+    from driftform.search import Executor
+    from driftform.search.results import Best
 
 
 def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence[str] = ()) -> None:
@@ -20,11 +20,12 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
     from driftform.cli.output import print_json
     from driftform.cli.progress import Progress
     from driftform.errors import WorkFailedError
-    from driftform.execution import WorkersLostError
+    from driftform.search import WorkersLostError
+    from driftform.search.advance import advance_run as search
 
     started = time.perf_counter()
     try:
-        results = run.advance(executor, Progress(run))
+        results = search(run, executor, Progress(run))
     except KeyboardInterrupt:
         typer.echo(_describe_stop(run), err=True)
         raise typer.Exit(130) from None

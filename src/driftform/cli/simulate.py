@@ -26,8 +26,8 @@ BAR = 20
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from driftform.agents.design import Design
-    from driftform.agents.flight import DisturbedFlights, Flight
+    from driftform.design.design import Design
+    from driftform.design.flight import DisturbedFlights, Flight
     from driftform.types import Trajectory
 
 
@@ -53,12 +53,12 @@ def simulate(
     With --robust it is flown many more times under disturbed conditions, which shows how far it misses, and what the
     miss depends on.
     """
-    from driftform.agents.design import check_moment
-    from driftform.agents.opening import open_agent
     from driftform.cli.output import print_json
+    from driftform.design.design import check_moment
+    from driftform.design.opening import open_agent
     from driftform.errors import InputError
     from driftform.figures.flight import flight_svg
-    from driftform.tables.files import write_trajectory
+    from driftform.runs.table_files import write_trajectory
     from driftform.util.files import check_directory, make_directory, write_text
     from driftform.util.progress import count_progress
 

@@ -17,11 +17,11 @@ from driftform.figures.plot import (
 )
 from driftform.figures.projection import PLAN, SIDE, drawing_times, resample_polyline
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, VERMILLION, tint
-from driftform.scenario import Scenario
 from driftform.trajectory.approach import Approach
 from driftform.trajectory.interpolation import interpolate_pose, interpolate_positions
 from driftform.trajectory.way import find_target_approaches
 from driftform.types import Body, FloatArray, Trajectory
+from driftform.water import Scenario
 
 _LEFT, _RIGHT = 62.0, 24.0
 _TALLEST = 440.0

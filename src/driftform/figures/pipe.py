@@ -7,7 +7,7 @@ from driftform.figures.layout import WIDTH, start_page, write
 from driftform.figures.plot import Window, draw_cross, draw_scene, label_points, pipe_ink, pipe_points
 from driftform.figures.projection import PLAN, SIDE
 from driftform.figures.style import INK, MUTED
-from driftform.scenario import Scenario
+from driftform.water import Scenario
 
 _LEFT, _RIGHT, _TALLEST = 62.0, 24.0, 420.0
 

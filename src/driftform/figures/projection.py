@@ -5,8 +5,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.types import Body, FloatArray, Trajectory
+from driftform.util.rotations import matrix_from_quaternion
 
 View: TypeAlias = tuple[int, int]
 """Indices of the world coordinates that run to the right and upward on the page."""

@@ -18,9 +18,9 @@ from driftform.figures.plot import (
 )
 from driftform.figures.projection import SIDE
 from driftform.figures.style import GRID, INK, MUTED
-from driftform.scenario import Pipe, Scenario, Segment
 from driftform.trajectory.coverage import CoverageMap, PipeGrid
 from driftform.types import FloatArray
+from driftform.water import Pipe, Scenario, Segment
 
 _LEFT, _RIGHT = 58.0, 22.0
 _SWATCH, _STEP = (34.0, 14.0), 74.0

@@ -5,15 +5,15 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
+from driftform.agent import hull_mass, radius_at
 from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading, inner_joints
 from driftform.figures.layout import MARGIN, MINUS, draw_scale_bar, format_signed, shorten, text_width, write
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, tint
 from driftform.figures.surface import Surface, find_rest, find_surface
 from driftform.figures.svg import PX_PER_MM
-from driftform.geometry import hull_mass, radius_at
-from driftform.scenario import Scenario
 from driftform.types import Agent, Body, FloatArray
+from driftform.water import Scenario
 
 _STEEL = "#3d5a73"
 _WIDEST, _TALLEST = 800.0, 580.0

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.figures.bodies import Placement
-from driftform.scenario import Scenario
 from driftform.types import Agent, Body, FloatArray
+from driftform.water import Scenario
 
 _NO_LEVER = 1e-6
 """m: if the centres of gravity and buoyancy are nearer than this, the body has no preferred attitude."""
@@ -59,8 +59,8 @@ def find_rest(agent: Agent, scenario: Scenario) -> WaterRest | None:
 
     If the scenario has no free surface, a body that rises is shown as it would float at one.
     """
-    from driftform.dynamics.model import flight_model
-    from driftform.dynamics.stability import stable_rest
+    from driftform.motion.model import flight_model
+    from driftform.motion.stability import stable_rest
 
     fluid, mass = scenario.fluid, agent.mass
     if not fluid.gravity:

@@ -8,18 +8,17 @@ import numpy as np
 from driftform.errors import WorkFailedError
 from driftform.figures.dependence import dependence_svg
 from driftform.figures.gallery import GalleryEntry
+from driftform.figures.intervals import intervals_svg
 from driftform.figures.overview import overview_svg
 from driftform.figures.reach import reach_svg
 from driftform.figures.section import section_svg
 from driftform.figures.strip import Strip, strip_svg
-from driftform.figures.track import intervals_svg
 from driftform.figures.trend import Trend, trend_svg
 from driftform.runs.agent_file import StoredAgent
-from driftform.runs.finalists import describe_best, find_winner
 from driftform.runs.run import Run
 from driftform.runs.store import Store
 from driftform.runs.wording import describe_worst
-from driftform.scenario import Scenario
+from driftform.search.finalists import describe_best, find_winner
 from driftform.study import Study
 from driftform.trajectory.coverage import PipeGrid, map_coverage
 from driftform.trajectory.dependence import divide_spread
@@ -27,6 +26,7 @@ from driftform.trajectory.misses import Misses
 from driftform.trajectory.way import approach_targets
 from driftform.types import Agent, Trajectory
 from driftform.util.progress import track_progress
+from driftform.water import Scenario
 
 TREND_POINTS = 60
 """Greatest number of points of a trend."""

@@ -8,8 +8,8 @@ strangers, and no line of Python has to remember to escape one. It is imported o
 from importlib.resources import files
 from typing import Any
 
-from driftform.agents.limits import list_limits
-from driftform.geometry import hull_mass
+from driftform.agent import hull_mass
+from driftform.design.limits import list_limits
 from driftform.interfaces import Fitness
 from driftform.report.contents import Contents
 from driftform.report.viewer import viewer_data

@@ -5,9 +5,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from driftform.geometry.pipe_parts import Straight, Tee
-from driftform.scenario import Pipe, Scenario
 from driftform.types import FloatArray
+from driftform.water import Pipe, Scenario
+from driftform.water.pipe_parts import Straight, Tee
 
 STREAMS = 40
 """Number of paths; they begin in the middle of parts of the inlet of equal area."""
@@ -37,9 +37,9 @@ def trace_streams(scenario: Scenario) -> list[FloatArray]:
     None in a straight pipe, whose current is its profile, in open water, and with a tee whose flow is not solved yet: that
     takes a minute, and is left to the first flight.
     """
-    from driftform.dynamics.fittings import fitting_array
-    from driftform.dynamics.flow import flow_array
-    from driftform.dynamics.tee_flow import is_tee_solved
+    from driftform.water.fittings import fitting_array
+    from driftform.water.tee_flow import is_tee_solved
+    from driftform.water.velocity import flow_array
 
     if scenario.pipe.is_open or scenario.pipe.straight is not None:
         return []
@@ -54,8 +54,8 @@ def trace_streams(scenario: Scenario) -> list[FloatArray]:
 @lru_cache(maxsize=16)
 def _trace(pipe: Pipe, flow: tuple[float, ...], fittings: bytes) -> list[FloatArray]:
     """Integrate the paths by the midpoint rule; a page asks for the same pipe again and again."""
-    from driftform.dynamics.flow import water_motion
-    from driftform.dynamics.profiles import AT_A_POINT
+    from driftform.water.profiles import AT_A_POINT
+    from driftform.water.velocity import water_motion
 
     no_pipe, current, no_gusts = np.empty((0, 8)), np.array(flow), np.empty((0, 12))
     parts = np.frombuffer(fittings)

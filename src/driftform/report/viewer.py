@@ -7,12 +7,12 @@ import numpy as np
 
 from driftform.figures.projection import simplify_polyline
 from driftform.figures.style import SERIES
-from driftform.geometry.pipe_parts import Straight
 from driftform.report.contents import Contents
 from driftform.report.streams import trace_streams
-from driftform.scenario import Pipe, Scenario, UniformFlow
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Agent, FloatArray, Trajectory
+from driftform.water import Pipe, Scenario, UniformFlow
+from driftform.water.pipe_parts import Straight
 
 MAX_SAMPLES = 240
 """Greatest number of samples of a flight on a page."""
@@ -99,7 +99,7 @@ def _speed_profile(scenario: Scenario, row: FloatArray) -> FloatArray:
     """Return the mean speed half-way down a segment of the pipe, m/s: :data:`PROFILE` values from the axis to the wall."""
     if isinstance(scenario.flow, UniformFlow):
         return np.full(PROFILE, scenario.flow.speed)
-    from driftform.dynamics.flow import flow_array, water_motion
+    from driftform.water.velocity import flow_array, water_motion
 
     start, along, radius = row[:3], row[3:6] - row[:3], row[6]
     length = float(np.linalg.norm(along))

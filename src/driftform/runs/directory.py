@@ -20,7 +20,7 @@ from filelock import FileLock, Timeout
 
 from driftform import __version__
 from driftform.errors import InputError
-from driftform.registry import registry
+from driftform.plugins.registry import registry
 from driftform.study import Study
 from driftform.util.files import write_text
 

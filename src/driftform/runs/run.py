@@ -1,15 +1,12 @@
-"""A run: the one owner of its directory, its store and its lock, from the first evaluation to the best agents."""
+"""A run: the one owner of its directory, its store and its lock."""
 
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Self
 
-from driftform.errors import DriftformError, InputError
-from driftform.execution import Executor
-from driftform.geometry.pipe_parts import Tee
-from driftform.runs.agent_file import StoredAgent
+from driftform.errors import InputError
 from driftform.runs.directory import (
     DATABASE,
     check_new,
@@ -21,31 +18,9 @@ from driftform.runs.directory import (
     write_inputs,
     write_resolved,
 )
-from driftform.runs.finalists import find_best_agent, fly_finalists
-from driftform.runs.results import Best, write_results
-from driftform.runs.search import run_search
-from driftform.runs.store import Record, Store
-from driftform.scenario import Scenario
+from driftform.runs.store import Store
 from driftform.study import Document, Study, load_study
 from driftform.util.files import make_directory
-
-
-class Observer:
-    """Follows a run while it advances; each method does nothing unless it is overridden."""
-
-    def open_search(self, stored: int) -> AbstractContextManager[object]:
-        """Return what is entered around the search; ``stored`` evaluations were there before."""
-        return nullcontext()
-
-    def record(self, record: Record) -> None:
-        """Take one evaluation, stored or new."""
-
-    def generation(self, evaluations: int) -> None:
-        """Take the number of evaluations so far, after the strategy has received their outcomes."""
-
-    def open_finalists(self) -> AbstractContextManager[Callable[[int, int], None]]:
-        """Return a context that yields a function of the disturbed flights done, and of their total."""
-        return nullcontext(lambda _, __: None)
 
 
 class Run:
@@ -196,8 +171,8 @@ class Run:
         return Store.open(self.path / DATABASE, read_only=True, check=check)
 
     @contextmanager
-    def _write(self) -> Iterator[Store]:
-        """Open its store for writing, with the study's budget in it."""
+    def write(self) -> Iterator[Store]:
+        """Open its store for writing, with the study's budget in it; requires the lock."""
         with Store.open(self.path / DATABASE, check=False) as store:
             document = store.read_study()
             table = document.get("run", {})
@@ -207,57 +182,6 @@ class Run:
             # The database decides: an interruption before this line is repaired by the next call.
             write_resolved(self.path, document)
             yield store
-
-    def search(self, executor: Executor, observer: Observer | None = None) -> None:
-        """Ask, evaluate and store until the budget is spent; requires the lock.
-
-        Raises
-        ------
-        InputError
-            if the stored evaluations are not those that the study asks for.
-        """
-        with self._write() as store:
-            self._search(store, executor, observer or Observer())
-
-    def advance(self, executor: Executor, observer: Observer | None = None) -> list[Best]:
-        """Search to the end of the budget, fly the finalists, and write best agents and maps; requires the lock.
-
-        Raises
-        ------
-        InputError
-            if the stored evaluations are not those that the study asks for.
-        WorkFailedError
-            if every evaluation failed.
-        """
-        observer = observer or Observer()
-        with self._write() as store:
-            self._search(store, executor, observer)
-            with observer.open_finalists() as progress:
-                fly_finalists(self.study, store, executor, progress)
-            store.check_place()
-            try:
-                return write_results(self.path, self.study, executor)
-            except DriftformError:
-                store.check_place()
-                raise
-
-    def _search(self, store: Store, executor: Executor, observer: Observer) -> None:
-        _prepare_flow(self.study.scenario)
-        with observer.open_search(store.count()):
-            run_search(self.study, store, executor, observer.record, observer.generation)
-
-    def find_best(self, target: str) -> StoredAgent | None:
-        """Return the best agent for a target, ``None`` while every evaluation has failed."""
-        with self.read() as store:
-            return find_best_agent(self.study, store, target)
-
-    def best(self) -> Mapping[str, Mapping[str, Any]]:
-        """Return the result of the best agent of each target: fitness (%), error (% of d_max), evaluation."""
-        with self.read() as store:
-            found = {
-                target: find_best_agent(self.study, store, target) for target in self.study.scenario.targets
-            }
-        return {target: stored.result for target, stored in found.items() if stored is not None}
 
     def count(self) -> tuple[int, int]:
         """Return the number of evaluations stored, and how many of them failed."""
@@ -275,18 +199,6 @@ class Run:
         return InputError(
             f"{self.path} has no evaluation yet that did not fail; wait, or resume it with: {self.resume_command}"
         )
-
-
-def _prepare_flow(scenario: Scenario) -> None:
-    """Solve the flow in tees of a new shape here and now: what it says would be lost in the display of the search."""
-    if scenario.pipe.is_open or not any(
-        isinstance(placed.part, Tee) for placed in scenario.pipe.layout.parts
-    ):
-        return
-    from driftform.dynamics.fittings import fitting_array
-
-    with suppress(ValueError):  # The flow in such a shape is not known; a flight says so.
-        fitting_array(scenario)
 
 
 def check_study(study: Study) -> None:

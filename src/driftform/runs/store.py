@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error, find_commonest
+from driftform.runs.compression import LARGEST_FLIGHT, compress, decode, diagnostics
 from driftform.runs.values import (
     check_integer,
     check_number,
@@ -28,7 +29,6 @@ from driftform.runs.values import (
     read_study_document,
     read_texts,
 )
-from driftform.trajectory.compression import LARGEST_FLIGHT, compress, decode, diagnostics
 from driftform.types import Candidate, End, Evaluation, FloatArray, Genome, Trajectory
 from driftform.util.files import write_whole
 
@@ -58,7 +58,7 @@ CREATE TABLE evaluation (
     energy_drift REAL,           -- up to then, relative
     error REAL,                  -- estimated, of the position, m
     seconds REAL NOT NULL,       -- that the evaluation took
-    trajectory BLOB              -- see driftform.trajectory.compression.encode
+    trajectory BLOB              -- see driftform.runs.compression.encode
 );
 CREATE TABLE score (
     evaluation INTEGER NOT NULL REFERENCES evaluation (id),

@@ -13,14 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from driftform import __version__
+from driftform.agent import mass_properties
 from driftform.errors import InputError, did_you_mean
-from driftform.geometry import mass_properties
 from driftform.interfaces import Grammar, PhenotypeBuilder
-from driftform.runs.run import Run
-from driftform.runs.store import Record, Store
-from driftform.scenario import Fluid
-from driftform.study import Study
-from driftform.tables.columns import (
+from driftform.runs.columns import (
     BODY_COLUMNS,
     FLIGHT_COLUMNS,
     SAMPLE_COLUMNS,
@@ -28,10 +24,14 @@ from driftform.tables.columns import (
     Column,
     evaluation_columns,
 )
-from driftform.tables.files import FORMATS, check_format
+from driftform.runs.run import Run
+from driftform.runs.store import Record, Store
+from driftform.runs.table_files import FORMATS, check_format
+from driftform.study import Study
 from driftform.types import Genome
 from driftform.util.files import write_together
 from driftform.util.progress import count_progress
+from driftform.water import Fluid
 
 FOLDER = "data"
 """The folder of a run that its tables are written to where no other is named."""

@@ -17,7 +17,7 @@ from typing import Any
 from driftform import __version__, interfaces
 from driftform.errors import InputError, did_you_mean
 from driftform.interfaces import SEAMS
-from driftform.registry import registry
+from driftform.plugins.registry import registry
 from driftform.study import NAMED
 
 WORD = "addB-tiltn-1-M-moveB-addB-tiltn-2-S-moveB-addB-tiltp-1-L-moveB"

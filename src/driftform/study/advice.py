@@ -11,12 +11,12 @@ import numpy as np
 
 from driftform.errors import InputError, find_commonest
 from driftform.pipeline import Pipeline
-from driftform.scenario import Scenario, TurbulentFlow, UniformFlow
-from driftform.scenario.calibration import DRAGS
-from driftform.scenario.fit import find_misfit, show_length
-from driftform.scenario.flow import PowerLawFlow
 from driftform.study.study import Study
 from driftform.types import Body, FloatArray, Morphology
+from driftform.water import Scenario, TurbulentFlow, UniformFlow
+from driftform.water.factors import DRAGS
+from driftform.water.flow import PowerLawFlow
+from driftform.water.misfit import find_misfit, show_length
 
 NEGLIGIBLE = 1e-3
 """Distance (m) that no warning is worth: the accuracy of a flight."""

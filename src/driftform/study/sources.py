@@ -6,16 +6,17 @@ Each source is a layer that overrides those before it. An error names the source
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from importlib import metadata, resources
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from driftform.errors import InputError, did_you_mean
 from driftform.interfaces import SEAMS
-from driftform.scenario import FLOWS
+from driftform.plugins.discovery import find_modules
 from driftform.study.toml_positions import Path as KeyPath
 from driftform.study.toml_positions import check_keys, find_key_lines, find_line
 from driftform.util.files import is_directory, is_file
+from driftform.water import FLOWS
 
 REPLACED = ("targets",)
 """Tables of a study file that replace those of its base instead of extending them; ``--set targets.name=...`` extends."""
@@ -24,7 +25,7 @@ CALIBRATION = "calibration"
 """The table that ``driftform calibrate`` writes."""
 
 SCENARIOS = "driftform.scenarios"
-"""The package of the built-in scenario files, and the group of entry points for the scenario files of plugins."""
+"""The package of the built-in scenario files."""
 
 
 @dataclass(frozen=True)
@@ -72,16 +73,16 @@ def join_path(path: KeyPath) -> str:
 def read_scenarios() -> dict[str, str]:
     """Return the text of the scenario files of driftform and of its plugins, by name.
 
-    A plugin contributes a package of such files by an entry point of the group ``driftform.scenarios``. If two files
-    have the same name, that of driftform is taken, or else that of the entry point whose name sorts first.
+    A plugin contributes a package of such files by the hook ``driftform_scenarios``. If two files have the same name,
+    that of driftform is taken, or else that of the entry point whose name sorts first.
     """
-    points = metadata.entry_points(group=SCENARIOS)
+    hooks = (plugin.find_hook("driftform_scenarios") for plugin in find_modules())
     found: dict[str, str] = {}
-    for package in (SCENARIOS, *(point.value for point in sorted(points, key=lambda p: p.name))):
+    for package in (SCENARIOS, *(hook() for hook in hooks if hook is not None)):
         try:
             folder = resources.files(package)
         except ImportError:
-            # 'driftform plugins' reports a broken plugin, which must not affect others.
+            # A broken plugin must not affect others.
             continue
         for entry in sorted(folder.iterdir(), key=lambda e: e.name):
             if entry.name.endswith(".toml"):

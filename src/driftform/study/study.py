@@ -19,9 +19,8 @@ from driftform.errors import InputError, did_you_mean
 from driftform.interfaces import SEAMS, Checker, Exporter, Recorder, Renderer, SearchSpace, Strategy
 from driftform.options import MAX_SEED, Table, option
 from driftform.pipeline import Pipeline
-from driftform.registry import registry
-from driftform.scenario import Scenario
-from driftform.seams import check_grammar, check_wording
+from driftform.plugins.registry import registry
+from driftform.plugins.seams import check_grammar, check_wording
 from driftform.study.error_lines import format_errors
 from driftform.study.sources import (
     Source,
@@ -31,6 +30,7 @@ from driftform.study.sources import (
     read_calibration,
     read_sources,
 )
+from driftform.water import Scenario
 
 DEFAULT = "pipe-inspection"
 """The default scenario."""

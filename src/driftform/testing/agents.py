@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from driftform.dynamics.inertia import added_mass_at, rigid_body_mass
-from driftform.dynamics.rotations import matrix_from_quaternion
-from driftform.geometry import solid_of_revolution
-from driftform.scenario import Scenario
+from driftform.agent import solid_of_revolution
+from driftform.motion.inertia import added_mass_at, rigid_body_mass
 from driftform.testing.bodies import spheroid_body
 from driftform.types import Agent, Body, Coefficients, FloatArray, MassProperties, Trajectory
+from driftform.util.rotations import matrix_from_quaternion
+from driftform.water import Scenario
 
 DENSITY = 1024.0
 """Density of the water, kg/m3."""

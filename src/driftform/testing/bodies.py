@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from driftform.geometry import distance_from
+from driftform.agent import distance_from
 from driftform.types import Body, BoolArray, Core, FloatArray
 
 

@@ -9,9 +9,9 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from driftform.geometry import distance_from, mass_properties, solid_of_revolution
+from driftform.agent import distance_from, mass_properties, solid_of_revolution
 from driftform.interfaces import PhenotypeBuilder
-from driftform.seams import require_body
+from driftform.plugins.seams import require_body
 from driftform.testing.bodies import crosses_itself, lies_inside, mirrored_contour
 from driftform.testing.contract import Contract
 from driftform.types import Body, FloatArray, Module, Morphology

@@ -9,7 +9,7 @@ import pytest
 
 from driftform.errors import DriftformError
 from driftform.interfaces import Checker, PrintJob
-from driftform.seams import require_findings
+from driftform.plugins.seams import require_findings
 from driftform.testing.contract import Contract
 from driftform.types import Finding, State
 

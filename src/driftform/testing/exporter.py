@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from driftform.agent import mass_properties
 from driftform.errors import DriftformError
-from driftform.geometry import mass_properties
 from driftform.interfaces import Exporter, ExportJob
-from driftform.scenario import Pipe, Scenario, Segment
-from driftform.seams import require_files
+from driftform.plugins.seams import require_files
 from driftform.testing.bodies import hollow_body
 from driftform.testing.contract import Contract
 from driftform.types import Agent, Coefficients, WrittenFile
+from driftform.water import Pipe, Scenario, Segment
 
 
 class ExporterContract(Contract):

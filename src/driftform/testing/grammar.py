@@ -8,7 +8,7 @@ import pytest
 
 from driftform.errors import InputError
 from driftform.interfaces import Grammar
-from driftform.seams import require, require_genome, require_morphology
+from driftform.plugins.seams import require, require_genome, require_morphology
 from driftform.testing.contract import Contract
 from driftform.types import Genome, Morphology
 

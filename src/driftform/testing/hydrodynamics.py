@@ -7,10 +7,9 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from driftform.dynamics.inertia import added_mass_at
 from driftform.interfaces import Hydrodynamics
-from driftform.scenario import Fluid
-from driftform.seams import require_coefficients
+from driftform.motion.inertia import added_mass_at
+from driftform.plugins.seams import require_coefficients
 from driftform.testing.bodies import (
     cylinder_body,
     dome_body,
@@ -22,6 +21,7 @@ from driftform.testing.bodies import (
 )
 from driftform.testing.contract import Contract
 from driftform.types import Body, Coefficients, FloatArray
+from driftform.water import Fluid
 
 BODIES: dict[str, Callable[[], Body]] = {
     "sphere": lambda: spheroid_body(0.01, 0.01),

@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from driftform.agent import mass_properties
 from driftform.errors import DriftformError
-from driftform.geometry import mass_properties
 from driftform.interfaces import ExportJob, Recorder
-from driftform.scenario import Pipe, Scenario, Segment
-from driftform.seams import require_files
+from driftform.plugins.seams import require_files
 from driftform.testing.bodies import hollow_body
 from driftform.testing.contract import Contract
 from driftform.testing.renderer import drifting_trajectory
 from driftform.types import Agent, Coefficients, End, Trajectory
+from driftform.water import Pipe, Scenario, Segment
 
 
 class RecorderContract(Contract):

@@ -9,14 +9,14 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from driftform.agent import mass_properties
 from driftform.errors import InputError
-from driftform.geometry import mass_properties
 from driftform.interfaces import Renderer
-from driftform.scenario import Pipe, Scenario, Segment
-from driftform.seams import require_file
+from driftform.plugins.seams import require_file
 from driftform.testing.bodies import hollow_body
 from driftform.testing.contract import Contract
 from driftform.types import Agent, Coefficients, End, Trajectory, WrittenFile
+from driftform.water import Pipe, Scenario, Segment
 
 Frames: TypeAlias = npt.NDArray[np.uint8]
 """Frames of a film, (frames, height, width, 3): red, green and blue."""

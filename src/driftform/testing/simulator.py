@@ -9,23 +9,9 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 import pytest
 
-from driftform.dynamics.inertia import added_mass_at, shift_origin
-from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.interfaces import Simulator
-from driftform.scenario import (
-    Contact,
-    FlightLimits,
-    Fluid,
-    Pipe,
-    PowerLawFlow,
-    Release,
-    Scenario,
-    Segment,
-    TurbulentFlow,
-    UniformFlow,
-    Vector,
-)
-from driftform.seams import require_flights
+from driftform.motion.inertia import added_mass_at, shift_origin
+from driftform.plugins.seams import require_flights
 from driftform.testing.agents import (
     DENSITY,
     GRAVITY,
@@ -41,6 +27,20 @@ from driftform.testing.contract import Contract
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.trajectory.path import evaluate_path, world_velocity
 from driftform.types import Agent, Coefficients, Drag, End, FloatArray, Trajectory
+from driftform.util.rotations import matrix_from_quaternion
+from driftform.water import (
+    Contact,
+    FlightLimits,
+    Fluid,
+    Pipe,
+    PowerLawFlow,
+    Release,
+    Scenario,
+    Segment,
+    TurbulentFlow,
+    UniformFlow,
+    Vector,
+)
 
 SPHEROID = Spheroid(0.06, 0.01)
 """A neutral spheroid, 120 mm long and 20 mm thick."""

@@ -8,11 +8,11 @@ import pytest
 
 from driftform.interfaces import Grammar, SearchSpace, Strategy
 from driftform.options import Table
-from driftform.scenario import Pipe, Scenario, Segment
-from driftform.seams import require_candidates
+from driftform.plugins.seams import require_candidates
 from driftform.testing.contract import Contract
 from driftform.testing.letters import LetterGrammar
 from driftform.types import Candidate, End, Evaluation, FloatArray, Genome, Trajectory
+from driftform.water import Pipe, Scenario, Segment
 
 Score = Callable[[Genome], FloatArray]
 

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.dynamics.cubic import cubic_point, nearest_on_cubic
-from driftform.dynamics.vectors import add, distance_between, norm, scale, subtract
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.trajectory.path import row_vector, stretch_cubic, world_velocity
 from driftform.types import FloatArray, Trajectory
 from driftform.util.compiled import allocating
+from driftform.util.cubic import cubic_point, nearest_on_cubic
+from driftform.util.small_vectors import add, distance_between, norm, scale, subtract
 
 _STATIONS = 4
 """Points of each stretch, its start among them, that are compared before Newton's method starts."""

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from driftform.dynamics.fitting_walls import wall_gaps
-from driftform.dynamics.fittings import wall_array
-from driftform.dynamics.rotations import matrix_from_quaternion
-from driftform.dynamics.surfaces import refined_surfaces, touching_surfaces
-from driftform.scenario import Scenario
+from driftform.motion.surfaces import refined_surfaces, touching_surfaces
 from driftform.types import Agent, FloatArray, Trajectory
+from driftform.util.rotations import matrix_from_quaternion
+from driftform.water import Scenario
+from driftform.water.fitting_walls import wall_gaps
+from driftform.water.fittings import wall_array
 
 RIMS = 20
 """Parts of a body's length between which it has a rim where the wall may bulge."""

@@ -7,10 +7,10 @@ import numpy as np
 import numpy.typing as npt
 
 from driftform.errors import InputError
-from driftform.geometry.pipe_parts import locate_on_axis, place_on_axis
-from driftform.scenario import Pipe, Scenario, Segment, Vector
-from driftform.scenario.layout import Layout
 from driftform.types import BoolArray, FloatArray, Trajectory
+from driftform.water import Pipe, Scenario, Segment, Vector
+from driftform.water.layout import Layout
+from driftform.water.pipe_parts import locate_on_axis, place_on_axis
 
 IntArray = npt.NDArray[np.int64]
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from driftform.dynamics.cubic import Cubic, cubic_between, cubic_point, nearest_on_cubic
-from driftform.dynamics.vectors import Vector, distance_between, dot, norm, subtract
 from driftform.types import FloatArray
 from driftform.util.compiled import allocating, compiled
+from driftform.util.cubic import Cubic, cubic_between, cubic_point, nearest_on_cubic
+from driftform.util.small_vectors import Vector, distance_between, dot, norm, subtract
 
 _STATIONS = 4
 """Parts of the path through a cell; the nearest of their ends is the start of Newton's method."""

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.scenario.disturbances import Condition
 from driftform.trajectory.misses import Misses
 from driftform.types import FloatArray
+from driftform.water.disturbances import Condition
 
 MIN_FLIGHTS = 20
 """Fewest flights that a fit of all quantities is made from: about twice their number."""

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from driftform.dynamics.rotations import matrix_from_quaternion
-from driftform.scenario import Scenario
 from driftform.trajectory.path import world_velocity
 from driftform.types import Agent, FloatArray, MassProperties, Trajectory
+from driftform.util.rotations import matrix_from_quaternion
+from driftform.water import Scenario
 
 
 def accelerations_along(trajectory: Trajectory, agent: Agent, scenario: Scenario) -> FloatArray:
@@ -15,10 +15,10 @@ def accelerations_along(trajectory: Trajectory, agent: Agent, scenario: Scenario
     (rad/s2). They are not differences of velocities: they are as exact as the samples, and one sample is enough. Where the
     body touches a wall with friction, they are differences: the samples do not tell how far friction's bristles are bent.
     """
-    from driftform.dynamics.contact import deepest_depth
-    from driftform.dynamics.equations import accelerations
-    from driftform.dynamics.model import flight_model
-    from driftform.dynamics.rotations import rotation_from_quaternion
+    from driftform.motion.contact import deepest_depth
+    from driftform.motion.equations import accelerations
+    from driftform.motion.model import flight_model
+    from driftform.util.rotations import rotation_from_quaternion
 
     model = flight_model(agent, scenario)
     velocity = world_velocity(trajectory)

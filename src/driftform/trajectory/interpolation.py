@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.dynamics.rotations import quaternion_from_rotation_vector
 from driftform.trajectory.path import evaluate_path, locate_stretches, world_velocity
 from driftform.types import FloatArray, Trajectory
+from driftform.util.rotations import quaternion_from_rotation_vector
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,8 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
-from driftform.scenario.disturbances import Condition
 from driftform.types import FloatArray
+from driftform.water.disturbances import Condition
 
 PROMISED = 0.9
 """Share of the flights that stay within the promised miss."""

@@ -3,11 +3,11 @@
 import numpy as np
 import numpy.typing as npt
 
-from driftform.dynamics.cubic import Cubic, cubic_between
-from driftform.dynamics.rotations import rotation_from_quaternion
-from driftform.dynamics.vectors import Vector, to_world
 from driftform.types import FloatArray, Trajectory
 from driftform.util.compiled import compiled
+from driftform.util.cubic import Cubic, cubic_between
+from driftform.util.rotations import rotation_from_quaternion
+from driftform.util.small_vectors import Vector, to_world
 
 
 def world_velocity(trajectory: Trajectory) -> FloatArray:

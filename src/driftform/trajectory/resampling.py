@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.errors import InputError
 from driftform.trajectory.interpolation import interpolate_positions, interpolate_turns
 from driftform.trajectory.path import hermite_coefficients, locate_stretches, world_velocity
 from driftform.types import FloatArray, Trajectory
 from driftform.util.compiled import allocating
+from driftform.util.rotations import matrix_from_quaternion
 
 MAX_RATE_HZ = 10_000.0
 """Highest rate of samples, 1/s: a flight of 20 s then has two hundred thousand of them."""

@@ -9,9 +9,9 @@ import numpy as np
 from driftform.errors import WorkFailedError
 from driftform.interfaces import Renderer
 from driftform.options import Table, option
-from driftform.scenario import Scenario
 from driftform.types import Agent, Trajectory, WrittenFile
 from driftform.util.files import write_whole
+from driftform.water import Scenario
 from driftform_exudyn.encoder import SUFFIXES, encode, find_ffmpeg
 
 if TYPE_CHECKING:

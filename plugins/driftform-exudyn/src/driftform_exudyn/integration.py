@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from driftform.dynamics.coordinates import Motion
-from driftform.dynamics.flight import SAMPLE
-from driftform.dynamics.integrator import grow_tolerance
+from driftform.motion.coordinates import Motion
+from driftform.motion.flight import SAMPLE
+from driftform.motion.integrator import grow_tolerance
 from driftform.types import FloatArray
 from driftform.util.compiled import find_code
 from driftform_exudyn.headless import exudyn
@@ -63,7 +63,7 @@ def make_settings(integrator: str, horizon: float, tolerance: float, max_step: f
 def integrate_motion(motion: Motion, settings: Any, limit: int) -> FloatArray:
     """Return the raw samples of a flight, (k, 14): the release and the ends of at most ``limit`` steps.
 
-    The tolerance grows along the flight, as in :mod:`driftform.dynamics.integrator`.
+    The tolerance grows along the flight, as in :mod:`driftform.motion.integrator`.
     """
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from driftform.dynamics.rotations import matrix_from_quaternion
 from driftform.trajectory.interpolation import interpolate_attitudes, interpolate_positions
 from driftform.types import FloatArray, Trajectory
+from driftform.util.rotations import matrix_from_quaternion
 
 
 @dataclass(frozen=True, eq=False)

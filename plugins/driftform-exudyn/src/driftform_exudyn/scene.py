@@ -6,9 +6,9 @@ from functools import cached_property
 import numpy as np
 
 from driftform.figures.style import INK, VERMILLION
-from driftform.scenario import Scenario
 from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Agent, FloatArray, Trajectory
+from driftform.water import Scenario
 from driftform_exudyn.motion import Pose, interpolate_poses
 from driftform_exudyn.shapes import Shape, make_ball, make_text
 from driftform_exudyn.surroundings import Bore, list_bores, upright_axes

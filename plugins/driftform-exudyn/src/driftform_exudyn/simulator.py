@@ -6,8 +6,8 @@ from typing import Literal
 
 from driftform.interfaces import Simulator
 from driftform.options import Table, option
-from driftform.scenario import Scenario
 from driftform.types import Agent, FloatArray, Trajectory
+from driftform.water import Scenario
 
 TIGHTENING = 0.1
 """Factor on the tolerance after a flight that is not accurate enough."""
@@ -58,7 +58,7 @@ class ExudynSimulator(Simulator[ExudynOptions]):
     singular. A motion that stays in the vertical plane is that of a point with the coordinates x, z and pitch.
 
     The error of a flight is its distance from a flight by another integrator,
-    :mod:`driftform.dynamics.integrator`, plus the error of that flight. The two share only the equations. In a search the
+    :mod:`driftform.motion.integrator`, plus the error of that flight. The two share only the equations. In a search the
     other integrator, which is several times faster, also flies first, twice if that is not clear enough: Exudyn flies what
     matters to the search.
     """
@@ -85,16 +85,16 @@ class ExudynSimulator(Simulator[ExudynOptions]):
     def _fly(
         self, agent: Agent, scenario: Scenario, matters: Callable[[Trajectory], bool] | None = None
     ) -> Trajectory:
-        from driftform.dynamics.coordinates import describe_motion
-        from driftform.dynamics.flight import finish_trajectory, release_state
-        from driftform.dynamics.integrator import (
+        from driftform.motion.coordinates import describe_motion
+        from driftform.motion.flight import finish_trajectory, release_state
+        from driftform.motion.integrator import (
             Accuracy,
             greatest_distance,
             has_failed,
             integrate,
             integrate_once,
         )
-        from driftform.dynamics.model import flight_model
+        from driftform.motion.model import flight_model
 
         options, horizon = self.options, scenario.flight.horizon
         model = flight_model(agent, scenario)

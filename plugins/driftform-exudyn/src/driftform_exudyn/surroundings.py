@@ -6,9 +6,9 @@ from itertools import pairwise
 import numpy as np
 
 from driftform.figures.style import BLUE, MUTED, WALL, tint
-from driftform.geometry.pipe_parts import Bend, Straight, Tee
-from driftform.scenario import Pipe, Scenario
 from driftform.types import FloatArray
+from driftform.water import Pipe, Scenario
+from driftform.water.pipe_parts import Bend, Straight, Tee
 from driftform_exudyn.shapes import GLOWING, Shape, make_line, make_ribbons, make_text, place, revolve
 
 LIT = "#576670"

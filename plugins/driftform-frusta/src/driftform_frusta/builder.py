@@ -12,7 +12,7 @@ from driftform.interfaces import PhenotypeBuilder
 from driftform.options import Table, option
 from driftform.types import Body, Core, Fittings, Module, Morphology
 from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM
-from driftform_frusta.kit.options import KitOptions
+from driftform_frusta.kit_options import KitOptions
 from driftform_frusta.section import hull_section, lay_chains, open_section
 
 _PAPERS = Core(radius=0.01, mass=0.05)
@@ -162,6 +162,6 @@ def _check_modules(side: str, modules: Sequence[Module]) -> None:
 
 def _measure_fittings(body: Body, options: KitOptions) -> Fittings:
     # The sections of parts take a while to import, and most studies weigh the hull in one piece.
-    from driftform_frusta.kit.accounting import kit_fittings
+    from driftform_frusta.kits import find_maker
 
-    return kit_fittings(body, options)
+    return find_maker().measure_fittings(body, options)

@@ -14,6 +14,9 @@ from typing import TypeAlias
 
 from driftform_frusta.lettering import missing_letters
 
+MM = 1e3
+"""Millimetres in a metre: solids and files are in mm."""
+
 Point: TypeAlias = tuple[float, float]
 """A point (r, z) of a meridian half-plane, mm."""
 

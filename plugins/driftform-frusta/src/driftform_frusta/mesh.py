@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from driftform.agent.meshes import is_closed, merge_vertices, signed_volume, surface_area
 from driftform.errors import WorkFailedError
-from driftform.geometry.meshes import is_closed, merge_vertices, signed_volume, surface_area
 from driftform.types import FloatArray
 from driftform_frusta.boundary import Solid
 

@@ -13,9 +13,9 @@ from itertools import accumulate
 import numpy as np
 from manifold3d import CrossSection, FillRule, JoinType
 
-from driftform.geometry import hull_volume, radius_at, solid_of_revolution
+from driftform.agent import hull_volume, radius_at, solid_of_revolution
 from driftform.types import Agent, Body, FloatArray, Module
-from driftform_frusta.kit.meridian import MM
+from driftform_frusta.csg import MM
 from driftform_frusta.section import DOME_STEP
 
 _TOLERANCE = 5e-5

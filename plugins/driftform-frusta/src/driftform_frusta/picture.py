@@ -8,8 +8,8 @@ from xml.etree import ElementTree as ET
 import numpy as np
 from manifold3d import Manifold, Mesh64
 
+from driftform.agent.meshes import IntArray, area_vectors
 from driftform.figures import svg
-from driftform.geometry.meshes import IntArray, area_vectors
 from driftform.types import FloatArray
 from driftform_frusta.colours import channels
 

@@ -5,8 +5,8 @@ A mesh whose cavity is turned inside out is closed and manifold too: only its vo
 
 import numpy as np
 
+from driftform.agent import distance_from, hull_volume
 from driftform.errors import WorkFailedError
-from driftform.geometry import distance_from, hull_volume
 from driftform.types import Body
 from driftform_frusta.boundary import Solid
 from driftform_frusta.csg import Node

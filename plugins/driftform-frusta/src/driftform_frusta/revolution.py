@@ -15,7 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from driftform.geometry.meshes import revolve, signed_volume
+from driftform.agent.meshes import revolve, signed_volume
 from driftform.types import FloatArray
 from driftform_frusta.boundary import Solid
 

@@ -7,7 +7,7 @@ from driftform.figures.style import INK, ORANGE
 from driftform.interfaces import ExportJob
 from driftform.types import Body
 from driftform_frusta.colours import colour_of
-from driftform_frusta.kit.meridian import MM
+from driftform_frusta.csg import MM
 from driftform_frusta.parametric import hull_source
 from driftform_frusta.parts import Part
 from driftform_frusta.plate import GAP

@@ -5,7 +5,11 @@ Importing this package imports nothing heavy: its functions are imported when th
 
 from typing import TYPE_CHECKING, Any
 
+from driftform import hookimpl
+
 if TYPE_CHECKING:
+    import typer
+
     from driftform_networks.api import route, trace
     from driftform_networks.bodies import open_traveller
     from driftform_networks.fleets import plan_fleet
@@ -28,3 +32,11 @@ def __getattr__(name: str) -> Any:
     from importlib import import_module
 
     return getattr(import_module(f"driftform_networks.{_MODULES[name]}"), name)
+
+
+@hookimpl
+def driftform_commands(app: "typer.Typer") -> None:
+    """Add ``driftform network``."""
+    from driftform_networks import commands
+
+    app.add_typer(commands.app, name="network")

@@ -15,9 +15,9 @@ from driftform.errors import InputError
 from driftform.types import Agent, Body, Coefficients, Core
 
 if TYPE_CHECKING:
-    from driftform.agents.design import Design
+    from driftform.design.design import Design
     from driftform.interfaces import Simulator
-    from driftform.scenario import Scenario
+    from driftform.water import Scenario
 
 SCENARIO = Path(__file__).with_name("network.toml")
 """The environment of flights in a network, if no other is named."""
@@ -91,7 +91,7 @@ def open_traveller(
     InputError
         if there is no such agent, or no core gives it that buoyancy.
     """
-    from driftform.agents.opening import open_agent
+    from driftform.design.opening import open_agent
 
     environment = scenario or str(SCENARIO)
     if not text.startswith(_SPHERE):
@@ -125,7 +125,7 @@ def trim_design(design: "Design", buoyancy: float | None) -> Traveller:
     """
     if buoyancy is None:
         return Traveller(design.name, design.agent, design.scenario, design.pipeline.simulator, design)
-    from driftform.agents.inspection import LEAD
+    from driftform.design.inspection import LEAD
 
     fluid, core = design.scenario.fluid, design.agent.body.core
     mass = core.mass + (design.agent.mass.net_buoyancy(fluid) - buoyancy) / fluid.gravity
@@ -150,8 +150,8 @@ def _name_trim(buoyancy: float) -> str:
 
 def make_sphere(diameter: float, scenario: "Scenario", buoyancy: float = 0.0) -> Agent:
     """Return a homogeneous sphere, whose added mass is half of that of the water it displaces; ``buoyancy`` in N."""
-    from driftform.geometry import mass_properties
-    from driftform.hydrodynamics.drag import estimate_drag
+    from driftform.agent import mass_properties
+    from driftform.motion.body_drag import estimate_drag
 
     radius, fluid = diameter / 2, scenario.fluid
     angle = np.linspace(0, np.pi, 65)

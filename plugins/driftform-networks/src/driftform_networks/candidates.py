@@ -13,7 +13,7 @@ from driftform_networks.bodies import SCENARIO, Traveller, open_traveller, trim_
 from driftform_networks.network import IntArray
 
 if TYPE_CHECKING:
-    from driftform.agents.design import Design
+    from driftform.design.design import Design
 
 BUOYANCIES = (0.0, 0.001, -0.001)
 """Net buoyancies to which each agent is trimmed by default, N: a tenth of a gram lighter or heavier than water."""
@@ -88,7 +88,7 @@ def pick_agents(run: Path, count: int, environment: str, settings: Sequence[str]
     InputError
         if it is not a run, or all its evaluations failed.
     """
-    from driftform.agents.design import Design
+    from driftform.design.design import Design
     from driftform.runs.agent_file import StoredAgent
     from driftform.runs.run import Run
 
@@ -128,7 +128,7 @@ def draw_agents(
     WorkFailedError
         if hardly any can.
     """
-    from driftform.agents.design import Design
+    from driftform.design.design import Design
     from driftform.runs.agent_file import StoredAgent
     from driftform.study import load_study
 

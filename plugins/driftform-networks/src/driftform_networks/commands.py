@@ -3,101 +3,154 @@
 from pathlib import Path
 from typing import Annotated, TypeAlias
 
-from driftform.commands import Argument, CommandGroup, CommandResult, Option
+import typer
+
+from driftform.cli.options import Json
+from driftform.cli.output import print_result
 from driftform.errors import InputError
 
 Net: TypeAlias = Annotated[
-    str, Argument("NET", "An EPANET file (.inp), or the name of a network that WNTR ships, such as Net3.")
+    str,
+    typer.Argument(
+        metavar="NET",
+        help="An EPANET file (.inp), or the name of a network that WNTR ships, such as Net3.",
+        show_default=False,
+    ),
 ]
 Agent: TypeAlias = Annotated[
     str,
-    Argument("AGENT", "agent.json, RUN:TARGET or a genome, or a homogeneous sphere such as sphere:60mm."),
+    typer.Argument(
+        metavar="AGENT",
+        help="agent.json, RUN:TARGET or a genome, or a homogeneous sphere such as sphere:60mm.",
+        show_default=False,
+    ),
 ]
 Release: TypeAlias = Annotated[
-    str, Option("--release", "Node where bodies enter the water, such as a hydrant.", "NODE")
+    str,
+    typer.Option("--release", metavar="NODE", help="Node where bodies enter the water, such as a hydrant."),
 ]
 Releases: TypeAlias = Annotated[
-    list[str], Option("--release", "Node where bodies may enter the water; may be given repeatedly.", "NODE")
+    list[str],
+    typer.Option(
+        "--release", metavar="NODE", help="Node where bodies may enter the water; may be given repeatedly."
+    ),
 ]
-At: TypeAlias = Annotated[float, Option("--at", "Hour of the simulation.", "HOURS", 0, 1e6)]
+At: TypeAlias = Annotated[
+    float, typer.Option("--at", metavar="HOURS", min=0, max=1e6, help="Hour of the simulation.")
+]
 Hours: TypeAlias = Annotated[
     list[float] | None,
-    Option("--at", "Hour at which bodies may enter; may be given repeatedly, by default 0.", "HOURS", 0, 1e6),
+    typer.Option(
+        "--at",
+        metavar="HOURS",
+        min=0,
+        max=1e6,
+        help="Hour at which bodies may enter; may be given repeatedly, by default 0.",
+    ),
 ]
 Unsteady: TypeAlias = Annotated[
     bool,
-    Option(
+    typer.Option(
         "--unsteady",
-        "Let the flows change after the release, as EPANET computes them; by default they do not.",
+        help="Let the flows change after the release, as EPANET computes them; by default they do not.",
     ),
 ]
 Walks: TypeAlias = Annotated[
     int,
-    Option(
+    typer.Option(
         "--walks",
-        "Bodies that are followed one by one for the distribution of arrival times; 0 for none.",
-        "N",
-        0,
-        10_000_000,
+        metavar="N",
+        min=0,
+        max=10_000_000,
+        help="Bodies that are followed one by one for the distribution of arrival times; 0 for none.",
     ),
 ]
-Seed: TypeAlias = Annotated[int, Option("--seed", "Seed of these walks.", "N", 0, 2**63 - 1)]
+Seed: TypeAlias = Annotated[
+    int, typer.Option("--seed", metavar="N", min=0, max=2**63 - 1, help="Seed of these walks.")
+]
 Buoyancy: TypeAlias = Annotated[
     float | None,
-    Option(
-        "--buoyancy", "Net buoyancy to which the core trims the agent; by default as designed.", "NEWTONS"
+    typer.Option(
+        "--buoyancy",
+        metavar="NEWTONS",
+        help="Net buoyancy to which the core trims the agent; by default as designed.",
     ),
 ]
 Buoyancies: TypeAlias = Annotated[
     list[float] | None,
-    Option(
+    typer.Option(
         "--buoyancy",
-        "Net buoyancy to which cores trim the agents; may be given repeatedly, by default 0, 0.001 and -0.001.",
-        "NEWTONS",
+        metavar="NEWTONS",
+        help="Net buoyancy to which cores trim the agents; may be given repeatedly, by default 0, 0.001 and -0.001.",
     ),
 ]
 Branch: TypeAlias = Annotated[
-    str, Option("--branch", "Where branches leave the pipes: top, side or bottom.", "SIDE")
+    str, typer.Option("--branch", metavar="SIDE", help="Where branches leave the pipes: top, side or bottom.")
 ]
 ServiceBore: TypeAlias = Annotated[
     float,
-    Option(
+    typer.Option(
         "--service-bore",
-        "Bore of the pipes through which demand leaves, m; narrower bodies leave with it.",
-        "METRES",
-        0,
-        10,
+        metavar="METRES",
+        min=0,
+        max=10,
+        help="Bore of the pipes through which demand leaves, m; narrower bodies leave with it.",
     ),
 ]
 Scenario: TypeAlias = Annotated[
     str | None,
-    Option("--scenario", "Study whose water and wall to use; by default those of water mains.", "NAME|FILE"),
+    typer.Option(
+        "--scenario",
+        metavar="NAME|FILE",
+        help="Study whose water and wall to use; by default those of water mains.",
+    ),
 ]
 Settings: TypeAlias = Annotated[
-    list[str] | None, Option("--set", "Set an option of the study: KEY=VALUE.", "KEY=VALUE")
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Set an option of the study: KEY=VALUE."),
 ]
 Workers: TypeAlias = Annotated[
     int | None,
-    Option("--workers", "Worker processes; by default one for each processor.", "N", 1, 1024),
+    typer.Option(
+        "--workers", metavar="N", min=1, max=1024, help="Worker processes; by default one for each processor."
+    ),
 ]
 Map: TypeAlias = Annotated[
     Path | None,
-    Option("--map", "Map to draw, an SVG file; a PNG beside it if the extra png is installed.", "FILE"),
+    typer.Option(
+        "--map",
+        metavar="FILE",
+        help="Map to draw, an SVG file; a PNG beside it if the extra png is installed.",
+    ),
 ]
-Tables: TypeAlias = Annotated[Path | None, Option("--tables", "Directory for CSV tables, for pandas.", "DIR")]
+Tables: TypeAlias = Annotated[
+    Path | None, typer.Option("--tables", metavar="DIR", help="Directory for CSV tables, for pandas.")
+]
 Report: TypeAlias = Annotated[
-    Path | None, Option("--report", "Page to write with map, tables and assumptions, an HTML file.", "FILE")
+    Path | None,
+    typer.Option(
+        "--report", metavar="FILE", help="Page to write with map, tables and assumptions, an HTML file."
+    ),
 ]
 Cache: TypeAlias = Annotated[
-    Path | None, Option("--cache", "Directory for results that are kept; by default the user's cache.", "DIR")
+    Path | None,
+    typer.Option(
+        "--cache", metavar="DIR", help="Directory for results that are kept; by default the user's cache."
+    ),
 ]
 
 
-def show(net: Net, at: At = 0.0, map: Map = None, cache: Cache = None) -> CommandResult:
+def show(
+    net: Net,
+    at: At = 0.0,
+    map: Map = None,
+    cache: Cache = None,
+    json: Json = False,
+) -> None:
     """Show what a network is: its pipes, flows, sources, loops and reversals."""
     from driftform_networks.show import show_network
 
-    return show_network(net, at, map, cache)
+    print_result(show_network(net, at, map, cache), json)
 
 
 def tracers(
@@ -111,7 +164,8 @@ def tracers(
     tables: Tables = None,
     report: Report = None,
     cache: Cache = None,
-) -> CommandResult:
+    json: Json = False,
+) -> None:
     """Compute where point tracers go, which divide like the water: probability and age at each node.
 
     The result is that of EPANET's own quality engine; bodies have ways of their own (driftform network route).
@@ -124,7 +178,9 @@ def tracers(
     outputs.check()
     network = open_network(net, cache)
     passage = trace(network, release, hour=at, unsteady=unsteady, walks=walks, seed=seed)
-    return present_passage(passage, f"{network.name}: tracers from {release} at hour {at:g}", outputs)
+    print_result(
+        present_passage(passage, f"{network.name}: tracers from {release} at hour {at:g}", outputs), json
+    )
 
 
 def route(
@@ -145,7 +201,8 @@ def route(
     tables: Tables = None,
     report: Report = None,
     cache: Cache = None,
-) -> CommandResult:
+    json: Json = False,
+) -> None:
     """Compute where an agent goes: probability and age at each node, what it sees, where it is stuck.
 
     Flights of the agent in the bores of the network are made first and kept; after an interruption, the same command
@@ -181,38 +238,46 @@ def route(
             compare=True,
         )
     title = f"{network.name}: {traveller.name} from {release} at hour {at:g}"
-    return present_passage(passage, title, outputs, BODIES, branches)
+    print_result(present_passage(passage, title, outputs, BODIES, branches), json)
 
 
 def fleet(
     net: Net,
     release: Releases,
-    size: Annotated[int, Option("--size", "Number of bodies.", "K", 1, 10_000)] = 10,
+    size: Annotated[
+        int, typer.Option("--size", metavar="K", min=1, max=10_000, help="Number of bodies.")
+    ] = 10,
     agent: Annotated[
         list[str] | None,
-        Option("--agent", "Agent to choose from, as for route; may be given repeatedly.", "AGENT"),
+        typer.Option(
+            "--agent", metavar="AGENT", help="Agent to choose from, as for route; may be given repeatedly."
+        ),
     ] = None,
     run: Annotated[
-        Path | None, Option("--run", "Run, such as one of atlas, whose agents to choose from.", "RUN")
+        Path | None,
+        typer.Option("--run", metavar="RUN", help="Run, such as one of atlas, whose agents to choose from."),
     ] = None,
     count: Annotated[
         int | None,
-        Option(
+        typer.Option(
             "--count",
-            "Number of agents of the run, by default 4, or of random agents without one, by default 1.",
-            "N",
-            1,
-            1000,
+            metavar="N",
+            min=1,
+            max=1000,
+            help="Number of agents of the run, by default 4, or of random agents without one, by default 1.",
         ),
     ] = None,
     buoyancy: Buoyancies = None,
     as_designed: Annotated[
-        bool, Option("--as-designed", "Leave the agents the cores and the buoyancy of their designs.")
+        bool,
+        typer.Option("--as-designed", help="Leave the agents the cores and the buoyancy of their designs."),
     ] = False,
     at: Hours = None,
     branch: Branch = "side",
     service_bore: ServiceBore = 0.02,
-    seed: Annotated[int, Option("--seed", "Seed of the random agents.", "N", 0, 2**63 - 1)] = 0,
+    seed: Annotated[
+        int, typer.Option("--seed", metavar="N", min=0, max=2**63 - 1, help="Seed of the random agents.")
+    ] = 0,
     scenario: Scenario = None,
     settings: Settings = None,
     workers: Workers = None,
@@ -220,10 +285,14 @@ def fleet(
     tables: Tables = None,
     report: Report = None,
     agents: Annotated[
-        Path | None, Option("--agents", "Directory for the agent.json of each member, to be printed.", "DIR")
+        Path | None,
+        typer.Option(
+            "--agents", metavar="DIR", help="Directory for the agent.json of each member, to be printed."
+        ),
     ] = None,
     cache: Cache = None,
-) -> CommandResult:
+    json: Json = False,
+) -> None:
     """Choose a fleet: which agents, released where and when, see most of the pipes together.
 
     Each member is the one that adds most to those before it. The result is beside that of drifters which divide like the
@@ -259,7 +328,7 @@ def fleet(
             progress=progress,
         )
     title = f"{network.name}: a fleet of {size} from {', '.join(dict.fromkeys(release))}"
-    return present_fleet(planned, title, outputs, travellers)
+    print_result(present_fleet(planned, title, outputs, travellers), json)
 
 
 def _count(workers: int | None) -> int:
@@ -268,7 +337,9 @@ def _count(workers: int | None) -> int:
     return workers or os.cpu_count() or 1
 
 
-group = CommandGroup(
-    "Follow agents through the water network of a town: where they go, when, and which fleet sees most.",
-    {"show": show, "tracers": tracers, "route": route, "fleet": fleet},
+app = typer.Typer(
+    help="Follow agents through the water network of a town: where they go, when, and which fleet sees most.",
+    no_args_is_help=True,
 )
+for command in (show, tracers, route, fleet):
+    app.command(command.__name__)(command)

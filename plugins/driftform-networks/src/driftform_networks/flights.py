@@ -7,8 +7,8 @@ import numpy as np
 from scipy.stats import qmc
 
 from driftform.errors import WorkFailedError
-from driftform.scenario import Scenario
 from driftform.types import End, FloatArray, Trajectory
+from driftform.water import Scenario
 from driftform_networks.bodies import Traveller
 from driftform_networks.bore import BANDS, find_band, sample_band
 from driftform_networks.cache import keep_result

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from importlib.resources import files
 
-from driftform.commands import TextTable
+from driftform.cli.output import TextTable
 
 _PAGE = """<!doctype html>
 <html lang="en">

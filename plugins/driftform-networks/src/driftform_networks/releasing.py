@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from driftform.scenario import Scenario
-from driftform.scenario.fit import find_misfit
 from driftform.types import FloatArray, Trajectory
+from driftform.water import Scenario
+from driftform.water.misfit import find_misfit
 from driftform_networks.bodies import Traveller
 from driftform_networks.network import IntArray
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from driftform.commands import CommandResult, TextTable
+from driftform.cli.output import CommandResult, TextTable
 from driftform.errors import InputError
 from driftform.figures.files import write_picture
 from driftform.util.files import check_directory, make_directory, write_text

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from driftform.commands import CommandResult, TextTable
+from driftform.cli.output import CommandResult, TextTable
 from driftform_networks.chain import find_loops
 from driftform_networks.map import Mark, network_svg
 from driftform_networks.network import Network

@@ -8,9 +8,9 @@ import numpy as np
 from scipy.stats import qmc
 
 from driftform.errors import WorkFailedError
-from driftform.geometry.pipe_parts import Opening
-from driftform.scenario import Scenario
 from driftform.types import FloatArray, Trajectory
+from driftform.water import Scenario
+from driftform.water.pipe_parts import Opening
 from driftform_networks.bodies import Traveller
 from driftform_networks.bore import BANDS, find_band, spread_points
 from driftform_networks.cache import keep_result

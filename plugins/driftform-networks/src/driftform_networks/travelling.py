@@ -335,7 +335,7 @@ def _work(stages: "Sequence[Sequence[StraightTask | TeeTask]]", workers: int, pr
             task()
             progress(done, total)
         return
-    from driftform.execution import LocalProcesses
+    from driftform.search import LocalProcesses
     from driftform.study import load_study
 
     with closing(LocalProcesses(load_study(str(SCENARIO), run={"seed": 0}).document, workers)) as executor:

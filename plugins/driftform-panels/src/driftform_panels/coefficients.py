@@ -5,8 +5,8 @@ from functools import lru_cache
 import numpy as np
 
 from driftform.interfaces import Hydrodynamics
-from driftform.scenario import Fluid
 from driftform.types import Body, Coefficients
+from driftform.water import Fluid
 from driftform_panels.solve import PanelOptions, PanelSolution, solve
 
 

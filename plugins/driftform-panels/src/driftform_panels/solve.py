@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from driftform.geometry import solid_of_revolution
+from driftform.agent import solid_of_revolution
 from driftform.interfaces import HydrodynamicsOptions
 from driftform.options import option
 from driftform.types import FloatArray

@@ -30,8 +30,14 @@ def driftform_fitness() -> "type[Fitness[Any]]":
 @hookimpl
 def driftform_recorder() -> "list[type[Recorder[Any]]]":
     """Return recorders for Foxglove and RViz. Check here that rosbags is installed; import it only to write a file."""
-    from driftform.registry import require_module
+    from driftform.plugins.registry import require_module
     from driftform_robotics.recording.recorders import McapRecorder, Rosbag2Recorder
 
     require_module("rosbags")
     return [McapRecorder, Rosbag2Recorder]
+
+
+@hookimpl
+def driftform_scenarios() -> str:
+    """Return the package of the scenario with a leak."""
+    return "driftform_robotics.scenarios"

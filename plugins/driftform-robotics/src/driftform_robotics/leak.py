@@ -6,8 +6,8 @@ import numpy as np
 
 from driftform.interfaces import Fitness
 from driftform.options import option
-from driftform.scenario import Scenario
 from driftform.types import Agent, FloatArray, Trajectory, Verdict
+from driftform.water import Scenario
 from driftform_robotics.options import SensorOptions
 
 if TYPE_CHECKING:

@@ -20,9 +20,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from driftform.dynamics.flow import KARMAN, friction_factor
-from driftform.scenario import LogLawFlow, Scenario, Segment, TurbulentFlow, Vector
 from driftform.types import FloatArray
+from driftform.water import LogLawFlow, Scenario, Segment, TurbulentFlow, Vector
+from driftform.water.velocity import KARMAN, friction_factor
 
 MAX_NEAR_TAU = 0.003
 """Largest tau for the formula near the leak; there it agrees with the series within 0.2 % of the peak."""

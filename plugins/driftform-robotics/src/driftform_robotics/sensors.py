@@ -5,11 +5,11 @@ The sensors are at one ``point`` of the body (m, body frame). The readings have 
 
 import numpy as np
 
-from driftform.dynamics.rotations import matrix_from_quaternion
-from driftform.dynamics.surfaces import touching_rims
-from driftform.scenario import Fluid, Pipe, Scenario, Segment
+from driftform.motion.surfaces import touching_rims
 from driftform.trajectory.forces import acceleration_at
 from driftform.types import Body, FloatArray, Trajectory
+from driftform.util.rotations import matrix_from_quaternion
+from driftform.water import Fluid, Pipe, Scenario, Segment
 from driftform_robotics.models.pipe import make_bore
 from driftform_robotics.options import ATMOSPHERE
 
@@ -70,7 +70,7 @@ def wall_distance(points: FloatArray, pipe: Pipe) -> FloatArray:
 def clearance(trajectory: Trajectory, body: Body, pipe: Pipe) -> FloatArray:
     """Return the smallest distance of the hull from the wall of a straight pipe at each sample, m, (k,), negative in contact.
 
-    The bore is convex, so the nearest point is on one of the rims of :func:`driftform.dynamics.surfaces.touching_rims`.
+    The bore is convex, so the nearest point is on one of the rims of :func:`driftform.motion.surfaces.touching_rims`.
     Seen along the pipe a rim is an ellipse, c + p cos(a) + q sin(a). Newton's method finds its greatest distance from
     the pipe's axis, starting at the farthest of sixteen points of the rim.
     """

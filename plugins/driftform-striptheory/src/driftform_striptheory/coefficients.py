@@ -4,11 +4,11 @@ from typing import Literal
 
 import numpy as np
 
-from driftform.geometry import displaced_moments
+from driftform.agent import displaced_moments
 from driftform.interfaces import Hydrodynamics, HydrodynamicsOptions
 from driftform.options import option
-from driftform.scenario import Fluid
 from driftform.types import Body, Coefficients
+from driftform.water import Fluid
 from driftform_striptheory.ellipsoid import axial_coefficient
 
 

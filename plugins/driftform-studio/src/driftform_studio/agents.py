@@ -7,17 +7,17 @@ from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
 
-from driftform.agents.design import Design
-from driftform.agents.limits import list_limits
+from driftform.agent import hull_mass
+from driftform.design.design import Design
+from driftform.design.limits import list_limits
 from driftform.errors import InputError, did_you_mean
 from driftform.figures.style import SERIES
-from driftform.geometry import hull_mass
-from driftform.printing.exporter_settings import list_exporter_settings
 from driftform.report.viewer import agent_data
 from driftform.runs.agent_file import StoredAgent, agent_document
-from driftform.runs.finalists import find_winner
-from driftform.runs.picking import write_pick
 from driftform.runs.run import Run
+from driftform.search.finalists import find_winner
+from driftform.search.picking import write_pick
+from driftform.study.exporter_settings import list_exporter_settings
 from driftform.trajectory.approach import closest_approach
 from driftform.trajectory.coverage import PipeGrid, UnrolledGrid, map_coverage
 from driftform.trajectory.dependence import divide_spread

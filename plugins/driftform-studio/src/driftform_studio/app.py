@@ -19,7 +19,7 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
 
 from driftform.errors import DriftformError, InputError, describe_error
-from driftform.geometry.pipe_parts import Bend, Reducer, Straight
+from driftform.water.pipe_parts import Bend, Reducer, Straight
 from driftform_studio.draft import check_draft, load_draft, locate_errors, write_draft
 from driftform_studio.folder import RunsFolder
 from driftform_studio.searches import Searches
@@ -75,10 +75,10 @@ class Studio:
 
     def begin(self, parameters: Parameters, document: Any) -> Any:
         """Return what an empty page begins with: the built-in scenarios with every default filled in."""
-        from driftform.scenario import FLOWS
-        from driftform.scenario.parts import PARTS
         from driftform.study import load_study
         from driftform.study.sources import read_scenarios
+        from driftform.water import FLOWS
+        from driftform.water.part_tables import PARTS
 
         presets = []
         for name in read_scenarios():
@@ -466,7 +466,7 @@ def _axis_step(part: Any) -> float:
 def _scene(scenario: Any, paths: Any = ()) -> dict[str, Any]:
     """Return the scene of the 3-D view, and the profile of the current at the inlet, empty if there is none."""
     from driftform.report.viewer import scene_data
-    from driftform.scenario import Pipe, Segment
+    from driftform.water import Pipe, Segment
 
     scene = scene_data(scenario, paths)
     pipe, profile = scenario.pipe, scene["pipe"]

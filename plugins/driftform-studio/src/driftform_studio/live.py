@@ -11,6 +11,7 @@ from driftform.runs.agent_file import StoredAgent
 from driftform.runs.directory import DATABASE, resume_command
 from driftform.runs.monitor import FINISHED, RUNNING, STOPPED, WRITING, RunMonitor
 from driftform.runs.run import Run
+from driftform.search.advance import find_best
 from driftform_studio.marks import PROGRESS
 from driftform_studio.searches import Searches
 
@@ -128,7 +129,7 @@ class LiveRun:
         """Return what is known of the best agent of a target; read again only in another state of the run."""
         known = self._best.get(target)
         if known is None or known[0] != state:
-            stored = run.find_best(target)
+            stored = find_best(run, target)
             assert stored is not None
             known = self._best[target] = state, dict(stored.result)
         return known[1]
@@ -141,7 +142,7 @@ class LiveRun:
         InputError
             if there is none.
         """
-        from driftform.agents.opening import open_best
+        from driftform.design.opening import open_best
         from driftform.runs.agent_file import read_agent
 
         run = self.run

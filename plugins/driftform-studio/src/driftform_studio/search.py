@@ -12,9 +12,10 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from driftform.errors import DriftformError
-from driftform.execution import LocalProcesses
-from driftform.runs.run import Observer, Run
+from driftform.runs.run import Run
 from driftform.runs.store import Record
+from driftform.search import LocalProcesses
+from driftform.search.advance import Observer, advance_run
 from driftform.util.files import write_text
 from driftform_studio.marks import HELD, PAUSE, PROGRESS
 
@@ -51,7 +52,7 @@ def search(directory: Path, evaluations: int | None = None) -> None:
         workers = os.cpu_count() or 1
         try:
             with closing(LocalProcesses(run.study.document, workers)) as executor:
-                results = run.advance(executor, _Listener(directory))
+                results = advance_run(run, executor, _Listener(directory))
         except PausedError:
             print("paused", flush=True)
             return

@@ -12,7 +12,7 @@ from driftform.types import Body, WrittenFile
 from driftform.util.files import write_whole
 
 if TYPE_CHECKING:
-    from driftform_frusta.kit.options import PartOptions
+    from driftform_frusta.kit_options import PartOptions
     from driftform_frusta.parts import Part
 
 
@@ -43,11 +43,10 @@ def write_sheet(name: str, job: ExportJob, options: "PartOptions", path: Path) -
     if not options.kit:
         return ()
     from driftform.figures.files import make_pdf
-    from driftform_frusta.sheet.contents import plan_sheet
-    from driftform_frusta.sheet.drawing import sheet_svg
+    from driftform_frusta.kits import find_maker
 
     target = path.with_name(f"{path.stem}-assembly.svg")
-    drawn = sheet_svg(plan_sheet(job, options, name))
+    drawn = find_maker().draw_sheet(job, options, name)
     save(target, drawn)
     printed = make_pdf(drawn)
     if printed is None:

@@ -9,7 +9,7 @@ from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table
 from driftform.types import FloatArray, WrittenFile
 from driftform_frusta.exporters.common import facts_of_all, facts_of_part, path_of_part, save, write_sheet
-from driftform_frusta.kit.options import PartOptions
+from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.mesh import Mesh, make_mesh
 
 
@@ -33,8 +33,7 @@ class PartFiles(Exporter[PartOptions]):
         WorkFailedError
             if the body has no closed printable solid, or a file cannot be written.
         """
-        from driftform_frusta.kit.accounting import kit_facts
-        from driftform_frusta.parts import make_parts
+        from driftform_frusta.kits import list_kit_facts, make_parts
 
         body = job.agent.body
         parts = make_parts(body, self.options)
@@ -45,7 +44,7 @@ class PartFiles(Exporter[PartOptions]):
             target = path_of_part(path, part, parts)
             save(target, self.encode(mesh))
             facts = facts_of_part(part, body) | {"triangles": len(mesh.triangles), "watertight": True}
-            facts |= kit_facts(job, self.options)
+            facts |= list_kit_facts(job, self.options)
             written.append(WrittenFile(self.name, str(target), facts))
         return (*written, *write_sheet(self.name, job, self.options, path))
 
@@ -68,8 +67,7 @@ class JoinedFile(Exporter[PartOptions]):
         WorkFailedError
             if the body has no closed printable solid, or the file cannot be written.
         """
-        from driftform_frusta.kit.accounting import kit_facts
-        from driftform_frusta.parts import make_parts
+        from driftform_frusta.kits import list_kit_facts, make_parts
 
         body = job.agent.body
         parts = make_parts(body, self.options)
@@ -77,7 +75,7 @@ class JoinedFile(Exporter[PartOptions]):
         save(path, self.encode(job.name, meshes))
         triangles = sum(len(mesh.triangles) for mesh in meshes.values())
         facts: dict[str, Any] = {"triangles": triangles, "watertight": True}
-        facts |= facts_of_all(parts, body) | kit_facts(job, self.options)
+        facts |= facts_of_all(parts, body) | list_kit_facts(job, self.options)
         return (
             WrittenFile(self.name, str(path), facts),
             *write_sheet(self.name, job, self.options, path),

@@ -5,7 +5,7 @@ Format: Wavefront Technologies, "Object Files (.obj)", Advanced Visualizer manua
 
 from collections.abc import Mapping
 
-from driftform.geometry.meshes import obj_lines
+from driftform.agent.meshes import obj_lines
 from driftform_frusta.exporters.meshes import JoinedFile
 from driftform_frusta.mesh import Mesh
 

@@ -7,7 +7,7 @@ from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table
 from driftform.types import WrittenFile
 from driftform_frusta.exporters.common import facts_of_all, save, write_sheet
-from driftform_frusta.kit.options import PartOptions
+from driftform_frusta.kit_options import PartOptions
 
 
 class ScadExporter(Exporter[PartOptions]):
@@ -28,11 +28,10 @@ class ScadExporter(Exporter[PartOptions]):
         WorkFailedError
             if the body has no closed printable solid, or the file cannot be written.
         """
-        from driftform_frusta.kit.accounting import kit_facts
-        from driftform_frusta.parts import make_parts
+        from driftform_frusta.kits import list_kit_facts, make_parts
         from driftform_frusta.source import write_source
 
         parts = make_parts(job.agent.body, self.options)
         save(path, write_source(job, parts, self.options.segments, self.options.ballast))
-        facts = facts_of_all(parts, job.agent.body) | kit_facts(job, self.options)
+        facts = facts_of_all(parts, job.agent.body) | list_kit_facts(job, self.options)
         return (WrittenFile(self.name, str(path), facts), *write_sheet(self.name, job, self.options, path))

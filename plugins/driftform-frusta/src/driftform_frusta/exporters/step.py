@@ -12,7 +12,7 @@ from driftform.options import Table
 from driftform.types import WrittenFile
 from driftform_frusta.colours import channels, colour_of
 from driftform_frusta.exporters.common import facts_of_all, save, write_sheet
-from driftform_frusta.kit.options import PartOptions
+from driftform_frusta.kit_options import PartOptions
 
 if TYPE_CHECKING:
     from driftform_frusta.parts import Part
@@ -43,8 +43,7 @@ class StepExporter(Exporter[PartOptions]):
             if Open CASCADE is missing, the body has no closed printable solid, or the file cannot be written.
         """
         from driftform_frusta.brep import require_opencascade, to_brep, volume_of
-        from driftform_frusta.kit.accounting import kit_facts
-        from driftform_frusta.parts import make_parts
+        from driftform_frusta.kits import list_kit_facts, make_parts
         from driftform_frusta.printable import MM3_PER_M3
 
         require_opencascade()
@@ -66,7 +65,7 @@ class StepExporter(Exporter[PartOptions]):
         }
         if len(shapes) == 1:
             facts["size_mm"] = _size(shapes[0])
-        facts |= kit_facts(job, self.options)
+        facts |= list_kit_facts(job, self.options)
         return (WrittenFile(self.name, str(path), facts), *write_sheet(self.name, job, self.options, path))
 
 

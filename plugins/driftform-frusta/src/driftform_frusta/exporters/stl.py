@@ -1,6 +1,6 @@
 """STL: the format of every slicer, for one solid."""
 
-from driftform.geometry.meshes import stl_bytes
+from driftform.agent.meshes import stl_bytes
 from driftform_frusta.exporters.meshes import PartFiles
 from driftform_frusta.mesh import Mesh
 

@@ -11,11 +11,11 @@ import numpy as np
 from driftform.figures.files import ZOOM, rasterise
 from driftform.interfaces import Exporter, ExportJob
 from driftform.options import Table
-from driftform.printing.exporter_settings import KIT_FILE
+from driftform.study.exporter_settings import KIT_FILE
 from driftform.types import WrittenFile
 from driftform_frusta.colours import colour_of
 from driftform_frusta.exporters.common import facts_of_all, save, write_sheet
-from driftform_frusta.kit.options import PartOptions
+from driftform_frusta.kit_options import PartOptions
 from driftform_frusta.mesh import Mesh, make_mesh
 from driftform_frusta.picture import Shape, plate_svg
 from driftform_frusta.plate import arrange, fits
@@ -64,7 +64,7 @@ class ThreeMfExporter(Exporter[PartOptions]):
         WorkFailedError
             if the body has no closed printable solid, or a file cannot be written.
         """
-        from driftform_frusta.parts import make_parts
+        from driftform_frusta.kits import make_parts
         from driftform_frusta.source import write_source
         from driftform_frusta.threemf import package_bytes
 
@@ -88,7 +88,7 @@ class ThreeMfExporter(Exporter[PartOptions]):
 
     def plate_picture(self, job: ExportJob, width: int = 400, height: int = 300) -> bytes:
         """Return the picture of the first plate, a PNG file."""
-        from driftform_frusta.parts import make_parts
+        from driftform_frusta.kits import make_parts
 
         placed = self._placed(make_parts(job.agent.body, self.options))
         return self._picture([p for p in placed if p.plate == 0], width, height)
@@ -147,10 +147,10 @@ class ThreeMfExporter(Exporter[PartOptions]):
         return rasterise(drawn) or b""
 
     def _facts(self, job: ExportJob, placed: Sequence[_Placed]) -> dict[str, Any]:
-        from driftform_frusta.kit.accounting import kit_facts
+        from driftform_frusta.kits import list_kit_facts
 
         facts = facts_of_all([p.part for p in placed], job.agent.body)
         facts["triangles"] = sum(len(p.mesh.triangles) for p in placed)
         sizes = [np.ptp(p.mesh.vertices, axis=0).tolist() for p in placed]
         facts["fits_bed"] = all(fits((x, y, z), self._bed) for x, y, z in sizes)
-        return facts | kit_facts(job, self.options)
+        return facts | list_kit_facts(job, self.options)

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from driftform.dynamics.inertia import shift_origin
-from driftform.scenario import Fluid
+from driftform.motion.inertia import shift_origin
 from driftform.types import Agent, FloatArray
+from driftform.water import Fluid
 
 MIN_SPEED = 0.05
 """Least speed, m/s, at which drag is converted: a neutral agent does not move through the water."""
@@ -18,7 +18,7 @@ def linear_damping(agent: Agent) -> FloatArray:
 
 def reference_speed(agent: Agent, fluid: Fluid) -> float:
     """Return the speed, m/s, at which an agent with drag by strips rises or sinks across its axis."""
-    from driftform.dynamics.terminal import terminal_speeds
+    from driftform.motion.terminal import terminal_speeds
 
     drag = agent.coefficients.drag
     if drag is None:
@@ -52,7 +52,7 @@ def quadratic_wrench(agent: Agent, fluid: Fluid, nu: FloatArray) -> FloatArray:
     ``nu`` holds the velocity of the centre of gravity relative to the water, m/s, and the angular velocity, rad/s, both
     in body axes, (6,).
     """
-    from driftform.dynamics.drag import still_water_wrench
+    from driftform.motion.drag import still_water_wrench
 
     coefficients, cog = agent.coefficients, agent.mass.cog
     velocity, omega = nu[:3], nu[3:]

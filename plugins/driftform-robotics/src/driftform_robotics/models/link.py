@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.dynamics.inertia import added_mass_at, largest_added_mass_ratio
 from driftform.interfaces import ExportJob
-from driftform.scenario import Scenario, UniformFlow
+from driftform.motion.inertia import added_mass_at, largest_added_mass_ratio
 from driftform.types import Body, FloatArray
+from driftform.water import Scenario, UniformFlow
 from driftform_robotics.models.damping import linear_damping, quadratic_damping, reference_speed
 from driftform_robotics.models.meshes import folds_back
 
@@ -53,7 +53,7 @@ class Link:
     @property
     def rotation(self) -> FloatArray:
         """Attitude at the release, body to world, (3, 3)."""
-        from driftform.dynamics.rotations import matrix_from_quaternion
+        from driftform.util.rotations import matrix_from_quaternion
 
         return matrix_from_quaternion(self.quaternion)
 
@@ -67,7 +67,7 @@ class Link:
 
 def make_link(job: ExportJob, drag_speed: float | None = None) -> Link:
     """Return the link of a job, at its release."""
-    from driftform.dynamics.rotations import matrix_from_quaternion
+    from driftform.util.rotations import matrix_from_quaternion
 
     agent, scenario = job.agent, job.scenario
     mass = agent.mass

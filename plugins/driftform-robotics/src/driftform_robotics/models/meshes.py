@@ -10,8 +10,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from driftform.geometry import solid_of_revolution
-from driftform.geometry.meshes import IntArray, obj_lines, revolve
+from driftform.agent import solid_of_revolution
+from driftform.agent.meshes import IntArray, obj_lines, revolve
 from driftform.types import FloatArray
 
 SEGMENTS = 64

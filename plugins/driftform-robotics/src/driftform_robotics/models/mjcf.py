@@ -11,8 +11,8 @@ from typing import ClassVar
 import numpy as np
 
 from driftform.options import Table
-from driftform.scenario import Scenario
 from driftform.types import FloatArray
+from driftform.water import Scenario
 from driftform_robotics.models.ellipsoid import Ellipsoid, fit_ellipsoid
 from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
 from driftform_robotics.models.folder import HULL, PIPE, piece_path

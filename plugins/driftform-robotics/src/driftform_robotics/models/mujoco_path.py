@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.scenario import Fluid
 from driftform.types import FloatArray
+from driftform.water import Fluid
 from driftform_robotics.models.link import Link
 
 SECONDS = 3.0

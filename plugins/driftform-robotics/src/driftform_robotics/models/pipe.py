@@ -5,9 +5,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from driftform.geometry.pipe_parts import Bend, PipePart, Straight, Tee
-from driftform.scenario import Pipe, Segment
 from driftform.types import FloatArray
+from driftform.water import Pipe, Segment
+from driftform.water.pipe_parts import Bend, PipePart, Straight, Tee
 from driftform_robotics.models.meshes import Mesh, make_tube
 from driftform_robotics.models.walls import make_parts_mesh
 

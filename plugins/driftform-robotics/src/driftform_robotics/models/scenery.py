@@ -5,8 +5,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from driftform.scenario import Scenario
 from driftform.types import FloatArray
+from driftform.water import Scenario
 from driftform_robotics.models.pipe import list_bores, make_wall
 from driftform_robotics.models.xml import add, add_comment, format_number, format_numbers, format_pose
 

@@ -12,8 +12,8 @@ from typing import ClassVar
 import numpy as np
 
 from driftform.options import Table, option
-from driftform.scenario import Scenario
 from driftform.types import Body, FloatArray
+from driftform.water import Scenario
 from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
 from driftform_robotics.models.link import Link, warn_of_divergence, warn_of_flow
 from driftform_robotics.models.scenery import add_pipe, add_scene, add_targets, make_static

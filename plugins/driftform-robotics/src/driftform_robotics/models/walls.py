@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.geometry.meshes import IntArray
-from driftform.geometry.pipe_parts import Bend, PipePart, Reducer, Tee
-from driftform.scenario.layout import Layout
+from driftform.agent.meshes import IntArray
 from driftform.types import FloatArray
+from driftform.water.layout import Layout
+from driftform.water.pipe_parts import Bend, PipePart, Reducer, Tee
 from driftform_robotics.models.meshes import SEGMENTS, Mesh
 
 STEP = math.pi / SEGMENTS

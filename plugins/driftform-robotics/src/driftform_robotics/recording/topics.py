@@ -7,10 +7,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from driftform.dynamics.rotations import quaternion_from_rotation_vector
 from driftform.interfaces import ExportJob
 from driftform.trajectory.forces import accelerations_along, net_wrench
 from driftform.types import FloatArray, Trajectory
+from driftform.util.rotations import quaternion_from_rotation_vector
 from driftform_robotics import sensors
 from driftform_robotics.models.meshes import revolve_contour
 from driftform_robotics.models.pipe import list_bores

@@ -1,0 +1,182 @@
+"""``driftform calibrate``."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from driftform.cli.options import Agent, Hydrodynamics, Json, Settings
+
+if TYPE_CHECKING:
+    from driftform_calibration.result import CalibrationResult
+
+
+def calibrate(
+    agent: Agent,
+    tracks: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="TRACK...",
+            help="Tracks of filmed flights: CSV with the columns t, x, y, and z or pitch if known, or an export of Tracker or DeepLabCut. "
+            "NAME.toml beside NAME.csv is the scenario of that film.",
+            show_default=False,
+        ),
+    ],
+    scenario: Annotated[
+        str | None,
+        typer.Option(
+            "--scenario",
+            metavar="NAME|FILE",
+            help="Scenario of all films, such as tank; by default the agent's own.",
+        ),
+    ] = None,
+    unit: Annotated[
+        str | None, typer.Option("--unit", metavar="m|cm|mm", help="Unit of the coordinates; by default m.")
+    ] = None,
+    scale: Annotated[
+        float | None,
+        typer.Option("--scale", metavar="M", help="Metres of a pixel, if the coordinates are pixels."),
+    ] = None,
+    scale_error: Annotated[
+        float,
+        typer.Option(
+            "--scale-error", metavar="SHARE", help="Standard deviation of the film's scale, relative to it."
+        ),
+    ] = 0.005,
+    fps: Annotated[
+        float | None,
+        typer.Option(
+            "--fps", metavar="N", help="Frames for each second, if the file has frames and no times."
+        ),
+    ] = None,
+    y_down: Annotated[
+        bool | None,
+        typer.Option("--y-down/--y-up", help="Direction of y; by default down for pixels, and up otherwise."),
+    ] = None,
+    view: Annotated[
+        str,
+        typer.Option(
+            "--view", metavar="side|top|front", help="Where the camera looks from, for tracks in a plane."
+        ),
+    ] = "side",
+    point: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--point",
+            metavar="NAME=X",
+            help="Where on the axis a tracked point is, m from the core's centre, fore positive; repeatable.",
+        ),
+    ] = None,
+    target: Annotated[
+        str | None, typer.Option("--object", metavar="NAME", help="The tracked object, if there are several.")
+    ] = None,
+    fit: Annotated[
+        list[str] | None,
+        typer.Option("--fit", metavar="FACTOR", help="Fit only this factor; repeatable. By default all."),
+    ] = None,
+    printed_mass: Annotated[
+        float | None,
+        typer.Option("--printed-mass", metavar="KG", help="Mass of the print with its core, by scales, kg."),
+    ] = None,
+    hydrodynamics: Hydrodynamics = None,
+    settings: Settings = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Directory for the files; by default calibrations/AGENT."),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Fit the model to tracks of filmed flights: drag, added mass, weight, restitution and friction.
+
+    Prints a factor with its 90 % interval for each of them, and why for those that the tracks cannot tell. Writes the
+    table [calibration] for any study, the calibrated agent, and pictures of the films against the flights.
+    """
+    from driftform.cli.output import print_json
+    from driftform.design.opening import open_agent
+    from driftform.util.files import check_directory
+    from driftform_calibration.designs import calibrate_design
+    from driftform_calibration.films import find_scenario
+    from driftform_calibration.tracks import Reading
+
+    settings, use = settings or [], {"hydrodynamics": hydrodynamics}
+    # An agent that does not remember how it was built, such as a word, is built as the study of its first film says.
+    design = open_agent(agent, scenario or find_scenario(tracks[0]), settings, use)
+    directory = check_directory(out or Path("calibrations") / design.name)
+    reading = Reading(unit, scale, fps, y_down, target, _read_points(point or []))
+    found = calibrate_design(
+        design,
+        *tracks,
+        scenario=scenario,
+        settings=settings,
+        use=use,
+        reading=reading,
+        view=view,
+        scale_error=scale_error,
+        fit=fit or (),
+        printed_mass=printed_mass,
+    )
+    paths = found.write(directory)
+    if json:
+        print_json({**found.document(), "files": [str(path) for path in paths]})
+    else:
+        _print(found, paths)
+
+
+def _read_points(texts: list[str]) -> dict[str, float]:
+    from driftform.errors import InputError
+
+    points = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        try:
+            points[name] = float(value)
+        except ValueError:
+            equals = ""
+        if not equals or not name:
+            raise InputError(
+                f"--point {text}: expected NAME=X, such as nose=0.031 (m from the core's centre)"
+            )
+    return points
+
+
+def _print(found: "CalibrationResult", paths: list[Path]) -> None:
+    from shlex import quote
+
+    from driftform.cli.output import print_table, print_text
+    from driftform_calibration.result import describe_estimate
+
+    rows = [
+        (name.replace("_", " "), *describe_estimate(estimate)) for name, estimate in found.factors.items()
+    ]
+    print_table(("factor", "value", "90 % interval", ""), rows, right=(1,))
+    hull = found.fit.estimates["hull_density"]
+    if hull.low is not None and hull.high is not None and not hull.low < 1 < hull.high:
+        print_text(f"the hull weighs {hull.value:.4g} times what was simulated: that changes the net weight")
+    document = found.document()
+    print()
+    print_table(
+        ("track", "points", "noise mm", "before mm", "after mm"),
+        (
+            (
+                row["track"],
+                str(row["points"]),
+                f"{1000 * row['noise']:.2f}",
+                f"{1000 * row['residual_before']:.1f}",
+                f"{1000 * row['residual']:.1f}",
+            )
+            for row in document["tracks"]
+        ),
+        right=range(1, 5),
+    )
+    print_text(
+        f"root mean square distance of films and flights: {1000 * found.fit.before:.1f} mm before, "
+        f"{1000 * found.residual:.1f} mm after"
+    )
+    for note in found.notes:
+        print_text(f"note: {note}")
+    for path in paths:
+        print(f"wrote {path}")
+    if found.fit.known:
+        print(f"next: driftform evolve --calibration {quote(str(paths[0]))}")
+    else:
+        print("next: driftform drop AGENT, which plans the drops that tell most")

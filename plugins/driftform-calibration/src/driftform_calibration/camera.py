@@ -1,0 +1,65 @@
+"""What a film shows of a flight: points of the axis in the plane of the picture, with the camera's own errors."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from driftform.types import FloatArray
+from driftform_calibration.bench import Path
+from driftform_calibration.tracks import Track
+
+VIEWS = {
+    "side": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
+    "top": np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
+    "front": np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
+}
+"""The world directions that point to the right and up in a picture, by the name of the view."""
+
+
+@dataclass(frozen=True)
+class Camera:
+    """How a film's coordinates differ from those of the world: a picture from far away, to scale.
+
+    Attributes
+    ----------
+    delay
+        time of the release in the film, s.
+    scale
+        logarithm of the film's lengths over those of the world.
+    tilt
+        turn of the picture, counterclockwise, rad; a track in space has none.
+    aspect
+        logarithm of the width of the picture over that without distortion: the agent moves a little towards the camera,
+        or the camera looks a little down.
+    offset
+        film coordinates of the world's origin, m, (2,) or (3,).
+    """
+
+    delay: float = 0.0
+    scale: float = 0.0
+    tilt: float = 0.0
+    aspect: float = 0.0
+    offset: tuple[float, ...] = (0.0, 0.0)
+
+
+def view_matrix(track: Track, view: str) -> FloatArray:
+    """Return the world directions of a track's coordinates, (2, 3) or (3, 3)."""
+    return np.eye(3) if track.is_spatial else VIEWS[view]
+
+
+def see_points(path: Path, track: Track, view: FloatArray, camera: Camera) -> tuple[FloatArray, FloatArray]:
+    """Return where a film shows the markers, (markers, n, d) in m, and the angle of the axis in it, (n,) in rad."""
+    core, axis = path.points_at(track.t - camera.delay)
+    stretch = np.array([np.exp(camera.aspect), *[1.0] * (len(view) - 1)])
+    turn = turn_matrix(camera.tilt, len(view)) @ (stretch[:, None] * view)
+    seen = np.array([(core + marker.x * axis) @ turn.T for marker in track.markers])
+    points = np.exp(camera.scale) * seen + np.array(camera.offset)
+    right, up = (axis @ turn.T).T[:2] if len(view) == 2 else (axis[:, 0], axis[:, 2])
+    return points, np.arctan2(up, right)
+
+
+def turn_matrix(tilt: float, dimension: int) -> FloatArray:
+    """Return the turn of a picture by ``tilt`` (rad), counterclockwise; tracks in space are not turned."""
+    if dimension == 3:
+        return np.eye(3)
+    return np.array([[np.cos(tilt), -np.sin(tilt)], [np.sin(tilt), np.cos(tilt)]])

@@ -1,0 +1,122 @@
+"""``driftform drop``."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from driftform.cli.options import Agent, Hydrodynamics, Json, Settings
+
+if TYPE_CHECKING:
+    from driftform_calibration.protocol import DropPlan
+
+
+def drop(
+    agent: Agent,
+    tank: Annotated[
+        tuple[float, float, float],
+        typer.Option(
+            "--tank",
+            metavar="LENGTH WIDTH DEPTH",
+            help="Inside of the tank: along the picture, across it, of water; m.",
+        ),
+    ] = (1.0, 0.5, 0.5),
+    drops: Annotated[
+        int, typer.Option("--drops", metavar="N", min=1, max=20, help="Number of drops to film.")
+    ] = 3,
+    fps: Annotated[
+        float,
+        typer.Option("--fps", metavar="N", min=1, max=10_000, help="Frames of the film for each second."),
+    ] = 60.0,
+    noise: Annotated[
+        float,
+        typer.Option(
+            "--noise", metavar="M", min=1e-6, max=1, help="Standard deviation of a tracked point, m."
+        ),
+    ] = 0.002,
+    scenario: Annotated[
+        str,
+        typer.Option(
+            "--scenario", metavar="NAME|FILE", help="Scenario with the water and the contact of the floor."
+        ),
+    ] = "tank",
+    hydrodynamics: Hydrodynamics = None,
+    settings: Settings = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Directory for the files; by default drops/AGENT."),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Plan the drops in a tank whose films show most about the model: attitude, depth and ballast of each release.
+
+    Writes a page to take to the tank (what to weigh, where to put the camera, a ruler to print) and a study file for each
+    drop. Save the track of a film beside the file of its drop, for 'driftform calibrate'.
+    """
+    from driftform.cli.output import print_json
+    from driftform.design.opening import open_agent
+    from driftform.util.files import check_directory
+    from driftform.util.progress import count_progress
+    from driftform_calibration.designs import drop_design
+    from driftform_calibration.protocol import default_directory
+
+    design = open_agent(agent, scenario, settings or (), {"hydrodynamics": hydrodynamics})
+    directory = check_directory(out or default_directory(design.name))
+    with count_progress("releases") as progress:
+        plan = drop_design(design, tank, drops=drops, fps=fps, noise=noise, progress=progress)
+    paths = plan.write(directory)
+    if json:
+        print_json(plan.document(paths))
+    else:
+        _print(plan, paths)
+
+
+def _print(plan: "DropPlan", paths: list[Path]) -> None:
+    from driftform.cli.output import print_table, print_text
+
+    document = plan.document()
+    print_table(
+        ("drop", "pitch deg", "core below surface mm", "ballast g", "film s", "ends at", "bits"),
+        (
+            (
+                str(number),
+                f"{row['pitch_deg']:+.0f}",
+                f"{1000 * row['depth']:.0f}",
+                f"{1000 * row['ballast']:.1f}",
+                f"{row['duration']:.2f}",
+                row["end"],
+                f"{row['gain_bits']:.1f}",
+            )
+            for number, row in enumerate(document["drops"], start=1)
+        ),
+        right=(0, 1, 2, 3, 4, 6),
+    )
+    print()
+    print_table(
+        ("factor", "expected 90 % interval", ""),
+        (
+            *(
+                (
+                    name.replace("_", " "),
+                    f"+-{100 * row['half_width']:.0f} %",
+                    _describe_width(name, row["known"]),
+                )
+                for name, row in document["expected"].items()
+            ),
+            *((name.replace("_", " "), "-", why) for name, why in document["reasons"].items()),
+        ),
+        right=(1,),
+    )
+    print_text(
+        f"weigh the print with its core: {1000 * document['mass']:.2f} g as simulated; calibrate takes it as --printed-mass"
+    )
+    for path in paths:
+        print(f"wrote {path}")
+    tracks = " ".join(f"{path.with_suffix('.csv')}" for path in paths[1:])
+    print(f"next: driftform calibrate AGENT {tracks}")
+
+
+def _describe_width(name: str, known: bool) -> str:
+    if known:
+        return ""
+    return "known only if the print is weighed" if name == "net_weight" else "too wide: left at 1"

@@ -1,0 +1,322 @@
+"""Which drops to film: those whose tracks are expected to show most about the factors.
+
+Around the model as it is, a film tells of the factors what its residuals' derivatives say (Fisher information), after
+what it must tell of its own release and camera. The gain of a drop is the entropy of the factors that it removes, in bits,
+for normal distributions (Lindley 1956; Chaloner and Verdinelli 1995, Statistical Science 10(3), on D-optimal designs).
+Drops are chosen one after the other; the gain is submodular, so that the choice has at least 63 % of the best gain.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from driftform.errors import WorkFailedError
+from driftform.pipeline import Pipeline
+from driftform.types import Body, FloatArray, Morphology
+from driftform.water import Factors, Pipe, Scenario, Segment
+from driftform.water.factors import NAMES, QUANTILE
+from driftform_calibration.bench import Bench, ReleaseError
+from driftform_calibration.fit import CONTACT, find_widest, list_reasons
+from driftform_calibration.problem import Filmed, Problem, factor_of
+from driftform_calibration.tracks import Marker, Track
+
+FLOOR_RADIUS = 100.0
+"""Radius of the tube whose lowest line is the floor of a tank, m: flat to half a millimetre within 0.3 m."""
+
+PITCHES_DEG = (-90.0, -60.0, -30.0, 0.0, 30.0, 60.0, 90.0)
+"""Pitches of a release that are tried."""
+
+BALLASTS = (0.0, 0.3, 1.0)
+"""Weights in water of a ballast that are tried, over the net weight of the agent."""
+
+SINKING = (1.3, 2.0)
+"""The same for an agent that floats: enough to make it sink."""
+
+MARGIN = 0.02
+"""Water that is left around the agent at the release, m."""
+
+AFTER_FLOOR = 0.4
+"""Time that is filmed after the agent reaches the floor, s."""
+
+LONGEST = 20.0
+"""Longest film, s."""
+
+FEWEST_FRAMES = 8
+"""Fewest frames of a film that is worth making."""
+
+
+@dataclass(frozen=True)
+class Tank:
+    """Inside of a tank: ``length`` (to the right in the film), ``width`` (towards the camera) and ``depth`` of the water, m."""
+
+    length: float
+    width: float
+    depth: float
+
+
+@dataclass(frozen=True, eq=False)
+class Drop:
+    """One release to film.
+
+    Attributes
+    ----------
+    pitch_deg
+        of the axis, positive nose down.
+    depth
+        of the core's centre below the surface, m.
+    ballast, ballast_x
+        mass that hangs on the agent (kg), and where along its axis (m).
+    duration
+        from the release to the end of what is filmed, s.
+    end
+        where the agent is then: ``"floor"``, ``"surface"``, ``"side"`` or ``"time"``.
+    gain
+        bits that it tells about the factors, after the drops before it.
+    path
+        expected path in the picture, to the right of the release and above the surface, m, (k, 2).
+    scenario
+        of the drop.
+    """
+
+    pitch_deg: float
+    depth: float
+    ballast: float
+    ballast_x: float
+    duration: float
+    end: str
+    gain: float
+    path: FloatArray
+    scenario: Scenario
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Drops in the order of their gain, and what they are expected to show.
+
+    ``expected`` has for each factor half of its 90 % interval, relative to the factor, and whether it will count as
+    known; ``reasons`` are why some factors cannot be shown at all. ``hull_share`` is the weight of the hull over the net
+    weight.
+    """
+
+    drops: tuple[Drop, ...]
+    expected: dict[str, tuple[float, bool]]
+    reasons: dict[str, str]
+    hull_share: float
+
+
+def plan_drops(
+    pipeline: Pipeline,
+    morphology: Morphology,
+    tank: Tank,
+    count: int,
+    fps: float,
+    noise: float,
+    on_candidate: Callable[[int, int], None] = lambda _, __: None,
+) -> Plan:
+    """Return the drops that show most about the factors of an agent.
+
+    Parameters
+    ----------
+    pipeline
+        its scenario has the water, and the coefficients of contact with the floor.
+    count
+        number of drops.
+    fps
+        frames of the film for each second.
+    noise
+        standard deviation of a tracked point, m.
+    on_candidate
+        called with the number of releases that were examined, and of all.
+
+    Raises
+    ------
+    WorkFailedError
+        if no release in this tank tells anything.
+    """
+    bench = Bench.of(pipeline, morphology)
+    candidates = list_candidates(bench, tank)
+    found: list[tuple[Drop, FloatArray]] = []
+    names: tuple[str, ...] = ()
+    reasons: dict[str, str] = {}
+    for number, scenario in enumerate(candidates):
+        there = Bench(bench.body, bench.coefficients, scenario)
+        reasons = list_reasons([Filmed(there, _blank(np.zeros(1)))], NAMES)
+        names = tuple(name for name in NAMES if name not in reasons)
+        examined = _examine(there, tank, names, fps, noise)
+        if examined is not None:
+            found.append(examined)
+        on_candidate(number + 1, len(candidates))
+    if not found:
+        raise WorkFailedError(
+            f"no release in a tank of {tank.length:g} x {tank.width:g} x {tank.depth:g} m can be filmed for "
+            f"{FEWEST_FRAMES} frames at {fps:g} frames/s: take a deeper tank, or more frames"
+        )
+    return _choose(found, names, reasons, bench, count)
+
+
+def list_candidates(bench: Bench, tank: Tank) -> list[Scenario]:
+    """Return the scenarios of all releases that are compared."""
+    body, density = bench.body, bench.scenario.fluid.density
+    ballast_density = bench.scenario.release.ballast_density
+    shares = BALLASTS if bench.net_weight > 0 else (0.0, *SINKING)
+    found = []
+    for pitch_deg, share in product(PITCHES_DEG, shares):
+        sinks = bench.net_weight > 0 or share > 0
+        reach = _reach_up(body, np.deg2rad(pitch_deg)), _reach_up(body, np.deg2rad(pitch_deg), down=True)
+        depth = reach[0] + MARGIN if sinks else tank.depth - reach[1] - MARGIN
+        if sum(reach) + 3 * MARGIN > tank.depth or 2 * _half_width(body, np.deg2rad(pitch_deg)) > tank.length:
+            continue
+        weight = share * abs(bench.net_weight) / bench.scenario.fluid.gravity
+        mass = round(weight / (1 - density / ballast_density), 4)
+        found.append(tank_scenario(bench.scenario, tank, pitch_deg, depth, mass))
+    return found
+
+
+def tank_scenario(like: Scenario, tank: Tank, pitch_deg: float, depth: float, ballast: float) -> Scenario:
+    """Return the scenario of a release from rest in a tank, with the water and the contact of another; the surface is at z = 0."""
+    axis = FLOOR_RADIUS - tank.depth
+    release = like.release.model_copy(
+        update={
+            "frame": "world",
+            "position": (0.0, 0.0, -float(depth)),
+            "pitch_deg": float(pitch_deg),
+            "yaw_deg": 0.0,
+            "velocity": "rest",
+            "ballast": float(ballast),
+            "ballast_x": 0.0,
+        }
+    )
+    segment = Segment(start=(-50.0, 0.0, axis), end=(50.0, 0.0, axis), radius=FLOOR_RADIUS)
+    return like.model_copy(update={"pipe": Pipe(segments=(segment,)), "release": release, "targets": {}})
+
+
+def _examine(
+    bench: Bench, tank: Tank, names: Sequence[str], fps: float, noise: float
+) -> tuple[Drop, FloatArray] | None:
+    """Return a drop, and the information of its film about the factors, (factors, factors); ``None`` if it is too short."""
+    path = bench.fly(Factors(), ReleaseError(), LONGEST)
+    duration, end = _find_end(bench.body, path.t, path.position, path.axis, path.contact, tank)
+    t = np.arange(0.0, duration, 1 / fps)
+    if len(t) < FEWEST_FRAMES:
+        return None
+    information = _inform(bench, names, t, noise, has_contact=path.contact < duration)
+    if path.contact < duration:
+        # A fit takes drag and weight from free flight alone.
+        free = np.array([name not in CONTACT for name in names])
+        before = t[t < path.contact]
+        falling = (
+            _inform(bench, names, before, noise, has_contact=False) if len(before) >= FEWEST_FRAMES else 0.0
+        )
+        information = np.where(
+            np.outer(free, free), falling, np.where(np.outer(~free, ~free), information, 0.0)
+        )
+    points, _ = path.points_at(t)
+    release = bench.scenario.release
+    drop = Drop(
+        release.pitch_deg,
+        -release.position[2],
+        release.ballast,
+        release.ballast_x,
+        duration,
+        end,
+        0.0,
+        points[:, [0, 2]],
+        bench.scenario,
+    )
+    return drop, information
+
+
+def _inform(bench: Bench, names: Sequence[str], t: FloatArray, noise: float, has_contact: bool) -> FloatArray:
+    """Return what a film with frames at ``t`` (s) tells about the factors, (factors, factors), besides its own unknowns."""
+    problem = Problem([Filmed(bench, _blank(t))], names, [noise], has_contact=has_contact)
+    jacobian, count = problem.jacobian(problem.start), len(names)
+    whole = jacobian.T @ jacobian
+    # What is known of the factors before counts once, not with each film.
+    whole[:count, :count] -= np.diag([1 / p.prior**2 for p in problem.parameters[:count]])
+    across = whole[:count, count:]
+    left = whole[:count, :count] - across @ np.linalg.pinv(whole[count:, count:], hermitian=True) @ across.T
+    return np.asarray((left + left.T) / 2)
+
+
+def _blank(t: FloatArray) -> Track:
+    """Return a track of the core at times ``t`` (s), whose points do not matter."""
+    return Track("", t, (Marker(0.0, np.zeros((len(t), 2))),), np.full(len(t), np.nan))
+
+
+def _find_end(
+    body: Body, t: FloatArray, position: FloatArray, axis: FloatArray, contact: float, tank: Tank
+) -> tuple[float, str]:
+    """Return when (s) a film ends, and where the agent is then."""
+    pitch = -np.arcsin(np.clip(axis[:, 2], -1, 1))
+    top = position[:, 2] + np.array([_reach_up(body, p) for p in pitch])
+    wide = np.abs(position[:, 0]) + np.array([_half_width(body, p) for p in pitch])
+    ends = {"time": float(t[-1])}
+    if (top > 0).any():
+        ends["surface"] = float(t[np.argmax(top > 0)])
+    if (wide > tank.length / 2).any():
+        ends["side"] = float(t[np.argmax(wide > tank.length / 2)])
+    if contact < np.inf:
+        ends["floor"] = contact + AFTER_FLOOR
+    first = min(ends, key=lambda name: ends[name])
+    return ends[first], first
+
+
+def _reach_up(body: Body, pitch: float, down: bool = False) -> float:
+    """Return how far a body reaches above its core's centre, or below it, m; ``pitch`` (rad) is positive nose down."""
+    x, r = body.outer.T
+    along = x * np.sin(pitch) if down else -x * np.sin(pitch)
+    return float((along + r * abs(np.cos(pitch))).max())
+
+
+def _half_width(body: Body, pitch: float) -> float:
+    """Return how far a body reaches to a side of its core's centre, m."""
+    x, r = body.outer.T
+    return float((np.abs(x * np.cos(pitch)) + r * abs(np.sin(pitch))).max())
+
+
+def _choose(
+    found: Sequence[tuple[Drop, FloatArray]],
+    names: tuple[str, ...],
+    reasons: dict[str, str],
+    bench: Bench,
+    count: int,
+) -> Plan:
+    priors = _prior_widths(bench, names)
+    information, drops = np.diag(priors**-2.0), []
+    for _ in range(count):
+        before = np.linalg.slogdet(information)[1]
+        gains = [(np.linalg.slogdet(information + more)[1] - before) / 2 / np.log(2) for _, more in found]
+        best = int(np.argmax(gains))
+        information = information + found[best][1]
+        drops.append(replace(found[best][0], gain=float(gains[best])))
+    deviation = np.sqrt(np.diag(np.linalg.inv(information)))
+    expected = {}
+    for name, width in zip(names, QUANTILE * deviation, strict=True):
+        half = (factor_of(name, width) - factor_of(name, -width)) / 2
+        expected[name] = (float(half), bool(half <= find_widest(bench, name, 1.0)))
+    share = bench.hull_weight / max(abs(bench.net_weight), 1e-12)
+    return Plan(tuple(drops), expected, dict(reasons), float(share))
+
+
+def _prior_widths(bench: Bench, names: Sequence[str]) -> FloatArray:
+    problem = Problem([Filmed(bench, _blank(np.linspace(0, 1, 8)))], names, [1.0])
+    return np.array([p.prior for p in problem.parameters[: len(names)]])
+
+
+def describe_plan(plan: Plan) -> list[dict[str, Any]]:
+    """Return the drops as ``driftform drop --json`` prints them; SI units, degrees where the name says so."""
+    return [
+        {
+            "pitch_deg": drop.pitch_deg,
+            "depth": drop.depth,
+            "ballast": drop.ballast,
+            "ballast_x": drop.ballast_x,
+            "duration": drop.duration,
+            "end": drop.end,
+            "gain_bits": drop.gain,
+        }
+        for drop in plan.drops
+    ]

@@ -1,0 +1,121 @@
+"""Films of an agent: tracks read and checked against the flight that the model expects."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from driftform.agent import hull_mass
+from driftform.errors import InputError, did_you_mean
+from driftform.water import Factors
+from driftform.water.factors import NAMES
+from driftform_calibration.bench import Bench, ReleaseError
+from driftform_calibration.camera import VIEWS
+from driftform_calibration.problem import Filmed
+from driftform_calibration.tracks import UNITS, Reading, estimate_noise, read_track
+
+LARGEST_SPAN, SMALLEST_SPAN = 5.0, 0.02
+"""Extent of a track over what the model can move in that time, beyond which its unit is wrong."""
+
+SURE_SIGN = 0.2
+"""Net weight over the weight of the hull above which no print sinks that should rise."""
+
+SCALES = 1e-3
+"""Standard deviation of a weight by scales, relative to it."""
+
+
+def find_scenario(track: Path) -> str | None:
+    """Return the study file of a film, of the same name beside its track; ``None`` without one."""
+    beside = track.with_suffix(".toml")
+    return str(beside) if beside != track and beside.is_file() else None
+
+
+def film_track(path: Path, bench: Bench, reading: Reading, view: str, scale_error: float) -> Filmed:
+    """Read the track of a flight in the scenario of its bench.
+
+    Raises
+    ------
+    InputError
+        if it cannot be a film of this agent in this scenario: one line with the file and the next step.
+    """
+    if view not in VIEWS:
+        raise InputError(f"--view {view}: unknown view{did_you_mean(view, VIEWS)}; take {', '.join(VIEWS)}")
+    if not 0 <= scale_error <= 0.2:
+        raise InputError(f"--scale-error {scale_error:g}: should be from 0 to 0.2")
+    film = Filmed(bench, read_track(path, bench.body, reading), view, scale_error)
+    _check_motion(str(path), film)
+    return film
+
+
+def _check_motion(label: str, film: Filmed) -> None:
+    """Refuse a track in another unit, upside down or played backwards, by the flight that the model expects."""
+    track, bench = film.track, film.bench
+    duration = float(track.t[-1] - track.t[0])
+    path = bench.fly(Factors(), ReleaseError(), duration)
+    moved = path.position @ film.axes.T
+    expected = float(np.ptp(moved[:, film.seen_axes], axis=0).max())
+    fastest = float(np.linalg.norm(path.velocity, axis=1).max()) * duration
+    if track.span > LARGEST_SPAN * max(fastest, 0.01) or track.span < SMALLEST_SPAN * expected:
+        close = [u for u, f in UNITS.items() if 0.2 < track.span * f / max(expected, 1e-9) < 5 and f != 1]
+        hint = f"give --unit {close[0]}" if close else "check --unit, --scale and --fps"
+        raise InputError(
+            f"{label}: spans {track.span:.3g} m in {duration:.3g} s, where the model moves {expected:.3g} m: {hint}"
+        )
+    _check_direction(label, film, moved)
+
+
+def _check_direction(
+    label: str, film: Filmed, moved: np.ndarray[tuple[int, ...], np.dtype[np.float64]]
+) -> None:
+    track, bench = film.track, film.bench
+    up = int(np.argmax(film.axes[:, 2]))
+    if film.axes[up, 2] == 0 or not film.seen_axes[up] or bench.scenario.release.ballast:
+        return
+    if abs(bench.net_weight) < SURE_SIGN * bench.hull_weight or bench.scenario.flow.speed != 0.0:
+        return
+    heights = track.markers[0].points[:, up]
+    heights = heights[np.isfinite(heights)]
+    seen, expected = float(heights[-1] - heights[0]), float(moved[-1, up] - moved[0, up])
+    doubt = 10 * estimate_noise(track)
+    if seen * expected < 0 and abs(expected) > doubt and abs(seen) > max(doubt, 0.2 * abs(expected)):
+        verbs = ("rises", "sinks") if seen > 0 else ("sinks", "rises")
+        raise InputError(
+            f"{label}: {verbs[0]} by {abs(seen):.3g} m, where the agent {verbs[1]}: give --y-down (or --y-up) if y points "
+            "the other way, or export the film as it runs forwards"
+        )
+
+
+def weigh_prior(bench: Bench, printed_mass: float | None) -> dict[str, tuple[float, float]]:
+    """Return what scales say of the hull's density: value and deviation of its parameter; nothing without a mass.
+
+    Raises
+    ------
+    InputError
+        if no print of this agent weighs that.
+    """
+    if printed_mass is None:
+        return {}
+    core, hull = bench.body.core.mass, hull_mass(bench.body)
+    if not core < printed_mass < 20 * (core + hull) or hull == 0:
+        raise InputError(
+            f"--printed-mass {printed_mass:g}: in kg, with the core in; the agent was simulated with {core + hull:.4g} kg"
+        )
+    return {"hull_density": ((printed_mass - core) / hull - 1.0, SCALES * printed_mass / hull)}
+
+
+def choose_factors(names: Sequence[str]) -> tuple[str, ...]:
+    """Return the factors to fit, all if none is named; ``net_weight`` is that of the hull's density.
+
+    Raises
+    ------
+    InputError
+        if there is no such factor.
+    """
+    known = {**{name: name for name in NAMES}, "net_weight": "hull_density"}
+    for name in names:
+        if name not in known:
+            raise InputError(
+                f"--fit {name}: unknown factor{did_you_mean(name, known)}; there are {', '.join(known)}"
+            )
+    wanted = {known[name] for name in names} or set(NAMES)
+    return tuple(name for name in NAMES if name in wanted)

@@ -1,0 +1,526 @@
+"""Fit the factors of a model to films of its flights: values, honest intervals, and what the films cannot tell.
+
+Robust nonlinear least squares over the factors, the releases and the cameras. The noise is that of the residuals. If
+these are correlated along a track, as the errors of a model are, a track tells as much as fewer independent points would.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from driftform.types import Drag, FloatArray
+from driftform.water import Calibration
+from driftform.water.factors import LEAST, MOST, NAMES
+from driftform_calibration.bench import Bench, Path
+from driftform_calibration.problem import (
+    RELEASE_RISE,
+    Filmed,
+    Problem,
+    factor_of,
+    parameter_of,
+)
+from driftform_calibration.solution import (
+    Solution,
+    find_best,
+    merge_solutions,
+    place_releases,
+    solve_problem,
+)
+from driftform_calibration.tracks import estimate_noise
+
+CONFIDENCE = 0.9
+"""Probability that an interval holds the factor."""
+
+WIDEST = 0.2
+"""Widest half of an interval of a factor that counts as known, relative to the factor."""
+
+WIDEST_HULL = 0.02
+"""The same of the density of the hull, if that is wider: nobody prints more exactly."""
+
+PLAUSIBLE = {"axial_drag": (0.25, 4.0), "cross_drag": (0.25, 4.0), "added_mass": (0.5, 2.0)}
+"""Factors beyond which a model does not err: something else acts on the agent."""
+
+ROUND = 0.9
+"""Share of a sphere's drag in that of a body from which the body counts as round."""
+
+ALIKE = 0.8
+"""Correlation above which the films cannot tell two factors apart."""
+
+LEAST_NOISE = 1e-3
+"""Least noise of a track over its span."""
+
+AFTER_CONTACT = 0.5
+"""Time after the first contact that counts, s: a bounce or two. Later, small errors have grown too much."""
+
+SHARES = (0.8, 0.95, 0.98)
+"""Shares of the time from the release to the first contact that count as free flight, in fits that follow each other."""
+
+FEWEST_FREE = 10
+"""Fewest points of free flight from which drag and weight are fitted."""
+
+STARTS = (-0.4, 0.0, 0.4)
+"""Logarithms of the coefficients of contact from which a fit may begin."""
+
+FAR = 5.0
+"""Distance of a point over the spread of all that counts as far off."""
+
+WORSE = 3.0
+"""Noise of a track over that of the others from which it is doubtful that it is of the same agent, or well fitted."""
+
+NEGLIGIBLE = 0.05
+"""Correlation that is not worth stating."""
+
+CONTACT = ("restitution", "friction")
+"""Factors that only a flight with contact can show."""
+
+
+@dataclass(frozen=True)
+class FactorEstimate:
+    """What the films show of a factor.
+
+    Attributes
+    ----------
+    value
+        the factor; 1 if it is not known.
+    low, high
+        interval that holds it with a probability of 90 %; ``None`` if it is not known.
+    known
+        whether the films show it.
+    reason
+        why they do not, ``""`` if they do.
+    """
+
+    value: float = 1.0
+    low: float | None = None
+    high: float | None = None
+    known: bool = False
+    reason: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The result of a fit.
+
+    Attributes
+    ----------
+    estimates
+        of each factor, by the names of :class:`driftform.water.Factors`.
+    net_weight
+        the same for the net weight of the agent, of which its hull's density is the cause.
+    residual
+        root mean square distance of the tracks from the calibrated flights, m.
+    before
+        the same from the flights of the model as it was, with releases and cameras that fit best.
+    noise
+        standard deviation of the error of each track, m, (tracks,).
+    correlations
+        between the factors that are known.
+    problem, x, x_before
+        the problem, and its unknowns with the calibrated model and with the model as it was.
+    notes
+        what was found on the way, one line each.
+    """
+
+    estimates: dict[str, FactorEstimate]
+    net_weight: FactorEstimate
+    residual: float
+    before: float
+    noise: tuple[float, ...]
+    correlations: tuple[tuple[str, str, float], ...]
+    problem: Problem
+    x: FloatArray
+    x_before: FloatArray
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def known(self) -> tuple[str, ...]:
+        """Names of the factors that the films show."""
+        return tuple(name for name, found in self.estimates.items() if found.known)
+
+    def calibration(self, agent: str = "") -> Calibration:
+        """Return the table ``[calibration]`` of the factors that are known."""
+        intervals = {
+            name: (_round(found.value), _round(found.low), _round(found.high))
+            for name, found in self.estimates.items()
+            if found.known and found.low is not None and found.high is not None
+        }
+        return Calibration.model_validate(
+            {
+                **intervals,
+                "correlations": self.correlations,
+                "agent": agent,
+                "tracks": len(self.problem.films),
+                "residual": _round(self.residual),
+            }
+        )
+
+
+def _round(value: float) -> float:
+    return float(f"{value:.4g}")
+
+
+def fit_factors(
+    films: Sequence[Filmed],
+    names: Sequence[str] = NAMES,
+    priors: dict[str, tuple[float, float]] | None = None,
+) -> Fit:
+    """Fit the factors ``names`` to films; the others stay at 1.
+
+    Parameters
+    ----------
+    films
+        of the same agent.
+    priors
+        what is known of a parameter of :class:`driftform_calibration.problem.Problem` before: value and standard deviation.
+
+    Raises
+    ------
+    WorkFailedError
+        if no flight comes near a track.
+    """
+    # Matrices of a fit are small: threads would wait for each other longer than they compute.
+    with threadpool_limits(1):
+        return _fit(films, names, priors)
+
+
+def _fit(films: Sequence[Filmed], names: Sequence[str], priors: dict[str, tuple[float, float]] | None) -> Fit:
+    reasons = list_reasons(films, names)
+    free, last, notes = _solve(films, [name for name in names if name not in reasons], priors)
+    while absurd := _find_absurd(free, last):
+        reasons |= absurd
+        free, last, notes = _solve(films, [name for name in names if name not in reasons], priors)
+    if last is None:
+        reasons |= {
+            name: "no track touches a wall" for name in CONTACT if name in names and name not in reasons
+        }
+        return _finish(free, free, reasons)
+    return _finish(free, last, reasons, notes)
+
+
+def _solve(
+    films: Sequence[Filmed], wanted: Sequence[str], priors: dict[str, tuple[float, float]] | None
+) -> tuple[Solution, Solution | None, list[str]]:
+    """Return the fit to free flight, that to flights with contact (``None`` if nothing touches), and notes.
+
+    If there is too little free flight, both are the fit to flights with contact.
+    """
+    noise = [max(estimate_noise(film.track), LEAST_NOISE * film.track.span) for film in films]
+    plain = [name for name in wanted if name not in CONTACT]
+    whole = Problem(films, plain, noise, priors)
+    x = place_releases(whole, whole.start)
+    free, x = _solve_free_flight(whole, x)
+    if free is not None and not _touches(whole, x):
+        return free, None, []
+    ends = [
+        min(c + AFTER_CONTACT, float(f.track.t[-1])) for c, f in zip(_contacts(whole, x), films, strict=True)
+    ]
+    shown = [film.cut(end) for film, end in zip(films, ends, strict=True)]
+    shown = [cut if len(cut.track.t) >= FEWEST_FREE else film for cut, film in zip(shown, films, strict=True)]
+    lost = sum(len(film.track.t) - len(short.track.t) for film, short in zip(films, shown, strict=True))
+    notes = [f"{lost} points more than {AFTER_CONTACT:g} s after the first contact left out"] if lost else []
+    noise = list(free.problem.noise) if free is not None else noise
+    anchor = None if free is None else free.anchor()
+    problem = Problem(shown, wanted, noise, priors, has_contact=True, anchor=anchor)
+    starts = _list_contacts(problem, problem.take_over(whole, x))
+    touching = merge_solutions([solve_problem(problem, start) for start in starts])
+    return free or touching, touching, notes
+
+
+def _find_absurd(*solutions: Solution | None) -> dict[str, str]:
+    """Return the factor of a fit that no model errs by, though the films seem to show it well, and why it is left at 1.
+
+    Something acts on the agent that the model lacks, such as the history force. Without that factor, the others follow what
+    the films show of them, and the residuals say how well.
+    """
+    found = {}
+    for solution in solutions:
+        if solution is None:
+            continue
+        for j, name in enumerate(solution.problem.names):
+            least, most = PLAUSIBLE.get(name, (LEAST, MOST))
+            value = _limit(factor_of(name, float(solution.x[j])))
+            deviation = float(np.sqrt(solution.covariance[j, j]))
+            if (
+                not least <= value <= most
+                and _find_excess(solution, j, float(solution.x[j]), deviation) < 1.0
+            ):
+                found[name] = value
+    if not found:
+        return {}
+    worst = max(found, key=lambda name: abs(np.log(found[name])))
+    return {worst: f"the tracks ask for {found[worst]:.2g}, so something acts on it that the model lacks"}
+
+
+def _solve_free_flight(whole: Problem, x: FloatArray) -> tuple[Solution | None, FloatArray]:
+    """Return the fit to what the films show before any contact, and its unknowns; ``None`` if that is too little.
+
+    After a contact a flight depends on the finest details of the release: what it tells of drag and weight is not to be
+    trusted. When the contact is, depends on the fit, so there are several.
+    """
+    found = None
+    for share in SHARES:
+        films = [
+            film.cut(whole.camera(x, k).delay + _end_free_flight(path, share))
+            if path.contact < whole.until(x, k)
+            else film
+            for k, (film, path) in enumerate(zip(whole.films, whole.paths(x), strict=True))
+        ]
+        if min(len(film.track.t) for film in films) < FEWEST_FREE:
+            return None, x
+        if found is not None and [len(f.track.t) for f in films] == [
+            len(f.track.t) for f in found.problem.films
+        ]:
+            break
+        problem = Problem(
+            films, whole.names, found.problem.noise if found else whole.noise, whole.known_before
+        )
+        found = solve_problem(problem, x)
+        x = found.x
+    return found, x
+
+
+def _end_free_flight(path: Path, share: float) -> float:
+    """Return the time (s) up to which a flight is free, even if it was released a little lower than the model has it."""
+    k = int(np.searchsorted(path.t, path.contact)) - 1
+    speed = float(np.linalg.norm(path.velocity[max(k, 0)]))
+    return share * path.contact - 3 * RELEASE_RISE / max(speed, 0.01)
+
+
+def _contacts(problem: Problem, x: FloatArray) -> list[float]:
+    """Return the time (s) of the first contact in each film; infinite without one."""
+    return [path.contact + problem.camera(x, k).delay for k, path in enumerate(problem.paths(x))]
+
+
+def _list_contacts(problem: Problem, x: FloatArray) -> list[FloatArray]:
+    """Return the unknowns with each start of the last coefficient of contact, and those of the others that fit best with it."""
+    places = [j for j, name in enumerate(problem.names) if name in CONTACT]
+    found: dict[float, tuple[float, FloatArray]] = {}
+    for values in product(STARTS, repeat=len(places)):
+        trial = x.copy()
+        trial[places] = np.clip(values, problem.low[places], problem.high[places])
+        cost = float(np.minimum(problem.residuals(trial) ** 2, 100.0).sum())
+        last = float(trial[places[-1]]) if places else 0.0
+        if last not in found or cost < found[last][0]:
+            found[last] = (cost, trial)
+    return [trial for _, trial in found.values()]
+
+
+def _touches(problem: Problem, x: FloatArray) -> bool:
+    """Return whether any flight touches a wall while it is filmed."""
+    return any(path.contact < problem.until(x, k) for k, path in enumerate(problem.paths(x)))
+
+
+def list_reasons(films: Sequence[Filmed], names: Sequence[str]) -> dict[str, str]:
+    """Return why factors cannot be fitted to these films at all."""
+    reasons = {name: "not asked for" for name in NAMES if name not in names}
+    benches = [film.bench for film in films]
+    drags = [bench.coefficients.drag for bench in benches]
+    damped = any(
+        bench.coefficients.linear_damping.any() or bench.coefficients.quadratic_damping.any()
+        for bench in benches
+    )
+    if not damped:
+        if all(drag is None for drag in drags):
+            why = "the agent's model has no drag (hydrodynamics.drag = 'strips')"
+            reasons |= {"axial_drag": why, "cross_drag": why}
+        elif all(_is_round(drag) for drag in drags if drag is not None):
+            reasons["axial_drag"] = "a sphere has one drag, which is that of cross_drag"
+    if benches[0].hull_weight == 0.0:
+        reasons["hull_density"] = "the agent has no hull"
+    if not any(bench.scenario.pipe.segments for bench in benches):
+        reasons |= dict.fromkeys(CONTACT, "the scenario has no walls")
+    elif not any(bench.scenario.contact.friction for bench in benches):
+        reasons["friction"] = "contact.friction is 0"
+    return reasons
+
+
+@dataclass(frozen=True, eq=False)
+class _Judgement:
+    """Which factors of a solution are known, and how well.
+
+    ``x`` are the unknowns with those factors at 1 that are not known; ``deviation`` (factors,) contains how far the
+    others moved thereby.
+    """
+
+    known: tuple[int, ...]
+    x: FloatArray
+    deviation: FloatArray
+
+
+def _judge(solution: Solution, names: Sequence[str]) -> _Judgement:
+    """Return which of the factors ``names`` are known.
+
+    One after the other, the factor whose interval is too wide by most is left at 1. The others move to what fits best
+    with that, and their variance grows by the square of the move: it may be as wrong as it is large.
+    """
+    problem, x, covariance = solution.problem, solution.x, solution.covariance
+    count = len(problem.names)
+    judged = [j for j, name in enumerate(problem.names) if name in names]
+    known = list(judged)
+    while True:
+        left = [j for j in judged if j not in known]
+        moved = x.copy()
+        if left:
+            gain = covariance[:, left] @ np.linalg.pinv(covariance[np.ix_(left, left)], hermitian=True)
+            moved = x - gain @ x[left]
+        deviation = np.sqrt(np.diag(covariance)[:count] + (moved - x)[:count] ** 2)
+        excess = [_find_excess(solution, j, float(moved[j]), float(deviation[j])) for j in known]
+        if not known or max(excess) <= 1.0:
+            return _Judgement(tuple(known), moved, deviation)
+        known.pop(int(np.argmax(excess)))
+
+
+def _is_round(drag: Drag) -> bool:
+    """Return whether nearly all of a body's drag is that of a sphere."""
+    return bool(drag.round_area > ROUND * 0.25 * np.pi * drag.diameter**2)
+
+
+def _find_excess(solution: Solution, j: int, value: float, deviation: float) -> float:
+    """Return half of the interval of a factor over the widest that counts as known."""
+    name = solution.problem.names[j]
+    low, middle, high = _find_interval(solution, name, value, deviation)
+    return (high - low) / 2 / find_widest(solution.problem.films[0].bench, name, middle)
+
+
+def find_widest(bench: Bench, name: str, factor: float) -> float:
+    """Return half of the widest interval of a factor that counts as known.
+
+    The density of the hull must be known itself, since other agents are printed with it, and so must the net weight.
+    """
+    if name != "hull_density":
+        return WIDEST * factor
+    net = abs(bench.net_weight / max(bench.hull_weight, 1e-12) + factor - 1)
+    return max(WIDEST_HULL, WIDEST * min(max(1.0, factor), net))
+
+
+def _find_interval(
+    solution: Solution, name: str, value: float, deviation: float
+) -> tuple[float, float, float]:
+    """Return low, value and high of a factor from its parameter and the deviation of that."""
+    from scipy.stats import t as student
+
+    problem = solution.problem
+    freedom = max(3.0, sum(problem.counts) - len(problem.parameters))
+    width = float(student.ppf(0.5 + CONFIDENCE / 2, freedom)) * deviation
+    low, middle, high = (_limit(factor_of(name, v)) for v in (value - width, value, value + width))
+    return low, middle, high
+
+
+def _estimate(
+    solution: Solution, judgement: _Judgement, names: Sequence[str], reasons: Mapping[str, str]
+) -> dict[str, FactorEstimate]:
+    """Return what is known of the factors ``names``; ``reasons`` are why some cannot be."""
+    problem, deviation = solution.problem, judgement.deviation
+    own = np.sqrt(np.diag(solution.covariance))
+    correlation = solution.covariance / np.outer(own, own)
+    found = {}
+    for name in names:
+        if name in reasons:
+            found[name] = FactorEstimate(reason=reasons[name])
+            continue
+        j = problem.names.index(name)
+        if j in judgement.known:
+            low, middle, high = _find_interval(solution, name, float(judgement.x[j]), float(deviation[j]))
+            found[name] = FactorEstimate(middle, low, high, True)
+            continue
+        others = [k for k in range(len(problem.names)) if k != j and abs(correlation[j, k]) > ALIKE]
+        low, middle, high = _find_interval(solution, name, float(solution.x[j]), float(own[j]))
+        if own[j] > 0.9 * problem.parameters[j].prior:
+            why = "it has no effect on these tracks"
+        elif _find_excess(solution, j, float(solution.x[j]), float(own[j])) <= 1.0:
+            left = [k for k in range(len(problem.names)) if k != j and k not in judgement.known]
+            most = max(left, key=lambda k: abs(correlation[j, k] * solution.x[k] / own[k]), default=j)
+            why = f"it would be {middle:.2g}, but depends on {_name(problem.names[most])}, which is not known"
+        elif others:
+            why = f"the tracks cannot tell it from {' and '.join(_name(problem.names[k]) for k in others)}"
+        else:
+            what = "a hull of" if name == "hull_density" else "anything from"
+            why = f"the tracks leave {what} {low:.2g} to {high:.2g} possible"
+        found[name] = FactorEstimate(reason=why)
+    return found
+
+
+def _name(name: str) -> str:
+    return "net_weight" if name == "hull_density" else name
+
+
+def _limit(value: float) -> float:
+    return float(np.clip(value, LEAST, MOST))
+
+
+def _weigh_net(hull: FactorEstimate, net: float, weight: float) -> FactorEstimate:
+    """Return the factor on the net weight that follows from that on the hull's density."""
+    if not hull.known or net == 0.0 or hull.low is None or hull.high is None:
+        return FactorEstimate(reason=hull.reason or "the agent's net weight is 0 in the model")
+    value, low, high = (1 + (h - 1) * weight / net for h in (hull.value, hull.low, hull.high))
+    return FactorEstimate(value, min(low, high), max(low, high), True)
+
+
+def _finish(free: Solution, last: Solution, reasons: dict[str, str], notes: Sequence[str] = ()) -> Fit:
+    """Return the fit: drag and weight as free flight has shown them, restitution and friction as contact has."""
+    touched = [name for name in last.problem.names if name not in free.problem.names]
+    falling = [name for name in NAMES if name not in touched]
+    found = {
+        **_estimate(free, _judge(free, falling), falling, reasons),
+        **_estimate(last, _judge(last, touched), touched, reasons),
+    }
+    estimates = {name: found[name] for name in NAMES}
+    problem, bench = last.problem, last.problem.films[0].bench
+    nuisance = range(len(problem.names), len(last.x))
+    calibrated, plain = last.x.copy(), last.x.copy()
+    for j, name in enumerate(problem.names):
+        plain[j] = 0.0
+        calibrated[j] = parameter_of(name, estimates[name].value)
+    calibrated = find_best(problem, calibrated, nuisance)
+    plain = find_best(problem, plain, nuisance, tolerance=1e-3)
+    far = [
+        f"{film.track.name}: {count} points lie far off and count little"
+        for film, off in zip(problem.films, problem.distances(calibrated), strict=True)
+        if (count := int((off > FAR * 1.4826 * float(np.nanmedian(off))).sum()))
+    ]
+    return Fit(
+        estimates,
+        _weigh_net(estimates["hull_density"], bench.net_weight, bench.hull_weight),
+        _measure(problem.distances(calibrated)),
+        _measure(problem.distances(plain)),
+        problem.noise,
+        (*_correlate(free, estimates), *_correlate(last, {name: estimates[name] for name in touched})),
+        problem,
+        calibrated,
+        plain,
+        (*notes, *far, *_list_misfits(problem)),
+    )
+
+
+def _list_misfits(problem: Problem) -> list[str]:
+    """Return a note for each track that fits far worse than the others: its release or camera may not have been found."""
+    found = []
+    for k, (film, noise) in enumerate(zip(problem.films, problem.noise, strict=True)):
+        others = [n for j, n in enumerate(problem.noise) if j != k]
+        if others and (ratio := noise / float(np.median(others))) >= WORSE:
+            found.append(
+                f"{film.track.name}: lies {1000 * noise:.2g} mm off, {ratio:.2g} times as far as the other tracks; fit without it, and "
+                "compare"
+            )
+    return found
+
+
+def _correlate(solution: Solution, estimates: Mapping[str, FactorEstimate]) -> list[tuple[str, str, float]]:
+    """Return the correlations of the known ones among factors."""
+    names, covariance = solution.problem.names, solution.covariance
+    known = [j for j, name in enumerate(names) if name in estimates and estimates[name].known]
+    rows = [
+        (names[i], names[j], round(float(covariance[i, j] / np.sqrt(covariance[i, i] * covariance[j, j])), 3))
+        for a, i in enumerate(known)
+        for j in known[a + 1 :]
+    ]
+    return [row for row in rows if abs(row[2]) > NEGLIGIBLE]
+
+
+def _measure(distances: Sequence[FloatArray]) -> float:
+    """Return the root mean square of distances, m."""
+    every = np.concatenate([off.ravel() for off in distances])
+    return float(np.sqrt(np.nanmean(every**2)))

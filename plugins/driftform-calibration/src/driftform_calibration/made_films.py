@@ -1,0 +1,104 @@
+"""Films that nobody made: flights of an agent in a world that is known, as an imperfect camera would show them.
+
+To check what a calibration finds: the world differs from the model by known factors, the release is by hand, and the camera
+is tilted, its scale is a little wrong, its frames do not begin at the release, and every point has noise.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from driftform.pipeline import Pipeline
+from driftform.types import FloatArray, Morphology
+from driftform.water import Factors
+from driftform_calibration.bench import Bench, ReleaseError
+from driftform_calibration.camera import Camera, see_points, view_matrix
+from driftform_calibration.problem import RELEASE_ANGLE, RELEASE_RISE, RELEASE_SPEED, Filmed
+from driftform_calibration.tracks import Marker, Track, check_track
+
+SURFACE = -0.02
+"""Height of the core's centre at which a film of a rising agent ends; the surface is at 0, m."""
+
+
+@dataclass(frozen=True)
+class Filming:
+    """How a film is made: frames for each second, noise of a point (m), and standard deviations of what else is wrong.
+
+    Attributes
+    ----------
+    fps
+        frames for each second; the release is at any time within the first frame.
+    noise
+        of each coordinate, m.
+    longest
+        time that is filmed, s.
+    scale
+        relative.
+    tilt
+        of the camera, rad.
+    release
+        1 for releases as by hand, 0 for exact ones.
+    """
+
+    fps: float = 60.0
+    noise: float = 0.002
+    longest: float = 2.0
+    scale: float = 0.005
+    tilt: float = float(np.deg2rad(3.0))
+    release: float = 1.0
+
+
+def place_drop(pipeline: Pipeline, morphology: Morphology, pitch_deg: float, depth: float = 1.0) -> Bench:
+    """Return the bench of a release from rest in a tank of that depth (m): near the surface, or near the floor if it floats."""
+    bench = Bench.of(pipeline, morphology)
+    start = -0.1 if bench.net_weight > 0 else 0.3 - depth
+    [segment] = bench.scenario.pipe.segments
+    ends = [(x, y, segment.radius - depth) for x, y, _ in (segment.start, segment.end)]
+    pipe = bench.scenario.pipe.model_copy(
+        update={"segments": (segment.model_copy(update={"start": ends[0], "end": ends[1]}),)}
+    )
+    release = bench.scenario.release.model_copy(
+        update={"pitch_deg": float(pitch_deg), "position": (0.0, 0.0, start)}
+    )
+    return replace(bench, scenario=bench.scenario.model_copy(update={"pipe": pipe, "release": release}))
+
+
+def draw_world(bench: Bench, rng: np.random.Generator, spread: float = 0.3) -> Factors:
+    """Return factors of a world that differ from 1 by up to ``spread``; the hull's density by so much of the net weight."""
+    axial, cross, added, weight, restitution, friction = rng.uniform(1 - spread, 1 + spread, 6).tolist()
+    hull = 1 + (weight - 1) * bench.net_weight / bench.hull_weight
+    return Factors(axial, cross, added, float(np.clip(hull, 0.3, 3.0)), restitution, friction)
+
+
+def film_flight(
+    bench: Bench,
+    world: Factors,
+    rng: np.random.Generator,
+    filming: Filming | None = None,
+    name: str = "film.csv",
+) -> Filmed:
+    """Return a film of a flight in a world, up to the surface at z = 0."""
+    how = filming or Filming()
+    path = bench.fly(world, _release_by_hand(rng, how.release), how.longest)
+    high = np.flatnonzero(path.position[:, 2] > SURFACE)
+    end = float(path.t[high[0]]) if len(high) else float(path.t[-1])
+    t = np.arange(0.0, end, 1 / how.fps)
+    camera = Camera(
+        rng.uniform(0.0, 1 / how.fps),
+        rng.normal(0.0, how.scale),
+        rng.normal(0.0, how.tilt),
+        0.0,
+        (rng.normal(0.0, 0.3), rng.normal(0.0, 0.3)),
+    )
+    blank = Track(name, t, (Marker(0.0, np.zeros((len(t), 2))),), np.full(len(t), np.nan))
+    [seen], _ = see_points(path, blank, view_matrix(blank, "side"), camera)
+    noisy: FloatArray = seen + rng.normal(0.0, how.noise, seen.shape)
+    return Filmed(bench, check_track(name, replace(blank, markers=(Marker(0.0, noisy),))))
+
+
+def _release_by_hand(rng: np.random.Generator, share: float) -> ReleaseError:
+    pitch, yaw = share * rng.normal(0.0, RELEASE_ANGLE, 2)
+    right, up = share * rng.normal(0.0, RELEASE_SPEED, 2)
+    return ReleaseError(
+        float(pitch), float(yaw), (float(right), 0.0, float(up)), share * rng.normal(0.0, RELEASE_RISE)
+    )

@@ -1,0 +1,207 @@
+"""A plan of drops as documents: JSON, study files for each drop, and one page to take to the tank."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from driftform.figures.section import section_svg
+from driftform.types import Agent
+from driftform.util.files import make_directory, write_text
+from driftform.util.notebook import show_table
+from driftform_calibration.drop_figure import DropPicture, drop_svg, ruler_svg
+from driftform_calibration.experiment import Drop, Plan, Tank, describe_plan
+from driftform_calibration.page import make_page
+
+TABLES = ("pipe", "flow", "fluid", "release", "contact", "flight", "robustness")
+"""Tables of a drop's study file; its plugins are those of the study that it was planned in."""
+
+DISTANCE = 8.0
+"""Distance of the camera over the length of the tank's picture: nearer, perspective bends the paths."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DropPlan:
+    """Drops to film for an agent.
+
+    Attributes
+    ----------
+    name
+        of the agent.
+    agent
+        as simulated, in the water of the tank, without ballast.
+    tank
+        in which it is dropped.
+    plan
+        the drops, and what they are expected to show.
+    document_base
+        the study that it was planned in: its plugins fly the drops.
+    """
+
+    name: str
+    agent: Agent
+    tank: Tank
+    plan: Plan
+    document_base: Mapping[str, Any]
+
+    @property
+    def drops(self) -> tuple[Drop, ...]:
+        """The drops, those that tell most first."""
+        return self.plan.drops
+
+    def document(self, files: Sequence[Path] = ()) -> dict[str, Any]:
+        """Return what ``driftform drop --json`` prints; SI units."""
+        return {
+            "agent": self.name,
+            "mass": self.agent.mass.mass,
+            "tank": [self.tank.length, self.tank.width, self.tank.depth],
+            "drops": describe_plan(self.plan),
+            "expected": {
+                name: {"half_width": half, "known": known} for name, (half, known) in self._expected().items()
+            },
+            "reasons": {_rename(name): reason for name, reason in self.plan.reasons.items()},
+            "files": [str(path) for path in files],
+        }
+
+    def _expected(self) -> dict[str, tuple[float, bool]]:
+        """Half intervals and whether they will do; that of the hull's density as one of the net weight."""
+        return {
+            _rename(name): (half * self.plan.hull_share if name == "hull_density" else half, known)
+            for name, (half, known) in self.plan.expected.items()
+        }
+
+    def write(self, directory: Path) -> list[Path]:
+        """Write the page and a study file for each drop, and return their paths."""
+        import tomli_w
+
+        make_directory(directory)
+        paths = [directory / "protocol.html"]
+        for number, drop in enumerate(self.drops, start=1):
+            dumped = drop.scenario.model_dump(mode="json", exclude_none=True)
+            kept = {key: value for key, value in self.document_base.items() if key not in (*dumped, "run")}
+            study = {
+                **kept,
+                "title": f"Drop {number} of {self.name}",
+                **{key: dumped[key] for key in TABLES},
+            }
+            path = directory / f"drop-{number}.toml"
+            write_text(path, tomli_w.dumps(study))
+            paths.append(path)
+        write_text(paths[0], self.html())
+        return paths
+
+    def html(self) -> str:
+        """Return the page to take to the tank, complete in itself."""
+        mass = 1000 * self.agent.mass.mass
+        rows = [
+            (
+                str(number),
+                f"{drop.pitch_deg:+.0f} deg ({_describe_attitude(drop.pitch_deg)})",
+                f"{1000 * drop.depth:.0f} mm",
+                f"{1000 * drop.ballast:.1f} g" if drop.ballast else "none",
+                f"{drop.duration:.2f} s, to the {drop.end}",
+                f"{drop.gain:.1f} bits",
+            )
+            for number, drop in enumerate(self.drops, start=1)
+        ]
+        heads = ("drop", "pitch", "core below the surface", "ballast", "film", "tells")
+        ballasts = any(drop.ballast for drop in self.drops)
+        expected = [
+            (name.replace("_", " "), f"{100 * half:.0f} %", _describe_known(name, known))
+            for name, (half, known) in self._expected().items()
+        ]
+        expected += [
+            (_rename(n).replace("_", " "), "-", f"no: {why}") for n, why in self.plan.reasons.items()
+        ]
+        size = self.tank
+        steps = [
+            f"Weigh the print with its core: simulated {mass:.2f} g, measured <span class=blank></span> g. "
+            "Dry it first, and look for bubbles in the water.",
+            f"Fill the tank {1000 * size.depth:.0f} mm deep. Water: {self.drops[0].scenario.fluid.density:.1f} kg/m3 in the "
+            "plan; measured temperature <span class=blank></span>. Let it come to rest for some minutes before each drop.",
+            "Print the ruler below at 100 %, and hang it upright where the agent will fall, not on the glass. "
+            "Film it before the first drop, and measure its pixels: metres of a pixel are the --scale of calibrate.",
+            f"Place the camera level, at half the depth, at least {DISTANCE * size.length:.1f} m away "
+            "(zoom in), so that perspective does not bend the paths. Fix focus and exposure; a short exposure; all frames.",
+            "Hold the agent at rest in the attitude of the drop, its axis in the plane of the picture, and let go without a "
+            "push: a thread that is cut, or tongs that open. The film may begin before.",
+        ]
+        if ballasts:
+            steps.append(
+                "Ballast: a sinker of lead on a strip of tape around the core's equator. Weigh it with its tape: "
+                "<span class=blank></span> g, and write that into <code>ballast</code> (kg) of the drop's study file."
+            )
+        steps.append(
+            "Track the core's place on the hull (the orange dot), not the middle of the silhouette; cut the track where the "
+            "agent breaks the surface or leaves the picture."
+        )
+        tracks = " ".join(f"drop-{n}.csv" for n in range(1, len(self.drops) + 1))
+        pictures = "".join(
+            drop_svg(self._picture(numbers), self.agent.body, size.length, size.depth)
+            for numbers in self._group_drops()
+        )
+        return make_page(
+            f"Drops of {self.name}",
+            f"<p>Tank {1000 * size.length:.0f} x {1000 * size.width:.0f} mm, water {1000 * size.depth:.0f} mm deep.</p>"
+            f"<h2>Releases</h2>{show_table(heads, rows)}<div class=drops>{pictures}</div>"
+            f"<h2>What to do</h2><ol>{''.join(f'<li>{step}</li>' for step in steps)}</ol>"
+            f"<p>Save the tracks beside the study files as <code>{tracks}</code>, then:</p>"
+            f"<p><code>driftform calibrate AGENT {tracks} --printed-mass KG</code></p>"
+            f"<h2>What the films are expected to show</h2>"
+            f"{show_table(('factor', 'half of the 90 % interval', 'known'), expected)}"
+            f"<h2>Ruler</h2><div class=ruler>{ruler_svg()}</div>"
+            f"<h2>The agent</h2><div class=agent>{section_svg(self.agent, self.name)}</div>",
+        )
+
+    def _group_drops(self) -> list[list[int]]:
+        """Return the numbers of drops that are alike, from 1, in the order of the first of each."""
+        groups: dict[tuple[float, float], list[int]] = {}
+        for number, drop in enumerate(self.drops, start=1):
+            groups.setdefault((drop.pitch_deg, drop.ballast), []).append(number)
+        return list(groups.values())
+
+    def _picture(self, numbers: Sequence[int]) -> DropPicture:
+        drop = self.drops[numbers[0] - 1]
+        title = f"Drop{'s' if len(numbers) > 1 else ''} {' and '.join(map(str, numbers))}"
+        caption = f"pitch {drop.pitch_deg:+.0f} deg" + (
+            f", {1000 * drop.ballast:.1f} g of ballast" if drop.ballast else ""
+        )
+        return DropPicture(title, caption, drop.scenario.release_quaternion(), drop.path)
+
+    def __repr__(self) -> str:
+        return f"<DropPlan of {self.name}: {len(self.drops)} drops>"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (
+                str(n),
+                f"{d.pitch_deg:+.0f}",
+                f"{1000 * d.depth:.0f}",
+                f"{1000 * d.ballast:.1f}",
+                f"{d.gain:.1f}",
+            )
+            for n, d in enumerate(self.drops, start=1)
+        ]
+        return show_table(("drop", "pitch deg", "depth mm", "ballast g", "bits"), rows, repr(self)[1:-1])
+
+
+def _rename(name: str) -> str:
+    return "net_weight" if name == "hull_density" else name
+
+
+def _describe_known(name: str, known: bool) -> str:
+    """Return whether a factor will count as known, in words."""
+    if known:
+        return "yes"
+    return "only if the print is weighed" if name == "net_weight" else "no, it stays at 1"
+
+
+def _describe_attitude(pitch_deg: float) -> str:
+    if pitch_deg == 0:
+        return "level"
+    return f"fore end {'down' if pitch_deg > 0 else 'up'}"
+
+
+def default_directory(name: str) -> Path:
+    """Return where the files of a plan go if nobody says."""
+    return Path("drops") / name

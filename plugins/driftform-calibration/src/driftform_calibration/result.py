@@ -1,0 +1,224 @@
+"""What a calibration found: as a document, as files, as pictures, and in a notebook."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from driftform.figures.intervals import intervals_svg
+from driftform.runs.agent_file import StoredAgent, write_agent
+from driftform.types import FloatArray
+from driftform.util.files import make_directory, write_text
+from driftform.util.notebook import show_picture, show_table
+from driftform.water import Calibration
+from driftform_calibration.camera import see_points
+from driftform_calibration.fit import FactorEstimate, Fit
+from driftform_calibration.page import make_page
+from driftform_calibration.track_figure import TrackPanel, tracks_svg
+
+SHOWN = ("axial_drag", "cross_drag", "added_mass", "net_weight", "restitution", "friction")
+"""The factors as people read them: the density of the hull shows as the net weight that it changes."""
+
+STATIONS = 300
+"""Points of a path that is drawn."""
+
+FILES = ("calibration.toml", "agent.json", "report.html", "tracks.svg", "factors.svg")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CalibrationResult:
+    """Factors on the model of an agent, fitted to films of its flights.
+
+    Attributes
+    ----------
+    name
+        of the agent.
+    fit
+        values and intervals, and the problem that was solved.
+    stored
+        the agent as it was opened.
+    scenarios
+        in which each track was flown, by name.
+    """
+
+    name: str
+    fit: Fit
+    stored: StoredAgent
+    scenarios: Sequence[str]
+
+    @property
+    def factors(self) -> Mapping[str, FactorEstimate]:
+        """What the films show of each factor: value, low, high, known, and why not."""
+        found = {**self.fit.estimates, "net_weight": self.fit.net_weight}
+        return {name: found[name] for name in SHOWN}
+
+    @property
+    def calibration(self) -> Calibration:
+        """The table ``[calibration]`` for a study."""
+        return self.fit.calibration(self.name)
+
+    @property
+    def residual(self) -> float:
+        """Root mean square distance of the films from the calibrated flights, m."""
+        return self.fit.residual
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was mended in the tracks, and found on the way, one line each."""
+        read = [f"{film.track.name}: {note}" for film in self.fit.problem.films for note in film.track.notes]
+        return (*read, *self.fit.notes)
+
+    def table(self) -> dict[str, Any]:
+        """Return the table ``[calibration]`` in types of TOML."""
+        dumped = self.calibration.model_dump(mode="json", exclude_none=True)
+        return {key: value for key, value in dumped.items() if value not in ("", [])}
+
+    def toml(self) -> str:
+        """Return the table ``[calibration]`` as text, with one line for each factor."""
+        # JSON of numbers, texts and lists of these is TOML too.
+        rows = [f"{key} = {json.dumps(value)}" for key, value in self.table().items()]
+        return "\n".join(
+            ["# For any study: driftform evolve STUDY --calibration FILE", "[calibration]", *rows, ""]
+        )
+
+    def document(self) -> dict[str, Any]:
+        """Return what ``driftform calibrate --json`` prints; SI units."""
+        problem = self.fit.problem
+        after, before = problem.distances(self.fit.x), problem.distances(self.fit.x_before)
+        return {
+            "agent": self.name,
+            "factors": {name: _state(estimate) for name, estimate in self.factors.items()},
+            "hull_density": _state(self.fit.estimates["hull_density"]),
+            "residual": self.fit.residual,
+            "residual_before": self.fit.before,
+            "tracks": [
+                {
+                    "track": film.track.name,
+                    "scenario": scenario,
+                    "points": len(film.track.t),
+                    "duration": float(film.track.t[-1] - film.track.t[0]),
+                    "span": film.track.span,
+                    "noise": noise,
+                    "release": float(problem.camera(self.fit.x, number).delay),
+                    "residual": _root_mean_square(after[number]),
+                    "residual_before": _root_mean_square(before[number]),
+                }
+                for number, (film, noise, scenario) in enumerate(
+                    zip(problem.films, self.fit.noise, self.scenarios, strict=True)
+                )
+            ],
+            "calibration": self.table(),
+            "notes": list(self.notes),
+        }
+
+    def calibrated(self) -> StoredAgent:
+        """Return the agent with the calibration in its environment; what its run found does not hold any more."""
+        environment = {**self.stored.environment, "calibration": self.table()}
+        return replace(self.stored, environment=environment, result={})
+
+    def write(self, directory: Path) -> list[Path]:
+        """Write table, agent and pictures into a directory, and return their paths."""
+        make_directory(directory)
+        paths = [directory / name for name in FILES]
+        write_text(paths[0], self.toml())
+        write_agent(paths[1], self.calibrated())
+        write_text(paths[2], self.html())
+        write_text(paths[3], self.tracks_svg())
+        write_text(paths[4], self.factors_svg())
+        return paths
+
+    def html(self) -> str:
+        """Return a page with the factors, the films against the flights, and what was found on the way."""
+        rows = [(name.replace("_", " "), *describe_estimate(found)) for name, found in self.factors.items()]
+        notes = "".join(f"<li>{escape(note)}</li>" for note in self.notes)
+        return make_page(
+            f"Calibration of {self.name}",
+            f"<p>Root mean square distance of films and flights: {1000 * self.fit.before:.1f} mm before, "
+            f"{1000 * self.residual:.1f} mm after.</p>"
+            f"<h2>Factors</h2>{show_table(('factor', 'value', '90 % interval', ''), rows)}{self.factors_svg()}"
+            f"<h2>Films and flights</h2>{self.tracks_svg()}"
+            + (f"<h2>Notes</h2><ul>{notes}</ul>" if notes else "")
+            + f"<h2>For any study</h2><pre>{escape(self.toml())}</pre>",
+        )
+
+    def tracks_svg(self) -> str:
+        """Return the films against the model before and after calibration, as SVG."""
+        problem, fit = self.fit.problem, self.fit
+        panels = []
+        off = zip(problem.distances(fit.x_before), problem.distances(fit.x), strict=True)
+        for number, (before, after) in enumerate(off):
+            track = problem.films[number].track
+            delay = problem.camera(fit.x, number).delay
+            t = np.linspace(track.t[0], track.t[-1], STATIONS)
+            panels.append(
+                TrackPanel(
+                    track.name,
+                    track.t - delay,
+                    _flatten(track.markers[0].points),
+                    t - delay,
+                    self._trace_path(fit.x_before, number, t),
+                    self._trace_path(fit.x, number, t),
+                    before[0],
+                    after[0],
+                )
+            )
+        found = (
+            f"root mean square distance {1000 * fit.before:.1f} mm before, {1000 * fit.residual:.1f} mm after"
+        )
+        return tracks_svg(panels, f"{self.name}: films and flights", found)
+
+    def factors_svg(self) -> str:
+        """Return the factors with their intervals as SVG."""
+        known = {
+            name: (found.value, found.low, found.high)
+            for name, found in self.factors.items()
+            if found.low is not None and found.high is not None
+        }
+        return intervals_svg(known, f"{self.name}: factors", [name for name in SHOWN if name not in known])
+
+    def _trace_path(self, x: FloatArray, number: int, t: FloatArray) -> FloatArray:
+        """Return the path of the first marker in the picture at times ``t`` (s, (k,)) of the film, m, (k, 2)."""
+        problem = self.fit.problem
+        film, camera = problem.films[number], problem.camera(x, number)
+        points, _ = see_points(problem.fly(x, number), replace(film.track, t=t), film.axes, camera)
+        return _flatten(points[0])
+
+    def __repr__(self) -> str:
+        known = ", ".join(f"{name} {e.value:.3g}" for name, e in self.factors.items() if e.known)
+        return f"<Calibration of {self.name}: {known or 'nothing is known'}; residual {1000 * self.residual:.1f} mm>"
+
+    def _repr_svg_(self) -> str:
+        return self.factors_svg()
+
+    def _repr_html_(self) -> str:
+        rows = [(name, *describe_estimate(found)) for name, found in self.factors.items()]
+        return (
+            show_picture(self.factors_svg(), repr(self))
+            + show_picture(self.tracks_svg(), "films and flights")
+            + show_table(("factor", "value", "90 % interval", ""), rows)
+        )
+
+
+def describe_estimate(found: FactorEstimate) -> tuple[str, str, str]:
+    """Return value, interval and remark of a factor, for people."""
+    if not found.known or found.low is None or found.high is None:
+        return "1", "not known", found.reason
+    return f"{found.value:.3g}", f"{found.low:.3g} to {found.high:.3g}", ""
+
+
+def _state(found: FactorEstimate) -> dict[str, Any]:
+    stated = {"value": found.value, "low": found.low, "high": found.high, "known": found.known}
+    return stated if found.known else {**stated, "reason": found.reason}
+
+
+def _flatten(points: FloatArray) -> FloatArray:
+    """Return points of a picture, (n, 2); of points in space their x and z."""
+    return points[:, [0, 2]] if points.shape[1] == 3 else points
+
+
+def _root_mean_square(distances: FloatArray) -> float:
+    return float(np.sqrt(np.nanmean(distances**2)))

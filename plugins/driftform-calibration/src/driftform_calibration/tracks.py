@@ -1,0 +1,303 @@
+"""A track: where a film shows points of an agent's axis, and when. What is wrong with one, and what was mended."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from driftform.errors import InputError, did_you_mean
+from driftform.types import Body, FloatArray
+from driftform_calibration.tables import TrackTable, read_table
+
+FEWEST = 5
+"""Fewest instants of a track: a fall has a start, a speed and an acceleration, and some must be left to check them."""
+
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+"""Units of length that a track may have, in m."""
+
+SLOWEST_FILM = 2.0
+"""Longest time between most frames, s; longer ones are frames or milliseconds that were taken for seconds."""
+
+GAP = 5.0
+"""Time without a point, over the usual one, that is reported as a gap."""
+
+SMALLEST_JUMP = 0.03
+"""Distance beyond that of the neighbours, over the span of a track, that no motion explains."""
+
+SCATTER = 0.05
+"""Noise of a track over its span that no camera has."""
+
+LIKELY = 0.6
+"""Least likelihood of a point, as DeepLabCut states it."""
+
+AXIS_NAMES = {
+    "core": "core", "centre": "core", "center": "core", "body": "core", "": "core", "point": "core",
+    "fore": "fore", "nose": "fore", "head": "fore", "front": "fore",
+    "aft": "aft", "tail": "aft", "rear": "aft", "back": "aft",
+}  # fmt: skip
+"""What points of the axis are called."""
+
+
+@dataclass(frozen=True, eq=False)
+class Marker:
+    """A point of the agent's axis that was followed.
+
+    Attributes
+    ----------
+    x
+        where it is on the axis, from the core's centre, m.
+    points
+        where it was seen, m, NaN where it was not: to the right and up in the picture, (n, 2), or in space, (n, 3).
+    """
+
+    x: float
+    points: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """One filmed flight.
+
+    Attributes
+    ----------
+    name
+        of its file.
+    t
+        times of the frames, s, increasing, (n,).
+    markers
+        the points that were followed.
+    angle
+        of the axis in the picture, counterclockwise from the right, rad, (n,); NaN where it is not known.
+    notes
+        what was mended, one line each.
+    """
+
+    name: str
+    t: FloatArray
+    markers: tuple[Marker, ...]
+    angle: FloatArray
+    notes: tuple[str, ...] = ()
+
+    def cut(self, end: float) -> "Track":
+        """Return the track up to the time ``end``, s."""
+        return _pick_rows(self, np.flatnonzero(self.t <= end))
+
+    @property
+    def is_spatial(self) -> bool:
+        """True if its points are in space."""
+        return bool(self.markers[0].points.shape[1] == 3)
+
+    @property
+    def span(self) -> float:
+        """Greatest extent of its first marker in any direction, m."""
+        points = self.markers[0].points
+        seen = ~np.isnan(points).all(axis=0)
+        return float(np.max(np.nanmax(points[:, seen], axis=0) - np.nanmin(points[:, seen], axis=0)))
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How the numbers of a track are read.
+
+    Attributes
+    ----------
+    unit
+        of lengths: a key of :data:`UNITS`; ``None`` for what the file says, or m.
+    scale
+        m for each pixel, ``None`` if the coordinates are no pixels.
+    fps
+        frames for each second, ``None`` if the file has times.
+    y_down
+        whether y grows downward; ``None`` for downward if the coordinates are pixels.
+    target
+        the tracked object among several, ``None`` for the only one.
+    points
+        where on the axis (m) each named point is, besides those of :data:`AXIS_NAMES`.
+    """
+
+    unit: str | None = None
+    scale: float | None = None
+    fps: float | None = None
+    y_down: bool | None = None
+    target: str | None = None
+    points: Mapping[str, float] | None = None
+
+
+def read_track(path: Path, body: Body, reading: Reading) -> Track:
+    """Read a track: plain CSV, or what Tracker or DeepLabCut export.
+
+    Raises
+    ------
+    InputError
+        if it cannot be read, or is not the track of one flight: one line with the file and the next step.
+    """
+    table = read_table(path, reading.target)
+    scale = _find_scale(path, table, reading)
+    markers = _name_markers(path, table, body, reading)
+    t = _find_times(path, table, reading)
+    down = table.is_image or reading.scale is not None if reading.y_down is None else reading.y_down
+    notes = list(table.notes)
+    if down and reading.y_down is None:
+        notes.append("coordinates are pixels, so y is taken to point down (--y-up if it does not)")
+    flip = np.array([1.0, -1.0] if down and not table.is_spatial else [1.0] * (3 if table.is_spatial else 2))
+    points = {name: scale * flip * table.points[name] for name in markers}
+    for name, likely in table.likelihood.items():
+        if name in points and (doubtful := likely < LIKELY).any():
+            points[name][doubtful] = np.nan
+            notes.append(f"{int(doubtful.sum())} points of '{name}' less likely than {LIKELY:g} left out")
+    angle = -table.angle if down else table.angle
+    track = Track(
+        path.name, t, tuple(Marker(x, points[name]) for name, x in markers.items()), angle, tuple(notes)
+    )
+    return check_track(str(path), track)
+
+
+def check_track(label: str, track: Track) -> Track:
+    """Return a track in the order of its times and without empty rows; ``label`` names it in errors.
+
+    Raises
+    ------
+    InputError
+        if it is too short, does not move, or follows two objects.
+    """
+    notes = list(track.notes)
+    seen = np.array([~np.isnan(marker.points).all(axis=1) for marker in track.markers]).any(axis=0)
+    keep = seen & np.isfinite(track.t)
+    if (lost := int((~keep).sum())) and keep.any():
+        notes.append(f"{lost} of {len(keep)} rows without a time or a point left out")
+    track = _pick_rows(track, np.flatnonzero(keep))
+    steps = np.diff(track.t)
+    if len(steps) and (steps <= 0).all() and (steps < 0).any():
+        notes.append("times decrease from row to row: rows were put in the order of time")
+    elif (steps < 0).any():
+        notes.append(f"times go back {int((steps < 0).sum())} times: rows were put in the order of time")
+    track = _pick_rows(track, np.argsort(track.t, kind="stable"))
+    track = _merge_doubles(label, track, notes)
+    if len(track.t) < FEWEST:
+        raise InputError(f"{label}: has {len(track.t)} usable points, at least {FEWEST} are needed")
+    usual = float(np.median(np.diff(track.t)))
+    if usual > SLOWEST_FILM:
+        raise InputError(
+            f"{label}: its times are {usual:g} apart: t must be in s; give --fps N if they are frames"
+        )
+    for k in np.flatnonzero(np.diff(track.t) > GAP * usual)[:3]:
+        notes.append(f"nothing was seen from t = {track.t[k]:.3f} to {track.t[k + 1]:.3f} s")
+    _check_jumps(label, track, notes)
+    if not track.span > 0:
+        raise InputError(f"{label}: its points do not move")
+    return replace(track, notes=tuple(notes))
+
+
+def _find_scale(path: Path, table: TrackTable, reading: Reading) -> float:
+    if reading.scale is not None:
+        return reading.scale
+    if table.unit == "px":
+        raise InputError(f"{path}: its coordinates are pixels; give --scale, the metres of a pixel")
+    unit = reading.unit or table.unit or "m"
+    if unit not in UNITS:
+        raise InputError(f"{path}: unit '{unit}' is not known{did_you_mean(unit, UNITS)}; take m, cm or mm")
+    return UNITS[unit]
+
+
+def _name_markers(path: Path, table: TrackTable, body: Body, reading: Reading) -> dict[str, float]:
+    ends = {"core": 0.0, "fore": float(body.outer[-1, 0]), "aft": float(body.outer[0, 0])}
+    given = dict(reading.points or {})
+    for name in given:
+        if name not in table.points:
+            raise InputError(f"--point {name}: {path} has no such point{did_you_mean(name, table.points)}")
+    found = {
+        name: given[name] if name in given else ends[AXIS_NAMES[name.lower()]]
+        for name in table.points
+        if name in given or name.lower() in AXIS_NAMES
+    }
+    if not found and len(table.points) == 1:
+        return dict.fromkeys(table.points, 0.0)
+    if not found:
+        names = ", ".join(table.points)
+        raise InputError(
+            f"{path}: has the points {names}; say where on the axis they are, such as --point "
+            f"{next(iter(table.points))}=0.01 (m from the core's centre, fore positive)"
+        )
+    return found
+
+
+def _find_times(path: Path, table: TrackTable, reading: Reading) -> FloatArray:
+    if not table.is_frames:
+        return table.t
+    if reading.fps is None:
+        raise InputError(f"{path}: has frames and no times; give --fps, the frames for each second")
+    return np.asarray(table.t / reading.fps)
+
+
+def _pick_rows(track: Track, rows: Sequence[int] | np.ndarray[tuple[int], np.dtype[np.intp]]) -> Track:
+    markers = tuple(replace(marker, points=marker.points[rows]) for marker in track.markers)
+    return replace(track, t=track.t[rows], markers=markers, angle=track.angle[rows])
+
+
+def _merge_doubles(label: str, track: Track, notes: list[str]) -> Track:
+    """Return a track with one row for each time; many times with two different rows are two objects."""
+    double = np.flatnonzero(np.diff(track.t) <= 0)
+    if not len(double):
+        return track
+    points = track.markers[0].points
+    apart = np.nanmax(np.abs(points[double + 1] - points[double]), axis=1, initial=0.0)
+    if (apart > 1e-9).sum() > 0.2 * len(track.t):
+        raise InputError(
+            f"{label}: has two points at {int((apart > 1e-9).sum())} times, as if it followed two objects; keep one"
+        )
+    notes.append(f"{len(double)} rows with the time of another left out")
+    return _pick_rows(track, np.delete(np.arange(len(track.t)), double + 1))
+
+
+def _check_jumps(label: str, track: Track, notes: list[str]) -> None:
+    noise, span = estimate_noise(track), track.span
+    if noise > SCATTER * span:
+        raise InputError(
+            f"{label}: its points scatter by {noise:.2g} m in {span:.2g} m, as if it followed two objects; keep one"
+        )
+    for marker in track.markers:
+        known = np.flatnonzero(~np.isnan(marker.points).all(axis=1))
+        points, t = np.nan_to_num(marker.points[known]), track.t[known]
+        if len(t) < 2 * FEWEST:
+            continue
+        speed = np.linalg.norm(np.diff(points, axis=0), axis=1) / np.diff(t)
+        padded = np.pad(speed, 4, constant_values=np.nan)
+        around = np.array([np.nanmedian(np.delete(padded[k : k + 9], 4)) for k in range(len(speed))])
+        excess = (speed - 3 * around) * np.diff(t)
+        jumps = np.flatnonzero(excess > max(8 * noise, SMALLEST_JUMP * span))
+        if not len(jumps):
+            continue
+        first = jumps[0]
+        if len(jumps) % 2 == 1 and min(first, len(speed) - 1 - first) >= FEWEST:
+            raise InputError(
+                f"{label}: jumps {excess[first]:.2g} m between t = {t[first]:.3f} and {t[first + 1]:.3f} s, as if it "
+                "followed another object from there; cut the file there"
+            )
+        notes.append(f"{len(jumps)} jumps, the first at t = {t[first]:.3f} s: such points count little")
+
+
+def estimate_noise(track: Track) -> float:
+    """Return the standard deviation of the error of a track's coordinates, m, without any model of the motion.
+
+    Each point is compared with the cubic through two neighbours on each side. The error of a smooth motion is far
+    smaller; single points that are far off do not matter (median absolute deviation).
+    """
+    spreads = []
+    for marker in track.markers:
+        for values in marker.points.T:
+            known = np.isfinite(values)
+            t, v = track.t[known], values[known]
+            if len(t) < 8:
+                continue
+            offsets = np.column_stack([t[i : len(t) - 4 + i] for i in range(5)])
+            nodes = offsets[:, [0, 1, 3, 4]]
+            weights = np.ones_like(nodes)
+            for j in range(4):
+                for k in range(4):
+                    if j != k:
+                        weights[:, j] *= (offsets[:, 2] - nodes[:, k]) / (nodes[:, j] - nodes[:, k])
+            seen = np.column_stack([v[i : len(v) - 4 + i] for i in (0, 1, 3, 4)])
+            off = (v[2:-2] - (weights * seen).sum(axis=1)) / np.sqrt(1 + (weights**2).sum(axis=1))
+            spreads.append(1.4826 * float(np.median(np.abs(off))))
+    return max(spreads, default=0.0)

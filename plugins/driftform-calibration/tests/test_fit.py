@@ -1,0 +1,156 @@
+"""Fits: the truth of films that are exact, intervals of those that are not, and what films cannot show."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from driftform.design.design import Design
+from driftform.study import load_study
+from driftform.water import Factors
+from driftform.water.factors import NAMES
+from driftform_calibration.bench import Bench
+from driftform_calibration.fit import Fit, fit_factors
+from driftform_calibration.made_films import Filming, draw_world, film_flight, place_drop
+from driftform_calibration.problem import Filmed, factor_of, parameter_of
+
+pytestmark = pytest.mark.long
+
+Film = Callable[..., list[Filmed]]
+
+WORLD = Factors(axial_drag=1.2, cross_drag=1.3, added_mass=0.9, hull_density=1.1, restitution=1.2)
+EXACT = Filming(noise=1e-5, scale=0.0, tilt=0.0, release=0.0)
+FALLING = ("axial_drag", "cross_drag", "added_mass", "hull_density")
+
+
+@pytest.fixture(scope="module")
+def exact(film: Film) -> Fit:
+    return fit_factors(film(WORLD, EXACT))
+
+
+@pytest.fixture(scope="module")
+def noisy(film: Film) -> list[Filmed]:
+    return film(WORLD, Filming())
+
+
+@pytest.fixture(scope="module")
+def fit(noisy: list[Filmed]) -> Fit:
+    return fit_factors(noisy)
+
+
+@pytest.mark.parametrize("name", [*FALLING, "restitution"])
+def test_exact_films_show_the_factors_of_their_world(exact: Fit, name: str) -> None:
+    found = exact.estimates[name]
+    assert found.known
+    assert found.value == pytest.approx(getattr(WORLD, name), rel=0.01 if name in FALLING else 0.05)
+    assert exact.residual < 2e-4
+    assert exact.before > 0.01
+
+
+@pytest.mark.parametrize("name", FALLING)
+def test_noisy_films_show_them_within_their_intervals(fit: Fit, name: str) -> None:
+    found = fit.estimates[name]
+    if not found.known:
+        assert found.value == 1.0 and found.reason
+        return
+    assert found.low is not None and found.high is not None
+    width = found.high - found.low
+    assert found.low - width / 2 < getattr(WORLD, name) < found.high + width / 2
+    assert found.low < found.value < found.high
+
+
+def test_the_noise_is_that_of_the_film_and_the_residual_is_noise(fit: Fit) -> None:
+    assert fit.noise == pytest.approx([0.002] * 3, rel=0.2)
+    # Two coordinates of each point. After a bounce, what the fit leaves of its error grows.
+    assert 0.8 < fit.residual / (0.002 * np.sqrt(2)) < 1.5
+
+
+def test_wrong_points_count_little(noisy: list[Filmed], fit: Fit) -> None:
+    spoilt = []
+    for film in noisy:
+        [marker] = film.track.markers
+        points = marker.points.copy()
+        points[5::12] += 0.05
+        spoilt.append(replace(film, track=replace(film.track, markers=(replace(marker, points=points),))))
+    found = fit_factors(spoilt)
+    for name in FALLING:
+        plain, other = fit.estimates[name], found.estimates[name]
+        if plain.known and other.known:
+            assert plain.low is not None and plain.high is not None
+            assert abs(other.value - plain.value) < plain.high - plain.low
+    assert any("far off" in note for note in found.notes)
+
+
+def test_a_track_that_fits_far_worse_than_the_others_is_named(noisy: list[Filmed]) -> None:
+    """Its camera shook slowly, as no noise does."""
+    first, *others = noisy
+    track = first.track
+    shaken = track.markers[0].points + 0.03 * np.sin(9 * track.t)[:, None] * [1.0, -0.5]
+    spoilt = replace(first, track=replace(track, markers=(replace(track.markers[0], points=shaken),)))
+    found = fit_factors([spoilt, *others])
+    notes = [note for note in found.notes if "times as far as the other tracks" in note]
+    assert len(notes) == 1
+    assert notes[0].startswith(f"{track.name}: lies ")
+    assert not any("times as far" in note for note in fit_factors(noisy).notes)
+
+
+def test_heights_alone_show_the_drag_of_a_level_fall(film: Film) -> None:
+    films = []
+    for level in film(replace(Factors(), cross_drag=1.3), Filming(noise=5e-4), (0.0, 0.0), 2.0):
+        [marker] = level.track.markers
+        points = np.column_stack([np.full(len(level.track.t), np.nan), marker.points[:, 1]])
+        films.append(replace(level, track=replace(level.track, markers=(replace(marker, points=points),))))
+    found = fit_factors(films, ["cross_drag"]).estimates["cross_drag"]
+    assert found.known and found.low is not None and found.high is not None
+    assert found.low < 1.3 < found.high
+
+
+def test_what_films_cannot_show_is_named_and_left_at_1(film: Film) -> None:
+    deep = film(WORLD, Filming(longest=0.3), (0.0,), 3.0)
+    found = fit_factors(deep)
+    assert found.estimates["restitution"].reason == "no track touches a wall"
+    for estimate in found.estimates.values():
+        assert estimate.known or (estimate.value == 1.0 and estimate.low is None and estimate.reason)
+    only = fit_factors(deep, ["hull_density"])
+    assert only.estimates["cross_drag"].reason == "not asked for"
+
+
+def test_a_calibrated_study_flies_as_the_world_did(design: Design, film: Film, exact: Fit) -> None:
+    [shown] = film(WORLD, EXACT, (0.0,))
+    table = exact.calibration(design.name)
+    pipeline = replace(
+        design.pipeline, scenario=shown.bench.scenario.model_copy(update={"calibration": table})
+    )
+    assert design.agent.morphology is not None
+    calibrated = pipeline.realise(design.agent.morphology)
+    there = shown.bench.agent(table.factors)
+    assert calibrated.mass.mass == pytest.approx(there.mass.mass)
+    assert calibrated.coefficients.added_mass == pytest.approx(there.coefficients.added_mass)
+    assert calibrated.mass.mass == pytest.approx(shown.bench.agent(WORLD).mass.mass, rel=0.01)
+    # A second calibration is of the model, not of the calibrated model.
+    again = Bench.of(pipeline, design.agent.morphology)
+    assert again.scenario.calibration.is_empty
+    assert again.coefficients.added_mass == pytest.approx(shown.bench.coefficients.added_mass)
+
+
+def test_a_release_that_was_placed_too_early_is_found_anew_with_what_the_other_films_show() -> None:
+    """The hull is far lighter than the model's, and one film of three first fits with a release half a second early."""
+    rng = np.random.default_rng((23, 148))
+    pipeline = load_study("tank", run={"seed": 0}).make_pipeline()
+    morphology = pipeline.express(pipeline.grammar.random(rng))
+    benches = [place_drop(pipeline, morphology, pitch) for pitch in (-45.0, 0.0, 45.0)]
+    world = draw_world(benches[0], rng)
+    found = fit_factors([film_flight(bench, world, rng) for bench in benches])
+    assert found.residual < 1.5 * np.sqrt(2) * Filming().noise
+    for name in FALLING:
+        estimate = found.estimates[name]
+        assert estimate.low is not None
+        assert estimate.high is not None
+        assert estimate.low <= getattr(world, name) <= estimate.high
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("factor", [0.5, 1.0, 2.5])
+def test_factors_and_their_parameters_are_inverse(name: str, factor: float) -> None:
+    assert factor_of(name, parameter_of(name, factor)) == pytest.approx(factor)

@@ -1,0 +1,164 @@
+"""Tracks: what is mended and said, and what is refused."""
+
+import numpy as np
+import pytest
+
+from driftform.errors import InputError
+from driftform.testing.bodies import cylinder_body
+from driftform_calibration.tracks import Marker, Reading, Track, check_track, read_track
+
+BODY = cylinder_body(0.2, 0.02)
+
+
+def fall(n=40, fps=60.0):
+    """A fall from rest: times, and points to the right and up, m."""
+    t = np.arange(n) / fps
+    return t, np.column_stack([0.05 * t, -2.0 * t**2])
+
+
+def track_of(t, points):
+    return Track("film.csv", t, (Marker(0.0, points),), np.full(len(t), np.nan))
+
+
+def write_csv(path, t, points, names="t,x,y"):
+    rows = [f"{a!r},{x!r},{y!r}" for a, (x, y) in zip(t.tolist(), points.tolist(), strict=True)]
+    path.write_text("\n".join([names, *rows]) + "\n", encoding="utf-8")
+    return path
+
+
+def test_a_sound_track_is_unchanged_and_has_no_notes():
+    t, points = fall()
+    found = check_track("film.csv", track_of(t, points))
+    assert found.notes == ()
+    assert np.array_equal(found.t, t) and np.array_equal(found.markers[0].points, points)
+    assert found.span == pytest.approx(np.ptp(points[:, 1]))
+
+
+def test_rows_without_a_point_are_left_out_and_counted():
+    t, points = fall()
+    points[[3, 17]] = np.nan
+    t[8] = np.nan
+    found = check_track("film.csv", track_of(t, points))
+    assert len(found.t) == 37
+    assert found.notes == ("3 of 40 rows without a time or a point left out",)
+
+
+def test_a_gap_is_said():
+    t, points = fall()
+    keep = np.r_[0:15, 30:40]
+    found = check_track("film.csv", track_of(t[keep], points[keep]))
+    assert found.notes == (f"nothing was seen from t = {t[14]:.3f} to {t[30]:.3f} s",)
+
+
+def test_times_that_decrease_are_sorted_and_that_is_said():
+    t, points = fall()
+    found = check_track("film.csv", track_of(t[::-1], points[::-1]))
+    assert np.array_equal(found.t, t) and np.array_equal(found.markers[0].points, points)
+    assert found.notes == ("times decrease from row to row: rows were put in the order of time",)
+
+
+def test_rows_that_were_exported_twice_count_once():
+    t, points = fall()
+    twice = track_of(np.repeat(t, 2), np.repeat(points, 2, axis=0))
+    found = check_track("film.csv", twice)
+    assert np.array_equal(found.t, t)
+    assert found.notes == ("40 rows with the time of another left out",)
+
+
+def test_two_objects_in_one_track_are_refused():
+    t, points = fall()
+    other = points + np.array([0.3, 0.0])
+    with pytest.raises(InputError, match="two points at 40 times, as if it followed two objects"):
+        check_track("film.csv", track_of(np.repeat(t, 2), np.stack([points, other], axis=1).reshape(-1, 2)))
+    alternating = np.where((np.arange(40) % 3 == 0)[:, None], other, points)
+    with pytest.raises(InputError, match=r"its points scatter by .* as if it followed two objects"):
+        check_track("film.csv", track_of(t, alternating))
+    later = np.where((np.arange(40) >= 20)[:, None], other + np.array([0.0, 0.5]), points)
+    with pytest.raises(InputError, match=f"between t = {t[19]:.3f} and {t[20]:.3f} s, .* cut the file there"):
+        check_track("film.csv", track_of(t, later))
+
+
+def test_a_single_wrong_point_is_said_and_left_to_the_robust_fit():
+    t, points = fall()
+    points[25] += [1.0, 0.0]
+    [note] = check_track("film.csv", track_of(t, points)).notes
+    assert note.startswith("2 jumps") and f"{t[24]:.3f}" in note
+
+
+def test_a_film_that_begins_long_before_the_release_does_not_jump():
+    _t, points = fall()
+    held = np.repeat(points[:1], 200, axis=0) + 1e-4 * np.sin(np.arange(200))[:, None]
+    times = np.arange(240) / 60
+    assert check_track("film.csv", track_of(times, np.vstack([held, points]))).notes == ()
+
+
+@pytest.mark.parametrize(
+    ("t", "points", "message"),
+    [
+        (np.arange(3) / 60, np.zeros((3, 2)), "has 3 usable points, at least 5 are needed"),
+        (16.7 * np.arange(9), fall(9)[1], "its times are 16.7 apart: t must be in s"),
+        (np.arange(9) / 60, np.zeros((9, 2)), "do not move"),
+        (np.arange(9) / 60, np.full((9, 2), np.nan), "has 0 usable points"),
+    ],
+)
+def test_a_track_that_cannot_be_mended_is_refused_in_one_line(t, points, message):
+    with pytest.raises(InputError, match=message) as error:
+        check_track("film.csv", track_of(t, points))
+    assert str(error.value).startswith("film.csv: ")
+
+
+def test_lengths_are_read_in_the_unit_that_is_named(tmp_path):
+    t, points = fall()
+    path = write_csv(tmp_path / "film.csv", t, 1000 * points)
+    in_mm = read_track(path, BODY, Reading(unit="mm"))
+    assert in_mm.markers[0].points == pytest.approx(points)
+    with pytest.raises(InputError, match="unit 'inch' is not known"):
+        read_track(path, BODY, Reading(unit="inch"))
+    named = write_csv(tmp_path / "named.csv", t, 100 * points, "t,x (cm),y (cm)")
+    assert read_track(named, BODY, Reading()).markers[0].points == pytest.approx(points)
+
+
+def test_pixels_need_a_scale_and_point_down(tmp_path):
+    t, points = fall()
+    path = write_csv(tmp_path / "film.csv", t, points * [500.0, -500.0], "t,x_px,y_px")
+    with pytest.raises(InputError, match="give --scale, the metres of a pixel"):
+        read_track(path, BODY, Reading())
+    found = read_track(path, BODY, Reading(scale=0.002))
+    assert found.markers[0].points == pytest.approx(points)
+    assert "y is taken to point down" in found.notes[0]
+    up = read_track(path, BODY, Reading(scale=0.002, y_down=False))
+    assert up.markers[0].points[:, 1] == pytest.approx(-points[:, 1]) and up.notes == ()
+
+
+def test_frames_need_their_rate(tmp_path):
+    t, points = fall()
+    path = write_csv(tmp_path / "film.csv", np.arange(40), points, "frame,x,y")
+    with pytest.raises(InputError, match="has frames and no times; give --fps"):
+        read_track(path, BODY, Reading())
+    assert read_track(path, BODY, Reading(fps=60.0)).t == pytest.approx(t)
+
+
+def test_the_ends_of_the_body_are_known_and_other_points_must_be_placed(tmp_path):
+    t, points = fall()
+    rows = [f"{a},{x},{y},{x},{y}" for a, (x, y) in zip(t, points, strict=True)]
+    path = tmp_path / "film.csv"
+    path.write_text("\n".join(["t,nose_x,nose_y,tail_x,tail_y", *rows]), encoding="utf-8")
+    assert [marker.x for marker in read_track(path, BODY, Reading()).markers] == [0.1, -0.1]
+    placed = read_track(path, BODY, Reading(points={"nose": 0.03}))
+    assert [marker.x for marker in placed.markers] == [0.03, -0.1]
+    path.write_text("\n".join(["t,dot_x,dot_y,ring_x,ring_y", *rows]), encoding="utf-8")
+    with pytest.raises(InputError, match=r"has the points dot, ring; .* --point dot="):
+        read_track(path, BODY, Reading())
+    with pytest.raises(InputError, match=r"--point eye: .* has no such point"):
+        read_track(path, BODY, Reading(points={"eye": 0.0}))
+
+
+def test_unlikely_points_of_deeplabcut_are_left_out(tmp_path):
+    t, points = fall()
+    path = tmp_path / "film.csv"
+    rows = [f"{k},{500 * x},{-500 * y},{0.2 if k == 7 else 0.9}" for k, (x, y) in enumerate(points)]
+    head = ["scorer,n,n,n", "bodyparts,core,core,core", "coords,x,y,likelihood"]
+    path.write_text("\n".join([*head, *rows]), encoding="utf-8")
+    found = read_track(path, BODY, Reading(scale=0.002, fps=60.0))
+    assert len(found.t) == 39 and t[7] not in found.t
+    assert any("less likely than 0.6" in note for note in found.notes)

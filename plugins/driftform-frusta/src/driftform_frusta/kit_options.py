@@ -1,0 +1,158 @@
+"""The options of a kit."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from driftform.interfaces import Printer
+from driftform.options import Table, option
+from driftform_frusta.lettering import missing_letters
+
+LEAD = 11340.0
+"""Density of lead, kg/m3."""
+
+GROOVE_SHARE = 0.8
+"""Room between bore and groove over the cord of an O-ring: a squeeze of 20 %, usual for a seal at rest."""
+
+GROOVE_WIDTH = 1.1
+"""Width of the groove's bottom over the cord: with the sloped side, the ring fills two thirds of the groove."""
+
+GROOVE_MARGIN = 0.001
+"""m of sleeve on either side of a groove."""
+
+MOST_BALLS = 2
+"""Balls of ballast: two give every mass and moment that one alone has no room for."""
+
+_Length = Annotated[float, Field(gt=0, le=10, strict=True)]
+
+_Ballast = tuple[
+    Annotated[float, Field(ge=-10, le=10, strict=True)], Annotated[float, Field(ge=0.0005, le=1, strict=True)]
+]
+"""x of the centre of a ball, and its diameter, m."""
+
+
+class KitOptions(Table):
+    """How a hull is cut into parts that enclose the core."""
+
+    clearance: float = option(
+        0.0002,
+        "gap between parts that fit into each other, and between seat and core",
+        "m",
+        ge=0.00005,
+        le=0.002,
+    )
+    joint: Literal["auto", "sleeve", "rabbet"] = option(
+        "auto",
+        "joint of the shells around the core: 'sleeve', a ring inside that slides into the other shell, at "
+        "the core's equator or as near to it as the core leaves room; 'rabbet', a step in the thickness of the wall, at "
+        "the equator; 'auto', a sleeve if there is room for one",
+    )
+    sleeve: float = option(0.0012, "thickness of a sleeve", "m", ge=0.0004, le=0.01)
+    lap: float = option(
+        0.006, "length of a sleeve within the other part; a rabbet has half of it", "m", ge=0.002, le=0.05
+    )
+    o_ring: float = option(
+        0.0,
+        "cord diameter of the O-ring in each sleeve, for which a groove is cut; 0: no O-rings, the joints are glued",
+        "m",
+        ge=0,
+        le=0.01,
+    )
+    nozzle: float = option(
+        Printer().nozzle,
+        "diameter of the printer's nozzle, which is the thinnest step of a joint",
+        "m",
+        gt=0,
+        le=0.005,
+    )
+    bed: tuple[_Length, _Length, _Length] = option(
+        Printer().bed,
+        "largest size of a part: width, depth and height; longer parts are cut at joints of modules",
+        "m",
+    )
+    ballast: tuple[_Ballast, ...] = option(
+        (),
+        "one or two balls of ballast that get a seat, as 'driftform trim' computes them: of each x of its centre, from the "
+        "core's, and its diameter",
+        "m",
+    )
+    drain: float = option(
+        0.0,
+        "diameter of holes on the axis through both ends, to fill and to drain the hull; 0: no holes",
+        "m",
+        ge=0,
+        le=0.02,
+    )
+    engrave: str = option("", "text to engrave in each part of a kit that has enough room", max_length=40)
+    engrave_side: Literal["outside", "inside"] = option("outside", "side of the wall to engrave")
+    engrave_depth: float = option(0.0004, "depth of the engraving", "m", gt=0, le=0.005)
+    engrave_size: float = option(0.005, "height of its capital letters", "m", ge=0.001, le=0.1)
+
+    @field_validator("bed", "ballast", mode="before")
+    @classmethod
+    def _from_a_list(cls, value: object) -> object:
+        return tuple(map(cls._from_a_list, value)) if isinstance(value, list) else value
+
+    @field_validator("ballast")
+    @classmethod
+    def _is_of_two_balls(cls, value: tuple[_Ballast, ...]) -> tuple[_Ballast, ...]:
+        if len(value) > MOST_BALLS:
+            raise ValueError(
+                f"a kit holds at most {MOST_BALLS} balls of ballast, not {len(value)}: replace two of them by one of their "
+                "mass, at the point where they balance"
+            )
+        return value
+
+    @field_validator("engrave")
+    @classmethod
+    def _can_be_engraved(cls, value: str) -> str:
+        if letters := missing_letters(value):
+            raise ValueError(f"cannot engrave {letters!r}; use digits, A to Z and - . _ / : + #")
+        return value
+
+    @property
+    def groove(self) -> float:
+        """Depth of the O-ring's groove, m; 0 without an O-ring."""
+        return max(0.0, GROOVE_SHARE * self.o_ring - self.clearance)
+
+    @model_validator(mode="after")
+    def _sleeve_takes_the_groove(self) -> "KitOptions":
+        if not self.o_ring:
+            return self
+        if self.joint == "rabbet":
+            raise ValueError(
+                "a rabbet has no room for an O-ring: set joint to 'sleeve', or o_ring to 0 and glue the joint"
+            )
+        needed = self.groove + self.nozzle
+        # A printer cannot resolve a tenth of a micrometre.
+        if self.sleeve < needed - 1e-7:
+            raise ValueError(
+                f"the groove for an O-ring of {1e3 * self.o_ring:g} mm needs a sleeve of {needed:.4g} m or more, "
+                f"not {self.sleeve:g}"
+            )
+        along = GROOVE_WIDTH * self.o_ring + self.groove + 2 * GROOVE_MARGIN
+        if self.lap < along - 1e-7:
+            raise ValueError(
+                f"the groove for an O-ring of {1e3 * self.o_ring:g} mm needs a lap of {along:.4g} m or more, "
+                f"not {self.lap:g}"
+            )
+        return self
+
+
+class PartOptions(KitOptions):
+    """The options of every exporter of meshes; those of a kit apply if ``kit`` is true."""
+
+    kit: bool = option(False, "cut the hull into parts that are joined around the core")
+    ballast_density: float = option(
+        LEAD,
+        "density of the balls of ballast, which the assembly sheet weighs",
+        "kg/m3",
+        ge=100,
+        le=30_000,
+    )
+    segments: int = option(64, "corners of every circle of the mesh", ge=12, le=1024)
+    layer_height: float = option(
+        0.0002, "layer height that the assembly sheet and 3MF files recommend", "m", gt=0, le=0.01
+    )
+    perimeters: int = option(3, "perimeters that they recommend", ge=1, le=100)
+    infill: float = option(1.0, "share of infill that they recommend: 1 is solid, as simulated", ge=0, le=1)

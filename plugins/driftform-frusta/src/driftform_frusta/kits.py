@@ -1,0 +1,65 @@
+"""Kits: hulls that are cut into parts, by a distribution that the builder and the exporters find by an entry point."""
+
+from functools import cache
+from importlib import metadata
+from typing import Any, Protocol
+
+from driftform.errors import InputError
+from driftform.interfaces import ExportJob
+from driftform.types import Body, Fittings
+from driftform_frusta.kit_options import KitOptions, PartOptions
+from driftform_frusta.parts import Part
+
+GROUP = "driftform_frusta.kits"
+"""The group of entry points."""
+
+
+class KitMaker(Protocol):
+    """What makes kits; each method raises a WorkFailedError if no kit can be made of a body."""
+
+    def make_parts(self, body: Body, options: PartOptions) -> tuple[Part, ...]:
+        """Return the parts of a kit, from aft to fore."""
+
+    def measure_fittings(self, body: Body, options: KitOptions) -> Fittings:
+        """Return what a kit has beside the wall of the hull: joints and seats."""
+
+    def list_facts(self, job: ExportJob, options: PartOptions) -> dict[str, Any]:
+        """Return how a kit balances, as facts of its files."""
+
+    def draw_sheet(self, job: ExportJob, options: PartOptions, name: str) -> str:
+        """Return the assembly sheet of a kit in the format ``name``, as SVG."""
+
+
+@cache
+def find_maker() -> KitMaker:
+    """Return the installed maker of kits.
+
+    Raises
+    ------
+    InputError
+        if there is none.
+    """
+    for point in metadata.entry_points(group=GROUP):
+        maker: KitMaker = point.load()
+        return maker
+    raise InputError("a kit needs a distribution that makes kits; run: pip install driftform-kit")
+
+
+def list_kit_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
+    """Return how the kit of an agent balances, as facts of its files; empty for a hull in one piece."""
+    return find_maker().list_facts(job, options) if options.kit else {}
+
+
+def make_parts(body: Body, options: PartOptions) -> tuple[Part, ...]:
+    """Return the parts of a body: its sealed hull, or those of its kit, from aft to fore.
+
+    Raises
+    ------
+    WorkFailedError
+        if it cannot be printed this way; the message has the reason.
+    """
+    if options.kit:
+        return find_maker().make_parts(body, options)
+    from driftform_frusta.printable import build_printable_hull
+
+    return (Part("hull", *build_printable_hull(body, options.segments)),)

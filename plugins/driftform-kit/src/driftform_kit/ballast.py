@@ -1,0 +1,364 @@
+"""Ballast that gives a printed agent the mass and the balance of the simulated one: mass, position and shape.
+
+For the simulated mass m0 at x0 and the printed mass m at x, the ballast is the difference of mass and moment::
+
+    m_b = m0 - m,    x_b = (m0 x0 - m x) / m_b
+
+It lies inside the hull and displaces no water. If the print is too heavy, m_b is negative, and x_b is where buoyancy
+must be added.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from driftform.agent import distance_from
+from driftform.agent.mass_elements import MassElement, ball_element
+from driftform.types import Body, FloatArray, MassProperties
+
+MATERIALS = {"steel": 7850.0, "lead": 11_340.0, "tungsten": 19_250.0}
+"""Densities of ballast, kg/m3 (CRC Handbook of Chemistry and Physics, at 20 degrees C)."""
+
+_SAME_MATERIAL = 0.01
+"""Share by which the density of a named material may differ."""
+
+FOAM = 35.0
+"""Density of extruded polystyrene foam, kg/m3 (EN 13164: 25 to 45)."""
+
+PUTTY = 1800.0
+"""Density of epoxy putty, kg/m3: data sheets state 1600 to 2000."""
+
+NEGLIGIBLE = 1e-6
+"""kg: ballast below a milligram is not needed."""
+
+THINNEST = 1e-3
+"""m: a filling along the bore that is thinner than this cannot be laid evenly."""
+
+SMALLEST = 1e-3
+"""m: diameter of the smallest ball that is one of two."""
+
+_STATIONS = 240
+_SLICES = 2000
+_WAY = 400
+_ROUNDS = 30
+
+
+@dataclass(frozen=True)
+class RequiredBallast:
+    """Ballast of ``mass`` (kg), negative for buoyancy, at ``x`` (m); ``moment`` is mass times x, kg m."""
+
+    mass: float
+    moment: float
+
+    @property
+    def x(self) -> float | None:
+        """Position of its centre, m; ``None`` if the mass is negligible."""
+        return None if abs(self.mass) < NEGLIGIBLE else self.moment / self.mass
+
+
+def required_ballast(simulated: MassProperties, printed: MassProperties) -> RequiredBallast:
+    """Return the mass and the moment that the printed agent lacks."""
+    moment = simulated.mass * simulated.cog[0] - printed.mass * printed.cog[0]
+    return RequiredBallast(simulated.mass - printed.mass, float(moment))
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A piece of ballast inside the hull: a ball of ``diameter`` (m), or a filling of the bore if that is ``None``.
+
+    It lies between ``start`` and ``end`` (x, m). ``putty`` is how much of its mass is epoxy putty, kg; a ring on the wall is
+    ``ring`` thick, m.
+    """
+
+    element: MassElement
+    start: float
+    end: float
+    diameter: float | None = None
+    putty: float = 0.0
+    ring: float | None = None
+
+
+def ball_diameter(mass: float, density: float) -> float:
+    """Return the diameter (m) of a ball of that mass (kg) and density (kg/m3)."""
+    return float(np.cbrt(6 * mass / (np.pi * density)))
+
+
+def name_material(density: float) -> str:
+    """Return what a density (kg/m3) is called: ``lead``, or the density where no material of :data:`MATERIALS` has it."""
+    for name, usual in MATERIALS.items():
+        if abs(density - usual) <= _SAME_MATERIAL * usual:
+            return name
+    return f"{density:g} kg/m3"
+
+
+def ball_mass(diameter: float, density: float) -> float:
+    """Return the mass (kg) of a ball of that diameter (m) and density (kg/m3)."""
+    return float(np.pi / 6 * density * diameter**3)
+
+
+def place_one_ball(
+    body: Body, wanted: RequiredBallast, density: float, in_kit: bool = False
+) -> tuple[Piece, ...]:
+    """Return a ball on the axis of the mass and the moment of ``wanted``, beside the core; empty if it has no room.
+
+    Parameters
+    ----------
+    body
+        of the agent.
+    wanted
+        the result is empty unless its mass is positive.
+    density
+        of the ballast, kg/m3.
+    in_kit
+        as for :func:`max_ball_radius`.
+    """
+    if not _can_hold(body, wanted) or wanted.x is None:
+        return ()
+    piece = make_ball(wanted.mass, wanted.x, density)
+    room = max_ball_radius(body, np.array([wanted.x]), in_kit)
+    return (piece,) if room[0] >= piece.element.x - piece.start else ()
+
+
+def place_two_balls(
+    body: Body,
+    wanted: RequiredBallast,
+    density: float,
+    in_kit: bool = False,
+    between: float = 0.0,
+) -> tuple[Piece, ...]:
+    """Return two balls, one on either side of the position of ``wanted``; empty if no pair has room.
+
+    It is the closest pair with at least ``between`` (m) between them, because that changes the inertia least; the
+    other parameters are those of :func:`place_one_ball`.
+    """
+    if not _can_hold(body, wanted) or wanted.x is None:
+        return ()
+    mass, x, stations = wanted.mass, wanted.x, _stations(body)
+    room = max_ball_radius(body, stations, in_kit)
+    aft, fore = stations[stations < x], stations[stations > x]
+    if not len(aft) or not len(fore):
+        return ()
+    share = (x - aft[:, None]) / (fore[None] - aft[:, None])
+    radius = np.cbrt(3 * mass * np.stack((1 - share, share)) / (4 * np.pi * density))
+    fits = (radius[0] <= room[stations < x][:, None]) & (radius[1] <= room[stations > x][None])
+    fits &= (radius >= SMALLEST / 2).all(axis=0)
+    fits &= fore[None] - aft[:, None] >= radius.sum(axis=0) + between
+    if not fits.any():
+        return ()
+    i, j = np.unravel_index(np.where(fits, fore[None] - aft[:, None], np.inf).argmin(), fits.shape)
+    heavier = float(share[i, j])
+    return (
+        make_ball(mass * (1 - heavier), float(aft[i]), density),
+        make_ball(mass * heavier, float(fore[j]), density),
+    )
+
+
+def place_filling(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
+    """Return a filling of the whole bore, such as shot or putty, of the mass and the moment of ``wanted``.
+
+    It is at least :data:`THINNEST` long. Empty if there is none; the parameters are those of :func:`place_one_ball`.
+    """
+    # scipy.optimize takes half a second to import, and most prints need no filling.
+    from scipy.optimize import brentq
+
+    if not _can_hold(body, wanted):
+        return ()
+    bore, volume = _Bore(body), wanted.mass / density
+    if volume > bore.volume:
+        return ()
+    latest = bore.volume - volume
+
+    def excess(first: float) -> float:
+        return bore.fill(first, volume, density).element.x - wanted.moment / wanted.mass
+
+    # The centre moves forward with the aft end of the filling, so that it passes x once at most.
+    if not excess(0.0) <= 0 <= excess(latest):
+        return ()
+    first = brentq(excess, 0.0, latest, xtol=1e-12 * bore.volume, rtol=1e-12)
+    piece = bore.fill(float(first), volume, density)
+    return (piece,) if piece.end - piece.start >= THINNEST else ()
+
+
+def place_nearest_ball(
+    body: Body, wanted: RequiredBallast, density: float, in_kit: bool = False
+) -> tuple[Piece, ...]:
+    """Return the ball of that mass whose centre is nearest to the wanted one; empty if it fits nowhere."""
+    if not _can_hold(body, wanted):
+        return ()
+    x = _stations(body)
+    fits = max_ball_radius(body, x, in_kit) >= ball_diameter(wanted.mass, density) / 2
+    if not fits.any():
+        return ()
+    nearest = np.abs(x[fits] - wanted.moment / wanted.mass).argmin()
+    return (make_ball(wanted.mass, float(x[fits][nearest]), density),)
+
+
+def place_nearest_filling(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
+    """Return the filling at one end of the bore whose centre is nearest to the wanted one; empty if none fits."""
+    if not _can_hold(body, wanted):
+        return ()
+    bore, volume = _Bore(body), wanted.mass / density
+    if volume > bore.volume:
+        return ()
+    at_the_ends = [bore.fill(first, volume, density) for first in (0.0, bore.volume - volume)]
+    thick = [piece for piece in at_the_ends if piece.end - piece.start >= THINNEST]
+    return (
+        (min(thick, key=lambda piece: abs(piece.element.x - wanted.moment / wanted.mass)),) if thick else ()
+    )
+
+
+def place_by_hand(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
+    """Return ballast of the wanted mass and moment that can be fixed without a seat; empty if there is none.
+
+    Balls are set in epoxy putty, which counts; where that would weigh more than they do, a ring of putty lies on the wall.
+    """
+    for balls in (place_one_ball(body, wanted, density), place_two_balls(body, wanted, density)):
+        if embedded := _embed_all(body, balls, density):
+            return embedded
+        if balls and (ring := place_ring(body, wanted)):
+            return ring
+    return place_filling(body, wanted, density) or place_ring(body, wanted)
+
+
+def place_nearest_by_hand(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
+    """Return ballast as of :func:`place_by_hand` of the wanted mass, whose centre is as near as possible to the wanted one."""
+    if embedded := _embed_all(body, place_nearest_ball(body, wanted, density), density):
+        return embedded
+    if not _can_hold(body, wanted):
+        return ()
+    places = sorted(_stations(body), key=lambda x: abs(x - wanted.moment / wanted.mass))
+    rings = (place_ring(body, RequiredBallast(wanted.mass, wanted.mass * float(x))) for x in places)
+    return next((ring for ring in rings if ring), place_nearest_filling(body, wanted, density))
+
+
+def place_ring(body: Body, wanted: RequiredBallast) -> tuple[Piece, ...]:
+    """Return a ring of epoxy putty on the wall, as thick as it is wide, of the wanted mass and moment; empty if it has no room.
+
+    It leaves half of the bore's radius free.
+    """
+    from scipy.optimize import brentq
+
+    if not _can_hold(body, wanted) or wanted.x is None:
+        return ()
+    x, volume = wanted.x, wanted.mass / PUTTY
+    bore = float(np.interp(x, body.cavity[:, 0], body.cavity[:, 1]))
+    if np.pi * (bore**2 - (bore / 2) ** 2) * bore / 2 < volume:
+        return ()
+    thick = float(brentq(lambda s: np.pi * (bore**2 - (bore - s) ** 2) * s - volume, 0.0, bore / 2))
+    start, end, inner = x - thick / 2, x + thick / 2, bore - thick
+    beside_core = np.hypot(max(abs(x) - thick / 2, 0.0), inner) >= body.core.radius
+    if not beside_core or start < body.cavity[0, 0] or end > body.cavity[-1, 0]:
+        return ()
+    axial = wanted.mass * (bore**2 + inner**2) / 2
+    element = MassElement(wanted.mass, x, axial, axial / 2 + wanted.mass * thick**2 / 12)
+    return (Piece(element, start, end, None, wanted.mass, thick),)
+
+
+def _embed_all(body: Body, balls: tuple[Piece, ...], density: float) -> tuple[Piece, ...]:
+    embedded = [embed(body, ball, density) for ball in balls]
+    return () if None in embedded else tuple(piece for piece in embedded if piece is not None)
+
+
+def embed(body: Body, ball: Piece, density: float) -> Piece | None:
+    """Return a smaller ball in putty, which together have the mass and the centre of a ball; ``None`` if they cannot.
+
+    The putty fills the bore over the length of the ball, and weighs no more than the ball.
+    """
+    from scipy.optimize import brentq
+
+    assert ball.diameter is not None
+    bore, x, mass = _Bore(body), ball.element.x, ball.element.mass
+
+    def excess(diameter: float) -> float:
+        return bore.embed(x, diameter, density).mass - mass
+
+    # Bore and ball are wider on one side: the centre of both is moved to where it should be.
+    for _ in range(_ROUNDS):
+        if excess(SMALLEST) > 0 or excess(ball.diameter) < 0:
+            return None
+        diameter = float(brentq(excess, SMALLEST, ball.diameter, xtol=1e-12))
+        element = bore.embed(x, diameter, density)
+        x += ball.element.x - element.x
+    putty = element.mass - ball_mass(diameter, density)
+    if putty > mass / 2:
+        return None
+    return Piece(element, x - diameter / 2, x + diameter / 2, diameter, putty)
+
+
+def _can_hold(body: Body, wanted: RequiredBallast) -> bool:
+    return bool(len(body.cavity)) and wanted.mass >= NEGLIGIBLE
+
+
+def max_ball_radius(body: Body, x: FloatArray, in_kit: bool = False) -> FloatArray:
+    """Return the radius (m) of the largest ball that can be put to each ``x`` (n,) on the axis, beside the core, or 0.
+
+    A hull opens at the core's equator: the ball passes the bore from there, before the core. How a ball gets into a kit,
+    with ``in_kit``, is up to the kit.
+    """
+    free = np.minimum(_distance_to_wall(body, x), np.abs(x) - body.core.radius)
+    for side, end in enumerate(body.cavity[[0, -1], 0]) if not in_kit else ():
+        way = np.linspace(0.0, end, _WAY)
+        narrowest = np.minimum.accumulate(np.minimum(_distance_to_wall(body, way), body.core.radius))
+        # The ball has passed all of the way up to the station before x.
+        passed = narrowest[np.clip((x / end * (_WAY - 1)).astype(int), 0, _WAY - 1)]
+        free = np.where((x > 0) == bool(side), np.minimum(free, passed), free)
+    return np.asarray(np.maximum(free, 0.0), dtype=np.float64)
+
+
+def _distance_to_wall(body: Body, x: FloatArray) -> FloatArray:
+    """Return the distance (m) of points on the axis, (n,), from the cavity's wall; 0 outside the cavity."""
+    on_axis = np.column_stack((x, np.zeros_like(x)))
+    inside = (x > body.cavity[0, 0]) & (x < body.cavity[-1, 0])
+    return np.asarray(np.where(inside, distance_from(on_axis, body.cavity), 0.0), dtype=np.float64)
+
+
+def _stations(body: Body) -> FloatArray:
+    return np.linspace(body.cavity[0, 0], body.cavity[-1, 0], _STATIONS + 2)[1:-1]
+
+
+def make_ball(mass: float, x: float, density: float) -> Piece:
+    """Return a ball of ballast of some mass (kg) at x (m), of a material of some density (kg/m3)."""
+    diameter = ball_diameter(mass, density)
+    return Piece(ball_element(mass, x, diameter / 2), x - diameter / 2, x + diameter / 2, diameter)
+
+
+class _Bore:
+    """The cavity around the core, as thin slices from aft to fore."""
+
+    def __init__(self, body: Body) -> None:
+        edges = np.linspace(body.cavity[0, 0], body.cavity[-1, 0], _SLICES + 1)
+        self.x = (edges[1:] + edges[:-1]) / 2
+        outer = np.interp(self.x, body.cavity[:, 0], body.cavity[:, 1])
+        inner = np.sqrt(np.maximum(body.core.radius**2 - self.x**2, 0.0))
+        self.width = float(edges[1] - edges[0])
+        self.edges = edges
+        self.area = np.pi * np.maximum(outer**2 - inner**2, 0.0)
+        self.polar = np.pi / 2 * np.maximum(outer**4 - inner**4, 0.0)
+        self.before = np.concatenate(([0.0], np.cumsum(self.area * self.width)))
+
+    @property
+    def volume(self) -> float:
+        """Free volume, m3."""
+        return float(self.before[-1])
+
+    def embed(self, x: float, diameter: float, density: float) -> MassElement:
+        """Return a ball at ``x`` of some ``density`` (kg/m3), and the putty that fills the bore over its length."""
+        low, high = np.interp([x - diameter / 2, x + diameter / 2], self.edges, self.before)
+        filled = self.fill(float(low), float(high - low), PUTTY).element
+        ball = ball_element(ball_mass(diameter, density - PUTTY), x, diameter / 2)
+        mass = filled.mass + ball.mass
+        centre = (filled.mass * filled.x + ball.mass * ball.x) / mass
+        across = sum(e.transverse + e.mass * (e.x - centre) ** 2 for e in (filled, ball))
+        return MassElement(mass, centre, filled.axial + ball.axial, across)
+
+    def fill(self, first: float, volume: float, density: float) -> Piece:
+        """Return the filling of ``volume`` (m3) that leaves the ``first`` m3 from aft empty."""
+        parts = np.diff(np.clip(self.before, first, first + volume))
+        share = parts / np.maximum(self.area * self.width, 1e-300)
+        mass = density * parts
+        whole = float(mass.sum())
+        x = float(mass @ self.x / whole)
+        axial = density * float((share * self.polar).sum()) * self.width
+        across = axial / 2 + float(mass @ (self.x - x) ** 2)
+        start, end = np.interp([first, first + volume], self.before, self.edges)
+        return Piece(MassElement(whole, x, axial, across), float(start), float(end))

@@ -1,0 +1,266 @@
+"""Check printable files: whether they can be printed and are what was simulated."""
+
+import os
+import zipfile
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from driftform.agent import hull_volume
+from driftform.design.design import Design
+from driftform.design.opening import open_agent
+from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
+from driftform.interfaces import Checker, ExportJob, Printer, PrintJob
+from driftform.plugins.faults import describe_fault
+from driftform.plugins.registry import registry
+from driftform.plugins.seams import require_files, require_findings
+from driftform.study import Study, load_study
+from driftform.study.exporter_settings import KIT_FILE, list_kit_settings, read_kit_settings
+from driftform.types import Finding, State, WrittenFile
+from driftform.util.files import is_file
+
+MM_PER_M = 1000.0
+
+_LARGEST_ATTACHMENT = 1 << 26
+"""Largest file in an archive that is read, bytes."""
+
+
+def list_formats(format: str) -> tuple[str, ...]:
+    """Return the formats that an agent is written in to be checked: OpenSCAD source too, if it can be written."""
+    with_source = any(row.name == "scad" and row.available for row in registry().seam("exporter"))
+    return tuple(dict.fromkeys((format, "scad") if with_source else (format,)))
+
+
+def write_print_job(
+    study: Study, job: ExportJob, format: str, folder: Path, printer: Printer, kit: bool = False
+) -> PrintJob:
+    """Write an agent's files into a folder, and return them as what is to be printed.
+
+    Parameters
+    ----------
+    study
+        with the options of its exporters.
+    job
+        the agent.
+    format
+        name of an exporter.
+    folder
+        for the files.
+    printer
+        what they are to be printed with.
+    kit
+        whether the exporters write a kit, whose parts hold other material than the hull.
+    """
+    written = {name: write_files(study, job, name, folder) for name in list_formats(format)}
+    source = Path(written["scad"][0].path) if "scad" in written and format != "scad" else None
+    files = tuple(Path(file.path) for file in written[format])
+    volume = sum_volumes(written[format]) if kit else None
+    return PrintJob(files, printer, job, volume or hull_volume(job.agent.body), source)
+
+
+def write_files(study: Study, job: ExportJob, format: str, folder: Path) -> tuple[WrittenFile, ...]:
+    """Write an agent in one format into a folder, under its name; return the files that can be printed, not drawings."""
+    exporter = study.make_exporter(format)
+    written = require_files(exporter.write(job, folder / f"{job.name}{exporter.suffix}"), exporter)
+    return tuple(file for file in written if file.path.endswith(exporter.suffix))
+
+
+def sum_volumes(written: Sequence[WrittenFile]) -> float | None:
+    """Return the volume (m3) that exporters state for their files, ``None`` if one of them states none."""
+    volumes = [v for file in written if isinstance(v := file.facts.get("volume_mm3"), float)]
+    return sum(volumes) / MM_PER_M**3 if len(volumes) == len(written) else None
+
+
+def extract_attachment(path: Path, ending: str, folder: Path) -> Path | None:
+    """Copy the file of an archive, such as a 3MF, whose name ends so into a folder; ``None`` if there is none.
+
+    Raises
+    ------
+    InputError
+        if the archive, or the file in it, cannot be read.
+    """
+    try:
+        if not zipfile.is_zipfile(path):
+            return None
+        with zipfile.ZipFile(path) as archive:
+            for member in archive.infolist():
+                if member.filename.endswith(ending) and member.file_size < _LARGEST_ATTACHMENT:
+                    copy = folder / f"attached{ending}"
+                    copy.write_bytes(archive.read(member))
+                    return copy
+    except Exception as error:
+        # Of archives made to do harm, zipfile raises a dozen kinds of errors.
+        raise InputError(f"{path}: cannot be read as an archive: {describe_error(error)}") from None
+    return None
+
+
+def check_print_job(
+    job: PrintJob, study: Study, programs: bool = True, on_program: Callable[[str], None] = lambda _: None
+) -> Iterator[Finding]:
+    """Yield what each installed checker finds; those that need no program come first.
+
+    Parameters
+    ----------
+    job
+        what is to be printed.
+    study
+        with the options of the checkers.
+    programs
+        whether programs on PATH, such as OpenSCAD and a slicer, are run.
+    on_program
+        called with the name of each program before it is run.
+    """
+    rows = [
+        (row, row.cls if row.cls is not None and issubclass(row.cls, Checker) else None)
+        for row in registry().seam("checker")
+    ]
+    for row, cls in sorted(rows, key=lambda pair: bool(pair[1] and pair[1].program)):
+        if cls is None:
+            yield Finding(row.name, State.SKIPPED, row.state)
+        elif cls.program and not programs:
+            yield Finding(row.name, State.SKIPPED, "not run, by --no-programs")
+        else:
+            if cls.program:
+                on_program(cls.program)
+            checker = study.make_checker(row.name)
+            try:
+                yield from require_findings(checker.check(job), checker)
+            except DriftformError:
+                raise
+            except (Exception, SystemExit) as error:
+                # One checker that fails is no reason to keep back what the others find.
+                yield Finding(row.name, State.SKIPPED, describe_fault(error))
+
+
+def require_judgement(findings: Sequence[Finding]) -> None:
+    """Refuse findings that judge nothing.
+
+    Raises
+    ------
+    WorkFailedError
+        if every check was skipped; the message gives the reasons.
+    """
+    if all(finding.state is State.SKIPPED for finding in findings):
+        reasons = dict.fromkeys(f"{finding.check}: {finding.detail}" for finding in findings)
+        raise WorkFailedError(
+            "nothing could be checked: " + ("; ".join(reasons) or "no checker is installed")
+        )
+
+
+def check_design(
+    design: Design,
+    format: str = "stl",
+    *,
+    printer: Printer | None = None,
+    kit: bool = False,
+    programs: bool = True,
+    on_program: Callable[[str], None] = lambda _: None,
+) -> list[Finding]:
+    """Write an agent's files into a temporary folder, and return what the installed checkers find.
+
+    Parameters
+    ----------
+    format
+        name of an exporter.
+    printer
+        nozzle and bed; ``None`` for a common desktop printer.
+    kit
+        check the kit that fits the printer, in place of the hull in one piece.
+    programs
+        whether programs on PATH, such as OpenSCAD and a slicer, are run.
+    on_program
+        called with the name of each program before it is run.
+
+    Raises
+    ------
+    InputError
+        if there is no such format, or it holds no kits.
+    WorkFailedError
+        if nothing could be checked.
+    """
+    printer = printer or Printer()
+    made = design.under(*list_kit_settings(list_formats(format), printer)) if kit else design
+    # The files belong to the agent as it was opened.
+    job = design.export_job()
+    with TemporaryDirectory() as folder:
+        print_job = write_print_job(made.study, job, format, Path(folder), printer, kit)
+        findings = list(check_print_job(print_job, made.study, programs, on_program))
+    require_judgement(findings)
+    return findings
+
+
+def check_file(
+    path: str | os.PathLike[str],
+    agent: str | None = None,
+    settings: Sequence[str] = (),
+    *,
+    printer: Printer | None = None,
+    kit: bool = False,
+    programs: bool = True,
+    attached: bool = False,
+    on_program: Callable[[str], None] = lambda _: None,
+) -> list[Finding]:
+    """Return what the installed checkers find about a printable file.
+
+    Parameters
+    ----------
+    path
+        of the file.
+    agent
+        what the file is to be of; ``None`` for the agent.json that is attached to it or lies beside it, if any.
+    settings
+        ``key=value`` of the study, as ``--set`` takes them.
+    attached
+        whether OpenSCAD source that is attached to the file, or lies beside it under its name, is rendered: source may
+        read files, and take all time and memory that OpenSCAD is given.
+    printer, kit, programs, on_program
+        as for :func:`check_design`. A 3MF file of a kit says itself that it is one, for which printer,
+        and with which options it was made; ``settings`` come before these.
+
+    Raises
+    ------
+    InputError
+        if the file cannot be read, or the agent of a kit is not known.
+    WorkFailedError
+        if nothing could be checked.
+    """
+    path = Path(path)
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        known = agent or extract_attachment(path, "agent.json", folder) or path.with_name("agent.json")
+        inside, beside = extract_attachment(path, ".scad", folder), path.with_suffix(".scad")
+        source = inside or (beside if is_file(beside) and beside != path else None)
+        where = "attached to it" if inside else f"beside it, {beside.name},"
+        job = PrintJob(
+            (path,),
+            printer or Printer(),
+            source=source if attached else None,
+            withheld=None if source is None or attached else f"OpenSCAD source {where}",
+        )
+        if agent is None and not is_file(Path(known)):
+            if kit:
+                raise InputError(f"--kit: the agent of {path} is not known; name it with --agent")
+            study = load_study(None, settings, run={"seed": 0})
+        else:
+            format = path.suffix[1:].lower()
+            if (options := extract_attachment(path, KIT_FILE, folder)) is not None:
+                kit = True
+                settings = [*read_kit_settings(options, f"{path}: its {KIT_FILE}", format), *settings]
+            elif kit:
+                settings = [*settings, *list_kit_settings((format,), job.printer)]
+            design = open_agent(str(known), settings=settings)
+            study, export = design.study, design.export_job()
+            volume = hull_volume(design.agent.body)
+            if kit:
+                # In a format that holds one solid there is a file for each part.
+                written = write_files(study, export, format, folder)
+                named = [file for file in written if Path(file.path).name == path.name]
+                volume = sum_volumes(named or written) or volume
+            if options is not None and printer is None:
+                made = study.make_exporter(format).options
+                job = replace(job, printer=Printer(made.nozzle, made.bed))
+            job = replace(job, export=export, volume=volume)
+        findings = list(check_print_job(job, study, programs, on_program))
+    require_judgement(findings)
+    return findings

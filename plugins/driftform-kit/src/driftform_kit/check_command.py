@@ -1,0 +1,158 @@
+"""``driftform check``."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from driftform.cli.options import AGENT_HELP, Json, Settings
+
+if TYPE_CHECKING:
+    from driftform.types import Finding
+
+MM_PER_M = 1000.0
+
+STYLES = {"pass": "green", "warn": "yellow", "fail": "bold red", "skipped": "dim"}
+"""Styles of states on a terminal."""
+
+
+def check(
+    subject: Annotated[
+        str,
+        typer.Argument(
+            metavar="FILE|AGENT",
+            help="A printable file (.stl, .3mf, .obj, .ply, .glb, .scad), or an agent, whose files are written and "
+            f"checked. {AGENT_HELP}",
+            show_default=False,
+        ),
+    ],
+    agent: Annotated[
+        str | None,
+        typer.Option(
+            "--agent",
+            metavar="AGENT",
+            help="Agent that a FILE was made of; by default the agent.json attached to it or beside it.",
+        ),
+    ] = None,
+    nozzle: Annotated[
+        float | None,
+        typer.Option("--nozzle", metavar="MM", help="Diameter of the nozzle, mm; by default 0.4."),
+    ] = None,
+    bed: Annotated[
+        str | None,
+        typer.Option(
+            "--bed",
+            metavar="X,Y,Z",
+            help="Largest part that the printer can make, mm; by default 250,210,210. Without --nozzle and --bed a 3MF file "
+            "of a kit is checked for the printer that it was made for.",
+        ),
+    ] = None,
+    format: Annotated[
+        str, typer.Option("--format", metavar="NAME", help="Format that an AGENT is exported to.")
+    ] = "stl",
+    kit: Annotated[
+        bool,
+        typer.Option(
+            "--kit",
+            help="Check the kit that fits nozzle and bed, in place of the hull in one piece; a 3MF file of a kit states its "
+            "own options.",
+        ),
+    ] = False,
+    programs: Annotated[
+        bool,
+        typer.Option(
+            "--programs/--no-programs", help="Run OpenSCAD, a slicer and the like, if they are on PATH."
+        ),
+    ] = True,
+    attached: Annotated[
+        bool,
+        typer.Option(
+            "--attached",
+            help="Render the OpenSCAD source that is attached to a FILE or lies beside it, too: only of files that you "
+            "trust.",
+        ),
+    ] = False,
+    settings: Settings = None,
+    json: Json = False,
+) -> None:
+    """Check whether files can be printed and are what was simulated; exit code 1 if a check fails."""
+    import sys
+
+    from driftform.cli.formats import parse_bed, parse_formats
+    from driftform.cli.output import print_json
+    from driftform.design.opening import open_agent
+    from driftform.errors import InputError
+    from driftform.interfaces import Printer
+    from driftform.types import State
+    from driftform.util.files import is_file
+    from driftform_kit.check import check_design, check_file
+
+    printer = None
+    if nozzle is not None:
+        if not 0 < nozzle <= 10:
+            raise InputError(f"--nozzle {nozzle:g}: should be a diameter in mm, such as 0.4")
+        printer = Printer(nozzle / MM_PER_M)
+    if bed is not None:
+        printer = replace(printer or Printer(), bed=parse_bed(bed))
+
+    def announce(program: str) -> None:
+        print(f"running {program} ...", file=sys.stderr, flush=True)
+
+    path = Path(subject)
+    if is_file(path) and path.suffix.lower() != ".json":
+        findings = check_file(
+            path,
+            agent,
+            settings or (),
+            printer=printer,
+            kit=kit,
+            programs=programs,
+            attached=attached,
+            on_program=announce,
+        )
+    elif agent is not None:
+        raise InputError(f"--agent {agent}: goes with a FILE, and '{subject}' is not one")
+    elif attached:
+        raise InputError(f"--attached: goes with a FILE, and '{subject}' is not one")
+    else:
+        [format] = parse_formats(format, "exporter", "stl")
+        design = open_agent(subject, settings=settings or ())
+        findings = check_design(
+            design, format, printer=printer, kit=kit, programs=programs, on_program=announce
+        )
+    failed = any(finding.state is State.FAIL for finding in findings)
+    if json:
+        print_json(
+            {
+                "subject": subject,
+                "printable": not failed,
+                "lines": [
+                    {"check": f.check, "part": f.part, "state": f.state, "detail": f.detail} for f in findings
+                ],
+            }
+        )
+    else:
+        _print(findings)
+    if failed:
+        raise typer.Exit(1)
+
+
+def _print(findings: "Sequence[Finding]") -> None:
+    from collections import Counter
+
+    from driftform.cli.output import print_states
+    from driftform.types import State
+
+    print_states(
+        [(str(f.state), f"{f.check}, {f.part}" if f.part else f.check, f.detail) for f in findings], STYLES
+    )
+    counts = Counter(f.state for f in findings)
+    tally = ", ".join(f"{counts[state]} {state}" for state in State if counts[state])
+    failed = [f.check for f in findings if f.state is State.FAIL]
+    print(
+        f"\nnot printable as it is, for {', '.join(dict.fromkeys(failed))}: {tally}"
+        if failed
+        else f"\nprintable: {tally}"
+    )

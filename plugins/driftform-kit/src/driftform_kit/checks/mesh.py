@@ -1,0 +1,385 @@
+"""Checks of the meshes themselves: from closedness to the best orientation on the bed."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from driftform.agent import hull_volume
+from driftform.interfaces import Checker, PrintJob
+from driftform.options import Table, option
+from driftform.types import Finding, FloatArray, State
+from driftform_kit.checks.overhangs import TURNS, Orientation, choose_orientation, list_orientations
+from driftform_kit.checks.parts import MM3_PER_M3, MM_PER_M, Part
+from driftform_kit.checks.reading import read_parts
+from driftform_kit.checks.shells import Shell, find_shells, orient_outward
+from driftform_kit.checks.slenderness import measure_slenderness
+from driftform_kit.checks.topology import Topology, analyse_topology
+from driftform_kit.checks.walls import REACH, Wall, find_thinnest_wall
+
+_SMALLEST, _LARGEST = 1.0, 10_000.0
+"""mm: a smaller part was written in metres, a larger one in micrometres."""
+
+_LINES = 2
+"""Least thickness of a watertight wall, in lines of the nozzle."""
+
+
+class MeshOptions(Table):
+    """The limits that pass."""
+
+    tolerance: float = option(
+        1e-4, "largest relative difference of volume from the closed form that passes", gt=0, lt=1
+    )
+    coarse: float = option(1e-2, "largest such difference that is only a warning", gt=0, lt=1)
+    overhang: float = option(
+        1e-5, "largest area that overhangs by more than 45 deg and passes", "m2", ge=0, le=1
+    )
+    push: float = option(
+        0.098,
+        "force with which a nozzle pushes at the top of a part (PrusaSlicer's 10 gram-force)",
+        "N",
+        gt=0,
+        le=100,
+    )
+    catch: float = option(
+        0.735,
+        "force with which it catches on material that has curled up (75 gram-force)",
+        "N",
+        gt=0,
+        le=100,
+    )
+    stiffness: float = option(2e9, "modulus of elasticity of the material (ABS)", "Pa", ge=1e5, le=1e12)
+    strength: float = option(33e6, "its yield strength (ABS)", "Pa", ge=1e4, le=1e10)
+    adhesion: float = option(
+        1e5, "stress at which it comes off the bed (ABS; PLA 2e4, PETG 3e5)", "Pa", gt=0, le=1e9
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class AnalysedPart:
+    """A part, its topology and its shells, which are empty if it is not closed or not oriented."""
+
+    part: Part
+    topology: Topology
+    shells: tuple[Shell, ...]
+
+    @property
+    def sound(self) -> bool:
+        """True if it is a solid: closed, and every shell faces as it should."""
+        return bool(self.shells) and not any(shell.inside_out or shell.cut for shell in self.shells)
+
+    @property
+    def volume(self) -> float:
+        """Volume of the material, mm3."""
+        return sum(shell.volume for shell in self.shells)
+
+
+def analyse_part(part: Part) -> AnalysedPart:
+    """Return a part with its topology and its shells."""
+    found = analyse_topology(part.triangles)
+    return AnalysedPart(part, found, find_shells(part, found) if found.closed and found.oriented else ())
+
+
+class MeshChecker(Checker[MeshOptions]):
+    """Checks of the triangles: unit, closedness, shells, mass, walls, size and orientation. Needs no other program."""
+
+    name = "mesh"
+    Options: ClassVar[type[Table]] = MeshOptions
+
+    def check(self, job: PrintJob) -> Iterator[Finding]:
+        """Report unit, closedness, orientation of faces, shells, mass, walls, size, orientation on the bed, slenderness."""
+        parts = [part for path in job.files for part in read_parts(path)]
+        studied = [analyse_part(part) for part in parts]
+        unit = _check_unit(parts)
+        yield unit
+        yield _check_copies(studied)
+        yield _check_closed(studied)
+        yield _check_oriented(studied)
+        yield _check_shells(studied, job)
+        if unit.state is State.FAIL:
+            for check in ("mass", "wall", "bed", "standing", "slender"):
+                yield Finding(check, State.SKIPPED, "correct the unit first")
+            return
+        yield self._check_mass(studied, job)
+        yield _check_walls(studied, job)
+        yield _check_bed(parts, job)
+        for one in studied:
+            yield self._check_standing(one, job, len(studied))
+        for one in studied:
+            yield self._check_slenderness(one, job, len(studied))
+
+    def _check_slenderness(self, one: AnalysedPart, job: PrintJob, count: int) -> Finding:
+        name = one.part.name if count > 1 else ""
+        if not one.shells:
+            return Finding("slender", State.SKIPPED, "a mesh that is not closed has no sections", name)
+        o = self.options
+        triangles = orient_outward(one.shells)
+        # That another placement is better, or needs a brim, is a fault of 'standing'.
+        best = choose_orientation(list_orientations(one.part.vertices, triangles, 0), _bed_size(job))
+        turned = one.part.vertices @ TURNS[best.name].T
+        beam = measure_slenderness(turned, triangles, o.stiffness, o.strength, o.adhesion)
+        if beam is None:
+            return Finding("slender", State.SKIPPED, "it is no taller than its first layer", name)
+        bent, half_line = o.push * beam.bending, MM_PER_M * job.printer.nozzle / 2
+        message = (
+            f"{best.name}: {beam.height:.1f} mm high on {beam.base:.1f} mm ({beam.height / beam.base:.1f} : 1), weakest "
+            f"at {beam.neck_height:.1f} mm, {beam.neck:.1f} mm wide; at the top {o.push:.2g} N bend it by {bent:.2f} mm, "
+            f"{_show_force(beam.lift_force)} lift it off the bed, {_show_force(beam.break_force)} break it"
+        )
+        faults = []
+        if bent > half_line:
+            cut = count > 1 or (job.export is not None and not _is_whole(job))
+            shorter = "--bed" if cut else "--kit, --bed"
+            faults.append(
+                f"it sways by more than half a line ({half_line:g} mm): print it slowly, or in shorter parts ({shorter})"
+            )
+        if beam.lift_force < o.push and (best.steady or faults):
+            # Of two dangers the graver comes first: it is lifted off before it sways.
+            faults.insert(0, f"a nozzle pushes with {o.push:.2g} N and lifts it off: print it with a brim")
+        if beam.break_force < o.catch:
+            faults.append(
+                f"a nozzle that catches, with {o.catch:.2g} N, breaks it: make its wall thicker there"
+            )
+        state = State.WARN if faults else State.PASS
+        return Finding("slender", state, ": ".join((message, *(["; ".join(faults)] if faults else []))), name)
+
+    def _check_mass(self, studied: Sequence[AnalysedPart], job: PrintJob) -> Finding:
+        if not all(one.sound for one in studied):
+            return Finding("mass", State.SKIPPED, "a mesh that is not a solid has no volume")
+        volume = sum(one.volume for one in studied)
+        density = None if job.export is None else job.export.agent.body.hull_density
+        amount = f"{volume / 1000:.4f} cm3"
+        if density is not None:
+            amount += f", {volume / MM3_PER_M3 * density * 1000:.3f} g at {density:g} kg/m3"
+        if job.volume is None:
+            reason = "the agent is unknown: name it with --agent"
+            return Finding("mass", State.SKIPPED, f"{amount}; {reason}")
+        difference = volume / (job.volume * MM3_PER_M3) - 1
+        message = f"{amount}; {difference:+.1e} of the closed form"
+        if abs(difference) <= self.options.tolerance:
+            return Finding("mass", State.PASS, message)
+        # The hull in one piece is one part: several are a kit, which has more material than the hull that it is compared with.
+        if len(studied) > 1 and difference > 0 and job.export is not None and _is_whole(job):
+            return Finding(
+                "mass",
+                State.WARN,
+                f"{message} of the hull in one piece, but these are {len(studied)} parts: a kit? check it with --kit",
+            )
+        if abs(difference) <= self.options.coarse:
+            return Finding("mass", State.WARN, f"{message}: a coarse mesh? export it with more segments")
+        return Finding(
+            "mass",
+            State.FAIL,
+            f"{amount}, but the closed form has {job.volume * 1e6:.4f} cm3: another agent, or another wall?",
+        )
+
+    def _check_standing(self, one: AnalysedPart, job: PrintJob, count: int) -> Finding:
+        name = one.part.name if count > 1 else ""
+        if not one.shells:
+            return Finding("standing", State.SKIPPED, "a mesh that is not closed has no underside", name)
+        hollow = sum(len(shell.triangles) for shell in one.shells if shell.hollow)
+        bed = _bed_size(job)
+        ways = list_orientations(one.part.vertices, orient_outward(one.shells), hollow)
+        best, now = choose_orientation(ways, bed), ways[0]
+        # The file of an agent in one piece has its aft end on the bed.
+        upright = job.export is not None and count == 1
+        words = {"as placed": "fore end up", "upside down": "fore end down"} if upright else {}
+        shown = [
+            way for way in ways if way is not ways[-1] or not np.isclose(way.overhang, ways[-2].overhang)
+        ]
+        message = (
+            f"contact and overhang in cm2: {', '.join(_describe_orientation(way, words) for way in shown)}"
+        )
+        if best.name != now.name:
+            return Finding(
+                "standing", State.WARN, f"{message}; better {words.get(best.name, best.name)}", name
+            )
+        if not now.steady:
+            return Finding(
+                "standing", State.WARN, f"{message}; no orientation is better, print it with a brim", name
+            )
+        support = "" if now.overhang <= self.options.overhang * MM_PER_M**2 else ", with support"
+        state = State.WARN if support else State.PASS
+        return Finding("standing", state, f"{message}; best {words.get(best.name, best.name)}{support}", name)
+
+
+def _show_force(newtons: float) -> str:
+    return f"{newtons:.0f} N" if newtons >= 10 else f"{newtons:.2g} N"
+
+
+def _bed_size(job: PrintJob) -> FloatArray:
+    return MM_PER_M * np.array(job.printer.bed)
+
+
+def _describe_orientation(way: Orientation, words: Mapping[str, str]) -> str:
+    inside = f" ({way.enclosed / 100:.1f} of it enclosed)" if way.enclosed >= 5 else ""
+    return f"{words.get(way.name, way.name)} {way.contact / 100:.1f} and {way.overhang / 100:.1f}{inside}"
+
+
+def _check_unit(parts: Sequence[Part]) -> Finding:
+    largest = max(float(part.size.max()) for part in parts)
+    if largest < _SMALLEST:
+        return Finding(
+            "unit",
+            State.FAIL,
+            f"{largest:.4g} mm at its largest: in metres? scale it by 1000, printers take mm",
+        )
+    if largest > _LARGEST:
+        return Finding(
+            "unit",
+            State.FAIL,
+            f"{largest / 1000:.4g} m at its largest: in micrometres, or a GLB in mm? scale it by 0.001",
+        )
+    return Finding("unit", State.PASS, f"mm: {largest:.2f} mm at its largest")
+
+
+def _join_faults(studied: Sequence[AnalysedPart], faults: Sequence[str]) -> str:
+    """Return the faults of the parts in one line, each with the name of its part if there are several."""
+    named = zip(studied, faults, strict=True)
+    return "; ".join(
+        f"{one.part.name}: {fault}" if len(studied) > 1 else fault for one, fault in named if fault
+    )
+
+
+def _count(count: int, what: str, plural: str = "") -> str:
+    return f"{count} {what if count == 1 else plural or what + 's'}"
+
+
+def _check_copies(studied: Sequence[AnalysedPart]) -> Finding:
+    faults = [
+        f"{_count(one.topology.copies, 'triangle')} twice" if one.topology.copies else "" for one in studied
+    ]
+    if message := _join_faults(studied, faults):
+        return Finding("duplicate faces", State.FAIL, f"{message}: remove the copies")
+    count = sum(len(one.part.triangles) for one in studied)
+    return Finding("duplicate faces", State.PASS, f"no copies among {count} triangles")
+
+
+def _check_closed(studied: Sequence[AnalysedPart]) -> Finding:
+    faults = []
+    for one in studied:
+        t = one.topology
+        found = []
+        if t.open_edges:
+            found.append(
+                f"{_count(t.open_edges, 'open edge')} round {_count(t.holes, 'hole')}: faces are missing"
+            )
+        if t.crowded_edges:
+            found.append(f"{_count(t.crowded_edges, 'edge')} of three faces or more")
+        faults.append(", ".join(found))
+    if message := _join_faults(studied, faults):
+        return Finding("closed", State.FAIL, message)
+    return Finding("closed", State.PASS, "every edge has two faces")
+
+
+def _check_oriented(studied: Sequence[AnalysedPart]) -> Finding:
+    faults = [
+        f"{_count(one.topology.flipped, 'face')} turned against the rest" if one.topology.flipped else ""
+        for one in studied
+    ]
+    if message := _join_faults(studied, faults):
+        return Finding("oriented", State.FAIL, message)
+    return Finding("oriented", State.PASS, "neighbours face the same way")
+
+
+def _check_shells(studied: Sequence[AnalysedPart], job: PrintJob) -> Finding:
+    if not all(one.shells for one in studied):
+        return Finding("shells", State.SKIPPED, "a mesh that is not closed and oriented has no inside")
+    faults = [_describe_turned(one.shells) for one in studied]
+    if message := _join_faults(studied, faults):
+        return Finding("shells", State.FAIL, message)
+    if job.export is not None and len(studied) == 1 and _is_whole(job):
+        expected = 1 + bool(len(job.export.agent.body.cavity))
+        count = len(studied[0].shells)
+        if count != expected:
+            return Finding(
+                "shells", State.FAIL, f"{_count(count, 'shell')}, but the hull of the agent has {expected}"
+            )
+    loose = [sum(not shell.hollow for shell in one.shells) - 1 for one in studied]
+    message = _join_faults(
+        studied, [f"{_count(n + 1, 'piece')} that do not touch" if n else "" for n in loose]
+    )
+    if message:
+        return Finding("shells", State.WARN, message)
+    hollows = sum(shell.hollow for one in studied for shell in one.shells)
+    outside = "an outside" if len(studied) == 1 else f"{len(studied)} outsides"
+    return Finding(
+        "shells", State.PASS, f"{outside} and {_count(hollows, 'hollow')}, each facing the right way"
+    )
+
+
+def _is_whole(job: PrintJob) -> bool:
+    """Return whether the files hold the agent's hull in one piece, and not a kit."""
+    assert job.export is not None
+    return job.volume is not None and bool(np.isclose(job.volume, hull_volume(job.export.agent.body)))
+
+
+def _describe_turned(shells: Sequence[Shell]) -> str:
+    if any(shell.cut for shell in shells):
+        return "shells intersect"
+    wrong = [shell for shell in shells if shell.inside_out]
+    if not wrong:
+        return ""
+    if len(wrong) == len(shells):
+        return "everything is inside out: its volume is negative; turn all faces"
+    hollows = sum(shell.hollow for shell in wrong)
+    message = [f"{_count(hollows, 'hollow')} inside out: printed as material, not as air"] if hollows else []
+    if len(wrong) > hollows:
+        message.append(f"{_count(len(wrong) - hollows, 'outside')} inside out")
+    return ", ".join(message)
+
+
+def _check_walls(studied: Sequence[AnalysedPart], job: PrintJob) -> Finding:
+    if not all(one.shells for one in studied):
+        return Finding("wall", State.SKIPPED, "a mesh that is not closed and oriented has no wall to measure")
+    nozzle = MM_PER_M * job.printer.nozzle
+    thin: Wall | None = None
+    where = ""
+    for one in studied:
+        wall = find_thinnest_wall(one.part.vertices, orient_outward(one.shells))
+        if wall is not None and (thin is None or wall.thickness < thin.thickness):
+            thin, where = wall, f"{one.part.name}, " if len(studied) > 1 else ""
+    if thin is None:
+        return Finding("wall", State.PASS, f"no wall thinner than {REACH:g} mm")
+    x, y, z = thin.where
+    message = f"{thin.thickness:.3f} mm at its thinnest ({where}x {x:.1f}, y {y:.1f}, z {z:.1f})"
+    if thin.thickness < nozzle:
+        return Finding("wall", State.FAIL, f"{message}: less than the nozzle's {nozzle:g} mm")
+    if thin.thickness < _LINES * nozzle:
+        return Finding(
+            "wall",
+            State.WARN,
+            f"{message}: less than {_LINES} lines of the {nozzle:g} mm nozzle; it may leak",
+        )
+    return Finding("wall", State.PASS, f"{message}: {thin.thickness / nozzle:.1f} lines of {nozzle:g} mm")
+
+
+def _check_bed(parts: Sequence[Part], job: PrintJob) -> Finding:
+    bed = _bed_size(job)
+    room = " x ".join(f"{side:g}" for side in bed)
+    faults = []
+    for part in parts:
+        ways = list_orientations(part.vertices, part.triangles, 0)
+        if ways[0].fits(bed):
+            continue
+        size = " x ".join(f"{side:.1f}" for side in part.size)
+        name = f"{part.name}: " if len(parts) > 1 else ""
+        other = next((way.name for way in ways if way.fits(bed)), None)
+        step = f"it would fit {other}" if other else "split it: export it with --kit"
+        faults.append(
+            f"{name}{size} mm is too {'tall' if part.size[2] > bed[2] else 'wide'} for {room} mm; {step}"
+        )
+    if faults:
+        return Finding("bed", State.FAIL, "; ".join(faults))
+    lowest = np.min([part.bounds[0] for part in parts], axis=0)
+    highest = np.max([part.bounds[1] for part in parts], axis=0)
+    plate = sorted((highest - lowest)[:2])
+    if len(parts) > 1 and (np.array(plate) > sorted(bed[:2])).any():
+        return Finding(
+            "bed",
+            State.WARN,
+            f"each part fits {room} mm, together they take {plate[1]:.0f} x {plate[0]:.0f} mm: arrange them again",
+        )
+    size = " x ".join(f"{side:.1f}" for side in (highest - lowest))
+    return Finding("bed", State.PASS, f"{size} mm fits {room} mm")

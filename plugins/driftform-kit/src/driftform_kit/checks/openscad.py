@@ -1,0 +1,65 @@
+"""The volume of the source, rendered by OpenSCAD."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import ClassVar
+
+from driftform.errors import InputError, WorkFailedError
+from driftform.interfaces import Checker, PrintJob
+from driftform.options import Table, option
+from driftform.types import Finding, State
+from driftform_kit.checks.parts import MM3_PER_M3
+from driftform_kit.checks.programs import explain_missing
+from driftform_kit.checks.rendering import TIMEOUT, render
+
+
+class OpenScadOptions(Table):
+    """Options of OpenSCAD."""
+
+    timeout: float = option(TIMEOUT, "time limit", "s", ge=1e-3, le=86_400)
+    tolerance: float = option(1e-4, "largest relative difference of volume that passes", ge=1e-12, lt=1)
+
+
+class OpenScadChecker(Checker[OpenScadOptions]):
+    """The OpenSCAD source that belongs to the files, rendered: its volume compared with theirs."""
+
+    name = "openscad"
+    program = "openscad"
+    Options: ClassVar[type[Table]] = OpenScadOptions
+
+    def check(self, job: PrintJob) -> Iterator[Finding]:
+        """Report the volume of the source, and whether it equals that of the meshes."""
+        yield self._check_source(job)
+
+    def _check_source(self, job: PrintJob) -> Finding:
+        from driftform_kit.checks.reading import read_parts
+
+        if job.withheld is not None:
+            detail = f"the {job.withheld} is not rendered; add --attached if you trust it"
+            return Finding(self.name, State.SKIPPED, detail)
+        if job.source is None:
+            return Finding(self.name, State.SKIPPED, "no OpenSCAD source to render")
+        if reason := explain_missing(self.program):
+            return Finding(self.name, State.SKIPPED, reason)
+        with TemporaryDirectory() as folder:
+            try:
+                rendered = read_parts(render(job.source, Path(folder), self.options.timeout))
+            except InputError as error:
+                return Finding(self.name, State.FAIL, str(error).removeprefix(f"{job.source}: OpenSCAD: "))
+            except WorkFailedError as error:
+                return Finding(self.name, State.SKIPPED, str(error))
+        volume = sum(part.volume for part in rendered)
+        parts = [part for path in job.files for part in read_parts(path)]
+        others = {"the mesh": sum(part.volume for part in parts)}
+        if job.volume is not None:
+            # A broken mesh does not show whether the source is right.
+            others["the closed form"] = job.volume * MM3_PER_M3
+        differences = {what: volume / other - 1 if other else float("inf") for what, other in others.items()}
+        what = min(differences, key=lambda name: abs(differences[name]))
+        sound = abs(differences[what]) <= self.options.tolerance
+        return Finding(
+            self.name,
+            State.PASS if sound else State.FAIL,
+            f"the source renders to {volume / 1000:.4f} cm3, {differences[what]:+.1e} of {what}",
+        )

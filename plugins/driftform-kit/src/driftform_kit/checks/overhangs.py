@@ -1,0 +1,109 @@
+"""Orientations of a part on the bed: its contact with the bed and its overhangs."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from driftform.agent.meshes import IntArray, area_vectors
+from driftform.types import FloatArray
+
+STEEPEST = np.radians(45)
+"""Overhang, from the vertical, that prints without support."""
+
+_FIRST_LAYER = 0.05
+"""mm: surfaces up to this height above the bed belong to the first layer."""
+
+_STEADY = 1 / 10
+"""Least square root of the contact area, over the height, that holds a part without a brim."""
+
+TURNS: dict[str, FloatArray] = {
+    "as placed": np.eye(3),
+    "upside down": np.diag([1.0, -1.0, -1.0]),
+    "lying": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
+    "on its other side": np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]),
+}
+"""Rotations by name, for a part whose axis is along z."""
+
+
+@dataclass(frozen=True, eq=False)
+class Orientation:
+    """One orientation of a part on the bed.
+
+    Attributes
+    ----------
+    name
+        as in :data:`TURNS`.
+    size
+        width, depth and height, mm, (3,).
+    contact
+        area on the bed, mm2.
+    overhang
+        area that overhangs by more than :data:`STEEPEST`, mm2.
+    enclosed
+        the part of it in closed hollows, from which support cannot be removed, mm2.
+    """
+
+    name: str
+    size: FloatArray
+    contact: float
+    overhang: float
+    enclosed: float
+
+    @property
+    def steady(self) -> bool:
+        """True if the contact with the bed holds it without a brim."""
+        return bool(np.sqrt(self.contact) >= _STEADY * self.size[2])
+
+    def fits(self, bed: FloatArray) -> bool:
+        """Return whether it fits a bed (mm, (3,)), turned about the vertical by a right angle if necessary."""
+        across, along = sorted(self.size[:2]), sorted(bed[:2])
+        room = 1e-6 * float(bed.max())
+        return bool((np.array([*across, self.size[2]]) <= np.array([*along, bed[2]]) + room).all())
+
+
+def list_orientations(vertices: FloatArray, triangles: IntArray, hollow: int) -> tuple[Orientation, ...]:
+    """Return the orientations of :data:`TURNS`.
+
+    Parameters
+    ----------
+    vertices
+        mm, (n, 3).
+    triangles
+        facing outward, (m, 3); the last ``hollow`` of them are the walls of closed hollows.
+    hollow
+        the number of those triangles.
+    """
+    normals = area_vectors(vertices, triangles)
+    area = np.linalg.norm(normals, axis=1)
+    sound = area > 0
+    normals, area, corners = normals[sound] / area[sound, None], area[sound], triangles[sound]
+    enclosed = (np.arange(len(triangles)) >= len(triangles) - hollow)[sound]
+    found = []
+    for name, turn in TURNS.items():
+        turned = vertices @ turn.T
+        lowest, highest = turned.min(axis=0), turned.max(axis=0)
+        down = -(normals @ turn.T)[:, 2]
+        on_bed = (turned[corners, 2] <= lowest[2] + _FIRST_LAYER).all(axis=1)
+        # A hundredth of a degree more, so that rounding does not make a slope of exactly 45 degrees an overhang.
+        hanging = (down > np.sin(STEEPEST + 2e-4)) & ~on_bed
+        found.append(
+            Orientation(
+                name=name,
+                size=highest - lowest,
+                contact=float((area * down)[on_bed & (down > 0)].sum()),
+                overhang=float(area[hanging].sum()),
+                enclosed=float(area[hanging & enclosed].sum()),
+            )
+        )
+    return tuple(found)
+
+
+def choose_orientation(ways: tuple[Orientation, ...], bed: FloatArray) -> Orientation:
+    """Return the orientation that fits the bed, is steady, and overhangs least; the first of those equal within 1 %."""
+    least = min(way.overhang for way in ways)
+
+    def rank(way: Orientation) -> tuple[bool, bool, float]:
+        slack = 0.01 * max(least, 10.0)
+        return (not way.fits(bed), not way.steady, round((way.overhang - least) / slack))
+
+    return min(ways, key=rank)

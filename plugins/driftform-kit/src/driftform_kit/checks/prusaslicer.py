@@ -1,0 +1,152 @@
+"""PrusaSlicer's report on the meshes, and the g-code that it makes of them."""
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import ClassVar
+
+from driftform.errors import WorkFailedError
+from driftform.interfaces import Checker, Printer, PrintJob
+from driftform.options import Table, option
+from driftform.types import Finding, State
+from driftform_kit.checks.parts import MM_PER_M
+from driftform_kit.checks.programs import explain_missing, last_line, run_program
+from driftform_kit.checks.reading import read_parts
+from driftform_kit.checks.slicing import provide_stl
+
+_FILAMENT = 1.75
+"""Diameter of the filament, mm."""
+
+_SECONDS = {"d": 86400, "h": 3600, "m": 60, "s": 1}
+
+
+class PrusaSlicerOptions(Table):
+    """Print settings for PrusaSlicer, and the limits that pass."""
+
+    layer_height: float = option(0.0002, "height of a layer", "m", gt=0, le=0.01)
+    perimeters: int = option(3, "most perimeters of a wall", ge=1, le=100)
+    infill: float = option(0.15, "filled share of the room between the perimeters", ge=0, le=1)
+    least: float = option(0.95, "least ratio of filament to mesh volume that passes", ge=0, le=10)
+    most: float = option(1.03, "largest ratio of filament to mesh volume that passes", ge=0, le=10)
+    timeout: float = option(300.0, "time limit for each part", "s", ge=1e-3, le=86_400)
+
+
+@dataclass(frozen=True)
+class Sliced:
+    """Filament (mm3) and time (s) to print a part."""
+
+    filament: float
+    seconds: float
+
+
+class PrusaSlicerChecker(Checker[PrusaSlicerOptions]):
+    """Faults that PrusaSlicer finds in each mesh, and the filament and the time of its g-code.
+
+    Filament is compared with the mesh: a slicer repairs open or inverted meshes, and then prints another solid.
+    """
+
+    name = "prusa-slicer"
+    program = "prusa-slicer"
+    Options: ClassVar[type[Table]] = PrusaSlicerOptions
+
+    def check(self, job: PrintJob) -> Iterator[Finding]:
+        """Report faults of the meshes, and the filament and the time of their g-code."""
+        mesh, gcode = f"{self.name} mesh", f"{self.name} g-code"
+        if reason := explain_missing(self.program):
+            yield Finding(mesh, State.SKIPPED, reason)
+            yield Finding(gcode, State.SKIPPED, reason)
+            return
+        with TemporaryDirectory() as name:
+            folder = Path(name)
+            paths = provide_stl(job.files, folder)
+            try:
+                faults = [fault for path in paths if (fault := self._find_fault(path, folder))]
+                if faults:
+                    yield Finding(mesh, State.FAIL, "; ".join(faults))
+                    yield Finding(gcode, State.SKIPPED, "repair the mesh first")
+                    return
+                yield Finding(mesh, State.PASS, "manifold, nothing reversed")
+                yield self._compare_filament(gcode, paths, folder, job.printer)
+            except WorkFailedError as error:
+                yield Finding(gcode, State.SKIPPED, str(error))
+
+    def _find_fault(self, path: Path, folder: Path) -> str:
+        said = run_program([self.program, "--info", str(path)], folder, self.options.timeout)
+        facts = dict(re.findall(r"^(\w+) = +(\S+)", said, re.MULTILINE))
+        if "manifold" not in facts:
+            return f"{path.name}: {last_line(said)}"
+        wrong = [
+            f"{facts[key]} {key.replace('_', ' ')}"
+            for key in (
+                "open_edges",
+                "facets_reversed",
+                "backwards_edges",
+                "degenerate_facets",
+                "facets_removed",
+            )
+            if key in facts
+        ]
+        if facts["manifold"] != "yes" or wrong:
+            return f"{path.name}: {'manifold' if facts['manifold'] == 'yes' else 'not manifold'}" + "".join(
+                f", {fault}" for fault in wrong
+            )
+        return ""
+
+    def _compare_filament(self, check: str, paths: list[Path], folder: Path, printer: Printer) -> Finding:
+        volume = filament = seconds = 0.0
+        for path in paths:
+            sliced = self._slice(path, folder, printer)
+            if isinstance(sliced, str):
+                return Finding(check, State.FAIL, f"{path.name}: {sliced}")
+            volume += sum(part.volume for part in read_parts(path))
+            filament += sliced.filament
+            seconds += sliced.seconds
+        ratio = filament / volume if volume > 0 else float("nan")
+        sound = self.options.least <= ratio <= self.options.most
+        hours, minutes = divmod(round(seconds / 60), 60)
+        return Finding(
+            check,
+            State.PASS if sound else State.FAIL,
+            f"filament {filament / 1000:.2f} cm3, {ratio:.3f} of the mesh; prints in {hours} h {minutes} min"
+            + ("" if sound else f"; expected {self.options.least:g} to {self.options.most:g}")
+            + ("; thick walls are not filled: raise infill" if ratio < self.options.least else ""),
+        )
+
+    def _slice(self, path: Path, folder: Path, printer: Printer) -> Sliced | str:
+        """Return the filament and the time of a part by its g-code, or the reason why there is no g-code."""
+        o = self.options
+        width, depth, height = (MM_PER_M * side for side in printer.bed)
+        gcode = folder / "part.gcode"
+        gcode.unlink(missing_ok=True)
+        said = run_program(
+            [
+                self.program,
+                "--export-gcode",
+                f"--layer-height={MM_PER_M * o.layer_height:g}",
+                f"--perimeters={o.perimeters}",
+                f"--fill-density={100 * o.infill:g}%",
+                # Its default pattern, made for sparse filling, is refused if all is filled.
+                f"--fill-pattern={'rectilinear' if o.infill == 1 else 'gyroid'}",
+                f"--filament-diameter={_FILAMENT:g}",
+                f"--nozzle-diameter={MM_PER_M * printer.nozzle:g}",
+                f"--bed-shape=0x0,{width:g}x0,{width:g}x{depth:g},0x{depth:g}",
+                f"--max-print-height={height:g}",
+                # A skirt is not part of the print.
+                "--skirts=0",
+                f"--output={gcode}",
+                str(path),
+            ],
+            folder,
+            o.timeout,
+        )
+        text = gcode.read_text(encoding="utf-8", errors="replace") if gcode.is_file() else ""
+        used = re.search(r"^; filament used \[mm\] = ([\d.]+)", text, re.MULTILINE)
+        time = re.search(r"^; estimated printing time \(normal mode\) = (.+)$", text, re.MULTILINE)
+        if used is None or time is None:
+            return last_line(said)
+        section = math.pi / 4 * _FILAMENT**2
+        spent = sum(int(count) * _SECONDS[mark] for count, mark in re.findall(r"(\d+)([dhms])", time[1]))
+        return Sliced(float(used[1]) * section, float(spent))

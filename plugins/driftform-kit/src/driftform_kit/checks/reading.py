@@ -1,0 +1,112 @@
+"""Printable files -> their parts, in mm and z up, whatever the format."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from driftform.errors import InputError, WorkFailedError
+from driftform_kit.checks.parts import MM_PER_M, Part, check_counts, make_part
+from driftform_kit.checks.rendering import render
+from driftform_kit.checks.threemf import read_3mf
+
+# glTF is in metres with y up: here z is up, and the axis towards the viewer points along -y.
+_FROM_GLTF = MM_PER_M * np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+
+
+_LONGEST_NAME = 40
+
+
+def read_parts(path: Path) -> tuple[Part, ...]:
+    """Return the parts of a file, one at least.
+
+    STL, OBJ and PLY have no unit and are taken to be in mm; 3MF states its unit, GLB is in metres with y up. OpenSCAD
+    source is rendered.
+
+    Raises
+    ------
+    InputError
+        if it is not a file of its format, or has no triangle.
+    WorkFailedError
+        if OpenSCAD is needed and not installed.
+    """
+    try:
+        status = path.stat()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    return _read(path, status.st_mtime_ns, status.st_size)
+
+
+@lru_cache(maxsize=32)
+def _read(path: Path, _changed: int, _size: int) -> tuple[Part, ...]:
+    suffix = path.suffix.lower()
+    if suffix not in _READERS:
+        raise InputError(
+            f"{path}: is not a printable file by its suffix; known: {', '.join(sorted(_READERS))}"
+        )
+    try:
+        parts = _READERS[suffix](path)
+    except (InputError, WorkFailedError):
+        raise
+    except Exception as error:
+        # A reader of unknown files may fail in any way.
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{path}: cannot be read as {suffix[1:].upper()}: {reason}") from None
+    parts = tuple(part for part in parts if len(part.triangles))
+    if not parts:
+        raise InputError(f"{path}: has no triangle")
+    for part in parts:
+        if not np.isfinite(part.vertices).all():
+            raise InputError(f"{path}: {part.name} has coordinates that are not finite")
+    return tuple(replace(part, name=_clean_name(part.name)) for part in parts)
+
+
+def _clean_name(name: str) -> str:
+    """Return a name that is safe in a line of a report: without control characters, and not too long."""
+    return "".join(c for c in name if c.isprintable())[:_LONGEST_NAME] or "part"
+
+
+def _read_with_trimesh(path: Path) -> tuple[Part, ...]:
+    import trimesh
+
+    scene = trimesh.load_scene(path, process=False, skip_materials=True, split_object=True)
+    nodes = scene.graph.nodes_geometry
+    check_counts(len(nodes), 0)
+    sizes = {
+        name: max(len(getattr(mesh, "faces", ())), len(getattr(mesh, "vertices", ())))
+        for name, mesh in scene.geometry.items()
+    }
+    check_counts(0, sum(sizes[scene.graph[node][1]] for node in nodes))
+    found = []
+    for node in nodes:
+        transform, name = scene.graph[node]
+        mesh = scene.geometry[name]
+        if not isinstance(mesh, trimesh.Trimesh):
+            continue
+        vertices = mesh.vertices @ transform[:3, :3].T + transform[:3, 3]
+        triangles = mesh.faces if np.linalg.det(transform[:3, :3]) > 0 else mesh.faces[:, ::-1]
+        found.append(make_part(path.stem if len(scene.geometry) == 1 else str(name), vertices, triangles))
+    return tuple(found)
+
+
+def _read_gltf(path: Path) -> tuple[Part, ...]:
+    return tuple(make_part(p.name, p.vertices @ _FROM_GLTF.T, p.triangles) for p in _read_with_trimesh(path))
+
+
+def _read_scad(path: Path) -> tuple[Part, ...]:
+    with TemporaryDirectory() as folder:
+        [part] = _read_with_trimesh(render(path, Path(folder)))
+    return (Part(path.stem, part.vertices, part.triangles),)
+
+
+_READERS: dict[str, Callable[[Path], tuple[Part, ...]]] = {
+    ".stl": _read_with_trimesh,
+    ".obj": _read_with_trimesh,
+    ".ply": _read_with_trimesh,
+    ".glb": _read_gltf,
+    ".3mf": read_3mf,
+    ".scad": _read_scad,
+}

@@ -1,0 +1,129 @@
+"""How a part stands the push of the nozzle: as a beam that is clamped to the bed by its first layer.
+
+A nozzle pushes the part sideways wherever material has curled up or leaked. At the top, where its lever is longest, a
+push F bends a part of height H by
+
+    F int (H - z)^2 / (E I(z)) dz
+
+(Euler and Bernoulli), stresses the section at z by F (H - z) / W(z), and its adhesion to the bed by F H / W(0), with the
+second moment of area I and the section modulus W = I / c, in whichever direction is weakest. A layer that lands half a
+line beside the one below holds on by half its width.
+
+The push, the strength and the adhesion are those by which PrusaSlicer decides where a part needs support
+(``SupportSpotsGenerator.hpp``): 10 gram-force, and 65 more where material has curled; 33 MPa, the yield strength of ABS;
+an adhesion to the bed of 0.1 MPa for ABS, 0.02 MPa for PLA and 0.3 MPa for PETG.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from manifold3d import CrossSection, Error, Manifold, Mesh64
+
+from driftform.agent.meshes import IntArray
+from driftform.types import FloatArray
+
+_STATIONS = 160
+"""Sections over the height of a part."""
+
+_FIRST = 0.1
+"""mm: height of the section that sticks to the bed, the middle of the first layer."""
+
+_TIP = 0.05
+"""Share of the height below the top that is no neck: pointed tips are thin, but have no lever."""
+
+
+@dataclass(frozen=True)
+class Slenderness:
+    """A part as a beam on the bed; lengths in mm, forces in N, for the material that it was computed for.
+
+    Attributes
+    ----------
+    height, base
+        of the part, and least width of its first layer.
+    neck, neck_height
+        least width of the section with the greatest stress, and its height above the bed.
+    bending
+        how far a push of 1 N at the top bends it, mm/N.
+    break_force
+        push at the top under which the neck yields.
+    lift_force
+        push at the top that lifts the first layer off the bed.
+    """
+
+    height: float
+    base: float
+    neck: float
+    neck_height: float
+    bending: float
+    break_force: float
+    lift_force: float
+
+
+def measure_slenderness(
+    vertices: FloatArray, triangles: IntArray, stiffness: float, strength: float, adhesion: float
+) -> Slenderness | None:
+    """Return how slender a part is as placed, with z up; ``None`` if it is no solid or does not reach above its first layer.
+
+    Parameters
+    ----------
+    vertices
+        mm, (n, 3).
+    triangles
+        of a closed mesh that faces outward, and into its hollows, (m, 3).
+    stiffness
+        modulus of elasticity of the material, Pa.
+    strength
+        its yield strength, Pa.
+    adhesion
+        stress at which it comes off the bed, Pa.
+    """
+    solid = Manifold(Mesh64(vert_properties=vertices, tri_verts=triangles.astype(np.uint64)))
+    low, high = float(vertices[:, 2].min()), float(vertices[:, 2].max())
+    height = high - low
+    if solid.status() != Error.NoError or height <= 2 * _FIRST:
+        return None
+    # Middles of equal steps, which no flat face is in, but the first.
+    step = (height - _FIRST) / _STATIONS
+    z = np.concatenate(([_FIRST], _FIRST + (np.arange(_STATIONS) + 0.5) * step))
+    sections = [measure_section(solid.slice(low + at)) for at in z.tolist()]
+    if any(second <= 0 for second, _ in sections):
+        return None
+    second, width = np.array(sections).T
+    modulus = second / (width / 2)
+    lever = height - z
+    # Pa are N/m2: 1e-6 N/mm2.
+    weakest = int(np.argmax(np.where(lever > _TIP * height, lever / modulus, 0.0)))
+    return Slenderness(
+        height=height,
+        base=float(width[0]),
+        neck=float(width[weakest]),
+        neck_height=float(z[weakest]),
+        bending=float((lever[1:] ** 2 / second[1:]).sum() * step / (1e-6 * stiffness)),
+        break_force=1e-6 * strength * float(modulus[weakest] / lever[weakest]),
+        lift_force=1e-6 * adhesion * float(modulus[0]) / height,
+    )
+
+
+def measure_section(section: CrossSection) -> tuple[float, float]:
+    """Return the least second moment of area of a section (mm4), and its width across that direction (mm); 0 if empty."""
+    rings = [np.asarray(ring, dtype=np.float64) for ring in section.to_polygons()]
+    if not rings:
+        return 0.0, 0.0
+    area, first, second = 0.0, np.zeros(2), np.zeros((2, 2))
+    for ring in rings:
+        a, b = ring, np.roll(ring, -1, axis=0)
+        # Integrals over the triangles from the origin to the edges; holes run the other way round.
+        twice = a[:, 0] * b[:, 1] - b[:, 0] * a[:, 1]
+        total = a + b
+        area += float(twice.sum()) / 2
+        first += (twice[:, None] * total).sum(axis=0) / 6
+        products = (
+            np.einsum("ni,nj->nij", total, total)
+            + np.einsum("ni,nj->nij", a, a)
+            + np.einsum("ni,nj->nij", b, b)
+        )
+        second += (twice[:, None, None] * products).sum(axis=0) / 24
+    centre = first / area
+    values, axes = np.linalg.eigh(second - area * np.outer(centre, centre))
+    across = (np.concatenate(rings) - centre) @ axes[:, 0]
+    return float(values[0]), 2 * float(np.abs(across).max())

@@ -1,0 +1,177 @@
+"""Reading 3MF files: the parts on the plate, placed and in mm (3MF Core Specification 1.3)."""
+
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
+from xml.etree import ElementTree
+
+import numpy as np
+
+from driftform.agent.meshes import IntArray
+from driftform.types import FloatArray
+from driftform_kit.checks.parts import Part, check_counts, make_part
+
+_UNITS = {
+    "micron": 1e-3,
+    "millimeter": 1.0,
+    "centimeter": 10.0,
+    "inch": 25.4,
+    "foot": 304.8,
+    "meter": 1000.0,
+}
+
+_RELATIONSHIP = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+
+_LARGEST = 1 << 27
+"""Bytes of all files that are read from the archive, unpacked."""
+
+Mesh = tuple[FloatArray, IntArray]
+"""Vertices (n, 3) and triangles (m, 3)."""
+
+_DEEPEST = 32
+"""Components within components."""
+
+
+def read_3mf(path: Path) -> tuple[Part, ...]:
+    """Return the parts that the build section places.
+
+    Raises
+    ------
+    ValueError
+        if it is not a 3MF file; the message has the reason.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return _Package(archive).parts()
+    except (zipfile.BadZipFile, NotImplementedError, RuntimeError) as error:
+        raise ValueError(f"is not a 3MF archive: {error}") from None
+    except ElementTree.ParseError as error:
+        raise ValueError(f"its model is not XML: {error}") from None
+    except KeyError as error:
+        raise ValueError(f"lacks {error}") from None
+
+
+class _Package:
+    """An open archive, and the models read from it."""
+
+    def __init__(self, archive: zipfile.ZipFile) -> None:
+        self._archive = archive
+        self._models: dict[str, ElementTree.Element] = {}
+        self._objects: dict[str, dict[str | None, ElementTree.Element]] = {}
+        self._read_meshes: dict[tuple[str, str], list[Mesh]] = {}
+        self._unpacked = self._visited = self._vertices = self._triangles = 0
+
+    def parts(self) -> tuple[Part, ...]:
+        root = self._root()
+        model = self._model(root)
+        found = []
+        for item in model.iterfind("{*}build/{*}item"):
+            identifier = item.attrib["objectid"]
+            path = _path_of(item, root)
+            pieces = list(self._pieces(path, identifier, _transform(item), 0))
+            if not pieces:
+                continue
+            name = (
+                item.get("partnumber") or self._object(path, identifier).get("name") or f"object {identifier}"
+            )
+            offsets = np.cumsum([0, *(len(vertices) for vertices, _ in pieces)])
+            vertices = np.concatenate([vertices for vertices, _ in pieces])
+            triangles = np.concatenate(
+                [triangles + offset for (_, triangles), offset in zip(pieces, offsets, strict=False)]
+            )
+            found.append(make_part(name, vertices * self._unit(model), triangles))
+        return tuple(found)
+
+    def _pieces(self, path: str, identifier: str, transform: FloatArray, depth: int) -> Iterator[Mesh]:
+        """Meshes of an object and of its components, placed, in the unit of the model."""
+        if depth > _DEEPEST:
+            raise ValueError(f"has components within components, more than {_DEEPEST} deep")
+        self._visited += 1
+        check_counts(self._visited, 0)
+        item = self._object(path, identifier)
+        if item.get("type", "model") in ("support", "solidsupport"):
+            return
+        for points, triangles in self._meshes(path, identifier):
+            self._vertices += len(points)
+            self._triangles += len(triangles)
+            check_counts(self._visited, max(self._vertices, self._triangles))
+            # A mirror turns a mesh inside out: undone, as in the specification (3.4.1).
+            is_mirrored = np.linalg.det(transform[:3]) < 0
+            yield points @ transform[:3] + transform[3], triangles[:, ::-1] if is_mirrored else triangles
+        for component in item.iterfind("{*}components/{*}component"):
+            inner = _transform(component)
+            placed = np.vstack((inner[:3] @ transform[:3], inner[3] @ transform[:3] + transform[3]))
+            yield from self._pieces(
+                _path_of(component, path), component.attrib["objectid"], placed, depth + 1
+            )
+
+    def _meshes(self, path: str, identifier: str) -> list[Mesh]:
+        """Meshes of an object alone, read once however often it is placed."""
+        if (path, identifier) not in self._read_meshes:
+            self._read_meshes[path, identifier] = [
+                _read_mesh(mesh, identifier) for mesh in self._object(path, identifier).iterfind("{*}mesh")
+            ]
+        return self._read_meshes[path, identifier]
+
+    def _object(self, path: str, identifier: str) -> ElementTree.Element:
+        if path not in self._objects:
+            items = list(self._model(path).iterfind("{*}resources/{*}object"))
+            # Of several with one id, the first.
+            self._objects[path] = {item.get("id"): item for item in reversed(items)}
+        if identifier not in self._objects[path]:
+            raise ValueError(f"places object {identifier}, which is missing")
+        return self._objects[path][identifier]
+
+    def _model(self, path: str) -> ElementTree.Element:
+        if path not in self._models:
+            self._models[path] = ElementTree.fromstring(self._read(path))
+        return self._models[path]
+
+    def _root(self) -> str:
+        for relationship in ElementTree.fromstring(self._read("_rels/.rels")):
+            if relationship.get("Type") == _RELATIONSHIP:
+                return relationship.attrib["Target"].lstrip("/")
+        raise ValueError("names no model in _rels/.rels")
+
+    def _read(self, name: str) -> bytes:
+        self._unpacked += self._archive.getinfo(name).file_size
+        if self._unpacked > _LARGEST:
+            raise ValueError(f"unpacks to more than {_LARGEST >> 20} MB")
+        return self._archive.read(name)
+
+    @staticmethod
+    def _unit(model: ElementTree.Element) -> float:
+        unit = model.get("unit", "millimeter")
+        if unit not in _UNITS:
+            raise ValueError(f"is in the unit '{unit}', which 3MF does not have")
+        return _UNITS[unit]
+
+
+def _read_mesh(mesh: ElementTree.Element, identifier: str) -> Mesh:
+    vertices = [[float(v.attrib[axis]) for axis in "xyz"] for v in mesh.iterfind("{*}vertices/{*}vertex")]
+    corners = [
+        [int(t.attrib[corner]) for corner in ("v1", "v2", "v3")]
+        for t in mesh.iterfind("{*}triangles/{*}triangle")
+    ]
+    points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
+    triangles = np.array(corners, dtype=np.int64).reshape(-1, 3)
+    if triangles.size and not 0 <= triangles.min() <= triangles.max() < len(points):
+        raise ValueError(f"object {identifier} has triangles on missing vertices")
+    return points, triangles
+
+
+def _transform(element: ElementTree.Element) -> FloatArray:
+    """Of row vectors: three rows that turn and scale, and one that moves, (4, 3)."""
+    text = element.get("transform")
+    if text is None:
+        return np.vstack((np.eye(3), np.zeros(3)))
+    values = [float(word) for word in text.split()]
+    if len(values) != 12:
+        raise ValueError(f"has a transform of {len(values)} numbers in place of 12")
+    return np.array(values).reshape(4, 3)
+
+
+def _path_of(element: ElementTree.Element, here: str) -> str:
+    """The model that an element refers to: its own, or another by the production extension."""
+    other = next((value for key, value in element.attrib.items() if key.endswith("}path")), here)
+    return str(PurePosixPath(other)).lstrip("/")

@@ -1,0 +1,69 @@
+"""Wall thickness of a part: rays from its surface through its material to the other side."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from manifold3d import Error, Manifold, Mesh64
+
+from driftform.agent.meshes import IntArray, area_vectors
+from driftform.types import FloatArray
+
+REACH = 5.0
+"""mm: thicker walls are not searched for."""
+
+_OPPOSITE = np.cos(np.radians(30))
+"""Surfaces at less than this to one another, back to back, are two sides of a wall; others meet in an edge."""
+
+# A wall between straight sides is thinnest at a corner of a triangle: so next to each of them, and in the middle.
+_NEAR = 0.02
+_STATIONS = np.array(
+    [[1 / 3, 1 / 3, 1 / 3]] + (np.eye(3) * (1 - 3 * _NEAR) + _NEAR).tolist()  # noqa: RUF005
+)
+
+
+@dataclass(frozen=True)
+class Wall:
+    """The thinnest wall of a part: ``thickness`` in mm and its place, a point of the surface, mm."""
+
+    thickness: float
+    where: tuple[float, float, float]
+
+
+def find_thinnest_wall(vertices: FloatArray, triangles: IntArray) -> Wall | None:
+    """Return the thinnest wall of a solid, ``None`` if it is thicker than :data:`REACH` or has no inside.
+
+    From four points of each triangle a ray goes into the material, normal to the surface, until it comes out. Only
+    where it comes out through a surface that faces the other way within 30 degrees is there a wall between the two:
+    edges are sharp, but they are not thin.
+
+    Parameters
+    ----------
+    vertices
+        mm, (n, 3).
+    triangles
+        of a closed mesh that faces outward, and into its hollows, (m, 3).
+    """
+    solid = Manifold(Mesh64(vert_properties=vertices, tri_verts=triangles.astype(np.uint64)))
+    if solid.status() != Error.NoError:
+        return None
+    corners = vertices[triangles]
+    normals = area_vectors(vertices, triangles)
+    size = np.linalg.norm(normals, axis=1)
+    sound = size > 1e-9 * size.max()
+    corners, normals = corners[sound], normals[sound] / size[sound, None]
+    # Off the surface by more than rounding, and by less than any wall: a ray must not meet where it starts.
+    gap = 1e-9 * float(np.abs(vertices).max()) + 1e-9
+    starts = np.einsum("sk,mkc->msc", _STATIONS, corners) - gap * normals[:, None]
+    ends = starts - REACH * normals[:, None]
+    thinnest = None
+    for normal, from_points, to_points in zip(normals, starts.tolist(), ends.tolist(), strict=True):
+        for start, end in zip(from_points, to_points, strict=True):
+            hits = solid.ray_cast(start, end)
+            if not hits:
+                continue
+            if np.dot(hits[0].normal, normal) > -_OPPOSITE:
+                continue
+            thickness = hits[0].distance * REACH + gap
+            if thinnest is None or thickness < thinnest.thickness:
+                thinnest = Wall(thickness, tuple(start))
+    return thinnest

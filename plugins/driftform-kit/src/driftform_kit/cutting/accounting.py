@@ -1,0 +1,230 @@
+"""Mass and volume of a kit beside those that were simulated: sleeves, seats and fillings add mass."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from driftform.agent import mass_properties, solid_of_revolution
+from driftform.agent.mass import assemble, wall_moments
+from driftform.interfaces import ExportJob
+from driftform.types import Agent, Body, Fittings, FloatArray, MassProperties, Moments
+from driftform.water import Fluid
+from driftform_frusta.kit_options import KitOptions, PartOptions
+from driftform_kit.ballast import ball_mass, name_material
+from driftform_kit.cutting.engraving import Engraving
+from driftform_kit.cutting.held_ballast import HeldBall
+from driftform_kit.cutting.meridian import MM, moments
+from driftform_kit.cutting.pieces import Kit, Piece, make_kit
+
+_LIGHTER = 0.95
+"""Mass of the parts, over that which gives the simulated mass, at which ballast is to make up for the rest."""
+
+
+def kit_mass(body: Body, options: KitOptions) -> MassProperties:
+    """Return mass properties of the assembled kit with its core.
+
+    Parts of revolution are integrated in closed form; glue and O-rings weigh nothing here, and holes of ``drain``
+    are taken to be plugged flush. An engraving is taken out as a point mass, which is exact but for the inertia, and
+    outside it fills with water.
+
+    Raises
+    ------
+    WorkFailedError
+        if the body has no such kit.
+    """
+    kit = make_kit(body, options)
+    whole = assemble(kit_moments(kit), solid_of_revolution(body.outer), body.hull_density, body.core)
+    outside = options.engrave_side == "outside"
+    for text in kit.engravings:
+        whole = _subtract(whole, text, body.hull_density, outside)
+    return whole
+
+
+def held_mass(held: HeldBall, options: PartOptions) -> float:
+    """Return the mass of a ball of ballast, kg."""
+    return ball_mass(2 * held.ball.radius / MM, options.ballast_density)
+
+
+@dataclass(frozen=True)
+class KitWeight:
+    """What the parts of a kit weigh, and what they should weigh.
+
+    Attributes
+    ----------
+    mass, moment
+        of the parts at full flow, kg and kg m.
+    bought, bought_moment
+        of core and ballast.
+    most
+        that the parts may weigh, so that the closed kit is not heavier than simulated, kg.
+    loaded
+        whether there is ballast.
+    """
+
+    mass: float
+    moment: float
+    bought: float
+    bought_moment: float
+    most: float
+    loaded: bool
+
+    @property
+    def flow(self) -> float:
+        """That gives the simulated mass with the ballast, and less where ballast is to be added; at most the full flow."""
+        aim = self.most if self.loaded else _LIGHTER * self.most
+        return min(1.0, aim / self.mass) if aim > 0 else 1.0
+
+    def closed(self, flow: float) -> tuple[float, float]:
+        """Return mass (kg) and moment (kg m) of the closed kit, printed with some flow."""
+        return self.bought + flow * self.mass, self.bought_moment + flow * self.moment
+
+
+def weigh_kit(agent: Agent, kit: Kit, options: PartOptions) -> KitWeight:
+    """Return what the parts of an agent's kit weigh, and what they should weigh with its ballast."""
+    core, empty = agent.body.core.mass, kit_mass(agent.body, options)
+    balls = [(held_mass(held, options), held.ball.z / MM) for held in kit.ballast]
+    bought = core + sum(mass for mass, _ in balls)
+    return KitWeight(
+        empty.mass - core,
+        float(empty.mass * empty.cog[0]),
+        bought,
+        sum(mass * x for mass, x in balls),
+        agent.mass.mass - bought,
+        bool(balls),
+    )
+
+
+def kit_fittings(body: Body, options: KitOptions) -> Fittings:
+    """Return what a kit has beside the wall of a body: joints, seats and fillings, less holes and engravings.
+
+    With these fittings :func:`driftform.agent.mass_properties` of the body are :func:`kit_mass`, but for the distance
+    of the centre of gravity from the axis: an engraving on one side moves it by micrometres, and a body of revolution
+    has it on the axis.
+
+    Raises
+    ------
+    WorkFailedError
+        if the body has no such kit.
+    """
+    kit = make_kit(body, options)
+    removed = sum((_point_moments(text) for text in kit.engravings), Moments())
+    flooded = removed if options.engrave_side == "outside" else Moments()
+    return Fittings(kit_moments(kit) - wall_moments(body) - removed, Moments() - flooded)
+
+
+def kit_moments(kit: Kit) -> Moments:
+    """Return the volume integrals of all parts, without engravings."""
+    return sum((moments(piece.rings) for piece in kit.pieces), Moments())
+
+
+def _point_moments(text: Engraving) -> Moments:
+    x, y, z = text.centroid.tolist()
+    return Moments(text.volume, text.volume * x, text.volume * x**2, text.volume * (y**2 + z**2))
+
+
+def _subtract(whole: MassProperties, text: Engraving, density: float, floods: bool) -> MassProperties:
+    lost = text.volume * density
+    mass = whole.mass - lost
+    cog = (whole.mass * whole.cog - lost * text.centroid) / mass
+    inertia = (
+        whole.inertia
+        + whole.mass * _point_inertia(whole.cog)
+        - lost * _point_inertia(text.centroid)
+        - mass * _point_inertia(cog)
+    )
+    if not floods:
+        return MassProperties(mass, cog, inertia, whole.volume, whole.cob)
+    volume = whole.volume - text.volume
+    cob = (whole.volume * whole.cob - text.volume * text.centroid) / volume
+    return MassProperties(mass, cog, inertia, volume, cob)
+
+
+def _point_inertia(at: FloatArray) -> FloatArray:
+    """Inertia of a unit point mass, m2."""
+    square: FloatArray = float(at @ at) * np.eye(3) - np.outer(at, at)
+    return square
+
+
+def kit_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
+    """Return the facts of a job's kit, under the key ``kit``; an empty dictionary without a kit.
+
+    ``joint``: its ``kind``, where it cuts (``x_mm``), and ``why``. ``parts``: of each its ``name``, ``mass_kg``,
+    ``height_mm`` and ``bed_end``. ``ballast``: of each ball of the options its ``x_mm`` and ``diameter_mm``, the ``part`` that
+    holds it, the joint that it goes in by (``mouth_mm``) or the height at which the printer pauses for it (``pause_mm``),
+    ``held_by``: ``seat`` or ``wall``, its ``material`` and its ``mass_kg``. ``balance``: mass (kg), x of the centres of
+    gravity and of buoyancy (mm) and net buoyancy (N) of the simulated agent, of the one printed with full flow, and of that
+    with its ballast, printed with the flow that the ballast is for (:class:`KitWeight`). With holes also ``flooded_kg``, the mass of the
+    water that enters through an open hole.
+    """
+    if not options.kit:
+        return {}
+    body, fluid = job.agent.body, job.scenario.fluid
+    kit = make_kit(body, options)
+    first = kit.core_joint.joint
+    facts: dict[str, Any] = {
+        "joint": {"kind": first.kind, "x_mm": first.z, "why": kit.core_joint.reason},
+        "parts": [_facts_of_piece(piece, body.hull_density) for piece in kit.pieces],
+        "ballast": [
+            {
+                "x_mm": held.ball.z,
+                "diameter_mm": 2 * held.ball.radius,
+                "part": kit.pieces[held.part].name,
+                "mouth_mm": None if held.mouth is None else kit.joints[held.mouth].z,
+                "pause_mm": kit.find_pause(held),
+                "held_by": "wall" if held.seat is None else "seat",
+                "material": name_material(options.ballast_density),
+                "mass_kg": held_mass(held, options),
+            }
+            for held in kit.ballast
+        ],
+        "balance": _list_balances(job, kit, options),
+    }
+    if options.drain:
+        facts["flooded_kg"] = measure_flooding(kit, body, fluid.density)
+    return {"kit": facts}
+
+
+def _list_balances(job: ExportJob, kit: Kit, options: PartOptions) -> list[dict[str, Any]]:
+    fluid, printed = job.scenario.fluid, kit_mass(job.agent.body, options)
+    rows = [
+        _balance("simulated", mass_properties(job.agent.body), fluid),
+        _balance("printed", printed, fluid),
+    ]
+    if not kit.ballast:
+        return rows
+    weight = weigh_kit(job.agent, kit, options)
+    mass, moment = weight.closed(weight.flow)
+    loaded = replace(printed, mass=mass, cog=np.array([moment / mass, 0.0, 0.0]))
+    return [*rows, _balance("with ballast", loaded, fluid)]
+
+
+def piece_mass(piece: Piece, density: float) -> float:
+    """Return the mass of a part of a material of ``density`` (kg/m3), kg."""
+    return density * (moments(piece.rings).volume - (piece.engraved.volume if piece.engraved else 0.0))
+
+
+def _facts_of_piece(piece: Piece, density: float) -> dict[str, Any]:
+    z = np.concatenate([ring[:, 1] for ring in piece.rings])
+    return {
+        "name": piece.name,
+        "mass_kg": piece_mass(piece, density),
+        "height_mm": float(np.ptp(z)),
+        "bed_end": "fore" if piece.fore_down else "aft",
+    }
+
+
+def _balance(name: str, mass: MassProperties, fluid: Fluid) -> dict[str, Any]:
+    return {
+        "of": name,
+        "mass_kg": mass.mass,
+        "cog_mm": MM * float(mass.cog[0]),
+        "cob_mm": MM * float(mass.cob[0]),
+        "net_buoyancy_n": mass.net_buoyancy(fluid),
+    }
+
+
+def measure_flooding(kit: Kit, body: Body, water: float) -> float:
+    """Return the mass of the water (density in kg/m3) that fills the closed kit through an open hole, kg."""
+    inside = solid_of_revolution(body.outer).volume - kit_moments(kit).volume
+    return water * (inside - 4 / 3 * np.pi * body.core.radius**3)

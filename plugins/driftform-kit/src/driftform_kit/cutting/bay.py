@@ -1,0 +1,209 @@
+"""The bay: seats that hold the core at the origin if the hull itself does not.
+
+A hull that narrows on both sides of the core holds it. If one side is wide, the core could move along the axis: a
+seat is added there, a cone that runs from the wall to the core, normal to the core's surface. Its slope is at most 45
+degrees, so that it prints without support with the closed end of its part on the bed. Balls of ballast get the same seats.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from manifold3d import CrossSection, OpType
+
+from driftform.agent import distance_from
+from driftform.errors import WorkFailedError
+from driftform.types import FloatArray
+from driftform_kit.cutting.meridian import (
+    Hull,
+    circumradius,
+    grow,
+    list_rings,
+    make_disc,
+    make_polygon,
+    take_right,
+)
+
+SEAT = 1.2
+"""mm, thickness of a seat: three lines of the usual nozzle."""
+
+LEAST_TUBE = 1.0
+"""mm: least radius inside a tube that holds a ball."""
+
+PLAY = 0.5
+"""mm that the core may move along the axis without a seat."""
+
+PLAY_OF_SEATS = 2.0
+"""Least play along the axis, in clearances: a seat at 45 degrees leaves 1.4."""
+
+_LATITUDES_DEG = (45.0, 50.0, 55.0, 60.0, 65.0, 70.0)
+"""Latitudes at which a seat may touch the core; the first that has room is taken."""
+
+_STEPS = 26
+"""Places tried between that of a ball and the end of its play."""
+
+_TOUCHING = 0.01
+"""mm: sections nearer than this touch."""
+
+_AREA = 1e-3
+"""mm2: sections that share less than this do not meet."""
+
+
+@dataclass(frozen=True)
+class Ball:
+    """A ball on the axis: z of its centre, and its radius, mm."""
+
+    z: float
+    radius: float
+
+    def draw(self, gap: float = 0.0) -> CrossSection:
+        """Return its disc, with a gap all round."""
+        return make_disc(self.radius + gap).translate((0.0, self.z))
+
+
+@dataclass(frozen=True, eq=False)
+class Seat:
+    """A seat's section, and the index of the part that carries it."""
+
+    section: CrossSection
+    part: int
+
+
+def is_held(parts: Sequence[CrossSection], ball: Ball, side: int, gap: float) -> bool:
+    """Return whether a ball that moves along the axis to one side soon comes to rest on a part that centres it.
+
+    A flat end does not: the ball rolls aside.
+    """
+    play = max(PLAY, PLAY_OF_SEATS * gap)
+    drawn = ball.draw()
+    low, high = sorted((ball.z, ball.z + side * play))
+    # The part that the ball moves to comes first: it is most likely to be met.
+    near = [part for part in parts[::-side] if _spans(part, low - 2 * ball.radius, high + 2 * ball.radius)]
+
+    def meets(aside: float, along: float) -> bool:
+        moved = drawn.translate((aside, side * along))
+        return any((moved ^ part).area() > _AREA for part in near)
+
+    if not meets(0.0, play):
+        return False
+    places = _list_places(play)
+    # Elsewhere no edge is within the disc, so that it meets nothing.
+    touched = _distance_along(near, ball.z + side * places) <= circumradius(ball.radius)
+    rest = next((along for along in places[touched].tolist() if meets(0.0, along)), play)
+    # A wall that touches at a lower latitude does not let it aside even if it is lifted by this much.
+    lift = play / math.tan(math.radians(_LATITUDES_DEG[-1]))
+    return meets(play, rest - lift)
+
+
+@lru_cache(maxsize=16)
+def _list_places(play: float) -> FloatArray:
+    """Distances along the axis at which a ball is tried."""
+    return np.linspace(0.0, play, _STEPS)
+
+
+def _spans(section: CrossSection, low: float, high: float) -> bool:
+    """Return whether a section reaches between two heights."""
+    _, lowest, _, highest = section.bounds()
+    return bool(lowest <= high and highest >= low)
+
+
+def _distance_along(parts: Sequence[CrossSection], heights: FloatArray) -> FloatArray:
+    """The distance of points of the axis, at some heights, from the edges of parts, mm."""
+    points = np.column_stack((np.zeros_like(heights), heights))
+    rings = [ring for part in parts for ring in list_rings(part)]
+    apart = [distance_from(points, np.concatenate((ring, ring[:1]))) for ring in rings]
+    nearest: FloatArray = np.min(apart, axis=0)
+    return nearest
+
+
+def place_seats(hull: Hull, parts: Sequence[CrossSection], gap: float, shells: tuple[int, int]) -> list[Seat]:
+    """Return the seats that keep the core at its simulated place.
+
+    Parameters
+    ----------
+    hull
+        the hull.
+    parts
+        sections of the parts as joined.
+    gap
+        between seat and core, mm.
+    shells
+        indices of the aft and the fore shell among the parts.
+
+    Raises
+    ------
+    WorkFailedError
+        if a seat is needed and has no room.
+    """
+    found, core = [], Ball(0.0, hull.core)
+    for side in (-1, 1):
+        if is_held(parts, core, side, gap):
+            continue
+        part = shells[0 if side < 0 else 1]
+        others = [p for i, p in enumerate(parts) if i != part]
+        section = draw_seat(hull, core, parts[part], others, side, gap)
+        if section is None:
+            raise WorkFailedError(
+                f"no kit can be made: the core is not held on its {'fore' if side > 0 else 'aft'} side, and a seat has "
+                "no room beside the joint; set joint to 'rabbet', or lap to less"
+            )
+        found.append(Seat(section, part))
+    return found
+
+
+def draw_seat(
+    hull: Hull, ball: Ball, part: CrossSection, others: Sequence[CrossSection], side: int, gap: float
+) -> CrossSection | None:
+    """Return the section of a cone on one side of a ball that merges with a part and is clear of others; ``None`` without room."""
+    taken = CrossSection.batch_boolean(list(others), OpType.Add)
+    for latitude in _LATITUDES_DEG:
+        section = _draw_cone(hull, ball, math.radians(latitude), side, gap)
+        if _fits(section, part, taken, gap):
+            return section
+    return None
+
+
+def draw_tube(
+    hull: Hull, ball: Ball, part: CrossSection, others: Sequence[CrossSection], side: int, gap: float
+) -> CrossSection | None:
+    """Return the section of a tube along the axis, from the wall to one side of a ball, as :func:`draw_seat`.
+
+    In a wide bore, near its end, it is lighter than a cone. The ball lies in its mouth, at a latitude of 45 degrees.
+    """
+    taken = CrossSection.batch_boolean(list(others), OpType.Add)
+    inner = max(math.sqrt(0.5) * (ball.radius + gap), LEAST_TUBE)
+    far = 2 * float(np.abs(hull.skin).max())
+    corners = np.array([(inner, 0.0), (inner, side * far), (inner + SEAT, side * far), (inner + SEAT, 0.0)])
+    section = _cut_nearest(hull, ball, corners, gap)
+    return section if _fits(section, part, taken, gap) else None
+
+
+def _fits(section: CrossSection, part: CrossSection, taken: CrossSection, gap: float) -> bool:
+    held = (grow(section, _TOUCHING) ^ part).area() > _AREA
+    return bool(held and (grow(section, gap) ^ taken).area() < _AREA)
+
+
+def _draw_cone(hull: Hull, ball: Ball, latitude: float, side: int, gap: float) -> CrossSection:
+    """The section of a cone about the ray from a ball's centre at a latitude, from the ball to the nearest wall."""
+    along = np.array([math.cos(latitude), side * math.sin(latitude)])
+    across = np.array([-along[1], along[0]]) * SEAT / 2
+    far = 2 * float(np.abs(hull.skin).max())
+    return _cut_nearest(
+        hull, ball, np.array([-across, far * along - across, far * along + across, across]), gap
+    )
+
+
+def _cut_nearest(hull: Hull, ball: Ball, corners: FloatArray, gap: float) -> CrossSection:
+    """The piece of a strip, given from a ball's centre, between the ball and the nearest wall."""
+    strip = make_polygon(corners + np.array([0.0, ball.z]))
+    pieces = ((take_right(strip) ^ hull.inside) - ball.draw(gap)).decompose()
+    if not pieces:
+        return CrossSection()
+
+    def distance(section: CrossSection) -> float:
+        return min(float(np.hypot(ring[:, 0], ring[:, 1] - ball.z).min()) for ring in section.to_polygons())
+
+    nearest = min(pieces, key=distance)
+    return nearest + nearest.mirror((1.0, 0.0))

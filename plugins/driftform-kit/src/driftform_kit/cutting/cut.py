@@ -1,0 +1,292 @@
+"""Choosing the cuts of a hull: one for the core, and others at joints of modules if a part is too long for the bed."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+
+from driftform.errors import WorkFailedError
+from driftform.types import FloatArray
+from driftform_frusta.kit_options import KitOptions
+from driftform_kit.cutting.joint import Joint, Line, plug_bore, radii_along, trace_mouth
+from driftform_kit.cutting.meridian import MM, Hull
+
+STEP = 0.25
+"""mm between the places that are tried for the joint beside the core."""
+
+LEAST_BORE = 0.35
+"""mm: least radius of the bore of a plug."""
+
+SLIM_BORE = 4.0
+"""mm: a plug with a narrower bore is a weak joint, made only if there is no other."""
+
+_TINY = 1e-9
+"""mm: rounding of sums of lengths is less than this."""
+
+_ROUNDING = 0.01
+"""mm: chords of the dome lie inside its circle by less than this."""
+
+
+@dataclass(frozen=True)
+class CoreJoint:
+    """The joint through which the core is inserted, and the reason for the choice."""
+
+    joint: Joint
+    reason: str
+
+
+def choose_core_joint(hull: Hull, options: KitOptions) -> CoreJoint:
+    """Return the joint of the two shells: a sleeve as near to the core's equator as possible, or a rabbet at the equator.
+
+    Raises
+    ------
+    WorkFailedError
+        if the requested joint, or any joint, has no room; the message has the reason.
+    """
+    sleeve = None if options.joint == "rabbet" else _find_sleeve(hull, options)
+    if sleeve is not None:
+        away = abs(sleeve.z)
+        place = (
+            "at the core's equator"
+            if not away
+            else f"{away:g} mm {_name_side_of(sleeve.z)} of the core's equator, where the core leaves room inside"
+        )
+        return CoreJoint(sleeve, f"a sleeve of {sleeve.plug:g} mm {place}")
+    no_sleeve = (
+        f"no sleeve of {MM * options.sleeve:g} mm fits beside the core: on neither side does the hull stay as wide "
+        f"as the core for the {MM * options.lap:g} mm of its lap and a wall to hold it"
+    )
+    if options.joint == "sleeve":
+        raise WorkFailedError(f"{no_sleeve}; set joint to 'rabbet', or lap or sleeve to less")
+    if options.o_ring:
+        raise WorkFailedError(
+            f"{no_sleeve}, and without a sleeve there is no groove for an O-ring: set o_ring to 0"
+        )
+    rabbet = _make_rabbet(hull, options)
+    return CoreJoint(rabbet, "joint is set to 'rabbet'" if options.joint == "rabbet" else no_sleeve)
+
+
+def _find_sleeve(hull: Hull, options: KitOptions) -> Joint | None:
+    need = hull.room(MM * options.clearance) - _ROUNDING
+    roomy = {side: _list_roomy(hull, side, need, options) for side in (1, -1)}
+    for away in sorted(roomy[1] | roomy[-1]):
+        fitting = [
+            joint
+            for side in (1, -1)
+            if away in roomy[side]
+            and _takes_core(hull, joint := make_sleeve(side * away, side, options), need)
+        ]
+        if fitting:
+            # The wider mouth takes a wider plug.
+            return max(fitting, key=lambda joint: plug_bore(hull, joint))
+    return None
+
+
+def _list_roomy(hull: Hull, side: int, need: float, options: KitOptions) -> set[float]:
+    """Distances from the core's equator, mm, at which a plug may leave room for the core, which passes so far."""
+    gap, plug, lap = MM * options.clearance, MM * options.sleeve, MM * options.lap
+    away = _list_places(hull.core)
+    mouth = hull.bore_radius(side * away)
+    narrow = np.flatnonzero(mouth < need)
+    reach = narrow[0] if len(narrow) else len(away) - 1
+    away, mouth = away[:reach], mouth[:reach]
+    # A plug is nowhere wider inside than at its mouth, and at its tip not wider than the cavity there: few places need
+    # a closer look.
+    tip, least = away - lap, hull.core + gap - _ROUNDING
+    wide = np.hypot(mouth - gap - plug, np.maximum(tip, 0.0)) >= least
+    wide &= np.hypot(hull.bore_radius(side * tip) - gap - plug, tip) >= least - _TINY
+    return set(away[wide].tolist())
+
+
+@lru_cache(maxsize=16)
+def _list_places(core: float) -> FloatArray:
+    """Distances from the core's equator that are tried for its joint, up to four radii, mm."""
+    return np.arange(0.0, 4 * core, STEP)
+
+
+def make_sleeve(z: float, side: int, options: KitOptions) -> Joint:
+    """Return a sleeve joint at a height."""
+    return Joint(
+        z=z,
+        side=side,
+        kind="sleeve",
+        lap=MM * options.lap,
+        plug=MM * options.sleeve,
+        gap=MM * options.clearance,
+        groove=MM * options.groove if options.o_ring else 0.0,
+        cord=MM * options.o_ring,
+    )
+
+
+def _takes_core(hull: Hull, joint: Joint, need: float) -> bool:
+    """Return whether the core passes the socket, whose radius must be ``need`` or more, and leaves room for the plug."""
+    line = trace_mouth(hull, joint)
+    if line[-1][1] < need or not _is_rooted(hull, joint, line):
+        return False
+    passage = joint.side * joint.z
+    s = _list_heights(joint.lap)
+    inside = radii_along(line, -s) - _slant_factor(line) * (joint.gap + joint.plug)
+    return bool(np.hypot(inside, passage + s).min() >= hull.core + joint.gap - _ROUNDING)
+
+
+@lru_cache(maxsize=16)
+def _list_heights(lap: float) -> FloatArray:
+    """Places along a plug, from its tip to the cut, at which its bore is compared with the core."""
+    return np.linspace(-lap, 0.0, 2 + math.ceil(lap / STEP))
+
+
+def _slant_factor(line: Line) -> float:
+    """Largest radial extent of a thickness normal to the meeting surface, over that thickness."""
+    slopes = [(r - r_before) / (s - before) for (before, r_before), (s, r) in pairwise(line) if s < before]
+    return math.sqrt(1 + max((slope * slope for slope in slopes), default=0.0))
+
+
+def _is_rooted(hull: Hull, joint: Joint, line: Line) -> bool:
+    """Return whether the cavity continues behind the plug, and whether the plug, in its mouth ``line``, has a bore."""
+    if any(hull.bore_at(joint.z + joint.side * joint.plug * step) <= 0 for step in range(4)):
+        return False
+    return line[-1][1] - _slant_factor(line) * (joint.gap + joint.plug) >= LEAST_BORE
+
+
+def _make_rabbet(hull: Hull, options: KitOptions) -> Joint:
+    step, gap = (hull.wall - MM * options.clearance) / 2, MM * options.clearance
+    if step < MM * options.nozzle - 1e-6:
+        raise WorkFailedError(
+            f"no kit can be made: a rabbet in a wall of {hull.wall:g} mm leaves steps of {step:.3g} mm at a clearance "
+            f"of {gap:g} mm, less than the nozzle of {MM * options.nozzle:g} mm; make the wall thicker or the "
+            "clearance smaller"
+        )
+    lap = MM * options.lap / 2
+    least = [_fill_depth(hull, Joint(0.0, side, "rabbet", lap, step, gap)) for side in (1, -1)]
+    return Joint(0.0, 1 if least[0] <= least[1] else -1, "rabbet", lap, step, gap)
+
+
+def _fill_depth(hull: Hull, joint: Joint) -> float:
+    """Depth by which the socket is filled, mm: the cavity's radius along it less that of the mouth."""
+    s = np.linspace(0.0, joint.lap, 20)
+    line = trace_mouth(hull, joint)
+    return float((hull.bore_radius(joint.z - joint.side * s) - radii_along(line, s)).max())
+
+
+def choose_bed_joints(hull: Hull, first: Joint, options: KitOptions) -> tuple[Joint, ...]:
+    """Return the joints that cut shells further until each part fits the bed, from aft to fore; the fewest.
+
+    Parameters
+    ----------
+    hull
+        the hull.
+    first
+        the joint beside the core.
+    options
+        the bed, and the sleeves.
+
+    Raises
+    ------
+    WorkFailedError
+        if a part is wider than the bed, or too high even if every joint of modules that takes a sleeve is cut.
+    """
+    width, depth, height = (MM * side for side in options.bed)
+    if 2 * hull.widest > min(width, depth):
+        raise WorkFailedError(
+            f"no kit can be made: the hull is {2 * hull.widest:.1f} mm wide, the bed {width:g} x {depth:g} mm, "
+            "and parts are cut across the axis only"
+        )
+    aft = _cut_side(hull, first, -1, height, options)
+    fore = _cut_side(hull, first, 1, height, options)
+    return (*aft[::-1], *fore)
+
+
+def _seat_end(hull: Hull, side: int) -> float:
+    """Largest distance of a seat from the core's equator, mm: a cone of 45 degrees ends at the wall."""
+    away = np.arange(0.0, side * float(hull.bore[-1 if side > 0 else 0, 0]) + 2 * STEP, STEP)
+    return float(away[np.argmax(hull.bore_radius(side * away) <= away)])
+
+
+def _cut_side(hull: Hull, first: Joint, side: int, height: float, options: KitOptions) -> tuple[Joint, ...]:
+    """Cuts on one side, from the core outward, beyond the core's seat."""
+    end = float(hull.skin[-1 if side > 0 else 0, 0])
+    # On the bed, a part extends from the tip of its plug to the beginning of its neighbour.
+    start = first.tip if first.side == side else first.z
+    if side * (end - start) <= height:
+        return ()
+    margin = 2 * (MM * options.lap + 3 * MM * options.sleeve)
+    keep = max(_seat_end(hull, side), side * first.z) + margin
+    places = [side * z for z in hull.joints if keep <= side * z <= side * end - 2 * MM * options.sleeve]
+    joints = [make_sleeve(side * z, side, options) for z in sorted(places)]
+    while True:
+        chosen = _choose_fewest(hull, joints, side * start, side * end, height, margin, _name_side(side))
+        # Few joints are chosen, and nearly all are rooted: only those chosen are traced.
+        loose = [joint for joint in chosen if not _is_rooted(hull, joint, trace_mouth(hull, joint))]
+        if not loose:
+            return chosen
+        joints = [joint for joint in joints if joint not in loose]
+
+
+@dataclass(frozen=True)
+class _Way:
+    """Cuts from the core outward: how many of them are slim, the highest part that they leave, and where the next begins.
+
+    A part that follows a cut begins with its plug.
+    """
+
+    slim: int
+    highest: float
+    joints: tuple[Joint, ...]
+    begin: float
+
+    def rank(self) -> tuple[int, float]:
+        """Key to sort ways of equally many cuts by: the best has the least."""
+        return self.slim, self.highest
+
+    def takes(self, joint: Joint, height: float, margin: float) -> bool:
+        """Return whether a joint can follow: the part before it is not too high, and has room for both its joints."""
+        z = abs(joint.z)
+        return z - self.begin <= height and (not self.joints or z - abs(self.joints[-1].z) >= margin)
+
+    def cut(self, joint: Joint, slim: bool) -> "_Way":
+        """Return this way with one cut more."""
+        z = abs(joint.z)
+        return _Way(self.slim + slim, max(self.highest, z - self.begin), (*self.joints, joint), z - joint.lap)
+
+    def close(self, end: float) -> "_Way":
+        """Return this way with the last part, which ends the hull."""
+        return _Way(self.slim, max(self.highest, end - self.begin), self.joints, end)
+
+
+def _choose_fewest(
+    hull: Hull, joints: Sequence[Joint], start: float, end: float, height: float, margin: float, what: str
+) -> tuple[Joint, ...]:
+    """The fewest cuts that leave no part higher than the bed; of those the sturdiest, then the most even.
+
+    Heights are counted outward. Ways of one cut are made first, then those of two, until one leaves no part too high.
+    """
+    ways, left = [_Way(0, 0.0, (), start)], list(joints)
+    while ways:
+        before = [[way for way in ways if way.takes(joint, height, margin)] for joint in left]
+        reached = [(joint, found) for joint, found in zip(left, before, strict=True) if found]
+        last = [(joint, found) for joint, found in reached if end - (abs(joint.z) - joint.lap) <= height]
+        ways = [_take_best(hull, found, joint) for joint, found in last or reached]
+        if last:
+            return min((way.close(end) for way in ways), key=_Way.rank).joints
+        left = [joint for joint, found in zip(left, before, strict=True) if not found]
+    raise WorkFailedError(
+        f"no kit can be made: the {what} side is {end - start:.1f} mm long, the bed takes {height:g} mm, and too "
+        "few joints of modules have room for a sleeve to cut it into parts that fit"
+    )
+
+
+def _take_best(hull: Hull, ways: Sequence[_Way], joint: Joint) -> _Way:
+    """The best of some ways with a joint that follows them."""
+    slim = plug_bore(hull, joint) < SLIM_BORE
+    return min((way.cut(joint, slim) for way in ways), key=_Way.rank)
+
+
+def _name_side(side: int) -> str:
+    return "fore" if side > 0 else "aft"
+
+
+def _name_side_of(z: float) -> str:
+    return _name_side(1 if z > 0 else -1)

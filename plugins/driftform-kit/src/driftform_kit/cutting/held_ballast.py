@@ -1,0 +1,230 @@
+"""Seats for balls of ballast in the parts of a kit.
+
+A ball comes to rest on the wall, or on a seat like that of the core. It goes in by a mouth of its part, before the part is
+joined there, or, if a neck is in the way, while the part is printed: the printer pauses when the ball's place is done.
+Only a drop of glue keeps it from falling back: a second seat would not let it in.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from manifold3d import CrossSection
+
+from driftform.agent import distance_from
+from driftform.errors import WorkFailedError
+from driftform.types import FloatArray
+from driftform_kit.cutting.bay import Ball, Seat, draw_seat, draw_tube, is_held
+from driftform_kit.cutting.joint import Joint, takes_core_aft
+from driftform_kit.cutting.meridian import (
+    Hull,
+    Ring,
+    list_rings,
+    make_disc,
+    moments,
+    take_half,
+    take_right,
+)
+from driftform_kit.cutting.upright import prints_fore_down
+
+_AREA = 1e-3
+"""mm2: sections that share less than this do not meet."""
+
+_LEAST = 0.05
+"""mm2: section of the least material that is a seat."""
+
+_STEP = 0.1
+"""mm between the places along its way at which a ball is tried."""
+
+_ROUNDING = 0.01
+"""mm: chords of a contour lie inside its curve by less than this."""
+
+
+@dataclass(frozen=True, eq=False)
+class HeldBall:
+    """A ball of ballast, and what holds it.
+
+    Attributes
+    ----------
+    ball
+        its place and size.
+    part
+        index of its part.
+    mouth
+        index of the joint that it goes in by; ``None`` if it is put in while the part is printed.
+    side
+        on which it rests: +1 fore, -1 aft. A part that is printed around it stands on this side.
+    seat
+        ``None`` if the wall holds it.
+    """
+
+    ball: Ball
+    part: int
+    mouth: int | None
+    side: int
+    seat: Seat | None
+
+
+def hold_ballast(
+    hull: Hull,
+    parts: list[CrossSection],
+    joints: Sequence[Joint],
+    core_joint: Joint,
+    gap: float,
+    balls: Sequence[Ball],
+) -> tuple[HeldBall, ...]:
+    """Add seats for balls of ballast to the sections of parts, and return how each ball is held, from aft to fore.
+
+    Parameters
+    ----------
+    hull
+        the hull.
+    parts
+        sections of the parts as joined, with the seats of the core; seats are added to them.
+    joints
+        between them.
+    core_joint
+        the joint that the core goes in by.
+    gap
+        between seat and ball, mm.
+    balls
+        of ballast.
+
+    Raises
+    ------
+    WorkFailedError
+        if a ball has no room, cannot get to its place, or cannot be held there; the message has the reason.
+    """
+    if not balls:
+        return ()
+    core = hull.core - _ROUNDING
+    # In the shell that takes the core, the core passes from the joint to the origin. The other shell is put over it.
+    path = make_disc(core) + make_disc(core).translate((0.0, core_joint.z))
+    path += CrossSection.square((2 * core, abs(core_joint.z))).translate((-core, min(0.0, core_joint.z)))
+    shell = joints.index(core_joint) + (not takes_core_aft(core_joint))
+    held = []
+    for ball in balls:
+        part = sum(joint.z < ball.z for joint in joints)
+        kept_free = [path if part == shell else make_disc(core)]
+        kept_free += [*(other.draw(-_ROUNDING) for other in balls if other is not ball)]
+        _refuse_overlap(ball, kept_free, hull)
+        held.append(_hold(hull, parts, joints, gap, ball, part, kept_free))
+        if held[-1].seat is not None:
+            parts[held[-1].part] += held[-1].seat.section
+    for one in held:
+        # A seat may be in the way of a ball beyond it.
+        if one.mouth is None:
+            if _fore_down(parts[one.part]) != (one.side > 0):
+                raise _refuse(one.ball, hull, "with all seats its part is printed on its other end")
+        elif free_radius(hull, parts[one.part], joints[one.mouth], one.ball.z) < one.ball.radius - _ROUNDING:
+            raise _refuse(one.ball, hull, "the seat of another ball is in its way")
+    return tuple(sorted(held, key=lambda one: one.ball.z))
+
+
+def free_radius(hull: Hull, part: CrossSection, mouth: Joint, z: float) -> float:
+    """Return the radius of the largest ball that passes a part from its mouth to a height, mm; 0 outside the cavity."""
+    inward = 1 if z > mouth.z else -1
+    # A plug reaches out of its part; a socket begins at the cut.
+    begin = mouth.tip if mouth.side == inward else mouth.z
+    return float(narrowest(hull, part, np.linspace(begin, z, 2 + int(abs(z - begin) / _STEP))))
+
+
+def narrowest(hull: Hull, part: CrossSection, heights: FloatArray) -> float:
+    """Return the least distance of a part's section from the points of the axis at some heights, mm."""
+    if hull.bore_radius(heights).min() <= 0:
+        return 0.0
+    points = np.column_stack((np.zeros_like(heights), heights))
+    rings = [np.concatenate((ring, ring[:1])) for ring in list_rings(part)]
+    return float(min(distance_from(points, ring).min() for ring in rings))
+
+
+def _refuse_overlap(ball: Ball, kept_free: Sequence[CrossSection], hull: Hull) -> None:
+    if (ball.draw() ^ kept_free[0]).area() > _AREA:
+        raise _refuse(ball, hull, "the core is there, or passes there")
+    if any((ball.draw() ^ other).area() > _AREA for other in kept_free[1:]):
+        raise _refuse(ball, hull, "another ball is there")
+
+
+def _hold(
+    hull: Hull,
+    parts: Sequence[CrossSection],
+    joints: Sequence[Joint],
+    gap: float,
+    ball: Ball,
+    part: int,
+    kept_free: Sequence[CrossSection],
+) -> HeldBall:
+    others = [section for index, section in enumerate(parts) if index != part]
+    if any((ball.draw(gap) ^ other).area() > _AREA for other in others):
+        raise _refuse(ball, hull, "a joint is there")
+    if hull.bore_radius(ball.z) <= 0:
+        raise _refuse(ball, hull, "it is not in the cavity")
+    if (ball.draw(-_ROUNDING) ^ parts[part]).area() > _AREA:
+        raise _refuse(ball, hull, "the bore is narrower there")
+    for mouth in sorted(_list_mouths(part, len(joints)), key=lambda m: abs(joints[m].z - ball.z)):
+        if free_radius(hull, parts[part], joints[mouth], ball.z) >= ball.radius - _ROUNDING:
+            side = 1 if ball.z > joints[mouth].z else -1
+            held, seat = _support(hull, parts, part, ball, side, gap, [*others, *kept_free])
+            if held:
+                return HeldBall(ball, part, mouth, side, seat)
+    for side in (1, -1):
+        if _opens_upward(hull, ball, side):
+            held, seat = _support(hull, parts, part, ball, side, gap, [*others, *kept_free])
+            printed = parts[part] if seat is None else parts[part] + seat.section
+            if held and _fore_down(printed) == (side > 0):
+                return HeldBall(ball, part, None, side, seat)
+    raise _refuse(
+        ball, hull, "it is wider than the way to it, or a seat has no room beside joint, core and other balls"
+    )
+
+
+def _support(
+    hull: Hull,
+    parts: Sequence[CrossSection],
+    part: int,
+    ball: Ball,
+    side: int,
+    gap: float,
+    kept_free: Sequence[CrossSection],
+) -> tuple[bool, Seat | None]:
+    """Return whether a ball can rest on one side, and the seat for that, ``None`` if the wall holds it."""
+    if is_held([parts[part]], ball, side, gap):
+        return True, None
+    drawn = [draw(hull, ball, parts[part], kept_free, side, gap) for draw in (draw_seat, draw_tube)]
+    sections = [s for s in drawn if s is not None and (s - parts[part]).area() > _LEAST]
+    if not sections:
+        return False, None
+    return True, Seat(min(sections, key=lambda section: _measure(section - parts[part])), part)
+
+
+def _measure(section: CrossSection) -> float:
+    """The volume of a revolved section, m3."""
+    return moments(list_rings(take_right(section))).volume
+
+
+def _opens_upward(hull: Hull, ball: Ball, side: int) -> bool:
+    """Return whether a ball fits into an unfinished part from above: the bore narrows nowhere between its middle and its top."""
+    return bool(hull.bore_radius(ball.z - side * np.linspace(0.0, ball.radius, 20)).min() > ball.radius)
+
+
+def _fore_down(section: CrossSection) -> bool:
+    return prints_fore_down(list_rings(take_half(section)))
+
+
+def pause_height(held: HeldBall, rings: Sequence[Ring]) -> float:
+    """Return the height above the bed at which the printer pauses for a ball, mm: its top is below the next layer."""
+    lowest = min(float((-held.side * ring[:, 1]).min()) for ring in rings)
+    return -held.side * held.ball.z + held.ball.radius - lowest
+
+
+def _list_mouths(part: int, joints: int) -> Iterator[int]:
+    """The joints of a part."""
+    return (joint for joint in (part - 1, part) if 0 <= joint < joints)
+
+
+def _refuse(ball: Ball, hull: Hull, why: str) -> WorkFailedError:
+    aft = float(hull.skin[0, 0])
+    return WorkFailedError(
+        f"no kit can be made: ballast of {2 * ball.radius:.4g} mm at x {ball.z:+.4g} mm ({ball.z - aft:.1f} mm from the aft "
+        f"end) cannot be held: {why}"
+    )

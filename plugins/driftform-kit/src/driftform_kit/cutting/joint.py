@@ -1,0 +1,212 @@
+"""A joint of two parts: a ring of one, the plug, slides along the axis into the other, the socket.
+
+They meet in a surface that follows the cavity as long as that narrows from the mouth inward, and is a cylinder if it
+would widen: such a surface admits the plug, centres it, and leaves the same gap all along. If the cavity is
+wider, the socket is filled up to that surface. Outside, both rims bear on each other, so that the hull has
+the simulated shape.
+
+Undersides are sloped by 45 degrees: printed with their closed ends on the bed, parts need no support.
+"""
+
+from bisect import bisect_left, bisect_right
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from manifold3d import CrossSection
+
+from driftform.types import FloatArray
+from driftform_frusta.kit_options import GROOVE_WIDTH
+from driftform_kit.cutting.meridian import FAR, Hull, grow, make_polygons, make_slab
+
+LEAD = 0.3
+"""mm: chamfer of a sleeve's tip, which guides it into the socket."""
+
+Line: TypeAlias = list[tuple[float, float]]
+"""The radius of a surface along a socket: (s, r), s from the cut towards the part with the plug."""
+
+
+@dataclass(frozen=True)
+class Joint:
+    """The place and the kind of a joint of two parts; lengths in mm.
+
+    Attributes
+    ----------
+    z
+        of the cut through the outer surface.
+    side
+        of the part with the plug: +1 if that is fore of the cut, -1 if it is aft.
+    kind
+        ``sleeve``: the plug lies inside the cavity. ``rabbet``: plug and socket share the thickness of the wall.
+    lap
+        length of the plug in the socket.
+    plug
+        its thickness.
+    gap
+        between plug and socket, also at the plug's tip.
+    groove
+        depth of a groove for an O-ring in the plug, 0 without one; the meeting surface is then a cylinder.
+    cord
+        diameter of that ring.
+    """
+
+    z: float
+    side: int
+    kind: Literal["sleeve", "rabbet"]
+    lap: float
+    plug: float
+    gap: float
+    groove: float = 0.0
+    cord: float = 0.0
+
+    @property
+    def tip(self) -> float:
+        """z of the plug's end."""
+        return self.z - self.side * self.lap
+
+    @property
+    def recess(self) -> float:
+        """Depth of the socket in the wall, mm."""
+        return self.plug + self.gap if self.kind == "rabbet" else 0.0
+
+    def draw_slab(self, low: float, high: float) -> CrossSection:
+        """Return the slab between two values of s."""
+        ends = sorted((self.z + self.side * low, self.z + self.side * high))
+        return make_slab(ends[0], ends[1])
+
+
+def takes_core_aft(joint: Joint) -> bool:
+    """Return whether the core is laid into the aft shell: the one with more of it, at the equator that with the socket."""
+    return joint.z > 0 if joint.z else joint.side > 0
+
+
+def trace_mouth(hull: Hull, joint: Joint) -> Line:
+    """Return the radius of the cavity along the socket, decreasing from the cut inward.
+
+    It begins at the cut, s = 0, and ends a gap beyond the tip.
+    """
+    end = joint.lap + joint.gap
+    depths = [0.0, *_list_depths(hull, joint, end), end]
+    radii = [hull.bore_at(joint.z - joint.side * depth) for depth in depths]
+    if joint.groove:
+        return [(0.0, min(radii)), (-end, min(radii))]
+    least = radii[0]
+    line = [(0.0, least)]
+    for s, before, r, r_before in zip(depths[1:], depths, radii[1:], radii, strict=False):
+        if r < least:
+            if r_before > least:
+                share = (r_before - least) / (r_before - r)
+                line.append((-(before + share * (s - before)), least))
+            least = r
+            line.append((-s, least))
+    if line[-1][0] > -end:
+        line.append((-end, least))
+    return line
+
+
+def _list_depths(hull: Hull, joint: Joint, end: float) -> list[float]:
+    """Distances from the cut, less than ``end``, of the vertices of the cavity along the socket."""
+    heights = hull.bore_points[0]
+    low, high = sorted((joint.z, joint.z - joint.side * end))
+    # One vertex more on either side: a height and a distance may round to different sides of the end.
+    near = heights[max(bisect_left(heights, low) - 1, 0) : bisect_right(heights, high) + 1]
+    return sorted(depth for z in near if 0 < (depth := joint.side * (joint.z - z)) < end)
+
+
+def radii_along(line: Line, depths: FloatArray) -> FloatArray:
+    """Return the radii of a meeting surface at some distances from the cut."""
+    radii: FloatArray = np.interp(depths, [-s for s, _ in line], [r for _, r in line])
+    return radii
+
+
+def plug_bore(hull: Hull, joint: Joint) -> float:
+    """Radius inside the plug at the cut."""
+    mouth = trace_mouth(hull, joint)[0][1] if joint.groove else hull.bore_at(joint.z)
+    return mouth + joint.recess - joint.gap - joint.plug
+
+
+def groove_diameter(hull: Hull, joint: Joint) -> float:
+    """Return the diameter of the bottom of a joint's groove for an O-ring, mm."""
+    return 2 * (_plug_radius(joint, trace_mouth(hull, joint)) - joint.groove)
+
+
+def _plug_radius(joint: Joint, line: Line) -> float:
+    """Outer radius of the plug at its tip, mm; ``line`` is that of :func:`trace_mouth`."""
+    return float(radii_along(line, np.array(joint.lap))) - joint.gap
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The sections of a joint: ``pad`` is added to the socket's part and ``pocket`` removed; ``plug`` is added to the other."""
+
+    pad: CrossSection
+    pocket: CrossSection
+    plug: CrossSection
+
+
+def draw_joint(hull: Hull, joint: Joint) -> Fit:
+    """Return the sections of a joint."""
+    line = trace_mouth(hull, joint)
+    end, least = line[-1]
+    inner = [(0.0, FAR), (line[0][1], FAR), *((r, s) for s, r in line)]
+    wide = hull.widest + 1
+    # From the end of the socket the fill runs out at 45 degrees.
+    inner += [(wide, end - (wide - least)), (wide, -FAR), (0.0, -FAR)]
+    clear = _draw_symmetric(joint, inner)
+    socket_side = joint.draw_slab(-FAR, 0.0)
+    pad = (hull.inside ^ socket_side) - clear
+    widened = grow(clear, joint.recess)
+    pocket = widened ^ joint.draw_slab(end, 0.0)
+    passage = (
+        pocket
+        + (hull.cavity ^ clear ^ socket_side)
+        + (widened ^ joint.draw_slab(0.0, 4 * (joint.lap + joint.plug)))
+    )
+    outside = grow(passage, -joint.gap)
+    inside = grow(widened, -joint.gap - joint.plug)
+    ring = (outside - inside) ^ joint.draw_slab(-joint.lap, joint.plug)
+    plug = (ring - _draw_relief(joint, line)) + (_draw_root(hull, joint) ^ hull.inside)
+    return Fit(pad, pocket, plug ^ hull.outer)
+
+
+def _draw_symmetric(joint: Joint, points: list[tuple[float, float]]) -> CrossSection:
+    return make_polygons([[(sign * r, joint.z + joint.side * s) for r, s in points] for sign in (1, -1)])
+
+
+def _draw_root(hull: Hull, joint: Joint) -> CrossSection:
+    """The root of the plug, from the wall inward; its far side slopes by 45 degrees."""
+    r, wide = plug_bore(hull, joint), hull.widest + 1
+    height = joint.plug
+    return _draw_symmetric(joint, [(r, 0.0), (r, height), (wide, height + wide - r), (wide, 0.0)])
+
+
+def _draw_relief(joint: Joint, line: Line) -> CrossSection:
+    """The material removed from the plug: the chamfer at the tip, the groove of an O-ring."""
+    if joint.kind == "rabbet":
+        return CrossSection()
+    surface = _plug_radius(joint, line)
+    low, beyond = surface - LEAD, 5.0
+    cut = _draw_symmetric(
+        joint,
+        [
+            (low - 1, -joint.lap - 1),
+            (surface + beyond, -joint.lap + LEAD + beyond),
+            (surface + beyond, -joint.lap - 1),
+        ],
+    )
+    if joint.groove:
+        bottom = surface - joint.groove
+        width = GROOVE_WIDTH * joint.cord
+        near = -(joint.lap - width - joint.groove) / 2
+        far = near - width
+        cut += _draw_symmetric(
+            joint,
+            [
+                (surface + 1, near),
+                (bottom, near),
+                (bottom, far),
+                # The side that overhangs when the tip is up.
+                (surface + 1, far - joint.groove - 1),
+            ],
+        )
+    return cut

@@ -1,0 +1,188 @@
+"""The parts of a kit, drawn in the meridian plane as they are joined, and which way up each is printed."""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import pairwise
+
+from manifold3d import CrossSection
+
+from driftform.agent import hull_volume
+from driftform.errors import WorkFailedError
+from driftform.types import Body
+from driftform_frusta.kit_options import KitOptions
+from driftform_frusta.printable import check_printable_section, refuse_other_volume
+from driftform_kit.cutting.bay import Ball, Seat, place_seats
+from driftform_kit.cutting.cut import CoreJoint, choose_bed_joints, choose_core_joint
+from driftform_kit.cutting.drain import add_drain
+from driftform_kit.cutting.engraving import Engraving, engrave, list_occupied
+from driftform_kit.cutting.held_ballast import HeldBall, hold_ballast, pause_height
+from driftform_kit.cutting.joint import Joint, draw_joint
+from driftform_kit.cutting.meridian import (
+    FAR,
+    MM,
+    Hull,
+    Ring,
+    draw_hull,
+    list_rings,
+    make_disc,
+    make_slab,
+    moments,
+    signed_area,
+    subtract_near,
+    take_half,
+    take_right,
+)
+from driftform_kit.cutting.upright import prints_fore_down
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """One part of a kit.
+
+    Attributes
+    ----------
+    name
+        such as ``fore shell``; ``fore shell 2`` is the next one outward.
+    rings
+        its half section: (r, z) in mm, z from the core's centre towards fore.
+    engraved
+        its text, in the same frame; ``None`` without one.
+    """
+
+    name: str
+    rings: tuple[Ring, ...]
+    engraved: Engraving | None
+
+    @cached_property
+    def fore_down(self) -> bool:
+        """Whether it is printed with its fore end on the bed."""
+        return prints_fore_down(self.rings)
+
+
+@dataclass(frozen=True, eq=False)
+class Kit:
+    """A kit in the meridian plane.
+
+    Attributes
+    ----------
+    hull
+        the hull that was cut.
+    pieces
+        from aft to fore.
+    joints
+        between them, in the same order.
+    core_joint
+        the joint through which the core is inserted.
+    seats
+        added to hold the core and the ballast.
+    ballast
+        the balls of ballast, and what holds them.
+    """
+
+    hull: Hull
+    pieces: tuple[Piece, ...]
+    joints: tuple[Joint, ...]
+    core_joint: CoreJoint
+    seats: tuple[Seat, ...]
+    ballast: tuple[HeldBall, ...]
+
+    def find_pause(self, held: HeldBall) -> float | None:
+        """Return the height above the bed at which the printer pauses for a ball, mm; ``None`` if it goes in by a joint."""
+        return pause_height(held, self.pieces[held.part].rings) if held.mouth is None else None
+
+    @property
+    def engravings(self) -> tuple[Engraving, ...]:
+        """The engravings of those parts that have one."""
+        return tuple(piece.engraved for piece in self.pieces if piece.engraved is not None)
+
+
+@lru_cache(maxsize=4)
+def make_kit(body: Body, options: KitOptions) -> Kit:
+    """Cut a hull into the parts of a kit.
+
+    Raises
+    ------
+    WorkFailedError
+        if it cannot be cut; the message has the reason.
+    """
+    # A hull that cannot be printed whole cannot be cut either.
+    check_printable_section(body)
+    hull, gap = draw_hull(body), MM * options.clearance
+    refuse_other_volume(
+        MM**3 * moments(list_rings(take_right(hull.material))).volume, hull_volume(body), "hull"
+    )
+    if options.engrave and MM * options.engrave_depth > hull.wall / 2:
+        raise WorkFailedError(
+            f"no kit can be made: an engraving of {MM * options.engrave_depth:g} mm goes deeper than half the wall of "
+            f"{hull.wall:g} mm; make engrave_depth smaller"
+        )
+    chosen = choose_core_joint(hull, options)
+    others = choose_bed_joints(hull, chosen.joint, options)
+    joints = tuple(sorted((chosen.joint, *others), key=lambda joint: joint.z))
+    sections = _draw_parts(hull, joints, gap)
+    inner = joints.index(chosen.joint)
+    found = tuple(place_seats(hull, sections, gap, (inner, inner + 1)))
+    for seat in found:
+        sections[seat.part] += seat.section
+    balls = [Ball(MM * x, MM * diameter / 2) for x, diameter in options.ballast]
+    ballast = hold_ballast(hull, sections, joints, chosen.joint, gap, balls)
+    found += tuple(held.seat for held in ballast if held.seat is not None)
+    if options.drain:
+        for end, side in ((0, -1), (-1, 1)):
+            sections[end] = add_drain(hull, sections[end], side, MM * options.drain)
+    names = [_name_part(index, inner) for index in range(len(sections))]
+    polygons = [_take_rings(section, name) for section, name in zip(sections, names, strict=True)]
+    engraved = _engrave_parts(hull, joints, found, options)
+    pieces = [Piece(name, drawn, text) for name, drawn, text in zip(names, polygons, engraved, strict=True)]
+    return Kit(hull, tuple(pieces), joints, chosen, found, ballast)
+
+
+def _draw_parts(hull: Hull, joints: tuple[Joint, ...], gap: float) -> list[CrossSection]:
+    """The sections of the parts, without seats."""
+    bounds = [-FAR, *(joint.z for joint in joints), FAR]
+    sections = [hull.material ^ make_slab(low, high) for low, high in pairwise(bounds)]
+    core = make_disc(hull.room(gap))
+    for index, joint in enumerate(joints):
+        made = draw_joint(hull, joint)
+        plug, socket = (index + 1, index) if joint.side > 0 else (index, index + 1)
+        sections[plug] += subtract_near(made.plug, core)
+        sections[socket] += subtract_near(made.pad, core)
+        sections[socket] -= made.pocket
+    return sections
+
+
+def _name_part(index: int, inner: int) -> str:
+    side, place = ("aft", inner - index) if index <= inner else ("fore", index - inner - 1)
+    return f"{side} shell {place + 1}" if place else f"{side} shell"
+
+
+def _take_rings(section: CrossSection, name: str) -> tuple[Ring, ...]:
+    right = take_half(section)
+    if len(right.decompose()) != 1:
+        raise WorkFailedError(f"no kit can be made: its {name} falls into {len(right.decompose())} pieces")
+    # A pocket between a plug and a seat would be sealed: it is filled.
+    return tuple(ring for ring in list_rings(right) if signed_area(ring) > 0)
+
+
+def _engrave_parts(
+    hull: Hull, joints: tuple[Joint, ...], found: tuple[Seat, ...], options: KitOptions
+) -> list[Engraving | None]:
+    """Return the engraving of each part, ``None`` if it has no room for one.
+
+    Raises
+    ------
+    WorkFailedError
+        if no part has room for it.
+    """
+    bounds = [float(hull.skin[0, 0]), *(joint.z for joint in joints), float(hull.skin[-1, 0])]
+    if not options.engrave:
+        return [None] * (len(bounds) - 1)
+    seated = [seat.section.bounds() for seat in found]
+    taken = list_occupied(joints, [(box[1], box[3]) for box in seated], options.engrave_side == "inside")
+    cut = [engrave(hull, low, high, taken, options) for low, high in pairwise(bounds)]
+    if all(tool is None for tool in cut):
+        raise WorkFailedError(
+            f"no kit can be made: no part has room for {options.engrave!r} in letters of "
+            f"{MM * options.engrave_size:g} mm; make engrave_size smaller or the text shorter"
+        )
+    return cut

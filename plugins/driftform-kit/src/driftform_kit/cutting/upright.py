@@ -1,0 +1,89 @@
+"""Which end of a part is printed on the bed: the one with less overhang, then the larger contact area."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from driftform.types import FloatArray
+from driftform_kit.cutting.meridian import Ring
+
+STEEPEST = math.radians(45.0) + 1e-3
+"""A surface that leans out of the vertical by more than this needs support."""
+
+FOOT = 10.0
+"""mm2 of contact with the bed below which a part falls over."""
+
+_LINE = 1.2
+"""mm of overhang that an edge counts as which begins in the air."""
+
+STEADY = 0.1
+"""Least root of the contact area over the height that holds a part without a brim, as ``driftform check`` has it."""
+
+ADHESION, PUSH = 0.1, 0.098
+"""N/mm2 that hold ABS to the bed, and N with which a nozzle pushes at the top, as ``driftform check`` has them."""
+
+_FIRST = 0.1
+"""mm: height of the section that holds on to the bed."""
+
+_LEVEL = 1e-3
+"""mm: a surface lower than this is on the bed."""
+
+
+def prints_fore_down(polygons: Sequence[Ring]) -> bool:
+    """Return whether a part is printed with its fore end on the bed, by the rings of its half section."""
+    return _burden(polygons, -1) < _burden(polygons, 1)
+
+
+def _burden(polygons: Sequence[Ring], up: int) -> tuple[bool, float, float]:
+    """Key to sort orientations by, with ``up`` (the sign of z) upward: unstable, overhang (mm2), less contact (mm2)."""
+    lowest = min(float((up * ring[:, 1]).min()) for ring in polygons)
+    areas = np.sum([_areas(ring, up, lowest) for ring in polygons], axis=0)
+    foot, overhang = areas.tolist()
+    return foot < FOOT, round(overhang, 1), -foot
+
+
+def needs_brim(polygons: Sequence[Ring], fore_down: bool) -> bool:
+    """Return whether a part, printed this way up, has too small a foot for its height, or is pushed off the bed."""
+    up = -1 if fore_down else 1
+    heights = np.concatenate([up * ring[:, 1] for ring in polygons])
+    height, first = float(np.ptp(heights)), float(heights.min()) + _FIRST
+    foot = sum(_areas(ring, up, float(heights.min()))[0] for ring in polygons)
+    crossings = np.concatenate([_cross(ring * (1.0, up), first) for ring in polygons])
+    if not len(crossings) or math.sqrt(foot) < STEADY * height:
+        return True
+    outer, inner = float(crossings.max()), float(crossings.min()) if len(crossings) % 2 == 0 else 0.0
+    modulus = math.pi / 4 * (outer**4 - inner**4) / outer
+    return ADHESION * modulus / height < PUSH
+
+
+def _cross(ring: Ring, height: float) -> FloatArray:
+    """Radii at which a ring crosses a height, mm; that of the axis is left out."""
+    (r, z), (r2, z2) = ring.T, np.roll(ring, -1, axis=0).T
+    crosses = (z < height) != (z2 < height)
+    share = (height - z[crosses]) / (z2 - z)[crosses]
+    found = r[crosses] + share * (r2 - r)[crosses]
+    return np.asarray(found[found > 1e-6], dtype=np.float64)
+
+
+def overhang_area(polygons: Sequence[Ring], fore_down: bool) -> float:
+    """Return the area that overhangs by more than 45 degrees, mm2, in a part printed this way up."""
+    up = -1 if fore_down else 1
+    lowest = min(float((up * ring[:, 1]).min()) for ring in polygons)
+    return float(sum(_areas(ring, up, lowest)[1] for ring in polygons))
+
+
+def _areas(ring: Ring, up: int, lowest: float) -> FloatArray:
+    """Area on the bed, and area that hangs in the air, mm2."""
+    # Turned over, a ring runs the other way round.
+    r, z = (ring if up > 0 else ring[::-1] * (1.0, -1.0)).T
+    dr, dz = np.roll(r, -1) - r, np.roll(z, -1) - z
+    size = np.hypot(dr, dz)
+    area = np.pi * (2 * r + dr) * size
+    flat = (z < lowest + _LEVEL) & (np.roll(z, -1) < lowest + _LEVEL)
+    # Counterclockwise round the material, an edge's outward normal is (dz, -dr).
+    hangs = (dr > math.sin(STEEPEST) * size) & ~flat
+    before = np.roll(z, 1)
+    convex = dr * np.roll(dz, 1) - dz * np.roll(dr, 1) < 0
+    begins = (z < before - 1e-9) & (dz > 1e-9) & (z > lowest + _LEVEL) & convex
+    return np.array([area[flat].sum(), area[hangs].sum() + 2 * np.pi * _LINE * r[begins].sum()])

@@ -1,0 +1,65 @@
+"""What the builder and the exporters of driftform-frusta ask of a kit: its parts, its fittings, its facts and its sheet."""
+
+from typing import Any
+
+from driftform.errors import WorkFailedError
+from driftform.interfaces import ExportJob
+from driftform.types import Body, Fittings
+from driftform_frusta.boundary import Solid
+from driftform_frusta.csg import MM, Difference, Named, Node, Revolve, Translate
+from driftform_frusta.kit_options import KitOptions, PartOptions
+from driftform_frusta.parts import Part
+from driftform_frusta.printable import refuse_other_volume
+from driftform_frusta.solid import to_manifold, to_solid
+from driftform_kit.cutting.accounting import kit_facts, kit_fittings
+from driftform_kit.cutting.meridian import moments, split_rings
+from driftform_kit.cutting.pieces import Piece, make_kit
+
+
+def make_parts(body: Body, options: PartOptions) -> tuple[Part, ...]:
+    """Return the parts of a kit, from aft to fore.
+
+    Raises
+    ------
+    WorkFailedError
+        if no kit can be made of the body; the message has the reason.
+    """
+    lift = -MM * float(body.outer[:, 0].min())
+    return tuple(_make_part(piece, lift, options.segments) for piece in make_kit(body, options).pieces)
+
+
+def _make_part(piece: Piece, lift: float, segments: int) -> Part:
+    shape = Revolve(*split_rings(piece.rings))
+    solid = to_solid(shape, segments)
+    refuse_other_volume(solid.volume, moments(piece.rings).volume, piece.name)
+    tree: Node = shape
+    if piece.engraved is not None:
+        tree = Difference(shape, (piece.engraved.tool,))
+        solid = Solid.from_manifold(solid.to_manifold() - to_manifold(piece.engraved.tool, segments))
+    if solid.pieces != 1:
+        raise WorkFailedError(f"no kit can be made: its {piece.name} falls into pieces")
+    label = f"{piece.name}, as joined; fore end up"
+    return Part(
+        piece.name,
+        Named(label, Translate((0.0, 0.0, lift), tree)),
+        solid.translate((0.0, 0.0, lift)),
+        piece.fore_down,
+    )
+
+
+def measure_fittings(body: Body, options: KitOptions) -> Fittings:
+    """Return the joints and seats of a kit, as fittings of its body."""
+    return kit_fittings(body, options)
+
+
+def list_facts(job: ExportJob, options: PartOptions) -> dict[str, Any]:
+    """Return how a kit balances, as facts of its files."""
+    return kit_facts(job, options)
+
+
+def draw_sheet(job: ExportJob, options: PartOptions, name: str) -> str:
+    """Return the assembly sheet of a kit in the format ``name``, as SVG."""
+    from driftform_kit.sheet.contents import plan_sheet
+    from driftform_kit.sheet.drawing import sheet_svg
+
+    return sheet_svg(plan_sheet(job, options, name))

@@ -1,0 +1,384 @@
+"""Kit -> what its assembly sheet says: parts in the order of assembly, weights, steps."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from driftform.interfaces import ExportJob
+from driftform.study.exporter_settings import list_arguments
+from driftform.types import MassProperties
+from driftform_frusta.cores import CUSTOM, name_core
+from driftform_frusta.kit_options import PartOptions
+from driftform_kit.ballast import name_material
+from driftform_kit.cutting.accounting import KitWeight, held_mass, measure_flooding, piece_mass, weigh_kit
+from driftform_kit.cutting.held_ballast import HeldBall
+from driftform_kit.cutting.joint import Joint, groove_diameter, takes_core_aft
+from driftform_kit.cutting.meridian import MM, Ring
+from driftform_kit.cutting.pieces import Kit, Piece, make_kit
+from driftform_kit.cutting.upright import needs_brim, overhang_area
+
+_LEAST_OVERHANG = 10.0
+"""mm2 of overhang that need no mention: a printer bridges them."""
+
+_NBSP = "\u00a0"
+"""A space at which no line is broken."""
+
+_ABS = 1050.0
+"""Density of ABS, kg/m3, the default of ``builder.hull_density``."""
+
+_SAME_FILAMENT = 0.01
+"""Share by which the density of ABS may differ."""
+
+_NEGLIGIBLE = 5e-6
+"""kg: half of the last digit of a weight on the sheet."""
+
+
+@dataclass(frozen=True, eq=False)
+class SheetPart:
+    """One part on the sheet.
+
+    Attributes
+    ----------
+    number
+        in the order of assembly, from 1.
+    place
+        from aft to fore, from 0: the order of colours.
+    piece
+        the part.
+    mass
+        kg.
+    overhang
+        area that overhangs by more than 45 degrees as printed, mm2.
+    """
+
+    number: int
+    place: int
+    piece: Piece
+    mass: float
+    overhang: float
+
+    @property
+    def bed_end(self) -> str:
+        """The end that is printed on the bed."""
+        return "fore" if self.piece.fore_down else "aft"
+
+    @property
+    def printed(self) -> tuple[Ring, ...]:
+        """Its half section as printed: (r, z) in mm, the bed at z = 0."""
+        up = -1.0 if self.piece.fore_down else 1.0
+        lowest = min(float((up * ring[:, 1]).min()) for ring in self.piece.rings)
+        return tuple(ring * (1.0, up) - (0.0, lowest) for ring in self.piece.rings)
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Diameter and height, mm."""
+        points = np.concatenate(self.printed)
+        return 2 * float(points[:, 0].max()), float(points[:, 1].max())
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """What an assembly sheet says.
+
+    Attributes
+    ----------
+    title
+        name of the agent.
+    kit
+        the kit.
+    parts
+        in the order of assembly.
+    core
+        the core, in words.
+    aft
+        z of the aft end, mm from the core's centre: positions are counted from there.
+    target
+        mass properties that were simulated.
+    flow
+        with which the parts are to be printed, over the full flow, with which they weigh what volume and density give.
+    weights
+        rows of the table: what is weighed, and its mass at full flow and with ``flow``, kg.
+    remedy
+        what makes the closed kit weigh and balance as simulated.
+    steps
+        of the assembly, one paragraph each.
+    settings
+        of the printer: name and value.
+    """
+
+    title: str
+    kit: Kit
+    parts: tuple[SheetPart, ...]
+    core: str
+    aft: float
+    target: MassProperties
+    flow: float
+    weights: tuple[tuple[str, float, float], ...]
+    remedy: str
+    steps: tuple[str, ...]
+    settings: tuple[tuple[str, str], ...]
+
+
+def plan_sheet(job: ExportJob, options: PartOptions, format: str = "stl") -> Sheet:
+    """Return the contents of the sheet of a job's kit, which was written in a format.
+
+    Raises
+    ------
+    WorkFailedError
+        if no kit can be made of the body.
+    """
+    body = job.agent.body
+    kit = make_kit(body, options)
+    parts = _number_parts(kit, body.hull_density)
+    core = f"ball of {2 * MM * body.core.radius:g} mm, {_grams(body.core.mass)}"
+    if (name := name_core(body.core)) != CUSTOM:
+        core = f"{name}: {core}"
+    aft = MM * float(body.outer[0, 0])
+    target, printed = job.agent.mass, weigh_kit(job.agent, kit, options)
+    balls = [(f"ball {name_mark(held, kit)}", held_mass(held, options)) for held in kit.ballast]
+    weights = (
+        *((f"{part.number}  {part.piece.name}", part.mass, printed.flow * part.mass) for part in parts),
+        *((name, mass, mass) for name, mass in [("core", body.core.mass), *balls]),
+        ("closed kit", printed.closed(1.0)[0], printed.closed(printed.flow)[0]),
+        ("as simulated", target.mass, target.mass),
+    )
+    return Sheet(
+        title=job.name,
+        kit=kit,
+        parts=parts,
+        core=core,
+        aft=aft,
+        target=target,
+        flow=printed.flow,
+        weights=weights,
+        remedy=_describe_remedy(target, printed, aft),
+        steps=tuple(_list_steps(job, kit, parts, core, printed, options, format)),
+        settings=(
+            ("layer height", f"{MM * options.layer_height:g} mm"),
+            ("perimeters", f"{options.perimeters}"),
+            ("infill", f"{100 * options.infill:g} %"),
+            ("nozzle", f"{MM * options.nozzle:g} mm"),
+            ("filament", name_filament(body.hull_density)),
+            ("clearance of joints", f"{MM * options.clearance:g} mm"),
+        ),
+    )
+
+
+def _number_parts(kit: Kit, density: float) -> tuple[SheetPart, ...]:
+    """Parts in the order of assembly: the shell that takes the core, the other shell, and then outward."""
+    inner = kit.joints.index(kit.core_joint.joint)
+    first = inner if takes_core_aft(kit.core_joint.joint) else inner + 1
+    order = sorted(
+        range(len(kit.pieces)), key=lambda place: (place != first, abs(place - inner - 0.5), place > inner)
+    )
+    return tuple(
+        SheetPart(
+            number,
+            place,
+            kit.pieces[place],
+            piece_mass(kit.pieces[place], density),
+            overhang_area(kit.pieces[place].rings, kit.pieces[place].fore_down),
+        )
+        for number, place in enumerate(order, 1)
+    )
+
+
+def _grams(mass: float) -> str:
+    return f"{1000 * mass:.2f}{_NBSP}g"
+
+
+def name_filament(density: float) -> str:
+    """Return what a hull's material of a density (kg/m3) is called: ``ABS, 1.05 g/cm³``, or the density of others."""
+    named = "ABS, " if abs(density - _ABS) <= _SAME_FILAMENT * _ABS else ""
+    return f"{named}{density / 1000:.4g}{_NBSP}g/cm³"
+
+
+def name_mark(held: HeldBall, kit: Kit) -> str:
+    """Return the letter of a ball of ballast, from aft to fore; parts have numbers."""
+    return "AB"[kit.ballast.index(held)]
+
+
+def _name_ball(held: HeldBall, options: PartOptions) -> str:
+    return f"{name_material(options.ballast_density)} ball of {2 * held.ball.radius:.2f}{_NBSP}mm"
+
+
+def _describe_remedy(target: MassProperties, printed: KitWeight, aft: float) -> str:
+    """What makes the closed kit weigh and balance as simulated."""
+
+    def place(mass: float, moment: float) -> str:
+        return f"{MM * moment / mass - aft:.1f}{_NBSP}mm"
+
+    if printed.most <= 0:
+        return (
+            f"Core and ballast alone weigh {_grams(-printed.most)} more than the agent as simulated: no flow makes up for "
+            "that. Take smaller balls."
+        )
+    less = f"{100 * (1 - printed.flow):.1f}{_NBSP}% less"
+    mass, moment = printed.closed(printed.flow)
+    wanted = float(target.mass * target.cog[0])
+    lack = target.mass - mass
+    if lack >= _NEGLIGIBLE:
+        lacking = f"the closed kit lacks {_grams(lack)}, centred at {place(lack, wanted - moment)}"
+        start = f"With {less} flow {lacking}" if printed.flow < 1 else lacking.capitalize()
+        return f"{start}: add it as ballast, which trim computes from what the print weighs."
+    places = place(mass, moment), place(target.mass, wanted)
+    balance = f"balances at {places[0]}, " + (
+        "as simulated." if places[0] == places[1] else f"and at {places[1]} as simulated."
+    )
+    if printed.flow > 1 - 5e-4:
+        return f"The closed kit weighs what was simulated. It {balance}"
+    return (
+        f"The ballast is for parts that weigh {_grams(printed.flow * printed.mass)} together, {less} than at full flow. "
+        f"With them the closed kit weighs what was simulated, and {balance}"
+    )
+
+
+def _list_steps(
+    job: ExportJob,
+    kit: Kit,
+    parts: tuple[SheetPart, ...],
+    core: str,
+    printed: KitWeight,
+    options: PartOptions,
+    format: str,
+) -> list[str]:
+    """The steps in an order that can be done: what is closed or glued is not opened again."""
+    body, target = job.agent.body, job.agent.mass
+    aft = MM * float(body.outer[0, 0])
+    by_place = {part.place: part for part in parts}
+    enclosed = sorted(
+        (held for held in kit.ballast if held.mouth is None), key=lambda held: kit.find_pause(held) or 0
+    )
+    # Of two balls that go in by one mouth, the deeper one is first.
+    inserted = sorted(
+        (held for held in kit.ballast if held.mouth is not None), key=lambda held: -_depth(held, kit)
+    )
+    steps = [
+        _describe_printing(parts, printed),
+        *(_describe_pause(held, by_place[held.part], kit, aft, options) for held in enclosed),
+        _describe_weighing(enclosed, by_place, kit, printed, target.mass - body.core.mass, options),
+        _describe_trim(job, aft, options, format),
+        *(_describe_insertion(held, by_place[held.part], kit, aft, options) for held in inserted),
+        f"Lay the core ({core}) into part 1, the {parts[0].piece.name}. It must reach its seat and not jam.",
+    ]
+    for part in parts[1:]:
+        inward = part.place + (1 if part.place < parts[0].place else -1)
+        joint = kit.joints[min(part.place, inward)]
+        steps.append(_describe_joint(joint, part, by_place[inward], kit, aft, options))
+    if options.drain:
+        steps.append(
+            f"Fill or drain through the holes of {MM * options.drain:g} mm at both ends, and plug them flush before "
+            f"the launch: the agent was simulated sealed, and an open hole lets in "
+            f"{_grams(measure_flooding(kit, body, job.scenario.fluid.density))} of water."
+        )
+    steps.append(
+        "Weigh the closed kit, and balance it on an edge. As simulated it weighs "
+        f"{_grams(target.mass)} and balances at {MM * float(target.cog[0]) - aft:.1f}{_NBSP}mm. Hold it under water: no "
+        "bubbles."
+    )
+    return steps
+
+
+def _depth(held: HeldBall, kit: Kit) -> float:
+    assert held.mouth is not None
+    return abs(held.ball.z - kit.joints[held.mouth].z)
+
+
+def _describe_printing(parts: tuple[SheetPart, ...], printed: KitWeight) -> str:
+    flow = ""
+    if printed.loaded:
+        flow = ", and with the flow of the parts that were weighed for the ballast"
+    elif printed.flow < 1:
+        flow = f" and {100 * (1 - printed.flow):.1f}{_NBSP}% less flow: mass is easier to add than to remove"
+    hanging = [part for part in parts if part.overhang > _LEAST_OVERHANG]
+    support = "; ".join(f"{part.overhang / 100:.1f} cm² of part {part.number}" for part in hanging)
+    text = f"Print the parts upright, as drawn, with the settings below{flow}. " + (
+        f"Support: {support} {'overhang' if len(hanging) > 1 else 'overhangs'} by more than 45 degrees."
+        if hanging
+        else "No support is needed."
+    )
+    narrow = [str(part.number) for part in parts if needs_brim(part.piece.rings, part.piece.fore_down)]
+    if narrow:
+        text += f" Print part {' and '.join(narrow)} with a brim: the foot is small for the height."
+    return text
+
+
+def _describe_weighing(
+    enclosed: list[HeldBall],
+    by_place: dict[int, SheetPart],
+    kit: Kit,
+    printed: KitWeight,
+    most: float,
+    options: PartOptions,
+) -> str:
+    """How to weigh; ``most`` is what the parts may weigh, kg: those that weigh more need no ballast."""
+    text = "Weigh the loose parts and the core, and write down what they weigh."
+    for held in enclosed:
+        text += (
+            f" Take {_grams(held_mass(held, options))} off part {by_place[held.part].number} for ball "
+            f"{name_mark(held, kit)} inside."
+        )
+    if printed.most <= 0:
+        return text
+    aim = _grams(printed.flow * printed.mass)
+    return (
+        f"{text} The parts should weigh {aim} together. If they weigh more than {_grams(most)}, print them again, with the "
+        f"flow times {aim} over what they weigh."
+    )
+
+
+def _describe_trim(job: ExportJob, aft: float, options: PartOptions, format: str) -> str:
+    command = f"driftform trim {job.opened_as} {list_arguments([format], options)} --printed-mass KG"
+    text = (
+        f"Trim before anything is closed: {command}, where KG is the sum of the loose parts and the core in kg"
+        f"{', without ballast' if options.ballast else ''}; --printed-cog M adds where they balance, if you put them together, "
+        f"in m fore of the core's centre, which is at {-aft:.1f}{_NBSP}mm. It gives the ballast and where it goes."
+    )
+    return text + (
+        " A ball of another size needs another seat: print that part again." if options.ballast else ""
+    )
+
+
+def _describe_ball(held: HeldBall, kit: Kit, aft: float, options: PartOptions) -> tuple[str, str]:
+    """A ball in words, and where it lies."""
+    place = "its seat" if held.seat is not None else "the wall that holds it"
+    return (
+        f"ball {name_mark(held, kit)}, a {_name_ball(held, options)}, {_grams(held_mass(held, options))}",
+        f"{place} at {held.ball.z - aft:.1f}{_NBSP}mm, and fix it with a drop of glue",
+    )
+
+
+def _describe_pause(held: HeldBall, part: SheetPart, kit: Kit, aft: float, options: PartOptions) -> str:
+    ball, where = _describe_ball(held, kit, aft, options)
+    return (
+        f"While part {part.number} is printed, pause at a height of {kit.find_pause(held):.1f}{_NBSP}mm and put in {ball}: lay "
+        f"it on {where}."
+    )
+
+
+def _describe_insertion(held: HeldBall, part: SheetPart, kit: Kit, aft: float, options: PartOptions) -> str:
+    ball, where = _describe_ball(held, kit, aft, options)
+    assert held.mouth is not None
+    end = "fore" if kit.joints[held.mouth].z > held.ball.z else "aft"
+    return f"Put {ball}, into part {part.number} by its {end} end, down to {where}."
+
+
+def _describe_joint(
+    joint: Joint, part: SheetPart, other: SheetPart, kit: Kit, aft: float, options: PartOptions
+) -> str:
+    what = f"part {part.number}, the {part.piece.name}, to part {other.number}"
+    if part.number > 2:
+        return f"Join {what}, at {joint.z - aft:.1f}{_NBSP}mm, by its {joint.kind} of {joint.lap:g}{_NBSP}mm, in the same way."
+    # The plug is that of the part on the joint's side.
+    plug = max(part, other, key=lambda p: joint.side * p.place)
+    if joint.groove:
+        seal = (
+            f"lay an O-ring of {MM * options.o_ring:g}{_NBSP}mm cord into the groove of part {plug.number} (bottom "
+            f"{groove_diameter(kit.hull, joint):.1f}{_NBSP}mm across) and grease it"
+        )
+    else:
+        seal = f"coat the {joint.kind} of part {plug.number} with glue all round"
+    return (
+        f"Join {what}, at {joint.z - aft:.1f}{_NBSP}mm, by a {joint.kind} of {joint.lap:g}{_NBSP}mm: {seal}, and press until the rims touch "
+        "without a gap."
+    )

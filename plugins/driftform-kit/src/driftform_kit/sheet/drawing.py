@@ -1,0 +1,305 @@
+"""The assembly sheet as a picture: an A4 page in SVG, whose drawings have the scales that it states."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from driftform.figures import svg
+from driftform.figures.layout import draw_scale_bar, shorten, text_width, write
+from driftform.figures.style import INK, MUTED, ORANGE, tint
+from driftform.figures.svg import PX_PER_MM
+from driftform.types import FloatArray
+from driftform_frusta.colours import colour_of
+from driftform_kit.cutting.meridian import Ring
+from driftform_kit.sheet.contents import Sheet, SheetPart, name_mark
+
+_WIDTH, _HEIGHT = 210 * PX_PER_MM, 297 * PX_PER_MM
+_LEFT, _RIGHT = 48.0, _WIDTH - 48.0
+_TEXT = 11.0
+"""Font size, px: 8 pt."""
+
+_SMALLER = (_TEXT, 10.0, 9.0)
+"""Font sizes of steps and weights, px: the first that leaves room for parts of a readable scale."""
+
+_LINE = 15 / 11
+"""Distance of lines over the font size."""
+
+_READABLE = 1 / 5
+"""Least scale of the parts at which walls and seats can be seen."""
+
+_SCALES = (2.0, 1.0, 1 / 1.5, 1 / 2, 1 / 2.5, 1 / 3, 1 / 4, 1 / 5, 1 / 10, 1 / 20, 1 / 50, 1 / 100)
+"""Paper to body: those of ISO 5455, and some between them."""
+
+_TALLEST = 130.0
+"""Room for the closed kit across its axis, px."""
+
+_BOTTOM = _HEIGHT - 48.0
+
+_ACROSS = 7
+"""Parts side by side."""
+
+_LABEL = 62.0
+"""Room for the lines below a part, px."""
+
+_COLUMN = 275.0
+"""Width of the table of weights, px."""
+
+_GAP = 26.0
+
+
+def sheet_svg(sheet: Sheet) -> str:
+    """Return an assembly sheet: the closed kit, its parts as printed, the steps, and the weights."""
+    count = len(sheet.parts)
+    root = svg.start_document(
+        _WIDTH,
+        _HEIGHT,
+        f"{sheet.title}: assembly sheet",
+        f"The {count} parts of a kit to scale, the order of their assembly, their weights, trim and sealing. "
+        + " ".join(sheet.steps),
+        unit="mm",
+    )
+    title = shorten(f"{sheet.title}: assembly sheet", 20, _RIGHT - _LEFT, bold=True)
+    write(root, _LEFT, 56, title, 20, bold=True)
+    what = f"{count} printed parts and a core ({sheet.core})"
+    write(root, _LEFT, 76, shorten(what, _TEXT, _RIGHT - _LEFT), _TEXT, MUTED)
+    write(root, _LEFT, 90, "All positions are distances from the aft end, mm.", _TEXT, MUTED)
+    bottom = _draw_closed(root, sheet, 112.0)
+    # The text is written twice: the first time on no page, to see how much room it leaves.
+    for size in _SMALLER:
+        text = _BOTTOM - max(
+            draw(ET.Element("svg"), sheet, 0.0, size) for draw in (_draw_weights, _draw_steps)
+        )
+        rows = _arrange_parts(sheet, text - bottom - 60)
+        if rows.scale >= _READABLE * PX_PER_MM:
+            break
+    _draw_parts(root, rows, bottom + 30)
+    _draw_weights(root, sheet, text, size)
+    _draw_steps(root, sheet, text, size)
+    return svg.render(root)
+
+
+def _choose_scale(sizes: Sequence[tuple[float, float]], room: tuple[float, float]) -> tuple[float, str]:
+    """The largest scale at which sizes (mm), side by side with gaps, fit into the room (px): px for each mm, and its name."""
+    for ratio in _SCALES:
+        scale = PX_PER_MM * ratio
+        across = scale * sum(width for width, _ in sizes) + _GAP * (len(sizes) - 1)
+        if across <= room[0] and scale * max(height for _, height in sizes) <= room[1]:
+            break
+    return scale, f"{max(ratio, 1):g} : {max(1 / ratio, 1):g}"
+
+
+def _draw_closed(root: ET.Element, sheet: Sheet, top: float) -> float:
+    """Draw the section of the closed kit with the marks of parts and ballast; return where the drawing ends."""
+    skin = sheet.kit.hull.skin
+    length, radius = float(np.ptp(skin[:, 0])), float(skin[:, 1].max())
+    scale, name = _choose_scale([(length, 2 * radius)], (_RIGHT - _LEFT - 40, _TALLEST))
+    start = (_LEFT + _RIGHT - scale * length) / 2
+    axis = top + 44 + scale * radius
+    x_of = start - scale * sheet.aft
+
+    def place(ring: Ring, side: float) -> FloatArray:
+        return np.column_stack((x_of + scale * ring[:, 1], axis - side * scale * ring[:, 0]))
+
+    _draw_heading(
+        root,
+        _LEFT,
+        top + 4,
+        f"Closed kit, cut along the axis, scale {name}; fore on the right",
+    )
+    for part in sheet.parts:
+        for side in (1.0, -1.0):
+            _draw_section(root, [place(ring, side) for ring in part.piece.rings], part.place)
+    svg.add(
+        root, "circle", class_="core", cx=x_of, cy=axis, r=scale * sheet.kit.hull.core, fill=tint(ORANGE, 0.6),
+        stroke=INK, stroke_width=0.8,
+    )  # fmt: skip
+    for held in sheet.kit.ballast:
+        svg.add(
+            root, "circle", class_="ballast", cx=x_of + scale * held.ball.z, cy=axis, r=scale * held.ball.radius,
+            fill=tint(INK, 0.5), stroke=INK, stroke_width=0.8,
+        )  # fmt: skip
+    line = svg.path_data([(start - 12, axis), (start + scale * length + 12, axis)])
+    svg.add_line(root, line, INK, 0.6, "axis", stroke_dasharray="12 3 2 3")
+    bounds = [sheet.aft, *(joint.z for joint in sheet.kit.joints), sheet.aft + length]
+    marks = [
+        (x_of + scale * held.ball.z, axis - scale * held.ball.radius, name_mark(held, sheet.kit), INK)
+        for held in sheet.kit.ballast
+    ]
+    for part in sheet.parts:
+        middle = (bounds[part.place] + bounds[part.place + 1]) / 2
+        on_skin = axis - scale * float(np.interp(middle, skin[:, 0], skin[:, 1]))
+        marks.append((x_of + scale * middle, on_skin, str(part.number), colour_of(part.place)))
+    last = -np.inf
+    for x, y, mark, colour in sorted(marks):
+        last = max(x, last + 22)
+        svg.add_line(root, svg.path_data([(last, top + 32), (x, y)]), MUTED, 0.7)
+        _draw_mark(root, last, top + 24, mark, colour)
+    level = axis + scale * radius + 16
+    _draw_stations(root, [z - sheet.aft for z in bounds], start, scale, level)
+    balance = start + scale * (1e3 * float(sheet.target.cog[0]) - sheet.aft)
+    triangle = [(balance, level + 28), (balance - 5, level + 37), (balance + 5, level + 37)]
+    svg.add(root, "path", class_="balance", d=svg.path_data(triangle, closed=True), fill=INK)
+    text = f"balances at {1e3 * float(sheet.target.cog[0]) - sheet.aft:.1f} mm, as simulated"
+    room = text_width(text, _TEXT) + 10
+    anchor, at = ("start", balance + 9) if balance + room < _RIGHT else ("end", balance - 9)
+    write(root, at, level + 37, text, _TEXT, anchor=anchor)
+    return level + 44
+
+
+def _draw_stations(root: ET.Element, stations: list[float], start: float, scale: float, level: float) -> None:
+    """Draw the distances of joints and ends from the aft end, mm, below a line."""
+    ends = [(start, level), (start + scale * stations[-1], level)]
+    ticks = "".join(
+        svg.path_data([(start + scale * s, level - 4), (start + scale * s, level + 4)]) for s in stations
+    )
+    svg.add_line(root, svg.path_data(ends) + ticks, MUTED, 0.8, "stations")
+    last = -np.inf
+    for station in stations:
+        text = f"{station:.1f}"
+        x = max(start + scale * station, last + text_width(text, 10) + 2)
+        write(root, x, level + 16, text, 10, MUTED, "middle", class_="station")
+        last = x
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """Parts in rows of some height, px, at a scale, px for each mm, of some name."""
+
+    parts: Sequence[Sequence[SheetPart]]
+    height: float
+    scale: float
+    name: str
+
+
+def _arrange_parts(sheet: Sheet, room: float) -> _Rows:
+    """Arrange the parts in the order of assembly, at the largest scale that fits into a height of ``room`` px."""
+    rows = [sheet.parts[i : i + _ACROSS] for i in range(0, len(sheet.parts), _ACROSS)]
+    height = (room - 18) / len(rows)
+    choices = [
+        _choose_scale(
+            [(max(part.size[0], 1e-3), part.size[1]) for part in row], (_RIGHT - _LEFT, height - _LABEL - 8)
+        )
+        for row in rows
+    ]
+    return _Rows(rows, height, *min(choices))
+
+
+def _draw_parts(root: ET.Element, rows: _Rows, top: float) -> None:
+    """Draw the sections of the parts as they are printed."""
+    _draw_heading(root, _LEFT, top + 4, f"Parts as printed, cut along the axis, scale {rows.name}")
+    draw_scale_bar(root, _RIGHT, top + 6, 1000 * rows.scale, 90)
+    for index, row in enumerate(rows.parts):
+        bed = top + 18 + rows.height * (index + 1) - _LABEL
+        width = (_RIGHT - _LEFT) / max(len(row), 2)
+        for column, part in enumerate(row):
+            _draw_part(root, part, _LEFT + width * (column + 0.5), bed, rows.scale, width)
+
+
+def _draw_part(
+    root: ET.Element, part: SheetPart, middle: float, bed: float, scale: float, width: float
+) -> None:
+    for side in (1.0, -1.0):
+        rings = [
+            np.column_stack((middle + side * scale * ring[:, 0], bed - scale * ring[:, 1]))
+            for ring in part.printed
+        ]
+        _draw_section(root, rings, part.place)
+    diameter, height = part.size
+    half = max(scale * diameter / 2 + 8, 30.0)
+    svg.add_line(root, svg.path_data([(middle - half, bed), (middle + half, bed)]), INK, 1.4, "bed")
+    lines = [
+        f"Ø {diameter:.1f} x {height:.1f} mm",
+        f"{part.bed_end} end down{', engraved' if part.piece.engraved is not None else ''}",
+    ]
+    name = shorten(part.piece.name, _TEXT, width - 20, bold=True)
+    left = middle - text_width(name, _TEXT, bold=True) / 2
+    _draw_mark(root, left - 2, bed + 15, str(part.number), colour_of(part.place))
+    write(root, left + 11, bed + 19, name, _TEXT, bold=True)
+    for row, line in enumerate(lines):
+        write(root, middle, bed + 34 + 13 * row, line, 10, MUTED, "middle")
+
+
+def _draw_section(root: ET.Element, rings: Sequence[FloatArray], place: int) -> None:
+    data = "".join(svg.path_data(ring, closed=True) for ring in rings)
+    colour = colour_of(place)
+    svg.add(
+        root, "path", class_="part", d=data, fill=tint(colour, 0.45), fill_rule="evenodd", stroke=INK,
+        stroke_width=0.6, stroke_linejoin="round",
+    )  # fmt: skip
+
+
+def _draw_mark(root: ET.Element, x: float, y: float, mark: str, colour: str) -> None:
+    """Draw the number of a part, or the letter of a ball of ballast, in a circle."""
+    svg.add(root, "circle", cx=x, cy=y, r=8.5, fill="#ffffff", stroke=colour, stroke_width=1.6)
+    write(root, x, y + 4, mark, _TEXT, anchor="middle", bold=True, class_="number")
+
+
+def _draw_heading(root: ET.Element, x: float, y: float, text: str) -> None:
+    write(root, x, y, text, 13, bold=True, class_="heading")
+
+
+def _draw_weights(root: ET.Element, sheet: Sheet, top: float, size: float) -> float:
+    """Draw the table of weights with room to write, and the print settings; return where they end."""
+    right = _LEFT + _COLUMN
+    columns = {right - 136: "full flow", right - 66: f"{100 * sheet.flow:.1f} % flow"}
+    if sheet.flow == 1:
+        columns = {right - 66: "full flow"}
+    _draw_heading(root, _LEFT, top, "Weights, g")
+    for x, heading in {**columns, right - 8: "weighed"}.items():
+        write(root, x, top, heading, 10, MUTED, "end")
+    y = top + 8
+    lines = []
+    for name, *masses in sheet.weights:
+        lines.append(svg.path_data([(_LEFT, y), (right, y)]))
+        bold = name in ("closed kit", "as simulated")
+        room = min(columns) - _LEFT - text_width("000.00 ", size, bold=True)
+        write(root, _LEFT + 2, y + 14, shorten(name, size, room, bold=bold), size, bold=bold)
+        for x, mass in zip(reversed(columns), reversed(masses), strict=False):
+            write(root, x, y + 14, f"{1000 * mass:.2f}", size, anchor="end", bold=bold, class_="mass")
+        y += 20
+    lines += [
+        svg.path_data([(_LEFT, y), (right, y)]),
+        svg.path_data([(right - 56, top + 8), (right - 56, y)]),
+    ]
+    svg.add_line(root, "".join(lines), MUTED, 0.6, "table")
+    y = _write_paragraph(root, _LEFT, y + 16, sheet.remedy, _COLUMN, size) + 2
+    y = _write_paragraph(root, _LEFT, y, "Glue, O-rings and plugs are not counted.", _COLUMN, size) + 12
+    _draw_heading(root, _LEFT, y, "Print settings")
+    for row, (name, value) in enumerate(sheet.settings):
+        at = y + 17 + _LINE * size * row
+        write(root, _LEFT + 2, at, name, size)
+        write(root, right - 8, at, value, size, anchor="end", class_="setting")
+    return at
+
+
+def _draw_steps(root: ET.Element, sheet: Sheet, top: float, size: float) -> float:
+    """Draw the order of assembly; return where it ends."""
+    left = _LEFT + _COLUMN + 30
+    _draw_heading(root, left, top, "Order of assembly")
+    y = top + 20
+    for number, step in enumerate(sheet.steps, 1):
+        write(root, left, y, f"{number}.", size, bold=True)
+        y = _write_paragraph(root, left + 24, y, step, _RIGHT - left - 24, size) + 5
+    return y - _LINE * size
+
+
+def _write_paragraph(root: ET.Element, x: float, y: float, text: str, width: float, size: float) -> float:
+    """Write a text in lines of at most ``width`` px; return where the next line begins."""
+    for line in wrap(text, size, width):
+        write(root, x, y, line, size)
+        y += _LINE * size
+    return y
+
+
+def wrap(text: str, size: float, width: float) -> list[str]:
+    """Return a text as lines that are no wider than ``width`` px, broken between words."""
+    lines = [""]
+    for word in text.split(" "):
+        longer = f"{lines[-1]} {word}".strip()
+        if text_width(longer, size) <= width or not lines[-1]:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines

@@ -1,0 +1,483 @@
+"""Trim: the ballast that makes a weighed print fly as simulated, and its flight without."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from driftform.agent.mass_elements import (
+    MassElement,
+    combine,
+    core_element,
+    printed_hull_element,
+    reweigh,
+)
+from driftform.design.design import Design
+from driftform.errors import InputError, WorkFailedError
+from driftform.pipeline import Pipeline
+from driftform.study.exporter_settings import list_exporter_settings
+from driftform.types import Agent, FloatArray
+from driftform_kit.ballast import (
+    FOAM,
+    MATERIALS,
+    NEGLIGIBLE,
+    Piece,
+    RequiredBallast,
+    make_ball,
+    place_by_hand,
+    place_nearest_ball,
+    place_nearest_by_hand,
+    place_one_ball,
+    place_two_balls,
+    required_ballast,
+)
+from driftform_kit.kit import Balls, HeldBall, KitReport, MeasureKit, measure_kit
+
+GRAMS_FOR_KG = 20
+"""A printed mass of more than this many times the simulated one was given in another unit."""
+
+_BETWEEN = (0.0, 0.01, 0.02, 0.04)
+"""Distances (m) tried between two balls, so that the seat of one has room before the other."""
+
+_ROUNDS = 16
+"""Most times that ballast is placed anew because of the mass of its seats."""
+
+_SETTLED = 2e-4
+"""Relative change of the ballast by its seats that is left; 0.05 mm at a quarter of a metre."""
+
+_SAME_SIZE = 0.1
+"""Share of its diameter by which a ball may differ from that of its seat: it then lies within a twentieth of it."""
+
+LEAD = MATERIALS["lead"]
+"""kg/m3, of the ballast where nothing else is asked for."""
+
+
+@dataclass(frozen=True)
+class PrintWeight:
+    """What a print weighs.
+
+    Attributes
+    ----------
+    mass
+        with its core, kg.
+    cog
+        x of the centre of gravity of both, m; ``None`` for where the hull's material has it.
+    source
+        of ``cog``: ``"measured"``, ``"hull"`` (its material) or ``"kit"`` (the parts of the kit).
+    """
+
+    mass: float
+    cog: float | None
+    source: str
+
+
+def weigh_print(
+    agent: Agent,
+    mass: float | None,
+    cog: float | None,
+    kit: KitReport | None = None,
+) -> PrintWeight:
+    """Return what a print weighs, from what was measured of it and what its kit weighs.
+
+    Parameters
+    ----------
+    agent
+        as simulated.
+    mass
+        of the print with its core, kg; ``None`` for that of its kit.
+    cog
+        x of its centre of gravity, m; ``None`` if it was not measured.
+    kit
+        as its exporter accounts for it; ``None`` for a hull in one piece.
+
+    Raises
+    ------
+    InputError
+        if the mass is missing.
+    """
+    core = agent.body.core.mass
+    if mass is None and (kit is None or cog is not None):
+        raise InputError("--printed-mass is missing: weigh the print with its core in, kg")
+    if mass is not None and (cog is not None or kit is None or mass <= core):
+        return PrintWeight(mass, cog, "hull" if cog is None else "measured")
+    assert kit is not None
+    if mass is None:
+        return PrintWeight(kit.mass, kit.cog, "kit")
+    # The core's mass is known, at the origin: the difference is spread as the parts of the kit are.
+    return PrintWeight(mass, (mass - core) / mass * (kit.mass * kit.cog / (kit.mass - core)), "kit")
+
+
+def trim_agent(
+    pipeline: Pipeline,
+    agent: Agent,
+    name: str,
+    weight: PrintWeight,
+    ballast_density: float = LEAD,
+    measure_kit: MeasureKit | None = None,
+) -> dict[str, Any]:
+    """Return the ballast that makes a print fly as simulated, and the flights with and without it.
+
+    The document is that of ``driftform trim --json``; SI units throughout.
+
+    Parameters
+    ----------
+    pipeline
+        the scenario, and how the agent flies.
+    agent
+        as simulated.
+    name
+        what people call it.
+    weight
+        of the print.
+    ballast_density
+        kg/m3.
+    measure_kit
+        measures its kit with seats for ballast; ``None`` for a hull in one piece.
+
+    Raises
+    ------
+    InputError
+        if the weight cannot be that of this agent, or the ballast floats.
+    WorkFailedError
+        if it cannot be flown at all. A flight that fails has ``None`` for its fitness, and the reason in ``ends``.
+    """
+    _check(agent, name, weight, ballast_density)
+    printed = reweigh(agent, weight.mass, weight.cog)
+    water = pipeline.scenario.fluid.density
+    plan = _plan(agent, weight, ballast_density, water, measure_kit)
+    trimmed, remedy = _load(agent, plan, water)
+    agents = {"simulated": agent, "untrimmed": printed} | ({"trimmed": trimmed} if trimmed else {})
+    flights = dict(zip(agents, pipeline.fly_named(list(agents.values()), name), strict=True))
+    targets = pipeline.scenario.target_names
+    scores = {
+        case: dict(zip(targets, pipeline.score(flight, agents[case]), strict=True))
+        for case, flight in flights.items()
+        if flight.failure is None
+    }
+    return {
+        "agent": name,
+        "simulator": pipeline.simulator.name,
+        "simulated_mass": agent.mass.mass,
+        "simulated_cog": agent.mass.cog[0],
+        "printed_mass": weight.mass,
+        "printed_cog": printed.mass.cog[0],
+        "cog_source": weight.source,
+        "aft_end": agent.body.outer[:, 0].min(),
+        "ballast_mass": plan.required.mass,
+        "ballast_x": plan.required.x,
+        "ballast_density": ballast_density,
+        **remedy,
+        **{case: scores.get(case) for case in ("simulated", "untrimmed", "trimmed")},
+        "ends": {
+            case: {
+                "t": flight.t[-1],
+                "position": flight.position[-1],
+                "reason": str(flight.end),
+                "failed": flight.end.failed,
+            }
+            for case, flight in flights.items()
+        },
+    }
+
+
+def _check(agent: Agent, name: str, weight: PrintWeight, density: float) -> None:
+    body, simulated, mass, x = agent.body, agent.mass, weight.mass, weight.cog
+    if not (math.isfinite(mass) and mass > body.core.mass):
+        raise InputError(
+            f"--printed-mass {mass:g}: should be more than the core's {body.core.mass:g} kg: weigh the print with its core in"
+        )
+    if mass > GRAMS_FOR_KG * simulated.mass:
+        raise InputError(
+            f"--printed-mass {mass:g}: is in kg, and {name} was simulated with {simulated.mass:.4g} kg; "
+            f"{mass:g} g are {mass / 1000:g}"
+        )
+    aft, fore = float(body.outer[:, 0].min()), float(body.outer[:, 0].max())
+    if x is not None:
+        if not aft < x < fore:
+            raise InputError(
+                f"--printed-cog {x:g}: lies outside the body, which reaches from x {aft:.4f} to {fore:.4f} m"
+            )
+        hull = mass * x / (mass - body.core.mass)
+        if not aft < hull < fore:
+            raise InputError(
+                f"--printed-cog {x:g}: with its core at x 0, the hull alone would balance at x {hull:.4f} m, outside the "
+                f"body ({aft:.4f} to {fore:.4f} m); weigh and balance it with its core in"
+            )
+    if not 1 < density < 1e5:
+        raise InputError(
+            f"--ballast-density {density:g}: should be a density in kg/m3, such as 11340 for lead"
+        )
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """Ballast for a print.
+
+    Attributes
+    ----------
+    weight
+        of the print with the seats.
+    required
+        mass and moment that it lacks then.
+    pieces
+        of ballast; empty if there is no room, or if none is needed.
+    held
+        the balls that the kit holds.
+    seats
+        mass of seats that are to be printed yet, kg.
+    unheld
+        why the kit holds none.
+    misfits
+        the balls that the seats of the kit are for, if they do not fit what is needed.
+    """
+
+    weight: PrintWeight
+    required: RequiredBallast
+    pieces: tuple[Piece, ...] = ()
+    held: tuple[HeldBall, ...] = ()
+    seats: float = 0.0
+    unheld: str = ""
+    misfits: tuple[HeldBall, ...] = ()
+
+
+def _plan(
+    agent: Agent, weight: PrintWeight, density: float, water: float, measure_kit: MeasureKit | None
+) -> _Plan:
+    required = _find_required(agent, weight)
+    if required.mass < NEGLIGIBLE:
+        return _Plan(weight, required)
+    if density <= water:
+        raise InputError(f"--ballast-density {density:g}: is no more than the water's {water:g} kg/m3")
+    if measure_kit is None:
+        pieces = place_by_hand(agent.body, required, density)
+        return _Plan(weight, required, pieces or place_nearest_by_hand(agent.body, required, density))
+    kit = measure_kit(None)
+    pieces = _fill_seats(kit.held, required, density) if kit.held else ()
+    seats = [next(ball for ball in kit.held if ball.x == piece.element.x) for piece in pieces]
+    if seats and all(_fits(piece, ball) for piece, ball in zip(pieces, seats, strict=True)):
+        return _Plan(weight, required, pieces, tuple(seats))
+    plan = replace(_plan_seats(agent, weight, required, density, kit, measure_kit), misfits=kit.held)
+    if not plan.held and any(_is_in_the_way(ball, piece) for ball in kit.held for piece in plan.pieces):
+        return replace(plan, pieces=())
+    return plan
+
+
+def _fits(piece: Piece, seat: HeldBall) -> bool:
+    return abs((piece.diameter or 0.0) - seat.diameter) <= _SAME_SIZE * seat.diameter
+
+
+def _is_in_the_way(seat: HeldBall, piece: Piece) -> bool:
+    """Return whether a seat is between the core, where ballast that is set by hand goes in, and a piece."""
+    return (
+        seat.held_by == "seat"
+        and min(abs(piece.start), abs(piece.end)) > abs(seat.x) - seat.diameter
+        and (seat.x * piece.element.x > 0)
+    )
+
+
+def _find_required(agent: Agent, weight: PrintWeight) -> RequiredBallast:
+    return required_ballast(agent.mass, reweigh(agent, weight.mass, weight.cog).mass)
+
+
+def _fill_seats(held: Sequence[HeldBall], required: RequiredBallast, density: float) -> tuple[Piece, ...]:
+    """The balls that lie on the seats of a kit: mass and moment are right with two of them, the mass with one."""
+    if len(held) == 1:
+        return (make_ball(required.mass, held[0].x, density),)
+    aft, fore = sorted(ball.x for ball in held)
+    share = min(max((required.moment / required.mass - aft) / (fore - aft), 0.0), 1.0)
+    masses = ((aft, (1 - share) * required.mass), (fore, share * required.mass))
+    return tuple(make_ball(mass, x, density) for x, mass in masses if mass >= NEGLIGIBLE)
+
+
+def _plan_seats(
+    agent: Agent,
+    weight: PrintWeight,
+    required: RequiredBallast,
+    density: float,
+    kit: KitReport,
+    measure_kit: MeasureKit,
+) -> _Plan:
+    """Ballast that the kit holds by seats, which weigh too; or any of the right moment; or the nearest ball that it holds."""
+    body = agent.body
+    reasons: list[str] = []
+    exact: list[Callable[..., tuple[Piece, ...]]] = [place_one_ball]
+    exact += [partial(place_two_balls, between=distance) for distance in _BETWEEN]
+    for place in exact:
+        try:
+            plan = _settle(agent, weight, density, kit, measure_kit, place)
+        except WorkFailedError as error:
+            reasons.append(str(error))
+        else:
+            if plan is not None:
+                return plan
+    if pieces := place_by_hand(body, required, density):
+        return _Plan(weight, required, pieces, unheld=_name_first(reasons))
+    try:
+        plan = _settle(agent, weight, density, kit, measure_kit, place_nearest_ball)
+    except WorkFailedError as error:
+        reasons.append(str(error))
+        plan = None
+    return plan or _Plan(
+        weight, required, place_nearest_by_hand(body, required, density), unheld=_name_first(reasons)
+    )
+
+
+def _name_first(reasons: Sequence[str]) -> str:
+    return reasons[0] if reasons else "no ball has room where it is needed"
+
+
+def _settle(
+    agent: Agent,
+    weight: PrintWeight,
+    density: float,
+    kit: KitReport,
+    measure_kit: MeasureKit,
+    place: Callable[..., tuple[Piece, ...]],
+) -> _Plan | None:
+    """Repeat until the ballast is that of a print with the seats for it; ``None`` if no balls have room."""
+    core = agent.body.core.mass
+    # The seats are printed as the rest of the hull was.
+    flow = (weight.mass - core) / (kit.mass - core)
+    assumed = np.zeros(2)  # mass and moment of the seats
+    for _ in range(_ROUNDS):
+        required = _find_required(agent, _add(agent, weight, assumed))
+        pieces = place(agent.body, required, density, in_kit=True)
+        if not pieces and assumed[0]:
+            raise WorkFailedError(
+                f"with the mass of a seat, {1000 * assumed[0]:.2f} g, no ball has room where it is needed"
+            )
+        if not pieces:
+            return None
+        made = measure_kit([(round(p.element.x, 5), round(p.diameter or 0.0, 5)) for p in pieces])
+        if len(made.held) != len(pieces):
+            raise WorkFailedError("the exporter of the kit does not say how it holds ballast")
+        seats = flow * np.array([made.mass - kit.mass, made.mass * made.cog - kit.mass * kit.cog])
+        off = np.abs(seats - assumed)
+        if off[0] < _SETTLED * required.mass and off[1] < _SETTLED * abs(required.moment):
+            seated = _add(agent, weight, seats)
+            return _Plan(seated, _find_required(agent, seated), pieces, made.held, float(seats[0]))
+        # A heavier seat makes the ballast smaller, and that the seat lighter: the mean comes to rest.
+        assumed = (assumed + seats) / 2
+    raise WorkFailedError(
+        f"the mass of its seat, about {1000 * assumed[0]:.2f} g, depends too much on its place"
+    )
+
+
+def _add(agent: Agent, weight: PrintWeight, seats: FloatArray) -> PrintWeight:
+    """The weight of a print with seats of some mass (kg) and moment (kg m)."""
+    printed = reweigh(agent, weight.mass, weight.cog).mass
+    whole = weight.mass + seats[0]
+    return PrintWeight(float(whole), float((printed.mass * printed.cog[0] + seats[1]) / whole), weight.source)
+
+
+def _load(agent: Agent, plan: _Plan, water: float) -> tuple[Agent | None, dict[str, Any]]:
+    """The agent with its ballast or buoyancy, ``None`` if there is no room for it, and what that is."""
+    hull = printed_hull_element(agent.body, plan.weight.mass, plan.weight.cog)
+    elements, required = [hull, core_element(agent.body)], plan.required
+    buoyancy = None
+    trimmed: Agent | None
+    if abs(required.mass) < NEGLIGIBLE:
+        trimmed = _combine(agent, elements)
+    elif required.mass > 0:
+        trimmed = (
+            _combine(agent, elements + [piece.element for piece in plan.pieces]) if plan.pieces else None
+        )
+    else:
+        trimmed, buoyancy = _lift(agent, elements, required, water)
+        buoyancy["hull_excess"] = -required.mass / hull.mass
+    residual = None
+    if trimmed is not None and buoyancy is None:
+        residual = trimmed.mass.mass * trimmed.mass.cog[0] - agent.mass.mass * agent.mass.cog[0]
+    return trimmed, {
+        "pieces": [
+            {
+                "mass": piece.element.mass,
+                "x": piece.element.x,
+                "start": piece.start,
+                "end": piece.end,
+                "diameter": piece.diameter,
+                "putty": piece.putty,
+                "ring": piece.ring,
+            }
+            for piece in plan.pieces
+        ],
+        "held": [asdict(ball) for ball in plan.held],
+        "misfits": [asdict(ball) for ball in plan.misfits],
+        "seat_mass": plan.seats,
+        "unheld": plan.unheld or None,
+        "residual_moment": residual,
+        "buoyancy": buoyancy,
+    }
+
+
+def _combine(agent: Agent, elements: Sequence[MassElement]) -> Agent:
+    return replace(agent, mass=combine(elements, agent.mass))
+
+
+def _lift(
+    agent: Agent, elements: Sequence[MassElement], required: RequiredBallast, water: float
+) -> tuple[Agent, dict[str, Any]]:
+    """With foam on the outside that carries the excess weight; the water does not feel its shape."""
+    volume = -required.mass / (water - FOAM)
+    aft, fore = agent.body.outer[0, 0], agent.body.outer[-1, 0]
+    x = float(np.clip(required.x if required.x is not None else 0.0, aft, fore))
+    loaded = _combine(agent, [*elements, MassElement(FOAM * volume, x)])
+    displaced = agent.mass.volume + volume
+    cob = (agent.mass.volume * agent.mass.cob[0] + volume * x) / displaced
+    mass = replace(loaded.mass, volume=displaced, cob=np.array([cob, 0.0, 0.0]))
+    return replace(agent, mass=mass), {"volume": volume, "density": FOAM, "x": x}
+
+
+def trim_design(
+    design: Design,
+    printed_mass: float | None = None,
+    printed_cog: float | None = None,
+    *,
+    kit: bool = False,
+    format: str = "stl",
+    ballast_density: float | None = None,
+) -> dict[str, Any]:
+    """Return the ballast that makes the print fly as simulated, as ``driftform trim --json`` prints it.
+
+    Parameters
+    ----------
+    printed_mass
+        what the print weighs with its core, kg; with ``kit``, ``None`` for what its parts should weigh.
+    printed_cog
+        x of its centre of gravity from the core's centre, fore positive, m; ``None`` if it was not measured.
+    kit
+        whether it is printed as a kit: its sleeves and seats weigh too.
+    format
+        name of the exporter whose options the kit has.
+    ballast_density
+        kg/m3; ``None`` for that of the kit's options, or else of lead.
+
+    Raises
+    ------
+    InputError
+        if a value cannot be that of this agent.
+    WorkFailedError
+        if a flight fails.
+    """
+    if not kit:
+        weight = weigh_print(design.agent, printed_mass, printed_cog)
+        return trim_agent(
+            design.pipeline,
+            design.agent,
+            design.name,
+            weight,
+            LEAD if ballast_density is None else ballast_density,
+        )
+    kit_settings = list_exporter_settings([format], {"kit": ("true", "--kit")})
+    exporter, job = design.under(*kit_settings).study.make_exporter(format), design.export_job()
+    if ballast_density is None:
+        ballast_density = getattr(exporter.options, "ballast_density", LEAD)
+
+    def measure(balls: Balls | None = None) -> KitReport:
+        return measure_kit(exporter, job, balls)
+
+    weight = weigh_print(design.agent, printed_mass, printed_cog, measure())
+    return trim_agent(design.pipeline, design.agent, design.name, weight, ballast_density, measure)

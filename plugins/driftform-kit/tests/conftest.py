@@ -1,0 +1,99 @@
+"""A sound export of a real agent, and ways to break it."""
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from driftform.design.design import Design
+from driftform.design.opening import open_agent
+from driftform.interfaces import Printer, PrintJob
+from driftform.plugins.registry import registry
+from driftform.types import Finding
+
+WORD = (
+    "addF-tiltp-2-L-moveF-addF-tiltn-1-L-moveF-addB-tiltn-2-L-moveB-addB-tiltn-2-L-moveB-addB-tiltp-2-L-moveN"
+)
+
+
+@pytest.fixture(scope="session")
+def opened() -> Design:
+    return open_agent(WORD, "paper", use={"simulator": "native"})
+
+
+@pytest.fixture(scope="session")
+def sound(opened: Design, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The agent's hull as STL and as OpenSCAD source; not to be changed."""
+    folder = tmp_path_factory.mktemp("sound")
+    for name in ("stl", "scad"):
+        opened.study.make_exporter(name).write(opened.export_job(), folder / f"hull.{name}")
+    return folder / "hull.stl"
+
+
+@pytest.fixture(scope="session")
+def mesh(sound: Path) -> trimesh.Trimesh:
+    """The hull's mesh, welded; not to be changed."""
+    found = trimesh.load_mesh(sound)
+    assert found.is_watertight
+    return found
+
+
+@pytest.fixture(scope="session")
+def shells(mesh: trimesh.Trimesh) -> tuple[np.ndarray, np.ndarray]:
+    """Its triangles: those of the outside, and those of the hollow."""
+    outside, hollow = sorted(
+        trimesh.graph.connected_components(mesh.face_adjacency, nodes=np.arange(len(mesh.faces))),
+        key=lambda group: -np.abs(mesh.vertices[mesh.faces[group]]).max(),
+    )
+    return mesh.faces[outside], mesh.faces[hollow]
+
+
+@pytest.fixture
+def written(tmp_path: Path) -> Callable[..., Path]:
+    """Write a mesh as it is, mended by nobody."""
+
+    def write(vertices: np.ndarray, faces: np.ndarray, name: str = "broken.stl") -> Path:
+        path = tmp_path / name
+        trimesh.Trimesh(vertices, faces, process=False).export(path)
+        return path
+
+    return write
+
+
+def findings(checker: str, job: PrintJob, **options: object) -> dict[str, Finding]:
+    """What a checker finds, by what it looked at, and the part where there are several."""
+    found = list(registry().create("checker", checker, options).check(job))
+    named = {f"{f.check}, {f.part}" if f.part else f.check: f for f in found}
+    assert len(named) == len(found)
+    return named
+
+
+@pytest.fixture
+def check_mesh() -> Callable[..., dict[str, Finding]]:
+    """Check a file by its mesh alone."""
+
+    def check(path: Path, printer: Printer = Printer(), **known: object) -> dict[str, Finding]:  # noqa: B008
+        return findings("mesh", PrintJob((path,), printer, **known))
+
+    return check
+
+
+@pytest.fixture
+def requires_program() -> Callable[[str], str]:
+    """Name of a program; without it the test is skipped."""
+
+    def find(name: str) -> str:
+        if shutil.which(name) is None:
+            pytest.skip(f"{name} is not installed")
+        return name
+
+    return find
+
+
+@pytest.fixture
+def ask(requires_program: Callable[[str], str]) -> Callable[..., dict[str, Finding]]:
+    """Ask a checker that runs a program of its own name."""
+    return lambda checker, job, **options: findings(requires_program(checker), job, **options)

@@ -1,0 +1,215 @@
+"""What a kit weighs against what was simulated, by closed forms and by its meshes."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from driftform.agent import mass_properties
+from driftform.agent.mass_elements import reweigh
+from driftform.errors import InputError, WorkFailedError
+from driftform.interfaces import ExportJob
+from driftform.study import Document, load_study
+from driftform.types import Agent, Coefficients, Module, Morphology
+from driftform.water import Scenario
+from driftform_frusta.builder import FrustaBuilder, FrustaOptions
+from driftform_frusta.kit_options import PartOptions
+from driftform_frusta.kits import make_parts
+from driftform_kit.cutting.accounting import kit_facts, kit_mass
+
+TILTS = st.sampled_from([-0.3, 0.0, 0.3])
+SIDES = st.lists(st.builds(Module, st.sampled_from([0.005, 0.01]), TILTS), max_size=6).map(tuple)
+BODIES = st.builds(
+    lambda fore, aft: FrustaBuilder(FrustaOptions()).build(Morphology(fore, aft)), SIDES, SIDES
+)
+STRAIGHT = FrustaBuilder(FrustaOptions()).build(
+    Morphology(tuple(Module(0.01, 0.0) for _ in range(4)), tuple(Module(0.01, 0.0) for _ in range(3)))
+)
+
+
+def of_meshes(body, options):
+    """Mass (kg), centre of gravity (m) and inertia about it (kg m2) of the parts' meshes and the core."""
+    mass, first, second = body.core.mass, np.zeros(3), 0.2 * body.core.mass * body.core.radius**2 * np.eye(3)
+    for part in make_parts(body, options):
+        corners = 1e-3 * part.solid.vertices[part.solid.triangles]
+        corners = corners[:, :, [2, 0, 1]] + (body.outer[0, 0], 0.0, 0.0)
+        sixth = np.linalg.det(corners) / 6
+        total = corners.sum(axis=1)
+        mass += body.hull_density * sixth.sum()
+        first += body.hull_density * (sixth[:, None] * total).sum(axis=0) / 4
+        # Integral of x x^T over a tetrahedron with one corner at the origin.
+        outer = np.einsum("ni,nj->nij", total, total) + np.einsum("nki,nkj->nij", corners, corners)
+        second += body.hull_density * (sixth[:, None, None] * outer).sum(axis=0) / 20
+    cog = first / mass
+    second -= mass * np.outer(cog, cog)
+    return mass, cog, np.trace(second) * np.eye(3) - second
+
+
+@settings(max_examples=10, deadline=None)
+@given(BODIES, st.sampled_from(["auto", "rabbet"]), st.sampled_from([0.0, 0.002]))
+def test_the_accounts_are_those_of_the_meshes(body, joint, drain):
+    options = PartOptions(kit=True, joint=joint, drain=drain, segments=96)
+    mass, cog, inertia = of_meshes(body, options)
+    stated = kit_mass(body, options)
+    assert stated.mass == pytest.approx(mass, rel=1e-6)
+    assert stated.cog == pytest.approx(cog, abs=1e-8)
+    # A polygon of 96 corners with its circle's area has more polar inertia, by (pi/96)^4 of it.
+    assert stated.inertia == pytest.approx(inertia, rel=1e-4, abs=1e-11)
+
+
+@pytest.mark.parametrize("side", ["outside", "inside"])
+def test_an_engraving_is_accounted_for_off_the_axis_too(side):
+    options = PartOptions(kit=True, engrave="#8", engrave_depth=0.0006, engrave_side=side)
+    mass, cog, inertia = of_meshes(STRAIGHT, options)
+    stated = kit_mass(STRAIGHT, options)
+    assert stated.mass == pytest.approx(mass, rel=1e-6)
+    assert stated.cog == pytest.approx(cog, abs=2e-8)
+    assert abs(stated.cog[1]) > 1e-6
+    assert stated.inertia == pytest.approx(inertia, rel=1e-4, abs=5e-9)
+    plain = mass_properties(STRAIGHT)
+    if side == "outside":
+        # What is gone outside is water now.
+        unengraved = kit_mass(STRAIGHT, PartOptions(kit=True))
+        lost = (unengraved.mass - stated.mass) / STRAIGHT.hull_density
+        assert plain.volume - stated.volume == pytest.approx(lost, rel=1e-9)
+    else:
+        assert stated.volume == plain.volume
+
+
+def test_a_kit_displaces_what_was_simulated_and_weighs_what_was_added_more():
+    simulated = mass_properties(STRAIGHT)
+    printed = kit_mass(STRAIGHT, PartOptions(kit=True))
+    assert printed.volume == simulated.volume
+    assert printed.cob == pytest.approx(simulated.cob)
+    # A sleeve of 7.2 mm at a mean radius of 9.4 mm, two seats and a root: between one gram and three.
+    assert 0.4e-3 < printed.mass - simulated.mass < 3e-3
+
+
+def test_a_thicker_sleeve_weighs_as_much_more_as_its_ring():
+    options = [PartOptions(kit=True, sleeve=s, lap=0.006) for s in (0.0012, 0.0012 + 1e-5)]
+    wide = FrustaBuilder(FrustaOptions(clearance=0.006)).build(
+        Morphology(tuple(Module(0.02, 0.0) for _ in range(3)), tuple(Module(0.02, 0.0) for _ in range(3)))
+    )
+    light, heavy = (kit_mass(wide, o).mass for o in options)
+    # Inside radius 16 - 0.2 - 1.2 mm; 6 mm of lap and 1.2 mm of root, whose slope of 45 degrees moves inward.
+    inner = 0.0146
+    ring = 2 * np.pi * inner * 1e-5 * (0.006 + 0.0012) * 1050
+    slope = np.pi * (0.016**2 - inner**2) * 1e-5 * 1050
+    assert heavy - light == pytest.approx(ring + 2 * slope, rel=0.05)
+
+
+def facts(body, **options):
+    agent = Agent(body, mass_properties(body), Coefficients(np.eye(6)))
+    scenario = Scenario(fluid={"density": 1000.0, "gravity": 10.0})
+    return kit_facts(ExportJob("agent", agent, scenario), PartOptions(**options))
+
+
+def test_without_a_kit_there_is_nothing_to_tell():
+    assert facts(STRAIGHT) == {}
+
+
+def test_facts_compare_what_is_printed_with_what_was_simulated():
+    kit = facts(STRAIGHT, kit=True)["kit"]
+    simulated, printed = kit["balance"]
+    assert (simulated["of"], printed["of"]) == ("simulated", "printed")
+    stated, was = kit_mass(STRAIGHT, PartOptions(kit=True)), mass_properties(STRAIGHT)
+    assert printed["mass_kg"] == stated.mass
+    assert printed["cog_mm"] == 1e3 * stated.cog[0]
+    assert printed["net_buoyancy_n"] == pytest.approx(10 * (1000 * stated.volume - stated.mass))
+    assert simulated["net_buoyancy_n"] == pytest.approx(10 * (1000 * was.volume - was.mass))
+    parts = sum(part["mass_kg"] for part in kit["parts"])
+    assert parts + STRAIGHT.core.mass == pytest.approx(stated.mass)
+    assert kit["joint"]["kind"] == "sleeve"
+    assert "flooded_kg" not in kit
+
+
+def test_with_holes_facts_tell_how_much_water_an_open_one_lets_in():
+    kit = facts(STRAIGHT, kit=True, drain=0.002)["kit"]
+    was = mass_properties(STRAIGHT)
+    printed = (kit["balance"][1]["mass_kg"] - STRAIGHT.core.mass) / STRAIGHT.hull_density
+    core = 4 / 3 * np.pi * STRAIGHT.core.radius**3
+    assert kit["flooded_kg"] == pytest.approx(1000 * (was.volume - printed - core), rel=1e-9)
+
+
+KITS = [
+    {},
+    {"joint": "rabbet"},
+    {"sleeve": 0.0016, "lap": 0.008, "o_ring": 0.0015},
+    {"drain": 0.002},
+    {"engrave": "A7", "engrave_size": 0.004},
+    {"engrave": "A7", "engrave_size": 0.004, "engrave_side": "inside"},
+    {"bed": (0.25, 0.21, 0.05)},
+]
+
+
+@pytest.mark.parametrize("options", KITS, ids=[" ".join(map(str, kit.values())) or "usual" for kit in KITS])
+def test_an_agent_made_as_a_kit_is_simulated_with_the_mass_of_the_meshes_of_its_kit(options):
+    morphology = Morphology(
+        tuple(Module(0.01, tilt) for tilt in (0.2, 0.0, 0.0, 0.0, 0.0, -0.2)),
+        tuple(Module(0.01, tilt) for tilt in (0.2, 0.0, 0.0, 0.0)),
+    )
+    body = FrustaBuilder(FrustaOptions(made_as="kit", kit=options)).build(morphology)
+    simulated = mass_properties(body)
+    mass, cog, inertia = of_meshes(body, PartOptions(kit=True, segments=128, **options))
+    plain = mass_properties(FrustaBuilder(FrustaOptions()).build(morphology))
+    assert simulated.mass == pytest.approx(mass, rel=1e-6)
+    assert simulated.cog[0] == pytest.approx(cog[0], abs=1e-8)
+    # An engraving weighs as a point, and on the axis.
+    assert simulated.inertia == pytest.approx(inertia, rel=1e-4, abs=1e-8)
+    assert abs(cog[1]) < 1e-5
+    assert simulated.mass - plain.mass > 2e-4
+    exported = kit_mass(body, PartOptions(kit=True, **options))
+    assert (simulated.mass, simulated.volume) == pytest.approx((exported.mass, exported.volume), rel=1e-12)
+    assert (simulated.cog[0], simulated.cob[0]) == pytest.approx(
+        (exported.cog[0], exported.cob[0]), abs=1e-12
+    )
+
+
+def test_the_balance_of_an_agent_made_as_a_kit_is_the_same_printed_and_simulated():
+    modules = tuple(Module(0.01, 0.0) for _ in range(5))
+    body = FrustaBuilder(FrustaOptions(made_as="kit")).build(Morphology(modules, modules[:2]))
+    simulated, printed = facts(body, kit=True)["kit"]["balance"]
+    numbers = [[v for v in row.values() if isinstance(v, float)] for row in (simulated, printed)]
+    assert numbers[0] == pytest.approx(numbers[1], rel=1e-9)
+
+
+def test_a_gram_more_of_an_agent_made_as_a_kit_is_spread_as_its_parts_are():
+    modules = tuple(Module(0.01, 0.0) for _ in range(5))
+    body = FrustaBuilder(FrustaOptions(made_as="kit")).build(Morphology(modules, modules[:2]))
+    agent = Agent(body, mass_properties(body), Coefficients(np.eye(6)))
+    same = reweigh(agent, agent.mass.mass).mass
+    assert same.cog == pytest.approx(agent.mass.cog, rel=1e-12)
+    assert same.inertia == pytest.approx(agent.mass.inertia, rel=1e-12)
+
+
+def test_a_hull_of_which_no_kit_can_be_made_is_not_built_as_one():
+    thin = FrustaOptions(made_as="kit", wall=0.0008, kit={"joint": "rabbet"})
+    with pytest.raises(WorkFailedError, match=r"no kit can be made: a rabbet in a wall of 0\.8 mm"):
+        FrustaBuilder(thin).build(Morphology())
+
+
+@pytest.mark.parametrize(
+    "options, reason",
+    [
+        ({"kit": {"joint": "sleeve"}}, "made_as is 'hull': set made_as to 'kit'"),
+        ({"made_as": "kit", "wall_model": "paper"}, "open ends of wall_model 'paper'"),
+    ],
+)
+def test_a_builder_refuses_kits_that_it_could_not_make(options, reason):
+    with pytest.raises(ValidationError, match=reason):
+        FrustaOptions(**options)
+
+
+def test_a_study_of_kits_states_how_they_are_cut_and_its_agents_weigh_more():
+    settings = ["builder.made_as=kit", "builder.kit.joint=rabbet"]
+    study = load_study("paper", settings=settings, run={"seed": 0})
+    again = load_study(Document("stored", study.document), run={"seed": 0})
+    assert again.document["builder"]["kit"]["lap"] == 0.006
+    assert again.document["builder"]["kit"]["joint"] == "rabbet"
+    pipeline, plain = again.make_pipeline(), load_study("paper", run={"seed": 0}).make_pipeline()
+    genome = plain.grammar.random(np.random.default_rng(5))
+    added = pipeline.make_agent(genome).mass.mass - plain.make_agent(genome).mass.mass
+    assert 2e-4 < added < 5e-3
+    with pytest.raises(InputError, match=r"--set builder.kit.lapp=1: unknown key 'lapp' in \[builder.kit\]"):
+        load_study("paper", settings=[*settings, "builder.kit.lapp=1"])

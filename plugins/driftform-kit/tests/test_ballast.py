@@ -1,0 +1,252 @@
+"""Ballast balances to the last digit, and lies where there is room for it."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from driftform.agent import mass_properties
+from driftform.agent.mass_elements import combine, core_element, printed_hull_element, reweigh
+from driftform.types import Agent, Body, Coefficients, Core
+from driftform_kit.ballast import (
+    MATERIALS,
+    PUTTY,
+    Piece,
+    RequiredBallast,
+    ball_diameter,
+    max_ball_radius,
+    place_by_hand,
+    place_filling,
+    place_nearest_ball,
+    place_nearest_by_hand,
+    place_nearest_filling,
+    place_one_ball,
+    place_two_balls,
+    required_ballast,
+)
+
+LEAD = MATERIALS["lead"]
+
+
+def tube(bore: float = 0.012, aft: float = 0.05, fore: float = 0.08, wall: float = 0.002) -> Body:
+    """A capped tube with a core of 10 mm radius in it."""
+    outer = [(-aft, 0), (-aft, bore + wall), (fore, bore + wall), (fore, 0)]
+    cavity = [(-aft + wall, 0), (-aft + wall, bore), (fore - wall, bore), (fore - wall, 0)]
+    return Body(np.array(outer), np.array(cavity), np.array([-aft, fore]), Core(0.01, 0.05), wall, 1050.0)
+
+
+BODY = tube()
+SIMULATED = mass_properties(BODY)
+AGENT = Agent(BODY, SIMULATED, Coefficients(0.01 * np.eye(6)))
+
+
+def place_ballast(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
+    """Return the first that fits: one ball, two balls, a filling."""
+    return (
+        place_one_ball(body, wanted, density)
+        or place_two_balls(body, wanted, density)
+        or place_filling(body, wanted, density)
+    )
+
+
+def place_nearest(body: Body, wanted: RequiredBallast, density: float) -> tuple[Piece, ...]:
+    """Return the first that fits as near as possible to where it should be: a ball, a filling."""
+    return place_nearest_ball(body, wanted, density) or place_nearest_filling(body, wanted, density)
+
+
+@given(missing=st.floats(1e-4, 8e-3), x=st.floats(-0.01, 0.03))
+@settings(deadline=None)
+def test_print_and_ballast_weigh_and_balance_as_simulated(missing: float, x: float) -> None:
+    mass = SIMULATED.mass - missing
+    printed = reweigh(AGENT, mass, x)
+    wanted = required_ballast(SIMULATED, printed.mass)
+    found = place_ballast(BODY, wanted, LEAD)
+    assume(found)
+    elements = [printed_hull_element(BODY, mass, x), core_element(BODY), *(piece.element for piece in found)]
+    trimmed = combine(elements, SIMULATED)
+    assert trimmed.mass == pytest.approx(SIMULATED.mass, rel=1e-9)
+    assert trimmed.cog[0] == pytest.approx(SIMULATED.cog[0], abs=1e-7)
+
+
+@given(
+    mass=st.floats(1e-5, 0.3), x=st.floats(-0.045, 0.075), density=st.sampled_from(list(MATERIALS.values()))
+)
+@settings(deadline=None)
+def test_pieces_lie_in_the_bore_beside_the_core(mass: float, x: float, density: float) -> None:
+    for piece in place_ballast(BODY, RequiredBallast(mass, mass * x), density):
+        assert -0.048 - 1e-9 <= piece.start < piece.end <= 0.078 + 1e-9
+        if piece.diameter is not None:
+            assert piece.diameter / 2 <= 0.012 + 1e-9
+            assert abs(piece.element.x) >= 0.01 + piece.diameter / 2 - 1e-9
+            assert piece.diameter == pytest.approx(np.cbrt(6 * piece.element.mass / (np.pi * density)))
+
+
+def test_one_ball_where_there_is_room() -> None:
+    [piece] = place_ballast(BODY, RequiredBallast(0.01, 0.01 * 0.04), LEAD)
+    assert piece.element.x == pytest.approx(0.04)
+    # 10 g of lead: 4/3 pi r^3 = 0.8818 cm3.
+    assert piece.diameter == pytest.approx(0.011897, rel=1e-3)
+
+
+def test_two_balls_where_the_core_is_in_the_way() -> None:
+    aft, fore = place_ballast(BODY, RequiredBallast(0.01, 0.01 * 0.002), LEAD)
+    assert aft.end < -0.01 + 1e-9 and fore.start > 0.01 - 1e-9
+    assert aft.element.mass + fore.element.mass == pytest.approx(0.01)
+    assert aft.element.mass * aft.element.x + fore.element.mass * fore.element.x == pytest.approx(2e-5)
+
+
+def test_a_filling_where_no_ball_has_room() -> None:
+    # Half of 300 g of lead is a ball of 29 mm in a bore of 24 mm; all of it as a plug is 58 mm long.
+    [piece] = place_ballast(BODY, RequiredBallast(0.3, 0.3 * 0.045), LEAD)
+    assert piece.diameter is None
+    assert piece.end - piece.start == pytest.approx(0.3 / LEAD / (np.pi * 0.012**2), rel=1e-3)
+    assert piece.element.x == pytest.approx(0.045, abs=1e-6)
+    # A cylinder: m (3 r^2 + l^2) / 12 across, m r^2 / 2 along.
+    length = piece.end - piece.start
+    assert piece.element.axial == pytest.approx(0.3 * 0.012**2 / 2, rel=2e-3)
+    assert piece.element.transverse == pytest.approx(0.3 * (3 * 0.012**2 + length**2) / 12, rel=2e-3)
+
+
+@given(mass=st.floats(0.25, 0.4), share=st.floats(0, 0.999))
+@settings(deadline=None)
+def test_a_filling_has_its_centre_where_the_ballast_is_wanted(mass: float, share: float) -> None:
+    aftmost, foremost = (
+        place_nearest(BODY, RequiredBallast(mass, mass * end), LEAD)[0].element.x for end in (-1.0, 1.0)
+    )
+    x = aftmost + share * (foremost - aftmost)
+    [piece] = place_ballast(BODY, RequiredBallast(mass, mass * x), LEAD)
+    assert piece.diameter is None
+    assert piece.element.mass == pytest.approx(mass, rel=1e-9)
+    assert piece.element.x == pytest.approx(x, abs=1e-10)
+
+
+def test_all_of_the_bore_but_the_core_can_be_filled() -> None:
+    volume = np.pi * 0.012**2 * 0.126 - 4 / 3 * np.pi * 0.01**3
+    for share, room in ((0.999, True), (1.001, False)):
+        wanted = RequiredBallast(share * volume * LEAD, 0.0)
+        assert bool(place_nearest(BODY, wanted, LEAD)) is room
+
+
+def test_what_lies_outside_the_hull_has_no_pieces_and_a_nearest_one() -> None:
+    wanted = RequiredBallast(0.001, 0.001 * 0.5)
+    assert place_ballast(BODY, wanted, LEAD) == ()
+    [piece] = place_nearest(BODY, wanted, LEAD)
+    assert piece.end == pytest.approx(0.078, abs=1e-3)
+
+
+def test_more_than_the_bore_holds_has_no_room_at_all() -> None:
+    wanted = RequiredBallast(2.0, 2.0 * 0.02)
+    assert place_ballast(BODY, wanted, LEAD) == place_nearest(BODY, wanted, LEAD) == ()
+
+
+def test_a_solid_body_has_no_room() -> None:
+    solid = Body(BODY.outer, np.empty((0, 2)), BODY.joints, BODY.core, 0.002, 1050.0)
+    assert place_ballast(solid, RequiredBallast(0.001, 0.0), LEAD) == ()
+
+
+def test_nothing_missing_needs_no_place() -> None:
+    assert required_ballast(SIMULATED, SIMULATED).x is None
+    assert place_ballast(BODY, required_ballast(SIMULATED, SIMULATED), LEAD) == ()
+
+
+def test_too_heavy_a_print_needs_buoyancy_where_its_excess_is() -> None:
+    heavier = reweigh(AGENT, SIMULATED.mass + 0.004)
+    wanted = required_ballast(SIMULATED, heavier.mass)
+    assert wanted.mass == pytest.approx(-0.004)
+    # The excess is spread as the hull's material: at its middle.
+    assert wanted.x == pytest.approx(0.015, abs=1e-9)
+    assert place_ballast(BODY, wanted, LEAD) == ()
+
+
+def test_room_ends_at_the_walls_at_the_core_and_at_what_the_core_passes_through() -> None:
+    x = np.array([-0.06, -0.047, 0.0, 0.009, 0.015, 0.04, 0.076, 0.079])
+    np.testing.assert_allclose(max_ball_radius(BODY, x), [0, 0.001, 0, 0, 0.005, 0.01, 0.002, 0], atol=1e-12)
+
+
+def test_a_ball_of_lead_of_a_kilogram() -> None:
+    assert ball_diameter(1.0, LEAD) == pytest.approx(0.0552, rel=1e-3)
+
+
+def necked(neck: float) -> Body:
+    """A hull whose bore narrows to the radius ``neck`` (m) between the core and a wide chamber at the fore end."""
+    cavity = np.array(
+        [
+            (-0.02, 0),
+            (-0.02, 0.011),
+            (0.02, 0.011),
+            (0.03, neck),
+            (0.04, neck),
+            (0.05, 0.011),
+            (0.09, 0.011),
+            (0.09, 0),
+        ]
+    )
+    outer = cavity + np.array([(-0.002, 0), *[(0, 0.002)] * 6, (0.002, 0)])
+    return Body(outer, cavity, np.array([-0.022, 0.092]), Core(0.01, 0.05), 0.002, 1050.0)
+
+
+def test_a_ball_must_pass_the_neck_on_its_way_from_the_core() -> None:
+    wanted = RequiredBallast(0.002, 0.002 * 0.07)
+    assert ball_diameter(0.002, LEAD) == pytest.approx(0.00696, rel=1e-2)
+    [piece] = place_ballast(necked(0.004), wanted, LEAD)
+    assert piece.diameter is not None
+    for found in (place_ballast(necked(0.003), wanted, LEAD), place_nearest(necked(0.003), wanted, LEAD)):
+        beyond = [piece for piece in found if piece.element.x > 0.03]
+        assert all(piece.diameter is None or piece.diameter <= 0.006 + 1e-9 for piece in beyond)
+
+
+@given(st.floats(0.0026, 0.011))
+def test_no_ball_beyond_a_neck_is_wider_than_it(neck: float) -> None:
+    there = np.linspace(0.05, 0.085, 30)
+    assert (max_ball_radius(necked(neck), there) <= neck + 1e-9).all()
+    before = max_ball_radius(necked(neck), np.array([0.017]))
+    assert before[0] == pytest.approx(0.007, abs=1e-4)
+
+
+@given(mass=st.floats(1e-5, 5e-4), x=st.floats(-0.045, 0.075))
+@settings(deadline=None)
+def test_no_filling_is_thinner_than_a_millimetre(mass: float, x: float) -> None:
+    wanted = RequiredBallast(mass, mass * x)
+    for found in (place_ballast(BODY, wanted, LEAD), place_nearest(BODY, wanted, LEAD)):
+        assert all(piece.end - piece.start >= 1e-3 - 1e-9 for piece in found if piece.diameter is None)
+
+
+@given(mass=st.floats(1e-5, 0.1), x=st.floats(-0.045, 0.075), bore=st.sampled_from([0.0105, 0.012, 0.03]))
+@settings(deadline=None)
+def test_what_is_laid_by_hand_counts_its_putty_and_has_mass_and_moment(
+    mass: float, x: float, bore: float
+) -> None:
+    body = tube(bore)
+    found = place_by_hand(body, RequiredBallast(mass, mass * x), LEAD)
+    assume(found)
+    assert sum(p.element.mass for p in found) == pytest.approx(mass, rel=1e-6)
+    assert sum(p.element.mass * p.element.x for p in found) == pytest.approx(mass * x, abs=1e-6 * mass)
+    for piece in found:
+        assert 0 <= piece.putty <= piece.element.mass * (1 + 1e-9)
+        if piece.diameter is not None:
+            # A disc of putty as long as the ball, which weighs no more than the ball.
+            ball = np.pi / 6 * piece.diameter**3
+            assert piece.putty == pytest.approx(PUTTY * (np.pi * bore**2 * piece.diameter - ball), rel=1e-6)
+            assert piece.element.mass == pytest.approx(piece.putty + LEAD * ball, rel=1e-6)
+            assert piece.putty <= piece.element.mass / 2
+
+
+def test_where_putty_would_weigh_more_than_its_ball_a_ring_of_putty_lies_on_the_wall() -> None:
+    [piece] = place_by_hand(BODY, RequiredBallast(0.0005, 0.0005 * 0.03), LEAD)
+    assert piece.diameter is None and piece.ring is not None and piece.putty == piece.element.mass == 0.0005
+    volume = np.pi * (0.012**2 - (0.012 - piece.ring) ** 2) * (piece.end - piece.start)
+    assert volume * PUTTY == pytest.approx(0.0005) and piece.end - piece.start == pytest.approx(piece.ring)
+    # A thin ring: m r^2 about the axis.
+    assert piece.element.axial == pytest.approx(0.0005 * (0.012 - piece.ring / 2) ** 2, rel=1e-2)
+
+
+def test_a_heavy_ball_in_a_narrow_bore_is_set_in_the_putty_that_it_needs() -> None:
+    narrow = tube(0.0105)
+    [piece] = place_by_hand(narrow, RequiredBallast(0.03, 0.03 * 0.04), LEAD)
+    assert piece.diameter is not None and 0 < piece.putty < 0.015
+    assert piece.element.x == pytest.approx(0.04)
+
+
+def test_by_hand_too_ballast_comes_as_near_as_it_can() -> None:
+    [piece] = place_nearest_by_hand(BODY, RequiredBallast(0.0005, 0.0005 * -0.06), LEAD)
+    assert -0.048 <= piece.start < -0.046

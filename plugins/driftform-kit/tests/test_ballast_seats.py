@@ -1,0 +1,207 @@
+"""Seats for balls of ballast, tried on the meshes of the parts: the ball gets there, lies there, and stays there."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from driftform.errors import WorkFailedError
+from driftform.types import Module, Morphology
+from driftform_frusta.builder import FrustaBuilder, FrustaOptions
+from driftform_frusta.csg import Sphere
+from driftform_frusta.kit_options import PartOptions
+from driftform_frusta.kits import make_parts
+from driftform_frusta.solid import to_manifold
+from driftform_kit.cutting.accounting import kit_mass
+from driftform_kit.cutting.pieces import make_kit
+from driftform_kit.cutting.upright import overhang_area
+
+NOTHING = 1e-3  # mm3
+
+
+def agent(fore="", aft=""):
+    """Modules of 10 mm: u widens by 20 degrees, n narrows, s goes straight on."""
+    tilts = {"u": math.radians(20), "n": -math.radians(20), "s": 0.0}
+    sides = [tuple(Module(0.01, tilts[letter]) for letter in side) for side in (fore, aft)]
+    return FrustaBuilder(FrustaOptions()).build(Morphology(*sides))
+
+
+class Held:
+    """A kit with one ball of ballast, as meshes in mm, z from the core's centre."""
+
+    def __init__(self, body, x, diameter, **options):
+        self.options = PartOptions(kit=True, ballast=[[x, diameter]], **options)
+        self.kit = make_kit(body, self.options)
+        [self.held] = self.kit.ballast
+        lift = 1e3 * body.outer[0, 0]
+        self.solids = [
+            part.solid.to_manifold().translate((0.0, 0.0, lift)) for part in make_parts(body, self.options)
+        ]
+        self.core = to_manifold(Sphere(1e3 * body.core.radius), 96)
+        self.mine = self.solids[self.held.part]
+
+    def ball_at(self, z, shrink=1.0):
+        return to_manifold(Sphere(shrink * self.held.ball.radius), 96).translate((0.0, 0.0, z))
+
+    def sweep(self, start, end):
+        """The space that the ball passes on its way, a little less than its radius."""
+        radius = 0.995 * self.held.ball.radius
+        low, high = sorted((start, end))
+        from manifold3d import Manifold
+
+        tube = Manifold.cylinder(high - low, radius, radius, 96).translate((0.0, 0.0, low))
+        return tube + self.ball_at(start, 0.995) + self.ball_at(end, 0.995)
+
+
+def check_held(made):
+    held, z = made.held, made.held.ball.z
+    for solid in (*made.solids, made.core):
+        assert (solid ^ made.ball_at(z, 0.999)).volume() < NOTHING
+    # Half a millimetre further it meets its seat, or the wall.
+    assert (made.mine ^ made.ball_at(z + 0.5 * held.side)).volume() > NOTHING
+    # Resting there it cannot roll aside: it is wedged all round.
+    shifts = np.linspace(0.0, 0.5, 51)
+    rest = next(s for s in shifts if (made.mine ^ made.ball_at(z + s * held.side)).volume() > NOTHING)
+    aside = made.ball_at(z + rest * held.side).translate((0.5, 0.0, 0.0))
+    on_a_flat_end = (made.mine ^ made.ball_at(z + rest * held.side)).volume()
+    assert (made.mine ^ aside).volume() > 2 * on_a_flat_end
+    rings = made.kit.pieces[held.part].rings
+    if held.mouth is None:
+        # Printed upright on the side that it rests on, it is put in from above, at the height of its top.
+        assert made.kit.pieces[held.part].fore_down == (held.side > 0)
+        lowest = min(-held.side * z for ring in rings for z in ring[:, 1])
+        assert made.kit.find_pause(held) == pytest.approx(-held.side * z + held.ball.radius - lowest)
+        above = z - held.side * held.ball.radius
+        unfinished = made.mine.trim_by_plane((0, 0, held.side), held.side * above)
+        assert (unfinished ^ made.sweep(z, z - held.side * 300.0)).volume() < NOTHING
+    else:
+        assert made.kit.find_pause(held) is None
+        assert (made.mine ^ made.sweep(z, z - held.side * 300.0)).volume() < NOTHING
+
+
+PLACES = st.floats(-0.09, 0.09)
+LETTERS = st.text("uns", min_size=2, max_size=9)
+
+
+@settings(max_examples=25, deadline=None)
+@given(LETTERS, LETTERS, PLACES, st.floats(0.003, 0.012))
+def test_wherever_a_kit_takes_ballast_the_ball_gets_there_lies_there_and_stays(fore, aft, x, diameter):
+    try:
+        made = Held(agent(fore, aft), x, diameter)
+    except WorkFailedError as error:
+        assert "no kit can be made" in str(error)
+        return
+    check_held(made)
+
+
+def test_most_places_that_a_ball_fits_into_can_hold_it():
+    body = agent("ssssnuss", "usssn")
+    fits = [x for x in np.linspace(-0.045, 0.075, 25) if abs(x) > 0.03]
+    taken = 0
+    for x in fits:
+        try:
+            Held(body, float(x), 0.006)
+        except WorkFailedError:
+            continue
+        taken += 1
+    assert taken > 0.8 * len(fits)
+
+
+def test_a_ball_in_a_tube_goes_in_by_the_joint_and_rests_on_a_cone():
+    made = Held(agent("ssssss", "ss"), 0.045, 0.008)
+    assert made.kit.joints[made.held.mouth] == made.kit.core_joint.joint
+    assert made.held.seat is not None
+    check_held(made)
+
+
+def test_where_the_hull_narrows_the_wall_holds_it():
+    # In a cone of 20 degrees a ball of 8 mm touches the wall where the bore has a radius of 4 / cos(20 deg).
+    body = agent("sssnnn")
+    made = None
+    for x in np.linspace(0.035, 0.056, 211):
+        try:
+            made = Held(body, float(x), 0.008)
+        except WorkFailedError:
+            continue
+        if made.held.seat is None:
+            break
+    assert made is not None and made.held.seat is None
+    check_held(made)
+    radius = np.interp(made.held.ball.z + 4 * math.sin(math.radians(20)), *1e3 * body.cavity.T)
+    assert radius == pytest.approx(4 * math.cos(math.radians(20)), abs=0.3)
+    assert kit_mass(body, made.options).mass == kit_mass(body, PartOptions(kit=True)).mass
+
+
+@pytest.mark.parametrize("lift", [0.0, 0.2, 0.4])
+def test_a_ball_on_a_flat_end_gets_a_seat_that_keeps_it_from_rolling_aside(lift):
+    body = agent("sssssuu", "ss")
+    end = body.cavity[-1, 0]
+    assert np.interp(end - 1e-6, *body.cavity.T) > 0.012  # wide and flat
+    made = Held(body, end - 0.003 - 1e-3 * lift, 0.006)
+    assert made.held.seat is not None
+    check_held(made)
+
+
+def test_a_ball_beyond_a_neck_is_put_in_while_its_part_is_printed():
+    body = agent("nnnuuuss", "ss")
+    neck = np.interp(0.03, *body.cavity.T)
+    assert 2e3 * neck < 8
+    made = Held(body, 0.065, 0.010)
+    assert made.held.mouth is None
+    check_held(made)
+
+
+def test_in_a_wide_hull_near_its_end_a_tube_is_lighter_than_a_cone():
+    body = agent("uuuuuuuss")
+    made = Held(body, 0.075, 0.008)
+    low, high = made.held.seat.section.bounds()[0], made.held.seat.section.bounds()[2]
+    assert high - low < 0.5 * 2e3 * np.interp(0.075, *body.cavity.T)
+    check_held(made)
+
+
+def test_a_seat_of_ballast_needs_no_support():
+    body = agent("ssssss", "ss")
+    plain, made = make_kit(body, PartOptions(kit=True)), Held(body, 0.045, 0.008)
+    for before, after in zip(plain.pieces, made.kit.pieces, strict=True):
+        assert after.fore_down == before.fore_down
+        overhang = overhang_area(after.rings, after.fore_down) - overhang_area(before.rings, before.fore_down)
+        # The rim of the seat, one line wide, which begins in the air as that of the core does.
+        assert overhang < 2 * math.pi * 4 * 1.3
+
+
+def test_the_seat_counts_in_what_the_kit_weighs():
+    body = agent("ssssss", "ss")
+    made = Held(body, 0.045, 0.008)
+    volume = sum(solid.volume() for solid in made.solids)
+    plain = sum(part.solid.volume for part in make_parts(body, PartOptions(kit=True)))
+    grams = 1e-6 * body.hull_density * (volume - plain)
+    assert grams > 0.05
+    added = kit_mass(body, made.options).mass - kit_mass(body, PartOptions(kit=True)).mass
+    assert 1e3 * added == pytest.approx(grams, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("x", "diameter", "why"),
+    [
+        (0.002, 0.004, "the core is there, or passes there"),
+        (0.2, 0.004, "it is not in the cavity"),
+        (0.045, 0.030, "the bore is narrower there"),
+    ],
+)
+def test_ballast_that_cannot_be_held_is_refused_with_the_reason(x, diameter, why):
+    with pytest.raises(WorkFailedError, match=why):
+        Held(agent("ssssss", "ss"), x, diameter)
+
+
+def test_two_balls_are_kept_apart():
+    with pytest.raises(WorkFailedError, match="another ball is there"):
+        make_kit(agent("ssssss", "ss"), PartOptions(kit=True, ballast=[[0.045, 0.008], [0.048, 0.004]]))
+    kit = make_kit(agent("ssssss", "sssss"), PartOptions(kit=True, ballast=[[-0.04, 0.006], [0.045, 0.008]]))
+    assert [held.part for held in kit.ballast] == [0, 1]
+
+
+def test_a_builder_takes_no_ballast():
+    with pytest.raises(ValueError, match="set it for the exporter"):
+        FrustaOptions(made_as="kit", kit={"ballast": [[0.04, 0.006]]})

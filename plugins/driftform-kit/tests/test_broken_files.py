@@ -1,0 +1,234 @@
+"""Files broken in a known way, made of a real export: the right line fails, and no other line lies about it."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from driftform.agent import hull_volume
+from driftform.design.design import Design
+from driftform.design.opening import open_agent
+from driftform.interfaces import Printer, PrintJob
+from driftform.types import Finding, State
+
+CheckMesh = Callable[..., dict[str, Finding]]
+Written = Callable[..., Path]
+
+LINES = [
+    "unit",
+    "duplicate faces",
+    "closed",
+    "oriented",
+    "shells",
+    "mass",
+    "wall",
+    "bed",
+    "standing",
+    "slender",
+]
+
+
+def states(found: dict[str, Finding]) -> dict[str, str]:
+    assert list(found) == LINES
+    return {check: str(finding.state) for check, finding in found.items()}
+
+
+def known(opened: Design) -> dict[str, object]:
+    return {"export": opened.export_job(), "volume": hull_volume(opened.agent.body)}
+
+
+def alone(
+    *failed: str, skipped: tuple[str, ...] = (), warned: tuple[str, ...] = ("standing",)
+) -> dict[str, str]:
+    """States where these lines are as told, and every other one passes."""
+    told = dict.fromkeys(LINES, "pass")
+    told |= dict.fromkeys(warned, "warn") | dict.fromkeys(skipped, "skipped") | dict.fromkeys(failed, "fail")
+    return told
+
+
+def test_the_sound_file_passes(check_mesh: CheckMesh, sound: Path, opened: Design) -> None:
+    found = check_mesh(sound, **known(opened))
+    assert states(found) == alone()
+    assert "better fore end down" in found["standing"].detail
+
+
+def test_missing_faces(
+    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Design
+) -> None:
+    # Two that share no vertex: two holes of three edges each.
+    first = 0
+    other = int(np.flatnonzero(~np.isin(mesh.faces, mesh.faces[first]).any(axis=1))[-1])
+    path = written(mesh.vertices, np.delete(mesh.faces, [first, other], axis=0))
+    found = check_mesh(path, **known(opened))
+    assert states(found) == alone(
+        "closed", skipped=("shells", "mass", "wall", "standing", "slender"), warned=()
+    )
+    assert "6 open edges round 2 holes" in found["closed"].detail
+
+
+def test_flipped_faces(
+    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Design
+) -> None:
+    faces = mesh.faces.copy()
+    faces[[10, 500, 3000]] = faces[[10, 500, 3000], ::-1]
+    found = check_mesh(written(mesh.vertices, faces), **known(opened))
+    assert states(found) == alone(
+        "oriented", skipped=("shells", "mass", "wall", "standing", "slender"), warned=()
+    )
+    assert found["oriented"].detail.startswith("3 faces ")
+
+
+@pytest.mark.parametrize("agent_known", [True, False])
+def test_everything_inverted(
+    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Design, agent_known: bool
+) -> None:
+    found = check_mesh(written(mesh.vertices, mesh.faces[:, ::-1]), **(known(opened) if agent_known else {}))
+    assert states(found) == alone("shells", skipped=("mass",))
+    assert "everything is inside out" in found["shells"].detail
+    # Walls are where they were: the material lies between the shells, whichever way they face.
+    assert found["wall"].detail.startswith("1.2")
+
+
+@pytest.mark.parametrize("agent_known", [True, False])
+def test_cavity_inside_out(
+    check_mesh: CheckMesh,
+    mesh: trimesh.Trimesh,
+    shells: tuple[np.ndarray, np.ndarray],
+    written: Written,
+    opened: Design,
+    agent_known: bool,
+) -> None:
+    outside, hollow = shells
+    path = written(mesh.vertices, np.concatenate((outside, hollow[:, ::-1])))
+    found = check_mesh(path, **(known(opened) if agent_known else {}))
+    assert states(found) == alone("shells", skipped=("mass",))
+    assert "1 hollow inside out" in found["shells"].detail
+    assert found["wall"].detail.startswith("1.2")
+
+
+def test_a_hollow_that_is_left_out(
+    check_mesh: CheckMesh,
+    mesh: trimesh.Trimesh,
+    shells: tuple[np.ndarray, np.ndarray],
+    written: Written,
+    opened: Design,
+) -> None:
+    path = written(mesh.vertices, shells[0])
+    found = check_mesh(path, **known(opened))
+    assert states(found) == alone("shells", "mass")
+    # A solid body is a sound print of something else.
+    assert "fail" not in states(check_mesh(path)).values()
+
+
+@pytest.mark.parametrize("agent_known", [True, False])
+def test_metres_instead_of_millimetres(
+    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Design, agent_known: bool
+) -> None:
+    path = written(mesh.vertices / 1000, mesh.faces)
+    found = check_mesh(path, **(known(opened) if agent_known else {}))
+    assert states(found) == alone("unit", skipped=("mass", "wall", "bed", "standing", "slender"), warned=())
+    assert "in metres" in found["unit"].detail and "1000" in found["unit"].detail
+
+
+def test_millimetres_in_a_format_of_metres(
+    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written
+) -> None:
+    found = check_mesh(written(mesh.vertices, mesh.faces, "broken.glb"))
+    assert [check for check, finding in found.items() if finding.state is State.FAIL] == ["unit"]
+    assert "0.001" in found["unit"].detail
+
+
+@pytest.mark.long
+def test_a_wall_of_a_fifth_of_a_millimetre(check_mesh: CheckMesh, tmp_path: Path) -> None:
+    thin = open_agent("C", "paper", settings=["builder.wall=0.0002"], use={"simulator": "native"})
+    path = tmp_path / "thin.stl"
+    thin.study.make_exporter("stl").write(thin.export_job(), path)
+    found = check_mesh(path, **known(thin))
+    assert states(found) == alone("wall")
+    assert found["wall"].detail.startswith("0.2") or found["wall"].detail.startswith("0.19")
+    # A nozzle of half that width prints it.
+    assert check_mesh(path, Printer(nozzle=0.0001))["wall"].state is State.WARN
+
+
+def test_duplicate_faces(
+    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written, opened: Design
+) -> None:
+    # Once as they are, and once turned round: both are copies.
+    faces = np.concatenate((mesh.faces, mesh.faces[:5], mesh.faces[7:9, ::-1]))
+    found = check_mesh(written(mesh.vertices, faces), **known(opened))
+    assert states(found) == alone("duplicate faces")
+    assert found["duplicate faces"].detail.startswith("7 triangles twice")
+
+
+def test_too_tall_for_the_bed(check_mesh: CheckMesh, sound: Path, opened: Design) -> None:
+    found = check_mesh(sound, Printer(bed=(0.25, 0.21, 0.05)), **known(opened))
+    assert states(found) == alone("bed", warned=("standing", "slender"))
+    assert "too tall" in found["bed"].detail and "it would fit lying" in found["bed"].detail
+    small = check_mesh(sound, Printer(bed=(0.03, 0.03, 0.21)))["bed"]
+    assert small.state is State.FAIL and "too wide" in small.detail and "--kit" in small.detail
+
+
+def test_a_surface_that_three_faces_meet_in(
+    check_mesh: CheckMesh, mesh: trimesh.Trimesh, written: Written
+) -> None:
+    # A fin on one edge: a triangle with a vertex of its own.
+    a, b, _ = mesh.faces[100]
+    vertices = np.vstack((mesh.vertices, mesh.vertices[a] + [0, 0, 70.0]))
+    found = check_mesh(written(vertices, np.vstack((mesh.faces, [a, b, len(mesh.vertices)]))))
+    assert found["closed"].state is State.FAIL
+    assert "1 edge of three faces or more" in found["closed"].detail
+    assert "2 open edges" in found["closed"].detail
+
+
+def test_shells_that_pass_through_one_another(check_mesh: CheckMesh, written: Written) -> None:
+    one = trimesh.creation.box((20, 20, 20))
+    other = trimesh.creation.icosphere(subdivisions=3, radius=6)
+    other.apply_translation((10, 3, 2))
+    both = trimesh.util.concatenate([one, other])
+    found = check_mesh(written(both.vertices, both.faces))
+    assert found["shells"].state is State.FAIL and "intersect" in found["shells"].detail
+
+
+def test_a_loose_piece_in_a_hollow_faces_outward(check_mesh: CheckMesh, written: Written) -> None:
+    outer, hollow, piece = (trimesh.creation.icosphere(subdivisions=3, radius=r) for r in (30, 20, 10))
+    hollow.invert()
+    for turned, state in ((False, State.WARN), (True, State.FAIL)):
+        if turned:
+            piece.invert()
+        whole = trimesh.util.concatenate([outer, hollow, piece])
+        assert check_mesh(written(whole.vertices, whole.faces))["shells"].state is state
+
+
+def test_another_agent_s_file_does_not_have_this_one_s_mass(check_mesh: CheckMesh, sound: Path) -> None:
+    other = open_agent("addB-tiltn-1-M-moveB", "paper", use={"simulator": "native"})
+    found = check_mesh(sound, **known(other))
+    assert states(found) == alone("mass")
+
+
+def test_a_coarse_mesh_is_a_warning(check_mesh: CheckMesh, opened: Design, tmp_path: Path) -> None:
+    body = opened.agent.body
+    path = tmp_path / "coarse.stl"
+    mesh = trimesh.creation.revolve(1000 * body.outer[:, ::-1], sections=64)
+    mesh = trimesh.util.concatenate(
+        [mesh, _inverted(trimesh.creation.revolve(1000 * body.cavity[:, ::-1], sections=64))]
+    )
+    mesh.export(path)
+    found = check_mesh(path, **known(opened))
+    assert found["mass"].state is State.WARN and "-1.6e-03" in found["mass"].detail
+
+
+def _inverted(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    mesh.invert()
+    return mesh
+
+
+def test_programs_fail_the_file_with_missing_faces_too(
+    ask: Callable[..., dict[str, Finding]], mesh: trimesh.Trimesh, written: Written
+) -> None:
+    job = PrintJob((written(mesh.vertices, mesh.faces[5:]),))
+    assert ask("admesh", job)["admesh"].state is State.FAIL
+    found = ask("prusa-slicer", job)
+    assert found["prusa-slicer mesh"].state is State.FAIL
+    assert found["prusa-slicer g-code"].state is State.SKIPPED

@@ -1,0 +1,335 @@
+"""``driftform check``: agents and files, exit codes, and what it knows of whose file it is."""
+
+import json
+import shutil
+import sys
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Call = Callable[..., Any]
+Refused = Callable[..., str]
+
+WORD = "addB-tiltn-1-M-moveB-addB-tiltp-1-L-moveB"
+OTHER = "addB-tiltn-1-M-moveB"
+
+
+def lines(result: Any) -> dict[str, dict[str, str]]:
+    document = json.loads(result.stdout)
+    assert document["printable"] is (result.exit_code == 0)
+    return {line["check"]: line for line in document["lines"]}
+
+
+def exported(call: Call, format: str = "stl") -> Path:
+    result = call("export", WORD, "--format", format, "--json")
+    assert result.exit_code == 0, result.stderr
+    return Path(json.loads(result.stdout)["files"][0]["path"])
+
+
+def agent_file(call: Call, word: str, path: Path) -> Path:
+    """The agent of a word as an agent.json."""
+    if not Path("sampled").exists():
+        assert call("sample", "--count", 1, "--out", "sampled").exit_code == 0
+    document = json.loads(Path("sampled/agent-0001.json").read_text())
+    document["genome"]["symbols"] = ["C", *word.split("-")] if not word.startswith("C") else word.split("-")
+    path.write_text(json.dumps(document))
+    return path
+
+
+def test_a_sound_agent_is_printable(call: Call, tmp_path: Path) -> None:
+    result = call("check", WORD, "--no-programs", "--json")
+    assert result.exit_code == 0, result.stderr
+    found = lines(result)
+    assert found["mass"]["state"] == found["shells"]["state"] == found["wall"]["state"] == "pass"
+    assert "3.1 lines of 0.4 mm" in found["wall"]["detail"]
+    assert found["prusa-slicer"] == {
+        "check": "prusa-slicer",
+        "part": "",
+        "state": "skipped",
+        "detail": "not run, by --no-programs",
+    }
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_line_that_fails_is_exit_code_1_and_named_in_the_verdict(call: Call) -> None:
+    result = call("check", WORD, "--no-programs", "--bed", "10,10,10", "--nozzle", "0.8")
+    assert result.exit_code == 1
+    verdict = result.stdout.splitlines()[-1]
+    assert verdict.startswith("not printable as it is, for bed: ") and "1 fail" in verdict
+    shouted = [line for line in result.stdout.splitlines() if line.startswith("FAIL")]
+    assert len(shouted) == 1 and "bed" in shouted[0]
+    assert any(
+        line.startswith("warn") and "lines of the 0.8 mm nozzle" in line
+        for line in result.stdout.splitlines()
+    )
+    assert "\x1b" not in result.stdout
+
+
+@pytest.mark.long
+def test_a_file_has_no_mass_to_compare_with_until_its_agent_is_named(call: Call) -> None:
+    path = exported(call)
+    assert lines(call("check", path, "--no-programs", "--json"))["mass"]["state"] == "skipped"
+    named = lines(call("check", path, "--agent", WORD, "--no-programs", "--json"))
+    assert named["mass"]["state"] == "pass"
+    wrong = call("check", path, "--agent", OTHER, "--no-programs", "--json")
+    assert wrong.exit_code == 1
+    assert [check for check, line in lines(wrong).items() if line["state"] == "fail"] == ["mass"]
+
+
+def test_the_agent_beside_a_file_is_its_own(call: Call) -> None:
+    path = exported(call)
+    agent_file(call, WORD, path.with_name("agent.json"))
+    assert lines(call("check", path, "--no-programs", "--json"))["mass"]["state"] == "pass"
+    agent_file(call, OTHER, path.with_name("agent.json"))
+    assert call("check", path, "--no-programs").exit_code == 1
+
+
+def test_the_agent_attached_to_a_3mf_comes_before_the_one_beside_it(call: Call, tmp_path: Path) -> None:
+    import trimesh
+
+    mesh = trimesh.load_mesh(exported(call))
+    vertices = "".join('<vertex x="{}" y="{}" z="{}"/>'.format(*v) for v in mesh.vertices)
+    triangles = "".join('<triangle v1="{}" v2="{}" v3="{}"/>'.format(*f) for f in mesh.faces)
+    model = (
+        '<model xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources><object id="1"><mesh>'
+        f"<vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh></object></resources>"
+        '<build><item objectid="1"/></build></model>'
+    )
+    start = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+    path = tmp_path / "hull.3mf"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("3D/3dmodel.model", model)
+        archive.writestr(
+            "_rels/.rels",
+            f'<Relationships><Relationship Target="/3D/3dmodel.model" Type="{start}"/></Relationships>',
+        )
+        archive.writestr("Metadata/agent.json", agent_file(call, WORD, tmp_path / "own.json").read_text())
+    agent_file(call, OTHER, tmp_path / "agent.json")
+    assert lines(call("check", path, "--no-programs", "--json"))["mass"]["state"] == "pass"
+
+
+def write_archive(path: Path, attached: str) -> Path:
+    """A 3MF of a tetrahedron with one more file in it."""
+    corners = ("0 0 0", "10 0 0", "0 10 0", "0 0 10")
+    vertices = "".join('<vertex x="{}" y="{}" z="{}"/>'.format(*c.split()) for c in corners)
+    triangles = "".join(
+        '<triangle v1="{}" v2="{}" v3="{}"/>'.format(*t) for t in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
+    )
+    start = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr(
+            "_rels/.rels",
+            f'<Relationships><Relationship Target="/3D/3dmodel.model" Type="{start}"/></Relationships>',
+        )
+        archive.writestr(
+            "3D/3dmodel.model",
+            '<model xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources><object id="1">'
+            f"<mesh><vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh></object></resources>"
+            '<build><item objectid="1"/></build></model>',
+        )
+        archive.writestr(attached, "cube(10);" * 100)
+    return path
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="runs a script as a program")
+@pytest.mark.parametrize(
+    ("place", "text"),
+    [
+        ("attached", "the OpenSCAD source attached to it"),
+        ("beside", "the OpenSCAD source beside it, stranger.scad,"),
+    ],
+)
+def test_source_of_a_stranger_is_rendered_only_when_asked_for(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str, text: str
+) -> None:
+    path = write_archive(
+        tmp_path / "stranger.3mf", "Metadata/agent.scad" if place == "attached" else "Metadata/notes.txt"
+    )
+    if place == "beside":
+        (tmp_path / "stranger.scad").write_text("cube(10);")
+    programs = tmp_path / "programs"
+    programs.mkdir()
+    openscad = programs / "openscad"
+    openscad.write_text(f"#!{sys.executable}\nopen({str(tmp_path / 'ran')!r}, 'w')\n")
+    openscad.chmod(0o755)
+    monkeypatch.setenv("PATH", str(programs))
+    found = lines(call("check", path, "--json"))["openscad"]
+    assert found["state"] == "skipped"
+    assert found["detail"] == f"{text} is not rendered; add --attached if you trust it"
+    assert not (tmp_path / "ran").exists()
+    assert lines(call("check", path, "--attached", "--json"))["openscad"]["state"] == "fail"
+    assert (tmp_path / "ran").exists()
+
+
+@pytest.mark.parametrize("harm", ["content", "method", "encrypted"])
+def test_an_archive_that_cannot_be_read_is_refused_in_one_line(
+    refused: Callable[..., str], tmp_path: Path, harm: str
+) -> None:
+    path = write_archive(tmp_path / "broken.3mf", "Metadata/agent.json")
+    data = bytearray(path.read_bytes())
+    central = data.rindex(b"Metadata/agent.json") - 46
+    if harm == "content":
+        data[data.index(b"cube(10);") + 3] ^= 0xFF
+    elif harm == "method":
+        local = data.index(b"Metadata/agent.json") - 30
+        data[central + 10] = data[local + 8] = 99
+    else:
+        local = data.index(b"Metadata/agent.json") - 30
+        data[central + 8] |= 1
+        data[local + 6] |= 1
+    path.write_bytes(bytes(data))
+    line = refused("check", "broken.3mf", "--no-programs")
+    assert line.startswith("error: broken.3mf: cannot be read as an archive: ")
+
+
+@pytest.mark.peers
+def test_openscad_renders_the_source_of_an_agent(call: Call) -> None:
+    if shutil.which("openscad") is None:
+        pytest.skip("openscad is not installed")
+    found = lines(call("check", WORD, "--set", "checker.prusa-slicer.timeout=0.001", "--json"))
+    assert found["openscad"]["state"] == "pass" and "the source renders to" in found["openscad"]["detail"]
+    # Options of a checker are those of its table: this one gave up at once, and says so.
+    assert any("did not end within 0.001 s" in line["detail"] for line in found.values()) or (
+        found["prusa-slicer mesh"]["detail"] == "prusa-slicer is not on PATH"
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("hull.stl",), "AGENT 'hull.stl'"),
+        ((WORD, "--format", "slt"), "--format slt: no exporter is named 'slt'; did you mean 'stl'?"),
+        ((WORD, "--bed", "250"), "--bed 250: should be three lengths in mm, such as 250,210,210"),
+        ((WORD, "--bed", "1,2,-3"), "above 0"),
+        ((WORD, "--bed", "1,2,nan"), "above 0"),
+        ((WORD, "--nozzle", "0"), "--nozzle 0"),
+        ((WORD, "--agent", OTHER), "goes with a FILE"),
+        ((WORD, "--set", "checker.mesh.tolerence=1"), "did you mean 'tolerance'?"),
+        ((WORD, "--set", "checker.mash.tolerance=1"), "did you mean 'mesh'?"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(refused: Refused, arguments: tuple[str, ...], message: str) -> None:
+    assert message in refused("check", *arguments)
+
+
+@pytest.mark.parametrize("name", ["note.txt", "empty.stl", "archive.3mf"])
+def test_a_file_that_is_none_to_print_is_refused(refused: Refused, tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_bytes(b"")
+    assert name in refused("check", name)
+
+
+def test_without_any_checker_nothing_is_called_printable(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    from driftform.plugins.registry import Registry
+
+    seam = Registry.seam
+    monkeypatch.setattr(Registry, "seam", lambda self, name: [] if name == "checker" else seam(self, name))
+    result = call("check", WORD)
+    assert result.exit_code == 1
+    assert "no checker is installed" in result.stderr and "printable" not in result.stdout
+
+
+LONG = "-".join(["addF-tiltp-0-L-moveF"] * 5 + ["addB-tiltn-1-L-moveB"] * 3)
+
+
+def exported_kit(call: Call, *options: str) -> Path:
+    arguments = [part for option in options for part in ("--option", option)]
+    result = call("export", LONG, "--kit", "--format", "3mf", *arguments, "--json")
+    assert result.exit_code == 0, result.stderr
+    return Path(json.loads(result.stdout)["files"][0]["path"])
+
+
+def attach(path: Path, name: str, data: bytes) -> None:
+    """Replace a file of an archive, or add it."""
+    with zipfile.ZipFile(path) as archive:
+        held = {entry: archive.read(entry) for entry in archive.namelist()}
+    with zipfile.ZipFile(path, "w") as archive:
+        for entry, content in {**held, name: data}.items():
+            archive.writestr(entry, content)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("ballast=[[0.04,0.006]]", "engrave=TP5", "engrave_depth=0.0005"),
+        ("bed=[0.2,0.2,0.06]", "drain=0.002", "joint=rabbet"),
+    ],
+)
+def test_a_3mf_of_a_kit_is_checked_with_the_options_that_it_was_made_with(
+    call: Call, options: tuple[str, ...]
+) -> None:
+    path = exported_kit(call, *options)
+    result = call("check", path, "--no-programs", "--json")
+    assert result.exit_code == 0, result.stdout + result.stderr
+    assert lines(result)["mass"]["state"] == "pass"
+    # An option of the command line comes before that of the file.
+    other = call("check", path, "--no-programs", "--json", "--set", "exporter.3mf.sleeve=0.003")
+    assert lines(other)["mass"]["state"] == "fail"
+
+
+def test_a_3mf_of_a_kit_is_checked_for_the_printer_that_it_was_made_for(call: Call) -> None:
+    path = exported_kit(call, "bed=[0.2,0.2,0.26]", "nozzle=0.0006")
+    found = lines(call("check", path, "--no-programs", "--json"))
+    assert "fits 200 x 200 x 260 mm" in found["bed"]["detail"] and "0.6 mm" in found["wall"]["detail"]
+    other = lines(call("check", path, "--no-programs", "--json", "--bed", "90,90,30"))
+    assert other["bed"]["state"] == "fail" and other["mass"]["state"] == "pass"
+
+
+def test_a_kit_that_is_not_that_of_its_options_has_another_mass(call: Call) -> None:
+    path = exported_kit(call, "joint=rabbet")
+    attach(path, "Metadata/kit.json", b'{"kit": true, "joint": "sleeve", "lap": 0.02, "sleeve": 0.005}')
+    assert lines(call("check", path, "--no-programs", "--json"))["mass"]["state"] == "fail"
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"{", "is not JSON in UTF-8"),
+        (b"\xff", "is not JSON in UTF-8"),
+        (b"[" * 100_000, "is nested too deeply"),
+        (b"[1]", "it is not a table"),
+        (b'{"kit": 1e999}', "'kit'"),
+        (b'{"sleeve": NaN}', "'sleeve'"),
+        (b'{"segments": 1000000000}', "'segments'"),
+        (b'{"ballast": [[0, 0.01], [0, 0.01], [0, 0.01]]}', "'ballast'"),
+        (b'{"engrave": "\\u001b[2J"}', "'engrave'"),
+        (b'{"kit\\u001b[2J": true}', "x1b[2J'"),
+        (b'{"builder.core_mass": 7}', "'builder.core_mass'"),
+    ],
+)
+def test_options_of_a_kit_in_a_file_of_a_stranger_are_refused_in_one_line(
+    call: Call, refused: Refused, data: bytes, message: str
+) -> None:
+    path = exported_kit(call)
+    attach(path, "Metadata/kit.json", data)
+    line = refused("check", path, "--no-programs")
+    assert line.startswith(f"error: {path}: its kit.json: ") and message in line
+    assert line.isprintable() and len(line) < 300
+
+
+def test_options_of_a_kit_in_a_file_of_a_format_without_kits_are_refused(
+    call: Call, refused: Refused
+) -> None:
+    path = exported_kit(call).rename("kit.svg")
+    attach(path, "Metadata/kit.json", b"{}")
+    assert "exporter 'svg' has no option 'kit'" in refused("check", path, "--no-programs")
+
+
+def test_a_file_of_a_kit_that_is_checked_as_a_hull_is_told_to_be_one(call: Call) -> None:
+    word = "addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addF-tiltp-0-L-moveF-addB-tiltn-1-L-moveB"
+    # A lap of 2 mm adds so little that it could be mistaken for the chords of a coarse mesh.
+    little = ("--option", "lap=0.002", "--option", "sleeve=0.0004")
+    result = call("export", word, "--kit", "--format", "3mf", *little, "--json")
+    path = json.loads(result.stdout)["files"][0]["path"]
+    with zipfile.ZipFile(path) as archive:
+        held = {entry: archive.read(entry) for entry in archive.namelist()}
+    del held["Metadata/kit.json"]  # as other programs save it
+    with zipfile.ZipFile(path, "w") as archive:
+        for entry, content in held.items():
+            archive.writestr(entry, content)
+    coarse = ("--set", "checker.mesh.coarse=0.2")
+    found = lines(call("check", path, "--no-programs", "--json", *coarse))["mass"]
+    assert found["state"] == "warn" and "check it with --kit" in found["detail"]
+    assert "segments" not in found["detail"]

@@ -1,0 +1,211 @@
+"""Every format gives the same parts, in mm and z up; what cannot be read is an error of one line."""
+
+import json
+import shutil
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from driftform.errors import InputError, WorkFailedError
+from driftform_kit.checks.parts import Part
+from driftform_kit.checks.reading import read_parts
+
+MODEL = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+RELATIONSHIPS = "http://schemas.openxmlformats.org/package/2006/relationships"
+START = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+
+
+@pytest.fixture
+def block() -> trimesh.Trimesh:
+    """A wedge-like block that no rotation takes to itself, 10 x 20 x 30 mm on the bed."""
+    corners = np.array([[0, 0, 0], [10, 0, 0], [0, 20, 0], [0, 0, 30]], dtype=float)
+    return trimesh.Trimesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], process=False)
+
+
+def write_3mf(path: Path, resources: str, build: str, unit: str = "millimeter") -> Path:
+    model = f'<model unit="{unit}" xmlns="{MODEL}"><resources>{resources}</resources><build>{build}</build></model>'
+    relationship = f'<Relationship Id="r" Target="/3D/parts.model" Type="{START}"/>'
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("3D/parts.model", model)
+        archive.writestr(
+            "_rels/.rels", f'<Relationships xmlns="{RELATIONSHIPS}">{relationship}</Relationships>'
+        )
+    return path
+
+
+def mesh_of(block: trimesh.Trimesh, scale: float = 1.0) -> str:
+    vertices = "".join('<vertex x="{}" y="{}" z="{}"/>'.format(*v) for v in scale * block.vertices)
+    triangles = "".join('<triangle v1="{}" v2="{}" v3="{}"/>'.format(*f) for f in block.faces)
+    return f"<mesh><vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh>"
+
+
+def same(part: Part, block: trimesh.Trimesh, offset: tuple[float, float, float] = (0, 0, 0)) -> bool:
+    found = {tuple(np.round(v, 4)) for v in part.vertices}
+    volume = part.volume
+    return found == {tuple(np.round(v + offset, 4)) for v in block.vertices} and np.isclose(
+        volume, block.volume
+    )
+
+
+@pytest.mark.parametrize("name", ["block.stl", "text.stl", "block.obj", "block.ply", "BLOCK.STL"])
+def test_formats_without_a_unit_are_in_millimetres(block: trimesh.Trimesh, tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    kind = "stl_ascii" if name == "text.stl" else path.suffix[1:].lower()
+    block.export(path, file_type=kind)
+    [part] = read_parts(path)
+    assert part.name == path.stem
+    assert same(part, block)
+
+
+def test_glb_is_in_metres_with_y_up(block: trimesh.Trimesh, tmp_path: Path) -> None:
+    # What points up here points along y there, and what comes towards the viewer there is -y here.
+    x, y, z = 0.001 * block.vertices.T
+    trimesh.Trimesh(np.column_stack((x, z, -y)), block.faces, process=False).export(tmp_path / "block.glb")
+    [part] = read_parts(tmp_path / "block.glb")
+    assert same(part, block)
+
+
+def test_a_scene_s_parts_are_where_their_nodes_put_them(block: trimesh.Trimesh, tmp_path: Path) -> None:
+    scene = trimesh.Scene()
+    for number, shift in enumerate((0.0, 0.05)):
+        place = trimesh.transformations.translation_matrix((shift, 0, 0))
+        scene.add_geometry(trimesh.creation.box((0.01,) * 3), geom_name=f"part {number}", transform=place)
+    scene.export(tmp_path / "two.glb")
+    parts = read_parts(tmp_path / "two.glb")
+    assert sorted(part.name for part in parts) == ["part 0", "part 1"]
+    assert sorted(round(float(part.bounds[0, 0]), 3) for part in parts) == [-5, 45]
+
+
+def test_3mf_places_each_item_of_the_build(block: trimesh.Trimesh, tmp_path: Path) -> None:
+    resources = (
+        f'<object id="1" name="fore shell">{mesh_of(block)}</object><object id="2">{mesh_of(block)}</object>'
+    )
+    build = '<item objectid="1" transform="1 0 0 0 1 0 0 0 1 40 50 0"/><item objectid="2" partnumber="aft"/>'
+    fore, aft = read_parts(write_3mf(tmp_path / "two.3mf", resources, build))
+    assert (fore.name, aft.name) == ("fore shell", "aft")
+    assert same(fore, block, (40, 50, 0)) and same(aft, block)
+
+
+def test_an_object_that_is_not_built_is_no_part(block: trimesh.Trimesh, tmp_path: Path) -> None:
+    resources = f'<object id="1">{mesh_of(block)}</object><object id="2">{mesh_of(block)}</object>'
+    assert len(read_parts(write_3mf(tmp_path / "one.3mf", resources, '<item objectid="2"/>'))) == 1
+
+
+@pytest.mark.parametrize(
+    ("unit", "millimetres"),
+    [
+        ("micron", 1e-3),
+        ("millimeter", 1),
+        ("centimeter", 10),
+        ("inch", 25.4),
+        ("foot", 304.8),
+        ("meter", 1e3),
+    ],
+)
+def test_3mf_tells_its_unit(block: trimesh.Trimesh, tmp_path: Path, unit: str, millimetres: float) -> None:
+    resources = f'<object id="1">{mesh_of(block, 1 / millimetres)}</object>'
+    [part] = read_parts(write_3mf(tmp_path / "block.3mf", resources, '<item objectid="1"/>', unit))
+    assert same(part, block)
+
+
+def test_components_are_placed_within_their_object(block: trimesh.Trimesh, tmp_path: Path) -> None:
+    # First mirrored in x and moved up by 5, then turned by a right angle about z and moved along x.
+    resources = f"""<object id="1">{mesh_of(block)}</object><object id="2" name="whole"><components>
+        <component objectid="1" transform="-1 0 0 0 1 0 0 0 1 0 0 5"/></components></object>"""
+    build = '<item objectid="2" transform="0 1 0 -1 0 0 0 0 1 100 0 0"/>'
+    [part] = read_parts(write_3mf(tmp_path / "whole.3mf", resources, build))
+    x, y, z = block.vertices.T
+    assert {tuple(v) for v in part.vertices} == {tuple(v) for v in np.column_stack((100 - y, -x, z + 5))}
+    # A mirror does not turn a part inside out.
+    assert part.volume == pytest.approx(block.volume)
+
+
+@pytest.mark.parametrize(
+    ("resources", "build", "told"),
+    [
+        ("", '<item objectid="7"/>', "object 7, which is missing"),
+        ("", "", "has no triangle"),
+        ('<object id="1"/>', "<item/>", "lacks 'objectid'"),
+        ('<object id="1"/>', '<item objectid="1" transform="1 0 0"/>', "3 numbers"),
+        (
+            '<object id="1"><components><component objectid="1"/></components></object>',
+            '<item objectid="1"/>',
+            "within components",
+        ),
+        (
+            '<object id="1"><mesh><triangles><triangle v1="0" v2="1" v3="2"/></triangles></mesh></object>',
+            '<item objectid="1"/>',
+            "missing vertices",
+        ),
+        ("<object", "", "not XML"),
+    ],
+)
+def test_a_3mf_that_is_wrong_is_told_in_one_line(
+    tmp_path: Path, resources: str, build: str, told: str
+) -> None:
+    path = write_3mf(tmp_path / "wrong.3mf", resources, build)
+    with pytest.raises(InputError, match=told) as caught:
+        read_parts(path)
+    assert str(path) in str(caught.value) and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".obj", ".ply", ".glb", ".3mf"])
+@pytest.mark.parametrize("content", [b"", b"\x00\xff\x80" * 99, b'{"a": 1}\n', b"solid x\nvertex a b c\n"])
+def test_what_is_no_such_file_is_told_in_one_line(tmp_path: Path, suffix: str, content: bytes) -> None:
+    path = tmp_path / f"wrong{suffix}"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="wrong") as caught:
+        read_parts(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_an_unknown_suffix_names_those_that_are_known(tmp_path: Path) -> None:
+    path = tmp_path / "hull.step"
+    path.write_text("ISO-10303-21;")
+    with pytest.raises(InputError, match=r"\.3mf.*\.stl"):
+        read_parts(path)
+
+
+def test_a_file_that_changes_is_read_anew(block: trimesh.Trimesh, tmp_path: Path) -> None:
+    path = tmp_path / "block.stl"
+    block.export(path)
+    assert len(read_parts(path)[0].triangles) == 4
+    trimesh.creation.box((5, 5, 5)).export(path)
+    assert len(read_parts(path)[0].triangles) == 12
+
+
+def test_names_from_files_cannot_steer_a_terminal(block: trimesh.Trimesh, tmp_path: Path) -> None:
+    name = json.dumps("evil\x9b2J" + 100 * "x")[1:-1].replace("\\u009b", "&#155;")
+    resources = f'<object id="1" name="{name}">{mesh_of(block)}</object>'
+    [part] = read_parts(write_3mf(tmp_path / "evil.3mf", resources, '<item objectid="1"/>'))
+    assert part.name.isprintable() and len(part.name) <= 40 and part.name.startswith("evil")
+
+
+def test_openscad_source_is_rendered(tmp_path: Path, requires_program: Callable[[str], str]) -> None:
+    requires_program("openscad")
+    path = tmp_path / "cube.scad"
+    path.write_text("translate([1, 2, 3]) cube([10, 20, 30]);")
+    [part] = read_parts(path)
+    assert part.name == "cube" and part.size == pytest.approx([10, 20, 30])
+    assert part.bounds[0] == pytest.approx([1, 2, 3])
+    for source, told in (
+        ("cube([10, 20);", "ERROR"),
+        ("cylinder(h=nonsense());", "WARNING"),
+        ("// none", "none|no solid"),
+    ):
+        path.write_text(source)
+        with pytest.raises(InputError, match=f"(?i)OpenSCAD: .*({told}|empty|object)"):
+            read_parts(path)
+
+
+def test_openscad_source_without_openscad(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "cube.scad"
+    path.write_text("cube(10);")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert shutil.which("openscad") is None
+    with pytest.raises(WorkFailedError, match="openscad is not on PATH"):
+        read_parts(path)

@@ -1,0 +1,418 @@
+"""The assembly sheet of a kit: its numbers, its order, its scale and its page."""
+
+import math
+import re
+import sys
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from driftform.agent import mass_properties
+from driftform.errors import WorkFailedError
+from driftform.figures.layout import text_width
+from driftform.interfaces import ExportJob
+from driftform.types import Agent, Coefficients, Core, Module, Morphology
+from driftform.water import Scenario
+from driftform_frusta.builder import FrustaBuilder, FrustaOptions
+from driftform_frusta.exporters.obj import ObjExporter
+from driftform_frusta.exporters.scad import ScadExporter
+from driftform_frusta.exporters.stl import StlExporter
+from driftform_frusta.exporters.threemf import ThreeMfExporter
+from driftform_frusta.kit_options import PartOptions
+from driftform_frusta.kits import make_parts
+from driftform_kit.sheet.contents import plan_sheet
+from driftform_kit.sheet.drawing import sheet_svg, wrap
+
+NAMESPACE = "{http://www.w3.org/2000/svg}"
+A4 = (210.0, 297.0)
+TILTS = st.sampled_from([-0.3, 0.0, 0.3])
+SIDES = st.lists(st.builds(Module, st.sampled_from([0.005, 0.01]), TILTS), max_size=30).map(tuple)
+BODIES = st.builds(
+    lambda fore, aft: FrustaBuilder(FrustaOptions()).build(Morphology(fore, aft)), SIDES, SIDES
+)
+
+
+def straight(fore, aft, **options):
+    modules = [tuple(Module(0.01, 0.0) for _ in range(n)) for n in (fore, aft)]
+    return FrustaBuilder(FrustaOptions(**options)).build(Morphology(*modules))
+
+
+def job_of(body):
+    agent = Agent(body, mass_properties(body), Coefficients(np.eye(6)))
+    return ExportJob("r1-TP5", agent, Scenario(fluid={"density": 1000.0}))
+
+
+def sheet_of(body, **options):
+    return plan_sheet(job_of(body), PartOptions(kit=True, **options))
+
+
+def numbers(path):
+    """The points of path data of straight lines, (n, 2)."""
+    return np.array(re.findall(r"-?[\d.]+", path), dtype=float).reshape(-1, 2)
+
+
+def find(root, kind, tag="path"):
+    return [element for element in root.iter(NAMESPACE + tag) if element.get("class") == kind]
+
+
+@pytest.mark.parametrize("options", [{}, {"engrave": "A7", "engrave_size": 0.004}, {"joint": "rabbet"}])
+def test_the_parts_of_the_sheet_weigh_what_their_meshes_weigh(options):
+    body = straight(6, 4)
+    parts = make_parts(body, PartOptions(kit=True, **options))
+    grams = {part.name: 1e-6 * part.solid.volume * body.hull_density for part in parts}
+    sheet = sheet_of(body, **options)
+    assert {part.piece.name: 1e3 * part.mass for part in sheet.parts} == pytest.approx(grams, rel=1e-4)
+    table = {name: full for name, full, _ in sheet.weights}
+    assert table["core"] == 0.05
+    assert table["closed kit"] == pytest.approx(1e-3 * sum(grams.values()) + 0.05, rel=1e-6)
+    assert table["as simulated"] == mass_properties(body).mass
+
+
+@settings(max_examples=12, deadline=None)
+@given(BODIES, st.sampled_from([0.21, 0.09]))
+def test_each_part_is_joined_to_one_that_is_in_place_already(body, height):
+    try:
+        sheet = sheet_of(body, bed=(0.25, 0.21, height))
+    except WorkFailedError as error:
+        assert "no kit can be made" in str(error)
+        return
+    assert sorted(part.place for part in sheet.parts) == list(range(len(sheet.parts)))
+    assert [part.number for part in sheet.parts] == list(range(1, len(sheet.parts) + 1))
+    in_place = {sheet.parts[0].place}
+    [core] = [index for index, step in enumerate(sheet.steps) if "Lay the core" in step]
+    assert f"the {sheet.parts[0].piece.name}." in sheet.steps[core]
+    for part, step in zip(sheet.parts[1:], sheet.steps[core + 1 :], strict=False):
+        other = int(re.search(r"to part (\d+)", step).group(1))
+        neighbour = sheet.parts[other - 1].place
+        assert step.startswith(f"Join part {part.number}, the {part.piece.name}, to part {other}")
+        assert neighbour in in_place and abs(neighbour - part.place) == 1
+        joint = sheet.kit.joints[min(neighbour, part.place)]
+        assert f"at {joint.z - 1e3 * body.outer[0, 0]:.1f}\u00a0mm" in step
+        in_place.add(part.place)
+    # The core is inside once the first two parts are joined.
+    assert {sheet.parts[0].piece.name, sheet.parts[1].piece.name} == {"aft shell", "fore shell"}
+
+
+def test_the_shell_that_holds_more_of_the_core_takes_it_first():
+    sheet = sheet_of(straight(6, 2))
+    z = sheet.kit.core_joint.joint.z
+    assert z != 0
+    assert sheet.parts[0].piece.name == ("aft shell" if z > 0 else "fore shell")
+
+
+@settings(max_examples=8, deadline=None)
+@given(BODIES)
+def test_drawings_have_the_scale_that_the_sheet_states(body):
+    sheet = sheet_of(body)
+    root = ET.fromstring(sheet_svg(sheet))
+    assert (root.get("width"), root.get("height")) == ("210mm", "297mm")
+    mm = A4[0] / float(root.get("viewBox").split()[2])
+    closed, printed = (
+        tuple(float(n) for n in re.search(r"scale ([\d.]+) : ([\d.]+)", heading.text).groups())
+        for heading in find(root, "heading", "text")[:2]
+    )
+    drawn = [numbers(path.get("d")) for path in find(root, "part")]
+    half = len(drawn) // 2
+    length = np.ptp(np.concatenate(drawn[:half])[:, 0]) * mm * closed[1] / closed[0]
+    assert length == pytest.approx(1e3 * body.length, abs=0.02 * closed[1])
+    for part, left, right in zip(sheet.parts, drawn[half::2], drawn[half + 1 :: 2], strict=True):
+        width, height = np.ptp(np.concatenate((left, right)), axis=0) * mm * printed[1] / printed[0]
+        assert (width, height) == pytest.approx(part.size, abs=0.02 * printed[1])
+
+
+@settings(max_examples=12, deadline=None)
+@given(BODIES, st.sampled_from([{}, {"bed": (0.25, 0.21, 0.1)}, {"drain": 0.001, "engrave": "LONG-NAME-7"}]))
+def test_nothing_is_drawn_beside_the_page(body, options):
+    try:
+        sheet = sheet_of(body, **options)
+    except WorkFailedError as error:
+        assert "no kit can be made" in str(error) or "can be made in the" in str(error)
+        return
+    root = ET.fromstring(sheet_svg(sheet))
+    width, height = map(float, root.get("viewBox").split()[2:])
+    for path in root.iter(NAMESPACE + "path"):
+        points = numbers(path.get("d"))
+        assert (points >= 0).all() and (points <= (width, height)).all()
+    for text in root.iter(NAMESPACE + "text"):
+        size, x, y = (float(text.get(name)) for name in ("font-size", "x", "y"))
+        long = text_width(text.text, size, text.get("font-weight") is not None)
+        low = {"start": x, "middle": x - long / 2, "end": x - long}[text.get("text-anchor", "start")]
+        assert low >= 0 and low + long <= width and size <= y <= height, text.text
+
+
+def weigh_meshes(body, **options):
+    """Mass (kg) and moment (kg m) of the printed parts and the balls of a kit, from meshes and balls alone."""
+    o = PartOptions(kit=True, **options)
+    parts = [part.solid.to_manifold() for part in make_parts(body, o)]
+    meshes = [part.to_mesh() for part in parts]
+    corners = [mesh.vert_properties[mesh.tri_verts] for mesh in meshes]
+    volumes = [np.linalg.det(c.astype(float)) / 6 for c in corners]
+    printed = 1e-9 * body.hull_density * sum(float(v.sum()) for v in volumes)
+    heights = [float(v @ c[:, :, 2].mean(axis=1) * 0.75) for v, c in zip(volumes, corners, strict=True)]
+    lifted = 1e-12 * body.hull_density * sum(heights) + printed * body.outer[0, 0]
+    balls = [(math.pi / 6 * o.ballast_density * d**3, x) for x, d in o.ballast]
+    return printed, lifted, sum(m for m, _ in balls), sum(m * x for m, x in balls)
+
+
+def read_flow(text):
+    """The flow that a text advises, over the full flow."""
+    return 1 - float(re.search(r"([\d.]+)\u00a0% less", text).group(1)) / 100
+
+
+@pytest.mark.parametrize("made_as", ["hull", "kit"])
+def test_the_parts_are_printed_a_twentieth_lighter_than_the_simulated_agent_needs_them(made_as):
+    body = straight(6, 4, made_as=made_as)
+    sheet = sheet_of(body)
+    printed, moment, _, _ = weigh_meshes(body)
+    wanted = mass_properties(body)
+    flow = read_flow(sheet.remedy)
+    assert flow == pytest.approx(0.95 * (wanted.mass - 0.05) / printed, abs=1e-3)
+    assert read_flow(sheet.steps[0]) == flow
+    # What is missing then has the mass and the moment that trim adds as ballast.
+    lack = wanted.mass - 0.05 - sheet.flow * printed
+    assert f"lacks {1e3 * lack:.2f}\u00a0g" in sheet.remedy
+    x = (wanted.mass * wanted.cog[0] - sheet.flow * moment) / lack - body.outer[0, 0]
+    assert f"centred at {1e3 * x:.1f}\u00a0mm" in sheet.remedy
+    assert f"should weigh {1e3 * sheet.flow * printed:.2f}\u00a0g together" in sheet.steps[1]
+    assert f"more than {1e3 * (wanted.mass - 0.05):.2f}\u00a0g, print them again" in sheet.steps[1]
+
+
+def test_balls_of_ballast_have_the_letters_of_the_text_in_the_drawing():
+    balls = [[0.05, 0.008], [-0.04, 0.006]]
+    root = ET.fromstring(sheet_svg(sheet_of(straight(6, 5), ballast=balls)))
+    places = {circle.get("r"): float(circle.get("cx")) for circle in find(root, "ballast", "circle")}
+    marks = {text.text: float(text.get("x")) for text in find(root, "number", "text")}
+    aft, fore = sorted(places.values())
+    assert marks["A"] == pytest.approx(aft, abs=22) and marks["B"] == pytest.approx(fore, abs=22)
+    assert {"A", "B", "1", "2"} == set(marks)
+    rows = [text.text for text in root.iter(NAMESPACE + "text") if (text.text or "").startswith("ball ")]
+    assert rows == ["ball A", "ball B"] and "…" not in ET.tostring(root, encoding="unicode")
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"ballast": [[-0.06, 0.006], [0.1, 0.007]]},
+        {
+            "ballast": [[-0.06, 0.006], [0.1, 0.007]],
+            "ballast_density": 7850.0,
+            "bed": (0.22, 0.22, 0.12),
+            "engrave": "TP10",
+            "drain": 0.002,
+            "o_ring": 0.0015,
+            "sleeve": 0.0016,
+            "lap": 0.008,
+        },
+    ],
+)
+def test_however_much_the_sheet_says_its_parts_are_drawn_to_a_scale_that_can_be_read(options):
+    job = job_of(straight(22, 12, core="steel-20mm"))
+    opened = "runs/pipe-inspection-12:TP10 --set builder.core=steel-20mm"
+    named = ExportJob("pipe-inspection-12-TP10", job.agent, job.scenario, {}, opened)
+    drawn = sheet_svg(plan_sheet(named, PartOptions(kit=True, **options)))
+    for part, whole in re.findall(r"scale ([\d.]+) : ([\d.]+)", drawn):
+        assert float(part) / float(whole) >= 1 / 5
+    root = ET.fromstring(drawn)
+    assert min(float(text.get("font-size")) for text in root.iter(NAMESPACE + "text")) >= 9
+
+
+@pytest.mark.parametrize(("density", "name"), [(1050.0, "ABS, 1.05"), (1240.0, "1.24"), (1127.5, "1.127")])
+def test_the_filament_has_its_name_if_it_is_known_and_its_density_in_the_unit_of_shops(density, name):
+    assert dict(sheet_of(straight(3, 2, hull_density=density)).settings)["filament"] == f"{name}\u00a0g/cm³"
+
+
+def test_a_kit_that_is_too_light_states_the_ballast_that_gives_mass_and_balance():
+    body = straight(6, 4)
+    heavier = body.__class__(**{**vars(body), "core": Core(0.01, 0.055)})
+    job = job_of(body)
+    heavy = ExportJob(job.name, Agent(body, mass_properties(heavier), Coefficients(np.eye(6))), job.scenario)
+    sheet = plan_sheet(heavy, PartOptions(kit=True))
+    assert sheet.flow == 1 and "flow" not in sheet.remedy + sheet.steps[0]
+    grams = float(re.search(r"lacks ([\d.]+)\u00a0g", sheet.remedy).group(1))
+    x = float(re.search(r"centred at (-?[\d.]+)\u00a0mm", sheet.remedy).group(1)) + 1e3 * body.outer[0, 0]
+    printed, printed_moment, _, _ = weigh_meshes(body)
+    target = sheet.target
+    assert 1e3 * (printed + 0.05) + grams == pytest.approx(1e3 * target.mass, abs=0.01)
+    moment = 1e6 * printed_moment + grams * x
+    assert moment == pytest.approx(1e6 * target.mass * target.cog[0], abs=0.06 * grams + 0.005 * abs(x))
+
+
+def test_the_sheet_names_core_seal_and_holes():
+    body = straight(8, 8, core="steel-20mm", clearance=0.006)
+    ring = sheet_of(body, o_ring=0.0015, sleeve=0.0016, lap=0.008, drain=0.002)
+    text = " ".join(ring.steps)
+    assert "steel-20mm: ball of 20 mm, 32.80\u00a0g" in text
+    assert "O-ring of 1.5\u00a0mm cord" in text and "glue" not in text
+    # The bore is 16 mm in radius; clearance and groove (0.8 cords less the clearance) are 1.2 mm deep together.
+    assert "bottom 29.6\u00a0mm across" in text
+    assert "holes of 2 mm at both ends" in text
+    glued = " ".join(sheet_of(straight(8, 8)).steps)
+    assert "with glue all round" in glued and "O-ring" not in glued and "holes" not in glued
+
+
+@pytest.mark.parametrize("exporter", [StlExporter, ObjExporter, ScadExporter, ThreeMfExporter])
+def test_every_format_writes_the_sheet_of_a_kit_and_none_without_a_kit(exporter, tmp_path):
+    job = job_of(straight(5, 5))
+    whole, kit = (exporter(PartOptions(kit=kit)) for kit in (False, True))
+    assert not any("assembly" in file.path for file in whole.write(job, tmp_path / f"a{whole.suffix}"))
+    written = kit.write(job, tmp_path / f"b{kit.suffix}")
+    [sheet] = [file for file in written if file.path.endswith("-assembly.svg")]
+    assert sheet.path == str(tmp_path / "b-assembly.svg")
+    assert "assembly sheet" in (tmp_path / "b-assembly.svg").read_text(encoding="utf-8")
+
+
+def test_print_settings_of_the_sheet_are_options():
+    sheet = sheet_of(straight(5, 5), layer_height=0.00012, perimeters=4, infill=0.5)
+    assert dict(sheet.settings) | {"layer height": "0.12 mm", "perimeters": "4", "infill": "50 %"} == dict(
+        sheet.settings
+    )
+
+
+def test_lines_are_no_wider_than_their_column_unless_a_word_is():
+    lines = wrap("one two three\u00a0four " + "x" * 40, 11, 80)
+    assert all(text_width(line, 11) <= 80 for line in lines[:-1])
+    assert " ".join(lines) == "one two three\u00a0four " + "x" * 40
+
+
+def test_ballast_with_a_seat_goes_in_before_its_part_is_joined():
+    sheet = sheet_of(straight(6, 4), ballast=[[0.045, 0.008]])
+    [held] = sheet.kit.ballast
+    [number] = [part.number for part in sheet.parts if part.place == held.part]
+    [step] = [i for i, text in enumerate(sheet.steps) if "ball A, a lead ball of 8.00\u00a0mm" in text]
+    joined = [i for i, text in enumerate(sheet.steps) if re.match(rf"(Join|Lay).* part {number}", text)]
+    assert step < joined[0]
+    assert f"into part {number} by its aft end" in sheet.steps[step]
+    assert f"at {1e3 * (0.045 - sheet.kit.hull.skin[0, 0] / 1e3):.1f}\u00a0mm" in sheet.steps[step]
+
+    root = ET.fromstring(sheet_svg(sheet))
+    [ball], [core] = find(root, "ballast", "circle"), find(root, "core", "circle")
+    assert float(ball.get("r")) / float(core.get("r")) == pytest.approx(4 / 10, rel=1e-2)
+    assert (float(ball.get("cx")) - float(core.get("cx"))) / float(core.get("r")) == pytest.approx(
+        4.5, rel=1e-2
+    )
+
+
+def test_a_sheet_is_written_as_svg_and_without_the_extra_as_nothing_else(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "cairosvg", None)
+    files = StlExporter(PartOptions(kit=True)).write(job_of(straight(3, 2)), tmp_path / "a.stl")
+    assert [file.path for file in files if "assembly" in file.path] == [str(tmp_path / "a-assembly.svg")]
+
+
+@pytest.mark.peers
+def test_with_the_extra_it_is_a_page_of_a4_as_pdf_too(tmp_path):
+    pytest.importorskip("cairosvg")
+    StlExporter(PartOptions(kit=True)).write(job_of(straight(3, 2)), tmp_path / "a.stl")
+    data = (tmp_path / "a-assembly.pdf").read_bytes()
+    assert data.startswith(b"%PDF-")
+    [box] = re.findall(rb"/MediaBox \[ ([\d. ]+) \]", data)
+    points = 72 / 25.4
+    assert [float(n) for n in box.split()] == pytest.approx([0, 0, 210 * points, 297 * points], abs=0.1)
+    # Drawn as lines and text, not as a picture.
+    assert b"/Subtype /Image" not in data
+
+
+def test_ballast_beyond_a_neck_has_the_height_of_a_pause():
+    narrow, wide = (Module(0.01, tilt) for tilt in (-math.radians(20), math.radians(20)))
+    body = FrustaBuilder(FrustaOptions()).build(
+        Morphology((*[narrow] * 3, *[wide] * 3, Module(0.02, 0.0)), ())
+    )
+    sheet = sheet_of(body, ballast=[[0.065, 0.010]])
+    [held] = sheet.kit.ballast
+    [text] = [text for text in sheet.steps if "is printed, pause" in text]
+    assert f"pause at a height of {sheet.kit.find_pause(held):.1f}\u00a0mm" in text
+
+
+@pytest.mark.parametrize(
+    ("density", "material"), [(11_340.0, "lead"), (7850.0, "steel"), (5000.0, "5000 kg/m3")]
+)
+def test_the_sheet_weighs_each_ball_and_names_its_size_and_material(density, material):
+    balls = [[-0.04, 0.006], [0.045, 0.008]]
+    body = straight(6, 5)
+    sheet = sheet_of(body, ballast=balls, ballast_density=density)
+    table, text = {name: full for name, full, _ in sheet.weights}, " ".join(sheet.steps)
+    masses = [math.pi / 6 * density * diameter**3 for _, diameter in balls]
+    for letter, (_, diameter), mass in zip("AB", balls, masses, strict=True):
+        name = f"{material} ball of {1e3 * diameter:.2f}\u00a0mm"
+        assert table[f"ball {letter}"] == pytest.approx(mass)
+        assert f"ball {letter}, a {name}, {1e3 * mass:.2f}\u00a0g" in text
+    printed = weigh_meshes(body, ballast=balls)[0]
+    assert table["closed kit"] == pytest.approx(printed + 0.05 + sum(masses), rel=1e-6)
+
+
+@pytest.mark.parametrize("engrave", ["", "TP5"])
+@pytest.mark.parametrize(
+    "balls", [[[0.045, 0.008]], [[-0.04, 0.006], [0.045, 0.008]], [[-0.045, 0.0095], [0.045, 0.0095]]]
+)
+def test_with_their_ballast_the_parts_of_the_sheet_weigh_and_balance_as_simulated(balls, engrave):
+    body = straight(8, 7, made_as="kit")
+    options = {"ballast": balls, "engrave": engrave}
+    sheet = sheet_of(body, **options)
+    printed, moment, ballast, ballast_moment = weigh_meshes(body, **options)
+    wanted = mass_properties(body)
+    # The ballast makes up for parts that were printed and weighed lighter: they are to be printed so again.
+    assert sheet.flow * printed + 0.05 + ballast == pytest.approx(wanted.mass, rel=1e-6)
+    assert f"for parts that weigh {1e3 * sheet.flow * printed:.2f}\u00a0g together" in sheet.remedy
+    assert read_flow(sheet.remedy) == pytest.approx(sheet.flow, abs=6e-4)
+    assert "% less flow" not in sheet.remedy + sheet.steps[0]
+    assert "the flow of the parts that were weighed for the ballast" in sheet.steps[0]
+    x = (sheet.flow * moment + ballast_moment) / wanted.mass - body.outer[0, 0]
+    assert f"balances at {1e3 * x:.1f}\u00a0mm" in sheet.remedy
+    advised = {name: mass for name, _, mass in sheet.weights}
+    assert advised["closed kit"] == pytest.approx(wanted.mass, rel=1e-6)
+    parts = [mass for name, mass in advised.items() if name[0].isdigit()]
+    assert sum(parts) == pytest.approx(sheet.flow * printed, rel=1e-4)
+
+
+def test_ballast_that_is_heavier_than_the_hull_is_told_and_no_flow_advised():
+    sheet = sheet_of(straight(3, 8), ballast=[[-0.05, 0.0185]])
+    assert "no flow makes up for that" in sheet.remedy and "%" not in sheet.remedy
+    assert sheet.flow == 1 and "should weigh" not in sheet.steps[1]
+
+
+def test_everything_goes_in_before_anything_is_closed():
+    narrow, wide = (Module(0.01, tilt) for tilt in (-math.radians(20), math.radians(20)))
+    body = FrustaBuilder(FrustaOptions()).build(
+        Morphology((*[narrow] * 3, *[wide] * 3, Module(0.02, 0.0)), (Module(0.01, 0.0),) * 5)
+    )
+    sheet = sheet_of(body, ballast=[[-0.04, 0.006], [0.065, 0.010]])
+    assert [held.mouth is None for held in sheet.kit.ballast] == [False, True]
+    order = (
+        "Print the parts",
+        "While part",
+        "Weigh the loose",
+        "Trim",
+        "Put ball",
+        "Lay the core",
+        "Join",
+        "Weigh the closed",
+    )
+    assert [next(word for word in order if step.startswith(word)) for step in sheet.steps] == list(order)
+    [held] = [held for held in sheet.kit.ballast if held.mouth is None]
+    [part] = [part for part in sheet.parts if part.place == held.part]
+    inside = 1e3 * math.pi / 6 * 11_340 * 0.010**3
+    assert f"Take {inside:.2f}\u00a0g off part {part.number} for ball B inside." in sheet.steps[2]
+
+
+def test_the_sheet_has_the_command_that_trims_this_agent_and_one_origin_of_positions():
+    body = straight(6, 4)
+    job = job_of(body)
+    named = ExportJob(job.name, job.agent, job.scenario, {}, "runs/r1:TP5")
+    sheet = plan_sheet(named, PartOptions(kit=True, ballast=[[0.045, 0.008]], ballast_density=7850.0))
+    [trim] = [step for step in sheet.steps if step.startswith("Trim")]
+    options = "--option 'ballast=[[0.045,0.008]]' --option ballast_density=7850.0"
+    assert f"driftform trim runs/r1:TP5 --kit {options} --printed-mass KG," in trim
+    assert f"core's centre, which is at {-1e3 * body.outer[0, 0]:.1f}\u00a0mm" in trim
+    assert "from the aft end" not in " ".join((*sheet.steps, sheet.remedy))
+    assert sheet_svg(sheet).count("from the aft end") == 1
+
+
+def test_a_tall_part_on_a_small_foot_is_printed_with_a_brim():
+    assert "brim" not in sheet_of(straight(3, 2)).steps[0]
+    narrow = Module(0.02, -math.radians(10))
+    slim = FrustaBuilder(FrustaOptions()).build(Morphology((narrow,) * 3 + (Module(0.02, 0.0),) * 5, ()))
+    sheet = sheet_of(slim)
+    number = next(part.number for part in sheet.parts if part.piece.name == "fore shell")
+    assert f"Print part {number} with a brim" in sheet.steps[0]

@@ -1,0 +1,79 @@
+"""``driftform reproduce``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from driftform.cli.options import ExecutorName, Json, Scheduler, Settings, Simulator, Workers
+
+
+def reproduce(
+    repeats: Annotated[
+        int,
+        typer.Option(
+            "--repeats", metavar="N", min=1, max=1000, help="Repeats of each search, each with its own seed."
+        ),
+    ] = 10,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the first repeat.")] = 1,
+    workers: Workers = None,
+    executor: ExecutorName = None,
+    scheduler: Scheduler = None,
+    simulator: Simulator = None,
+    out: Annotated[
+        Path, typer.Option("--out", metavar="DIR", help="Directory for runs, tables and figures.")
+    ] = Path("reproduction"),
+    settings: Settings = None,
+    json: Json = False,
+) -> None:
+    """Repeat the paper's experiment beside random search, and compare its figures with ours.
+
+    Flies 50 agents for each of ten targets and each repeat, then flies the best agents again. After an interruption
+    the same command continues where it stopped; the same seed gives the same tables.
+    """
+    import time
+
+    from driftform.cli.executors import open_executor
+    from driftform.cli.output import print_json
+    from driftform.util.files import make_directory, write_text
+    from driftform.util.progress import count_progress
+    from driftform_paper.repeats import STRATEGIES, load_repeat, read_results, search_all
+    from driftform_paper.report import resimulate, results_document, results_markdown, write_figures
+
+    started = time.perf_counter()
+    seeds = range(seed, seed + repeats)
+    studies = {(s, n): load_repeat(s, n, simulator, settings or ()) for s in STRATEGIES for n in seeds}
+    first = next(iter(studies.values()))
+    make_directory(out)
+    runs = {key: out / "runs" / f"{key[0]}-{key[1]}" for key in studies}
+    try:
+        with (
+            open_executor(first, executor, scheduler, workers) as place,
+            count_progress("flights") as progress,
+        ):
+            search_all({runs[key]: study for key, study in studies.items()}, place, progress)
+    except KeyboardInterrupt:
+        typer.echo(f"stopped; the same command continues: driftform reproduce --out {out}", err=True)
+        raise typer.Exit(130) from None
+    found = {s: read_results(s, [(n, runs[s, n]) for n in seeds]) for s in STRATEGIES}
+    again = resimulate(first, found["paper"])
+    figures = write_figures(out / "figures", first, found, again)
+    seconds = time.perf_counter() - started
+    markdown = results_markdown(first.scenario, found, again)
+    write_text(out / "results.md", markdown)
+    if json:
+        print_json(
+            {
+                **results_document(first.scenario, found, again),
+                "seconds": seconds,
+                "results": str(out / "results.md"),
+                "figures": [str(path) for path in figures],
+                "runs": [str(path) for path in runs.values()],
+            }
+        )
+        return
+    print(markdown)
+    print(f"{sum(study.evaluations for study in studies.values())} flights, {seconds:.0f} s")
+    print(f"tables:  {out}/results.md")
+    print(f"figures: {out}/figures/ ({', '.join(path.name for path in figures)})")
+    print(f"runs:    {out}/runs/ ({len(runs)}: each opens with the other commands)")

@@ -1,0 +1,169 @@
+"""The paper's experiment: its search repeated over seeds, beside random search with the same budget.
+
+Each repeat is a separate run in a separate directory, so that an interrupted repeat continues where it stopped.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from driftform.pipeline import Pipeline
+from driftform.runs.run import Run
+from driftform.runs.store import Record
+from driftform.search import Executor
+from driftform.search.advance import Observer, search_run
+from driftform.study import Study, load_study
+from driftform.types import FloatArray, Genome, Trajectory
+from driftform.water import Scenario, TurbulentFlow
+
+STRATEGIES = ("paper", "random")
+"""The paper's search, and the baseline that it is held against."""
+
+PER_TARGET = 50
+"""Flights for each target in a repeat: five generations of ten."""
+
+GENERATION = 10
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """What the repeats of one strategy came to.
+
+    Attributes
+    ----------
+    strategy
+        its name.
+    fitness
+        the best fitness (%) after each flight of a target's own budget, (repeats, targets, flights).
+    best
+        the genome of the best flight for each target over all repeats, with the repeat's seed and the evaluation.
+    shared
+        the best fitness for each target over all flights of a repeat, also those of other targets,
+        (repeats, targets).
+    failed
+        flights that failed.
+    """
+
+    strategy: str
+    fitness: FloatArray
+    best: tuple[tuple[Genome, int, int], ...]
+    shared: FloatArray
+    failed: int
+
+    @property
+    def error(self) -> FloatArray:
+        """Error (%) at the end of each target's budget, (repeats, targets)."""
+        return np.asarray(100 - self.fitness[:, :, -1])
+
+
+def load_repeat(
+    strategy: str, seed: int, simulator: str | None = None, settings: Sequence[str] = ()
+) -> Study:
+    """Return the study of one repeat."""
+    return load_study(
+        "paper",
+        settings,
+        use={"strategy": strategy, "simulator": simulator},
+        run={"seed": seed, "evaluations": None},
+    )
+
+
+def search_all(
+    studies: Mapping[Path, Study], executor: Executor, progress: Callable[[int, int], None]
+) -> None:
+    """Run every repeat in its directory, or continue it.
+
+    ``progress`` is called with the number of flights that are done, and of all.
+
+    Raises
+    ------
+    InputError
+        if a directory holds a run of another study, or another process works on it.
+    """
+    total, before = sum(study.evaluations for study in studies.values()), 0
+    for directory, study in studies.items():
+        with Run.ensure(directory, study) as run:
+            search_run(run, executor, _Counter(progress, before, total))
+        before += study.evaluations
+
+
+class _Counter(Observer):
+    """Counts the flights of all repeats."""
+
+    def __init__(self, progress: Callable[[int, int], None], before: int, total: int) -> None:
+        self._progress, self._done, self._total = progress, before, total
+
+    def record(self, record: Record) -> None:
+        self._done += 1
+        self._progress(self._done, self._total)
+
+
+def read_results(strategy: str, runs: Sequence[tuple[int, Path]]) -> Search:
+    """Read what the repeats of a strategy came to; ``runs`` are seeds and directories.
+
+    A flight counts for the target that its population worked for; where a strategy has no populations, as many
+    flights as one would have had, one target after the other.
+    """
+    rows, shared, failed = [], [], 0
+    best: dict[int, tuple[float, Genome, int, int]] = {}
+    for seed, directory in runs:
+        run = Run.open(directory)
+        with run.read() as store:
+            targets = run.study.scenario.target_names
+            summaries = list(store.read_summaries(targets))
+            failed += store.count_failed()
+            shared.append(np.array([summary.fitness for summary in summaries]).max(axis=0))
+            row = []
+            for number, target in enumerate(targets):
+                own = [summary for summary in summaries if summary.population == target]
+                own = (own or summaries[number * PER_TARGET :])[:PER_TARGET]
+                fitness = np.array([summary.fitness[number] for summary in own])
+                row.append(np.maximum.accumulate(fitness))
+                top = int(np.argmax(fitness))
+                if number not in best or fitness[top] > best[number][0]:
+                    genome = store.read_record(own[top].index, targets).candidate.genome
+                    best[number] = (float(fitness[top]), genome, seed, own[top].index)
+        rows.append(row)
+    ordered = tuple(best[number][1:] for number in sorted(best))
+    return Search(strategy, np.array(rows), ordered, np.array(shared), failed)
+
+
+@dataclass(frozen=True, eq=False)
+class RepeatedFlights:
+    """The best agents, flown again and again, one of them for each target.
+
+    ``flights`` of each target, and the fitness (%) of all for that target, (targets, repeats).
+    """
+
+    flights: tuple[tuple[Trajectory, ...], ...]
+    fitness: FloatArray
+
+    @property
+    def deviation(self) -> FloatArray:
+        """Standard deviation of the fitness, %, (targets,): exactly zero where all flights are the same."""
+        return np.asarray((self.fitness - self.fitness[:, :1]).std(axis=1))
+
+
+def repeat_flights(
+    pipeline: Pipeline, genomes: Sequence[Genome], scenarios: Sequence[Scenario]
+) -> RepeatedFlights:
+    """Fly the best agent of each target once through each of ``scenarios``."""
+    flights, fitness = [], []
+    for number, genome in enumerate(genomes):
+        agent = pipeline.make_agent(genome)
+        flown = pipeline.fly([agent] * len(scenarios), scenarios)
+        flights.append(tuple(flown))
+        scores = [
+            0.0 if f.end.failed else float(pipeline.score(f, agent, s)[number])
+            for f, s in zip(flown, scenarios, strict=True)
+        ]
+        fitness.append(scores)
+    return RepeatedFlights(tuple(flights), np.array(fitness))
+
+
+def add_turbulence(scenario: Scenario, seeds: Sequence[int]) -> list[Scenario]:
+    """Return the scenario with the turbulent flow of the same bulk speed, with gusts of each seed."""
+    flows = [TurbulentFlow(speed=scenario.flow.speed, seed=seed) for seed in seeds]
+    return [scenario.model_copy(update={"flow": flow}) for flow in flows]

@@ -1,0 +1,330 @@
+"""Ideal flow in a tee: the potentials of two flows, by Galerkin's method in hierarchical splines.
+
+The potential phi minimises the integral of |grad phi|^2 / 2 over the water minus that of q phi over the ends, where q is
+the normal velocity there. Its natural condition on the wall is that no water crosses it; a penalty on the square of
+the normal velocity, which the solution satisfies exactly, reduces the leakage that the discrete solution has (Freund and
+Stenberg 1995 use such terms for other conditions). Unknowns are even in y.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array, diags_array
+
+from driftform.types import BoolArray, FloatArray
+from driftform.util.compiled import allocating
+from driftform.water.tee_spline import HEAD, LEVEL_SIZE
+from driftform.water.tee_store import TeePotentials
+from driftform.water.tee_wall import (
+    BRANCH,
+    CELLS,
+    COSINE,
+    END,
+    INLET,
+    OUTLET,
+    SINE,
+    Junction,
+    distance_beyond_ends,
+    distance_from_ball,
+    wall_level,
+    water_level,
+)
+from driftform_tees.cells import cut_stiffness, gradient_rows, value_rows
+from driftform_tees.hierarchy import IntArray, Level, build_levels, coefficient_matrices
+
+GRADING = 0.5
+"""Largest width of a cell over its distance from the fillet, plus the width of the finest."""
+
+PENALTY = 10.0
+"""Weight of the penalty, in widths of a cell."""
+
+OUTSIDE = 1e-6
+"""Weight of the energy in the part of a cell that lies in the wall: it keeps functions that hardly touch the water bounded."""
+
+TOLERANCE = 1e-8
+"""Relative residual at which the conjugate gradients stop."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Two flows in a tee, in units of the run's radius and of the mean speed at its inlet.
+
+    Attributes
+    ----------
+    junction
+        the shape.
+    levels
+        the grids.
+    through, branch
+        coefficients of the potential on the box of each level, where all water leaves by the run, or by the branch.
+    leakage
+        means over the wall of the products of the two normal velocities, (2, 2).
+    """
+
+    junction: Junction
+    levels: Sequence[Level]
+    through: Sequence[FloatArray]
+    branch: Sequence[FloatArray]
+    leakage: FloatArray
+
+    def leakage_rms(self, share: float) -> float:
+        """Return the root mean square of the velocity through the wall if ``share`` of the water leaves by the branch."""
+        weights = np.array([1 - share, share])
+        return float(np.sqrt(weights @ self.leakage @ weights))
+
+
+def solve_junction(junction: Junction) -> Solution:
+    """Compute the two flows in a tee; this takes a minute or so."""
+    wall = junction.array()
+    levels = make_levels(junction)
+    matrices, starts = coefficient_matrices(levels)
+    mirror = _mirror_matrix(levels, starts)
+    maps = [csr_array(matrix @ mirror) for matrix in matrices]
+    stiffness, walls = _assemble(levels, maps, wall)
+    inlet, outlet, end = (_load(points, levels, maps) for points in _end_points(wall))
+    found = solve_system(stiffness, np.stack([outlet - inlet, end - inlet], axis=1))
+    through, branch = (
+        [np.asarray(P @ x).reshape(level.active.shape) for level, P in zip(levels, maps, strict=True)]
+        for x in found.T
+    )
+    normal = np.stack([_normal_velocity(walls, levels, flow) for flow in (through, branch)])
+    weight = np.concatenate(walls)[:, 6]
+    leakage = (normal * weight) @ normal.T / weight.sum()
+    return Solution(junction, levels, through, branch, leakage)
+
+
+def make_levels(junction: Junction) -> list[Level]:
+    """Return the grids of a tee."""
+    wall, h, r = junction.array(), junction.width, junction.branch
+    c, s, end = wall[COSINE], wall[SINE], wall[END]
+    # An oblique end may need the next cell.
+    more = 0.25 * h if c > 0 else 0.0
+    low = np.array([min(wall[INLET], end * c - r * s - more), -1.0, -1.0])
+    high = np.array([max(wall[OUTLET], end * c + r * s + more), 1.0, end * s + r * c + more])
+    first, last = np.floor(low / h + 1e-9).astype(np.int64), np.ceil(high / h - 1e-9).astype(np.int64)
+    nx, ny, nz = (last - first).tolist()
+    finest = junction.fillet / CELLS
+
+    def touches(centres: FloatArray, width: float) -> BoolArray:
+        level = _reach_levels(centres, wall, 0.0)
+        found = level < -1e-9
+        close = ~found & (level < 1.2 * width)
+        steps = np.linspace(-0.5, 0.5, 5) * width
+        grid = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), axis=-1).reshape(-1, 3)
+        points = (centres[close][:, None] + grid).reshape(-1, 3)
+        # Between these points the level changes by less than a quarter of the width.
+        near = _reach_levels(points, wall, 0.25 * width) < -1e-9
+        found[close] = near.reshape(-1, len(grid)).any(axis=1)
+        return np.asarray(found)
+
+    def refine(centres: FloatArray, width: float) -> BoolArray:
+        away = np.maximum(_distances_from_ball(centres, wall) - 0.87 * width, 0)
+        x, y, z = centres.T
+        in_branch = (np.hypot(x * s - z * c, y) < r + width) & (np.hypot(y, z) > 1)
+        widest = np.where(in_branch, 0.5 * r, 1.0)
+        return np.asarray(width > np.minimum(GRADING * away + finest, widest) * (1 + 1e-9))
+
+    return build_levels(h, first, (nx, ny, nz), touches, refine)
+
+
+@allocating
+def _water_levels(points: FloatArray, wall: FloatArray) -> FloatArray:
+    out = np.empty(len(points))
+    for i in range(len(points)):
+        out[i] = water_level(points[i, 0], points[i, 1], points[i, 2], wall)
+    return out
+
+
+@allocating
+def _reach_levels(points: FloatArray, wall: FloatArray, margin: float) -> FloatArray:
+    """Return levels of the water with a ``margin`` in the wall and beyond an end that is oblique to the grid."""
+    out = np.empty(len(points))
+    oblique = margin if wall[COSINE] > 0.0 else 0.0
+    for i in range(len(points)):
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
+        beyond = distance_beyond_ends(x, y, z, wall)
+        if x > wall[INLET] and x < wall[OUTLET]:
+            beyond -= oblique
+        out[i] = max(wall_level(x, y, z, wall)[0] - margin, beyond)
+    return out
+
+
+@allocating
+def _distances_from_ball(points: FloatArray, wall: FloatArray) -> FloatArray:
+    out = np.empty(len(points))
+    for i in range(len(points)):
+        out[i] = distance_from_ball(points[i, 0], points[i, 1], points[i, 2], wall)
+    return out
+
+
+def _assemble(
+    levels: Sequence[Level], maps: Sequence[csr_array], wall: FloatArray
+) -> tuple[csr_array, list[FloatArray]]:
+    """Return the matrix of the system, and for each level the points on the wall with normals and weights, (m, 7)."""
+    reference = _whole_stiffness()
+    matrix, walls = None, []
+    nodes, weights = _gauss(4)
+    for level, P in zip(levels, maps, strict=True):
+        cells = np.argwhere(level.leaves)
+        cells = cells[cells[:, 1] + level.low[1] >= 0]
+        corners = (cells + level.low) * level.width
+        cut = _water_levels(corners + level.width / 2, wall) > -1.1 * level.width
+        entries = np.empty((len(cells), 64, 64))
+        entries[~cut] = level.width * reference
+        found, volumes, points = cut_stiffness(corners[cut], level.width, wall, 1, nodes, weights, PENALTY)
+        dry = np.clip(1 - volumes / level.width**3, 0, 1)
+        entries[cut] = found + OUTSIDE * level.width * dry[:, None, None] * reference
+        walls.append(points)
+        functions = _functions_of(cells, level)
+        rows = np.broadcast_to(functions[:, :, None], entries.shape).ravel()
+        columns = np.broadcast_to(functions[:, None, :], entries.shape).ravel()
+        size = level.active.size
+        own = coo_array((entries.ravel(), (rows, columns)), shape=(size, size)).tocsr()
+        part = P.T @ own @ P
+        matrix = part if matrix is None else matrix + part
+    return csr_array(matrix), walls
+
+
+def _gauss(count: int) -> tuple[FloatArray, FloatArray]:
+    """Return nodes and weights of Gauss's rule on 0 to 1."""
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    return (nodes + 1) / 2, weights / 2
+
+
+def _whole_stiffness() -> FloatArray:
+    """Return the matrix of a cell of width 1 that is all water, (64, 64)."""
+    nodes, weights = _gauss(4)
+    points = np.stack(np.meshgrid(nodes, nodes, nodes, indexing="ij"), axis=-1).reshape(-1, 3)
+    weight = np.einsum("i,j,k->ijk", weights, weights, weights).ravel()
+    rows = gradient_rows(points, np.zeros(3), 1.0)
+    return np.asarray(rows.T @ (np.repeat(weight, 3)[:, None] * rows))
+
+
+def _functions_of(cells: IntArray, level: Level) -> IntArray:
+    """Return the flat indices of the functions that touch each cell, (n, 64)."""
+    size, step = level.active.shape, np.arange(4)
+    offsets = (step[:, None, None] * size[1] + step[:, None]) * size[2] + step
+    return np.asarray(np.ravel_multi_index(tuple(cells.T), size)[:, None] + offsets.ravel())
+
+
+def _mirror_matrix(levels: Sequence[Level], starts: IntArray) -> csr_array:
+    """Return the matrix from the unknowns, which are those with y >= 0, to all degrees of freedom."""
+    kept, images = [], []
+    for start, level in zip(starts, levels, strict=False):
+        index = np.argwhere(level.active)
+        number = np.full(level.active.shape, -1)
+        number[level.active] = start + np.arange(len(index))
+        # Function m touches the cells m - 3 to m; its mirror image is the function 2 - m.
+        place = index[:, 1] + level.low[1]
+        index[:, 1] = 2 - place - level.low[1]
+        own, twin = number[level.active], number[tuple(index.T)]
+        kept.append(own)
+        images.append(np.where(place >= 1, own, twin))
+    rows, columns = np.concatenate(kept), np.concatenate(images)
+    unknown, columns = np.unique(columns, return_inverse=True)
+    return coo_array((np.ones(len(rows)), (rows, columns)), shape=(len(rows), len(unknown))).tocsr()
+
+
+def _end_points(wall: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return points and weights over the halves of inlet, outlet and branch's end with y > 0, (n, 4) each."""
+    nodes, weights = np.polynomial.legendre.leggauss(48)
+    radius, angle = np.meshgrid((nodes + 1) / 2, np.pi * nodes / 2, indexing="ij")
+    y, up = (radius * np.cos(angle)).ravel(), (radius * np.sin(angle)).ravel()
+    weight = (radius * np.outer(weights, weights) * np.pi / 4).ravel()
+    r, c, s = wall[BRANCH], wall[COSINE], wall[SINE]
+    inlet, outlet = (np.stack([np.full_like(y, wall[i]), y, up, weight], axis=1) for i in (INLET, OUTLET))
+    side = np.stack([wall[END] * c + r * up * s, r * y, wall[END] * s - r * up * c, weight], axis=1)
+    return inlet, outlet, side
+
+
+def _load(points: FloatArray, levels: Sequence[Level], maps: Sequence[csr_array]) -> FloatArray:
+    """Return the mean of each function over half an end, times pi / 2: half of the flux at unit speed through the run."""
+    total: FloatArray = np.zeros(maps[0].shape[1])
+    for level, P in zip(levels, maps, strict=True):
+        # An end at the boundary of a cell belongs to the cell in the water.
+        index = np.floor(points[:, :3] * (1 - 1e-9) / level.width).astype(np.int64) - level.low
+        clipped = np.clip(index, 0, np.array(level.leaves.shape) - 1)
+        here = (index == clipped).all(axis=1) & level.leaves[tuple(clipped.T)]
+        if here.any():
+            corners = level.width * (index[here] + level.low).astype(np.float64)
+            values = value_rows(points[here, :3], corners, level.width)
+            own = np.zeros(level.active.size)
+            np.add.at(own, _functions_of(index[here], level), values * points[here, 3:])
+            total += P.T @ own
+    return np.asarray(total * (np.pi / 2) / total.sum())
+
+
+def solve_system(matrix: csr_array, loads: FloatArray) -> FloatArray:
+    """Return the solutions of a positive semidefinite system for several loads (n, k), by conjugate gradients.
+
+    The preconditioner is the diagonal. The potentials are determined up to a constant.
+    """
+    scaling = 1 / np.sqrt(matrix.diagonal())
+    A = csr_array(diags_array(scaling) @ matrix @ diags_array(scaling))
+    r = scaling[:, None] * loads
+    x, p = np.zeros_like(r), r.copy()
+    square = (r * r).sum(axis=0)
+    goal = TOLERANCE**2 * square
+    for _ in range(20_000):
+        q = A @ p
+        step = square / (p * q).sum(axis=0)
+        x += step * p
+        r -= step * q
+        new = (r * r).sum(axis=0)
+        if (new < goal).all():
+            return np.asarray(scaling[:, None] * x)
+        p = r + new / square * p
+        square = new
+    raise ArithmeticError("the conjugate gradients did not converge")
+
+
+def _normal_velocity(
+    walls: Sequence[FloatArray], levels: Sequence[Level], potential: Sequence[FloatArray]
+) -> FloatArray:
+    """Return the velocity through the wall at its points."""
+    found = []
+    for points, level, values in zip(walls, levels, potential, strict=True):
+        cells = np.floor(points[:, :3] / level.width).astype(np.int64) - level.low
+        # Points on the boundary of a cell, found from its other side.
+        cells = np.clip(cells, 0, np.array(level.leaves.shape) - 1)
+        coefficients = values.ravel()[_functions_of(cells, level)]
+        found.append(normal_slopes(points, (cells + level.low) * level.width, level.width, coefficients))
+    return np.concatenate(found)
+
+
+@allocating
+def normal_slopes(
+    points: FloatArray, corners: FloatArray, width: float, coefficients: FloatArray
+) -> FloatArray:
+    """Return the derivatives along the normals of points (n, 6+) of splines with these coefficients (n, 64), (n,)."""
+    out = np.empty(len(points))
+    for q in range(len(points)):
+        rows = gradient_rows(points[q : q + 1], corners[q], width)
+        out[q] = (points[q, 3:6] * (rows @ coefficients[q])).sum()
+    return out
+
+
+def solve_tee(junction: Junction) -> TeePotentials:
+    """Solve the flow in a tee, as driftform stores it."""
+    return pack_solution(solve_junction(junction))
+
+
+def pack_solution(solution: Solution) -> TeePotentials:
+    """Return the potentials of a solution as the kernels read them."""
+    count = len(solution.levels)
+    head = np.zeros(HEAD + LEVEL_SIZE * count)
+    head[0] = count
+    flows: list[list[FloatArray]] = [[], []]
+    place = len(head)
+    for number, level in enumerate(solution.levels):
+        # Functions that touch only cells with y < 0 are left out.
+        first = -int(level.low[1])
+        touched = level.touched()[:, first:]
+        row = head[HEAD + LEVEL_SIZE * number :][:LEVEL_SIZE]
+        row[:] = level.width, level.low[0], 0, level.low[2], *touched.shape, place
+        place += touched.size
+        for flow, values in zip(flows, (solution.through, solution.branch), strict=True):
+            flow.append(np.where(touched, values[number][:, first:], np.nan).ravel())
+    through, branch = (np.concatenate(flow) for flow in flows)
+    return TeePotentials(head, through - np.nanmean(through), branch - np.nanmean(branch), solution.leakage)

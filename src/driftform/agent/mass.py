@@ -1,0 +1,65 @@
+"""Body -> mass, centre of gravity, inertia, displaced volume, centre of buoyancy (eq. 11 to 24, corrected)."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from driftform.agent.solids import solid_of_revolution
+from driftform.types import Body, Core, MassProperties, Moments
+
+
+def hull_volume(body: Body) -> float:
+    """Return the volume of the hull's wall, m3: outer contour less cavity, without fittings."""
+    return wall_moments(body).volume
+
+
+def hull_moments(body: Body) -> Moments:
+    """Return the volume integrals of the hull's material: its wall and its fittings."""
+    return wall_moments(body) + body.fittings.material
+
+
+def hull_mass(body: Body) -> float:
+    """Return the mass of the hull's material, kg (eq. 24)."""
+    return hull_moments(body).volume * body.hull_density
+
+
+@lru_cache(maxsize=4)
+def wall_moments(body: Body) -> Moments:
+    """Return the volume integrals of a hull's wall: outer contour less cavity, without fittings; the latest are kept."""
+    return displaced_moments(body) - solid_of_revolution(body.cavity)
+
+
+@lru_cache(maxsize=4)
+def displaced_moments(body: Body) -> Moments:
+    """Return the volume integrals of the inside of a body's outer contour.
+
+    Those of the latest bodies are kept, because the added mass of an agent and its mass properties share them.
+    """
+    return solid_of_revolution(body.outer)
+
+
+def mass_properties(body: Body) -> MassProperties:
+    """Return the mass properties of a body with its core, and the volume that it displaces.
+
+    The hull is outer minus cavity, and its fittings, at the hull's density (eq. 17, 18, 24). The core is a homogeneous
+    sphere at the origin and enters eq. 20 with its mass and the inertia with 2/5 m R^2. Buoyancy acts on the outer
+    contour (eq. 19, 21): the hull is watertight, so it displaces the volume that it encloses.
+    """
+    displaced = displaced_moments(body) + body.fittings.displaced
+    return assemble(hull_moments(body), displaced, body.hull_density, body.core)
+
+
+def assemble(hull: Moments, displaced: Moments, hull_density: float, core: Core) -> MassProperties:
+    """Return the mass properties of a hull of that density (kg/m3) with its core, and the volume that it displaces."""
+    core_inertia = 0.4 * core.mass * core.radius**2
+    mass = hull.volume * hull_density + core.mass
+    cog = hull.first * hull_density / mass
+    axial = hull.polar * hull_density + core_inertia
+    transverse = hull.transverse * hull_density + core_inertia - mass * cog**2
+    return MassProperties(
+        mass=mass,
+        cog=np.array([cog, 0.0, 0.0]),
+        inertia=np.array([[axial, 0.0, 0.0], [0.0, transverse, 0.0], [0.0, 0.0, transverse]]),
+        volume=displaced.volume,
+        cob=np.array([displaced.centroid, 0.0, 0.0]),
+    )

@@ -1,0 +1,122 @@
+"""The commands that plugins add, by the hook ``driftform_commands``."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import typer
+
+from driftform.cli.help import Command, Group, UsageError
+from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
+from driftform.plugins.discovery import PluginModule, find_modules
+
+BROUGHT_BY: Mapping[str, str] = {
+    "calibrate": "driftform-calibration",
+    "check": "driftform-kit",
+    "drop": "driftform-calibration",
+    "network": "driftform[networks]",
+    "reproduce": "driftform-paper",
+    "studio": "driftform[studio]",
+    "trim": "driftform-kit",
+}
+"""What to install for the commands that driftform's own plugins add."""
+
+
+class AddedCommand(Command):
+    """A command of a plugin: an error of the plugin becomes one line."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command.
+
+        Raises
+        ------
+        WorkFailedError
+            for any error that is not meant for users.
+        """
+        try:
+            return super().invoke(ctx)
+        except (DriftformError, OSError, typer.Exit, typer.Abort, UsageError):
+            raise
+        except (Exception, SystemExit) as error:
+            name = ctx.command_path.partition(" ")[2]
+            raise WorkFailedError(
+                f"command '{name}' failed: {describe_error(error, with_place=True)}"
+            ) from None
+
+
+@dataclass(frozen=True)
+class Added:
+    """What plugins add: the commands by name, and one line for each plugin or command that is unavailable."""
+
+    commands: Mapping[str, Any]
+    problems: Mapping[str, str]
+
+
+@cache
+def load_added() -> Added:
+    """Return the commands that plugins add; what fails is left out, with the reason."""
+    commands: dict[str, Any] = {}
+    owners: dict[str, str] = {}
+    problems: dict[str, str] = {}
+    for plugin in find_modules():
+        try:
+            made = _make_commands(plugin)
+        except (Exception, SystemExit) as error:
+            problems[plugin.distribution] = f"{plugin.distribution} is unavailable: {describe_error(error)}"
+            continue
+        for name, command in made.items():
+            if name in owners:
+                problems[name] = (
+                    f"it is claimed by {owners[name]} and {plugin.distribution}; uninstall one of them"
+                )
+                commands.pop(name, None)
+            else:
+                owners[name], commands[name] = plugin.distribution, command
+    return Added(commands, problems)
+
+
+def find_added(name: str) -> Any:
+    """Return the command that a plugin adds under a name, ``None`` if there is none and nothing is known of it.
+
+    Raises
+    ------
+    InputError
+        if two plugins claim the name, or the plugin that is known to add it is missing or broken.
+    """
+    added = load_added()
+    if name in added.commands:
+        return added.commands[name]
+    if name in added.problems:
+        raise InputError(f"command '{name}' is unavailable: {added.problems[name]}")
+    package = BROUGHT_BY.get(name)
+    if package is None:
+        return None
+    distribution = package.replace("[", "-").removesuffix("]")
+    if distribution in added.problems:
+        raise InputError(f"command '{name}': {added.problems[distribution]}")
+    extra = package.partition("[")[2].removesuffix("]")
+    in_clone = f"uv sync --extra {extra}, or " if extra else ""
+    raise InputError(f"command '{name}' is not installed; run: {in_clone}pip install \"{package}\"")
+
+
+def _make_commands(plugin: PluginModule) -> dict[str, Any]:
+    hook = plugin.find_hook("driftform_commands")
+    if hook is None:
+        return {}
+    app = typer.Typer(cls=Group, add_completion=False, rich_markup_mode=None)
+    app.callback()(lambda: None)
+    hook(app)
+    _apply_style(app)
+    found = typer.main.get_command(app)
+    return dict(found.commands)  # type: ignore[attr-defined]
+
+
+def _apply_style(app: typer.Typer) -> None:
+    """Let the commands of a plugin look and fail like those of driftform."""
+    for command in app.registered_commands:
+        command.cls = AddedCommand
+    for group in app.registered_groups:
+        if group.typer_instance is not None:
+            group.cls, group.typer_instance.info.cls = Group, Group
+            _apply_style(group.typer_instance)

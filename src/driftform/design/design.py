@@ -1,0 +1,418 @@
+"""A design: an agent that a person opened, with its study, and all that can be done with it."""
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from driftform.design.departures import list_departures
+from driftform.design.flight import DisturbedFlights, Flight
+from driftform.design.inspection import compare_added_mass, inspect_agent
+from driftform.errors import InputError, WorkFailedError
+from driftform.figures.section import section_svg
+from driftform.interfaces import ExportJob, Renderer
+from driftform.pipeline import Pipeline
+from driftform.plugins.faults import describe_fault
+from driftform.plugins.seams import require_file, require_files
+from driftform.runs.agent_file import StoredAgent, agent_document
+from driftform.study import Document, Study, load_study
+from driftform.trajectory.resampling import check_rate, resample
+from driftform.trajectory.way import find_offsets, name_outlet
+from driftform.types import (
+    Agent,
+    Coefficients,
+    FloatArray,
+    MassProperties,
+    Trajectory,
+    WrittenFile,
+)
+from driftform.util.files import is_directory, make_directory, safe_stem
+from driftform.util.notebook import show_picture
+from driftform.water import Scenario
+from driftform.water.disturbances import draw_conditions
+
+Progress = Callable[[int, int], None]
+"""Takes the number of steps that are done, and of all."""
+
+
+def ignore(_: object, __: object = None) -> None:
+    """Ignore a step of progress."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Design:
+    """An agent: its genome, the body that the genome makes, and the scenario that it flies in.
+
+    Attributes
+    ----------
+    name
+        what its files are called; safe for the name of a file.
+    stored
+        genome, environment and result, as an ``agent.json`` holds them.
+    study
+        the scenario, and the plugins with their options.
+    pipeline
+        the steps from genome to fitness.
+    agent
+        body, masses and coefficients, as simulators and exporters receive them.
+    opened_as
+        what opens it on a command line, such as ``run:TP3``, with the settings; ``AGENT`` if that is unknown.
+    """
+
+    name: str
+    stored: StoredAgent
+    study: Study
+    pipeline: Pipeline
+    agent: Agent
+    opened_as: str = "AGENT"
+
+    @classmethod
+    def build(
+        cls,
+        stored: StoredAgent,
+        label: str,
+        scenario: str | None = None,
+        settings: Sequence[str] = (),
+        use: Mapping[str, str | None] | None = None,
+    ) -> Self:
+        """Build a stored agent in its environment, or in another; ``label`` names it in errors.
+
+        Raises
+        ------
+        InputError
+            if the environment is not sound, or the genome does not belong to it.
+        WorkFailedError
+            if no body can be built.
+        """
+        source: str | Document = Document(label, stored.environment)
+        if scenario is not None:
+            # The agent stays the same; only its surroundings change.
+            other = load_study(scenario).document
+            made = {
+                seam: stored.environment[seam]
+                for seam in ("grammar", "builder")
+                if seam in stored.environment
+            }
+            source = Document(scenario, {**other, **made})
+        study = load_study(source, settings, use=use, run={"seed": 0})
+        pipeline = study.make_pipeline()
+        if stored.genome.grammar != pipeline.grammar.name:
+            raise InputError(
+                f"{label}: is a genome of grammar '{stored.genome.grammar}', its study uses '{pipeline.grammar.name}'"
+            )
+        try:
+            agent = pipeline.make_agent(stored.genome)
+        except ValueError as error:
+            raise InputError(f"{label}: {error}") from None
+        except (ArithmeticError, RuntimeError) as error:
+            # Options that are sound one by one can still ask together for what cannot be computed.
+            raise WorkFailedError(f"{label}: cannot be built: {describe_fault(error)}") from None
+        return cls(safe_stem(stored.name), stored, study, pipeline, agent)
+
+    @property
+    def genome(self) -> str:
+        """The genome as text; :func:`driftform.agent` reads it."""
+        return self.pipeline.grammar.to_text(self.stored.genome)
+
+    @property
+    def scenario(self) -> Scenario:
+        """What it flies in."""
+        return self.study.scenario
+
+    @property
+    def result(self) -> Mapping[str, Any]:
+        """What its run found out: target, fitness (%), evaluation; empty for an agent of no run."""
+        return self.stored.result
+
+    @property
+    def length(self) -> float:
+        """Overall, along the axis, m."""
+        return self.agent.body.length
+
+    @property
+    def max_diameter(self) -> float:
+        """Largest outer diameter, m."""
+        return self.agent.body.max_diameter
+
+    @property
+    def mass(self) -> MassProperties:
+        """Mass, volume, centres of gravity and buoyancy, inertia."""
+        return self.agent.mass
+
+    @property
+    def coefficients(self) -> Coefficients:
+        """Added mass, damping and drag."""
+        return self.agent.coefficients
+
+    @property
+    def net_buoyancy(self) -> float:
+        """Buoyancy of the submerged body less its weight, N, upward positive."""
+        return self.mass.net_buoyancy(self.scenario.fluid)
+
+    def export_job(self) -> ExportJob:
+        """Return the agent as exporters and recorders receive it."""
+        return ExportJob(self.name, self.agent, self.scenario, agent_document(self.stored), self.opened_as)
+
+    def list_departures(self) -> list[str]:
+        """Return in what water, pipe, wall and weight depart from those that a run evolved it for, one line each."""
+        if not self.result or self.study.environment() == self.stored.environment:
+            return []
+        design = load_study(Document(self.name, self.stored.environment), run={"seed": 0}).make_pipeline()
+        return list_departures(self.agent, self.pipeline, design.make_agent(self.stored.genome), design)
+
+    def inspect(self) -> dict[str, Any]:
+        """Return what ``driftform inspect --json`` prints; some of it takes flights."""
+        found = inspect_agent(self.pipeline, self.agent, self.name, self.result.get("target"))
+        return found | {"warnings": [*found["warnings"], *self.list_departures()]}
+
+    def compare_added_mass(self) -> dict[str, Any]:
+        """Return the added mass, (6, 6), about the centre of buoyancy by each hydrodynamics model installed."""
+        return compare_added_mass(self.pipeline, self.agent, self.name)
+
+    def under(
+        self, *settings: str, scenario: str | None = None, use: Mapping[str, str | None] | None = None
+    ) -> "Design":
+        """Return the same genome in other surroundings, such as ``under("flow.speed=0.8")``.
+
+        Parameters
+        ----------
+        settings
+            ``key=value`` as ``--set`` takes them.
+        scenario
+            path of a study file or the name of a built-in scenario.
+        use
+            plugin by seam, such as ``{"simulator": "native"}``.
+
+        Raises
+        ------
+        InputError
+            if a setting is not sound.
+        """
+        # What was found out elsewhere does not hold there.
+        stored = replace(self.stored, environment=self.study.environment(), result={})
+        design = Design.build(stored, self.name, scenario, settings, use)
+        stored = replace(stored, environment=design.study.environment())
+        return replace(design, name=self.name, stored=stored, opened_as=self.opened_as)
+
+    def fly(self) -> Trajectory:
+        """Return the agent's trajectory through its scenario; it may have ended by a failure.
+
+        Raises
+        ------
+        WorkFailedError
+            if the simulator cannot fly it.
+        """
+        [trajectory] = self.pipeline.fly_named([self.agent], self.name)
+        return trajectory
+
+    def simulate(self) -> Flight:
+        """Fly it through its scenario.
+
+        Raises
+        ------
+        WorkFailedError
+            if the flight fails.
+        """
+        [found] = self.pipeline.simulate([self.agent], self.name)
+        fitness = dict(zip(self.scenario.target_names, found.fitness.tolist(), strict=True))
+        return Flight(self.name, found.trajectory, self.scenario, self.agent, fitness)
+
+    def disturb(self, flights: int, seed: int = 0, progress: Progress = ignore) -> DisturbedFlights:
+        """Fly it under disturbed conditions, drawn from ``seed``, and return how far it misses each target and where it leaves.
+
+        ``[robustness]`` of its scenario says what varies.
+        """
+        conditions = draw_conditions(
+            self.scenario.robustness, flights, (seed, flights), self.scenario.calibration
+        )
+        offsets: list[FloatArray] = []
+        outlets: list[str | None] = []
+        for condition in conditions:
+            [evaluation] = self.pipeline.evaluate([self.stored.genome], conditions=[condition])
+            offsets.append(find_offsets(evaluation, self.scenario))
+            flight = evaluation.trajectory if evaluation.failure is None else None
+            outlets.append(None if flight is None else name_outlet(flight, self.scenario))
+            progress(len(offsets), flights)
+        vectors = np.array(offsets).reshape(flights, len(self.scenario.targets), 3)
+        return DisturbedFlights(conditions, vectors, outlets)
+
+    def export(self, format: str, path: str | os.PathLike[str] | None = None) -> list[Path]:
+        """Write it as a file for printers and other programs, and return the paths of what was written.
+
+        Parameters
+        ----------
+        format
+            name of an exporter, such as ``"stl"`` or ``"3mf"``.
+        path
+            of the file; ``None`` for the agent's name in the working directory. An older file is replaced.
+
+        Raises
+        ------
+        InputError
+            if there is no such format, or nothing can be written there.
+        """
+        return [Path(file.path) for file in self.export_files(format, path)]
+
+    def export_files(
+        self, format: str, path: str | os.PathLike[str] | None = None
+    ) -> tuple[WrittenFile, ...]:
+        """Write it as :meth:`export` does, and return the files with their facts."""
+        exporter = self.study.make_exporter(format)
+        file = Path(f"{self.name}{exporter.suffix}" if path is None else path)
+        make_directory(file.parent, "path")
+        return require_files(exporter.write(self.export_job(), file), exporter)
+
+    def record(
+        self,
+        format: str = "csv",
+        path: str | os.PathLike[str] | None = None,
+        *,
+        rate_hz: float = 100.0,
+    ) -> list[Path]:
+        """Fly it, write the samples for other programs, such as Foxglove or pandas, and return the paths.
+
+        Parameters
+        ----------
+        format
+            name of a recorder, such as ``"csv"`` or ``"mcap"``.
+        path
+            of the file; ``None`` for the agent's name in the working directory. An older file is replaced.
+        rate_hz
+            samples for each second of the flight, 1/s, from 0 to 10 000; 0 for those of the simulator.
+
+        Raises
+        ------
+        InputError
+            if there is no such format, or the rate is out of range.
+        WorkFailedError
+            if it cannot be written, or the flight fails: the files then hold the flight until that moment.
+        """
+        check_rate(rate_hz)
+        trajectory = self.fly()
+        written = self.record_files(format, path, rate_hz=rate_hz, trajectory=trajectory)
+        trajectory.require_success(self.name)
+        return [Path(file.path) for file in written]
+
+    def record_files(
+        self, format: str, path: str | os.PathLike[str] | None, *, rate_hz: float, trajectory: Trajectory
+    ) -> tuple[WrittenFile, ...]:
+        """Write the samples of a trajectory as :meth:`record` does, and return the files with their facts."""
+        recorder = self.study.make_recorder(format)
+        file = Path(f"{self.name}{recorder.suffix}" if path is None else path)
+        make_directory(file.parent, "path")
+        samples = resample(trajectory, rate_hz) if rate_hz else trajectory
+        return require_files(recorder.write(self.export_job(), samples, file), recorder)
+
+    def check_picture(self, path: Path, renderer: str = "exudyn", *, film: bool) -> None:
+        """Refuse a film, or else a still, that cannot be made, before anything is flown for it.
+
+        Raises
+        ------
+        InputError, WorkFailedError
+            if there is no such renderer, or it cannot make such a picture.
+        """
+        camera: Renderer[Any] = self.study.make_renderer(renderer)
+        (camera.check if film else camera.check_still)(path)
+        if is_directory(path):
+            raise InputError(f"{path}: is a directory")
+
+    def film(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        renderer: str = "exudyn",
+        flight: Flight | None = None,
+        progress: Progress = ignore,
+    ) -> Path:
+        """Make a film of a flight, and return its path.
+
+        Parameters
+        ----------
+        path
+            of the file; its suffix, such as ``.mp4``, decides the format. An older file is replaced.
+        renderer
+            name of a renderer.
+        flight
+            the flight; ``None`` to fly it now.
+        progress
+            called with the number of frames that are done, and of all.
+
+        Raises
+        ------
+        InputError, WorkFailedError
+            as :meth:`check_picture`, or if the flight fails.
+        """
+        file = Path(path)
+        self.check_picture(file, renderer, film=True)
+        flight = flight or self.simulate()
+        camera: Renderer[Any] = self.study.make_renderer(renderer)
+        written = camera.film(self.agent, flight.trajectory, self.scenario, make_parent(file), progress)
+        require_file(written, camera, "film")
+        return file
+
+    def still(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        at: float | None = None,
+        renderer: str = "exudyn",
+        flight: Flight | None = None,
+    ) -> Path:
+        """Make a picture of a moment of a flight, and return its path.
+
+        Parameters
+        ----------
+        path
+            of the file; its suffix, such as ``.png``, decides the format. An older file is replaced.
+        at
+            the moment, s from the release; ``None`` for the closest approach to any target.
+        renderer
+            name of a renderer.
+        flight
+            the flight; ``None`` to fly it now.
+
+        Raises
+        ------
+        InputError, WorkFailedError
+            as :meth:`check_picture`, if the flight fails, or if it does not last until ``at``.
+        """
+        file = Path(path)
+        self.check_picture(file, renderer, film=False)
+        flight = flight or self.simulate()
+        check_moment(flight, at)
+        camera: Renderer[Any] = self.study.make_renderer(renderer)
+        moment = flight.closest_time if at is None else at
+        written = camera.still(self.agent, flight.trajectory, self.scenario, make_parent(file), moment)
+        require_file(written, camera, "still")
+        return file
+
+    def __repr__(self) -> str:
+        modules = self.agent.morphology.modules if self.agent.morphology else ()
+        return f"<Design {self.name}: {len(modules)} modules, {self.length:.3f} m, {self.mass.mass:.4f} kg>"
+
+    def _repr_svg_(self) -> str:
+        return section_svg(self.agent, self.name, self.scenario)
+
+    def _repr_html_(self) -> str:
+        return show_picture(self._repr_svg_(), repr(self))
+
+
+def check_moment(flight: Flight, at: float | None) -> None:
+    """Refuse a moment outside a flight.
+
+    Raises
+    ------
+    InputError
+        with how long the flight lasts.
+    """
+    if at is not None and not 0 <= at <= flight.duration:
+        raise InputError(f"--still-at {at:g}: the flight goes from 0 to {flight.duration:.3f} s")
+
+
+def make_parent(path: Path) -> Path:
+    """Make the directory of a file, and return the file's path."""
+    make_directory(path.parent, "path")
+    return path

@@ -1,0 +1,191 @@
+"""An agent in numbers: its modules, mass, buoyancy and added mass, how it moves, and warnings."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from driftform.agent import hull_mass
+from driftform.design.limits import list_limits
+from driftform.design.sensitivity import measure_gram_sensitivity
+from driftform.errors import WorkFailedError, describe_error
+from driftform.motion.body_drag import estimate_drag, wake_factor
+from driftform.motion.inertia import added_mass_at, largest_added_mass_ratio, rigid_body_mass
+from driftform.motion.model import flight_model
+from driftform.motion.stability import stable_rest
+from driftform.motion.terminal import terminal_speeds
+from driftform.pipeline import Pipeline
+from driftform.plugins.registry import registry
+from driftform.types import Agent, FloatArray
+from driftform.water import Calibration, Fluid, Scenario
+from driftform.water.factors import NAMES
+
+LEAD = 11_340.0
+"""Density of lead, kg/m3 (CRC Handbook of Chemistry and Physics, at 20 degrees C)."""
+
+BED = 0.25
+"""Travel of a common desktop printer, m."""
+
+LARGEST_LAGGED_RATIO = 17 / 3
+"""Largest eigenvalue of M_RB^-1 M_A up to which added mass from a filtered acceleration is stable: 2/0.3 - 1."""
+
+
+def inspect_agent(pipeline: Pipeline, agent: Agent, name: str, target: str | None = None) -> dict[str, Any]:
+    """Return what ``driftform inspect --json`` prints of an agent; SI units throughout.
+
+    Parameters
+    ----------
+    pipeline
+        its scenario, models and simulator.
+    agent
+        the agent, made from a genome.
+    name
+        what people call it.
+    target
+        that it was evolved for; ``None`` for the one that it comes closest to.
+    """
+    assert agent.genome is not None
+    body, mass, coefficients = agent.body, agent.mass, agent.coefficients
+    fluid = pipeline.scenario.fluid
+    own, added = rigid_body_mass(mass), added_mass_at(coefficients, np.zeros(3))
+    lambda_max = largest_added_mass_ratio(mass, coefficients)
+    net = mass.net_buoyancy(fluid)
+    rest = stable_rest(flight_model(agent, pipeline.scenario))
+    morphology = agent.morphology
+    sides = [] if morphology is None else [("aft", m) for m in morphology.aft[::-1]]
+    sides += [] if morphology is None else [("fore", m) for m in morphology.fore]
+    return {
+        "agent": name,
+        "genome": pipeline.grammar.to_text(agent.genome),
+        "modules": [
+            {"side": side, "length": m.length, "tilt_deg": float(np.rad2deg(m.tilt))} for side, m in sides
+        ],
+        "length": body.length,
+        "max_diameter": body.max_diameter,
+        "mass": mass.mass,
+        "hull_mass": hull_mass(body),
+        "core_mass": body.core.mass,
+        "volume": mass.volume,
+        "net_buoyancy": net,
+        "cog": mass.cog,
+        "cob": mass.cob,
+        "inertia": mass.inertia,
+        "added_mass": coefficients.added_mass,
+        "added_mass_origin": coefficients.origin,
+        "hydrodynamics": pipeline.hydrodynamics.name,
+        "rest": {
+            "pitch_deg": float(np.rad2deg(rest.pitch)),
+            "height": rest.height,
+            "slowest_period": rest.slowest_period,
+            "eigenvalues": [[value.real, value.imag] for value in rest.eigenvalues.tolist()],
+        },
+        "righting_moment": _righting_moment(agent, fluid),
+        "terminal_speeds": _terminal_speeds(agent, fluid, net, rest.pitch),
+        "lambda_max": lambda_max,
+        "calibration": describe_calibration(pipeline.scenario.calibration),
+        "sensitivity": _measure_sensitivity(pipeline, agent, name, target),
+        "warnings": _list_warnings(agent, pipeline.scenario, float((own + added)[2, 2]), lambda_max),
+    }
+
+
+def describe_calibration(calibration: Calibration) -> dict[str, dict[str, float | None]]:
+    """Return value, low and high of the factors that are not 1 or have an interval; ``None`` without an interval."""
+    intervals = calibration.intervals
+    found: dict[str, dict[str, float | None]] = {}
+    for name in NAMES:
+        value = float(getattr(calibration.factors, name))
+        if name in intervals:
+            _, low, high = intervals[name]
+            found[name] = {"value": value, "low": low, "high": high}
+        elif value != 1.0:
+            found[name] = {"value": value, "low": None, "high": None}
+    return found
+
+
+def compare_added_mass(pipeline: Pipeline, agent: Agent, name: str) -> dict[str, FloatArray]:
+    """Return the added mass about the centre of buoyancy, (6, 6), by every hydrodynamics model that is installed.
+
+    The pipeline's own model has its options, the others have their defaults.
+
+    Raises
+    ------
+    WorkFailedError
+        if a model cannot compute it.
+    """
+    own, found = pipeline.hydrodynamics, {}
+    for row in registry().seam("hydrodynamics"):
+        if row.available:
+            model = own if row.name == own.name else registry().create("hydrodynamics", row.name, {})
+            try:
+                coefficients = model.coefficients(agent.body, pipeline.scenario.fluid)
+            except (ValueError, ArithmeticError, RuntimeError) as error:
+                raise WorkFailedError(
+                    f"{name}: no added mass by '{row.name}': {describe_error(error)}"
+                ) from None
+            found[row.name] = added_mass_at(coefficients, agent.mass.cob)
+    return found
+
+
+def _righting_moment(agent: Agent, fluid: Fluid) -> float:
+    """Largest moment (N m) of weight and buoyancy about the COG: that of the level body."""
+    mass = agent.mass
+    return float(fluid.density * mass.volume * fluid.gravity * abs(mass.cob[0] - mass.cog[0]))
+
+
+def _terminal_speeds(agent: Agent, fluid: Fluid, net: float, pitch: float) -> dict[str, float]:
+    """Speeds (m/s) at which drag by strips carries the net weight, whether the agent flies with that drag or not."""
+    fore_first = (net > 0) == (pitch < 0)
+    drag = agent.coefficients.drag
+    if drag is None:
+        factor = wake_factor(agent.coefficients, fluid.density * agent.mass.volume)
+        drag = estimate_drag(agent.body, fluid.viscosity, factor)
+    along, across = terminal_speeds(drag, net, fore_first, fluid.density, fluid.viscosity)
+    return {"along": along, "across": across}
+
+
+def _measure_sensitivity(
+    pipeline: Pipeline, agent: Agent, name: str, target: str | None
+) -> dict[str, Any] | None:
+    """Errors, in percent, of the agent and of one whose hull is a gram lighter or heavier; ``None`` if unknown."""
+    names = pipeline.scenario.target_names
+    try:
+        found = measure_gram_sensitivity(pipeline, agent, name) if names else None
+    except WorkFailedError:
+        # An agent that cannot be flown is still a body, and `simulate` reports what is wrong with its flight.
+        return None
+    if found is None:
+        return None
+    columns = ("as_simulated", "lighter", "heavier")
+    rows = zip(*(getattr(found, column) for column in columns), strict=True)
+    errors = {name: dict(zip(columns, row, strict=True)) for name, row in zip(names, rows, strict=True)}
+    if target not in errors:
+        target = min(errors, key=lambda name: float(errors[name]["as_simulated"]))
+    return {"target": target, "errors": errors}
+
+
+def _list_warnings(agent: Agent, scenario: Scenario, heaving: float, lambda_max: float) -> list[str]:
+    """What a user must know; ``heaving`` is the mass, kg, that heave has to move, with that of the water."""
+    body, mass = agent.body, agent.mass
+    warnings = []
+    core_density = body.core.mass / (4 / 3 * math.pi * body.core.radius**3)
+    if core_density > LEAD:
+        warnings.append(f"the core is denser than lead: {core_density:.0f} kg/m3")
+    net = mass.net_buoyancy(scenario.fluid)
+    if not scenario.pipe.is_open and net != 0:
+        time = math.sqrt(2 * scenario.pipe.layout.inlet.radius * heaving / abs(net))
+        if time < 1.0:
+            verb = "rises" if net > 0 else "sinks"
+            warnings.append(
+                f"level, it {verb} from the axis to the wall in {time:.2g} s: it is far from neutral"
+            )
+    if lambda_max > LARGEST_LAGGED_RATIO:
+        warnings.append(
+            f"added mass up to {lambda_max:.1f} times its own: simulators that take it from the step before, "
+            f"smoothed, diverge beyond {LARGEST_LAGGED_RATIO:.2f}"
+        )
+    if body.length > BED or body.max_diameter > BED:
+        warnings.append(
+            f"{1000 * body.length:.0f} mm long and {1000 * body.max_diameter:.0f} mm wide: "
+            f"larger than the bed of a common printer ({1000 * BED:.0f} mm)"
+        )
+    return warnings + list_limits(agent, scenario)

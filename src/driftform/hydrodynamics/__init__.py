@@ -1,1 +1,0 @@
-"""Drag of bodies of revolution: formulas with their sources, and the drag of a whole body."""

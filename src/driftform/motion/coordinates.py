@@ -1,0 +1,208 @@
+"""Motion in coordinates, their rates and accelerations, for integrators that need this form, such as Exudyn's.
+
+In space the coordinates are the position and the rotation vector, body to world; their rates are the velocity in the
+world frame and the angular velocity in the body frame. In the vertical plane they are x, z and the pitch; their rates are the
+time derivatives.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from driftform.motion.contact import is_far_from_wall
+from driftform.motion.equations import accelerations
+from driftform.motion.flight import has_left_pipe, is_finite
+from driftform.motion.model import REACH, FlightModel, pack, unpack
+from driftform.motion.plane import (
+    MODEL_SIZE,
+    RUB,
+    accelerations_in_plane,
+    has_left_in_plane,
+    is_near_in_plane,
+    plane_model,
+    stays_in_plane,
+)
+from driftform.types import FloatArray
+from driftform.util.compiled import borrow, compiled
+from driftform.util.rotations import rotation_from_vector, rotation_vector_from_quaternion
+
+GREATEST = 1e9
+"""Acceleration (m/s2, rad/s2) to which those of trial steps are limited.
+
+A long trial step ends deep in the wall, whose force throws the body so far that the later stages of the step overflow.
+Exudyn rejects a step with a large error, but gives up after one that is not finite.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A motion in coordinates: its initial values, and the compiled functions that define it.
+
+    Attributes
+    ----------
+    coordinates, rates
+        at the release, (6,) in space, (3,) in the vertical plane: SI units and radians.
+    values
+        numbers of the model; pass them to all functions.
+    bristles
+        numbers b of the bristles of friction, all zero at the release; 0 without friction. Write them to
+        ``values[-2 * b:-b]`` before ``accelerations`` is called; it writes their rates to ``values[-b:]``. Where
+        ``touches(coordinates, values)`` is False they are zero.
+    accelerations
+        ``accelerations(t, coordinates, rates, values)`` returns the derivatives of the rates, a tuple as long as they.
+    fill_sample
+        ``fill_sample(sample, t, coordinates, rates, values)`` fills ``sample``, a raw sample of
+        :mod:`driftform.motion.flight`, (14,), and returns True while the flight continues: the sample is finite and
+        inside the pipe.
+    """
+
+    coordinates: FloatArray
+    rates: FloatArray
+    values: FloatArray
+    accelerations: Callable[[float, FloatArray, FloatArray, FloatArray], tuple[float, ...]]
+    fill_sample: Callable[[FloatArray, float, FloatArray, FloatArray, FloatArray], bool]
+    bristles: int = 0
+    touches: Callable[[FloatArray, FloatArray], bool] | None = None
+
+
+def describe_motion(model: FlightModel, start: FloatArray) -> Motion:
+    """Return the motion from the state ``start`` (13,): in the vertical plane if it stays there, otherwise in space."""
+    if stays_in_plane(start, model):
+        pitch = 2.0 * math.atan2(start[5], start[3])
+        return Motion(
+            np.array([start[0], start[2], pitch]),
+            start[[7, 9, 11]],
+            np.concatenate(
+                [
+                    plane_model(model),
+                    model.surfaces.ravel(),
+                    model.touches.ravel(),
+                    np.zeros(len(model.bristles)),
+                ]
+            ),
+            _accelerations_in_plane,
+            _fill_sample_in_plane,
+            len(model.bristles) // 2,
+            _can_touch_in_plane,
+        )
+    coordinates = np.concatenate([start[:3], rotation_vector_from_quaternion(start[3:7])])
+    bristles, fittings = model.bristles.size // 2, model.fittings
+    if fittings is None:
+        functions = _accelerations_in_space, _fill_sample_in_space, bristles, _can_touch
+        return Motion(coordinates, start[7:], pack(model), *functions)
+
+    def accelerate(
+        t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
+    ) -> tuple[float, ...]:
+        return _accelerations_in_space(t, coordinates, rates, values, fittings)
+
+    def fill_sample(
+        sample: FloatArray, t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
+    ) -> bool:
+        return _fill_sample_in_space(sample, t, coordinates, rates, values, fittings)
+
+    def can_touch(coordinates: FloatArray, values: FloatArray) -> bool:
+        return _can_touch(coordinates, values, fittings)
+
+    return Motion(coordinates, start[7:], pack(model), accelerate, fill_sample, bristles, can_touch)
+
+
+@compiled
+def _can_touch(coordinates: FloatArray, values: FloatArray, fittings: FloatArray | None = None) -> bool:
+    """Return True if a surface may touch a wall."""
+    model = unpack(values, fittings)
+    position = (coordinates[0], coordinates[1], coordinates[2])
+    return not is_far_from_wall(position, model.table[REACH], model.pipe, model.fittings)
+
+
+@compiled
+def _can_touch_in_plane(coordinates: FloatArray, values: FloatArray) -> bool:
+    """Return True if a surface may touch a wall."""
+    return is_near_in_plane((coordinates[0], coordinates[1]), values)
+
+
+@compiled
+def _accelerations_in_space(
+    t: float,
+    coordinates: FloatArray,
+    rates: FloatArray,
+    values: FloatArray,
+    fittings: FloatArray | None = None,
+) -> tuple[float, float, float, float, float, float]:
+    R = rotation_from_vector(coordinates[3], coordinates[4], coordinates[5])
+    a, alpha = accelerations(
+        t,
+        (coordinates[0], coordinates[1], coordinates[2]),
+        R,
+        (rates[0], rates[1], rates[2]),
+        (rates[3], rates[4], rates[5]),
+        unpack(values, fittings),
+    )
+    return _bound(a[0]), _bound(a[1]), _bound(a[2]), _bound(alpha[0]), _bound(alpha[1]), _bound(alpha[2])
+
+
+@compiled
+def _bound(acceleration: float) -> float:
+    """Return the acceleration within +-GREATEST; NaN remains NaN."""
+    if acceleration > GREATEST:
+        return GREATEST
+    return -GREATEST if acceleration < -GREATEST else acceleration
+
+
+@compiled
+def _fill_sample_in_space(
+    sample: FloatArray,
+    t: float,
+    coordinates: FloatArray,
+    rates: FloatArray,
+    values: FloatArray,
+    fittings: FloatArray | None = None,
+) -> bool:
+    x, y, z = coordinates[3], coordinates[4], coordinates[5]
+    half = 0.5 * math.sqrt(x * x + y * y + z * z)
+    scale = 0.5 * math.sin(half) / half if half > 1e-8 else 0.5
+    sample[0] = t
+    sample[4], sample[5], sample[6], sample[7] = math.cos(half), scale * x, scale * y, scale * z
+    for i in range(3):
+        sample[1 + i] = coordinates[i]
+        sample[8 + i] = rates[i]
+        sample[11 + i] = rates[3 + i]
+    position = (coordinates[0], coordinates[1], coordinates[2])
+    return is_finite(sample) and not has_left_pipe(position, unpack(values, None).pipe, fittings)
+
+
+@compiled
+def _accelerations_in_plane(
+    t: float, coordinates: FloatArray, rates: FloatArray, plane: FloatArray
+) -> tuple[float, float, float]:
+    attitude = math.cos(coordinates[2]), math.sin(coordinates[2])
+    position, velocity = (coordinates[0], coordinates[1]), (rates[0], rates[1])
+    # Each surface has 17 numbers, and with friction two for its bristle.
+    rubs = plane[RUB] > 0.0
+    count = (plane.shape[0] - MODEL_SIZE - 10) // (19 if rubs else 17)
+    touches, bristles = MODEL_SIZE + 7 * count, MODEL_SIZE + 17 * count + 10
+    a_x, a_z, alpha = accelerations_in_plane(
+        position,
+        attitude,
+        velocity,
+        rates[2],
+        plane,
+        borrow(plane, MODEL_SIZE, (count, 7)),
+        borrow(plane, touches, (count + 1, 10)),
+        borrow(plane, bristles, (2 * count if rubs else 0,)),
+    )
+    return _bound(a_x), _bound(a_z), _bound(alpha)
+
+
+@compiled
+def _fill_sample_in_plane(
+    sample: FloatArray, t: float, coordinates: FloatArray, rates: FloatArray, values: FloatArray
+) -> bool:
+    for i in range(sample.shape[0]):
+        sample[i] = 0.0
+    sample[0], sample[1], sample[3] = t, coordinates[0], coordinates[1]
+    sample[4], sample[6] = math.cos(0.5 * coordinates[2]), math.sin(0.5 * coordinates[2])
+    sample[8], sample[10], sample[12] = rates[0], rates[1], rates[2]
+    return is_finite(sample) and not has_left_in_plane((coordinates[0], coordinates[1]), values)

@@ -1,0 +1,252 @@
+"""Equations of motion of a rigid body in moving water (Kirchhoff's form).
+
+With u the water's velocity at the centre of buoyancy, nu_r = (v, w) the velocity of the body's origin relative to
+it, in body axes, and M = M_RB + M_A about that origin, the momentum of body and water is (P, H) = M nu_r, and::
+
+    P' = P x w + F
+    H' = H x w + P x v + T
+
+nu_r' = M^-1 (P', H') is exact in a frame that moves with the water: the added mass is solved together with the dry
+mass. If the water accelerates with a, so does the frame, and an inertial force acts on each mass: -m a at the COG for
+the body's own. It would act on the displaced water as well, whose pressure gradient therefore exerts rho V a at the
+COB (Froude and Krylov; Auton, Hunt and Prud'homme, J. Fluid Mech. 197, 1988, with a = Du/Dt). The paper's relative
+form lacks this term, and uses for a the change of u along the body's path.
+"""
+
+import numpy as np
+
+from driftform.motion.buoyancy import buoyancy, half_height, slice_depth, submerged_share
+from driftform.motion.contact import wall_wrench
+from driftform.motion.drag import (
+    axial_drag,
+    shear_lift,
+    sphere_drag,
+    spin_drag,
+    strip_drag,
+    wake_drag,
+)
+from driftform.motion.drag_coefficients import blockage_factor
+from driftform.motion.model import (
+    ACROSS,
+    AXIAL_DRAG,
+    BLOCKING,
+    BODY_MASS,
+    CENTRE,
+    COB,
+    COG,
+    CURRENT,
+    DAMPED,
+    DAMPING_POINT,
+    DENSITY,
+    DIAMETER,
+    DISPLACED_MASS,
+    FROUDE_KRYLOV,
+    GRAVITY,
+    INVERSE,
+    LENGTHWISE,
+    LINEAR,
+    MASS,
+    QUADRATIC,
+    ROUND_AREA,
+    SHEAR_VOLUME,
+    SPIN,
+    STEADY,
+    TAILS,
+    VISCOSITY,
+    WATER_LEVEL,
+    FlightModel,
+)
+from driftform.types import FloatArray
+from driftform.util.compiled import compiled
+from driftform.util.small_vectors import (
+    ZERO,
+    Rotation,
+    Vector,
+    Wrench,
+    add,
+    add_wrenches,
+    body_axis,
+    cross,
+    force_wrench,
+    multiply,
+    scale,
+    subtract,
+    to_body,
+    to_world,
+)
+from driftform.water.fitting_flow import bore_radius
+from driftform.water.velocity import gust_shear, velocity_of_path, water_motion
+
+
+@compiled
+def _read_vector(row: FloatArray) -> Vector:
+    return row[0], row[1], row[2]
+
+
+@compiled
+def damping_wrench(moving: Vector, omega: Vector, table: FloatArray) -> Wrench:
+    """Return -D_1 nu - D_2 |nu| nu about the body's origin; nu is taken at the point that the damping refers to."""
+    point = _read_vector(table[DAMPING_POINT])
+    v = add(moving, cross(omega, point))
+    linear = multiply(table[LINEAR:QUADRATIC], v, omega)
+    squares = (v[0] * abs(v[0]), v[1] * abs(v[1]), v[2] * abs(v[2]))
+    turns = (omega[0] * abs(omega[0]), omega[1] * abs(omega[1]), omega[2] * abs(omega[2]))
+    quadratic = multiply(table[QUADRATIC:COG], squares, turns)
+    force = scale(-1.0, add(linear[0], quadratic[0]))
+    torque = scale(-1.0, add(linear[1], quadratic[1]))
+    return force, add(torque, cross(point, force))
+
+
+@compiled
+def drag_wrench(
+    height: float,
+    R: Rotation,
+    moving: Vector,
+    omega: Vector,
+    shear: Vector,
+    model: FlightModel,
+    bore: float = np.inf,
+) -> Wrench:
+    """Return drag and the lift of the tail, of the part under water, about the body's origin.
+
+    ``height`` is that of the body's origin, ``bore`` the radius of the pipe around it, m; see
+    :func:`driftform.motion.drag.strip_drag` for the other arguments.
+    """
+    table, strips = model.table, model.strips
+    level, centre = table[WATER_LEVEL], _read_vector(table[COB])
+    density, viscosity = table[DENSITY], table[VISCOSITY]
+    wrench, share = (ZERO, ZERO), 1.0
+    if level < np.inf:
+        under, area = 0.0, 0.0
+        for k in range(strips.shape[0]):
+            a = half_height(0.5 * strips[k, 1], strips[k, 2], R[2][0])
+            wet = submerged_share(slice_depth(height, R, strips[k, 0], centre, level), a)
+            area += strips[k, 1] * strips[k, 2]
+            under += strips[k, 1] * strips[k, 2] * wet
+            force = strip_drag(moving, omega, shear, centre[0], (density, viscosity, wet), strips[k])
+            wrench = add_wrenches(wrench, force_wrench((strips[k, 0], 0.0, 0.0), force))
+        share = under / area
+    else:
+        for k in range(strips.shape[0]):
+            x = strips[k, 0]
+            force = strip_drag(moving, omega, shear, centre[0], (density, viscosity, 1.0), strips[k])
+            wrench = (
+                (0.0, wrench[0][1] + force[1], wrench[0][2] + force[2]),
+                (0.0, wrench[1][1] - x * force[2], wrench[1][2] + x * force[1]),
+            )
+    along = axial_drag(moving[0], density, viscosity, table[AXIAL_DRAG]) * share
+    wrench = add_wrenches(wrench, ((along, 0.0, 0.0), ZERO))
+    if table[ROUND_AREA] > 0.0:
+        there = _velocity_at(table[CENTRE], moving, omega, shear, centre[0])
+        force = sphere_drag(there, density, viscosity, table[ROUND_AREA] * share, table[DIAMETER])
+        wrench = add_wrenches(wrench, force_wrench((table[CENTRE], 0.0, 0.0), force))
+    if table[BLOCKING] > 0.0:
+        factor = blockage_factor(0.5 * table[BLOCKING] / bore)
+        wrench = scale(factor, wrench[0]), scale(factor, wrench[1])
+    tail = 0 if moving[0] > 0.0 else 2
+    x = table[TAILS, tail]
+    there = _velocity_at(x, moving, omega, shear, centre[0])
+    force = wake_drag(moving[0], there[1], there[2], density, table[TAILS, tail + 1] * share)
+    spinning = spin_drag(omega[0], density, viscosity, table[SPIN], table[DIAMETER]) * share
+    wrench = add_wrenches(wrench, force_wrench((x, 0.0, 0.0), force))
+    return add_wrenches(wrench, (ZERO, (spinning, 0.0, 0.0)))
+
+
+@compiled
+def _bore_around(position: Vector, pipe: FloatArray, fittings: FloatArray | None) -> float:
+    """Return the radius of the bore around a position, m, infinite in open water."""
+    if fittings is not None:
+        return bore_radius(position, fittings)
+    return pipe[0, 7] if pipe.shape[0] > 0 else np.inf
+
+
+@compiled
+def _velocity_at(x: float, moving: Vector, omega: Vector, shear: Vector, middle: float) -> Vector:
+    """Return the velocity relative to the water of the point at ``x`` of the axis; see :func:`drag_wrench`."""
+    along = x - middle
+    return (
+        moving[0],
+        moving[1] + x * omega[2] - along * shear[1],
+        moving[2] - x * omega[1] - along * shear[2],
+    )
+
+
+@compiled
+def water_motion_at_cob(
+    t: float, position: Vector, R: Rotation, velocity: Vector, omega: Vector, model: FlightModel
+) -> tuple[Vector, Vector, Vector, Vector]:
+    """Return the water's velocity (m/s) and acceleration (m/s2) at the COB, world frame; shear and curl, body frame.
+
+    The shear is the derivative of the water's velocity along the body's axis, 1/s.
+    """
+    table, centre = model.table, _read_vector(model.table[COB])
+    place = add(position, to_world(R, centre))
+    spread = (body_axis(R), table[ACROSS], table[LENGTHWISE])
+    speed, gradient, rate = water_motion(
+        place, t, model.pipe, model.flow, model.gusts, spread, model.fittings
+    )
+    # The velocity of the path along which the water's velocity changes: the water's own, or the body's.
+    path = velocity_of_path(speed, t, model.flow, model.gusts, model.fittings)
+    if table[FROUDE_KRYLOV] == 0.0:
+        path = add(velocity, to_world(R, cross(omega, centre)))
+    shear = to_body(R, add(to_world(gradient, body_axis(R)), gust_shear(t, model.flow, model.gusts)))
+    curl = (
+        gradient[2][1] - gradient[1][2],
+        gradient[0][2] - gradient[2][0],
+        gradient[1][0] - gradient[0][1],
+    )
+    return speed, add(rate, to_world(gradient, path)), shear, to_body(R, curl)
+
+
+@compiled
+def accelerations(
+    t: float, position: Vector, R: Rotation, velocity: Vector, omega: Vector, model: FlightModel
+) -> tuple[Vector, Vector]:
+    """Return the acceleration of the body's origin (world frame, m/s2) and the angular one (body frame, rad/s2).
+
+    Parameters
+    ----------
+    t
+        time, s.
+    position, velocity
+        of the body's origin in the world frame, m and m/s.
+    R
+        rotation, body to world.
+    omega
+        angular velocity in the body frame, rad/s.
+    """
+    table = model.table
+    stream, change, shear, curl = _read_vector(table[CURRENT]), ZERO, ZERO, ZERO
+    if table[STEADY] == 0.0:
+        stream, change, shear, curl = water_motion_at_cob(t, position, R, velocity, omega, model)
+    moving = to_body(R, subtract(velocity, stream))
+    pull = to_body(R, change)
+    cog, centre = _read_vector(table[COG]), _read_vector(table[COB])
+    weight = scale(-table[BODY_MASS], add(scale(table[GRAVITY], R[2]), pull))
+    lift, displaced = scale(table[DISPLACED_MASS] * table[GRAVITY], R[2]), table[DISPLACED_MASS]
+    wrench = (ZERO, ZERO)
+    if table[WATER_LEVEL] < np.inf:
+        wrench, volume, x = buoyancy(
+            position[2], R, centre, table[WATER_LEVEL], table[DENSITY] * table[GRAVITY], model.slices
+        )
+        centre, lift, displaced = (x, centre[1], centre[2]), ZERO, table[DENSITY] * volume
+    lift = add(lift, scale(displaced * table[FROUDE_KRYLOV], pull))
+    wrench = add_wrenches(wrench, add_wrenches(force_wrench(cog, weight), force_wrench(centre, lift)))
+    if table[DAMPED] != 0.0:
+        wrench = add_wrenches(wrench, damping_wrench(moving, omega, table))
+    if model.strips.shape[0] > 0:
+        bore = _bore_around(position, model.pipe, model.fittings)
+        wrench = add_wrenches(wrench, drag_wrench(position[2], R, moving, omega, shear, model, bore))
+        if table[STEADY] == 0.0 and table[SHEAR_VOLUME] > 0.0:
+            there = add(moving, cross(omega, centre))
+            mass = table[DENSITY] * table[SHEAR_VOLUME] * displaced / table[DISPLACED_MASS]
+            wrench = add_wrenches(wrench, force_wrench(centre, shear_lift(there, curl, mass)))
+    wrench = add_wrenches(
+        wrench,
+        wall_wrench(position, R, velocity, omega, model),
+    )
+    momentum, turning = multiply(table[MASS:INVERSE], moving, omega)
+    force = add(wrench[0], cross(momentum, omega))
+    torque = add(wrench[1], add(cross(turning, omega), cross(momentum, moving)))
+    v_dot, w_dot = multiply(table[INVERSE:LINEAR], force, torque)
+    return add(to_world(R, add(v_dot, cross(omega, moving))), change), w_dot

@@ -1,0 +1,362 @@
+"""From the raw samples of an integrator to a trajectory: its release, its end, and its diagnostics."""
+
+import math
+
+import numpy as np
+
+from driftform.motion.buoyancy import buoyant_energy
+from driftform.motion.contact import deepest_depth
+from driftform.motion.model import (
+    BODY_MASS,
+    COB,
+    COG,
+    CURRENT,
+    DAMPED,
+    DENSITY,
+    DISPLACED_MASS,
+    GRAVITY,
+    MASS,
+    STEADY,
+    WATER_LEVEL,
+    FlightModel,
+    pack,
+    unpack,
+)
+from driftform.motion.runge_kutta import copy
+from driftform.types import End, FloatArray, Trajectory
+from driftform.util.compiled import allocating, compiled
+from driftform.util.cubic import Cubic, cubic_between, cubic_point, cubic_slope
+from driftform.util.rotations import quaternion_rate, rotation_from_quaternion
+from driftform.util.small_vectors import Vector, dot, scale, subtract, to_body
+from driftform.water import Scenario
+from driftform.water.fitting_walls import EXIT, LENGTH, OUTSIDE, RADIUS, find_part, to_part
+from driftform.water.profiles import AT_A_POINT
+from driftform.water.velocity import SPEED, water_motion
+
+SAMPLE = 14
+"""Numbers in a raw sample: time, position, quaternion, velocity (world frame), angular velocity (body frame)."""
+
+
+def release_state(model: FlightModel, scenario: Scenario) -> FloatArray:
+    """Return the state of the agent at the release: a raw sample without its time, (13,)."""
+    x, y, z = scenario.release_position().tolist()
+    given = scenario.release_velocity()
+    velocity = _water_velocity((x, y, z), model) if given is None else given.tolist()
+    return np.array([x, y, z, *scenario.release_quaternion(), *velocity, 0.0, 0.0, 0.0])
+
+
+def _water_velocity(point: Vector, model: FlightModel) -> tuple[float, ...]:
+    """Return the water's velocity (m/s, world frame) at the release."""
+    if model.table[STEADY] == 0.0 or len(model.pipe) == 0:
+        return water_motion(point, 0.0, model.pipe, model.flow, model.gusts, AT_A_POINT, model.fittings)[0]
+    # The same in uniform water, whose kernel need not be compiled then. Adding zero turns -0 into 0, as the kernel does.
+    return tuple((model.flow[SPEED] * model.pipe[0, 3:6] + 0.0).tolist())
+
+
+@compiled
+def is_finite(values: FloatArray) -> bool:
+    """Return True if all numbers (n,) are finite."""
+    total = 0.0
+    for value in values:
+        total += value
+    return math.isfinite(total)
+
+
+@compiled
+def has_left_pipe(position: Vector, pipe: FloatArray, fittings: FloatArray | None = None) -> bool:
+    """Return True if the body's origin is past an outlet, or more than a radius upstream of the inlet."""
+    if fittings is not None:
+        return (
+            distance_past_outlet(position, pipe, fittings) >= 0.0
+            or distance_upstream(position, fittings) > 0.0
+        )
+    if pipe.shape[0] == 0:
+        return False
+    return (
+        distance_past_outlet(position, pipe, fittings) >= 0.0
+        or _distance_along(position, pipe[0]) < -pipe[0, 7]
+    )
+
+
+@compiled
+def distance_past_outlet(position: Vector, pipe: FloatArray, fittings: FloatArray | None = None) -> float:
+    """Return the distance (m) of the position past an outlet; negative before it."""
+    if fittings is not None:
+        o, _ = find_part(position, fittings)
+        # Of a pipe with parts only whether it is past the outlet: that is all that is asked for.
+        return to_part(position, fittings, o)[0] if fittings[o + EXIT] >= 0.0 else -1.0
+    last = pipe[pipe.shape[0] - 1]
+    return float(_distance_along(position, last) - last[6])
+
+
+@compiled
+def distance_upstream(position: Vector, fittings: FloatArray) -> float:
+    """Return how far (m) the position lies more than a radius upstream of the inlet of a pipe with parts; not positive elsewhere."""
+    o, _ = find_part(position, fittings)
+    if fittings[o + EXIT] != OUTSIDE:
+        return -1.0
+    return float(fittings[o + LENGTH] - fittings[o + RADIUS] - to_part(position, fittings, o)[0])
+
+
+@compiled
+def _distance_along(position: Vector, segment: FloatArray) -> float:
+    off = subtract(position, (segment[0], segment[1], segment[2]))
+    return dot((segment[3], segment[4], segment[5]), off)
+
+
+def finish_trajectory(
+    samples: FloatArray,
+    model: FlightModel,
+    horizon: float,
+    step_limit: int,
+    error: float | None = None,
+    accepted: float = np.inf,
+) -> Trajectory:
+    """Return the trajectory of raw samples (k, 14): the finite ones, cut exactly at the outlet.
+
+    A flight that stopped before the ``horizon`` (s) without another reason ends as non-finite, one with more than
+    ``step_limit`` steps at the step limit, and one whose estimated ``error`` (m) exceeds ``accepted`` as not converged.
+    """
+    samples, values, k = np.ascontiguousarray(samples), pack(model), len(samples)
+    filled = np.empty(k), np.empty((k, 3)), np.empty((k, 4)), np.empty((k, 6))
+    count, broken, left, past, touched, time = _finish(
+        samples, values, model.fittings, *filled, np.empty((2, SAMPLE))
+    )
+    t, position, quaternion, velocity = (field if count == k else field[:count].copy() for field in filled)
+    for field in (t, position, quaternion, velocity):
+        field.setflags(write=False)
+    if broken:
+        end = End.NON_FINITE
+    elif left:
+        end = End.OUTLET if past else End.INLET
+    elif t[-1] >= horizon * (1 - 1e-9):
+        end = End.HORIZON
+    else:
+        end = End.STEP_LIMIT if k > step_limit else End.NON_FINITE
+    if not end.failed and error is not None and not error <= accepted:
+        end = End.NOT_CONVERGED
+    # What touches after the outlet does not count.
+    contact = time if time < math.inf and time <= t[-1] else None
+    drift = None
+    if touched and _conserves_energy(model):
+        drift = _energy_drift(samples, values, touched)
+    return Trajectory(
+        t, position, quaternion, velocity, end, contact=contact, energy_drift=drift, error=error
+    )
+
+
+@compiled
+def _finish(
+    samples: FloatArray,
+    values: FloatArray,
+    fittings: FloatArray | None,
+    t: FloatArray,
+    position: FloatArray,
+    quaternion: FloatArray,
+    velocity: FloatArray,
+    room: FloatArray,
+) -> tuple[int, bool, bool, bool, int, float]:
+    """Fill in the fields of a trajectory from its raw samples, and return what else follows from them.
+
+    The fields are filled with the samples before the first that is not finite, in strictly ascending order, cut at the
+    outlet. The result is how many samples these are; whether one is not finite, whether the flight has left the pipe,
+    and whether by an outlet; then that of :func:`find_contact`. ``room`` is (2, 14).
+    """
+    model, after, between = unpack(values, fittings), room[0], room[1]
+    count, before, last, broken = 0, 0, 0, False
+    for k in range(samples.shape[0]):
+        if not is_finite(samples[k]):
+            broken = True
+            break
+        if count == 0 or samples[k, 0] > samples[last, 0]:
+            _fill_fields(samples[k], count, t, position, quaternion, velocity)
+            count, before, last = count + 1, last, k
+    end = position_of(samples[last])
+    left = has_left_pipe(end, model.pipe, model.fittings)
+    past = left and distance_past_outlet(end, model.pipe, model.fittings) >= 0.0
+    touched, time = _find_contact(samples[: last + 1 if count > 0 else 0], model, between)
+    if count > 1 and (model.pipe.shape[0] > 0 or model.fittings is not None):
+        copy(samples[last], after)
+        _cut_at_outlet(samples[before], after, model.pipe, model.fittings, between)
+        _fill_fields(after, count - 1, t, position, quaternion, velocity)
+    return count, broken, left, past, touched, time
+
+
+@compiled
+def _fill_fields(
+    row: FloatArray,
+    k: int,
+    t: FloatArray,
+    position: FloatArray,
+    quaternion: FloatArray,
+    velocity: FloatArray,
+) -> None:
+    """Fill the ``k``-th sample of a trajectory from a raw one, (14,)."""
+    t[k] = row[0]
+    for j in range(3):
+        position[k, j] = row[1 + j]
+    for j in range(4):
+        quaternion[k, j] = row[4 + j]
+    velocity[k, 0], velocity[k, 1], velocity[k, 2] = to_body(_rotation(row), velocity_of(row))
+    for j in range(3):
+        velocity[k, 3 + j] = row[11 + j]
+
+
+@compiled
+def _cut_at_outlet(
+    before: FloatArray, after: FloatArray, pipe: FloatArray, fittings: FloatArray | None, room: FloatArray
+) -> None:
+    """Move the sample ``after`` back to the outlet's plane if it lies past that plane and ``before`` does not.
+
+    Between the two, position and quaternion are cubics through the values and rates of both, and the velocities are
+    their derivatives.
+    """
+    if (
+        distance_past_outlet(position_of(after), pipe, fittings) < 0.0
+        or distance_past_outlet(position_of(before), pipe, fittings) >= 0.0
+    ):
+        return
+    h, path = after[0] - before[0], sample_path(before, after)
+    low, u = 0.0, 1.0
+    for _ in range(60):
+        middle = 0.5 * (low + u)
+        if distance_past_outlet(cubic_point(path, middle), pipe, fittings) < 0.0:
+            low = middle
+        else:
+            u = middle
+    start, end = _quaternion_rate(before), _quaternion_rate(after)
+    square, sign = 0.0, 0.0
+    for j in range(4, 8):
+        sign += before[j] * after[j]
+    sign = 1.0 if sign >= 0.0 else -1.0
+    q, rate = room[:4], room[4:8]
+    for j in range(4):
+        p, v = (before[4 + j], 0.0, 0.0), (start[j], 0.0, 0.0)
+        curve = cubic_between(p, v, (sign * after[4 + j], 0.0, 0.0), (sign * end[j], 0.0, 0.0), h)
+        q[j], rate[j] = cubic_point(curve, u)[0], cubic_slope(curve, u)[0] / h
+        square += q[j] * q[j]
+    after[0] = before[0] + u * h
+    after[1], after[2], after[3] = cubic_point(path, u)
+    after[8], after[9], after[10] = scale(1.0 / h, cubic_slope(path, u))
+    for j in range(4):
+        after[4 + j] = q[j] / math.sqrt(square)
+    # The angular velocity is the vector part of 2 q* q'.
+    after[11] = 2.0 * (q[0] * rate[1] - q[1] * rate[0] + q[3] * rate[2] - q[2] * rate[3]) / square
+    after[12] = 2.0 * (q[0] * rate[2] - q[2] * rate[0] + q[1] * rate[3] - q[3] * rate[1]) / square
+    after[13] = 2.0 * (q[0] * rate[3] - q[3] * rate[0] + q[2] * rate[1] - q[1] * rate[2]) / square
+
+
+@compiled
+def _quaternion_rate(row: FloatArray) -> tuple[float, float, float, float]:
+    return quaternion_rate(row[4], row[5], row[6], row[7], row[11], row[12], row[13])
+
+
+@allocating
+def find_contact(
+    rows: FloatArray, values: FloatArray, fittings: FloatArray | None = None
+) -> tuple[int, float]:
+    """Return the first sample at which a surface touches, and the time (s) of the contact; the number of samples without one."""
+    return _find_contact(rows, unpack(values, fittings), np.empty(SAMPLE))
+
+
+@compiled
+def _find_contact(rows: FloatArray, model: FlightModel, room: FloatArray) -> tuple[int, float]:
+    for k in range(rows.shape[0]):
+        if _contact_depth(rows[k], model) > 0.0:
+            return k, rows[0, 0] if k == 0 else _locate_contact(rows[k - 1], rows[k], model, room)
+    return rows.shape[0], math.inf
+
+
+@compiled
+def _contact_depth(row: FloatArray, model: FlightModel) -> float:
+    return deepest_depth(position_of(row), _rotation(row), model)
+
+
+def _conserves_energy(model: FlightModel) -> bool:
+    """Return True without drag, in water that is uniform and steady and does not carry the body to or from its surface."""
+    table = model.table
+    rises = table[WATER_LEVEL] < np.inf and table[CURRENT, 2] != 0.0
+    return bool(table[STEADY] != 0.0 and table[DAMPED] == 0.0 and len(model.strips) == 0 and not rises)
+
+
+@compiled
+def _energy_drift(rows: FloatArray, values: FloatArray, count: int) -> float:
+    """Return the range of the energy over the first ``count`` samples, relative to the largest kinetic energy."""
+    model = unpack(values, None)
+    table = model.table
+    lowest, highest, largest, far = math.inf, -math.inf, 0.0, 1.0
+    _, origin = energies(rows[0], model)
+    for k in range(count):
+        kinetic, potential = energies(rows[k], model)
+        lowest = min(lowest, kinetic + (potential - origin))
+        highest = max(highest, kinetic + (potential - origin))
+        largest = max(largest, kinetic)
+        far = max(far, abs(rows[k, 3]))
+    # The energy of a body that does not move in the water is rounding only: of m g z, and of speeds below 1e-12 m/s.
+    masses = table[BODY_MASS] + table[DISPLACED_MASS]
+    rounding = masses * (1e-14 * table[GRAVITY] * far + 1e-24)
+    return float((highest - lowest) / largest) if highest - lowest > rounding else 0.0
+
+
+@compiled
+def energies(row: FloatArray, model: FlightModel) -> tuple[float, float]:
+    """Return the kinetic and the potential energy of body and water, J, in the frame that moves with the water."""
+    table, R = model.table, _rotation(row)
+    stream = (table[CURRENT, 0], table[CURRENT, 1], table[CURRENT, 2])
+    v = to_body(R, subtract(velocity_of(row), stream))
+    nu = (v[0], v[1], v[2], row[11], row[12], row[13])
+    kinetic = 0.0
+    for i in range(6):
+        for j in range(6):
+            kinetic += 0.5 * nu[i] * table[MASS + i, j] * nu[j]
+    height = row[3] - row[0] * stream[2]
+    cog = height + dot(R[2], (table[COG, 0], table[COG, 1], table[COG, 2]))
+    centre = (table[COB, 0], table[COB, 1], table[COB, 2])
+    lift = -table[DISPLACED_MASS] * table[GRAVITY] * (height + dot(R[2], centre))
+    if table[WATER_LEVEL] < np.inf:
+        weight = table[DENSITY] * table[GRAVITY]
+        lift = buoyant_energy(row[3], R, centre, table[WATER_LEVEL], weight, model.slices)
+    return kinetic, table[BODY_MASS] * table[GRAVITY] * cog + lift
+
+
+@compiled
+def position_of(row: FloatArray) -> Vector:
+    """Return the position (m, world frame) of a raw sample."""
+    return row[1], row[2], row[3]
+
+
+@compiled
+def velocity_of(row: FloatArray) -> Vector:
+    """Return the velocity (m/s, world frame) of a raw sample."""
+    return row[8], row[9], row[10]
+
+
+@compiled
+def sample_path(before: FloatArray, after: FloatArray) -> Cubic:
+    """Return the cubic path (m, world frame) between two raw samples."""
+    h = after[0] - before[0]
+    return cubic_between(position_of(before), velocity_of(before), position_of(after), velocity_of(after), h)
+
+
+@compiled
+def _rotation(row: FloatArray) -> tuple[Vector, Vector, Vector]:
+    return rotation_from_quaternion(row[4], row[5], row[6], row[7])
+
+
+@compiled
+def _locate_contact(before: FloatArray, after: FloatArray, model: FlightModel, between: FloatArray) -> float:
+    """Return the time (s) between two samples at which a surface first touches, by bisection on the path between them."""
+    low, high, h, sign = 0.0, 1.0, after[0] - before[0], 1.0
+    if before[4] * after[4] + before[5] * after[5] + before[6] * after[6] + before[7] * after[7] < 0.0:
+        sign = -1.0
+    path = sample_path(before, after)
+    for _ in range(40):
+        u = 0.5 * (low + high)
+        between[1], between[2], between[3] = cubic_point(path, u)
+        for i in range(4, 8):
+            between[i] = (1 - u) * before[i] + u * sign * after[i]
+        if _contact_depth(between, model) > 0.0:
+            high = u
+        else:
+            low = u
+    return float(before[0] + high * h)

@@ -1,0 +1,74 @@
+"""A step of an explicit Runge-Kutta pair, and the error of a step."""
+
+import math
+
+from driftform.motion.model import FlightModel
+from driftform.motion.rates import STATE, fill_rate
+from driftform.motion.tableaus import RungeKuttaPair
+from driftform.types import FloatArray
+from driftform.util.compiled import compiled
+
+
+@compiled
+def take_step(
+    t: float,
+    h: float,
+    y: FloatArray,
+    new: FloatArray,
+    slopes: FloatArray,
+    pair: RungeKuttaPair,
+    model: FlightModel,
+    plane: FloatArray | None,
+    in_space: bool | None,
+    tolerance: float,
+) -> float:
+    """Fill ``new`` with the state after ``h`` (s) and ``slopes`` with those of all stages; return error over tolerance."""
+    stages = pair.b.shape[0]
+    for s in range(1, stages + 1):
+        last = s == stages
+        copy(y, new)
+        for k in range(s):
+            share = h * (pair.b[k] if last else pair.a[s, k])
+            for j in range(y.shape[0]):
+                new[j] += share * slopes[k, j]
+        fill_rate(t + (1.0 if last else pair.c[s]) * h, new, model, plane, in_space, slopes[s])
+    first = squared_error(pair.error, slopes, y, new, tolerance)
+    second = squared_error(pair.second, slopes, y, new, tolerance) if pair.second.shape[0] > 0 else 0.0
+    normalise(new, plane)
+    if second > 0.0:
+        return float(h * first / math.sqrt(first + 0.01 * second))
+    return float(h * math.sqrt(first))
+
+
+@compiled
+def normalise(y: FloatArray, plane: FloatArray | None) -> None:
+    """Give the quaternion of a state the length 1, which is not part of the motion."""
+    begin, end = (3, 7) if plane is None else (2, 4)
+    square = 0.0
+    for j in range(begin, end):
+        square += y[j] * y[j]
+    for j in range(begin, end):
+        y[j] /= math.sqrt(square)
+
+
+@compiled
+def squared_error(
+    weights: FloatArray, slopes: FloatArray, y: FloatArray, new: FloatArray, tolerance: float
+) -> float:
+    """Return the mean over all coordinates of ((weighted sum of slopes) / (tolerance (1 + |value|)))^2."""
+    total = 0.0
+    for j in range(y.shape[0]):
+        e = 0.0
+        for k in range(weights.shape[0]):
+            e += weights[k] * slopes[k, j]
+        e /= tolerance * (1.0 + max(abs(y[j]), abs(new[j])))
+        total += e * e
+    # Divide by the number of values in space: those that a motion in the plane leaves at zero have no error.
+    return total / STATE
+
+
+@compiled
+def copy(source: FloatArray, target: FloatArray) -> None:
+    """Copy ``source`` into ``target``, in a loop: an assignment of slices takes ten times as long to compile."""
+    for j in range(source.shape[0]):
+        target[j] = source[j]

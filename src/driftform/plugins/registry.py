@@ -1,0 +1,237 @@
+"""Discovers plugins through the entry-point group ``driftform``, and finds their classes by seam and name.
+
+A broken plugin is listed with the reason; only selecting it is an error.
+"""
+
+import reprlib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import util
+from typing import Any
+
+import pluggy
+from pydantic import ValidationError
+
+from driftform.errors import InputError, WorkFailedError, describe_error, did_you_mean
+from driftform.interfaces import SEAMS, Plugin
+from driftform.options import Table, check_defaults
+from driftform.plugins import hookspecs
+from driftform.plugins.discovery import GROUP, PluginModule, find_modules
+from driftform.plugins.faults import report_faults
+
+
+@dataclass(frozen=True)
+class Contribution:
+    """One class that a distribution contributes to a seam, or the reason why it is unavailable.
+
+    Attributes
+    ----------
+    seam
+        seam of the class; empty if the module with the hooks could not be loaded.
+    name
+        name of the class, or of the entry point if the class is unavailable.
+    distribution, version
+        name and version of the distribution.
+    state
+        ``"ok"``, or the reason why the class is unavailable.
+    cls
+        the class, ``None`` if unavailable.
+    """
+
+    seam: str
+    name: str
+    distribution: str
+    version: str
+    state: str
+    cls: type[Plugin[Any]] | None = None
+
+    @property
+    def available(self) -> bool:
+        """True if the class can be used."""
+        return self.cls is not None
+
+
+class Registry:
+    """The installed plugins."""
+
+    def __init__(self) -> None:
+        self._manager = pluggy.PluginManager(GROUP)
+        self._manager.add_hookspecs(hookspecs)
+        self._origin: dict[str, PluginModule] = {}
+        self._broken: list[Contribution] = []
+        self._seams: dict[str, list[Contribution]] = {}
+        for found in find_modules():
+            key, problem = f"{found.distribution}:{found.name}", found.problem
+            self._origin[key] = found
+            if not problem:
+                try:
+                    self._check_hooks(found.module, found.place)
+                    self._manager.register(found.module, name=key)
+                except (Exception, SystemExit) as error:
+                    problem = f"unavailable: {describe_error(error)}"
+            if problem:
+                self._broken.append(Contribution("", found.name, found.distribution, found.version, problem))
+
+    def _check_hooks(self, module: object, place: str) -> None:
+        hooks = [name for name in vars(hookspecs) if name.startswith("driftform_")]
+        # pluggy silently ignores an implementation of a hook that does not exist.
+        found = [name for name in dir(module) if self._manager.parse_hookimpl_opts(module, name) is not None]
+        for name in found:
+            if name not in hooks:
+                raise AttributeError(f"unknown hook {name}{did_you_mean(name, hooks)}")
+        if not found:
+            unmarked = [name for name in dir(module) if name in hooks]
+            remedy = (
+                f"write @hookimpl above {unmarked[0]}()"
+                if unmarked
+                else "it needs a function such as driftform_fitness() with @hookimpl above it"
+            )
+            raise InputError(f"registers nothing: {place} has no hook; {remedy}")
+
+    def seam(self, seam: str) -> list[Contribution]:
+        """Return the contributions to one seam, by name; imports the implementations."""
+        if seam not in self._seams:
+            hook = getattr(self._manager.hook, f"driftform_{seam}")
+            rows: list[Contribution] = []
+            for implementation in hook.get_hookimpls():
+                origin = self._origin[implementation.plugin_name]
+                distribution, version, short = origin.distribution, origin.version, origin.name
+                try:
+                    classes = _check_classes(implementation.function(), SEAMS[seam])
+                except (Exception, SystemExit) as error:
+                    rows.append(
+                        Contribution(
+                            seam, short, distribution, version, f"unavailable: {describe_error(error)}"
+                        )
+                    )
+                    continue
+                rows.extend(Contribution(seam, c.name, distribution, version, "ok", c) for c in classes)
+            self._seams[seam] = sorted(rows, key=lambda row: (row.name, row.distribution))
+        return self._seams[seam]
+
+    def contributions(self) -> list[Contribution]:
+        """Return all contributions, including broken ones, by seam and name."""
+        return [row for seam in SEAMS for row in self.seam(seam)] + self._broken
+
+    def find(self, seam: str, name: str) -> type[Plugin[Any]]:
+        """Return the class with this name.
+
+        Raises
+        ------
+        InputError
+            if no plugin has the name, two plugins claim it, or its plugin cannot be imported.
+        """
+        rows = [row for row in self.seam(seam) if row.name == name]
+        usable = [row for row in rows if row.cls is not None]
+        if len(usable) > 1:
+            claimants = " and ".join(f"{row.distribution} {row.version}" for row in usable)
+            raise InputError(f"{seam} '{name}' is claimed by {claimants}; uninstall one of them")
+        if usable and usable[0].cls is not None:
+            return usable[0].cls
+        broken = rows or [row for row in self._broken if row.name == name]
+        if broken:
+            raise InputError(f"{seam} '{name}' ({broken[0].distribution}) is {broken[0].state}")
+        known = [row.name for row in self.seam(seam) if row.available]
+        unusable = [row for row in (*self.seam(seam), *self._broken) if not row.available]
+        more = "".join(f"; {row.distribution} is {row.state}" for row in unusable)
+        raise InputError(f"no {seam} is named '{name}'{did_you_mean(name, known)}{more}")
+
+    def check_seams(self, seams: Iterable[str]) -> None:
+        """Check that for each of some seams a distribution is installed, whether it works or not.
+
+        Raises
+        ------
+        InputError
+            if there is none, as where driftform was installed without its dependencies.
+        """
+        missing = [seam for seam in seams if not self.seam(seam)]
+        if missing and not self._broken:
+            raise InputError(
+                f"no plugin for {', '.join(missing)} is installed: in a clone of driftform run 'uv sync', "
+                "elsewhere 'pip install driftform'"
+            )
+
+    def create(self, seam: str, name: str, options: Mapping[str, Any], **more: Any) -> Any:
+        """Create an instance of the class with this name from its table of options.
+
+        Raises
+        ------
+        InputError
+            like :meth:`find`.
+        WorkFailedError
+            if the class fails.
+        pydantic.ValidationError
+            if the options do not fit the model of the class.
+        """
+        cls = self.find(seam, name)
+        checked = self.check_options(seam, name, options)
+        with report_faults():
+            return cls(checked, **more)
+
+    def check_options(self, seam: str, name: str, options: Mapping[str, Any]) -> Table:
+        """Return the options of the class with this name, from its table of options.
+
+        Raises
+        ------
+        InputError
+            like :meth:`find`.
+        WorkFailedError
+            if the model of the class fails, other than by a ValueError.
+        pydantic.ValidationError
+            if the options do not fit the model.
+        """
+        model = self.find(seam, name).Options
+        try:
+            return model.model_validate(dict(options))
+        except ValidationError:
+            raise
+        except (Exception, SystemExit) as error:
+            what = describe_error(error, with_place=True)
+            raise WorkFailedError(f"{seam} '{name}' failed to check its options: {what}") from None
+
+
+@cache
+def registry() -> Registry:
+    """Return the registry of this process, which is created once."""
+    return Registry()
+
+
+def require_module(module: str) -> None:
+    """Check that a module is installed which a plugin imports later, so that the plugin is unavailable without it.
+
+    Raises
+    ------
+    ModuleNotFoundError
+        if the module is not installed.
+    """
+    if util.find_spec(module) is None:
+        raise ModuleNotFoundError(f"No module named '{module}'", name=module)
+
+
+def _check_classes(returned: Any, interface: type[Plugin[Any]]) -> list[type[Plugin[Any]]]:
+    if not isinstance(returned, type | list | tuple):
+        raise TypeError(
+            f"the hook returned a {type(returned).__name__}, expected a class or a list of classes"
+        )
+    classes = [returned] if isinstance(returned, type) else list(returned)
+    if not classes:
+        raise TypeError("the hook returned no class")
+    for cls in classes:
+        if not (isinstance(cls, type) and issubclass(cls, interface)):
+            raise TypeError(f"{cls!r} is not a {interface.__name__}")
+        if not isinstance(vars(cls).get("name"), str):
+            # The name of another class would make both unusable.
+            raise TypeError(f"{cls.__name__} has no name of its own")
+        if missing := sorted(getattr(cls, "__abstractmethods__", ())):
+            raise TypeError(f"{cls.__name__} does not implement {', '.join(missing)}")
+        if not (isinstance(cls.Options, type) and issubclass(cls.Options, interface.Options)):
+            raise TypeError(
+                f"Options of {cls.__name__} is {reprlib.repr(cls.Options)}, expected a class that derives from "
+                f"{interface.Options.__name__} of {interface.Options.__module__}"
+            )
+        try:
+            check_defaults(cls.Options)
+        except ValueError as error:
+            raise ValueError(f"Options of {cls.__name__}: {error}") from None
+    return classes

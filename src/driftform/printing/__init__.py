@@ -1,1 +1,0 @@
-"""From a simulated agent to a printed one that flies like it: ballast, trim, checks."""

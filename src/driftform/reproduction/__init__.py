@@ -1,1 +1,0 @@
-"""The paper's experiment, repeated, and its tables and figures made of our own flights."""

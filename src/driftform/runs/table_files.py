@@ -1,0 +1,100 @@
+"""Tables as files, written batch by batch, so that a table need not fit into memory."""
+
+import csv
+import json
+from collections.abc import Callable, Iterable, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from driftform.errors import WorkFailedError
+from driftform.runs.columns import FLIGHT_COLUMNS, Batch, Column
+from driftform.types import Trajectory
+from driftform.util.files import write_whole
+
+TableWriter = Callable[[Path, Sequence[Column], Iterable[Batch]], int]
+"""Writes a table to a path, and returns its number of rows."""
+
+
+def write_csv(path: Path, columns: Sequence[Column], batches: Iterable[Batch]) -> int:
+    """Write a table as CSV: lists as JSON, missing values as empty fields, numbers with all digits."""
+    rows = 0
+    names = [column.name for column in columns]
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(names)
+        for batch in batches:
+            texts = [_format_values(batch[name]) for name in names]
+            writer.writerows(zip(*texts, strict=True))
+            rows += len(texts[0])
+    return rows
+
+
+def _format_values(values: Any) -> list[Any]:
+    if isinstance(values, np.ndarray):
+        # The shortest digits that restore the number in single precision.
+        texts: list[Any] = values.astype(str).tolist()
+        return texts
+    return [json.dumps(value) if isinstance(value, list) else value for value in values]
+
+
+def write_parquet(path: Path, columns: Sequence[Column], batches: Iterable[Batch]) -> int:
+    """Write a table as Parquet, with one row group for each batch, and unit and meaning as metadata of each column."""
+    import pyarrow
+    from pyarrow import parquet
+
+    kinds = {
+        "integer": pyarrow.int64(),
+        "float": pyarrow.float64(),
+        "single": pyarrow.float32(),
+        "text": pyarrow.string(),
+        "integers": pyarrow.list_(pyarrow.int64()),
+    }
+    schema = pyarrow.schema(
+        [
+            pyarrow.field(c.name, kinds[c.kind], metadata={"unit": c.unit, "meaning": c.meaning})
+            for c in columns
+        ]
+    )
+    rows = 0
+    with parquet.ParquetWriter(path, schema, compression="zstd") as writer:
+        for batch in batches:
+            table = pyarrow.table(dict(batch), schema=schema)
+            writer.write_table(table)
+            rows += table.num_rows
+    return rows
+
+
+FORMATS: dict[str, TableWriter] = {"csv": write_csv, "parquet": write_parquet}
+"""The writers of tables by format, which is also the file suffix."""
+
+
+def check_format(name: str) -> None:
+    """Check that a format can be written, before any work is done.
+
+    Raises
+    ------
+    WorkFailedError
+        if a package is missing.
+    """
+    if name == "parquet" and find_spec("pyarrow") is None:
+        raise WorkFailedError(
+            "parquet files need the package pyarrow: uv sync --extra parquet, or pip install 'driftform[parquet]'; or choose --format csv"
+        )
+
+
+def write_trajectory(path: Path, trajectory: Trajectory) -> None:
+    """Write a flight as CSV: SI units, quaternion body to world, velocity in the body frame."""
+
+    def write(part: Path) -> None:
+        with part.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(FLIGHT_COLUMNS)
+            rows = zip(
+                trajectory.t, trajectory.position, trajectory.quaternion, trajectory.velocity, strict=True
+            )
+            writer.writerows([f"{v:.7g}" for v in (t, *p, *q, *u)] for t, p, q, u in rows)
+
+    write_whole(path, write)

@@ -1,0 +1,100 @@
+"""Advance a run: search to the end of its budget, fly the finalists, write the best agents; and what is best so far."""
+
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext, suppress
+from typing import Any
+
+from driftform.errors import DriftformError
+from driftform.runs.agent_file import StoredAgent
+from driftform.runs.run import Run
+from driftform.runs.store import Record, Store
+from driftform.search.finalists import find_best_agent, fly_finalists
+from driftform.search.jobs import Executor
+from driftform.search.loop import run_search
+from driftform.search.results import Best, write_results
+from driftform.water import Scenario
+from driftform.water.pipe_parts import Tee
+
+
+class Observer:
+    """Follows a run while it advances; each method does nothing unless it is overridden."""
+
+    def open_search(self, stored: int) -> AbstractContextManager[object]:
+        """Return what is entered around the search; ``stored`` evaluations were there before."""
+        return nullcontext()
+
+    def record(self, record: Record) -> None:
+        """Take one evaluation, stored or new."""
+
+    def generation(self, evaluations: int) -> None:
+        """Take the number of evaluations so far, after the strategy has received their outcomes."""
+
+    def open_finalists(self) -> AbstractContextManager[Callable[[int, int], None]]:
+        """Return a context that yields a function of the disturbed flights done, and of their total."""
+        return nullcontext(lambda _, __: None)
+
+
+def search_run(run: Run, executor: Executor, observer: Observer | None = None) -> None:
+    """Ask, evaluate and store until the budget is spent; requires the lock of the run.
+
+    Raises
+    ------
+    InputError
+        if the stored evaluations are not those that the study asks for.
+    """
+    with run.write() as store:
+        _search(run, store, executor, observer or Observer())
+
+
+def advance_run(run: Run, executor: Executor, observer: Observer | None = None) -> list[Best]:
+    """Search to the end of the budget, fly the finalists, and write best agents and maps; requires the lock of the run.
+
+    Raises
+    ------
+    InputError
+        if the stored evaluations are not those that the study asks for.
+    WorkFailedError
+        if every evaluation failed.
+    """
+    observer = observer or Observer()
+    with run.write() as store:
+        _search(run, store, executor, observer)
+        with observer.open_finalists() as progress:
+            fly_finalists(run.study, store, executor, progress)
+        store.check_place()
+        try:
+            return write_results(run.path, run.study, executor)
+        except DriftformError:
+            store.check_place()
+            raise
+
+
+def _search(run: Run, store: Store, executor: Executor, observer: Observer) -> None:
+    _prepare_flow(run.study.scenario)
+    with observer.open_search(store.count()):
+        run_search(run.study, store, executor, observer.record, observer.generation)
+
+
+def _prepare_flow(scenario: Scenario) -> None:
+    """Solve the flow in tees of a new shape here and now: what it says would be lost in the display of the search."""
+    if scenario.pipe.is_open or not any(
+        isinstance(placed.part, Tee) for placed in scenario.pipe.layout.parts
+    ):
+        return
+    from driftform.water.fittings import fitting_array
+
+    with suppress(ValueError):  # The flow in such a shape is not known; a flight says so.
+        fitting_array(scenario)
+
+
+def find_best(run: Run, target: str) -> StoredAgent | None:
+    """Return the best agent of a run for a target, ``None`` while every evaluation has failed."""
+    with run.read() as store:
+        return find_best_agent(run.study, store, target)
+
+
+def list_best(run: Run) -> Mapping[str, Mapping[str, Any]]:
+    """Return the result of the best agent of each target: fitness (%), error (% of d_max), evaluation."""
+    with run.read() as store:
+        found = {target: find_best_agent(run.study, store, target) for target in run.study.scenario.targets}
+    return {target: stored.result for target, stored in found.items() if stored is not None}

@@ -1,0 +1,74 @@
+"""Flights of evaluations under disturbed conditions: each is flown once, and stored as it arrives."""
+
+from collections.abc import Callable, Iterable, Sequence
+
+from driftform.runs.store import DisturbedResult, Store
+from driftform.search import Executor, Job
+from driftform.study import Study
+from driftform.trajectory.way import find_offsets
+from driftform.util.latest import keep_latest
+from driftform.water import evaluation_seed
+from driftform.water.disturbances import Condition, draw_conditions
+
+
+@keep_latest
+def draw_rounds(study: Study) -> tuple[Condition, ...]:
+    """Return the conditions of the choice, and after them those of the promise, for a run of a study."""
+    robustness, calibration = study.scenario.robustness, study.scenario.calibration
+    return (
+        *draw_conditions(robustness, robustness.conditions, (study.seed, 0), calibration),
+        *draw_conditions(robustness, robustness.checks, (study.seed, 1), calibration),
+    )
+
+
+def fly_disturbed(
+    study: Study,
+    store: Store,
+    executor: Executor,
+    conditions: Sequence[Condition],
+    wanted: Iterable[tuple[int, int]],
+    on_flights: Callable[[int], None] = lambda _: None,
+    threshold: tuple[float, ...] | None = None,
+) -> int:
+    """Fly each missing pair of an evaluation and a condition, and store it; return the number of all pairs.
+
+    Parameters
+    ----------
+    conditions
+        all of them; a pair holds the index of one.
+    wanted
+        pairs of an evaluation and a condition.
+    on_flights
+        called with the number of pairs that are done.
+    threshold
+        that of :class:`driftform.search.Job`.
+    """
+    targets = study.scenario.target_names
+    pairs = list(wanted)
+    indices = {index for index, _ in pairs}
+    # A flight has a result for each target.
+    flown = store.read_disturbed(targets[0], min(indices, default=0), max(indices, default=-1) + 1)
+    missing = [(index, condition) for index, condition in pairs if condition not in flown.get(index, ())]
+    genomes = {index: store.read_genome(index) for index in {index for index, _ in missing}}
+    jobs = [
+        Job(number, genomes[index], evaluation_seed(study.seed, index), conditions[condition], threshold)
+        for number, (index, condition) in enumerate(missing)
+    ]
+    count = len(pairs) - len(missing)
+    on_flights(count)
+    for arrived in executor.evaluate(jobs):
+        store.add_disturbed(
+            [
+                DisturbedResult(
+                    *missing[number],
+                    evaluation.fitness,
+                    find_offsets(evaluation, study.scenario),
+                    evaluation.failure,
+                )
+                for number, evaluation in arrived
+            ],
+            targets,
+        )
+        count += len(arrived)
+        on_flights(count)
+    return len(pairs)

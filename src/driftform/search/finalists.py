@@ -1,0 +1,257 @@
+"""The last round of a run: finalists are judged under disturbed conditions, and the winners' misses are measured.
+
+The conditions of the choice are not those of the promise: whoever wins among many was also lucky, and only conditions
+that the choice never saw show how far the winner misses.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from math import ceil, inf
+from typing import Any
+
+import numpy as np
+
+from driftform.interfaces import Fitness
+from driftform.runs.agent_file import StoredAgent
+from driftform.runs.store import Store
+from driftform.search import Executor
+from driftform.search.disturbed import draw_rounds, fly_disturbed
+from driftform.search.survey import read_flights, read_scores
+from driftform.study import Study
+from driftform.trajectory.misses import Misses, finite_or_none
+from driftform.trajectory.way import find_offsets
+from driftform.types import BoolArray, FloatArray, Verdict
+from driftform.water import Robustness
+
+ROUND = 5
+"""Conditions of the choice between two looks at who can still win."""
+
+
+def fly_finalists(
+    study: Study,
+    store: Store,
+    executor: Executor,
+    on_flights: Callable[[int, int], None] = lambda _, __: None,
+) -> None:
+    """Fly the finalists of each target under the conditions of the choice, and the winners under those of the promise.
+
+    Without disturbed conditions, and if every evaluation failed, nothing is flown, and what is stored already is not flown
+    again. ``on_flights`` is called with the number of flights that are done, and with the total, which is an upper bound
+    during the choice.
+    """
+    robustness, targets = study.scenario.robustness, study.scenario.target_names
+    scores = read_scores(study, store) if robustness.conditions else {}
+    if not scores:
+        return
+    fitness = study.make_plugin("fitness")
+    reaching = np.column_stack(
+        [_find_reaching(fitness, store.read_fitness(t, list(scores))) for t in targets]
+    )
+    rows = choose_finalists(np.array(list(scores.values())), robustness.finalists, reaching)
+    finalists = {list(scores)[row]: reaching[row] for row in rows}
+    to_come = min(len(finalists), len(targets)) * robustness.checks
+    conditions = draw_rounds(study)
+    fly = partial(fly_disturbed, study, store, executor, conditions)
+    done = _race(study, store, fly, finalists, scores, lambda count, left: on_flights(count, left + to_come))
+    winners = sorted({won.index for t in targets if (won := find_winner(study, store, t)) is not None})
+    numbers = range(robustness.conditions, robustness.conditions + robustness.checks)
+    checked = [(index, number) for index in winners for number in numbers]
+    fly(checked, lambda count: on_flights(done + count, done + len(checked)))
+
+
+def _find_reaching(fitness: Fitness[Any], undisturbed: Mapping[int, float]) -> BoolArray:
+    """Return which evaluations may be chosen for a target, (n,): those that reach it undisturbed, or all if none does."""
+    reaching = np.array([fitness.judge(value) == Verdict.REACHED for value in undisturbed.values()])
+    return reaching if reaching.any() else ~reaching
+
+
+def choose_finalists(fitness: FloatArray, count: int, eligible: BoolArray) -> list[int]:
+    """Return the rows that are among the ``count`` best eligible ones for any target, in ascending order.
+
+    ``fitness`` and ``eligible`` are (n, targets).
+    """
+    # With a stable sort the earlier of equal values is chosen.
+    best = np.argsort(-np.where(eligible, fitness, -np.inf), axis=0, kind="stable")[:count]
+    return sorted(
+        {row for column, may in zip(best.T, eligible.T, strict=True) for row in column[may[column]].tolist()}
+    )
+
+
+def _race(
+    study: Study,
+    store: Store,
+    fly: Callable[..., int],
+    finalists: Mapping[int, BoolArray],
+    scores: Mapping[int, FloatArray],
+    on_flights: Callable[[int, int], None],
+) -> int:
+    """Fly the conditions of the choice, and return the number of flights; whoever can no longer win flies no more.
+
+    The best of the search for each target fly under all conditions. Another is out as soon as its score would be below
+    theirs for all its targets if all flights to come were perfect. So the winners are those of a choice in which all fly.
+
+    Parameters
+    ----------
+    finalists
+        for which targets each may be chosen, (targets,).
+    scores
+        fitness of the search, (targets,).
+    on_flights
+        called with the number of flights that are done, and an upper bound of their total.
+    """
+    robustness, targets = study.scenario.robustness, study.scenario.target_names
+    count, done = robustness.conditions, 0
+    # The error of an unchecked flight is far below the differences that decide; what is promised is checked.
+    unchecked = (inf,) * len(targets)
+
+    def fly_on(indices: Sequence[int], first: int, end: int, behind: int) -> int:
+        pairs = [(index, number) for index in indices for number in range(first, end)]
+        bound = done + len(pairs) + behind
+        return done + fly(pairs, lambda flown: on_flights(done + flown, bound), unchecked)
+
+    def find_bounds(flown: int) -> dict[int, FloatArray]:
+        flights = read_flights(store, targets, flown, min(finalists), max(finalists) + 1)
+        perfect = np.full((count - flown, len(targets)), 100.0)
+        return {
+            index: robust_fitness(np.vstack([flights[index], perfect]), robustness)
+            for index in finalists
+            if index in flights
+        }
+
+    leaders = [
+        max(
+            (index for index, may in finalists.items() if may[number]),
+            key=lambda index: scores[index][number],
+        )
+        for number in range(len(targets))
+    ]
+    racing = sorted(set(finalists).difference(leaders))
+    done = fly_on(sorted(set(leaders)), 0, count, len(racing) * count)
+    reached = find_bounds(count)
+    bars = np.array([reached[leader][number] for number, leader in enumerate(leaders)])
+    for first in range(0, count, ROUND):
+        end = min(first + ROUND, count)
+        done = fly_on(racing, first, end, len(racing) * (count - end))
+        bounds = find_bounds(end)
+        racing = [index for index in racing if (bounds[index] >= bars)[finalists[index]].any()]
+    return done
+
+
+def robust_fitness(fitness: FloatArray, robustness: Robustness) -> FloatArray:
+    """Return the scores of a finalist from its fitness under all conditions of the choice, (conditions, targets).
+
+    It is the mean, the smallest value, or the quantile ``robustness.quantile``, by ``robustness.score``. The quantile is that of
+    ``numpy.quantile``, which imports ``numpy.ma`` in a tenth of the time that numpy itself takes.
+    """
+    if robustness.score == "mean":
+        return np.asarray(fitness.mean(axis=0))
+    if robustness.score == "worst":
+        return np.asarray(fitness.min(axis=0))
+    ordered = np.sort(fitness, axis=0)
+    place = robustness.quantile * (len(ordered) - 1)
+    low, high, part = ordered[int(place)], ordered[ceil(place)], place % 1
+    # From the nearer end, as numpy does: the other sum rounds differently.
+    return np.asarray(low + (high - low) * part if part < 0.5 else high - (high - low) * (1 - part))
+
+
+@dataclass(frozen=True, eq=False)
+class Winner:
+    """The best finalist for a target.
+
+    Attributes
+    ----------
+    index
+        of its evaluation.
+    score
+        by which it was chosen, %.
+    misses
+        of its flights under the conditions of the promise, ``None`` before they are flown.
+    reached
+        share of these flights that reach the target, as the fitness judges it.
+    """
+
+    index: int
+    score: float
+    misses: Misses | None
+    reached: float | None = None
+
+    def document(self) -> dict[str, Any]:
+        """Return what an agent file and a JSON document hold of it: flights, failures, share that reach the target, score; misses in m."""
+        if self.misses is None:
+            return {"score": self.score}
+        return {
+            "score": self.score,
+            "flights": self.misses.count,
+            "failed": self.misses.failed,
+            "reached": self.reached,
+            "median": finite_or_none(self.misses.median[0]),
+            "p90": finite_or_none(self.misses.promised[0]),
+        }
+
+
+def find_winner(study: Study, store: Store, target: str) -> Winner | None:
+    """Return the finalist that was chosen for a target; ``None`` before the choice is complete.
+
+    One that reaches the target undisturbed goes before all that do not: a body that always passes half a metre above its
+    target can be relied on, and is of no use. Of those with equal scores, such as all that leave by an outlet, it is the one
+    with the best undisturbed flight, and then the earliest.
+    """
+    robustness = study.scenario.robustness
+    if not robustness.conditions:
+        return None
+    conditions = draw_rounds(study)
+    judged, checked = range(robustness.conditions), range(robustness.conditions, len(conditions))
+    flown = store.read_disturbed(target)
+    judged_all = [index for index, flights in flown.items() if all(number in flights for number in judged)]
+    if not judged_all:
+        return None
+    fitness, undisturbed = study.make_plugin("fitness"), store.read_fitness(target, judged_all)
+    reaching = _find_reaching(fitness, undisturbed)
+    eligible = [index for index, reaches in zip(judged_all, reaching, strict=True) if reaches]
+    judged_fitness = np.array([[flown[index][number] for number in judged] for index in eligible])
+    scores = dict(zip(eligible, robust_fitness(judged_fitness.T, robustness).tolist(), strict=True))
+    best = max(scores.values())
+    equals = sorted((index for index in scores if scores[index] == best), key=lambda i: (-undisturbed[i], i))
+    flights = flown[equals[0]]
+    if not all(number in flights for number in checked):
+        return Winner(equals[0], best, None)
+    offsets = store.read_offsets(target, equals[0])
+    misses = Misses(conditions[len(judged) :], np.array([offsets[number] for number in checked])[:, None])
+    reached = [fitness.judge(flights[number]) for number in checked].count(Verdict.REACHED) / len(checked)
+    return Winner(equals[0], best, misses, reached)
+
+
+def find_best_agent(study: Study, store: Store, target: str) -> StoredAgent | None:
+    """Return the best agent of a run for a target, named after it; ``None`` before any evaluation succeeded.
+
+    If finalists were flown under disturbed conditions it is the one that was chosen then.
+    """
+    return describe_best(study, store, target, find_winner(study, store, target))
+
+
+def describe_best(study: Study, store: Store, target: str, winner: Winner | None) -> StoredAgent | None:
+    """Return the ``winner`` for a target as :func:`find_best_agent` does; without one, the best agent of the search."""
+    if winner is not None:
+        index = winner.index
+    elif (best := store.find_best(target)) is not None:
+        index, _ = best
+    else:
+        return None
+    targets = study.scenario.target_names
+    record = store.read_record(index, targets)
+    fitness = float(record.evaluation.fitness[targets.index(target)])
+    offset = find_offsets(record.evaluation, study.scenario)[targets.index(target)]
+    promise = {} if winner is None else winner.document()
+    result: dict[str, Any] = {
+        "target": target,
+        "fitness": fitness,
+        "error_percent": 100 - fitness,
+        "evaluation": index,
+        "nominal": finite_or_none(float(np.linalg.norm(offset))),
+        "median": promise.pop("median", None),
+        "p90": promise.pop("p90", None),
+    }
+    if promise:
+        result["robust"] = promise
+    return StoredAgent(target, record.candidate.genome, study.environment(record.index), result)

@@ -1,0 +1,174 @@
+"""The jobs and outcomes of an executor, and the number of genomes in one task."""
+
+import math
+from collections import deque
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol, TypeVar
+
+from driftform.errors import WorkFailedError, describe_error
+from driftform.pipeline import Pipeline
+from driftform.runs.compression import compress_evaluation
+from driftform.types import Evaluation, Genome
+from driftform.water import Scenario
+from driftform.water.disturbances import Condition, draw_conditions
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """One genome to evaluate.
+
+    Attributes
+    ----------
+    index
+        identifies the job in its outcome.
+    genome
+        the genome.
+    seed
+        seed of the gusts, ``None`` for that of the scenario.
+    condition
+        disturbed conditions of the flight, ``None`` for undisturbed.
+    threshold
+        for each target the fitness (%) that the genome must exceed to matter, ``None`` if every fitness matters; see
+        :meth:`driftform.pipeline.Pipeline.evaluate`.
+    """
+
+    index: int
+    genome: Genome
+    seed: int | None = None
+    condition: Condition | None = None
+    threshold: tuple[float, ...] | None = None
+
+
+Outcome = tuple[int, Evaluation]
+"""The index of a job, and its evaluation."""
+
+
+class Executor(Protocol):
+    """Evaluates jobs, in this process or in others."""
+
+    def evaluate(self, jobs: "Sequence[Job] | deque[Job]") -> Iterable[Sequence[Outcome]]:
+        """Yield one outcome for each job, in any order, in batches of any size.
+
+        Jobs may be added to a deque until the last outcome has arrived. Another call may begin before that.
+        """
+
+    def call(self, functions: Sequence[Callable[[], T]]) -> list[T]:
+        """Call functions on this machine, at the same time if possible; return what they return, in their order.
+
+        Raises
+        ------
+        FunctionDiedError
+            if one of them ends its process.
+        """
+
+
+ATTEMPTS = 2
+"""A genome fails if its process ends itself this often, by a crash or an exit, while it evaluates this genome alone."""
+
+KILLS = 5
+"""A genome fails if its process is killed this often while it evaluates this genome alone: nobody kills so steadily,
+but the kernel does if the genome takes all memory."""
+
+STARTS = 5
+"""A run stops if this many workers in a row die before they can evaluate anything."""
+
+MAX_BATCH = 50
+"""Largest number of genomes in one task."""
+
+FIRST_BATCH = 4
+"""Largest number of genomes in a task while the time for one is unknown."""
+
+MIN_TASK_S = 0.005
+"""Shortest duration of a task, s: ten times the cost of submitting one."""
+
+MAX_TASK_S = 1.0
+"""Longest duration of a task of several genomes, s: the work that a crash repeats."""
+
+
+class WorkersLostError(WorkFailedError):
+    """The workers are lost, and no genome is to blame; the run can be resumed."""
+
+
+class FunctionDiedError(WorkFailedError):
+    """A function ended its process each time it was called; ``index`` is its place among those that were called."""
+
+    def __init__(self, index: int, message: str) -> None:
+        super().__init__(message)
+        self.index = index
+
+
+def evaluate_batch(pipeline: Pipeline, batch: Sequence[Job]) -> list[Outcome]:
+    """Evaluate the genomes of one task.
+
+    Trajectories are compressed as a run stores them. Of a disturbed flight a run stores no more than how far it passes the targets.
+    """
+    evaluations = pipeline.evaluate(
+        [job.genome for job in batch],
+        [job.seed for job in batch],
+        [job.condition for job in batch],
+        [job.threshold for job in batch],
+    )
+    return [
+        (
+            job.index,
+            _compress(evaluation) if job.condition is None else _measure(evaluation, pipeline.scenario),
+        )
+        for job, evaluation in zip(batch, evaluations, strict=True)
+    ]
+
+
+def rehearse(pipeline: Pipeline, genome: Genome) -> None:
+    """Fly a genome under a disturbed condition, if a run with this scenario has any, and forget the flight.
+
+    Disturbed flights need kernels of their own, and a run asks for them only after its undisturbed flights. One process
+    that rehearses compiles them while another compiles those of the undisturbed flights.
+    """
+    robustness, calibration = pipeline.scenario.robustness, pipeline.scenario.calibration
+    if robustness.conditions:
+        pipeline.evaluate([genome], conditions=draw_conditions(robustness, 1, (0,), calibration))
+
+
+def _measure(evaluation: Evaluation, scenario: Scenario) -> Evaluation:
+    # Imported here: it loads the compiler.
+    from driftform.trajectory.way import find_offsets
+
+    return replace(evaluation, offsets=find_offsets(evaluation, scenario), trajectory=None)
+
+
+def _compress(evaluation: Evaluation) -> Evaluation:
+    try:
+        return compress_evaluation(evaluation)
+    except ValueError as error:
+        failed = Evaluation.failed(evaluation.genome, len(evaluation.fitness), describe_error(error))
+        return replace(failed, seconds=evaluation.seconds)
+
+
+def task_size(waiting: int, processes: int, seconds: float | None) -> int:
+    """Return the number of genomes in the next task: half of an even share, within the limits on a task's duration.
+
+    Tasks become smaller towards the end, so that the processes finish together. The factor of two is that of Hummel,
+    Schonberg and Flynn (1992), Factoring: a method for scheduling parallel loops, doi:10.1145/135226.135232.
+
+    Parameters
+    ----------
+    waiting
+        number of genomes that are not in a task yet.
+    processes
+        number of processes that evaluate at the same time.
+    seconds
+        time for one genome, s, ``None`` if unknown.
+
+    >>> [task_size(n, 2, 0.005) for n in (100, 75, 20, 6, 1)]
+    [25, 19, 5, 2, 1]
+    >>> task_size(1000, 2, 0.005), task_size(1000, 2, 0.2), task_size(1000, 2, 60.0), task_size(1000, 2, None)
+    (50, 5, 1, 4)
+    """
+    share = math.ceil(waiting / (2 * processes))
+    if seconds is None:
+        return min(share, FIRST_BATCH)
+    seconds = max(seconds, 1e-6)
+    size = min(max(share, math.ceil(MIN_TASK_S / seconds)), int(MAX_TASK_S / seconds), MAX_BATCH, waiting)
+    return max(size, 1)

@@ -1,0 +1,234 @@
+"""The ask/tell loop over a stored run, and what a run leaves behind."""
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from driftform.errors import InputError
+from driftform.interfaces import Strategy
+from driftform.plugins.faults import report_faults
+from driftform.plugins.seams import require_candidates
+from driftform.runs.store import Record, Store
+from driftform.search import Executor, Job, Outcome
+from driftform.search.survey import count_survey, survey
+from driftform.study import Study
+from driftform.types import Candidate, Evaluation
+from driftform.water import Robustness, evaluation_seed
+
+AHEAD = 1
+"""Batches that a strategy may be asked for while the outcomes of another are missing, so that no worker waits for it."""
+
+UNWRITTEN_S = 0.05
+"""Most time that evaluations took which are not written yet, s: a kill repeats that much work.
+
+A disk takes milliseconds to keep what is written, as long as some evaluations take, whether one or many are written.
+"""
+
+
+def run_search(
+    study: Study,
+    store: Store,
+    executor: Executor,
+    on_record: Callable[[Record], None] = lambda _: None,
+    on_generation: Callable[[int], None] = lambda _: None,
+) -> None:
+    """Ask, evaluate, tell, until the budget is spent; a strategy that can is asked for a batch while another is flown.
+
+    A strategy is a function of the seed and of the outcomes it received, so an interrupted run is resumed by running it
+    again: what is stored already is not flown a second time. Which flights are checked follows from the same outcomes.
+
+    Parameters
+    ----------
+    on_record
+        called with each evaluation, stored or new.
+    on_generation
+        called with the number of evaluations so far, whenever the strategy has received their outcomes.
+
+    Raises
+    ------
+    InputError
+        where the stored evaluations are not those that this study asks for.
+    WorkFailedError
+        where the strategy fails.
+    """
+    with report_faults():
+        _search(study, store, executor, on_record, on_generation)
+
+
+@dataclass(frozen=True, eq=False)
+class _Batch:
+    """Candidates that a strategy asked for together, from evaluation ``first`` on, and their outcomes so far."""
+
+    first: int
+    candidates: Sequence[Candidate]
+    seeds: Sequence[int]
+    outcomes: dict[int, Evaluation] = field(default_factory=dict)
+
+    def record(self, index: int, evaluation: Evaluation) -> Record:
+        """Return what is stored of the outcome of one of the candidates."""
+        number = index - self.first
+        return Record(index, self.candidates[number], evaluation, self.seeds[number])
+
+    @property
+    def is_complete(self) -> bool:
+        return len(self.outcomes) == len(self.candidates)
+
+    @property
+    def ordered(self) -> list[Evaluation]:
+        """The outcomes in the order of the candidates."""
+        return [self.outcomes[index] for index in range(self.first, self.first + len(self.candidates))]
+
+
+def _search(
+    study: Study,
+    store: Store,
+    executor: Executor,
+    on_record: Callable[[Record], None],
+    on_generation: Callable[[int], None],
+) -> None:
+    strategy, targets = study.make_strategy(), study.scenario.target_names
+    best = BestFitness(len(targets), count_finalists(study.scenario.robustness))
+    waiting: deque[Job] = deque()
+    arrivals = _evaluate_forever(executor, waiting)
+    batches: deque[_Batch] = deque()
+    asked = told = 0
+    # Nobody else writes meanwhile: beyond what is stored now there is nothing to read.
+    stored = store.last_index() + 1
+    with _keep_journal(store, targets, on_record) as journal:
+        while told < study.evaluations:
+            # The order of these calls depends on no time: with any workers, and after an interruption, it is the same.
+            while asked < study.evaluations and (
+                not batches or (len(batches) <= AHEAD and strategy.can_ask_ahead())
+            ):
+                batch = _ask(study, strategy, asked)
+                if asked < stored:
+                    for record in store.read_records(targets, asked, len(batch.candidates)):
+                        _require_same(record, batch)
+                        batch.outcomes[record.index] = record.evaluation
+                        on_record(record)
+                waiting.extend(_list_jobs(batch, best))
+                batches.append(batch)
+                asked += len(batch.candidates)
+            while not batches[0].is_complete:
+                for index, evaluation in next(arrivals):
+                    batch = _find_batch(batches, index)
+                    batch.outcomes[index] = evaluation
+                    journal.add(batch.record(index, evaluation))
+            batch = batches[0]
+            if len(batches) == 1 or count_survey(study.scenario.robustness):
+                # Nothing is flown meanwhile, or the survey reads them.
+                journal.write()
+            strategy.tell(told, survey(study, store, executor, told, batch.candidates, batch.ordered))
+            best.add(batch.ordered)
+            batches.popleft()
+            told += len(batch.candidates)
+            on_generation(told)
+
+
+class _Journal:
+    """New evaluations on their way into the store, in the order in which they arrive.
+
+    What a strategy has learned from is therefore never missing where something that it asked for later is stored.
+    """
+
+    def __init__(self, store: Store, targets: Sequence[str], on_record: Callable[[Record], None]) -> None:
+        self._store = store
+        self._targets = targets
+        self._on_record = on_record
+        self._unwritten: list[Record] = []
+
+    def add(self, record: Record) -> None:
+        """Take an evaluation; write it, with those before it, if they took longer than :data:`UNWRITTEN_S`."""
+        self._unwritten.append(record)
+        if sum(record.evaluation.seconds for record in self._unwritten) > UNWRITTEN_S:
+            self.write()
+
+    def write(self) -> None:
+        """Write what is left; what is shown is stored."""
+        records, self._unwritten = self._unwritten, []
+        if records:
+            self._store.add(records, self._targets)
+        for record in records:
+            self._on_record(record)
+
+
+@contextmanager
+def _keep_journal(
+    store: Store, targets: Sequence[str], on_record: Callable[[Record], None]
+) -> Iterator[_Journal]:
+    """Give a journal, and write what is left in it, also where the search is interrupted."""
+    journal = _Journal(store, targets, on_record)
+    try:
+        yield journal
+    finally:
+        journal.write()
+
+
+def _evaluate_forever(executor: Executor, waiting: deque[Job]) -> Iterator[Sequence[Outcome]]:
+    """Yield the outcomes of what waits, and of what is added to it; ask for the next only if there is one."""
+    while True:
+        yield from executor.evaluate(waiting)
+
+
+def _ask(study: Study, strategy: Strategy[Any], asked: int) -> _Batch:
+    left, grammar = study.evaluations - asked, study.document["grammar"]["use"]
+    found, targets = strategy.ask(left), study.scenario.target_names
+    candidates = require_candidates(found, left, strategy, grammar, targets, asked)
+    seeds = [evaluation_seed(study.seed, index) for index in range(asked, asked + len(candidates))]
+    return _Batch(asked, candidates, seeds)
+
+
+def _require_same(record: Record, batch: _Batch) -> None:
+    if record.candidate != batch.candidates[record.index - batch.first]:
+        raise InputError(
+            f"evaluation {record.index} of this run is not the one that its study asks for now: a plugin "
+            "has changed since; resume with the versions in environment.json, or start a new run"
+        )
+
+
+def _list_jobs(batch: _Batch, best: "BestFitness") -> Iterator[Job]:
+    """Yield what is left to be evaluated of a batch."""
+    for index, (candidate, seed) in enumerate(zip(batch.candidates, batch.seeds, strict=True), batch.first):
+        if index not in batch.outcomes:
+            yield Job(index, candidate.genome, seed, threshold=best.lower_threshold(candidate.threshold))
+
+
+def _find_batch(batches: Iterable[_Batch], index: int) -> _Batch:
+    return next(batch for batch in batches if 0 <= index - batch.first < len(batch.candidates))
+
+
+class BestFitness:
+    """The best fitness of a run so far for each target: what an evaluation must exceed to appear among its results.
+
+    Parameters
+    ----------
+    targets
+        number of targets.
+    count
+        number of best evaluations that a run shows for each of them.
+    """
+
+    def __init__(self, targets: int, count: int) -> None:
+        self._best = np.full((count, targets), -np.inf)
+
+    def add(self, evaluations: Sequence[Evaluation]) -> None:
+        """Take the fitness of evaluations; failed ones do not count."""
+        sound = [evaluation.fitness for evaluation in evaluations if evaluation.failure is None]
+        if sound:
+            self._best = np.sort(np.vstack([self._best, *sound]), axis=0)[-len(self._best) :]
+
+    def lower_threshold(self, threshold: tuple[float, ...] | None) -> tuple[float, ...] | None:
+        """Return a strategy's threshold, lowered where the run itself wants a lower fitness, (targets,)."""
+        if threshold is None:
+            return None
+        lowered: list[float] = np.minimum(threshold, self._best[0]).tolist()
+        return tuple(lowered)
+
+
+def count_finalists(robustness: Robustness) -> int:
+    """Return the number of best evaluations that a run shows, or flies again, for each target."""
+    return robustness.finalists if robustness.conditions else 1

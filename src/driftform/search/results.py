@@ -1,0 +1,262 @@
+"""What a run leaves behind: the best agents with their files, and pictures of all flights."""
+
+import shutil
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from typing import Any, TypeVar
+
+from driftform.errors import DriftformError, InputError, WorkFailedError
+from driftform.interfaces import ExportJob
+from driftform.plugins.faults import report_faults
+from driftform.plugins.seams import require_files
+from driftform.runs.agent_file import StoredAgent, agent_document, write_agent
+from driftform.runs.directory import DATABASE
+from driftform.runs.store import Store
+from driftform.runs.wording import describe_worst
+from driftform.search import Executor, FunctionDiedError
+from driftform.search.finalists import find_best_agent
+from driftform.study import Study
+from driftform.types import Agent, Trajectory
+from driftform.util.files import remove_parts, write_text, write_whole
+from driftform.util.progress import track_progress
+
+# Drawing needs the compiled kernels, which take half a second to load. They are imported only inside the functions that
+# draw: worker processes, which have loaded them already, call these, and the coordinator starts its workers earlier.
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Best:
+    """The best of a run for one target.
+
+    Attributes
+    ----------
+    target
+        its name.
+    index
+        of the evaluation.
+    fitness
+        for that target, %.
+    nominal
+        distance of the closest approach of its undisturbed flight, m.
+    median, p90
+        median of the disturbed flights' misses, and the miss that 9 of 10 of them stay within, m; ``None`` without
+        disturbed flights, or if too many of them failed.
+    agent
+        path of its ``agent.json``.
+    files
+        paths of whatever else was written.
+    problems
+        what could not be written, one line for each.
+    robust
+        number of disturbed flights and of failures, and the score of the choice; empty without disturbed flights.
+    """
+
+    target: str
+    index: int
+    fitness: float
+    nominal: float
+    median: float | None
+    p90: float | None
+    agent: Path
+    files: tuple[Path, ...] = ()
+    problems: tuple[str, ...] = ()
+    robust: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def error_percent(self) -> float:
+        """Distance of closest approach, in percent of the farthest distance in the pipe (eq. 25)."""
+        return 100 - self.fitness
+
+
+def write_results(directory: Path, study: Study, executor: Executor) -> list[Best]:
+    """Write the best agent of each target, the overview and the map of a run's directory; return the best agents.
+
+    The executor writes them at the same time, each file completely or not at all.
+
+    Raises
+    ------
+    WorkFailedError
+        where not one evaluation succeeded; the message gives the reason of the first.
+    InputError
+        where a stored evaluation is damaged.
+    """
+    groups = _group_targets(directory, study)
+    # What takes longest first.
+    pieces: list[Callable[[Path, Study, Store], Any]] = [_write_overview, _write_reach]
+    pieces += [partial(_write_agents, stored=group) for group in groups]
+    try:
+        _, _, *results = executor.call(
+            [partial(_call_with_store, write, directory, study) for write in pieces]
+        )
+        found = {best.target: best for group, _ in results for best in group}
+        if study.run.formats:
+            _export_all(directory, study, executor, groups, [agent for _, agent in results], found)
+    except BaseException:
+        for folder in ("best", "figures"):
+            remove_parts(directory / folder)
+        raise
+    return [found[target] for target in study.scenario.targets]
+
+
+def _group_targets(directory: Path, study: Study) -> list[Sequence[StoredAgent]]:
+    """The best agents by the evaluation that they share: their flight is read and drawn once."""
+    groups: dict[int, list[StoredAgent]] = {}
+    with Store.open(directory / DATABASE, read_only=True, check=False) as store:
+        for target in study.scenario.targets:
+            stored = _find_best(study, store, target)
+            groups.setdefault(stored.result["evaluation"], []).append(stored)
+    return list(groups.values())
+
+
+def _call_with_store(write: Callable[[Path, Study, Store], T], directory: Path, study: Study) -> T:
+    with Store.open(directory / DATABASE, read_only=True, check=False) as store:
+        return write(directory, study, store)
+
+
+def _find_best(study: Study, store: Store, target: str) -> StoredAgent:
+    stored = find_best_agent(study, store, target)
+    if stored is None:
+        reason, count = store.find_commonest_failure()
+        raise WorkFailedError(f"all {store.count()} evaluations failed, {count} of them like this: {reason}")
+    return stored
+
+
+def _read_flight(directory: Path, study: Study, store: Store, stored: StoredAgent) -> Trajectory:
+    index = stored.result["evaluation"]
+    flight = store.read_record(index, study.scenario.target_names).evaluation.trajectory
+    if flight is None:
+        raise InputError(f"{directory}: is damaged: the flight of evaluation {index} is missing")
+    return flight
+
+
+def _write_agents(
+    directory: Path, study: Study, store: Store, stored: Sequence[StoredAgent]
+) -> tuple[list[Best], Agent]:
+    """Write ``best/<target>/`` of targets that share an agent, without the files of exporters; return it for these."""
+    from driftform.figures.section import section_svg
+    from driftform.runs.table_files import write_trajectory
+
+    flight = _read_flight(directory, study, store, stored[0])
+    agent = study.make_pipeline().make_agent(stored[0].genome)
+    names = ("agent.json", "trajectory.csv", "section.svg")
+    found: list[Best] = []
+    for best in stored:
+        target, result = best.result["target"], best.result
+        document, samples, picture = files = [directory / "best" / target / name for name in names]
+        write_agent(document, best)
+        if found:
+            write_whole(samples, partial(shutil.copyfile, found[0].files[1]))
+        else:
+            write_trajectory(samples, flight)
+        write_text(picture, section_svg(agent, target, study.scenario))
+        found.append(
+            Best(
+                target,
+                result["evaluation"],
+                result["fitness"],
+                result["nominal"],
+                result["median"],
+                result["p90"],
+                document,
+                tuple(files),
+                robust=result.get("robust", {}),
+            )
+        )
+    return found, agent
+
+
+Exports = dict[str, tuple[list[Path], list[str]]]
+"""Of each target the files that exporters wrote, and what could not be written, one line each."""
+
+
+def _export_all(
+    directory: Path,
+    study: Study,
+    executor: Executor,
+    groups: Sequence[Sequence[StoredAgent]],
+    agents: Sequence[Agent],
+    found: dict[str, Best],
+) -> None:
+    """Write the formats of the run, and add their files to the best agents.
+
+    An exporter may take its process with it. Then everything else is written already.
+    """
+    try:
+        exported = executor.call(
+            [
+                partial(_export_agent, directory, study, agent, group)
+                for agent, group in zip(agents, groups, strict=True)
+            ]
+        )
+    except FunctionDiedError as error:
+        target = groups[error.index][0].result["target"]
+        formats = ",".join(study.run.formats)
+        problem = (
+            f"{directory / 'best' / target}: not all of {formats} was written: {error}; write what is missing with: "
+            f"driftform export {directory}:{target} --format {formats}"
+        )
+        found[target] = replace(found[target], problems=(problem,))
+        return
+    for group in exported:
+        for target, (files, problems) in group.items():
+            best = found[target]
+            found[target] = replace(best, files=(*best.files, *files), problems=tuple(problems))
+
+
+def _export_agent(directory: Path, study: Study, agent: Agent, stored: Sequence[StoredAgent]) -> Exports:
+    """Write the formats of the run into ``best/<target>/`` of targets that share an agent."""
+    exporters = [study.make_exporter(name) for name in study.run.formats]
+    exported: Exports = {}
+    for best in stored:
+        job = ExportJob("agent", agent, study.scenario, agent_document(best))
+        files, problems = exported.setdefault(best.result["target"], ([], []))
+        for exporter in exporters:
+            path = directory / "best" / best.result["target"] / f"agent{exporter.suffix}"
+            try:
+                with report_faults():
+                    written = require_files(exporter.write(job, path), exporter)
+            except DriftformError as error:
+                # An agent that one format cannot hold is no reason to keep back the others.
+                problems.append(f"{path}: not written: {error}")
+            else:
+                files.extend(Path(file.path) for file in written)
+    return exported
+
+
+def _write_overview(directory: Path, study: Study, store: Store) -> None:
+    from driftform.figures.gallery import GalleryEntry
+    from driftform.figures.overview import overview_svg
+
+    pipeline = study.make_pipeline()
+    fitness = pipeline.fitness
+    values: dict[str, float] = {}
+    flights: list[GalleryEntry] = []
+    flown: dict[int, tuple[Agent, Trajectory]] = {}
+    for target in study.scenario.targets:
+        stored = _find_best(study, store, target)
+        index = stored.result["evaluation"]
+        # Targets that share an agent share its flight, and are drawn once.
+        if index not in flown:
+            flown[index] = pipeline.make_agent(stored.genome), _read_flight(directory, study, store, stored)
+        agent, flight = flown[index]
+        values[target] = stored.result["fitness"]
+        flights.append(GalleryEntry(target, agent, flight, fitness.measure(values[target]), fitness.unit))
+    title = str(study.document.get("title", ""))
+    picture = overview_svg(flights, study.scenario, title, describe_worst(fitness, values))
+    write_text(directory / "figures" / "overview.svg", picture)
+
+
+def _write_reach(directory: Path, study: Study, store: Store) -> None:
+    from driftform.figures.reach import reach_svg
+    from driftform.trajectory.coverage import PipeGrid, map_coverage
+
+    reach = map_coverage(
+        track_progress(store.read_trajectories(), store.count_sound(), "flights"),
+        PipeGrid.of_scenario(study.scenario),
+    )
+    title = str(study.document.get("title", ""))
+    write_text(directory / "figures" / "reach.svg", reach_svg(reach, study.scenario, title))

@@ -1,0 +1,102 @@
+"""The survey: agents of the search that may be among the best are flown under a few disturbed conditions.
+
+An agent that passes a target within a millimetre in the mean flow may owe that to a balance which the weight of a print
+upsets. A strategy that receives the fitness under disturbed conditions breeds agents that do not.
+
+The undisturbed flight counts as one of these conditions. Without it, agents that slide along the wall half a metre from
+their target, whatever disturbs them, would displace those that reach it, and a search could not leave them any more.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+
+from driftform.runs.store import Store
+from driftform.search import Executor
+from driftform.search.disturbed import draw_rounds, fly_disturbed
+from driftform.study import Study
+from driftform.types import Candidate, Evaluation, FloatArray
+from driftform.water import Robustness
+
+
+def count_survey(robustness: Robustness) -> int:
+    """Return the number of disturbed flights of an agent that matters to the search."""
+    return min(robustness.survey, robustness.conditions)
+
+
+def survey(
+    study: Study,
+    store: Store,
+    executor: Executor,
+    first: int,
+    candidates: Sequence[Candidate],
+    evaluations: Sequence[Evaluation],
+) -> list[Evaluation]:
+    """Return what a strategy is given for a batch: evaluations with the mean fitness of all flights of an agent.
+
+    The conditions are the first of those of the choice, the same for all agents. An agent is surveyed only while its
+    mean fitness, of the undisturbed flight at first, exceeds its ``threshold`` for some target: any other fitness does
+    not matter to its strategy. An agent without a threshold is not surveyed.
+
+    Parameters
+    ----------
+    first
+        index of the first evaluation.
+    candidates, evaluations
+        the batch, and its undisturbed flights.
+    """
+    robustness, targets = study.scenario.robustness, study.scenario.target_names
+    count, given = count_survey(robustness), list(evaluations)
+    alive = [
+        number
+        for number, (candidate, evaluation) in enumerate(zip(candidates, evaluations, strict=True))
+        if evaluation.failure is None and candidate.threshold is not None
+    ]
+    conditions = draw_rounds(study) if count else ()
+    for condition in range(count):
+        alive = [n for n in alive if np.any(given[n].fitness > np.array(candidates[n].threshold))]
+        pairs = [(first + number, condition) for number in alive]
+        # The error of an unchecked flight is far below the differences that decide.
+        fly_disturbed(study, store, executor, conditions, pairs, threshold=(inf,) * len(targets))
+        flown = read_flights(store, targets, condition + 1, first, first + len(candidates))
+        for number in alive:
+            given[number] = replace(
+                given[number], fitness=_mean_fitness(evaluations[number].fitness, flown[first + number])
+            )
+    return given
+
+
+def read_scores(study: Study, store: Store) -> dict[int, FloatArray]:
+    """Return the fitness by which finalists are chosen, for each target, by evaluation: that which a strategy is given.
+
+    With a survey it has only those that were flown under all its conditions, if there are any.
+    """
+    targets, count = study.scenario.target_names, count_survey(study.scenario.robustness)
+    undisturbed = {
+        brief.index: np.array(brief.fitness)
+        for brief in store.read_summaries(targets)
+        if brief.failure is None
+    }
+    surveyed = read_flights(store, targets, count, 0, store.last_index() + 1) if count else {}
+    if surveyed:
+        return {index: _mean_fitness(undisturbed[index], flights) for index, flights in surveyed.items()}
+    return undisturbed
+
+
+def _mean_fitness(undisturbed: FloatArray, disturbed: FloatArray) -> FloatArray:
+    """Return the mean of an undisturbed flight, (targets,), and of disturbed ones, (flights, targets)."""
+    return np.asarray(np.vstack([undisturbed, disturbed]).mean(axis=0))
+
+
+def read_flights(
+    store: Store, targets: Sequence[str], count: int, first: int, end: int
+) -> dict[int, FloatArray]:
+    """Return the fitness of the first ``count`` disturbed flights, (count, targets), of evaluations that have all."""
+    columns = [store.read_disturbed(target, first, end) for target in targets]
+    return {
+        index: np.array([[column[index][number] for column in columns] for number in range(count)])
+        for index, flights in columns[0].items()
+        if all(number in flights for number in range(count))
+    }

@@ -1,0 +1,301 @@
+"""One worker process: the pipe to it, the tasks that it was sent, and how it ended.
+
+The pipe has exactly two ends. A worker that dies while it sends a result therefore ends the pipe, and the coordinator
+never waits for the rest of that result.
+"""
+
+import atexit
+import multiprocessing
+import os
+import signal
+import sys
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Future
+from contextlib import contextmanager, suppress
+from functools import cache
+from multiprocessing.connection import wait as wait_for_any
+from multiprocessing.reduction import ForkingPickler
+from typing import TYPE_CHECKING, Any
+
+from driftform.errors import DriftformError, WorkFailedError, describe_error
+from driftform.pipeline import Pipeline
+from driftform.plugins.faults import describe_fault
+from driftform.search.jobs import Job, Outcome, T, WorkersLostError, evaluate_batch, rehearse
+from driftform.search.pool import Cause, Death, WorkerDiedError
+from driftform.study import Document, load_study
+from driftform.util.preparation import observe_preparation
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
+
+TICK_S = 1.0
+"""Longest time between two looks at a worker that sends nothing, s."""
+
+END_S = 5.0
+"""Longest wait for a killed process to end, s; one that the kernel does not release is left behind."""
+
+OUTSIDE_SIGNALS = frozenset(
+    -getattr(signal, name).value
+    for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP", "SIGQUIT")
+    if hasattr(signal, name)
+)
+"""Exit codes of processes that others ended: a user, a batch system, or the kernel for want of memory."""
+
+
+class Worker:
+    """A worker process that ends when it is closed, or when this process ends."""
+
+    def __init__(self, document: Mapping[str, Any], timeout: float) -> None:
+        self._timeout = timeout
+        self._tasks: deque[Future[Any]] = deque()
+        self._lock = threading.Lock()
+        self._is_over = False
+        # Spawned, not forked: the libraries behind the simulators keep threads and global state.
+        context = multiprocessing.get_context("spawn")
+        self._connection, theirs = context.Pipe()
+        self._process = context.Process(target=_serve, args=(theirs,))
+        try:
+            with hold_back_interrupts(), leave_out_script():
+                self._process.start()
+        except OSError as error:
+            raise WorkersLostError(f"workers cannot start here: {error}") from None
+        except KeyboardInterrupt:
+            if self._process.pid is not None:
+                self._process.kill()
+            raise
+        finally:
+            # Otherwise the pipe would not end with the worker.
+            theirs.close()
+        self._send(dict(document))
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+        # A script that never closes its executor ends nevertheless.
+        atexit.register(self.close)
+
+    def submit(self, function: Callable[[], T]) -> "Future[T] | None":
+        """Call a function in the process; return ``None`` if the process has ended."""
+        future: Future[T] = Future()
+        with self._lock:
+            if self._is_over:
+                return None
+            self._tasks.append(future)
+        self._send(function)
+        return future
+
+    def close(self) -> None:
+        """End the process at once; its tasks are lost."""
+        atexit.unregister(self.close)
+        self._process.kill()
+        self._reader.join(END_S)
+
+    def _send(self, message: object) -> None:
+        # If the process has ended, the reader finds out, and answers for its tasks.
+        with suppress(OSError):
+            self._connection.send(message)
+
+    def _read(self) -> None:
+        """Pass results on until the process ends or takes too long; runs in a thread of its own."""
+        clock = _Clock(self._timeout)
+        while not clock.is_overdue:
+            try:
+                if not self._connection.poll(clock.tick):
+                    clock.advance()
+                    # A process that the worker started may keep the pipe open.
+                    if self._process.exitcode is None or self._connection.poll(0):
+                        continue
+                    break
+                clock.advance()
+                what, value = self._connection.recv()
+            except (EOFError, OSError):
+                break
+            except Exception as error:
+                what, value = "error", WorkFailedError(f"a result cannot be read: {describe_error(error)}")
+            match what:
+                case "begun":
+                    clock.start()
+                case "preparing":
+                    clock.pause(value)
+                case _:
+                    clock.stop()
+                    with self._lock:
+                        future = self._tasks.popleft()
+                    if what == "result":
+                        future.set_result(value)
+                    else:
+                        future.set_exception(value)
+        self._end(clock)
+
+    def _end(self, clock: "_Clock") -> None:
+        """End the process, and report its death to whoever waits for its tasks."""
+        if not clock.is_overdue:
+            self._process.join(TICK_S)
+        self._process.kill()
+        self._process.join(END_S)
+        self._connection.close()
+        code = self._process.exitcode
+        if not clock.is_running:
+            cause = Cause.START
+        elif clock.is_overdue:
+            cause = Cause.TIMEOUT
+        else:
+            cause = Cause.KILL if code in OUTSIDE_SIGNALS else Cause.CRASH
+        with self._lock:
+            self._is_over = True
+            tasks, self._tasks = self._tasks, deque()
+        for number, future in enumerate(tasks):
+            # The second task was only waiting in the pipe.
+            future.set_exception(
+                WorkerDiedError(Death(Cause.NONE if number else cause, _describe_exit(code)))
+            )
+
+
+class _Clock:
+    """The time that a task has taken, without preparations and without times when this process was stopped."""
+
+    def __init__(self, limit: float) -> None:
+        self._limit = limit
+        self.tick = min(TICK_S, limit / 10)
+        self.is_running = False
+        self._seconds = 0.0
+        self._pauses = 0
+        self._last = time.monotonic()
+
+    @property
+    def is_overdue(self) -> bool:
+        return self._seconds > self._limit
+
+    def start(self) -> None:
+        self.is_running, self._seconds, self._pauses = True, 0.0, 0
+
+    def stop(self) -> None:
+        self.is_running, self._seconds = False, 0.0
+
+    def pause(self, begins: bool) -> None:
+        self._pauses += 1 if begins else -1
+
+    def advance(self) -> None:
+        now = time.monotonic()
+        if self.is_running and not self._pauses:
+            self._seconds += min(now - self._last, 2 * self.tick)
+        self._last = now
+
+
+def _describe_exit(code: int | None) -> str:
+    if code is None:
+        return "it does not end"
+    if code >= 0:
+        return f"exit code {code}"
+    try:
+        return signal.Signals(-code).name
+    except ValueError:
+        return f"signal {-code}"
+
+
+@contextmanager
+def hold_back_interrupts() -> Iterator[None]:
+    """Block Ctrl-C in worker processes that start inside this context: the coordinator handles it.
+
+    They inherit the signal mask, so that even a process that is still importing prints no traceback.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    from multiprocessing import resource_tracker
+
+    # Started with the first process otherwise, and its start unblocks what is blocked here.
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def leave_out_script() -> Iterator[None]:
+    """Keep worker processes that start inside this context from importing the user's script, which they do not need.
+
+    A script without ``if __name__ == "__main__":`` would otherwise start its run again in each of them.
+    """
+    names = vars(sys.modules["__main__"])
+    kept: dict[str, Any] = {name: names.pop(name) for name in ("__spec__", "__file__") if name in names}
+    names["__spec__"] = None
+    try:
+        yield
+    finally:
+        names.update(kept)
+
+
+# Functions that run in the worker process.
+
+_connection: "Connection[Any, Any]"
+_document: Mapping[str, Any]
+_sending = threading.Lock()
+
+
+def _serve(connection: "Connection[Any, Any]") -> None:
+    """Call one function after another, and send back what it returns or raises."""
+    global _connection, _document  # noqa: PLW0603 - a worker process has one coordinator and one study
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_exit_with_coordinator, daemon=True).start()
+    _connection = connection
+    # A coordinator that has ended needs no answer.
+    with suppress(EOFError, OSError):
+        _document = connection.recv()
+        while True:
+            _answer()
+
+
+def _answer() -> None:
+    received = _connection.recv_bytes()
+    try:
+        answer = "result", ForkingPickler.loads(received)()
+    except DriftformError as error:
+        answer = "error", error
+    except BaseException as error:
+        # Not every error can be sent, and none is sent with its traceback.
+        answer = "error", WorkFailedError(describe_fault(error))
+    try:
+        _report(*answer)
+    except OSError:
+        raise
+    except Exception as error:
+        _report("error", WorkFailedError(f"a result cannot be sent: {describe_error(error)}"))
+
+
+def _report(what: str, value: object = None) -> None:
+    # Several threads of a simulator may prepare something.
+    with _sending:
+        _connection.send((what, value))
+
+
+def _exit_with_coordinator() -> None:
+    """Exit when the coordinator ends, even in the middle of a long flight."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        wait_for_any([parent.sentinel])
+        os._exit(1)
+
+
+@cache
+def _load_pipeline() -> Pipeline:
+    observe_preparation(lambda begins: _report("preparing", begins))
+    return load_study(Document("the study", _document)).make_pipeline()
+
+
+def prepare() -> None:
+    """Load what the first evaluation needs, in a worker process."""
+    _load_pipeline()
+
+
+def work(batch: Sequence[Job], *, rehearses: bool = False) -> list[Outcome]:
+    """Evaluate the genomes of one task, in a worker process, which flies one of them under other conditions before."""
+    # Loaded by a task: an exception is then the error of that task, and not a dead process.
+    pipeline = _load_pipeline()
+    _report("begun")
+    if rehearses:
+        rehearse(pipeline, batch[0].genome)
+    return evaluate_batch(pipeline, batch)

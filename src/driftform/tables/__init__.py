@@ -1,1 +1,0 @@
-"""Tables: the columns they have, and the files they are written to."""

@@ -1,0 +1,161 @@
+"""The current of a pipe on a regular grid, as CSV: for Gazebo, and for ``flow.kind = "grid"``."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from driftform.errors import InputError
+from driftform.types import FloatArray
+from driftform.util.files import write_whole
+from driftform.water import Scenario, TurbulentFlow, UniformFlow
+from driftform.water.grid_files import VelocityGrid
+
+COLUMNS = ("timestamp", "x", "y", "z", "u", "v", "w")
+"""Columns of the file: s, m and m/s. The timestamp is 0: Gazebo needs the column, and the current is steady."""
+
+CELLS = 20
+"""Cells across the narrowest bore, if no spacing is given and the grid does not become too large."""
+
+FEWEST_CELLS = 4
+"""Least number of cells across the narrowest bore: fewer have no node between its middle and its wall."""
+
+MOST_NODES = 4_000_000
+"""Most nodes of the box around the pipe: Gazebo needs 200 MB for them, and sampling takes about a minute."""
+
+LAYERS = 2
+"""Layers of nodes around the pipe: every point of the water has all corners of its cell, and reading needs four nodes."""
+
+
+def usual_spacing(scenario: Scenario) -> float:
+    """Return the spacing (m) that is taken if none is given: :data:`CELLS` across the narrowest bore, or coarser.
+
+    It is coarser, rounded up to two digits, if the box around the pipe would have more than :data:`MOST_NODES` nodes.
+    """
+    low, high = _find_box(scenario)
+    spacing = 2 * scenario.pipe.layout.narrowest / CELLS
+    while np.prod(_count_nodes(low, high, spacing)) > MOST_NODES:
+        step = 10.0 ** (math.floor(math.log10(spacing)) - 1)
+        spacing = round((math.floor(spacing / step + 1e-9) + 1) * step, 12)
+    return spacing
+
+
+def sample_current(scenario: Scenario, spacing: float | None = None) -> VelocityGrid:
+    """Return the mean velocity of the water on a regular grid around the pipe of a scenario.
+
+    Nodes in the water have the velocity there, and those in the wall beside them one that is extrapolated from the water,
+    so that interpolation is good up to the wall. The others have none, NaN. Gusts and the acceleration of a uniform current are
+    left out.
+
+    Parameters
+    ----------
+    scenario
+        with a pipe.
+    spacing
+        of the nodes, m; ``None`` for that of :func:`usual_spacing`.
+
+    Raises
+    ------
+    InputError
+        in open water, if the spacing is too large for the narrowest bore, or too small for a file.
+    """
+    pipe = scenario.pipe
+    if pipe.is_open:
+        raise InputError(
+            "the scenario has no pipe: its current is the same everywhere, or a grid already; choose a scenario with a pipe"
+        )
+    spacing = usual_spacing(scenario) if spacing is None else spacing
+    widest = 2 * pipe.layout.narrowest / FEWEST_CELLS
+    if not 0 < spacing <= widest * (1 + 1e-9):
+        raise InputError(
+            f"a spacing of {spacing:g} m is too large for a bore of {2 * pipe.layout.narrowest:g} m: choose at most {widest:g} m"
+            if spacing > 0
+            else f"a spacing of {spacing:g} m must be positive"
+        )
+    low, high = _find_box(scenario)
+    shape = _count_nodes(low, high, spacing)
+    if math.prod(shape) > MOST_NODES:
+        raise InputError(
+            f"a spacing of {spacing:g} m takes a grid of {' x '.join(map(str, shape))} nodes, more than {MOST_NODES}: "
+            f"choose at least {usual_spacing(scenario):g} m"
+        )
+    origin = 0.5 * (low + high) - 0.5 * spacing * (np.array(shape) - 1)
+    grid = VelocityGrid(origin, np.full(3, spacing), np.full((*shape, 3), np.nan))
+    return _fill_grid(grid, scenario)
+
+
+def warn_of_flow(scenario: Scenario) -> list[str]:
+    """Return what a steady grid of the mean velocity leaves out, one line each."""
+    flow, found = scenario.flow, []
+    if isinstance(flow, TurbulentFlow) and flow.intensity > 0:
+        found.append("gusts are left out: the file has the mean current")
+    if isinstance(flow, UniformFlow) and flow.acceleration:
+        found.append(f"the current's acceleration of {flow.acceleration:g} m/s2 is left out")
+    return found
+
+
+def _find_box(scenario: Scenario) -> tuple[FloatArray, FloatArray]:
+    """Return the lowest and the highest coordinates of the pipe, m, (3,) each, with a radius beyond its ends."""
+    layout = scenario.pipe.layout
+    axes = [axis for placed in layout.parts for axis in placed.part.list_axes(0.25 * layout.narrowest)]
+    low = np.min([(axis.points - axis.radii[:, None]).min(axis=0) for axis in axes], axis=0)
+    high = np.max([(axis.points + axis.radii[:, None]).max(axis=0) for axis in axes], axis=0)
+    return low, high
+
+
+def _count_nodes(low: FloatArray, high: FloatArray, spacing: float) -> tuple[int, int, int]:
+    nx, ny, nz = (np.ceil((high - low) / spacing - 1e-9).astype(int) + 1 + 2 * LAYERS).tolist()
+    return nx, ny, nz
+
+
+def _fill_grid(grid: VelocityGrid, scenario: Scenario) -> VelocityGrid:
+    from scipy.ndimage import binary_dilation
+
+    from driftform.water.fitting_walls import wall_gaps
+    from driftform.water.fittings import fitting_array, wall_array
+    from driftform.water.grid_flow import fill_nodes
+    from driftform.water.profiles import AT_A_POINT
+    from driftform.water.velocity import flow_array, pipe_rows, water_motion
+
+    walls, fittings = wall_array(scenario.pipe), fitting_array(scenario)
+    pipe, flow, no_gusts = pipe_rows(scenario), flow_array(scenario), np.empty((0, 12))
+    nodes, velocity = grid.nodes(), grid.velocity.copy()
+    known = np.zeros(grid.shape, dtype=bool)
+    for i, plane in enumerate(nodes):
+        points = plane.reshape(-1, 3)
+        wet = wall_gaps(points, walls)[0] >= 0
+        found = np.full(points.shape, np.nan)
+        if wet.any():
+            found[wet] = [
+                water_motion((x, y, z), 0.0, pipe, flow, no_gusts, AT_A_POINT, fittings)[0]
+                for x, y, z in points[wet].tolist()
+            ]
+        known[i], velocity[i] = wet.reshape(known[i].shape), found.reshape(velocity[i].shape)
+    beside = binary_dilation(known, np.ones((3, 3, 3), dtype=bool))
+    filled = fill_nodes(velocity, known)
+    return VelocityGrid(grid.origin, grid.spacing, np.where(beside[..., None], filled, np.nan))
+
+
+def write_current(path: Path, grid: VelocityGrid) -> int:
+    """Write a grid as CSV with :data:`COLUMNS`, without its nodes that have no velocity; return the number of rows."""
+    known = np.asarray(np.isfinite(grid.velocity).all(axis=3))
+    # The same text for the same coordinate: Gazebo compares all digits.
+    axes = [
+        [f"{v:.9g}" for v in (o + s * np.arange(n)).tolist()]
+        for o, s, n in zip(grid.origin, grid.spacing, grid.shape, strict=True)
+    ]
+
+    def write(part: Path) -> None:
+        with part.open("w", encoding="utf-8", newline="") as file:
+            file.write(",".join(COLUMNS) + "\n")
+            for i in range(grid.shape[0]):
+                places = np.argwhere(known[i])
+                file.writelines(
+                    f"0,{axes[0][i]},{axes[1][j]},{axes[2][k]},{u:.7g},{v:.7g},{w:.7g}\n"
+                    for (j, k), (u, v, w) in zip(
+                        places.tolist(), grid.velocity[i][known[i]].tolist(), strict=True
+                    )
+                )
+
+    write_whole(path, write)
+    return int(known.sum())

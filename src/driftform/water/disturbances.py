@@ -1,0 +1,182 @@
+"""Disturbed conditions of a flight: how they are drawn, and what they change.
+
+The conditions of a run are a design of experiments: a Latin hypercube over all disturbed quantities. All agents are
+flown under the same conditions, so that their misses can be compared.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from driftform.types import Body, FloatArray
+from driftform.util.vectors import cross
+from driftform.water import Calibration, Fluid, LogLawFlow, Robustness, Scenario, TurbulentFlow
+from driftform.water.factors import DRAGS
+from driftform.water.normal import normal_quantile
+
+MAX_DEVIATION = 3.0
+"""Standard deviations at which a distribution is truncated: a larger deviation would be noticed before use."""
+
+BEYOND = 0.0013498980316300933
+"""Share of a normal distribution that lies beyond them on either side: ``scipy.special.ndtr(-MAX_DEVIATION)``."""
+
+MAX_RADIUS_SHARE = 0.98
+"""Largest distance of a disturbed release from the axis, relative to the radius of the bore."""
+
+
+@dataclass(frozen=True)
+class Condition:
+    """The deviations of one flight from its scenario.
+
+    Attributes
+    ----------
+    across
+        offset of the release position along the two normals of :func:`draw_normals`, m.
+    pitch, yaw
+        offsets of the release attitude, rad.
+    current, density
+        factors on the speed and the density of the water.
+    mass
+        factor on the density of the hull's material.
+    wall
+        increase of the thickness of the printed wall, m.
+    drag
+        factor on all forces of drag and damping that no filmed flights have calibrated.
+    gusts
+        seed of the gusts, ``None`` for steady water.
+    calibrated
+        values of the factors that have an interval in ``[calibration]``, in the order of
+        :attr:`driftform.water.Calibration.intervals`.
+    """
+
+    across: tuple[float, float]
+    pitch: float
+    yaw: float
+    current: float
+    density: float
+    mass: float
+    wall: float
+    drag: float
+    gusts: int | None
+    calibrated: tuple[float, ...] = ()
+
+
+def draw_conditions(
+    robustness: Robustness, count: int, seed: Sequence[int], calibration: Calibration | None = None
+) -> tuple[Condition, ...]:
+    """Return ``count`` disturbed conditions, drawn from a seed; factors with an interval are those of ``calibration``.
+
+    They are a Latin hypercube. All distributions are normal, truncated at :data:`MAX_DEVIATION` standard deviations.
+    """
+    if not count:
+        return ()
+    deviations = [
+        *(robustness.position, robustness.position),
+        *np.deg2rad([robustness.angle_deg, robustness.angle_deg]),
+        *(robustness.current, robustness.density, robustness.mass, robustness.wall, robustness.drag),
+    ]
+    rng = np.random.default_rng(tuple(seed))
+    calibration = calibration or Calibration()
+    shares = draw_latin_hypercube(rng.spawn(1)[0], count, len(deviations) + len(calibration.intervals))
+    shares = BEYOND + (1 - 2 * BEYOND) * shares
+    deviates = np.array([[normal_quantile(share) for share in row] for row in shares.tolist()])
+    drawn = deviates[:, : len(deviations)] * deviations
+    factors = calibration.draw_factors(deviates[:, len(deviations) :]).tolist()
+    gusts: list[int | None] = [None] * count
+    if robustness.gusts:
+        gusts = rng.integers(2**32, size=count).tolist()
+    return tuple(
+        Condition((x[0], x[1]), x[2], x[3], 1 + x[4], 1 + x[5], 1 + x[6], x[7], 1 + x[8], gust, tuple(known))
+        for x, gust, known in zip(drawn.tolist(), gusts, factors, strict=True)
+    )
+
+
+def draw_latin_hypercube(rng: np.random.Generator, count: int, quantities: int) -> FloatArray:
+    """Return shares between 0 and 1, (count, quantities): in each column, every interval of 1 / count holds one.
+
+    McKay, Beckman and Conover 1979, Technometrics 21(2). The numbers are those of ``scipy.stats.qmc.LatinHypercube``, a package that
+    takes longer to import than a simulation.
+    """
+    within = rng.uniform(size=(count, quantities))
+    intervals = np.tile(np.arange(1, count + 1), (quantities, 1))
+    for row in intervals:
+        rng.shuffle(row)
+    return np.asarray((intervals.T - within) / count)
+
+
+def disturb_scenario(condition: Condition, scenario: Scenario) -> Scenario:
+    """Return the scenario under a disturbed condition."""
+    flow = scenario.flow
+    if isinstance(flow, LogLawFlow) and condition.gusts is not None:
+        # The mean of the turbulent flow is the logarithmic law.
+        flow = TurbulentFlow(speed=flow.speed, roughness=flow.roughness)
+    flow = flow.model_copy(update={"speed": flow.speed * condition.current})
+    if isinstance(flow, TurbulentFlow) and condition.gusts is not None:
+        flow = flow.model_copy(update={"seed": condition.gusts})
+    release = scenario.release.model_copy(
+        update={
+            "position": _shift_release(scenario, condition.across),
+            "pitch_deg": scenario.release.pitch_deg + float(np.rad2deg(condition.pitch)),
+            "yaw_deg": scenario.release.yaw_deg + float(np.rad2deg(condition.yaw)),
+        }
+    )
+    return scenario.model_copy(
+        update={
+            "flow": flow,
+            "release": release,
+            "fluid": disturb_fluid(condition, scenario.fluid),
+            "calibration": disturb_calibration(condition, scenario.calibration),
+        }
+    )
+
+
+def disturb_fluid(condition: Condition, fluid: Fluid) -> Fluid:
+    """Return the water under a disturbed condition."""
+    return fluid.model_copy(update={"density": fluid.density * condition.density})
+
+
+def disturb_calibration(condition: Condition, calibration: Calibration) -> Calibration:
+    """Return the factors under a condition: drawn from their intervals; drags without one are disturbed together."""
+    drawn = dict(zip(calibration.intervals, condition.calibrated, strict=True))
+    for name in DRAGS:
+        if name not in drawn and condition.drag != 1.0:
+            drawn[name] = condition.drag * getattr(calibration.factors, name)
+    return calibration.with_factors(replace(calibration.factors, **drawn)) if drawn else calibration
+
+
+def disturb_body(condition: Condition, body: Body) -> Body:
+    """Return the body as printed under a disturbed condition.
+
+    A wall that is thicker by d weighs (1 + d / wall) times as much, to first order; the outer contour does not change.
+    """
+    thicker = max(0.0, 1 + condition.wall / body.wall) if body.wall else 1.0
+    return replace(body, hull_density=body.hull_density * condition.mass * thicker)
+
+
+def draw_normals(direction: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return two unit vectors normal to a direction, (3,) each: one horizontal, and one normal to both.
+
+    >>> [[float(v) for v in n] for n in draw_normals(np.array([1.0, 0.0, 0.0]))]
+    [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    """
+    up = np.array([0.0, 0.0, 1.0]) if abs(direction[2]) < 0.9 else np.array([-1.0, 0.0, 0.0])
+    level = cross(up, direction)
+    level /= np.linalg.norm(level)
+    return level, cross(direction, level)
+
+
+def _shift_release(scenario: Scenario, across: Sequence[float]) -> tuple[float, float, float]:
+    """Return the release position with its offset, which is halved until it lies inside the bore."""
+    shifted = scenario.release_position()
+    level, up = draw_normals(scenario.direction())
+    offset = across[0] * level + across[1] * up
+    while not scenario.pipe.is_open and not scenario.pipe.contains(
+        tuple(shifted + offset / MAX_RADIUS_SHARE)
+    ):
+        offset *= 0.5
+        if np.linalg.norm(offset) < 1e-6:
+            offset = np.zeros(3)
+            break
+    x, y, z = (np.array(scenario.release.position) + scenario.release_frame().T @ offset).tolist()
+    return x, y, z

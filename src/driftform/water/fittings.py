@@ -1,0 +1,335 @@
+"""A pipe with parts as one flat array for compiled kernels, built once for each pipe and its flow."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from driftform.errors import InputError
+from driftform.types import FloatArray
+from driftform.water import Flow, GridFlow, Pipe, Scenario
+from driftform.water.fitting_flow import (
+    AMPLITUDE,
+    AROUND,
+    DEVELOPED,
+    FINISH,
+    LONG,
+    PARAMETER,
+    SPEED,
+    START,
+    STRENGTH,
+    TOWARD_Y,
+    TOWARD_Z,
+)
+from driftform.water.fitting_walls import (
+    ANGLE,
+    AXES,
+    BEND,
+    CENTRE,
+    COSINE,
+    CURVE,
+    DOWNSTREAM,
+    EDGE,
+    EDGE_POINTS,
+    END_RADIUS,
+    EXIT,
+    EXTENT,
+    FIELD,
+    FIELD_SIZE,
+    FILLET,
+    HEAD,
+    INNER,
+    KIND,
+    LENGTH,
+    NARROWEST,
+    ORIGIN,
+    OUTSIDE,
+    PART,
+    RADIUS,
+    REDUCER,
+    SIDE,
+    SINE,
+    STRAIGHT,
+    TEE,
+    UPSTREAM,
+    edge_point,
+)
+from driftform.water.grid_flow import load_grid
+from driftform.water.layout import BEYOND, Layout, Placed
+from driftform.water.pipe_parts import (
+    Bend,
+    Opening,
+    PipePart,
+    Reducer,
+    Straight,
+    Tee,
+    exact_cosine,
+    exact_sine,
+)
+from driftform.water.tee_flow import tee_field
+from driftform.water.velocity import profile_parameter
+
+CHANGE = 2.0
+"""Length in which a straight changes over to the flow of a fitting, in radii of its bore, where it is long enough."""
+
+SHORTEST = 2.0
+"""Length of a straight, in radii of its bore, below which it has plug flow like the fittings at its ends."""
+
+UNSEEN_DEPTH = 2e-4
+"""Depth (m) to which a wall may bulge between two rims of a body without touching one: about that of a contact."""
+
+FINEST_RIMS = 2e-3
+"""Least distance between additional rims, m."""
+
+_WALL = 0.5
+"""Thickness of wall, in radii of the bore, in which a point still belongs to its part."""
+
+
+_OPEN_WATER = 1e7
+"""Radius of the bore that stands for open water, m."""
+
+
+def fitting_array(scenario: Scenario) -> FloatArray | None:
+    """Return the pipe of a scenario as one flat array; ``None`` for a straight pipe and in open water without a grid.
+
+    A grid of velocities follows the pipe, which may be straight. Open water is then a bore that is wider than any flight.
+
+    Its numbers are explained in :mod:`driftform.water.fitting_walls` and :mod:`driftform.water.fitting_flow`.
+    """
+    if isinstance(scenario.flow, GridFlow):
+        return load_grid(scenario.flow, scenario.pipe, wall_array(scenario.pipe))
+    if scenario.pipe.is_open or scenario.pipe.straight is not None:
+        return None
+    return _make_array(scenario.pipe, scenario.flow, scenario.fluid.viscosity)
+
+
+@lru_cache(maxsize=16)
+def _make_array(pipe: Pipe, flow: Flow, viscosity: float) -> FloatArray:
+    rows = wall_rows(pipe.layout)
+    fields = _fill_flow(rows, pipe.layout, flow, viscosity)
+    values = np.concatenate([[float(len(rows))], rows.ravel(), *fields])
+    values.flags.writeable = False
+    return values
+
+
+def wall_array(pipe: Pipe) -> FloatArray:
+    """Return the array of a pipe without its flow; of open water, that of a bore without end."""
+    rows = wall_rows(pipe.layout) if not pipe.is_open else np.array([_row_of_open_water()])
+    return np.concatenate([[float(len(rows))], rows.ravel()])
+
+
+def _row_of_open_water() -> FloatArray:
+    centre = np.array([-_OPEN_WATER, 0.0, 0.0])
+    return _row_beyond(Opening(centre, np.eye(3), _OPEN_WATER), INNER)
+
+
+def wall_rows(layout: Layout) -> FloatArray:
+    """Return the rows of the parts of a pipe without their flow, and of what lies beyond the inlet and the outlets, (k, PART)."""
+    rows = [_row_of_part(placed.part) for placed in layout.parts]
+    inlet = layout.inlet
+    before = inlet.centre - BEYOND * inlet.radius * inlet.axes[0]
+    rows.append(_row_beyond(Opening(before, inlet.axes, inlet.radius), OUTSIDE))
+    rows += [_row_beyond(outlet.opening, float(k)) for k, outlet in enumerate(layout.outlets)]
+    return np.stack(rows)
+
+
+def _row_of_part(part: PipePart) -> FloatArray:
+    row = np.zeros(PART)
+    row[ORIGIN : ORIGIN + 3], row[AXES : AXES + 9] = part.origin, part.axes.ravel()
+    row[RADIUS], row[END_RADIUS], row[LENGTH] = part.radius, part.end_radius, part.length
+    row[NARROWEST], row[EXIT] = min(part.radius, part.end_radius), INNER
+    match part:
+        case Straight():
+            row[KIND] = STRAIGHT
+        case Bend():
+            row[KIND], row[CURVE], row[ANGLE] = BEND, part.bend_radius, part.angle
+        case Reducer():
+            row[KIND], row[CURVE] = REDUCER, part.arc_radius
+        case Tee():
+            row[KIND], row[END_RADIUS], row[FILLET] = TEE, part.branch_radius, part.fillet
+            row[NARROWEST] = min(part.radius, part.branch_radius)
+            row[COSINE], row[SINE] = exact_cosine(part.angle), exact_sine(part.angle)
+            row[UPSTREAM], row[DOWNSTREAM], row[SIDE] = part.legs
+            flat = np.concatenate([np.zeros(HEAD), row])
+            for k, phi in enumerate(np.linspace(0, math.pi, EDGE_POINTS)):
+                row[EDGE + 3 * k : EDGE + 3 * k + 3] = edge_point(float(phi), flat, HEAD)[0]
+    axes = part.list_axes(0.1 * part.radius)
+    points = np.concatenate([axis.points for axis in axes])
+    widest = max(float(axis.radii.max()) for axis in axes)
+    low, high = points.min(axis=0), points.max(axis=0)
+    row[CENTRE : CENTRE + 3] = 0.5 * (low + high)
+    farthest = float(np.linalg.norm(points - row[CENTRE : CENTRE + 3], axis=1).max())
+    row[EXTENT] = math.hypot(farthest, 0.1 * widest) + (1 + _WALL) * widest
+    return row
+
+
+def _row_beyond(opening: Opening, exit_: float) -> FloatArray:
+    """Return the row of the bore beyond an opening."""
+    row = np.zeros(PART)
+    row[KIND], row[EXIT] = STRAIGHT, exit_
+    row[ORIGIN : ORIGIN + 3], row[AXES : AXES + 9] = opening.centre, opening.axes.ravel()
+    row[RADIUS] = row[END_RADIUS] = row[NARROWEST] = opening.radius
+    row[LENGTH] = BEYOND * opening.radius
+    row[CENTRE : CENTRE + 3] = opening.centre + 0.5 * row[LENGTH] * opening.axes[0]
+    row[EXTENT] = 0.5 * row[LENGTH] + (1 + _WALL) * opening.radius
+    return row
+
+
+def greatest_curvature(layout: Layout) -> float:
+    """Return by how much the curvatures of a wall across and along the pipe differ at most, 1/m.
+
+    Along a bend or a reducer the wall bulges by the radius of the bend's inside, and of the reducer's arcs. The rounded edge of a
+    tee is left out: bodies do not lie on it with a flat end.
+    """
+    return max(_curvature(placed.part) for placed in layout.parts)
+
+
+def _curvature(part: PipePart) -> float:
+    match part:
+        case Bend():
+            return 1 / part.radius + 1 / (part.bend_radius - part.radius)
+        case Reducer():
+            return 1 / min(part.radius, part.end_radius) + 1 / part.arc_radius
+        case Tee():
+            return 1 / min(part.radius, part.branch_radius)
+    return 1 / part.radius
+
+
+def rim_spacing(layout: Layout) -> float:
+    """Return the greatest distance (m) between the rims of a body: a wall of the radius rho rises by s^2 / (8 rho) between two."""
+    bulges = [math.inf]
+    for placed in layout.parts:
+        match placed.part:
+            case Bend():
+                bulges.append(placed.part.bend_radius - placed.part.radius)
+            case Reducer():
+                bulges.append(placed.part.arc_radius)
+            case Tee():
+                bulges.append(placed.part.fillet)
+    return max(FINEST_RIMS, math.sqrt(8 * UNSEEN_DEPTH * min(bulges)))
+
+
+@dataclass(frozen=True)
+class _Joint:
+    """The flow at one end of a straight or a bend: ``vortex`` is that of the bend beyond it, with its share."""
+
+    is_plug: bool
+    vortex: Bend | None = None
+    share: float = 0.0
+
+
+def _fill_flow(rows: FloatArray, layout: Layout, flow: Flow, viscosity: float) -> list[FloatArray]:
+    """Write the flow of all parts to their rows; return the fields of the tees, which follow the rows."""
+    fields: list[FloatArray] = []
+    place = HEAD + rows.size
+    parts = [placed.part for placed in layout.parts]
+    ahead: dict[int, int] = {
+        p.upstream: k for k, p in enumerate(layout.parts) if p.upstream is not None and not p.by_branch
+    }
+    shares = [_vortex_share(layout, ahead, k) for k in range(len(parts))]
+    for k, (placed, row) in enumerate(zip(layout.parts, rows, strict=False)):
+        speed = flow.speed * placed.flow * (parts[0].radius / placed.part.radius) ** 2
+        row[SPEED] = speed
+        match placed.part:
+            case Tee():
+                field = _make_field(placed, speed)
+                row[FIELD], row[FIELD_SIZE] = place, len(field)
+                fields.append(field)
+                place += len(field)
+            case Straight():
+                ends = _neighbours(layout, ahead, k)
+                _fill_straight(
+                    row, placed.part, speed, flow, viscosity, [_joint(parts, shares, end) for end in ends]
+                )
+            case Bend():
+                row[STRENGTH] = shares[k]
+                for start, end in zip((START, FINISH), _neighbours(layout, ahead, k), strict=True):
+                    if end is None or not _joins_smoothly(placed.part, parts[end]):
+                        row[start + LONG] = min(
+                            CHANGE * placed.part.radius / placed.part.bend_radius, 0.5 * placed.part.angle
+                        )
+    beyond, nothing = len(parts), _joint(parts, shares, None)
+    straight = Straight(
+        rows[beyond, ORIGIN : ORIGIN + 3], layout.inlet.axes, layout.inlet.radius, rows[beyond, LENGTH]
+    )
+    _fill_straight(rows[beyond], straight, flow.speed, flow, viscosity, [nothing, _joint(parts, shares, 0)])
+    for number, outlet in enumerate(layout.outlets):
+        row, part = rows[beyond + 1 + number], parts[outlet.part]
+        speed = rows[outlet.part, SPEED] * (part.radius / part.end_radius) ** 2
+        if isinstance(part, Tee):
+            speed *= 1 - part.share
+        opening = outlet.opening
+        straight = Straight(opening.centre, opening.axes, opening.radius, row[LENGTH])
+        _fill_straight(row, straight, speed, flow, viscosity, [_joint(parts, shares, outlet.part), nothing])
+    return fields
+
+
+def _make_field(placed: Placed, speed: float) -> FloatArray:
+    """Return the flow in a tee that the water enters at the mean ``speed`` (m/s)."""
+    tee = placed.part
+    assert isinstance(tee, Tee)
+    flux = speed * math.pi * tee.radius**2
+    through, side = (1 - tee.share) * flux, tee.share * flux
+    try:
+        return tee_field(tee.radius, tee.branch_radius, tee.angle, tee.fillet, through, side)
+    except ValueError as error:
+        raise InputError(f"{placed.key}: {error}") from None
+
+
+def _neighbours(layout: Layout, ahead: Mapping[int, int], k: int) -> tuple[int | None, int | None]:
+    """Return the parts before and after a part, None beyond the inlet and the outlets."""
+    return layout.parts[k].upstream, ahead.get(k)
+
+
+def _carries_profile(part: PipePart) -> bool:
+    return isinstance(part, Straight) and part.straight >= SHORTEST * part.radius
+
+
+def _joins_smoothly(bend: Bend, other: PipePart) -> bool:
+    """Return whether the vortex of a bend needs no change within the bend at its end."""
+    if isinstance(other, Bend):
+        return bool(
+            other.bend_radius == bend.bend_radius and np.allclose(bend.axes[1], other.axes[1], atol=1e-9)
+        )
+    return _carries_profile(other)
+
+
+def _vortex_share(layout: Layout, ahead: Mapping[int, int], k: int) -> float:
+    """Return how much of the free vortex a bend has: all of it, unless it must come and go within a short bend."""
+    part = layout.parts[k].part
+    if not isinstance(part, Bend):
+        return 0.0
+    ends = _neighbours(layout, ahead, k)
+    changes = sum(end is not None and not _joins_smoothly(part, layout.parts[end].part) for end in ends)
+    return min(1.0, part.length / (changes * part.radius)) if changes else 1.0
+
+
+def _joint(parts: Sequence[PipePart], shares: Sequence[float], end: int | None) -> _Joint:
+    """Return the flow at an end of a straight that carries the profile, as the part beyond it has it."""
+    if end is None or _carries_profile(parts[end]):
+        return _Joint(False)
+    part = parts[end]
+    return _Joint(True, part, shares[end]) if isinstance(part, Bend) else _Joint(True)
+
+
+def _fill_straight(
+    row: FloatArray, part: Straight, speed: float, flow: Flow, viscosity: float, joints: Sequence[_Joint]
+) -> None:
+    row[SPEED] = speed
+    if not _carries_profile(part):
+        return
+    row[DEVELOPED], row[PARAMETER] = 1.0, profile_parameter(flow, part.radius, abs(speed), viscosity)
+    for start, joint in zip((START, FINISH), joints, strict=True):
+        if joint.is_plug:
+            row[start + LONG] = min(CHANGE * part.radius, 0.5 * part.straight)
+        if joint.vortex is not None:
+            # At either end of a bend, its centre lies in the direction of its own z there.
+            bend = joint.vortex
+            at_entry = np.allclose(
+                bend.origin, part.origin + (part.straight if start == FINISH else 0.0) * part.axes[0]
+            )
+            inward = bend.axes[2] if at_entry else bend.list_exits()[0].axes[2]
+            row[start + AMPLITUDE], row[start + AROUND] = joint.share, bend.bend_radius
+            row[start + TOWARD_Y], row[start + TOWARD_Z] = part.axes[1] @ inward, part.axes[2] @ inward

@@ -1,0 +1,375 @@
+"""The tables of a scenario: pipe, flow, fluid, release, contact, targets. Validated here, read by kernels as arrays."""
+
+from typing import Annotated, Literal, TypeAlias
+
+import numpy as np
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
+
+from driftform.errors import did_you_mean
+from driftform.options import Table, option
+from driftform.types import FloatArray
+from driftform.util.latest import keep_latest
+from driftform.util.vectors import cross
+from driftform.water.factors import Calibration, calibrate_restitution
+from driftform.water.flow import (
+    DevelopingFlow,
+    Flow,
+    LogLawFlow,
+    PipeFlow,
+    TurbulentFlow,
+    UniformFlow,
+)
+from driftform.water.pipe import Pipe, Vector
+
+MAX_GUSTS = 1_000_000
+"""Most gusts of a flight: their table takes 50 MB."""
+
+
+class Fluid(Table):
+    """The water."""
+
+    density: float = option(1024.0, "density of the water", "kg/m3", ge=0.1, le=30_000)
+    gravity: float = option(9.81, "acceleration of gravity, along -z", "m/s2", ge=0, le=1000)
+    viscosity: float = option(
+        1.05e-6, "kinematic viscosity; by default that of seawater at 20 degrees C", "m2/s", ge=1e-8, le=1
+    )
+    water_level: float | None = option(
+        None,
+        "height of the free surface in the world frame; by default the pipe is full",
+        "m",
+        ge=-1e6,
+        le=1e6,
+        strict=True,
+    )
+    flow_force: Literal["full", "paper"] = option(
+        "full",
+        "force of accelerating water: full with its pressure gradient (Froude-Krylov), or paper without it",
+    )
+
+
+class Release(Table):
+    """How the agent enters the water: position, attitude and velocity in one ``frame``.
+
+    The frame of the inlet has its origin at the inlet's centre, x downstream along the pipe, y level, and z upward, or
+    upstream of a vertical pipe's x for lack of an upward direction.
+    """
+
+    frame: Literal["inlet", "world"] = option(
+        "inlet", "frame of the release: inlet, at its centre with x along the pipe, or world"
+    )
+    position: Vector = option((0.0, 0.0, 0.0), "position of the core's centre at the release", "m")
+    pitch_deg: float = option(
+        0.0, "pitch of the body's axis relative to x, positive nose down", "deg", ge=-90, le=90
+    )
+    yaw_deg: float = option(
+        0.0, "yaw of the body's axis relative to x, positive towards +y", "deg", ge=-180, le=180
+    )
+    velocity: Literal["current", "rest"] | Vector = option(
+        "current", "'current' (moving with the water), 'rest', or a velocity", "m/s"
+    )
+    ballast: float = option(
+        0.0, "mass that hangs on the agent's outside, such as a sinker on a tape", "kg", ge=0, le=1e4
+    )
+    ballast_x: float = option(
+        0.0, "where along the axis it hangs, from the core's centre, fore positive", "m", ge=-100, le=100
+    )
+    ballast_density: float = option(
+        11_340.0, "density of the ballast; by default that of lead", "kg/m3", ge=100, le=30_000
+    )
+
+
+class Contact(Table):
+    """Contact with the pipe's wall: stiff springs, dampers set by the restitution, and Coulomb friction.
+
+    The stiffness of a spring is such that the mass that moves with it, added mass included, oscillates on it at
+    ``frequency``. A collision returns the share ``restitution`` exp(-35 / St) of the speed along the wall's normal, with
+    the Stokes number St of the impact.
+    """
+
+    frequency: float = option(
+        300.0, "angular frequency of the body on the spring of one contact", "rad/s", ge=50, le=1e4
+    )
+    restitution: float = option(0.25, "coefficient of restitution in air", "", ge=0.1, le=1)
+    friction: float = option(0.0, "coefficient of Coulomb friction", "", ge=0, le=10)
+
+
+class FlightLimits(Table):
+    """Limits of a flight that does not reach the outlet."""
+
+    horizon: float = option(20.0, "longest duration of a flight", "s", ge=1e-6, le=1e5)
+
+
+class Robustness(Table):
+    """Disturbed conditions: how the best agents are chosen, and what is promised of them.
+
+    The quantities are standard deviations of normal distributions, truncated at three standard deviations.
+    """
+
+    conditions: int = option(
+        20,
+        "disturbed flights of each finalist that can still win, by which the best is chosen; 0 to choose by the undisturbed "
+        "flight alone",
+        ge=0,
+        le=10_000,
+    )
+    survey: int = option(
+        2,
+        "disturbed flights, among those of the choice, of each agent that may be among the best of the search; the search "
+        "goes by the mean fitness of these and of the undisturbed flight",
+        ge=0,
+        le=10_000,
+    )
+    finalists: int = option(
+        4,
+        "finalists for each target: the best agents by what the search goes by, of those that reach it undisturbed if any do",
+        gt=0,
+        le=10_000,
+    )
+    score: Literal["mean", "quantile", "worst"] = option(
+        "quantile", "score of a finalist, from its fitness over all conditions"
+    )
+    quantile: float = option(
+        0.1, "share of the conditions with a fitness below the score, if score = 'quantile'", ge=0, le=1
+    )
+    checks: int = option(
+        40,
+        "disturbed flights of each best agent under conditions of their own, from which its median and 90 % miss come",
+        ge=1,
+        le=10_000,
+    )
+    gusts: bool = option(
+        True, "gusts of a developed turbulent flow in disturbed flights, if flow.kind is 'log_law'"
+    )
+    position: float = option(
+        0.02, "of the release position, along each of two directions across the pipe", "m", ge=0, le=10
+    )
+    angle_deg: float = option(2.0, "of pitch and yaw at the release", "deg", ge=0, le=30)
+    current: float = option(0.03, "of the speed of the current, relative to it", ge=0, le=0.3)
+    density: float = option(0.001, "of the density of the water, relative to it", ge=0, le=0.3)
+    mass: float = option(0.01, "of the mass of the printed hull, relative to it", ge=0, le=0.3)
+    wall: float = option(0.00002, "of the thickness of the printed wall", "m", ge=0, le=0.01)
+    drag: float = option(0.2, "of drag and damping, relative to them", ge=0, le=0.3)
+
+
+Target: TypeAlias = Annotated[
+    Annotated[Vector, Tag("point")] | Annotated[str, Tag("outlet")],
+    Discriminator(lambda value: "outlet" if isinstance(value, str) else "point"),
+]
+"""A point in the world frame, or the name of an outlet, whose centre is the point."""
+
+
+def _check_names(targets: dict[str, Target]) -> dict[str, Target]:
+    for name in targets:
+        if not name.replace("-", "").replace("_", "").isalnum():
+            raise ValueError(
+                f"target name '{name}' must consist of letters, digits, '-' and '_': it names a folder"
+            )
+    return targets
+
+
+class Scenario(Table):
+    """The whole environment; the same tables as in a study file."""
+
+    pipe: Pipe = Field(default=Pipe(), description="the pipe")
+    flow: Flow = Field(default=UniformFlow(), description="the current")
+    fluid: Fluid = Field(default=Fluid(), description="the water")
+    release: Release = Field(default=Release(), description="how the agent enters the water")
+    contact: Contact = Field(default=Contact(), description="contact with the wall")
+    flight: FlightLimits = Field(default=FlightLimits(), description="limits of a flight")
+    robustness: Robustness = Field(
+        default=Robustness(), description="disturbances of the finalists' flights, and their score"
+    )
+    calibration: Calibration = Field(
+        default=Calibration(), description="what filmed flights have shown of the model"
+    )
+    targets: Annotated[dict[str, Target], AfterValidator(_check_names)] = Field(
+        default={},
+        description="points to reach: name and position in the world frame, or the name of an outlet",
+        json_schema_extra={"unit": "m"},
+    )
+
+    @model_validator(mode="after")
+    def _check_together(self) -> "Scenario":
+        if self.targets and self.pipe.is_open:
+            raise ValueError("targets need a pipe: fitness is relative to the farthest point of its volume")
+        if isinstance(self.flow, PipeFlow) and self.pipe.is_open:
+            raise ValueError(
+                f"flow.kind = '{self.flow.kind}' needs a pipe; in open water it must be 'uniform' or 'grid'"
+            )
+        if isinstance(self.flow, LogLawFlow | TurbulentFlow):
+            most = 0.1 * self.pipe.layout.narrowest
+            if self.flow.roughness > most:
+                raise ValueError(
+                    f"flow.roughness = {self.flow.roughness} is too large for the logarithmic law in this pipe: "
+                    f"it is valid up to a twentieth of the diameter, {most:g} m"
+                )
+        if isinstance(self.flow, TurbulentFlow) and self.flight.horizon > MAX_GUSTS * self.flow.smoothing:
+            raise ValueError(
+                f"flow.smoothing = {self.flow.smoothing:g} s is too short for flight.horizon = {self.flight.horizon:g} s: "
+                f"a flight has at most {MAX_GUSTS} gusts"
+            )
+        if self.pipe.is_open:
+            return self
+        if self.pipe.straight is None:
+            _check_flow_in_parts(self.flow)
+        start = self.release_position()
+        if not self.pipe.contains((start[0], start[1], start[2])):
+            where = (
+                "" if self.release.frame == "world" else " (it is relative to the inlet: see release.frame)"
+            )
+            raise ValueError(f"release.position = {list(self.release.position)} lies outside the pipe{where}")
+        self._check_targets()
+        return self
+
+    def _check_targets(self) -> None:
+        outlets = {outlet.name: outlet.opening.centre for outlet in self.pipe.layout.outlets}
+        for name, target in self.targets.items():
+            if isinstance(target, str):
+                if target not in outlets:
+                    raise ValueError(
+                        f"targets.{name} = '{target}': the pipe has no such outlet{did_you_mean(target, outlets)}"
+                    )
+            elif not self.pipe.contains(target):
+                raise ValueError(f"targets.{name} = {list(target)} lies outside the pipe")
+
+    @property
+    def target_names(self) -> tuple[str, ...]:
+        """Names of the targets, in the order of every fitness vector."""
+        return tuple(self.targets)
+
+    def target_points(self) -> dict[str, Vector]:
+        """Return the positions of the targets in the world frame, m, by name; that of an outlet is its centre."""
+        openings = {outlet.name: outlet.opening for outlet in self.pipe.layout.outlets}
+        points: dict[str, Vector] = {}
+        for name, target in self.targets.items():
+            if isinstance(target, str):
+                x, y, z = openings[target].centre.tolist()
+                points[name] = (x, y, z)
+            else:
+                points[name] = target
+        return points
+
+    @keep_latest
+    def target_array(self) -> FloatArray:
+        """Return the positions of the targets in the world frame, m, (targets, 3)."""
+        return np.array(list(self.target_points().values()), dtype=np.float64).reshape(-1, 3)
+
+    def direction(self) -> FloatArray:
+        """Return the unit vector downstream at the inlet, in the world frame, (3,); along x in open water."""
+        if self.pipe.is_open:
+            return np.array([1.0, 0.0, 0.0])
+        return np.asarray(self.pipe.layout.inlet.axes[0])
+
+    def current(self) -> FloatArray:
+        """Return the mean velocity of the water at the inlet, in the world frame, m/s, (3,)."""
+        return self.flow.speed * self.direction()
+
+    def calibrated_contact(self) -> Contact:
+        """Return the contact with the coefficients that filmed flights have shown."""
+        factors = self.calibration.factors
+        if factors.restitution == factors.friction == 1.0:
+            return self.contact
+        return self.contact.model_copy(
+            update={
+                "restitution": calibrate_restitution(factors, self.contact.restitution),
+                "friction": factors.friction * self.contact.friction,
+            }
+        )
+
+    def of_evaluation(self, seed: int, index: int) -> "Scenario":
+        """Return the scenario of evaluation ``index`` of a run with this seed, with the gusts of that evaluation."""
+        return self.with_gusts(evaluation_seed(seed, index))
+
+    def with_gusts(self, seed: int | None) -> "Scenario":
+        """Return the scenario with the gusts of ``seed``; unchanged if ``seed`` is ``None`` or the flow has no gusts."""
+        if seed is None or not isinstance(self.flow, TurbulentFlow):
+            return self
+        return self.model_copy(update={"flow": self.flow.model_copy(update={"seed": seed})})
+
+    def release_frame(self) -> FloatArray:
+        """Return the axes of the release's frame in the world frame, as columns, (3, 3)."""
+        c, s, cp, sp = self._frame_angles()
+        return np.array([[c * cp, -s, c * sp], [s * cp, c, s * sp], [-sp, 0.0, cp]])
+
+    @keep_latest
+    def release_position(self) -> FloatArray:
+        """Return the position of the core's centre at the release, in the world frame, m, (3,)."""
+        start = np.zeros(3) if self._released_in_world else self.pipe.layout.inlet.centre
+        return np.asarray(start + self.release_frame() @ self.release.position)
+
+    @keep_latest
+    def release_quaternion(self) -> FloatArray:
+        """Return the attitude at the release, from body to world, (4,).
+
+        In the frame of the release it is a rotation about y by the pitch, then about z by the yaw.
+        """
+        pitch, yaw = np.deg2rad([self.release.pitch_deg, self.release.yaw_deg]) / 2
+        given = _turn_by(np.cos(yaw), np.sin(yaw), np.cos(pitch), np.sin(pitch))
+        c, s, cp, sp = self._frame_angles()
+        frame = _turn_by(*_halve_angle(c, s), *_halve_angle(cp, sp))
+        return _multiply(frame, given)
+
+    @keep_latest
+    def release_axis(self) -> FloatArray:
+        """Return the unit vector along the body's axis at the release, in the world frame, (3,)."""
+        w, x, y, z = self.release_quaternion()
+        return np.array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)])
+
+    def release_velocity(self) -> FloatArray | None:
+        """Return the velocity at the release, in the world frame, m/s, (3,); ``None`` if it is that of the water."""
+        match self.release.velocity:
+            case "current":
+                return None
+            case "rest":
+                return np.zeros(3)
+            case given:
+                return np.asarray(self.release_frame() @ given)
+
+    @property
+    def _released_in_world(self) -> bool:
+        """True if the release is given in the world frame; in open water there is no other."""
+        return self.release.frame == "world" or self.pipe.is_open
+
+    def _frame_angles(self) -> tuple[float, float, float, float]:
+        """Return cosine and sine of the yaw, then of the pitch, of the release's frame."""
+        if self._released_in_world:
+            return 1.0, 0.0, 1.0, 0.0
+        x, y, z = self.direction().tolist()
+        level = float(np.hypot(x, y))
+        # A vertical pipe has no yaw.
+        return (x / level, y / level, level, -z) if level > 1e-9 else (1.0, 0.0, 0.0, -z)
+
+
+def _check_flow_in_parts(flow: Flow) -> None:
+    """Check that a flow is possible in a pipe with parts."""
+    if isinstance(flow, DevelopingFlow):
+        raise ValueError(
+            "flow.kind = 'developing' is the flow behind the inlet of a straight pipe: take 'log_law' in a pipe with parts"
+        )
+    if isinstance(flow, UniformFlow) and flow.acceleration:
+        raise ValueError("flow.acceleration is for a straight pipe: leave it out in a pipe with parts")
+    if flow.speed < 0:
+        raise ValueError(
+            f"flow.speed = {flow.speed:g}: the water of a pipe with parts flows from the inlet to the outlets"
+        )
+
+
+def _halve_angle(c: float, s: float) -> tuple[float, float]:
+    """Return cosine and sine of half an angle of that cosine and sine, exact for multiples of 180 degrees."""
+    return float(np.sqrt(max(0.0, 1 + c) / 2)), float(np.copysign(np.sqrt(max(0.0, 1 - c) / 2), s))
+
+
+def _turn_by(cz: float, sz: float, cy: float, sy: float) -> FloatArray:
+    """Return the quaternion of a rotation about y, then about z, from cosine and sine of half of each angle, (4,)."""
+    return np.array([cz * cy, -sz * sy, cz * sy, sz * cy])
+
+
+def _multiply(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return the product of two quaternions, (4,): the rotation ``b``, then ``a``."""
+    vector = a[0] * b[1:] + b[0] * a[1:] + cross(a[1:], b[1:])
+    return np.array([a[0] * b[0] - a[1:] @ b[1:], *vector])
+
+
+def evaluation_seed(seed: int, index: int) -> int:
+    """Return the seed of the gusts of evaluation ``index`` of a run with this seed."""
+    return int(np.random.SeedSequence((seed, index)).generate_state(1)[0])

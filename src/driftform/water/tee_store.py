@@ -1,0 +1,160 @@
+"""Solved tees on disk: those in the package, and the user's cache for other shapes."""
+
+import math
+import os
+import sys
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib import metadata
+from pathlib import Path
+
+import numpy as np
+from filelock import FileLock
+
+from driftform.errors import InputError
+from driftform.types import FloatArray
+from driftform.util.files import write_whole
+from driftform.util.preparation import preparing
+from driftform.water.tee_spline import HEAD, LEVEL_SIZE
+from driftform.water.tee_wall import Junction
+
+METHOD = 2
+"""Number of the method: a change of the solver or of the files counts it up, and old files are not read."""
+
+PACKAGED = Path(__file__).parent / "tees"
+
+SOLVERS = "driftform.tees"
+"""Group of entry points for functions that solve the flow in a tee: a :class:`Junction` to :class:`TeePotentials`."""
+
+JUNCTIONS = tuple(
+    Junction(branch, math.radians(angle), 0.2 * branch) for branch in (0.5, 1.0) for angle in (60, 90)
+)
+"""The shapes in the package."""
+
+STEP = 5e-7
+"""Step of the stored coefficients: it changes velocities by less than 1e-4 of the mean speed."""
+
+CACHE_VARIABLE = "DRIFTFORM_CACHE"
+"""Environment variable that names the folder of the cache."""
+
+
+@dataclass(frozen=True, eq=False)
+class TeePotentials:
+    """The potentials of two flows in a tee, in units of the run's radius and of the mean speed at its inlet.
+
+    Attributes
+    ----------
+    head
+        number of levels and the rows of the levels, as :mod:`driftform.water.tee_spline` reads them.
+    through, branch
+        coefficients of all levels where all water leaves by the run, and where all leaves by the branch.
+    leakage
+        means over the wall of the products of the two velocities through it, (2, 2).
+    """
+
+    head: FloatArray
+    through: FloatArray
+    branch: FloatArray
+    leakage: FloatArray
+
+    def leakage_rms(self, share: float) -> float:
+        """Return the root mean square of the velocity through the wall if ``share`` of the water leaves by the branch."""
+        weights = np.array([1 - share, share])
+        return float(np.sqrt(weights @ self.leakage @ weights))
+
+
+@lru_cache(maxsize=8)
+def load_tee(junction: Junction) -> TeePotentials:
+    """Return the potentials of a tee: from the package, from the user's cache, or solved now and cached.
+
+    Raises
+    ------
+    InputError
+        if it is neither, and no plugin that solves it is installed.
+    """
+    name = file_name(junction)
+    if (PACKAGED / name).is_file():
+        return _read(PACKAGED / name)
+    folder = cache_folder()
+    with preparing():
+        with suppress(OSError):
+            folder.mkdir(parents=True, exist_ok=True)
+            # Of several processes that need the same tee, one computes it.
+            with FileLock(folder / f"{name}.lock"):
+                if not (folder / name).is_file():
+                    save_tee(junction, folder / name)
+                return _read(folder / name)
+        return _compute(junction)
+
+
+def is_stored(junction: Junction) -> bool:
+    """Return whether the potentials of a tee are in the package or in the user's cache."""
+    name = file_name(junction)
+    return (PACKAGED / name).is_file() or (cache_folder() / name).is_file()
+
+
+def save_tee(junction: Junction, path: Path) -> None:
+    """Compute the potentials of a tee and write them to a file."""
+    found = _compute(junction)
+    write_whole(path, lambda part: _write(part, found))
+
+
+def _write(path: Path, found: TeePotentials) -> None:
+    """Write the coefficients in steps of :data:`STEP`, as differences between neighbours, the bytes of equal weight together."""
+    needed = ~np.isnan(found.through)
+    # Functions that hardly touch the water have coefficients of up to 1e4.
+    flows = [np.rint(flow[needed] / STEP).astype(np.int64) for flow in (found.through, found.branch)]
+    changes = np.stack([np.diff(flow, prepend=0) for flow in flows])
+    with path.open("wb") as file:
+        np.savez_compressed(
+            file,
+            head=found.head,
+            leakage=found.leakage,
+            needed=np.packbits(needed),
+            changes=np.ascontiguousarray(changes.astype("<i8").view(np.uint8).reshape(2, -1, 8).T),
+        )
+
+
+def _read(path: Path) -> TeePotentials:
+    with np.load(path) as data:
+        head, needed, changes = data["head"], data["needed"], data["changes"]
+        last = head[HEAD + LEVEL_SIZE * (int(head[0]) - 1) :]
+        total = int(last[7] + last[4] * last[5] * last[6]) - len(head)
+        flows = np.full((2, total), np.nan)
+        steps = np.ascontiguousarray(changes.T).view("<i8")[:, :, 0].cumsum(axis=1)
+        flows[:, np.unpackbits(needed, count=total).astype(bool)] = STEP * steps
+        return TeePotentials(head, flows[0], flows[1], data["leakage"])
+
+
+def _compute(junction: Junction) -> TeePotentials:
+    solvers = list(metadata.entry_points(group=SOLVERS))
+    shape = f"a branch of {junction.branch:g} radii at {math.degrees(junction.angle):g} degrees"
+    if not solvers:
+        raise InputError(
+            f"the flow in a tee with {shape} is not stored; to solve it, run: pip install driftform-tees"
+        )
+    print(
+        f"computing the ideal flow in a tee ({shape}, about two minutes, once)", file=sys.stderr, flush=True
+    )
+    solved: TeePotentials = solvers[0].load()(junction)
+    return solved
+
+
+def cache_folder() -> Path:
+    """Return the folder of the user's cache: that of the variable DRIFTFORM_CACHE, or the system's."""
+    if CACHE_VARIABLE in os.environ:
+        return Path(os.environ[CACHE_VARIABLE])
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home())) / "driftform" / "cache"
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "driftform"
+
+
+def file_name(junction: Junction) -> str:
+    """Return the name of a tee's file.
+
+    >>> file_name(Junction(0.5, math.pi / 2, 0.1))
+    'tee-0.5-90-0.1-v2.npz'
+    """
+    shape = (junction.branch, math.degrees(junction.angle), junction.fillet)
+    return f"tee-{'-'.join(f'{x:.9g}' for x in shape)}-v{METHOD}.npz"

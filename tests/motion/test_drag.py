@@ -1,0 +1,371 @@
+"""Drag of strips and along the axis, against published coefficients, closed forms, and the sign of its work."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from driftform.motion.drag import axial_drag, shear_lift, still_water_wrench, strip_drag, wake_drag
+from driftform.motion.drag_coefficients import (
+    LAMINAR_BELOW,
+    blockage_factor,
+    crossflow_coefficient,
+    friction_coefficient,
+    sphere_coefficient,
+    spin_coefficient,
+)
+from driftform.motion.equations import drag_wrench
+from driftform.motion.model import flight_model
+from driftform.testing.agents import Spheroid
+from driftform.types import Drag
+from driftform.water import Fluid, Scenario
+
+RHO, NU = 1024.0, 1.05e-6
+STILL = (0.0, 0.0, 0.0)
+
+speeds = st.tuples(*[st.floats(-3, 3)] * 3)
+rates = st.tuples(*[st.floats(-30, 30)] * 3)
+turns = st.tuples(*[st.floats(-3, 3)] * 3)
+
+
+def chain(length, diameter, count, factor=1.0, middle=0.0):
+    """Equal strips of a cylinder about ``middle``."""
+    width = length / count
+    x = middle + width * (np.arange(count) + 0.5) - length / 2
+    return np.column_stack([x, np.full(count, diameter), np.full(count, width), np.full(count, factor)])
+
+
+FULL = Drag(
+    chain(0.12, 0.03, 9, middle=0.02),
+    friction_area=0.012,
+    length=0.12,
+    ahead=1e-4,
+    astern=5e-4,
+    round_area=2e-4,
+    diameter=0.03,
+    centre=0.02,
+    wake_ahead=(-0.04, 3e-4),
+    wake_astern=(0.08, 5e-4),
+    spin=1e-8,
+)
+
+
+def model_of(drag, level=None):
+    agent = Spheroid(0.06, 0.02).agent()
+    agent = replace(agent, coefficients=replace(agent.coefficients, drag=drag))
+    return flight_model(agent, Scenario(fluid=Fluid(density=RHO, viscosity=NU, water_level=level)))
+
+
+def wrench_on(drag, moving=STILL, omega=STILL, R=None, height=0.0, level=None, shear=STILL, bore=math.inf):
+    R = np.eye(3) if R is None else R
+    rows = tuple(tuple(row) for row in R.tolist())
+    return np.concatenate(drag_wrench(height, rows, moving, omega, shear, model_of(drag, level), bore))
+
+
+# Coefficients.
+
+
+def sucker_brauer(re):
+    """The fit whose powers the model leaves out."""
+    return 1.18 + 6.8 / re**0.89 + 1.96 / np.sqrt(re) - 4e-4 * re / (1 + 3.64e-7 * re**2)
+
+
+@pytest.mark.parametrize(
+    # Wieselsberger's cylinders, read to the tenth, and the plateau of DNV-RP-C205 from 1e4 on.
+    ("reynolds", "measured"),
+    [
+        (1.0, 10.0),
+        (10.0, 2.8),
+        (100.0, 1.4),
+        (1e3, 1.0),
+        (1e4, 1.1),
+        (1e4, 1.208),
+        (3.6e4, 1.211),
+        (1e5, 1.2),
+    ],
+)
+def test_a_long_cylinder_has_the_drag_that_was_measured(reynolds, measured):
+    assert crossflow_coefficient(reynolds) == pytest.approx(measured, rel=0.10)
+
+
+@given(st.floats(0, math.log10(2e5)).map(lambda e: 10**e))
+def test_the_drag_of_a_long_cylinder_is_that_of_the_fit_without_its_powers(reynolds):
+    within = 0.01 if reynolds > 300 else 0.034
+    assert crossflow_coefficient(reynolds) == pytest.approx(sucker_brauer(reynolds), rel=within)
+
+
+def test_the_drag_coefficient_of_a_cylinder_at_rest_is_infinite():
+    assert crossflow_coefficient(0.0) == sphere_coefficient(0.0) == spin_coefficient(0.0) == math.inf
+
+
+@pytest.mark.parametrize(
+    # Lapple and Shepherd's standard drag curve, as in Perry's Handbook.
+    ("reynolds", "c"),
+    [(0.1, 244.0), (1.0, 26.5), (10.0, 4.1), (100.0, 1.07), (1e3, 0.46), (1e4, 0.405), (1e5, 0.48)],
+)
+def test_a_sphere_has_the_standard_drag_curve(reynolds, c):
+    assert sphere_coefficient(reynolds) == pytest.approx(c, rel=0.06)
+
+
+@pytest.mark.parametrize("reynolds", [1e3, 3e3, 1e4, 1e5, 1e6])
+def test_a_spinning_cylinder_has_the_friction_of_theodorsen_and_regier(reynolds):
+    root = math.sqrt(spin_coefficient(reynolds))
+    assert 1 / root == pytest.approx(-0.6 + 4.07 * math.log10(reynolds * root), rel=0.012)
+
+
+def test_a_slow_spin_has_nearly_laminar_friction():
+    # 4 / Re, from the torque 4 pi mu omega r^2 of each metre.
+    assert spin_coefficient(10.0) == pytest.approx(0.4, rel=0.08)
+    below, above = (spin_coefficient(40 * (1 + s)) for s in (-1e-9, 1e-9))
+    assert above == pytest.approx(below, rel=1e-7)
+
+
+def test_a_bore_that_is_wide_blocks_nothing():
+    assert blockage_factor(0.0) == 1.0
+    # Continuity: the water in the gap is faster by 1 / (1 - b^2), and the drag goes with its square.
+    assert blockage_factor(0.3) == pytest.approx(1 / (1 - 0.09) ** 2, rel=0.01)
+    assert blockage_factor(0.95) == blockage_factor(1.0) < 1000
+
+
+@pytest.mark.parametrize(("reynolds", "c"), [(1e4, 0.01328), (1e5, 0.0042), (4.9e5, 0.001897)])
+def test_laminar_friction_is_that_of_blasius(reynolds, c):
+    assert friction_coefficient(reynolds) == pytest.approx(c, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("reynolds", "line", "prandtl"),
+    # ITTC 1957: 3.000, 2.083 and 1.531 thousandths. Prandtl and Schlichting, with the transition at 5e5:
+    # 0.455 / (log10 Re)^2.58 - 1700 / Re.
+    [(1e7, 0.003, 0.00283), (1e8, 0.002083, 0.00211), (1e9, 0.001531, 0.00157)],
+)
+def test_turbulent_friction_is_the_ittc_line_less_what_the_laminar_part_saves(reynolds, line, prandtl):
+    c, ittc = friction_coefficient(reynolds), 0.075 / (math.log10(reynolds) - 2) ** 2
+    assert ittc == pytest.approx(line, abs=1e-6)
+    assert (ittc - c) * reynolds == pytest.approx(1700, rel=0.1)
+    assert c == pytest.approx(prandtl, rel=0.03)
+
+
+def test_friction_does_not_jump_where_the_layer_becomes_turbulent():
+    below, above = (friction_coefficient(LAMINAR_BELOW * (1 + s)) for s in (-1e-9, 1e-9))
+    assert above == pytest.approx(below, rel=1e-8)
+    assert friction_coefficient(LAMINAR_BELOW) == pytest.approx(1.328 / math.sqrt(5e5), rel=1e-12)
+    assert friction_coefficient(0.0) == math.inf
+
+
+@given(st.floats(1, 9).map(lambda e: 10**e), st.floats(1.001, 2))
+def test_more_speed_is_more_friction(reynolds, more):
+    # The force is C_f Re^2 times what does not depend on the speed.
+    assert (
+        friction_coefficient(more * reynolds) * (more * reynolds) ** 2
+        > friction_coefficient(reynolds) * reynolds**2
+    )
+
+
+# One strip.
+
+
+def test_a_strip_has_the_force_worked_out_by_hand():
+    # At x = 0.1, 20 mm thick and 5 mm wide, of a body that moves with (0.5, 0.3, -0.1) and turns with (2, 3, -1):
+    # across the axis 0.3 + 0.1 (-1) = 0.2 and -0.1 - 0.1 x 3 = -0.4 m/s. Re = 0.4472 x 0.02 / 1.05e-6 = 8518.4,
+    # C_d = 1.18 + 6.3 / 8518.4 + 2.5 / 92.295 - 3.40736 / (1 + 26.413) = 1.083529; 0.7 of it is 0.758470.
+    # F = 512 x 0.758470 x 0.02 x 0.005 x 0.4472 x 0.5 = 0.0086834 N s/m times the velocity: half is under water.
+    force = strip_drag(
+        (0.5, 0.3, -0.1), (2.0, 3.0, -1.0), STILL, 0.0, (RHO, NU, 0.5), np.array([0.1, 0.02, 0.005, 0.7])
+    )
+    assert force == pytest.approx((0.0, -0.0086834 * 0.2, 0.0086834 * 0.4), rel=2e-4)
+
+
+def test_a_strip_in_shear_meets_the_water_that_is_there():
+    # The water at the strip moves 0.03 m further ahead of where ``moving`` is relative to: 5 x 0.03 more.
+    strip, there = np.array([0.05, 0.02, 0.01, 1.0]), (RHO, NU, 1.0)
+    sheared = strip_drag((0.0, 0.4, 0.2), STILL, (9.0, 5.0, -2.0), 0.02, there, strip)
+    moved = strip_drag((0.0, 0.4 - 0.15, 0.2 + 0.06), STILL, STILL, 0.02, there, strip)
+    assert sheared == pytest.approx(moved, rel=1e-12)
+    assert strip_drag((1.0, 0.15, -0.06), STILL, (9.0, 5.0, -2.0), 0.02, there, strip)[0] == 0.0
+
+
+def test_a_strip_at_rest_in_the_water_feels_nothing():
+    assert strip_drag((3.0, 0.0, 0.0), (5.0, 0.0, 0.0), STILL, 0.0, (RHO, NU, 1.0), np.ones(4)) == STILL
+
+
+@given(st.floats(1e-9, 1e-5))
+def test_a_strip_that_creeps_is_slowed_by_a_force_that_vanishes_with_its_speed(speed):
+    # C_d ~ 6.3 / Re, so that the force goes with v.
+    force = strip_drag((0.0, speed, 0.0), STILL, STILL, 0.0, (RHO, NU, 1.0), np.array([0.0, 0.02, 0.01, 1.0]))
+    reynolds = speed * 0.02 / NU
+    expected = 0.5 * RHO * 0.02 * 0.01 * speed**2 * (6.3 / reynolds + 2.5 / math.sqrt(reynolds) + 1.18)
+    assert -force[1] == pytest.approx(expected, rel=1e-3)
+
+
+# The whole body.
+
+
+@given(speeds, rates)
+def test_the_force_on_many_strips_is_their_sum_at_their_places(moving, omega):
+    strips = chain(0.12, 0.03, 5, factor=0.7, middle=0.02)
+    forces = [strip_drag(moving, omega, STILL, 0.0, (RHO, NU, 1.0), strip) for strip in strips]
+    torques = [np.cross([strip[0], 0, 0], force) for strip, force in zip(strips, forces, strict=True)]
+    expected = np.concatenate([np.sum(forces, axis=0), np.sum(torques, axis=0)])
+    assert wrench_on(Drag(strips), moving, omega) == pytest.approx(expected, rel=1e-9, abs=1e-12)
+
+
+def test_a_spinning_chain_of_strips_has_the_moment_of_the_integral():
+    # dM = 1/2 rho d C_d (r x)^2 x dx over both halves.
+    length, d, r = 0.3, 0.02, 7.0
+    x = (np.arange(20_000) + 0.5) * length / 40_000
+    coefficients = np.array([crossflow_coefficient(r * a * d / NU) for a in x])
+    moment = RHO * d * r**2 * float(coefficients @ x**3) * length / 40_000
+    for axis, spin in ((5, (0.0, 0.0, r)), (4, (0.0, r, 0.0))):
+        wrench = wrench_on(Drag(chain(length, d, 400)), omega=spin)
+        assert wrench[axis] == pytest.approx(-moment, rel=2e-5)
+        assert np.delete(wrench, axis) == pytest.approx(np.zeros(5), abs=1e-12)
+
+
+def test_the_drag_of_strips_acts_where_they_are():
+    wrench = wrench_on(Drag(chain(0.1, 0.02, 10, middle=0.04)), moving=(0.0, 0.0, 0.5))
+    assert wrench[2] < 0
+    assert wrench[4] == pytest.approx(-0.04 * wrench[2], rel=1e-9)
+
+
+@given(speeds, rates, turns, st.sampled_from([None, 0.0, 0.01, -0.02]))
+def test_drag_never_does_work_on_a_body_in_still_water(moving, omega, turn, level):
+    R = Rotation.from_rotvec(turn).as_matrix()
+    wrench = wrench_on(FULL, moving, omega, R, level=level)
+    power = wrench @ [*moving, *omega]
+    assert power <= 1e-12 * np.abs(wrench).max()
+
+
+@given(speeds, rates, turns, st.floats(-0.1, 0.1))
+def test_drag_is_that_of_the_part_under_water(moving, omega, turn, level):
+    drag = Drag(chain(0.12, 0.03, 9), friction_area=0.012, length=0.12, ahead=1e-4, astern=5e-4)
+    R = Rotation.from_rotvec(turn).as_matrix()
+    deep = wrench_on(drag, moving, omega, R)
+    part = wrench_on(drag, moving, omega, R, level=level)
+    assert 0 <= part[0] * np.sign(deep[0]) <= abs(deep[0])
+    # The body of 120 mm reaches 62 mm from its middle.
+    assert wrench_on(drag, moving, omega, R, level=0.07) == pytest.approx(deep, rel=1e-12, abs=1e-15)
+    assert wrench_on(drag, moving, omega, R, level=-0.07) == pytest.approx(np.zeros(6), abs=0)
+
+
+@pytest.mark.parametrize("speed", [5e-324, 1e-310, 1e-160, 1e-20])
+def test_a_body_that_has_all_but_stopped_feels_all_but_nothing(speed):
+    drag = Drag(chain(0.12, 0.03, 9), friction_area=0.012, length=0.12, ahead=1e-4, astern=5e-4)
+    for moving in ((speed, 0.0, 0.0), (-speed, 0.0, 0.0), (0.0, speed, 0.0)):
+        assert wrench_on(drag, moving) == pytest.approx(np.zeros(6), abs=1e-20)
+
+
+def test_a_level_body_half_under_water_has_half_the_drag():
+    drag = Drag(chain(0.12, 0.03, 9), friction_area=0.012, length=0.12, ahead=1e-4, astern=5e-4)
+    motion = (0.4, 0.3, 0.0), (0.0, 0.0, 2.0)
+    assert wrench_on(drag, *motion, level=0.0) == pytest.approx(0.5 * wrench_on(drag, *motion), rel=1e-9)
+
+
+# Along the axis.
+
+AXIAL = np.array([0.012, 0.12, 1e-4, 5e-4, 0.0, 0.0])
+
+
+def test_axial_drag_is_friction_and_the_blunt_end_that_goes_first():
+    for speed, area in ((0.5, 1e-4), (-0.5, 5e-4)):
+        c = 1.328 / math.sqrt(0.5 * 0.12 / NU)
+        expected = 0.5 * RHO * (c * 0.012 + area) * 0.25
+        assert axial_drag(speed, RHO, NU, AXIAL) == pytest.approx(-math.copysign(expected, speed), rel=1e-9)
+    assert axial_drag(0.0, RHO, NU, AXIAL) == 0.0
+
+
+@given(st.floats(-10, 10))
+def test_axial_drag_opposes_the_motion_along_the_axis_and_only_that(speed):
+    force = axial_drag(speed, RHO, NU, AXIAL)
+    assert force * speed <= 0
+    drag = Drag(chain(0.12, 0.03, 9), friction_area=0.012, length=0.12, ahead=1e-4, astern=5e-4)
+    assert wrench_on(drag, moving=(speed, 0.0, 0.0)) == pytest.approx([force, 0, 0, 0, 0, 0], rel=1e-12)
+
+
+@pytest.mark.parametrize(("level", "share"), [(None, 1.0), (0.0, 0.5), (-1.0, 0.0)])
+def test_a_body_may_have_drag_along_its_axis_alone(level, share):
+    drag = Drag(np.empty((0, 4)), friction_area=0.012, length=0.12, ahead=1e-4, astern=5e-4)
+    force = axial_drag(0.7, RHO, NU, AXIAL) * share
+    wrench = wrench_on(drag, (0.7, 0.2, 0.0), (0.0, 0.0, 1.0), level=level)
+    assert wrench == pytest.approx([force, 0, 0, 0, 0, 0], rel=1e-12)
+    assert model_of(drag).strips.size > 0, "the equations and the check of the energy ask for strips"
+
+
+def test_a_body_without_drag_has_no_strips():
+    assert model_of(None).strips.shape == (0, 4)
+
+
+# The tail, the spin, the shear and the bore.
+
+
+def test_the_lift_on_a_tail_is_that_of_slender_body_theory_at_small_angles():
+    # -rho S |u| v, with the body moving ahead at 2 m/s and aside at 0.01.
+    force = wake_drag(2.0, 0.01, -0.02, RHO, 3e-4)
+    assert force == pytest.approx((0.0, -RHO * 3e-4 * 2 * 0.01, RHO * 3e-4 * 2 * 0.02), rel=1e-4)
+    assert wake_drag(-2.0, 0.01, -0.02, RHO, 3e-4) == force
+
+
+@pytest.mark.parametrize("alpha_deg", [5, 20, 45, 70, 90])
+def test_the_normal_force_on_a_flat_ended_cylinder_is_jorgensens_sum_and_nothing_counts_twice(alpha_deg):
+    """C_N S_b = S_b sin 2a cos(a/2) + C_dn A_p sin^2 a (NASA TN D-6996, eq. 1), with k = 1 and a given C_dn."""
+    length, d, alpha, speed = 0.3, 0.03, math.radians(alpha_deg), 1.2
+    base = math.pi * d**2 / 4
+    drag = Drag(chain(length, d, 20), wake_ahead=(-length / 2, base), wake_astern=(length / 2, base))
+    moving = (speed * math.cos(alpha), 0.0, speed * math.sin(alpha))
+    C_dn = crossflow_coefficient(speed * math.sin(alpha) * d / NU)
+    expected = base * math.sin(2 * alpha) * math.cos(alpha / 2) + C_dn * d * length * math.sin(alpha) ** 2
+    assert -wrench_on(drag, moving)[2] == pytest.approx(0.5 * RHO * speed**2 * expected, rel=1e-6)
+
+
+def test_the_ends_of_a_body_that_moves_astern_are_exchanged():
+    ahead, astern = (wrench_on(FULL, (u, 0.0, 0.3)) for u in (0.5, -0.5))
+    without = replace(FULL, wake_ahead=(0.0, 0.0), wake_astern=(0.0, 0.0))
+    lifts = [w - wrench_on(without, (u, 0.0, 0.3)) for w, u in ((ahead, 0.5), (astern, -0.5))]
+    assert lifts[0][4] == pytest.approx(0.04 * lifts[0][2])
+    assert lifts[1][4] == pytest.approx(-0.08 * lifts[1][2])
+    assert lifts[1][2] == pytest.approx(5 / 3 * lifts[0][2])
+
+
+def test_a_spin_about_the_axis_is_slowed_by_friction_on_the_side():
+    # rho C_f |w r| w r 2 pi r^2 L / 2 of a cylinder, r = 15 mm, L = 120 mm.
+    r, length, rate = 0.015, 0.12, 20.0
+    drag = Drag(chain(length, 2 * r, 9), diameter=2 * r, spin=2 * math.pi * r**4 * length)
+    C_f = spin_coefficient(rate * r * r / NU)
+    torque = RHO * C_f * (rate * r) ** 2 * 2 * math.pi * r**2 * length / 2
+    assert wrench_on(drag, omega=(rate, 0.0, 0.0)) == pytest.approx([0, 0, 0, -torque, 0, 0], rel=1e-9)
+
+
+def test_a_body_that_lags_behind_the_water_is_lifted_to_where_it_is_faster():
+    # u = S z along x, and the body is slower: (u - v) x curl u / 2 = (U, 0, 0) x (0, S, 0) / 2.
+    lift = shear_lift((-0.3, 0.0, 0.0), (0.0, 4.0, 0.0), 0.5 * RHO * 1e-4)
+    assert lift == pytest.approx((0.0, 0.0, 0.5 * RHO * 1e-4 * 0.3 * 4.0))
+
+
+@given(speeds, rates)
+def test_in_a_narrow_bore_all_drag_grows_alike(moving, omega):
+    drag = replace(FULL, wake_ahead=(0.0, 0.0), wake_astern=(0.0, 0.0), spin=0.0, blocking=0.03)
+    free, narrow = wrench_on(drag, moving, omega), wrench_on(drag, moving, omega, bore=0.03)
+    assert narrow == pytest.approx(blockage_factor(0.5) * free, rel=1e-9, abs=1e-15)
+
+
+@given(speeds, rates)
+def test_the_wrench_in_still_open_water_is_that_of_the_equations(moving, omega):
+    assert still_water_wrench(FULL, moving, omega, RHO, NU) == pytest.approx(
+        wrench_on(FULL, moving, omega), rel=1e-9, abs=1e-12
+    )
+
+
+@pytest.mark.parametrize("factor", [0.6, 1.3])
+@pytest.mark.parametrize(
+    "motion",
+    [((0.4, 0, 0), (0, 0, 0)), ((-0.4, 0, 0), (0, 0, 0)), ((0, 0, 0.3), (0, 0, 0)), ((0, 0, 0), (5.0, 0, 0))],
+)
+def test_scaled_drag_resists_every_motion_by_that_factor(factor, motion):
+    drag = replace(FULL, wake_ahead=(0.0, 0.0), wake_astern=(0.0, 0.0))
+    once = still_water_wrench(drag, *motion, RHO, NU)
+    scaled = still_water_wrench(drag.scale(factor), *motion, RHO, NU)
+    assert np.abs(once).max() > 0
+    assert scaled == pytest.approx(factor * once, rel=1e-12)

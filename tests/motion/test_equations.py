@@ -1,0 +1,411 @@
+"""Equations of motion: against Fossen's 6x6 matrices, and in water that accelerates and shears."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from driftform.motion.coordinates import describe_motion
+from driftform.motion.equations import accelerations, damping_wrench, water_motion_at_cob
+from driftform.motion.model import STEADY, flight_model
+from driftform.testing.agents import DENSITY, GRAVITY, Spheroid, sphere_agent
+from driftform.testing.bodies import cylinder_body, spheroid_body
+from driftform.types import Agent, Coefficients, Drag, MassProperties
+from driftform.water import (
+    Contact,
+    DevelopingFlow,
+    Fluid,
+    LogLawFlow,
+    Pipe,
+    PowerLawFlow,
+    Scenario,
+    Segment,
+    TurbulentFlow,
+    UniformFlow,
+)
+from driftform.water.velocity import water_motion
+
+STILL = np.zeros(3)
+NEUTRAL = DENSITY * 4 / 3 * np.pi * 0.01**3
+
+vectors = st.tuples(*[st.floats(-2, 2)] * 3).map(np.array)
+turns = st.tuples(*[st.floats(-3, 3)] * 3).map(lambda turn: Rotation.from_rotvec(turn).as_matrix())
+
+
+def accelerated(model, R=None, position=STILL, velocity=STILL, omega=STILL, t=0.0):
+    """Acceleration of the origin (world) and of rotation (body), (6,)."""
+    rows = tuple(tuple(row) for row in (np.eye(3) if R is None else R).tolist())
+    position, velocity, omega = (
+        tuple(np.asarray(v, dtype=float).tolist()) for v in (position, velocity, omega)
+    )
+    return np.concatenate(accelerations(float(t), position, rows, velocity, omega, model))
+
+
+def pipe_of(radius=100.0, end=(200.0, 0.0, 0.0)):
+    return Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=end, radius=radius),))
+
+
+def scenario_of(flow=None, *, mode="full", radius=1.0, level=None, **contact):
+    return Scenario(
+        pipe=pipe_of(radius, (9.0, 0.0, 0.0)),
+        flow=flow or UniformFlow(),
+        fluid=Fluid(density=DENSITY, gravity=GRAVITY, flow_force=mode, water_level=level),
+        contact=Contact(**contact),
+    )
+
+
+# Against Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control (2011), theorem 3.2 and section 8.1.
+
+
+def skew(a):
+    return np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
+
+
+def coriolis(M, nu):
+    force = skew(M[:3, :3] @ nu[:3] + M[:3, 3:] @ nu[3:])
+    moment = skew(M[3:, :3] @ nu[:3] + M[3:, 3:] @ nu[3:])
+    return -np.block([[np.zeros((3, 3)), force], [force, moment]])
+
+
+def random_agent(rng, *, damped):
+    """Nothing about it is symmetric but what must be, and every point lies elsewhere."""
+    size = np.array([1.0, 1.0, 1.0, 0.06, 0.06, 0.06])
+    root = rng.normal(size=(6, 6))
+    inertia = rng.normal(size=(3, 3))
+    linear, quadratic = damped * rng.normal(size=(2, 6, 6)) * np.outer(size, size)
+    return Agent(
+        spheroid_body(0.06, 0.02, edges=8),
+        MassProperties(
+            rng.uniform(0.05, 0.2),
+            rng.uniform(-0.01, 0.01, 3),
+            1e-4 * (np.eye(3) + 0.2 * inertia @ inertia.T),
+            rng.uniform(5e-5, 2e-4),
+            rng.uniform(-0.01, 0.01, 3),
+        ),
+        Coefficients(
+            0.03 * size[:, None] * (root @ root.T) * size,
+            origin=rng.uniform(-0.02, 0.02, 3),
+            linear_damping=0.1 * linear,
+            quadratic_damping=0.1 * quadratic,
+        ),
+    )
+
+
+@pytest.mark.parametrize("seed", range(50))
+def test_accelerations_are_those_of_fossens_matrices(seed):
+    rng = np.random.default_rng(seed)
+    agent = random_agent(rng, damped=seed % 2)
+    mass, coefficients = agent.mass, agent.coefficients
+    R = Rotation.random(rng=rng).as_matrix()
+    velocity, omega = rng.normal(size=3), rng.normal(0, 10, 3)
+    current = np.array([rng.uniform(-2, 2), 0, 0])
+
+    m, S = mass.mass, skew(mass.cog)
+    M_RB = np.block([[m * np.eye(3), -m * S], [m * S, mass.inertia - m * S @ S]])
+    H = np.block([[np.eye(3), -skew(coefficients.origin)], [np.zeros((3, 3)), np.eye(3)]])
+    M_A = H.T @ coefficients.added_mass @ H
+    nu = np.concatenate([R.T @ velocity, omega])
+    nu_c = np.concatenate([R.T @ current, STILL])
+    nu_c_dot = np.concatenate([-np.cross(omega, R.T @ current), STILL])
+    nu_r = nu - nu_c
+    local = H @ nu_r
+    damping = coefficients.linear_damping @ local + coefficients.quadratic_damping @ (np.abs(local) * local)
+    up = R.T @ [0, 0, 1]
+    W, B = m * GRAVITY, DENSITY * mass.volume * GRAVITY
+    hydrostatic = np.concatenate([(B - W) * up, np.cross(mass.cob, B * up) - np.cross(mass.cog, W * up)])
+    tau = hydrostatic - H.T @ damping - coriolis(M_RB, nu) @ nu - coriolis(M_A, nu_r) @ nu_r
+    nu_dot = np.linalg.solve(M_RB + M_A, tau + M_A @ nu_c_dot)
+    expected = np.concatenate([R @ (nu_dot[:3] + np.cross(omega, nu[:3])), nu_dot[3:]])
+
+    scenario = Scenario(flow=UniformFlow(speed=current[0]), fluid=Fluid(density=DENSITY, gravity=GRAVITY))
+    found = accelerated(flight_model(agent, scenario), R, rng.normal(size=3), velocity, omega)
+    for half in (slice(0, 3), slice(3, 6)):
+        assert found[half] == pytest.approx(expected[half], abs=1e-10 * np.linalg.norm(expected[half]))
+
+
+def test_accelerations_of_coordinates_are_those_of_the_attitude_that_their_rotation_vector_tells():
+    rng = np.random.default_rng(1)
+    model = flight_model(
+        random_agent(rng, damped=True), scenario_of(TurbulentFlow(), level=0.1, friction=0.3)
+    )
+    turn, position, velocity, omega = rng.normal(size=(4, 3)) * [[1], [0.3], [1], [3]]
+    motion = describe_motion(model, np.eye(13)[3])
+    coordinates, rates = np.concatenate([position, turn]), np.concatenate([velocity, omega])
+    R = Rotation.from_rotvec(turn).as_matrix()
+    found = motion.accelerations(1.3, coordinates, rates, motion.values)
+    assert found == pytest.approx(accelerated(model, R, position, velocity, omega, 1.3), rel=1e-9)
+
+
+@given(vectors, vectors)
+def test_damping_about_another_point_is_that_of_the_shifted_matrices(v, w):
+    model = flight_model(random_agent(np.random.default_rng(3), damped=True), Scenario())
+    coefficients = random_agent(np.random.default_rng(3), damped=True).coefficients
+    H = np.block([[np.eye(3), -skew(coefficients.origin)], [np.zeros((3, 3)), np.eye(3)]])
+    local = H @ [*v, *w]
+    damping = coefficients.linear_damping @ local + coefficients.quadratic_damping @ (np.abs(local) * local)
+    wrench = damping_wrench(tuple(v.tolist()), tuple(w.tolist()), model.table)
+    assert np.concatenate(wrench) == pytest.approx(-H.T @ damping, rel=1e-9, abs=1e-12)
+
+
+# Water that accelerates.
+
+
+def ramp(agent, acceleration, mode, speed=0.3, radius=100.0):
+    """The agent in uniform water whose velocity is (speed, 0, 0) + acceleration t for ten seconds."""
+    scenario = Scenario(
+        pipe=pipe_of(radius),
+        flow=UniformFlow(speed=speed),
+        fluid=Fluid(density=DENSITY, gravity=GRAVITY, flow_force=mode),
+    )
+    model = flight_model(agent, scenario)
+    table = model.table.copy()
+    table[STEADY] = 0.0
+    a = np.asarray(acceleration, dtype=float)
+    return model._replace(
+        table=table,
+        flow=np.array([*model.flow[:3], 10.0]),
+        gusts=np.array([[0.0, 0.0, 0.0, *a], [*(10 * a), *a]]),
+    )
+
+
+@pytest.mark.parametrize(("mode", "share"), [("full", 1.0), ("paper", 1 / 3)])
+def test_a_neutral_sphere_follows_accelerating_water_whole_or_by_a_third(mode, share):
+    model = ramp(sphere_agent(0.01, NEUTRAL), [1.0, 0.0, 0.0], mode)
+    for t in (0.0, 2.5, 9.0):
+        found = accelerated(model, velocity=[0.3 + t, 0, 0], position=[1.0, 0, 0], t=t)
+        assert found == pytest.approx([share, 0, 0, 0, 0, 0], abs=1e-9)
+
+
+@given(st.floats(1e-3, 0.5), st.floats(0.1, 2.0), vectors, vectors, turns)
+def test_a_sphere_is_pushed_by_its_displaced_and_its_added_mass(mass, added, a, velocity, R):
+    # Auton, Hunt and Prud'homme: m dv/dt = rho V Du/Dt + k rho V (Du/Dt - dv/dt) + (rho V - m) g.
+    for mode, displaced in (("full", NEUTRAL), ("paper", 0.0)):
+        model = ramp(sphere_agent(0.01, mass, added=added), a, mode)
+        net = (NEUTRAL - mass) * GRAVITY * np.array([0, 0, 1])
+        expected = ((displaced + added * NEUTRAL) * a + net) / (mass + added * NEUTRAL)
+        found = accelerated(model, R, [2.0, 1.0, -3.0], velocity, t=4.0)
+        assert found == pytest.approx([*expected, 0, 0, 0], rel=1e-9, abs=1e-8)
+
+
+@given(st.integers(0, 10**6), vectors, turns)
+def test_a_neutral_body_of_any_shape_stays_with_water_that_accelerates(seed, a, R):
+    agent = random_agent(np.random.default_rng(seed), damped=True)
+    mass = replace(agent.mass, mass=DENSITY * agent.mass.volume, cog=agent.mass.cob)
+    model = ramp(replace(agent, mass=mass), a, "full")
+    t = 1.7
+    found = accelerated(model, R, [3.0, 0.5, -0.2], np.array([0.3, 0, 0]) + t * a, t=t)
+    assert found[:3] == pytest.approx(a, abs=1e-9)
+    assert found[3:] == pytest.approx(STILL, abs=1e-6)
+
+
+@given(st.integers(0, 10**6), vectors, vectors, turns)
+def test_gusts_that_do_not_blow_leave_uniform_water_steady(seed, velocity, omega, R):
+    agent = random_agent(np.random.default_rng(seed), damped=True)
+    calm = ramp(agent, STILL, "full")
+    for mode in ("full", "paper"):
+        steady = flight_model(
+            agent,
+            Scenario(
+                pipe=pipe_of(),
+                flow=UniformFlow(speed=0.3),
+                fluid=Fluid(density=DENSITY, gravity=GRAVITY, flow_force=mode),
+            ),
+        )
+        assert steady.table[STEADY] == 1.0
+        expected = accelerated(steady, R, [3.0, 0.5, -0.2], velocity, omega)
+        assert accelerated(calm, R, [3.0, 0.5, -0.2], velocity, omega, 1.0) == pytest.approx(
+            expected, rel=1e-12
+        )
+
+
+def test_water_that_accelerates_turns_a_body_whose_mass_is_not_where_its_volume_is():
+    # In the water's frame the body's own mass feels -m a at the COG: like gravity along -a, with the displaced water
+    # as its buoyancy. A neutral body with its COG behind the COB therefore turns as if hung up.
+    agent = Spheroid(0.06, 0.02).agent()
+    agent = replace(agent, mass=replace(agent.mass, cog=np.array([-0.01, 0.0, 0.0])))
+    scenario = Scenario(
+        flow=UniformFlow(speed=0.0),
+        fluid=Fluid(density=DENSITY, gravity=2.0, flow_force="full"),
+    )
+    hung = flight_model(agent, scenario)
+    model = ramp(agent, [0.0, 0.0, 2.0], "full", speed=0.0)
+    model.table[29, 2] = 0.0  # no gravity but that of the moving frame
+    R = Rotation.from_rotvec([0.0, 0.4, 0.0]).as_matrix()
+    found, expected = accelerated(model, R), accelerated(hung, R)
+    assert expected[4] != pytest.approx(0, abs=0.1)
+    assert found[3:] == pytest.approx(expected[3:], rel=1e-9)
+    assert found[:3] - [0, 0, 2.0] == pytest.approx(expected[:3], abs=1e-9)
+
+
+# Water that shears.
+
+SHEARED = {
+    "power law": PowerLawFlow(speed=1.2),
+    "log law": LogLawFlow(speed=1.2),
+    "developing": DevelopingFlow(speed=1.2),
+}
+
+
+@cache
+def sphere_in(what, mode):
+    return flight_model(sphere_agent(0.01, NEUTRAL), scenario_of(SHEARED[what], mode=mode))
+
+
+def change_along(model, point, velocity, h=1e-5):
+    """Change of the water's velocity for who moves with ``velocity``, by differences along the way, m/s2."""
+    ends = [
+        np.array(
+            water_motion(
+                tuple((point + s * h * velocity).tolist()), 0.0, model.pipe, model.flow, model.gusts
+            )[0]
+        )
+        for s in (1, -1)
+    ]
+    return (ends[0] - ends[1]) / (2 * h)
+
+
+places = st.tuples(st.floats(0.5, 8.5), st.floats(0.05, 0.8), st.floats(0, 2 * np.pi)).map(
+    lambda p: np.array([p[0], p[1] * np.cos(p[2]), p[1] * np.sin(p[2])])
+)
+
+
+@given(st.sampled_from(list(SHEARED)), places, vectors)
+def test_a_neutral_sphere_that_crosses_shear_feels_a_third_of_its_change_along_its_own_path(
+    what, place, velocity
+):
+    model = sphere_in(what, "paper")
+    change = change_along(model, place, velocity)
+    # The change downstream of developing flow's radial velocity is left out of the gradient: 1e-3 1/s at most.
+    slack = 1e-6 + (what == "developing") * 2e-3 * abs(velocity[0])
+    found = accelerated(model, position=place, velocity=velocity)
+    assert found == pytest.approx([*change / 3, 0, 0, 0], abs=slack)
+
+
+@given(st.sampled_from(list(SHEARED)), places, vectors)
+def test_with_its_pressure_a_neutral_sphere_follows_the_waters_own_acceleration(what, place, velocity):
+    model = sphere_in(what, "full")
+    stream = np.array(water_motion(tuple(place.tolist()), 0.0, model.pipe, model.flow, model.gusts)[0])
+    change = change_along(model, place, stream)
+    slack = 1e-6 + (what == "developing") * 2e-3 * stream[0]
+    if what != "developing":
+        assert change == pytest.approx(STILL, abs=1e-6), (
+            "parallel flow does not accelerate along its own path"
+        )
+    found = accelerated(model, position=place, velocity=velocity)
+    assert found == pytest.approx([*change, 0, 0, 0], abs=slack)
+
+
+@given(places, vectors, st.floats(0.1, 9.0))
+def test_a_gusts_rate_is_all_the_acceleration_of_gusty_water(place, velocity, t):
+    # A gust is what the water along the path does as time goes by: nothing is added for the mean shear.
+    agent = sphere_agent(0.01, NEUTRAL)
+    for mode, share in (("full", 1.0), ("paper", 1 / 3)):
+        model = flight_model(agent, scenario_of(TurbulentFlow(speed=1.2), mode=mode))
+        _, gradient, rate = water_motion(tuple(place.tolist()), t, model.pipe, model.flow, model.gusts)
+        change = np.array(rate)
+        if mode == "paper":
+            change = change + np.array(gradient) @ velocity
+        found = accelerated(model, position=place, velocity=velocity, t=t)
+        assert found == pytest.approx([*share * change, 0, 0, 0], rel=1e-9, abs=1e-9)
+
+
+@given(st.sampled_from(list(SHEARED)), places, vectors, vectors, turns)
+def test_the_water_is_that_at_the_centre_of_buoyancy(what, place, velocity, omega, R):
+    agent = sphere_agent(0.01, NEUTRAL)
+    centre = np.array([0.02, -0.01, 0.015])
+    agent = replace(agent, mass=replace(agent.mass, cob=centre))
+    rows = tuple(tuple(row) for row in R.tolist())
+    where = tuple((place - R @ centre).tolist())
+    for mode in ("full", "paper"):
+        model = flight_model(agent, scenario_of(SHEARED[what], mode=mode))
+        there = water_motion(tuple(place.tolist()), 0.0, model.pipe, model.flow, model.gusts)
+        stream, change, shear, curl = water_motion_at_cob(
+            0.0, where, rows, tuple(velocity.tolist()), tuple(omega.tolist()), model
+        )
+        path = np.array(there[0]) if mode == "full" else velocity + R @ np.cross(omega, centre)
+        assert stream == pytest.approx(there[0], rel=1e-9, abs=1e-12)
+        assert change == pytest.approx(np.array(there[1]) @ path, rel=1e-6, abs=1e-9)
+        # Along the axis of the body, in its frame.
+        slack = 1e-6 + (what == "developing") * 2e-3
+        along = change_along(model, place, R[:, 0])
+        assert shear == pytest.approx(R.T @ along, abs=slack)
+        gradient = np.column_stack([change_along(model, place, axis) for axis in np.eye(3)])
+        spin = [
+            gradient[2, 1] - gradient[1, 2],
+            gradient[0, 2] - gradient[2, 0],
+            gradient[1, 0] - gradient[0, 1],
+        ]
+        assert curl == pytest.approx(R.T @ spin, abs=2 * slack)
+
+
+# What stays in its plane.
+
+
+def symmetric_agent():
+    """Symmetric to its vertical plane, and to nothing else; with every kind of drag."""
+    agent = Spheroid(0.06, 0.02).agent()
+    x = 0.01 * np.arange(-5, 6)
+    strips = np.column_stack([x, np.full(11, 0.03), np.full(11, 0.01), np.full(11, 0.7)])
+    size = np.diag([1.0, 2.0, 2.0, 0.0, 1e-3, 1e-3])
+    return replace(
+        agent,
+        body=cylinder_body(0.12, 0.02),
+        mass=replace(
+            agent.mass,
+            mass=0.9 * agent.mass.mass,
+            cog=np.array([0.006, 0.0, -0.002]),
+            cob=np.array([-0.003, 0.0, 0.001]),
+            inertia=agent.mass.inertia + 1e-6 * np.array([[0, 0, 2.0], [0, 1, 0], [2, 0, 0]]),
+        ),
+        coefficients=replace(
+            agent.coefficients,
+            origin=np.array([0.002, 0.0, 0.001]),
+            linear_damping=0.02 * size,
+            quadratic_damping=0.1 * size,
+            drag=Drag(strips, friction_area=0.015, length=0.12, ahead=1e-4, astern=3e-4),
+        ),
+    )
+
+
+@cache
+def planar_model(what, mode, level):
+    flow = TurbulentFlow(speed=1.0, seed=3) if what == "turbulent" else SHEARED.get(what)
+    scenario = scenario_of(flow, mode=mode, level=level, friction=0.4)
+    model = flight_model(symmetric_agent(), scenario)
+    gusts = model.gusts.copy()
+    gusts[:, 1::3] = 0.0
+    return model._replace(gusts=gusts)
+
+
+@given(
+    st.sampled_from([*SHEARED, "uniform", "turbulent"]),
+    st.sampled_from(["full", "paper"]),
+    st.sampled_from([None, 0.0, 0.5]),
+    st.floats(-3.2, 3.2),
+    st.one_of(st.floats(-1.01, 1.01), st.sampled_from([0.0, 0.5, 0.97, -0.97])),
+    st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-30, 30)),
+)
+def test_a_motion_in_the_vertical_plane_stays_there_exactly(what, mode, level, pitch, height, speeds):
+    model = planar_model(what, mode, level)
+    half = pitch / 2
+    # As the integrators have it: a quaternion whose x and z are zero.
+    c, s = np.cos(half), np.sin(half)
+    k = 2 / (c * c + s * s)
+    R = np.array([[1 - k * s * s, 0.0, k * c * s], [0.0, 1.0, 0.0], [-k * c * s, 0.0, 1 - k * s * s]])
+    found = accelerated(model, R, [4.0, 0, height], [speeds[0], 0, speeds[1]], [0, speeds[2], 0], 2.34)
+    assert np.isfinite(found).all()
+    assert found[1] == 0.0, "it is pushed sideways"
+    assert found[3] == 0.0, "it rolls"
+    assert found[5] == 0.0, "it yaws"
+
+
+def test_the_planar_states_touch_the_wall_and_the_surface():
+    model = planar_model("uniform", "full", 0.5)
+    high = accelerated(model, position=[4.0, 0, 0.97], velocity=[1.5, 0, 0.2])
+    low = accelerated(model, position=[4.0, 0, -0.99], velocity=[1.5, 0, -0.2])
+    assert high[2] < low[2]
+    assert low[2] > GRAVITY

@@ -1,0 +1,463 @@
+"""What is installed, and what is wrong with it; plugins are real ``.dist-info`` directories on the path."""
+
+import importlib.util
+import sys
+from collections.abc import Callable, Iterator
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+from pydantic import ValidationError
+
+from driftform.builtin.closest_approach import ClosestApproach
+from driftform.errors import InputError, WorkFailedError
+from driftform.interfaces import SEAMS
+from driftform.plugins.registry import GROUP, Contribution, Registry, registry
+from driftform.study import load_study
+
+Install = Callable[..., Registry]
+
+SOUND = """
+from driftform import hookimpl
+
+@hookimpl
+def driftform_fitness():
+    from driftform.interfaces import Fitness
+    from driftform.options import Table, option
+
+    class Options(Table):
+        weight: float = option(1.0, "how much it weighs", "kg", gt=0)
+
+    class Mine(Fitness):
+        name = "{name}"
+
+        def score(self, trajectory, scenario, agent):
+            return scenario.target_array()[:, 0] * self.options.weight
+
+    Mine.Options = Options
+    return Mine
+"""
+
+MISSING = """
+from driftform import hookimpl
+
+@hookimpl
+def driftform_simulator():
+    import a_library_that_is_not_there
+"""
+
+INCOMPLETE = """
+from driftform import hookimpl
+
+@hookimpl
+def driftform_strategy():
+    from driftform.interfaces import Strategy
+
+    class Half(Strategy):
+        name = "half"
+
+        def ask(self, limit):
+            return []
+
+    return Half
+"""
+
+
+@pytest.fixture
+def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Install]:
+    """Install modules as distributions ``<module>-plugin 1.0``, and return a registry that has looked for them."""
+    monkeypatch.syspath_prepend(str(tmp_path))
+    modules: list[str] = []
+
+    def installed(**sources: str) -> Registry:
+        for module, source in sources.items():
+            (tmp_path / f"{module}.py").write_text(source)
+            info = tmp_path / f"{module}_plugin-1.0.dist-info"
+            info.mkdir()
+            (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}-plugin\nVersion: 1.0\n")
+            (info / "entry_points.txt").write_text(f"[driftform]\n{module} = {module}\n")
+            modules.append(module)
+        return Registry()
+
+    yield installed
+    for module in modules:
+        sys.modules.pop(module, None)
+
+
+def row(found: Registry, name: str) -> Contribution:
+    (only,) = [row for row in found.contributions() if row.name == name]
+    return only
+
+
+def test_our_own_plugins_are_found_with_their_distribution_and_version():
+    found = {(row.seam, row.name): (row.distribution, row.state) for row in registry().contributions()}
+    ours = {
+        ("grammar", "lsystem"): "driftform-lsystem",
+        ("builder", "frusta"): "driftform-frusta",
+        ("hydrodynamics", "striptheory"): "driftform-striptheory",
+        ("hydrodynamics", "panels"): "driftform-panels",
+        ("simulator", "exudyn"): "driftform-exudyn",
+        ("fitness", "closest-approach"): "driftform",
+        ("strategy", "paper"): "driftform",
+        ("strategy", "random"): "driftform",
+        ("exporter", "stl"): "driftform-frusta",
+        ("exporter", "scad"): "driftform-frusta",
+        ("renderer", "exudyn"): "driftform-exudyn",
+    }
+    for key, distribution in ours.items():
+        assert found[key] == (distribution, "ok")
+    assert registry().find("fitness", "closest-approach") is ClosestApproach
+
+
+def test_a_plugin_beside_ours_is_found_and_made_with_its_options(install):
+    found = install(ext_sound=SOUND.format(name="mine"))
+    assert row(found, "mine").distribution == "ext_sound-plugin"
+    assert row(found, "mine").version == "1.0"
+    assert row(found, "mine").available
+    assert found.create("fitness", "mine", {"weight": 2.5}).options.weight == 2.5
+    assert found.find("fitness", "closest-approach") is ClosestApproach
+
+
+@pytest.mark.parametrize("options", [{"wieght": 1.0}, {"weight": 0.0}, {"weight": "heavy"}])
+def test_options_that_do_not_fit_are_refused(install, options):
+    with pytest.raises(ValidationError):
+        install(ext_sound=SOUND.format(name="mine")).create("fitness", "mine", options)
+
+
+@pytest.mark.parametrize(
+    ("seam", "typed", "meant"),
+    [("simulator", "exudin", "exudyn"), ("strategy", "Paper", "paper"), ("exporter", "stll", "stl")],
+)
+def test_a_misspelt_name_is_an_input_error_with_a_suggestion(seam, typed, meant):
+    with pytest.raises(InputError, match=f"^no {seam} is named '{typed}'; did you mean '{meant}'\\?$"):
+        registry().find(seam, typed)
+
+
+def test_an_unknown_name_is_an_input_error_with_all_known_names():
+    with pytest.raises(InputError, match=r"no strategy is named 'simplex'; known: .*paper.*random"):
+        registry().find("strategy", "simplex")
+
+
+@pytest.mark.parametrize("installed", ["nothing", "driftform"])
+def test_driftform_without_plugins_says_in_one_line_what_to_install(call, monkeypatch, installed):
+    every = metadata.entry_points
+    points = [point for point in every(group=GROUP) if point.dist.name == installed]
+    monkeypatch.setattr(
+        "importlib.metadata.entry_points", lambda group: points if group == GROUP else every(group=group)
+    )
+    registry.cache_clear()
+    try:
+        result = call("evolve", "--evaluations", "2")
+    finally:
+        registry.cache_clear()
+    missing = "grammar, builder, hydrodynamics, simulator" + (", fitness, strategy" if not points else "")
+    assert result.exit_code == 2 and result.stdout == ""
+    assert result.stderr == (
+        f"error: no plugin for {missing} is installed: in a clone of driftform run 'uv sync', "
+        "elsewhere 'pip install driftform'\n"
+    )
+
+
+def test_a_name_of_another_seam_is_not_found():
+    with pytest.raises(InputError, match="no fitness is named 'exudyn'"):
+        registry().find("fitness", "exudyn")
+
+
+def test_two_plugins_that_claim_one_name_are_both_named(install):
+    found = install(ext_one=SOUND.format(name="mine"), ext_two=SOUND.format(name="mine"))
+    with pytest.raises(InputError) as caught:
+        found.find("fitness", "mine")
+    message = str(caught.value)
+    assert "fitness 'mine' is claimed by" in message
+    assert "ext_one-plugin 1.0" in message
+    assert "ext_two-plugin 1.0" in message
+    assert [r.distribution for r in found.seam("fitness") if r.name == "mine"] == [
+        "ext_one-plugin",
+        "ext_two-plugin",
+    ]
+
+
+def test_a_plugin_may_not_take_one_of_our_names(install):
+    found = install(ext_rival=SOUND.format(name="closest-approach"))
+    with pytest.raises(InputError, match=r"claimed by .*driftform .*ext_rival-plugin"):
+        found.find("fitness", "closest-approach")
+
+
+def test_a_missing_dependency_is_reported_in_its_row(install):
+    found = install(ext_missing=MISSING)
+    broken = row(found, "ext_missing")
+    assert broken.seam == "simulator"
+    assert broken.distribution == "ext_missing-plugin"
+    assert broken.state == "unavailable: No module named 'a_library_that_is_not_there'"
+    assert not broken.available
+    assert row(found, "lsystem").available, "the others go on"
+
+
+def test_selecting_a_plugin_with_a_missing_dependency_gives_the_reason(install):
+    found = install(ext_missing=MISSING)
+    with pytest.raises(InputError) as caught:
+        found.find("simulator", "ext_missing")
+    message = str(caught.value)
+    assert "ext_missing-plugin" in message
+    assert "No module named 'a_library_that_is_not_there'" in message
+
+
+def test_a_module_that_cannot_be_imported_is_reported_in_its_row(install):
+    found = install(ext_rotten="import a_library_that_is_not_there", ext_syntax="def broken(:")
+    assert row(found, "ext_rotten").state == ("unavailable: No module named 'a_library_that_is_not_there'")
+    assert row(found, "ext_syntax").state.startswith("unavailable: SyntaxError")
+    with pytest.raises(InputError, match="unavailable: No module named"):
+        found.find("fitness", "ext_rotten")
+
+
+@pytest.mark.parametrize(
+    ("seam", "plugin", "module"),
+    [
+        ("simulator", "exudyn", "exudyn"),
+        ("renderer", "exudyn", "exudyn"),
+        pytest.param("recorder", "robotics", "rosbags", marks=pytest.mark.peers),
+        pytest.param("strategy", "ribs", "ribs", marks=pytest.mark.peers),
+    ],
+)
+def test_a_module_that_a_plugin_imports_late_is_reported_missing_at_once(seam, plugin, module, monkeypatch):
+    found = importlib.util.find_spec
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == module else found(name))
+    [broken] = [row for row in Registry().seam(seam) if not row.available]
+    assert (broken.name, broken.state) == (plugin, f"unavailable: No module named '{module}'")
+
+
+def test_a_class_without_a_required_method_is_reported_with_its_name(install):
+    found = install(ext_half=INCOMPLETE)
+    broken = row(found, "ext_half")
+    assert broken.state.startswith("unavailable: ")
+    assert "Half does not implement tell" in broken.state
+    with pytest.raises(InputError, match="Half does not implement tell"):
+        found.find("strategy", "ext_half")
+
+
+@pytest.mark.parametrize(
+    ("returned", "reason"),
+    [
+        ("int", "is not a Fitness"),
+        ("'not a class'", "the hook returned a str, expected a class or a list of classes"),
+        ("42", "the hook returned a int, expected a class or a list of classes"),
+        ("None", "the hook returned a NoneType, expected a class or a list of classes"),
+        ("['not a class']", "'not a class' is not a Fitness"),
+        (
+            "type('Nameless', (Fitness,), {'score': lambda self, t, s: None})",
+            "Nameless has no name of its own",
+        ),
+    ],
+)
+def test_a_hook_that_does_not_return_a_class_is_reported_in_its_row(install, returned, reason):
+    source = f"""
+from driftform import hookimpl
+
+@hookimpl
+def driftform_fitness():
+    from driftform.interfaces import Fitness
+    return {returned}
+"""
+    assert reason in row(install(ext_odd=source), "ext_odd").state
+
+
+@pytest.mark.parametrize(
+    "error", ["ImportError", "ImportError()", "RuntimeError", "ValueError('')", "OSError('a\\nb')"]
+)
+def test_any_error_in_a_plugin_is_one_line_in_its_row(install, error):
+    broken = row(
+        install(ext_wild=MISSING.replace("import a_library_that_is_not_there", f"raise {error}")), "ext_wild"
+    )
+    assert broken.state.startswith("unavailable: ")
+    assert len(broken.state.removeprefix("unavailable: ").strip()) > 1
+    assert len(broken.state.splitlines()) == 1
+
+
+def test_a_hook_may_return_several_classes_or_none(install):
+    several = SOUND.format(name="one").replace(
+        "    return Mine", "    return [Mine, type('Other', (Mine,), {'name': 'two'})]"
+    )
+    found = install(
+        ext_several=several, ext_none=SOUND.format(name="x").replace("return Mine", "return None")
+    )
+    names = {r.name for r in found.seam("fitness")}
+    assert {"one", "two"} <= names
+    assert "x" not in names
+
+
+def test_every_seam_has_its_hook():
+    from driftform.plugins import hookspecs
+
+    assert {name for name in dir(hookspecs) if name.startswith("driftform_")} == {
+        f"driftform_{seam}" for seam in SEAMS
+    }
+
+
+def test_an_unknown_hook_is_reported_in_its_row(install):
+    source = "from driftform import hookimpl\n\n@hookimpl\ndef driftform_fitnes():\n    return []\n"
+    broken = row(install(ext_misspelt=source), "ext_misspelt")
+    assert not broken.available
+    assert "unknown hook driftform_fitnes; did you mean 'driftform_fitness'?" in broken.state
+
+
+def test_a_name_that_nobody_has_is_refused_with_the_plugins_that_cannot_be_used(install):
+    """The name may be that of a class in one of these."""
+    source = "from driftform import hookimpl\n@hookimpl\ndef driftform_strategy():\n    return 42\n"
+    with pytest.raises(InputError) as refusal:
+        install(broken=source).find("strategy", "cma-es")
+    assert "no strategy is named 'cma-es'" in str(refusal.value)
+    assert "broken-plugin is unavailable: TypeError: the hook returned a int" in str(refusal.value)
+
+
+OPTIONS = """
+from driftform import hookimpl
+
+@hookimpl
+def driftform_{seam}():
+    from pydantic import BaseModel, model_validator
+    from driftform import interfaces
+    from driftform.options import Table, option
+
+    class Mine(interfaces.{interface}):
+        name = "mine"
+
+        class Options({base}):
+            {body}
+
+    Mine.__abstractmethods__ = frozenset()
+    return Mine
+"""
+
+
+def state_of(install: Install, body: str, base: str = "Table", seam: str = "fitness") -> str:
+    source = OPTIONS.format(seam=seam, interface=SEAMS[seam].__name__, base=base, body=body)
+    return row(install(ext_options=source), "ext_options").state
+
+
+@pytest.mark.parametrize(
+    ("body", "reason"),
+    [
+        (
+            'radius: float = option(20.0, "", "m", ge=0.001, le=10)',
+            "option 'radius' has the default 20.0: should be less than or equal to 10",
+        ),
+        (
+            'count: int = option("many", "")',
+            "option 'count' has the default 'many': should be a valid integer, unable to parse string as an integer",
+        ),
+        (
+            """low: float = option(2.0, "", "m")
+            high: float = option(1.0, "", "m")
+
+            @model_validator(mode="after")
+            def check(self):
+                if self.low > self.high:
+                    raise ValueError("low should be at most high")
+                return self""",
+            "its defaults: Value error, low should be at most high",
+        ),
+    ],
+)
+def test_a_default_that_its_own_option_refuses_is_reported_in_its_row(install, body, reason):
+    assert state_of(install, body) == f"unavailable: ValueError: Options of Mine: {reason}"
+
+
+@pytest.mark.parametrize(
+    ("base", "seam", "expected"),
+    [
+        ("BaseModel", "fitness", "Table of driftform.options"),
+        ("dict", "fitness", "Table of driftform.options"),
+        ("Table", "hydrodynamics", "HydrodynamicsOptions of driftform.interfaces"),
+    ],
+)
+def test_options_that_are_no_table_of_the_seam_are_reported_in_its_row(install, base, seam, expected):
+    state = state_of(install, "pass", base, seam)
+    assert state.startswith("unavailable: TypeError: Options of Mine is <class ")
+    assert state.endswith(f"expected a class that derives from {expected}")
+
+
+def test_a_required_option_needs_no_default(install):
+    body = 'radius: float = option(..., "", "m", ge=0.001, le=10)'
+    source = OPTIONS.format(seam="fitness", interface="Fitness", base="Table", body=body)
+    assert row(install(ext_required=source), "mine").available
+
+
+def test_a_check_of_options_that_fails_itself_names_the_plugin(install):
+    body = """low: float = option(2.0, "", "m", ge=0, le=9)
+
+            @model_validator(mode="after")
+            def check(self):
+                return {0: self, 2.0: self}[self.low]"""
+    source = OPTIONS.format(seam="fitness", interface="Fitness", base="Table", body=body)
+    with pytest.raises(WorkFailedError, match=r"^fitness 'mine' failed to check its options: KeyError: 5\.0"):
+        install(ext_options=source).create("fitness", "mine", {"low": 5.0})
+
+
+@pytest.mark.parametrize(
+    ("check", "line"),
+    [
+        (
+            "raise ValueError(\"'low' is too low\\n for us\")",
+            "--set fitness.low=5.0: 'low' is too low for us",
+        ),
+        ("assert self.low < 3, 'too high'", "--set fitness.low=5.0: too high"),
+        (
+            "raise ValueError",
+            "--set fitness.low=5.0: [fitness] is refused by its plugin, which gives no reason",
+        ),
+    ],
+)
+def test_what_a_check_of_options_says_is_one_line_of_the_study(install, monkeypatch, check, line):
+    body = f"""low: float = option(2.0, "", "m", ge=0, le=9)
+
+            @model_validator(mode="after")
+            def check(self):
+                if self.low == 5:
+                    {check}
+                return self"""
+    source = OPTIONS.format(seam="fitness", interface="Fitness", base="Table", body=body)
+    found = install(ext_options=source)
+    monkeypatch.setattr("driftform.study.study.registry", lambda: found)
+    with pytest.raises(InputError) as refusal:
+        load_study("paper", ["fitness.use=mine", "fitness.low=5.0"])
+    assert str(refusal.value) == line
+
+
+@pytest.mark.parametrize(
+    ("source", "remedy"),
+    [
+        ("x = 1", "it needs a function such as driftform_fitness() with @hookimpl above it"),
+        ("def driftform_grammar():\n    pass", "write @hookimpl above driftform_grammar()"),
+    ],
+)
+def test_a_module_without_a_hook_is_listed_with_a_remark(install, source, remedy):
+    found = row(install(ext_hookless=source), "ext_hookless")
+    assert found.distribution == "ext_hookless-plugin"
+    assert found.state == f"unavailable: registers nothing: ext_hookless has no hook; {remedy}"
+
+
+def test_a_hook_that_returns_no_class_is_reported_in_its_row(install):
+    source = "from driftform import hookimpl\n@hookimpl\ndef driftform_fitness():\n    return []\n"
+    assert (
+        row(install(ext_empty=source), "ext_empty").state
+        == "unavailable: TypeError: the hook returned no class"
+    )
+
+
+def test_a_class_may_not_inherit_the_name_of_ours(install):
+    """Otherwise two plugins would claim the name, and neither could be used."""
+    source = """
+from driftform import hookimpl
+
+@hookimpl
+def driftform_fitness():
+    from driftform.builtin.closest_approach import ClosestApproach
+
+    class Nearer(ClosestApproach):
+        pass
+
+    return Nearer
+"""
+    found = install(ext_heir=source)
+    assert row(found, "ext_heir").state == "unavailable: TypeError: Nearer has no name of its own"
+    assert found.find("fitness", "closest-approach") is ClosestApproach

@@ -1,0 +1,279 @@
+"""The last round: who is flown again, and who wins."""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from driftform.runs.store import DisturbedResult, Store
+from driftform.search import InProcess, Job, Outcome
+from driftform.search.disturbed import draw_rounds
+from driftform.search.finalists import (
+    choose_finalists,
+    find_best_agent,
+    find_winner,
+    fly_finalists,
+    robust_fitness,
+)
+from driftform.search.loop import run_search
+from driftform.study import Study, load_study
+from driftform.types import Evaluation, FloatArray, Genome
+from driftform.water import Robustness
+
+SETTINGS = ("robustness.conditions=4", "robustness.finalists=2", "robustness.checks=3")
+
+
+def study_of(*settings: str, evaluations: int = 8) -> Study:
+    return load_study(
+        "paper",
+        settings=(*SETTINGS, *settings),
+        targets=["TP2", "TP6"],
+        use={"simulator": "native", "strategy": "random"},
+        run={"seed": 2, "evaluations": evaluations},
+    )
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Iterator[Store]:
+    study = study_of()
+    with Store.create(tmp_path / "run.db", dict(study.document)) as store:
+        run_search(study, store, InProcess(study.make_pipeline()))
+        yield store
+
+
+def test_finalists_fly_under_each_condition_of_the_choice_and_winners_under_those_of_the_promise(
+    store: Store,
+) -> None:
+    study, seen = study_of(), []
+    executor = InProcess(study.make_pipeline())
+    fly_finalists(study, store, executor, lambda done, total: seen.append((done, total)))
+    fitness = np.array([brief.fitness for brief in store.read_summaries(("TP2", "TP6"))])
+    finalists = {int(i) for column in fitness.T for i in np.argsort(-column)[:2]}
+    winners = {won.index for t in ("TP2", "TP6") if (won := find_winner(study, store, t)) is not None}
+    assert winners <= finalists
+    for target in ("TP2", "TP6"):
+        flown = {index: set(flights) for index, flights in store.read_disturbed(target).items()}
+        assert flown.keys() == finalists
+        assert all(flown[index] == set(range(7)) for index in winners)
+        assert all(numbers == set(range(len(numbers))) for numbers in flown.values())
+    total = len(store.list_disturbed())
+    assert total <= 4 * len(finalists) + 3 * len(winners)
+    assert seen[0][0] == 0 and seen[-1] == (total, total)
+    assert all(a <= b for (a, _), (b, _) in pairwise(seen))
+    assert all(total <= promised for _, promised in seen)
+    again: list[tuple[int, int]] = []
+    fly_finalists(study, store, executor, lambda done, total: again.append((done, total)))
+    assert again[-1] == (total, total) and len(store.list_disturbed()) == total
+
+
+def test_what_is_stored_is_what_the_pipeline_finds_under_that_condition(store: Store) -> None:
+    study = study_of()
+    fly_finalists(study, store, InProcess(study.make_pipeline()))
+    index, flights = next(iter(store.read_disturbed("TP6").items()))
+    offsets = store.read_offsets("TP6", index)
+    assert offsets.keys() == flights.keys()
+    genome = store.read_record(index, ("TP2", "TP6")).candidate.genome
+    conditions = draw_rounds(study)
+    # Flights of the choice are unchecked, and those of the promise are checked.
+    unchecked = [(np.inf, np.inf)] * 4
+    evaluations = study.make_pipeline().evaluate(
+        [genome] * len(flights),
+        conditions=conditions[: len(flights)],
+        thresholds=[*unchecked, None, None, None][: len(flights)],
+    )
+    d_max = study.scenario.pipe.farthest_distance(study.scenario.targets["TP6"])
+    for number, evaluation in enumerate(evaluations):
+        fitness, offset = flights[number], offsets[number]
+        assert fitness == float(evaluation.fitness[1])
+        if evaluation.failure is not None:
+            assert np.isnan(offset).all()
+            continue
+        assert np.linalg.norm(offset) == pytest.approx((1 - fitness / 100) * d_max, abs=1e-5)
+
+
+def test_the_conditions_of_the_promise_are_not_those_of_the_choice() -> None:
+    drawn = draw_rounds(study_of())
+    assert len(drawn) == 7
+    assert len(set(drawn)) == 7
+    assert not {c.gusts for c in drawn[:4]} & {c.gusts for c in drawn[4:]}
+
+
+def test_the_best_agent_is_the_one_that_was_chosen_with_its_own_promise(store: Store) -> None:
+    study = study_of()
+    fly_finalists(study, store, InProcess(study.make_pipeline()))
+    for number, target in enumerate(("TP2", "TP6")):
+        disturbed = store.read_disturbed(target)
+        scores = {
+            i: robust_fitness(np.array([flights[c] for c in range(4)]), study.scenario.robustness)
+            for i, flights in disturbed.items()
+        }
+        best = find_best_agent(study, store, target)
+        assert best is not None
+        chosen = best.result["evaluation"]
+        assert chosen == max(scores, key=lambda index: scores[index])
+        assert best.result["robust"]["score"] == pytest.approx(max(scores.values()))
+        # A flight that failed misses by more than any other, and JSON has no infinite number.
+        offsets = store.read_offsets(target, chosen)
+        lengths = [np.linalg.norm(offsets[c]) for c in (4, 5, 6)]
+        fresh = sorted(np.inf if np.isnan(length) else float(length) for length in lengths)
+        for name, length in (("median", fresh[1]), ("p90", fresh[2])):
+            assert best.result[name] == (None if np.isinf(length) else pytest.approx(length))
+        record = store.read_record(chosen, ("TP2", "TP6"))
+        assert best.result["fitness"] == record.evaluation.fitness[number]
+        assert best.genome == record.candidate.genome
+
+
+def scored(index: int, condition: int, fitness: float) -> DisturbedResult:
+    return DisturbedResult(index, condition, np.array([fitness, 50.0]), np.ones((2, 3)))
+
+
+def test_one_that_is_best_undisturbed_loses_to_one_that_can_be_relied_on(store: Store) -> None:
+    study = study_of("robustness.score='mean'")
+    favourite = store.find_best("TP2")
+    assert favourite is not None
+    other = next(i for i in range(8) if i != favourite[0])
+    fickle = [99.0, 99.0, 10.0, 10.0]
+    store.add_disturbed([scored(other, c, 70.0) for c in range(4)], ("TP2", "TP6"))
+    store.add_disturbed([scored(favourite[0], c, fickle[c]) for c in range(4)], ("TP2", "TP6"))
+    found = find_winner(study, store, "TP2")
+    assert found is not None
+    assert (found.index, found.score) == (other, 70.0)
+    greedy = find_winner(study_of("robustness.score='quantile'", "robustness.quantile=0.9"), store, "TP2")
+    assert greedy is not None and greedy.index == favourite[0]
+
+
+def test_of_finalists_that_do_equally_well_the_one_with_the_best_undisturbed_flight_wins(
+    store: Store,
+) -> None:
+    favourite = store.find_best("TP2")
+    assert favourite is not None and favourite[0] > 0
+    for index in range(8):
+        store.add_disturbed([scored(index, c, 100.0) for c in range(4)], ("TP2", "TP6"))
+    found = find_winner(study_of(), store, "TP2")
+    assert found is not None and found.index == favourite[0]
+
+
+def test_a_finalist_whose_round_was_interrupted_does_not_win_yet(store: Store) -> None:
+    store.add_disturbed([scored(0, c, 100.0) for c in range(3)], ("TP2", "TP6"))
+    assert find_winner(study_of(), store, "TP2") is None
+    best = find_best_agent(study_of(), store, "TP2")
+    assert best is not None and "robust" not in best.result and best.result["p90"] is None
+
+
+def test_a_winner_whose_flights_were_interrupted_promises_nothing_yet(store: Store) -> None:
+    store.add_disturbed([scored(0, c, 100.0) for c in range(6)], ("TP2", "TP6"))
+    best = find_best_agent(study_of(), store, "TP2")
+    assert best is not None
+    assert best.result["evaluation"] == 0 and best.result["median"] is None and best.result["p90"] is None
+
+
+def test_without_conditions_nothing_is_flown(store: Store) -> None:
+    study = study_of("robustness.conditions=0")
+    fly_finalists(study, store, InProcess(study.make_pipeline()))
+    assert store.list_disturbed() == set()
+
+
+def test_a_run_of_which_every_evaluation_failed_has_no_last_round(tmp_path: Path) -> None:
+    study, seen = study_of("simulator.step_limit=1"), []
+    executor = InProcess(study.make_pipeline())
+    with Store.create(tmp_path / "run.db", dict(study.document)) as store:
+        run_search(study, store, executor)
+        fly_finalists(study, store, executor, lambda done, total: seen.append((done, total)))
+        assert store.list_disturbed() == set() and seen == []
+
+
+def test_a_robust_fitness_is_the_mean_the_quantile_or_the_worst():
+    fitness = np.array([90.0, 95.0, 85.0, 50.0])
+    assert robust_fitness(fitness, Robustness(score="mean")) == 80.0
+    assert robust_fitness(fitness, Robustness(score="worst")) == 50.0
+    assert robust_fitness(fitness, Robustness(score="quantile", quantile=1 / 3)) == pytest.approx(85.0)
+
+
+@pytest.mark.parametrize("quantile", [0.0, 0.1, 1 / 3, 0.5, 0.93, 1.0])
+@pytest.mark.parametrize("conditions", [1, 2, 11, 24])
+def test_the_quantile_of_a_robust_fitness_is_that_of_numpy_to_the_last_bit(conditions, quantile):
+    fitness = np.random.default_rng(conditions).uniform(0, 100, (conditions, 5))
+    found = robust_fitness(fitness, Robustness(score="quantile", quantile=quantile))
+    assert np.array_equal(found, np.quantile(fitness, quantile, axis=0))
+
+
+def test_finalists_are_the_best_for_any_target_and_the_earlier_of_equals():
+    fitness, all_may = np.array([[5.0, 9.0], [7.0, 1.0], [7.0, 2.0], [1.0, 8.0]]), np.ones((4, 2), bool)
+    assert choose_finalists(fitness, 1, all_may) == [0, 1]
+    assert choose_finalists(fitness, 2, all_may) == [0, 1, 2, 3]
+    assert choose_finalists(fitness, 2, np.array([[0, 0], [0, 0], [0, 1], [1, 0]], bool)) == [2, 3]
+
+
+class Table:
+    """An executor whose flights score what a table says, in the order in which genomes come."""
+
+    def __init__(self, study: Study, undisturbed: FloatArray, disturbed: FloatArray) -> None:
+        self.conditions = draw_rounds(study)
+        self.undisturbed, self.disturbed = undisturbed, disturbed
+        self.rows: dict[Genome, int] = {}
+
+    def evaluate(self, jobs: Sequence[Job]) -> Iterator[list[Outcome]]:
+        for job in jobs:
+            row = self.rows.setdefault(job.genome, len(self.rows))
+            scores = self.undisturbed[row]
+            if job.condition is not None:
+                scores = self.disturbed[row, self.conditions.index(job.condition)]
+            yield [(job.index, Evaluation(job.genome, scores, offsets=np.ones((2, 3))))]
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    score=st.sampled_from(["quantile", "mean", "worst"]),
+    level=st.sampled_from([90.0, 98.0]),
+)
+def test_the_race_has_the_winners_of_a_choice_in_which_all_fly(seed: int, score: str, level: float) -> None:
+    rng = np.random.default_rng(seed)
+    count = 12
+    chosen = ("robustness.conditions=12", "robustness.survey=0")
+    study = study_of(f"robustness.score='{score}'", *chosen, evaluations=count)
+    undisturbed = rng.uniform(level, 101, (count, 2)).clip(max=100)
+    reliable = rng.uniform(50, 100, (count, 1, 2))
+    disturbed = np.minimum(reliable + rng.normal(0, 10, (count, 15, 2)), 100).clip(min=0).round()
+    executor = Table(study, undisturbed, disturbed)
+    with TemporaryDirectory() as folder, Store.create(Path(folder) / "run.db", dict(study.document)) as store:
+        run_search(study, store, executor)
+        fly_finalists(study, store, executor)
+        found = [find_winner(study, store, target) for target in ("TP2", "TP6")]
+        flights = len(store.list_disturbed())
+    reaching = undisturbed >= 99
+    may = np.where(reaching.any(axis=0), reaching, True)
+    finalists = {
+        row
+        for n in (0, 1)
+        for row in sorted(np.flatnonzero(may[:, n]), key=lambda row: -undisturbed[row, n])[:2]
+    }
+    for number, winner in enumerate(found):
+        scores = {
+            row: (
+                robust_fitness(disturbed[row, :12, number], study.scenario.robustness),
+                undisturbed[row, number],
+            )
+            for row in finalists
+            if may[row, number]
+        }
+        assert winner is not None and winner.index == max(scores, key=lambda row: scores[row])
+    assert flights <= 12 * len(finalists) + 3 * len({winner.index for winner in found if winner is not None})
+
+
+def test_an_agent_that_always_misses_loses_to_one_that_reaches_its_target_undisturbed(tmp_path: Path) -> None:
+    study = study_of("robustness.survey=0")
+    undisturbed, disturbed = np.full((8, 2), 98.0), np.full((8, 7, 2), 97.0)
+    undisturbed[3, 0], disturbed[3] = 99.5, 70.0
+    executor = Table(study, undisturbed, disturbed)
+    with Store.create(tmp_path / "run.db", dict(study.document)) as store:
+        run_search(study, store, executor)
+        fly_finalists(study, store, executor)
+        reaching, missing = (find_winner(study, store, target) for target in ("TP2", "TP6"))
+    assert reaching is not None and (reaching.index, reaching.score) == (3, 70.0)
+    assert missing is not None and (missing.index, missing.score) == (0, 97.0)

@@ -1,0 +1,135 @@
+"""The survey of a search: who is flown under disturbed conditions, and what the strategy receives."""
+
+from collections.abc import Iterator
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from driftform.runs.store import Record, Store
+from driftform.search import InProcess, Job
+from driftform.search.finalists import fly_finalists
+from driftform.search.loop import run_search
+from driftform.search.survey import read_scores, survey
+from driftform.study import Study, load_study
+from driftform.types import Candidate, Evaluation, FloatArray
+
+TARGETS = ("TP2", "TP6")
+
+
+def study_of(*settings: str, strategy: str = "evolution", evaluations: int = 24) -> Study:
+    return load_study(
+        "paper",
+        (
+            "robustness.conditions=3",
+            "robustness.checks=2",
+            "robustness.finalists=2",
+            "strategy.random=8",
+            *settings,
+        ),
+        targets=list(TARGETS),
+        use={"simulator": "native", "strategy": strategy},
+        run={"seed": 4, "evaluations": evaluations},
+    )
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Iterator[Store]:
+    with Store.create(tmp_path / "run.db", {}) as store:
+        yield store
+
+
+def candidates_of(study: Study, thresholds: list[tuple[float, float] | None]) -> list[Candidate]:
+    grammar, rng = study.make_plugin("grammar"), np.random.default_rng(1)
+    return [Candidate(grammar.random(rng), threshold=threshold) for threshold in thresholds]
+
+
+def fly_batch(
+    study: Study, store: Store, candidates: list[Candidate]
+) -> tuple[list[Evaluation], list[Evaluation]]:
+    """The undisturbed flights, and what a strategy receives for them."""
+    executor = InProcess(study.make_pipeline())
+    jobs = [Job(number, candidate.genome) for number, candidate in enumerate(candidates)]
+    flown = dict(chain.from_iterable(executor.evaluate(jobs)))
+    flights = [flown[i] for i in range(len(candidates))]
+    store.add([Record(i, c, e, 0) for i, (c, e) in enumerate(zip(candidates, flights, strict=True))], TARGETS)
+    return flights, survey(study, store, executor, 0, candidates, flights)
+
+
+def mean_of(flight: Evaluation, flown: FloatArray) -> FloatArray:
+    """The mean fitness of an undisturbed flight and of disturbed ones, (targets,)."""
+    return np.asarray((flight.fitness + flown.sum(axis=0)) / (1 + len(flown)))
+
+
+def disturbed(store: Store, index: int) -> FloatArray:
+    """Fitness of the disturbed flights of an evaluation, (flights, targets)."""
+    flown = [store.read_disturbed(target).get(index, {}) for target in TARGETS]
+    return np.array([[column[number] for column in flown] for number in sorted(flown[0])])
+
+
+def test_a_strategy_receives_the_mean_of_all_flights_where_it_matters(store: Store) -> None:
+    study = study_of("robustness.survey=3")
+    candidates = candidates_of(study, [(-1.0, -1.0), (100.0, 100.0), None])
+    flights, received = fly_batch(study, store, candidates)
+    assert received[0].fitness == pytest.approx(mean_of(flights[0], disturbed(store, 0)), abs=1e-12)
+    assert not np.array_equal(received[0].fitness, flights[0].fitness)
+    assert received[0].trajectory is flights[0].trajectory
+    for number in (1, 2):
+        assert received[number] is flights[number]
+        assert disturbed(store, number).size == 0
+
+
+def test_an_agent_whose_mean_falls_to_the_threshold_is_not_flown_again(store: Store) -> None:
+    study = study_of("robustness.survey=3", "robustness.position=0.3")
+    [sought] = candidates_of(study, [None])
+    [flight], _ = fly_batch(study, store, [sought])
+    below = flight.fitness - 1e-6
+    candidate = Candidate(sought.genome, threshold=(float(below[0]), 100.0))
+    [received] = survey(study, store, InProcess(study.make_pipeline()), 0, [candidate], [flight])
+    flown = disturbed(store, 0)
+    means = np.cumsum([flight.fitness[0], *flown[:, 0]])[1:] / np.arange(2, len(flown) + 2)
+    assert (means[:-1] > below[0]).all()
+    assert len(flown) == 3 or means[-1] <= below[0]
+    assert received.fitness[0] == pytest.approx(means[-1])
+
+
+def test_without_disturbed_conditions_there_is_no_survey(store: Store) -> None:
+    study = study_of("robustness.conditions=0")
+    flights, received = fly_batch(study, store, candidates_of(study, [(-1.0, -1.0)]))
+    assert received[0] is flights[0]
+    assert store.list_disturbed() == set()
+
+
+def test_a_search_with_a_survey_is_resumed_without_loss(tmp_path: Path) -> None:
+    study, kept = study_of(), []
+    for name, parts in (("whole", (24,)), ("parts", (11, 24))):
+        with Store.create(tmp_path / f"{name}.db", {}) as store:
+            for evaluations in parts:
+                part = study_of(evaluations=evaluations)
+                run_search(part, store, InProcess(part.make_pipeline()))
+            rows = [
+                (r.index, r.candidate, r.evaluation.fitness.tobytes()) for r in store.read_records(TARGETS)
+            ]
+            kept.append((rows, store.list_disturbed(), read_scores(study, store).keys()))
+    assert kept[0] == kept[1]
+    assert 0 < len(kept[0][1]) < 2 * 24
+
+
+def test_the_finalists_are_those_of_the_best_mean_in_the_survey(store: Store) -> None:
+    study = study_of()
+    executor = InProcess(study.make_pipeline())
+    run_search(study, store, executor)
+    scores = read_scores(study, store)
+    fly_finalists(study, store, executor)
+    judged = {index for index, number in store.list_disturbed() if number == 2}
+    flights = {index: store.read_record(index, TARGETS).evaluation for index in scores}
+    best = set()
+    for number in range(len(TARGETS)):
+        ranked = sorted(scores, key=lambda index: (-scores[index][number], index))
+        # One that reaches its target undisturbed goes before all that do not.
+        reaching = [index for index in ranked if flights[index].fitness[number] >= 99.0]
+        best |= set((reaching or ranked)[:2])
+    assert judged == best
+    for index in scores:
+        assert scores[index] == pytest.approx(mean_of(flights[index], disturbed(store, index)[:2]))

@@ -1,0 +1,179 @@
+"""The current of a pipe as a file: read back as a grid, and interpolated as Gazebo does, it is the flow that was sampled."""
+
+import csv
+
+import numpy as np
+import pytest
+from scipy.interpolate import RegularGridInterpolator
+
+from driftform.errors import InputError
+from driftform.motion.flight import finish_trajectory, release_state
+from driftform.motion.integrator import Accuracy, integrate
+from driftform.motion.model import flight_model
+from driftform.testing.agents import solid_agent, sphere_agent
+from driftform.testing.bodies import cylinder_body
+from driftform.trajectory.interpolation import interpolate_positions
+from driftform.types import Coefficients
+from driftform.water import Scenario
+from driftform.water.currents import COLUMNS, MOST_NODES, sample_current, usual_spacing, write_current
+from driftform.water.fitting_walls import wall_gaps
+from driftform.water.fittings import fitting_array
+from driftform.water.grid_files import read_grid
+from driftform.water.grid_flow import grid_velocities
+from driftform.water.profiles import AT_A_POINT
+from driftform.water.velocity import flow_array, water_motion
+
+BEND = [{"length": 0.5}, {"kind": "bend", "radius": 0.3, "roll_deg": 90}, {"length": 0.5}]
+NO_GUSTS = np.empty((0, 12))
+
+
+def bend(**tables) -> Scenario:
+    tables = {"flow": {"speed": 1.0}, "release": {"position": (0.1, 0.0, 0.0)}, **tables}
+    return Scenario.model_validate({"pipe": {"radius": 0.1, "parts": BEND}, **tables})
+
+
+def read_back(file, **tables) -> Scenario:
+    return bend(flow={"kind": "grid", "file": str(file), "speed": 1.0}, **tables)
+
+
+@pytest.fixture(scope="module")
+def grid():
+    """The bend sampled at 20 cells per bore."""
+    return sample_current(bend())
+
+
+@pytest.fixture(scope="module")
+def file(grid, tmp_path_factory):
+    path = tmp_path_factory.mktemp("currents") / "bend.csv"
+    write_current(path, grid)
+    return path
+
+
+@pytest.fixture(scope="module")
+def water(grid):
+    """Points in the bore between the ends, their distances from the wall, and the velocities there."""
+    rng, scenario = np.random.default_rng(0), bend()
+    fittings = fitting_array(scenario)
+    points = rng.uniform(grid.origin, grid.end, (40_000, 3))
+    gaps, _, inside = wall_gaps(points, fittings)
+    kept = inside & (gaps > 0)
+    arrays = np.empty((0, 8)), flow_array(scenario), NO_GUSTS, AT_A_POINT, fittings
+    exact = [water_motion(tuple(point), 0.0, *arrays)[0] for point in points[kept].tolist()]
+    return points[kept], gaps[kept], np.array(exact)
+
+
+def test_a_twentieth_of_the_bore_is_the_usual_spacing(grid):
+    assert usual_spacing(bend()) == pytest.approx(0.01)
+    np.testing.assert_allclose(grid.spacing, 0.01)
+
+
+def test_read_back_as_a_grid_it_is_the_flow_of_the_bend(file, water):
+    """To 0.05 % of the mean speed (root mean square), and 2 % where straight and bend meet, where the flow has a kink."""
+    points, gaps, exact = water
+    error = np.linalg.norm(grid_velocities(points, fitting_array(read_back(file))) - exact, axis=1)
+    assert np.sqrt(np.mean(error**2)) < 5e-4
+    assert error.max() < 0.02
+    assert error[gaps > 0.01].max() < 0.01
+
+
+def test_interpolated_as_gazebo_does_it_is_the_flow_up_to_the_wall(file, water):
+    """Gazebo interpolates linearly, and takes 0 for nodes that are left out."""
+    points, _, exact = water
+    found = read_grid(file)
+    axes = [o + s * np.arange(n) for o, s, n in zip(found.origin, found.spacing, found.shape, strict=True)]
+    values = np.nan_to_num(found.velocity)
+    error = np.linalg.norm(RegularGridInterpolator(axes, values)(points) - exact, axis=1)
+    assert np.sqrt(np.mean(error**2)) < 5e-3
+    assert error.max() < 0.05
+
+
+def test_the_file_has_one_time_and_the_columns_of_gazebo(file, grid):
+    with file.open(encoding="utf-8", newline="") as lines:
+        rows = list(csv.DictReader(lines))
+    assert tuple(rows[0]) == COLUMNS
+    assert {row["timestamp"] for row in rows} == {"0"}
+    assert len(rows) == np.isfinite(grid.velocity).all(axis=3).sum()
+    # Gazebo compares all digits of coordinates: each plane of nodes has one text.
+    assert [len({row[name] for row in rows}) for name in "xyz"] == [
+        np.isfinite(grid.velocity).all(axis=3).any(axis=tuple({0, 1, 2} - {axis})).sum() for axis in range(3)
+    ]
+
+
+def fly(agent, scenario):
+    model, limits = flight_model(agent, scenario), Accuracy()
+    found = integrate(model, release_state(model, scenario), scenario.flight.horizon, limits)
+    return finish_trajectory(found.samples, model, scenario.flight.horizon, limits.step_limit, found.error)
+
+
+ROD = Coefficients(np.diag([0.005, 0.02, 0.02, 0, 4e-6, 4e-6]))
+AGENTS = {
+    "neutral sphere": sphere_agent(0.01, 1024.0 * 4 / 3 * np.pi * 0.01**3),
+    "heavy sphere": sphere_agent(0.01, 1.2 * 1024.0 * 4 / 3 * np.pi * 0.01**3),
+    "rod": solid_agent(cylinder_body(0.05, 0.012), 1100.0, ROD),
+}
+
+
+@pytest.mark.parametrize("name", AGENTS)
+@pytest.mark.parametrize("place", [(0.1, 0.0, 0.0), (0.1, 0.04, 0.03), (0.1, -0.05, 0.0)])
+def test_flights_on_the_grid_are_those_in_the_flow_until_the_wall_is_touched(file, name, place):
+    release = {"position": place, "yaw_deg": 20.0}
+    one, other = (
+        fly(AGENTS[name], scenario) for scenario in (bend(release=release), read_back(file, release=release))
+    )
+    until = min(f.t[-1] if f.contact is None else f.contact for f in (one, other))
+    assert until > 0.3
+    times = np.linspace(0, until, 200)
+    apart = interpolate_positions(one, times) - interpolate_positions(other, times)
+    assert np.linalg.norm(apart, axis=1).max() < 1e-3
+
+
+def test_the_flow_of_a_straight_pipe_can_be_exported_too(tmp_path):
+    document = {
+        "pipe": {"segments": [{"start": (0, 0, 0), "end": (2, 0, 1), "radius": 0.2}]},
+        "flow": {"kind": "log_law", "speed": 0.5},
+        "release": {"position": (0.1, 0, 0)},
+    }
+    scenario = Scenario.model_validate(document)
+    found = sample_current(scenario, 0.02)
+    place = np.array([1.0, 0.0, 0.5])
+    node = np.rint((place - found.origin) / found.spacing).astype(int)
+    nearest = found.origin + node * found.spacing
+    expected = water_motion(
+        tuple(nearest.tolist()),
+        0.0,
+        np.array([[0, 0, 0, *scenario.direction(), np.sqrt(5), 0.2]]),
+        flow_array(scenario),
+        NO_GUSTS,
+    )[0]
+    np.testing.assert_allclose(found.velocity[tuple(node)], expected, rtol=1e-12)
+
+
+def test_a_long_pipe_has_a_coarser_grid(monkeypatch):
+    long = Scenario.model_validate(
+        {
+            "pipe": {
+                "radius": 0.1,
+                "parts": [{"length": 20.0}, {"kind": "bend", "radius": 0.3}, {"length": 20.0}],
+            },
+            "release": {"position": (0.1, 0, 0)},
+        }
+    )
+    spacing = usual_spacing(long)
+    assert spacing > 0.01
+    with pytest.raises(InputError, match=f"choose at least {spacing:g} m"):
+        sample_current(long, 0.01)
+    assert MOST_NODES >= 4_000_000
+
+
+@pytest.mark.parametrize(
+    ("spacing", "words"),
+    [(0.06, "choose at most 0.05 m"), (0.0, "must be positive"), (-1.0, "must be positive")],
+)
+def test_a_spacing_that_does_not_suit_the_pipe_is_refused(spacing, words):
+    with pytest.raises(InputError, match=words):
+        sample_current(bend(), spacing)
+
+
+def test_open_water_has_nothing_to_sample():
+    with pytest.raises(InputError, match="no pipe"):
+        sample_current(Scenario())

@@ -1,0 +1,167 @@
+"""Disturbed conditions: how they are drawn, and what they change."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.special import ndtr, ndtri
+from scipy.stats import qmc
+
+from driftform.agent import hull_mass
+from driftform.study import load_study
+from driftform.testing.bodies import hollow_body
+from driftform.water import Robustness, Scenario
+from driftform.water.disturbances import (
+    BEYOND,
+    MAX_DEVIATION,
+    Condition,
+    disturb_body,
+    disturb_scenario,
+    draw_conditions,
+    draw_latin_hypercube,
+    draw_normals,
+)
+from driftform.water.normal import normal_quantile
+
+CALM = Condition((0.0, 0.0), 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0, 7)
+
+
+def changed(**values):
+    return Condition(**{**CALM.__dict__, **values})
+
+
+def pipe(**tables):
+    segment = {"start": (0.0, 0.0, 0.0), "end": (9.0, 0.0, 0.0), "radius": 1.0}
+    return Scenario.model_validate({"pipe": {"segments": (segment,)}, **tables})
+
+
+def test_every_column_of_a_latin_hypercube_has_one_share_in_each_interval():
+    shares = draw_latin_hypercube(np.random.default_rng(4), 50, 7)
+    assert (np.sort(np.floor(50 * shares), axis=0) == np.arange(50)[:, None]).all()
+
+
+def test_the_latin_hypercube_is_that_of_scipy():
+    theirs = qmc.LatinHypercube(9, rng=np.random.default_rng(3)).random(70)
+    # SciPy draws from a child of the generator.
+    np.testing.assert_array_equal(draw_latin_hypercube(np.random.default_rng(3).spawn(1)[0], 70, 9), theirs)
+
+
+def test_normal_quantiles_are_those_of_scipy():
+    shares = np.concatenate([np.geomspace(1e-14, 0.5, 5000), 1 - np.geomspace(1e-14, 0.5, 5000)])
+    ours = [normal_quantile(share) for share in shares.tolist()]
+    np.testing.assert_allclose(ours, ndtri(shares), rtol=1e-14, atol=0)
+    assert ndtr(-MAX_DEVIATION) == pytest.approx(BEYOND, rel=1e-14)
+
+
+def test_the_conditions_follow_the_distributions_that_the_scenario_gives():
+    asked = Robustness(
+        position=0.05, angle_deg=4.0, current=0.1, density=0.02, mass=0.03, wall=1e-4, drag=0.15
+    )
+    drawn = draw_conditions(asked, 2000, (1,))
+    deviation = 0.98658  # of a standard normal cut off at three: sqrt(1 - 6 phi(3) / (2 Phi(3) - 1))
+    for found, wanted in (
+        ([c.across[0] for c in drawn], 0.05),
+        ([c.across[1] for c in drawn], 0.05),
+        ([c.pitch for c in drawn], np.deg2rad(4.0)),
+        ([c.yaw for c in drawn], np.deg2rad(4.0)),
+        ([c.current - 1 for c in drawn], 0.1),
+        ([c.density - 1 for c in drawn], 0.02),
+        ([c.mass - 1 for c in drawn], 0.03),
+        ([c.wall for c in drawn], 1e-4),
+        ([c.drag - 1 for c in drawn], 0.15),
+    ):
+        # A Latin hypercube of n has its mean right to about 1/n of a deviation, not 1/sqrt(n).
+        assert np.mean(found) == pytest.approx(0, abs=0.003 * wanted)
+        assert np.std(found) == pytest.approx(deviation * wanted, rel=0.005)
+        assert np.abs(found).max() <= 3 * wanted
+    assert len({c.gusts for c in drawn}) == 2000
+    assert (
+        np.abs(
+            np.corrcoef([[*c.across, c.pitch, c.yaw, c.current, c.mass] for c in drawn], rowvar=False)
+            - np.eye(6)
+        ).max()
+        < 0.1
+    )
+
+
+def test_the_same_seed_draws_the_same_conditions_and_another_one_others():
+    asked = Robustness()
+    assert (
+        draw_conditions(asked, 5, (3,)) == draw_conditions(asked, 5, (3,)) != draw_conditions(asked, 5, (4,))
+    )
+    assert draw_conditions(asked, 0, (3,)) == ()
+
+
+def test_a_condition_without_deviations_changes_nothing():
+    scenario = load_study("paper").scenario
+    assert disturb_scenario(CALM, scenario) == scenario
+    assert hull_mass(disturb_body(CALM, hollow_body())) == hull_mass(hollow_body())
+
+
+def test_every_disturbance_changes_its_quantity():
+    scenario = pipe(flow={"kind": "turbulent", "speed": 2.0}, release={"pitch_deg": 10.0})
+    there = disturb_scenario(
+        changed(across=(0.1, -0.2), pitch=0.1, yaw=-0.2, current=1.5, density=0.9), scenario
+    )
+    assert there.release.position == pytest.approx((0.0, 0.1, -0.2))
+    assert there.release.pitch_deg == pytest.approx(10 + np.rad2deg(0.1))
+    assert there.release.yaw_deg == pytest.approx(np.rad2deg(-0.2))
+    assert there.flow.speed == pytest.approx(3.0)
+    assert there.flow.seed == 7
+    assert there.fluid.density == pytest.approx(0.9 * scenario.fluid.density)
+
+
+def test_disturbed_flights_meet_gusts_in_a_flow_that_has_their_mean():
+    steady = pipe(flow={"kind": "log_law", "speed": 1.5, "roughness": 0.001})
+    gusty = disturb_scenario(changed(current=1.1), steady).flow
+    assert (gusty.kind, gusty.seed, gusty.roughness) == ("turbulent", 7, 0.001)
+    assert gusty.speed == pytest.approx(1.65)
+    assert disturb_scenario(changed(gusts=None), steady).flow.kind == "log_law"
+    assert all(c.gusts is None for c in draw_conditions(Robustness(gusts=False), 3, (1,)))
+
+
+def test_a_disturbed_wall_weighs_as_much_as_a_hull_with_a_thicker_wall():
+    pipeline = load_study("paper", settings=["builder.wall=0.00125"]).make_pipeline()
+    thicker = load_study("paper", settings=["builder.wall=0.00127"]).make_pipeline()
+    rng = np.random.default_rng(4)
+    for _ in range(20):
+        morphology = pipeline.express(pipeline.grammar.random(rng))
+        body = pipeline.builder.build(morphology)
+        heavier = hull_mass(disturb_body(changed(wall=2e-5), body)) - hull_mass(body)
+        # The builder's wall straddles the contour of its modules, and a tenth of the difference is left to that.
+        expected = body.wall and hull_mass(body) * 2e-5 / body.wall
+        assert heavier == pytest.approx(expected, rel=1e-9)
+        built = thicker.builder.build(morphology)
+        assert hull_mass(built) - hull_mass(body) == pytest.approx(heavier, rel=0.25)
+
+
+@given(st.floats(-3, 3), st.floats(-3, 3))
+def test_a_disturbed_release_stays_in_the_bore(y, z):
+    position = disturb_scenario(
+        changed(across=(y, z)), pipe(release={"position": (0.0, 0.5, -0.7)})
+    ).release.position
+    assert np.hypot(position[1], position[2]) <= 1.0
+    if np.hypot(0.5 + y, z - 0.7) < 0.9:
+        assert position == pytest.approx((0.0, 0.5 + y, z - 0.7))
+
+
+@pytest.mark.parametrize("direction", [(1, 0, 0), (0, 0, 1), (0, 0, -1), (0.6, 0.8, 0), (0.6, 0, 0.8)])
+def test_the_normals_of_a_direction_are_square_to_it_and_to_each_other(direction):
+    level, up = draw_normals(np.array(direction, dtype=float))
+    frame = np.array([direction, level, up])
+    assert frame @ frame.T == pytest.approx(np.eye(3))
+    assert level[2] == pytest.approx(0)
+
+
+def test_disturbed_flights_do_not_depend_on_the_rest_of_their_batch():
+    pipeline = load_study("paper", use={"simulator": "native"}).make_pipeline()
+    conditions = draw_conditions(Robustness(), 3, (5,))
+    rng = np.random.default_rng(1)
+    first, second = pipeline.grammar.random(rng), pipeline.grammar.random(rng)
+    genomes, under = [first, second, first, first], [*conditions, None]
+    together = pipeline.evaluate(genomes, conditions=under)
+    alone = [pipeline.evaluate([g], conditions=[c])[0] for g, c in zip(genomes, under, strict=True)]
+    for a, b in zip(together, alone, strict=True):
+        assert a.failure is None
+        assert a.fitness.tolist() == b.fitness.tolist()
+    assert together[0].fitness.tolist() != together[3].fitness.tolist()

@@ -1,0 +1,115 @@
+"""Flights through bends and reducers."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from driftform.motion.flight import finish_trajectory, release_state
+from driftform.motion.integrator import Accuracy, integrate
+from driftform.motion.model import flight_model
+from driftform.testing.agents import solid_agent, sphere_agent
+from driftform.testing.bodies import cylinder_body
+from driftform.trajectory.way import name_outlet
+from driftform.types import Coefficients, End
+from driftform.water import Scenario
+from driftform.water.fittings import fitting_array
+from driftform.water.profiles import AT_A_POINT
+from driftform.water.velocity import flow_array, water_motion
+
+PARTS = [
+    {"length": 0.5},
+    {"kind": "bend", "radius": 0.3, "roll_deg": 90},
+    {"length": 0.5},
+    {"kind": "reducer", "length": 0.25, "radius": 0.07},
+    {"length": 0.5},
+    {"kind": "bend", "radius": 0.2, "angle_deg": 60, "roll_deg": 30},
+    {"length": 0.5},
+]
+
+
+def scenario_of(parts=PARTS, **tables):
+    tables = {"flow": {"kind": "log_law", "speed": 1.0}, **tables}
+    return Scenario.model_validate({"pipe": {"radius": 0.1, "parts": parts}, **tables})
+
+
+def fly(agent, scenario, **accuracy):
+    model = flight_model(agent, scenario)
+    limits = Accuracy(**accuracy)
+    found = integrate(model, release_state(model, scenario), scenario.flight.horizon, limits)
+    return finish_trajectory(found.samples, model, scenario.flight.horizon, limits.step_limit, found.error)
+
+
+def neutral_sphere(radius):
+    return sphere_agent(radius, 1024.0 * 4 / 3 * math.pi * radius**3)
+
+
+@pytest.mark.parametrize("place", [(0.1, 0.0, 0.0), (0.1, 0.05, -0.02), (0.1, -0.06, 0.05)])
+def test_a_neutral_sphere_of_1_mm_follows_the_streamline(place):
+    """Where the water accelerates, its pressure gradient and the added mass give the sphere the water's acceleration."""
+    scenario = scenario_of(release={"position": place})
+    flight = fly(neutral_sphere(5e-4), scenario)
+    arrays = np.empty((0, 8)), flow_array(scenario), np.empty((0, 12)), AT_A_POINT, fitting_array(scenario)
+    line = solve_ivp(
+        lambda t, y: water_motion(tuple(y), t, *arrays)[0],
+        (0, flight.t[-1]),
+        place,
+        rtol=1e-9,
+        atol=1e-11,
+        t_eval=flight.t,
+        max_step=0.02,
+    )
+    assert flight.end is End.OUTLET and flight.contact is None
+    # Within 1 % of the bore's radius; the bore is narrowest at the end.
+    assert np.linalg.norm(line.y.T - flight.position, axis=1).max() < 0.01 * 0.07
+
+
+def test_a_straight_pipe_of_parts_flies_bit_for_bit_as_a_segment():
+    agent = solid_agent(
+        cylinder_body(0.1, 0.02), 1000.0, Coefficients(np.diag([0.01, 0.1, 0.1, 0, 1e-4, 1e-4]))
+    )
+    release = {"position": [0.2, 0.01, 0.0], "pitch_deg": 3.0, "yaw_deg": 2.0}
+    parts = scenario_of([{"length": 1.5}, {"length": 1.5}], release=release)
+    segment = {"start": [0.0, 0.0, 0.0], "end": [3.0, 0.0, 0.0], "radius": 0.1}
+    one = Scenario.model_validate(
+        {"pipe": {"segments": [segment]}, "flow": {"kind": "log_law", "speed": 1.0}, "release": release}
+    )
+    first, second = fly(agent, parts), fly(agent, one)
+    assert first.position.tolist() == second.position.tolist()
+    assert first.quaternion.tolist() == second.quaternion.tolist()
+
+
+def test_a_heavy_body_slides_along_the_bottom_of_a_bend_and_leaves_by_the_outlet():
+    agent = solid_agent(
+        cylinder_body(0.05, 0.012), 1100.0, Coefficients(np.diag([0.005, 0.02, 0.02, 0, 4e-6, 4e-6]))
+    )
+    scenario = scenario_of(flow={"kind": "uniform", "speed": 1.0}, release={"position": [0.1, 0.0, -0.05]})
+    flight = fly(agent, scenario)
+    assert flight.end is End.OUTLET and flight.contact is not None
+    assert name_outlet(flight, scenario) == "outlet"
+    inside = scenario.pipe.layout.find_part(flight.position[:-1])
+    assert (inside >= 0).all() and (np.diff(inside) >= 0).all()
+    exit_ = scenario.pipe.layout.outlets[0].opening
+    assert (flight.position[-1] - exit_.centre) @ exit_.axes[0] == pytest.approx(0, abs=1e-9)
+
+
+def test_against_the_current_a_body_leaves_by_the_inlet():
+    scenario = scenario_of(
+        [{"length": 0.5}, {"kind": "bend", "radius": 0.3}],
+        flow={"kind": "uniform", "speed": 0.0},
+        release={"position": [0.2, 0.0, 0.0], "velocity": [-0.5, 0.0, 0.0]},
+    )
+    flight = fly(neutral_sphere(0.005), scenario)
+    assert flight.end is End.INLET
+    assert flight.position[-1, 0] == pytest.approx(-0.1, abs=0.03)
+
+
+def test_gusts_do_not_stop_the_water_from_turning():
+    """With gusts the mean flow still accelerates along its own path: a neutral sphere turns with the bend."""
+    parts = [{"length": 0.5}, {"kind": "bend", "radius": 0.3}, {"length": 0.5}]
+    scenario = scenario_of(parts, flow={"kind": "turbulent", "speed": 1.0, "intensity": 1e-3})
+    calm = scenario_of(parts)
+    gusty, still = fly(neutral_sphere(0.001), scenario), fly(neutral_sphere(0.001), calm)
+    assert gusty.end is still.end is End.OUTLET
+    assert gusty.position[-1] == pytest.approx(still.position[-1], abs=1e-3)

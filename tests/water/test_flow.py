@@ -1,0 +1,173 @@
+"""The kinds of flow, and what is wrong with one in one line."""
+
+import math
+
+import pytest
+from pydantic import ValidationError
+
+from driftform.errors import InputError
+from driftform.study import load_study
+from driftform.study.error_lines import format_errors
+from driftform.study.sources import Source
+from driftform.water import (
+    FLOWS,
+    DevelopingFlow,
+    GridFlow,
+    LogLawFlow,
+    PowerLawFlow,
+    Scenario,
+    TurbulentFlow,
+    UniformFlow,
+)
+
+PIPE = {"segments": [{"start": [0, 0, 0], "end": [9.0, 0, 0], "radius": 1.0}]}
+
+
+def scenario(**tables):
+    return Scenario.model_validate({"pipe": PIPE, **tables})
+
+
+@pytest.mark.parametrize(
+    ("table", "flow"),
+    [
+        ({}, UniformFlow(speed=1.0)),
+        ({"speed": -0.5}, UniformFlow(speed=-0.5)),
+        ({"kind": "uniform", "speed": 0}, UniformFlow(speed=0.0)),
+        ({"acceleration": -0.25}, UniformFlow(speed=1.0, acceleration=-0.25)),
+        ({"kind": "power_law"}, PowerLawFlow(speed=1.0, exponent=7.0)),
+        ({"kind": "power_law", "speed": 0.5, "exponent": 9}, PowerLawFlow(speed=0.5, exponent=9.0)),
+        ({"kind": "log_law", "roughness": 1e-4}, LogLawFlow(roughness=1e-4)),
+        ({"kind": "developing", "speed": 2}, DevelopingFlow(speed=2.0)),
+        (
+            {"kind": "turbulent", "intensity": 1, "memory": 2.0, "smoothing": 0.2, "seed": 7},
+            TurbulentFlow(intensity=1.0, memory=2.0, smoothing=0.2, seed=7),
+        ),
+    ],
+)
+def test_a_table_of_a_study_file_is_a_flow(table, flow):
+    assert scenario(flow=table).flow == flow
+    assert type(scenario(flow=table).flow) is type(flow)
+
+
+def test_every_kind_of_flow_is_known_by_its_name_and_survives_a_round_trip():
+    for kind, model in FLOWS.items():
+        if model is GridFlow:
+            continue  # It needs a file.
+        whole = scenario(flow={"kind": kind})
+        assert type(whole.flow) is model
+        assert whole.flow.kind == kind
+        assert Scenario.model_validate(whole.model_dump(mode="json")) == whole
+        study = load_study("paper", [f"flow.kind={kind}"], run={"seed": 1})
+        assert study.scenario.flow == model()
+        assert study.document["flow"]["kind"] == kind
+
+
+@pytest.mark.parametrize("kind", ["log_law", "turbulent"])
+def test_the_roughness_is_limited_by_the_validity_of_the_friction_law(kind):
+    # Colebrook's law, and Moody's chart, end at a roughness of a twentieth of the diameter.
+    assert scenario(flow={"kind": kind, "roughness": 0.1}).flow.roughness == 0.1
+    with pytest.raises(InputError) as caught:
+        load_study("paper", settings=[f"flow.kind={kind}", "flow.roughness=0.101"])
+    [line] = caught.value.args
+    assert line.startswith("--set flow.roughness=0.101: flow.roughness = 0.101 is too large")
+    assert "0.1 m" in line
+
+
+@pytest.mark.parametrize(
+    ("kind", "key", "value"),
+    [
+        ("uniform", "speed", math.inf),
+        ("uniform", "speed", 101),
+        ("power_law", "speed", 0),
+        ("power_law", "exponent", 0.5),
+        ("log_law", "speed", -1),
+        ("log_law", "roughness", -1e-3),
+        ("turbulent", "intensity", -1),
+        ("turbulent", "memory", 0),
+        ("turbulent", "smoothing", 0),
+        ("turbulent", "seed", 1.5),
+        ("turbulent", "seed", -1),
+    ],
+)
+def test_an_invalid_flow_is_refused_by_its_key_and_not_by_its_table(kind, key, value):
+    table = {"kind": kind, key: value}
+    with pytest.raises(ValidationError) as caught:
+        scenario(flow=table)
+    document = {"pipe": PIPE, "flow": table}
+    [line] = format_errors(
+        caught.value, (), Scenario, document, [Source("study.toml", document, {("flow", key): 3})]
+    )
+    assert line.startswith(f"study.toml:3: flow.{key} = {value}: should be ")
+
+
+# What a study's reader sees.
+
+
+@pytest.mark.parametrize(
+    ("settings", "parts"),
+    [
+        (
+            ['flow.kind="parabolic"'],
+            [
+                "--set flow.kind=\"parabolic\": flow.kind = 'parabolic'",
+                "known: developing, grid, log_law, power_law, turbulent, uniform",
+            ],
+        ),
+        (['flow.kind="power_lw"'], ["flow.kind = 'power_lw'", "did you mean 'power_law'?"]),
+        (["flow.kind=Uniform"], ["flow.kind = 'Uniform'", "did you mean 'uniform'?"]),
+        (["flow.kind=3"], ["flow.kind = 3", "known: developing"]),
+        (["flow.kind=true"], ["flow.kind = true", "known: developing"]),
+        (["flow.kind=[1]"], ["flow.kind = [1]", "known: developing"]),
+        (
+            ['flow={kind="power_law", exponnent=7}'],
+            ["unknown key 'exponnent' in [flow]", "did you mean 'exponent'?"],
+        ),
+        (
+            ["flow.kind=turbulent", "flow.memry=1"],
+            ["--set flow.memry=1: unknown key 'memry' in [flow]", "did you mean 'memory'?"],
+        ),
+        (
+            ["flow.kind=log_law", "flow.exponent=7"],
+            [
+                "--set flow.exponent=7: unknown key 'exponent' in [flow] of kind 'log_law'; known: ",
+                "kind, roughness, speed",
+            ],
+        ),
+        (["flow.kind=power_law", "flow.exponent=x"], ["flow.exponent = 'x'", "should be a number"]),
+        (["flow.kind=power_law", "flow.speed=0"], ["flow.speed = 0", "greater than or equal to 0.0001 m/s"]),
+        (["flow.kind=turbulent", "flow.seed=1.5"], ["flow.seed = 1.5", "should be a whole number"]),
+        (
+            ["pipe.segments=[]", "targets={}", "flow.kind=log_law"],
+            ["--set flow.kind=log_law: flow.kind = 'log_law' needs a pipe", "it must be 'uniform' or 'grid'"],
+        ),
+        (
+            ["pipe.segments=[]", "targets={}", "flow={kind='developing'}"],
+            ["flow.kind = 'developing' needs a pipe"],
+        ),
+    ],
+)
+def test_a_fault_of_a_flow_is_reported_in_one_line(settings, parts):
+    with pytest.raises(InputError) as caught:
+        load_study("paper", settings=settings, run={"seed": 1})
+    [line] = caught.value.args
+    for part in parts:
+        assert part in line
+    assert "tag" not in line, "that is pydantic's word"
+
+
+def test_a_kind_set_on_the_command_line_drops_the_keys_that_only_the_kind_of_the_file_has(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text('base = "pipe-inspection"\n[flow]\nkind = "power_law"\nexponent = 9\nspeed = 0.5\n')
+    assert load_study(str(path)).scenario.flow == PowerLawFlow(speed=0.5, exponent=9.0)
+    assert load_study(str(path), ["flow.kind=log_law"]).scenario.flow == LogLawFlow(speed=0.5)
+    assert load_study(str(path), ["flow.kind=power_law", "flow.speed=1"]).scenario.flow.speed == 1.0
+
+
+def test_all_faults_of_a_flow_are_reported_together():
+    with pytest.raises(InputError) as caught:
+        load_study("paper", settings=["flow.kind=turbulent", "flow.speed=-1", "flow.seed=x", "flow.memry=1"])
+    assert [line.split(": ")[0] for line in caught.value.args] == [
+        "--set flow.memry=1",
+        "--set flow.speed=-1",
+        "--set flow.seed=x",
+    ]

@@ -1,0 +1,233 @@
+"""Velocities on a grid are the same from every format, in any order of nodes, and what is no regular grid is refused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from driftform.water.grid_files import VelocityGrid, read_grid
+
+ORIGIN, SPACING, SHAPE = np.array([-0.3, 0.1, 2.0]), np.array([0.1, 0.05, 0.2]), (4, 5, 6)
+NAMES = ("x", "y", "z", "u", "v", "w")
+
+
+@pytest.fixture
+def grid():
+    return make_grid()
+
+
+def make_grid(seed=0):
+    return VelocityGrid(ORIGIN, SPACING, np.random.default_rng(seed).normal(size=(*SHAPE, 3)))
+
+
+def table_of(grid):
+    """Return one row for each node: its position and velocity, (n, 6)."""
+    return np.concatenate([grid.nodes(), grid.velocity], axis=3).reshape(-1, 6)
+
+
+def write_csv(path: Path, table, names=NAMES):
+    np.savetxt(path, table, "%.17g", ",", header=",".join(names), comments="")
+
+
+def axes_of(grid):
+    return [o + s * np.arange(n) for o, s, n in zip(grid.origin, grid.spacing, grid.shape, strict=True)]
+
+
+def write_netcdf3(path: Path, grid, order=(0, 1, 2)):
+    from scipy.io import netcdf_file
+
+    with netcdf_file(path, "w") as file:
+        for name, values in zip("xyz", axes_of(grid), strict=True):
+            file.createDimension(name, len(values))
+            file.createVariable(name, "d", (name,))[:] = values
+        for i, name in enumerate("uvw"):
+            variable = file.createVariable(name, "d", tuple("xyz"[a] for a in order))
+            variable._FillValue = -999.0
+            variable[:] = np.nan_to_num(grid.velocity[..., i], nan=-999.0).transpose(order)
+
+
+def write_netcdf4(path: Path, grid):
+    import h5netcdf
+
+    with h5netcdf.File(path, "w") as file:
+        file.dimensions = {"time": 1, **dict(zip("zyx", reversed(grid.shape), strict=True))}
+        for name, values in zip("xyz", axes_of(grid), strict=True):
+            file.create_variable(name, (name,), data=values)
+        for i, name in enumerate("uvw"):
+            data = np.nan_to_num(grid.velocity[..., i], nan=-999.0).transpose(2, 1, 0)[None]
+            file.create_variable(name, ("time", "z", "y", "x"), data=data, fillvalue=-999.0)
+
+
+def write_legacy_vtk(path: Path, grid):
+    """Write the grid as the filter ResampleToImage of ParaView does: x varies fastest, and a mask names nodes without water."""
+    missing = np.isnan(grid.velocity).any(axis=3)
+    points = np.nan_to_num(grid.velocity).transpose(2, 1, 0, 3).reshape(-1, 3)
+    mask = (~missing).transpose(2, 1, 0).reshape(-1).astype(int)
+    lines = [
+        "# vtk DataFile Version 3.0",
+        "a current",
+        "ASCII",
+        "DATASET STRUCTURED_POINTS",
+        f"DIMENSIONS {' '.join(map(str, grid.shape))}",
+        f"ORIGIN {' '.join(map(repr, grid.origin.tolist()))}",
+        f"SPACING {' '.join(map(repr, grid.spacing.tolist()))}",
+        f"POINT_DATA {len(points)}",
+        "SCALARS vtkValidPointMask int",
+        "LOOKUP_TABLE default",
+        *map(str, mask),
+        "VECTORS U double",
+        *(" ".join(map(repr, point)) for point in points.tolist()),
+    ]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def write_unstructured_vtk(path: Path, grid):
+    import meshio
+
+    table = table_of(grid)
+    table = table[~np.isnan(table).any(axis=1)]
+    mesh = meshio.Mesh(
+        table[:, :3], [("vertex", np.arange(len(table))[:, None])], point_data={"U": table[:, 3:]}
+    )
+    mesh.write(path)
+
+
+def agree(found, expected):
+    np.testing.assert_allclose(found.origin, expected.origin, atol=1e-12)
+    np.testing.assert_allclose(found.spacing, expected.spacing, rtol=1e-9)
+    np.testing.assert_allclose(found.velocity, expected.velocity, rtol=1e-12)
+
+
+@settings(deadline=None, max_examples=25)
+@given(st.integers(0, 2**32 - 1))
+def test_the_nodes_of_a_table_may_be_in_any_order(tmp_path_factory, seed):
+    path, rng = tmp_path_factory.mktemp("grid") / "current.csv", np.random.default_rng(seed)
+    grid = make_grid(seed)
+    write_csv(path, rng.permutation(table_of(grid)))
+    agree(read_grid(path), grid)
+
+
+@settings(deadline=None, max_examples=25)
+@given(st.sets(st.integers(0, 119), max_size=40))
+def test_nodes_that_a_table_leaves_out_have_no_velocity(tmp_path_factory, left_out):
+    path, grid = tmp_path_factory.mktemp("grid") / "current.csv", make_grid()
+    table = np.delete(table_of(grid), sorted(left_out), axis=0)
+    if any(len(np.unique(table[:, a])) < SHAPE[a] for a in range(3)):
+        return
+    write_csv(path, table)
+    grid.velocity.reshape(-1, 3)[sorted(left_out)] = np.nan
+    agree(read_grid(path), grid)
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("Points:0", "Points:1", "Points:2", "U:0", "U:1", "U:2"),
+        ("Points_0", "Points_1", "Points_2", "velocity_0", "velocity_1", "velocity_2"),
+        ("x", "y", "z", "current_x", "current_y", "current_z"),
+    ],
+)
+def test_the_columns_of_other_programs_are_understood(tmp_path, grid, names):
+    write_csv(tmp_path / "current.csv", table_of(grid), names)
+    agree(read_grid(tmp_path / "current.csv"), grid)
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0)])
+def test_the_dimensions_of_a_netcdf_file_may_be_in_any_order(tmp_path, grid, order):
+    grid.velocity[1, 2, 3] = np.nan
+    write_netcdf3(tmp_path / "current.nc", grid, order)
+    agree(read_grid(tmp_path / "current.nc"), grid)
+
+
+@pytest.mark.peers
+def test_a_netcdf_4_file_may_have_one_time(tmp_path, grid):
+    grid.velocity[1, 2, 3] = np.nan
+    write_netcdf4(tmp_path / "current.nc", grid)
+    agree(read_grid(tmp_path / "current.nc"), grid)
+
+
+@pytest.mark.peers
+@pytest.mark.parametrize(
+    ("write", "name"),
+    [
+        (write_legacy_vtk, "current.vtk"),
+        (write_unstructured_vtk, "current.vtk"),
+        (write_unstructured_vtk, "current.vtu"),
+    ],
+)
+def test_a_vtk_file_is_read_as_points_with_velocities(tmp_path, grid, write, name):
+    grid.velocity[1, 2, 3] = np.nan
+    write(tmp_path / name, grid)
+    agree(read_grid(tmp_path / name), grid)
+
+
+def stretched(table):
+    table[:, 0] = np.sign(table[:, 0]) * table[:, 0] ** 2
+    return table
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda table: table[:0], "has no line below its header"),
+        (lambda table: table[:, :5], "has 6 columns in its header, but 5 below it"),
+        (lambda table: table[table[:, 0] < -0.05], "has 3 different values of x; at least 4 are needed"),
+        (stretched, "nodes are not evenly spaced along x; resample it"),
+        (lambda table: np.concatenate([table, table[:1]]), "has several velocities at one node"),
+        (lambda table: np.where(table == table[7, 2], np.inf, table), "has coordinates that are not finite"),
+    ],
+)
+def test_what_is_no_regular_grid_is_refused_in_a_few_words(tmp_path, grid, change, words):
+    write_csv(tmp_path / "current.csv", change(table_of(grid)))
+    with pytest.raises(ValueError, match=words):
+        read_grid(tmp_path / "current.csv")
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("a.csv", b"", "has no line below its header"),
+        ("a.csv", b"x,y,z,u,v,w\n1,2,3,4,5,six\n", "is not a table of numbers"),
+        ("a.csv", b"x,y,z,p\n1,2,3,4\n", "has no velocity: it has x, y, z, p"),
+        ("a.nc", b"", "is not a NetCDF file"),
+        ("a.nc", b"CDF\x01zzzz", "is not a NetCDF file"),
+        ("a.stl", b"solid", "the format '.stl' is unknown"),
+    ],
+)
+def test_a_damaged_file_is_refused_in_a_few_words(tmp_path, name, content, words):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(ValueError, match=words):
+        read_grid(tmp_path / name)
+
+
+@pytest.mark.peers
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("a.nc", b"\x89HDF\r\n\x1a\n" + bytes(100), "cannot be read"),
+        ("a.vtk", b"", "is not a VTK file"),
+        ("a.vtk", b"nonsense\n", "is not a VTK file"),
+        ("a.vtu", b"", "is not a VTK file"),
+        ("a.vtu", b"<VTKFile></VTKFile>", "is not a VTK file"),
+        ("a.vtu", b"<other/>", "is not a VTK file"),
+    ],
+)
+def test_a_damaged_file_neither_ends_the_program_nor_prints(tmp_path, capfd, name, content, words):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(ValueError, match=words):
+        read_grid(tmp_path / name)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.peers
+@pytest.mark.parametrize("cut", [1, 40, 700, 2000, 3000])
+def test_a_vtk_file_that_is_cut_off_is_read_whole_or_refused(tmp_path, grid, cut):
+    path = tmp_path / "current.vtk"
+    write_legacy_vtk(path, grid)
+    path.write_bytes(path.read_bytes()[:-cut])
+    try:
+        agree(read_grid(path), grid)
+    except ValueError as error:
+        assert "VTK" in str(error) or "velocity" in str(error)

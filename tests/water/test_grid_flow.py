@@ -1,0 +1,128 @@
+"""The flow on a grid is exact where splines are, and a grid that does not fit its pipe is refused."""
+
+import numpy as np
+import pytest
+
+from driftform.water import Pipe, Scenario
+from driftform.water.currents import write_current
+from driftform.water.fittings import fitting_array
+from driftform.water.grid_files import VelocityGrid
+from driftform.water.grid_flow import grid_motion, grid_velocities, inlet_speed, make_grid, wall_leakage
+
+RADIUS, LENGTH, SPACING = 0.1, 1.0, 0.02
+OPEN = Pipe()
+
+
+def sample(velocity, low=(-0.1, -0.2, -0.2), high=(1.1, 0.2, 0.2), spacing=SPACING):
+    """Return a grid of velocities between two corners; ``velocity`` takes positions (..., 3)."""
+    low = np.array(low)
+    shape = np.rint((np.array(high) - low) / spacing).astype(int) + 1
+    grid = VelocityGrid(low, np.full(3, spacing), np.zeros((*shape, 3)))
+    return VelocityGrid(
+        grid.origin, grid.spacing, np.broadcast_to(velocity(grid.nodes()), (*shape, 3)).copy()
+    )
+
+
+def along(nodes):
+    return np.array([1.0, 0.0, 0.0])
+
+
+def in_pipe(tmp_path, grid, **flow):
+    """Return the scenario of a straight pipe with this grid."""
+    path = tmp_path / "current.csv"
+    write_current(path, grid)
+    return Scenario.model_validate(
+        {
+            "pipe": {"radius": RADIUS, "parts": [{"length": LENGTH}]},
+            "flow": {"kind": "grid", "file": str(path), "speed": 1.0, **flow},
+            "release": {"position": (0.1, 0.0, 0.0)},
+        }
+    )
+
+
+def test_a_linear_current_and_its_gradient_are_exact_between_the_nodes():
+    rng = np.random.default_rng(0)
+    constant, gradient = rng.normal(size=3), rng.normal(size=(3, 3))
+    grid = sample(lambda x: constant + x @ gradient.T)
+    array = make_grid(grid, OPEN, np.zeros(1))
+    inner = grid.origin + 6 * grid.spacing, grid.end - 6 * grid.spacing
+    for point in rng.uniform(*inner, (50, 3)):
+        velocity, slope = grid_motion(tuple(point.tolist()), array)
+        np.testing.assert_allclose(velocity, constant + gradient @ point, atol=2e-4)
+        np.testing.assert_allclose(slope, gradient, atol=2e-2)
+
+
+def test_a_smooth_current_is_interpolated_to_the_fourth_order():
+    def wave(x):
+        return np.stack([np.sin(5 * x[..., 1]), np.cos(4 * x[..., 2]), np.sin(6 * x[..., 0])], axis=-1)
+
+    rng, errors = np.random.default_rng(1), []
+    points = rng.uniform((0.3, -0.05, -0.05), (0.7, 0.05, 0.05), (400, 3))
+    for spacing in (0.02, 0.01):
+        array = make_grid(sample(wave, spacing=spacing), OPEN, np.zeros(1))
+        errors.append(np.abs(grid_velocities(points, array) - wave(points)).max())
+    assert errors[0] < 1e-4
+    assert errors[0] / errors[1] > 12
+
+
+def test_a_current_along_the_pipe_does_not_leak(tmp_path):
+    grid = sample(along)
+    array = fitting_array(in_pipe(tmp_path, grid))
+    leakage, worst, _ = wall_leakage(grid, array)
+    assert leakage < 1e-12
+    assert worst < 1e-12
+
+
+@pytest.mark.parametrize("angle_deg", [2.0, 5.0])
+def test_the_leakage_of_an_oblique_current_is_its_velocity_across_the_wall(tmp_path, angle_deg):
+    """The root mean square of sin(a) cos(t) around the pipe is sin(a) / sqrt(2)."""
+    across = np.sin(np.radians(angle_deg))
+    grid = sample(lambda x: np.array([np.sqrt(1 - across**2), across, 0.0]))
+    array = fitting_array(in_pipe(tmp_path, grid))
+    leakage, worst, _ = wall_leakage(grid, array)
+    assert leakage == pytest.approx(across / np.sqrt(2), rel=0.03)
+    assert worst == pytest.approx(across, rel=1e-3)
+
+
+def test_the_mean_speed_at_the_inlet_is_that_of_the_profile(tmp_path):
+    """Poiseuille's profile has half of the speed in the middle."""
+    grid = sample(lambda x: (1 - (x[..., 1:2] ** 2 + x[..., 2:] ** 2) / RADIUS**2) * along(x))
+    array = fitting_array(in_pipe(tmp_path, grid, reference=0.5))
+    pipe = in_pipe(tmp_path, grid).pipe
+    assert inlet_speed(array, pipe) == pytest.approx(0.5, rel=5e-3)
+
+
+def oblique(nodes):
+    return np.array([0.97, 0.24, 0.0])
+
+
+def plugged(nodes):
+    return np.where(np.linalg.norm(nodes - [0.5, 0, 0], axis=-1, keepdims=True) < 0.06, np.nan, along(nodes))
+
+
+@pytest.mark.parametrize(
+    ("grid", "flow", "words"),
+    [
+        (sample(oblique), {}, "leaks: the velocity through the wall is"),
+        (sample(along), {"reference": 2.0}, "has a mean speed of 1 m/s at the inlet, but flow.reference = 2"),
+        (sample(along, high=(0.8, 0.2, 0.2)), {}, "and the pipe beyond, for example to"),
+        (
+            sample(along, low=(-100, -200, -200), high=(1100, 200, 200), spacing=20),
+            {},
+            "are its coordinates in metres?",
+        ),
+        (sample(along, spacing=0.06), {}, "nodes 0.06 m apart, too far for a bore of 0.2 m"),
+        (sample(plugged), {}, "nodes in the pipe, for example"),
+    ],
+)
+def test_a_grid_that_does_not_fit_the_pipe_is_refused(tmp_path, grid, flow, words):
+    with pytest.raises(ValueError, match=r"flow\.file = '.*current\.csv' ") as refusal:
+        fitting_array(in_pipe(tmp_path, grid, **flow))
+    assert words in str(refusal.value)
+
+
+def test_in_open_water_every_node_needs_a_velocity():
+    grid = sample(along)
+    grid.velocity[3, 4, 5] = np.nan
+    with pytest.raises(ValueError, match="in open water every node needs one"):
+        make_grid(grid, OPEN, np.zeros(1))

@@ -1,0 +1,61 @@
+"""The environment as data: what goes together, and what it gives to others."""
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from driftform.errors import InputError
+from driftform.study import load_study
+from driftform.water import (
+    FLOWS,
+    Scenario,
+    UniformFlow,
+)
+
+PIPE = {"segments": [{"start": [0, 0, 0], "end": [9.0, 0, 0], "radius": 1.0}]}
+
+
+def scenario(**tables):
+    return Scenario.model_validate({"pipe": PIPE, **tables})
+
+
+@pytest.mark.parametrize("kind", [kind for kind in FLOWS if kind not in ("uniform", "grid")])
+def test_a_profile_needs_a_pipe(kind):
+    with pytest.raises(ValidationError, match=f"flow.kind = '{kind}' needs a pipe"):
+        Scenario.model_validate({"flow": {"kind": kind}})
+    assert Scenario.model_validate({"flow": {"kind": "uniform"}}).flow == UniformFlow()
+
+
+def test_the_current_follows_the_first_segment():
+    along = {"segments": [{"start": [1, 0, 0], "end": [1, 3, 4], "radius": 1.0}]}
+    release = {"position": [1, 0, 0]}
+    turned = Scenario.model_validate({"pipe": along, "release": release, "flow": {"speed": 2.0}})
+    assert turned.current() == pytest.approx([0, 1.2, 1.6])
+    assert Scenario(flow=UniformFlow(speed=0.7)).current() == pytest.approx([0.7, 0, 0])
+
+
+def test_the_free_surface_and_friction_are_off_by_default():
+    plain = scenario()
+    assert plain.fluid.water_level is None
+    assert plain.fluid.flow_force == "full"
+    assert plain.contact.friction == 0.0
+    set_so = scenario(fluid={"water_level": -0.25, "flow_force": "paper"}, contact={"friction": 0.3})
+    assert (set_so.fluid.water_level, set_so.contact.friction) == (-0.25, 0.3)
+
+
+def test_gusts_of_an_evaluation_are_those_of_its_seed_and_index_alone():
+    gusty = scenario(flow={"kind": "turbulent", "seed": 5, "intensity": 0.5})
+    seeds = np.array([[gusty.of_evaluation(seed, k).flow.seed for k in range(20)] for seed in range(20)])
+    assert len(np.unique(seeds)) == 400
+    third = gusty.of_evaluation(3, 4)
+    assert third.flow == gusty.flow.model_copy(update={"seed": int(seeds[3, 4])})
+    assert third.model_copy(update={"flow": gusty.flow}) == gusty
+    assert third.of_evaluation(3, 4) == third
+
+
+@pytest.mark.parametrize("name", ["uniform", "flow", "pipe"])
+def test_a_target_may_have_the_name_of_a_kind_or_a_table(name):
+    moved = load_study("paper", settings=[f"targets={{{name}=[1, 0, 0]}}"])
+    assert moved.scenario.target_names == (name,)
+    with pytest.raises(InputError, match=rf"targets\.{name}\[2\] = 'a': should be a number"):
+        load_study("paper", settings=[f'targets={{{name}=[1, 0, "a"]}}'])

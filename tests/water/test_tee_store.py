@@ -1,0 +1,74 @@
+"""Solved tees on disk: those of a new shape are solved once, and nothing is charged for it."""
+
+import math
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from driftform.runs.run import Run
+from driftform.search import InProcess
+from driftform.study import load_study
+from driftform.util import preparation
+from driftform.water import tee_store as store
+from driftform.water.tee_store import is_stored, load_tee
+from driftform.water.tee_wall import Junction
+
+SHAPE = Junction(0.4, math.radians(75), 0.08)
+
+
+@pytest.fixture
+def solved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[Junction]:
+    """The shapes that are solved, each by the potentials of another one, in a cache that begins empty."""
+    monkeypatch.setenv(store.CACHE_VARIABLE, str(tmp_path / "cache"))
+    known, shapes = load_tee(store.JUNCTIONS[0]), []
+
+    def compute(junction: Junction) -> store.TeePotentials:
+        shapes.append(junction)
+        return known
+
+    monkeypatch.setattr(store, "_compute", compute)
+    load_tee.cache_clear()
+    return shapes
+
+
+def test_a_tee_of_a_new_shape_is_solved_once_and_then_read(solved: list[Junction]) -> None:
+    assert not is_stored(SHAPE)
+    first = load_tee(SHAPE)
+    assert is_stored(SHAPE)
+    load_tee.cache_clear()
+    again = load_tee(SHAPE)
+    assert solved == [SHAPE]
+    assert np.array_equal(again.branch, first.branch, equal_nan=True)
+
+
+def test_the_clock_of_an_evaluation_stops_while_a_tee_is_solved(
+    solved: list[Junction], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reports: list[tuple[bool, int]] = []
+    monkeypatch.setattr(preparation, "_report", lambda begins: reports.append((begins, len(solved))))
+    load_tee(SHAPE)
+    load_tee(store.JUNCTIONS[1])
+    assert reports == [(True, 0), (False, 1)]
+
+
+@pytest.mark.usefixtures("fakes")
+def test_a_search_solves_the_tees_of_its_pipe_before_its_first_flight(
+    solved: list[Junction], tmp_path: Path
+) -> None:
+    study = load_study(
+        "t-junction",
+        ["pipe.parts.3.fillet=0.012", "robustness.conditions=0"],
+        use={"simulator": "fake"},
+        run={"seed": 0, "evaluations": 1},
+    )
+    flown = []
+
+    def evaluate(jobs):
+        flown.append(list(solved))
+        return InProcess(study.make_pipeline()).evaluate(jobs)
+
+    with Run.create(tmp_path / "run", study) as run:
+        run.search(SimpleNamespace(evaluate=evaluate))
+    assert len(solved) == 1 and flown[0] == solved

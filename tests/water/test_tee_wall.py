@@ -1,0 +1,75 @@
+"""The wall of a tee as the flow sees it, against that which bodies touch, and against its definition."""
+
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from driftform.water import Pipe
+from driftform.water.fitting_walls import local_gap
+from driftform.water.fittings import wall_rows
+from driftform.water.tee_wall import Junction, ball_centre, wall_level
+
+JUNCTIONS = [
+    Junction(0.5, math.pi / 2, 0.1),
+    Junction(1.0, math.pi / 2, 0.2),
+    Junction(1.0, math.radians(60), 0.2),
+    Junction(0.3, math.radians(35), 0.03),
+]
+
+
+def near_wall(junction: Junction, seed: int) -> np.ndarray:
+    """A point within two fillets of the rounded edge, or of one of the bores beyond it."""
+    rng = np.random.default_rng(seed)
+    centre = np.array(ball_centre(rng.uniform(0, math.pi), junction.array()))
+    centre[1] *= rng.choice([-1, 1])
+    return centre + 2 * junction.fillet * rng.uniform(-1, 1, 3)
+
+
+@pytest.mark.parametrize("junction", JUNCTIONS)
+@settings(max_examples=200)
+@given(seed=st.integers(0, 2**32))
+def test_the_flow_has_the_wall_that_bodies_touch(junction: Junction, seed: int) -> None:
+    point = near_wall(junction, seed)
+    level, normal = wall_level(*point, junction.array())
+    gap, to_wall = local_gap(tuple(point), *touched_wall(junction))
+    if abs(gap) < 0.5 * junction.fillet:
+        assert level == pytest.approx(-gap, abs=1e-7)
+        assert np.dot(normal, to_wall) == pytest.approx(1, abs=1e-5)
+
+
+@cache
+def touched_wall(junction: Junction) -> tuple[np.ndarray, int]:
+    """The rows of a pipe with the same tee, for contact, and where that of the tee begins."""
+    branch = ({"kind": "straight", "length": 1.0, "outlet": "side"},)
+    wye = {
+        "kind": "wye",
+        "branch_radius": junction.branch,
+        "angle_deg": math.degrees(junction.angle),
+        "fillet": junction.fillet,
+        "share": 0.5,
+        "outlet": "end",
+        "branch": branch,
+    }
+    rows = wall_rows(Pipe(radius=1.0, parts=(wye,)).layout)
+    return np.concatenate([[len(rows)], rows.ravel()]), 1
+
+
+@pytest.mark.parametrize("junction", JUNCTIONS)
+@settings(max_examples=200)
+@given(seed=st.integers(0, 2**32))
+def test_the_level_is_a_distance(junction: Junction, seed: int) -> None:
+    point, wall, h = near_wall(junction, seed), junction.array(), 1e-6
+    level, normal = wall_level(*point, wall)
+    if abs(level) > 0.3 * junction.fillet:
+        return
+    slope = [
+        (wall_level(*(point + h * e), wall)[0] - wall_level(*(point - h * e), wall)[0]) / (2 * h)
+        for e in np.eye(3)
+    ]
+    assert slope == pytest.approx(normal, abs=1e-4)
+    foot = point - level * np.array(normal)
+    assert wall_level(*foot, wall)[0] == pytest.approx(0, abs=1e-9)
