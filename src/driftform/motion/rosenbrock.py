@@ -35,9 +35,9 @@ class WorkSpace(NamedTuple):
     ----------
     places
         of the unknowns in a state, (u,).
-    fast, stiff
-        derivatives of the unknowns' rates with respect to them, (u, u), and to the pose, in motions by unit velocities,
-        (u, v).
+    slopes
+        derivatives of the unknowns' rates with respect to motions of the pose by unit velocities, and to the unknowns,
+        (u, v + u).
     matrix, unknowns, pose
         of the equations of a stage: (u, u), (u,), (v,).
     stages, state, rate, changed
@@ -45,8 +45,7 @@ class WorkSpace(NamedTuple):
     """
 
     places: FloatArray
-    fast: FloatArray
-    stiff: FloatArray
+    slopes: FloatArray
     matrix: FloatArray
     unknowns: FloatArray
     pose: FloatArray
@@ -70,15 +69,14 @@ def count_work_space(size: int, velocities: int) -> int:
 def make_work_space(room: FloatArray, size: int, velocities: int) -> WorkSpace:
     """Return room for steps of states of ``size`` numbers, with 3 ``velocities`` in the plane or 6 in space."""
     u, v = size - velocities - 1, velocities
-    fast, stiff, matrix = u, u + u * u, u + u * (u + v)
+    matrix = u * (1 + u + v)
     unknowns = matrix + u * u
     pose = unknowns + u
     stages = pose + v
     state = stages + _STAGES * size
     return WorkSpace(
         borrow(room, 0, (u,)),
-        borrow(room, fast, (u, u)),
-        borrow(room, stiff, (u, v)),
+        borrow(room, u, (u, v + u)),
         borrow(room, matrix, (u, u)),
         borrow(room, unknowns, (u,)),
         borrow(room, pose, (v,)),
@@ -114,22 +112,19 @@ def fill_jacobian(
         for j in range(bristles):
             places[count] = first + v + bristles * model.touches[k, 9] + j
             count += 1
-    for i in range(v):
-        for k in range(v):
-            work.pose[k] = POSE_STEP if k == i else 0.0
+    for i in range(v + count):
+        step = POSE_STEP if i < v else SPEED_STEP
         copy(y, work.state)
-        _move(y, work.pose, work.state)
+        if i < v:
+            for k in range(v):
+                work.pose[k] = step if k == i else 0.0
+            _move(y, work.pose, work.state)
+        else:
+            work.state[int(places[i - v])] += step
         fill_rate(t, work.state, model, plane, in_space, work.changed)
         for k in range(count):
             row = int(places[k])
-            work.stiff[k, i] = (work.changed[row] - work.rate[row]) / POSE_STEP
-    for i in range(count):
-        copy(y, work.state)
-        work.state[int(places[i])] += SPEED_STEP
-        fill_rate(t, work.state, model, plane, in_space, work.changed)
-        for k in range(count):
-            row = int(places[k])
-            work.fast[k, i] = (work.changed[row] - work.rate[row]) / SPEED_STEP
+            work.slopes[k, i] = (work.changed[row] - work.rate[row]) / step
     return count
 
 
@@ -199,12 +194,12 @@ def _factorise(rate: float, count: int, work: WorkSpace) -> None:
 
     The inverse of each pivot takes its place.
     """
-    fast, stiff, matrix, step = work.fast, work.stiff, work.matrix, 1.0 / rate
+    slopes, matrix, v = work.slopes, work.matrix, work.pose.shape[0]
     for i in range(count):
         for j in range(count):
-            matrix[i, j] = -fast[i, j]
-        for j in range(stiff.shape[1]):
-            matrix[i, j] -= step * stiff[i, j]
+            matrix[i, j] = -slopes[i, v + j]
+        for j in range(v):
+            matrix[i, j] -= slopes[i, j] / rate
         matrix[i, i] += rate
     for k in range(count):
         matrix[k, k] = 1.0 / matrix[k, k]
@@ -218,7 +213,7 @@ def _factorise(rate: float, count: int, work: WorkSpace) -> None:
 @compiled
 def _solve(rate: float, y: FloatArray, u: FloatArray, count: int, omega: float, work: WorkSpace) -> None:
     """Replace the right-hand side ``u`` of the equations of a stage by their solution."""
-    stiff, z, pose, places, step = work.stiff, work.unknowns, work.pose, work.places, 1.0 / rate
+    z, pose, places, step = work.unknowns, work.pose, work.places, 1.0 / rate
     v = pose.shape[0]
     pose[0], pose[1] = step * u[0], step * u[1]
     # The rate of a turn is twice the product of the conjugate quaternion with the quaternion's rate.
@@ -231,7 +226,7 @@ def _solve(rate: float, y: FloatArray, u: FloatArray, count: int, omega: float, 
     for i in range(count):
         total = u[int(places[i])]
         for j in range(v):
-            total += stiff[i, j] * pose[j]
+            total += work.slopes[i, j] * pose[j]
         z[i] = total
     _substitute(work.matrix, z, count)
     spin, decay = u[y.shape[0] - 1], 1.0 / (rate + omega)
