@@ -17,9 +17,8 @@ import numpy as np
 
 from driftform.motion.contact import is_far_from_wall
 from driftform.motion.flight import SAMPLE, has_left_pipe, is_finite, position_of, sample_path
-from driftform.motion.impact import FREQUENCY
-from driftform.motion.model import REACH, FlightModel, pack, unpack
-from driftform.motion.plane import STATE_INDICES, plane_model, stays_in_plane
+from driftform.motion.model import FlightModel, pack, unpack
+from driftform.motion.plane import STATE_INDICES, fill_plane, stays_in_plane
 from driftform.motion.rates import PLANE_STATE, STATE, fill_rate, roll
 from driftform.motion.rosenbrock import count_work_space, fill_jacobian, make_work_space, take_implicit_step
 from driftform.motion.runge_kutta import copy, take_step
@@ -141,10 +140,11 @@ def _integrate(
     model: FlightModel, start: FloatArray, horizon: float, accuracy: Accuracy, first: FloatArray
 ) -> IntegrationResult:
     in_plane = stays_in_plane(start, model)
+    if in_plane:
+        fill_plane(model)
     samples, error, tolerance = _integrate_to_accuracy(
         pack(model),
         model.fittings,
-        plane_model(model) if in_plane else None,
         None if in_plane else True,
         start,
         first,
@@ -162,7 +162,6 @@ def _integrate(
 def _integrate_to_accuracy(
     values: FloatArray,
     fittings: FloatArray | None,
-    plane: FloatArray | None,
     in_space: bool | None,
     start: FloatArray,
     coarse: FloatArray,
@@ -175,14 +174,14 @@ def _integrate_to_accuracy(
 ) -> tuple[FloatArray, float, float]:
     """Return what :func:`integrate` does, or :func:`integrate_once` if ``coarse`` has no samples.
 
-    Either ``plane`` or ``in_space`` is None, and its motion is not compiled.
+    If ``in_space`` is None, the motion is that in the plane, and that in space is not compiled.
     """
     is_first, least = coarse.shape[0] == 0, 0.0
     if is_first:
         tolerance *= TOLERANCE_RATIO
     while True:
         fine = _integrate_at_tolerance(
-            values, fittings, plane, in_space, start, horizon, tolerance, max_step, step_limit
+            values, fittings, in_space, start, horizon, tolerance, max_step, step_limit
         )
         if is_first:
             return fine, math.inf, tolerance
@@ -257,7 +256,6 @@ class _Progress(NamedTuple):
 def _integrate_at_tolerance(
     values: FloatArray,
     fittings: FloatArray | None,
-    plane: FloatArray | None,
     in_space: bool | None,
     start: FloatArray,
     horizon: float,
@@ -267,14 +265,13 @@ def _integrate_at_tolerance(
 ) -> FloatArray:
     """Return raw samples (k, 14) of the release and the end of every step, up to the first one past the outlet."""
     samples = np.empty((256, SAMPLE))
-    size = _state_size(values, plane)
-    room = np.zeros(count_work_space(size, 6 if plane is None else 3) + _STATES * size)
+    size = _state_size(unpack(values, fittings), in_space)
+    room = np.zeros(count_work_space(size, 3 if in_space is None else 6) + _STATES * size)
     progress = _Progress(0.0, min(FIRST_STEP, horizon), LOG_MIN_ERROR, 0, 0, JACOBIAN_STEPS, 0, False)
     while True:
         progress = _take_steps(
             values,
             fittings,
-            plane,
             in_space,
             start,
             horizon,
@@ -293,10 +290,10 @@ def _integrate_at_tolerance(
 
 
 @compiled
-def _state_size(values: FloatArray, plane: FloatArray | None) -> int:
-    """Return how many numbers change along a flight of the packed model ``values``: see :mod:`driftform.motion.rates`."""
-    bristles = int(values[9]) // 2
-    if plane is not None:
+def _state_size(model: FlightModel, in_space: bool | None) -> int:
+    """Return how many numbers change along a flight of a model: see :mod:`driftform.motion.rates`."""
+    bristles = len(model.bristles) // 2
+    if in_space is None:
         return PLANE_STATE + bristles
     return STATE + 3 * bristles + 1
 
@@ -311,7 +308,6 @@ def _copy_rows(source: FloatArray, target: FloatArray) -> None:
 def _take_steps(
     values: FloatArray,
     fittings: FloatArray | None,
-    plane: FloatArray | None,
     in_space: bool | None,
     start: FloatArray,
     horizon: float,
@@ -328,20 +324,20 @@ def _take_steps(
     """
     model = unpack(values, fittings)
     places, velocities, angles = _ALL_PLACES, 6, 1
-    if plane is not None:
+    if in_space is None:
         places, velocities, angles = _PLACES_IN_PLANE, 3, 0
-    size = _state_size(values, plane)
+    size = _state_size(model, in_space)
     work = make_work_space(room, size, velocities)
     first = count_work_space(size, velocities)
     y, new = borrow(room, first, (size,)), borrow(room, first + size, (size,))
     slopes = borrow(room, first + 2 * size, (_STATES - 2, size))
     t, h, earlier, count = progress.t, progress.h, progress.earlier, progress.taken
     explicit, age, touching, ended = progress.explicit, progress.age, progress.touching, False
-    longest = MOST_RADIANS / model.law[FREQUENCY]
+    longest = MOST_RADIANS / model.numbers[0].law.frequency
     if count == 0:
         for i in range(places.shape[0]):
             y[i] = start[places[i]]
-        fill_rate(t, y, model, plane, in_space, slopes[0])
+        fill_rate(t, y, model, in_space, slopes[0])
     while count < samples.shape[0]:
         row = samples[count]
         row[0] = t
@@ -361,7 +357,7 @@ def _take_steps(
             ended = True
             break
         pair, sharp = DOPRI5, grow_tolerance(tolerance, t)
-        near = not is_far_from_wall(position, model.table[REACH], model.pipe, model.fittings)
+        near = not is_far_from_wall(position, model.numbers[0].reach, model.pipe, model.fittings)
         if not near:
             pair = DOP853
             if model.gusts.shape[0] == 0:
@@ -374,14 +370,12 @@ def _take_steps(
             h = min(h, horizon - t)
             implicit = near and h > longest and explicit < 0
             if implicit and age >= JACOBIAN_STEPS:
-                age, touching = 0, fill_jacobian(t, y, work, model, plane, in_space)
+                age, touching = 0, fill_jacobian(t, y, work, model, in_space)
             implicit = implicit and touching > 0
             if implicit:
-                error = take_implicit_step(
-                    t, h, y, new, slopes, touching, work, model, plane, in_space, sharp
-                )
+                error = take_implicit_step(t, h, y, new, slopes, touching, work, model, in_space, sharp)
             else:
-                error = take_step(t, h, y, new, slopes, pair, model, plane, in_space, sharp)
+                error = take_step(t, h, y, new, slopes, pair, model, in_space, sharp)
             power = ROS34PW2.power if implicit else pair.power
             if error <= 1.0:
                 break

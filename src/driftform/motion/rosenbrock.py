@@ -12,7 +12,6 @@ the velocities and the bristles of the surfaces that touch. The other bristles o
 import math
 from typing import NamedTuple
 
-from driftform.motion.impact import FREQUENCY
 from driftform.motion.model import FlightModel
 from driftform.motion.rates import PLANE_STATE, STATE, fill_rate
 from driftform.motion.runge_kutta import copy, normalise, squared_error
@@ -93,14 +92,13 @@ def fill_jacobian(
     y: FloatArray,
     work: WorkSpace,
     model: FlightModel,
-    plane: FloatArray | None,
     in_space: bool | None,
 ) -> int:
     """Fill the Jacobian at the state ``y``; return the number of unknowns, 0 if no surface touches."""
-    fill_rate(t, y, model, plane, in_space, work.rate)
+    fill_rate(t, y, model, in_space, work.rate)
     if model.touches[0, 9] < 0.0:
         return 0
-    v, places = work.pose.shape[0], work.places
+    v, places = len(work.pose), work.places
     first = 7 if v == 6 else 4
     bristles = (3 if v == 6 else 1) if model.bristles.shape[0] > 0 else 0
     for i in range(v):
@@ -121,7 +119,7 @@ def fill_jacobian(
             _move(y, work.pose, work.state)
         else:
             work.state[int(places[i - v])] += step
-        fill_rate(t, work.state, model, plane, in_space, work.changed)
+        fill_rate(t, work.state, model, in_space, work.changed)
         for k in range(count):
             row = int(places[k])
             work.slopes[k, i] = (work.changed[row] - work.rate[row]) / step
@@ -155,7 +153,6 @@ def take_implicit_step(
     count: int,
     work: WorkSpace,
     model: FlightModel,
-    plane: FloatArray | None,
     in_space: bool | None,
     tolerance: float,
 ) -> float:
@@ -173,18 +170,18 @@ def take_implicit_step(
         if k == 0:
             copy(slopes[0], stages[k])
         else:
-            fill_rate(t + method.c[k] * h, work.state, model, plane, in_space, stages[k])
+            fill_rate(t + method.c[k] * h, work.state, model, in_space, stages[k])
         for i in range(k):
             for j in range(y.shape[0]):
                 stages[k, j] += method.solved[k, i] / h * stages[i, j]
-        _solve(rate, y, stages[k], count, model.law[FREQUENCY], work)
+        _solve(rate, y, stages[k], count, model.numbers[0].law.frequency, work)
     copy(y, new)
     for k in range(stages.shape[0]):
         for j in range(y.shape[0]):
             new[j] += method.b[k] * stages[k, j]
     error = math.sqrt(squared_error(method.error, stages, y, new, tolerance))
-    normalise(new, plane)
-    fill_rate(t + h, new, model, plane, in_space, slopes[1])
+    normalise(new, in_space)
+    fill_rate(t + h, new, model, in_space, slopes[1])
     return error
 
 
