@@ -305,7 +305,7 @@ def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Any]:
     """Call the program in this process, in an empty directory."""
     from typer.testing import CliRunner
 
-    from driftform.cli import app
+    from driftform.cli.app import app
 
     monkeypatch.chdir(tmp_path)
     return lambda *args: CliRunner().invoke(app, [str(arg) for arg in args], prog_name="driftform")

@@ -56,9 +56,7 @@ def test_the_package_offers_what_it_names_and_nothing_else() -> None:
 
 
 def test_a_name_is_imported_when_it_is_asked_for_and_not_before() -> None:
-    code = (
-        "import sys, driftform as df; a = 'numpy' in sys.modules; df.agent; print(a, 'numpy' in sys.modules)"
-    )
+    code = "import sys, driftform as df; a = 'numpy' in sys.modules; df.open_agent; print(a, 'numpy' in sys.modules)"
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert out.split() == ["False", "True"]
 
@@ -226,7 +224,7 @@ def test_a_flight_as_columns_is_its_trajectory(run: Run) -> None:
 
 
 def test_other_surroundings_add_up_and_leave_the_agent_as_it_is() -> None:
-    agent = df.agent(WORD, scenario="paper", use={"simulator": "native"})
+    agent = df.open_agent(WORD, scenario="paper", use={"simulator": "native"})
     other = agent.under("flow.speed=0.8").under("fluid.density=1025")
     assert (other.scenario.flow.speed, other.scenario.fluid.density) == (0.8, 1025)
     assert (agent.scenario.flow.speed, other.result, other.genome) == (1.0, {}, agent.genome)
@@ -236,7 +234,7 @@ def test_other_surroundings_add_up_and_leave_the_agent_as_it_is() -> None:
 
 
 def test_a_written_agent_holds_the_surroundings_it_was_put_in(tmp_path: Path) -> None:
-    agent = df.agent(WORD, scenario="paper").under("fluid.density=1025")
+    agent = df.open_agent(WORD, scenario="paper").under("fluid.density=1025")
     [path] = agent.export("3mf", tmp_path / "new" / "word.3mf")
     import json
     import zipfile
@@ -246,7 +244,7 @@ def test_a_written_agent_holds_the_surroundings_it_was_put_in(tmp_path: Path) ->
 
 
 def test_an_unknown_setting_or_format_is_told_in_one_line() -> None:
-    agent = df.agent(WORD, scenario="paper")
+    agent = df.open_agent(WORD, scenario="paper")
     with pytest.raises(InputError, match="did you mean 'speed'"):
         agent.under("flow.sped=1")
     with pytest.raises(InputError, match="did you mean 'stl'"):
@@ -254,7 +252,7 @@ def test_an_unknown_setting_or_format_is_told_in_one_line() -> None:
 
 
 def test_facts_are_those_that_inspect_tells() -> None:
-    agent = df.agent(WORD, scenario="paper", use={"simulator": "native"})
+    agent = df.open_agent(WORD, scenario="paper", use={"simulator": "native"})
     facts = agent.inspect()
     assert facts["mass"] == agent.mass.mass and facts["length"] == agent.length
     assert facts["net_buoyancy"] == pytest.approx(agent.net_buoyancy)

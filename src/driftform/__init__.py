@@ -2,39 +2,16 @@
 
 The data flow is ``genome -> morphology -> body -> coefficients -> trajectory -> fitness``;
 :mod:`driftform.pipeline` reads top to bottom like that line. Importing this package imports nothing heavy: what it
-offers to notebooks and scripts, :mod:`driftform.api`, is imported when it is first asked for.
+offers to notebooks and scripts is imported when it is first asked for.
 """
 
-from typing import TYPE_CHECKING, Any
-
+import lazy_loader
 import pluggy
-
-if TYPE_CHECKING:
-    from driftform.api import agent, evolve, export_flow, load_study, open_run
 
 __version__ = "0.1.0"
 
 hookimpl = pluggy.HookimplMarker("driftform")
 """Marks a function of a plugin module as the implementation of a hook of :mod:`driftform.plugins.hookspecs`."""
 
-__all__ = [
-    "__version__",
-    "agent",
-    "evolve",
-    "export_flow",
-    "hookimpl",
-    "load_study",
-    "open_run",
-]
-
-
-def __getattr__(name: str) -> Any:
-    if name not in __all__:
-        raise AttributeError(f"module 'driftform' has no attribute '{name}'")
-    from driftform import api
-
-    return getattr(api, name)
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__all__ += ["__version__", "hookimpl"]

@@ -1,6 +1,6 @@
 """driftform in notebooks and scripts: from a scenario to an evolved agent to its mesh.
 
-``import driftform as df`` offers :func:`load_study`, :func:`evolve`, :func:`open_run`, :func:`agent`,
+``import driftform as df`` offers :func:`load_study`, :func:`evolve`, :func:`open_run`, :func:`open_agent`,
 and :func:`export_flow`. What they return shows itself in a notebook: a run as its overview and a table of targets, an agent
 as a drawing of its section, a flight as its path. Quantities are in SI units, fitness is in percent, frames are those
 of :mod:`driftform.types`.
@@ -13,9 +13,10 @@ from contextlib import AbstractContextManager, closing, contextmanager
 from pathlib import Path
 from typing import Any
 
+from driftform.design import opening
 from driftform.design.design import Design
 from driftform.design.flight import Flight
-from driftform.design.opening import open_agent, open_best
+from driftform.design.opening import open_best
 from driftform.errors import InputError, did_you_mean
 from driftform.report.writing import write_report
 from driftform.runs.run import Run as StoredRun
@@ -23,8 +24,9 @@ from driftform.runs.run import check_study
 from driftform.runs.store import Record
 from driftform.runs.tables import evaluation_batches, write_tables
 from driftform.runs.wording import list_cells, list_headings
-from driftform.search import InProcess, LocalProcesses
+from driftform.search import LocalProcesses
 from driftform.search.advance import Observer, advance_run, list_best
+from driftform.search.in_process import InProcess
 from driftform.search.picking import pick_agent
 from driftform.study import Study, load_study
 from driftform.study.advice import list_warnings
@@ -38,10 +40,10 @@ __all__ = [
     "Flight",
     "NoTargetError",
     "Run",
-    "agent",
     "evolve",
     "export_flow",
     "load_study",
+    "open_agent",
     "open_run",
 ]
 
@@ -237,7 +239,7 @@ def open_run(directory: str | os.PathLike[str]) -> Run:
     return Run.open(Path(directory))
 
 
-def agent(
+def open_agent(
     text: str | os.PathLike[str],
     *settings: str,
     scenario: str | None = None,
@@ -257,7 +259,7 @@ def agent(
     InputError
         if there is no such agent.
     """
-    return open_agent(os.fspath(text), scenario, settings, use)
+    return opening.open_agent(os.fspath(text), scenario, settings, use)
 
 
 def export_flow(study: Study, path: str | os.PathLike[str], *, spacing: float | None = None) -> VelocityGrid:

@@ -5,6 +5,14 @@ import traceback
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+__all__ = [
+    "DriftformError",
+    "InputError",
+    "WorkFailedError",
+    "describe_error",
+    "did_you_mean",
+]
+
 _NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 _LONGEST = 1000

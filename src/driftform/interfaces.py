@@ -29,7 +29,28 @@ from driftform.types import (
     Verdict,
     WrittenFile,
 )
-from driftform.water import Fluid, Scenario, Vector
+from driftform.water import Fluid, Scenario
+from driftform.water.pipe import Vector
+
+__all__ = [
+    "Checker",
+    "ExportJob",
+    "Exporter",
+    "Fitness",
+    "Grammar",
+    "Hydrodynamics",
+    "HydrodynamicsOptions",
+    "PhenotypeBuilder",
+    "PrintJob",
+    "Printer",
+    "Recorder",
+    "Renderer",
+    "SearchSpace",
+    "Simulator",
+    "Strategy",
+    "Table",
+    "option",
+]
 
 OptionsT_co = TypeVar("OptionsT_co", bound=Table, covariant=True)
 

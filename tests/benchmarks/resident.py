@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from driftform.search import InProcess, Job
+from driftform.search.in_process import InProcess
+from driftform.search.jobs import Job
 from driftform.study import load_study
 
 WARM_UP = 200

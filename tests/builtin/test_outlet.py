@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from driftform.builtin.outlet import PASSED_BY, OutletFitness
+from driftform.motion.way import farthest_distances
 from driftform.options import Table
 from driftform.testing import FitnessContract
 from driftform.testing.agents import sphere_agent
-from driftform.trajectory.way import farthest_distances
 from driftform.types import End, Trajectory, Verdict
 from driftform.water import Scenario
 

@@ -8,10 +8,10 @@ import pytest
 
 from driftform.builtin.table_recorders import COLUMNS, CsvRecorder, ParquetRecorder
 from driftform.errors import WorkFailedError
+from driftform.motion.forces import accelerations_along, net_wrench
 from driftform.options import Table
 from driftform.testing import RecorderContract
 from driftform.testing.renderer import drifting_trajectory
-from driftform.trajectory.forces import accelerations_along, net_wrench
 
 
 class TestCsv(RecorderContract):

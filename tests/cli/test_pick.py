@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from driftform.motion.approach import closest_approach
 from driftform.runs.agent_file import read_agent
 from driftform.runs.directory import lock_run
 from driftform.runs.store import Record, Store
-from driftform.trajectory.approach import closest_approach
 from driftform.types import Candidate, Evaluation, Genome
 
 ANYWHERE = ("4.2", "0", "-0.35")

@@ -61,7 +61,7 @@ def test_importing_the_package_imports_almost_nothing() -> None:
 def after_running(*arguments: str) -> set[str]:
     """Modules that are there when a command has ended well."""
     return modules_after(
-        "from driftform.cli import app\n"
+        "from driftform.cli.app import app\n"
         f"try: app({list(arguments)!r})\n"
         "except SystemExit as end: assert end.code == 0"
     )

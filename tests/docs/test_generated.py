@@ -22,7 +22,8 @@ from driftform.interfaces import SEAMS
 from driftform.options import describe_bounds, find_table
 from driftform.plugins.registry import Contribution, registry
 from driftform.study import RunOptions
-from driftform.water import FLOWS, Scenario
+from driftform.water import Scenario
+from driftform.water.flow import FLOWS
 from driftform.water.part_tables import PARTS as PIPE_PARTS
 
 Check = Callable[[Path, str], None]

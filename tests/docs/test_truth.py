@@ -10,7 +10,8 @@ import typer
 
 from driftform.cli.app import app
 from driftform.plugins import hookspecs
-from driftform.water import FLOWS, Fluid
+from driftform.water import Fluid
+from driftform.water.flow import FLOWS
 
 ROOT = Path(__file__).parents[2]
 CORE = ROOT / "src" / "driftform"

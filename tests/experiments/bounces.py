@@ -26,7 +26,9 @@ from driftform.motion.impact import LUBRICATION
 from driftform.testing.agents import solid_agent
 from driftform.testing.bodies import spheroid_body
 from driftform.types import Coefficients
-from driftform.water import Contact, FlightLimits, Fluid, Pipe, Release, Scenario, Segment, UniformFlow
+from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.water.flow import UniformFlow
+from driftform.water.scenario import Contact, FlightLimits, Release
 from driftform_native.simulator import NativeOptions, NativeSimulator
 
 BORE = 1.0

@@ -21,7 +21,9 @@ from driftform.motion.body_drag import estimate_drag, wake_factor
 from driftform.testing.agents import solid_agent
 from driftform.testing.bodies import cylinder_body
 from driftform.util.rotations import matrix_from_quaternion
-from driftform.water import FlightLimits, Fluid, Pipe, Release, Scenario, UniformFlow
+from driftform.water import Fluid, Pipe, Scenario
+from driftform.water.flow import UniformFlow
+from driftform.water.scenario import FlightLimits, Release
 from driftform_native.simulator import NativeOptions, NativeSimulator
 from driftform_panels.coefficients import PanelMethod
 from driftform_panels.solve import PanelOptions

@@ -19,7 +19,9 @@ from driftform.agent import solid_of_revolution
 from driftform.motion.body_drag import estimate_drag, wake_factor
 from driftform.testing.agents import solid_agent
 from driftform.testing.bodies import cylinder_body, spheroid_body
-from driftform.water import FlightLimits, Fluid, LogLawFlow, Pipe, Release, Scenario, Segment
+from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.water.flow import LogLawFlow
+from driftform.water.scenario import FlightLimits, Release
 from driftform_native.simulator import NativeOptions, NativeSimulator
 from driftform_panels.coefficients import PanelMethod
 from driftform_panels.solve import PanelOptions

@@ -27,11 +27,13 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from driftform.motion.body_drag import estimate_drag
+from driftform.motion.interpolation import interpolate_positions
 from driftform.testing.agents import solid_agent
 from driftform.testing.bodies import spheroid_body
-from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Coefficients
-from driftform.water import FlightLimits, Fluid, Pipe, Release, Scenario, UniformFlow
+from driftform.water import Fluid, Pipe, Scenario
+from driftform.water.flow import UniformFlow
+from driftform.water.scenario import FlightLimits, Release
 from driftform_native.simulator import NativeOptions, NativeSimulator
 
 TEN_CATE = ((970.0, 0.373, 0.0363), (965.0, 0.212, 0.0571), (962.0, 0.113, 0.0869), (960.0, 0.058, 0.1226))

@@ -20,7 +20,9 @@ from driftform.motion.body_drag import estimate_drag
 from driftform.testing.agents import solid_agent
 from driftform.testing.bodies import spheroid_body
 from driftform.types import Coefficients
-from driftform.water import Contact, FlightLimits, Fluid, LogLawFlow, Pipe, Release, Scenario, Segment
+from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.water.flow import LogLawFlow
+from driftform.water.scenario import Contact, FlightLimits, Release
 from driftform_native.simulator import NativeOptions, NativeSimulator
 
 BORE = 1.25 * 0.0254

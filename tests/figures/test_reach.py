@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from driftform.figures.layout import MINUS
 from driftform.figures.reach import BOUNDS, RAMP, reach_svg
-from driftform.trajectory.coverage import CoverageMap, PipeGrid, map_coverage
+from driftform.runs.coverage import CoverageMap, PipeGrid, map_coverage
 from driftform.water import Pipe, Scenario, Segment
 
 

@@ -12,7 +12,9 @@ from driftform.motion.integrator import Accuracy, integrate
 from driftform.motion.model import flight_model
 from driftform.testing.agents import DENSITY, Spheroid, sphere_agent
 from driftform.testing.bodies import spheroid_body
-from driftform.water import Contact, FlightLimits, Fluid, Pipe, Release, Scenario, Segment, UniformFlow
+from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.water.flow import UniformFlow
+from driftform.water.scenario import Contact, FlightLimits, Release
 from driftform_exudyn.integration import integrate_motion, make_settings
 
 RADIUS = 0.02

@@ -20,7 +20,9 @@ from driftform.motion.model import flight_model
 from driftform.motion.tableaus import DOP853, DOPRI5
 from driftform.study import load_study
 from driftform.testing.agents import Libration, Spheroid, tumbling_agent
-from driftform.water import FlightLimits, Fluid, Pipe, Release, Scenario, Segment, UniformFlow
+from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.water.flow import UniformFlow
+from driftform.water.scenario import FlightLimits, Release
 
 SPHEROID = Spheroid(0.06, 0.01)
 SAMPLE = 14

@@ -17,7 +17,9 @@ from driftform.testing.agents import DENSITY, Spheroid, sphere_agent
 from driftform.testing.bodies import cylinder_body, spheroid_body
 from driftform.types import Agent, Coefficients, MassProperties
 from driftform.util.rotations import rotation_from_quaternion
-from driftform.water import Contact, FlightLimits, Fluid, Pipe, Release, Scenario, Segment, UniformFlow
+from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.water.flow import UniformFlow
+from driftform.water.scenario import Contact, FlightLimits, Release
 
 VISCOSITY = 1e-6
 SPHERE_MASS = 1.2 * DENSITY * 4 / 3 * math.pi * 0.01**3

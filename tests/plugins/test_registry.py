@@ -289,7 +289,9 @@ def test_every_seam_has_its_hook():
     from driftform.plugins import hookspecs
 
     assert {name for name in dir(hookspecs) if name.startswith("driftform_")} == {
-        f"driftform_{seam}" for seam in SEAMS
+        *(f"driftform_{seam}" for seam in SEAMS),
+        "driftform_commands",
+        "driftform_scenarios",
     }
 
 

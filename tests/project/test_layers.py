@@ -15,8 +15,8 @@ HOOKS = "src/driftform/plugins/hookspecs.py"
 
 LAYERS = (
     *("errors", "types", "options", "scenarios", "util", "agent", "water"),
-    *("interfaces", "motion", "trajectory", "plugins", "pipeline", "study", "figures"),
-    *("runs", "search", "design", "report", "builtin", "testing", "scaffold", "api", "cli"),
+    *("interfaces", "motion", "plugins", "pipeline", "study"),
+    *("runs", "figures", "search", "design", "report", "builtin", "testing", "scaffold", "api", "cli"),
 )
 """The modules and packages of the core from the ground up: each may import those before it, and no others."""
 

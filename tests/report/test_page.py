@@ -14,7 +14,7 @@ from driftform.report.page import page_html
 from driftform.report.viewer import viewer_data
 from driftform.runs.run import Run
 from driftform.util.rotations import matrix_from_quaternion
-from driftform.water import PowerLawFlow
+from driftform.water.flow import PowerLawFlow
 
 PIXELS = """
 const view = document.getElementById(arguments[0]);

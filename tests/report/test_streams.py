@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from driftform.report.streams import simplify_motion, spread_over_disc, trace_streams
-from driftform.water import Pipe, Scenario, UniformFlow
+from driftform.water import Pipe, Scenario
+from driftform.water.flow import UniformFlow
 
 RUN = {"kind": "straight", "length": 1.0}
 SHARE = 0.4

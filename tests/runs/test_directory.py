@@ -12,7 +12,9 @@ import pytest
 from driftform.errors import WorkFailedError
 from driftform.runs import store
 from driftform.runs.run import Run
-from driftform.search import InProcess, Job, Outcome
+from driftform.search.advance import advance_run
+from driftform.search.in_process import InProcess
+from driftform.search.jobs import Job, Outcome
 from driftform.study import load_study
 from driftform.util import files
 
@@ -160,12 +162,12 @@ def test_a_run_whose_directory_goes_away_stops_and_says_so(
         pytest.raises(WorkFailedError, match=r"run\.db: was moved or deleted while the run was under way"),
         Run.create(path, study) as run,
     ):
-        run.advance(Disturbed(run, disturb))
+        advance_run(run, Disturbed(run, disturb))
     assert path.exists() == (deed == "replaced")
     if deed == "moved":
         with Run.resume(other) as run:
             assert 0 < run.count()[0] < 40
-            run.advance(InProcess(study.make_pipeline()))
+            advance_run(run, InProcess(study.make_pipeline()))
         with Run.create(path, study) as run:
-            run.advance(InProcess(study.make_pipeline()))
+            advance_run(run, InProcess(study.make_pipeline()))
         assert rows(other) == rows(path)

@@ -25,7 +25,7 @@ from driftform.runs.compression import (
 )
 from driftform.runs.store import Record, Store
 from driftform.types import Candidate, End, Evaluation, Genome, Trajectory
-from driftform.water import evaluation_seed
+from driftform.water.scenario import evaluation_seed
 
 TARGETS = ("A", "B")
 COLUMNS = ("t", "position", "quaternion", "velocity")

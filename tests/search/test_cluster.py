@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 
 from driftform.errors import InputError, WorkFailedError
-from driftform.search import Job, cluster
+from driftform.search import cluster
 from driftform.search.cluster import Cluster, find_versions
+from driftform.search.jobs import Job
 from driftform.study import Study, load_study
 
 Call = Callable[..., Any]

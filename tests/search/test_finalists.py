@@ -11,7 +11,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftform.runs.store import DisturbedResult, Store
-from driftform.search import InProcess, Job, Outcome
 from driftform.search.disturbed import draw_rounds
 from driftform.search.finalists import (
     choose_finalists,
@@ -20,10 +19,12 @@ from driftform.search.finalists import (
     fly_finalists,
     robust_fitness,
 )
+from driftform.search.in_process import InProcess
+from driftform.search.jobs import Job, Outcome
 from driftform.search.loop import run_search
 from driftform.study import Study, load_study
 from driftform.types import Evaluation, FloatArray, Genome
-from driftform.water import Robustness
+from driftform.water.scenario import Robustness
 
 SETTINGS = ("robustness.conditions=4", "robustness.finalists=2", "robustness.checks=3")
 

@@ -7,10 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftform.search import MAX_BATCH, Job
-from driftform.search.jobs import MAX_TASK_S, MIN_TASK_S, evaluate_batch, rehearse, task_size
+from driftform.motion.way import find_offsets
+from driftform.search.jobs import MAX_BATCH, MAX_TASK_S, MIN_TASK_S, Job, evaluate_batch, rehearse, task_size
 from driftform.study import load_study
-from driftform.trajectory.way import find_offsets
 from driftform.water.disturbances import draw_conditions
 
 

@@ -13,7 +13,8 @@ import pytest
 from driftform.errors import InputError, WorkFailedError
 from driftform.pipeline import MARGIN
 from driftform.runs.store import Record, Store
-from driftform.search import InProcess, Job, Outcome
+from driftform.search.in_process import InProcess
+from driftform.search.jobs import Job, Outcome
 from driftform.search.loop import UNWRITTEN_S, BestFitness, run_search
 from driftform.search.results import write_results
 from driftform.search.strategies.random import RandomStrategy

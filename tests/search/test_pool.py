@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from driftform.errors import InputError
-from driftform.search import ATTEMPTS, KILLS, STARTS, Job, Outcome, WorkersLostError
+from driftform.search.jobs import ATTEMPTS, KILLS, STARTS, Job, Outcome, WorkersLostError
 from driftform.search.pool import Call, Cause, Death, PoolExecutor, WorkerDiedError, WorkerGroup
 from driftform.types import Evaluation, Genome
 

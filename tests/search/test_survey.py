@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from driftform.runs.store import Record, Store
-from driftform.search import InProcess, Job
 from driftform.search.finalists import fly_finalists
+from driftform.search.in_process import InProcess
+from driftform.search.jobs import Job
 from driftform.search.loop import run_search
 from driftform.search.survey import read_scores, survey
 from driftform.study import Study, load_study

@@ -7,8 +7,8 @@ from concurrent.futures import Executor, ProcessPoolExecutor
 import numpy as np
 import pytest
 
+from driftform.motion.interpolation import interpolate_positions
 from driftform.testing.simulator import largest_distance
-from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Agent
 from driftform.water import Scenario
 from driftform_native.simulator import NativeOptions, NativeSimulator

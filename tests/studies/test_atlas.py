@@ -12,13 +12,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from driftform.motion.approach import closest_approach
 from driftform.plugins.registry import registry
+from driftform.runs.coverage import CoverageMap, PipeGrid
 from driftform.runs.store import Store
 from driftform.search import LocalProcesses
 from driftform.search.loop import run_search
 from driftform.study import load_study
-from driftform.trajectory.approach import closest_approach
-from driftform.trajectory.coverage import CoverageMap, PipeGrid
 
 pytestmark = pytest.mark.slow
 

@@ -19,8 +19,8 @@ import pytest
 
 import driftform as df
 from driftform.design.design import Design
+from driftform.motion.approach import closest_approach
 from driftform.study import Study, load_study
-from driftform.trajectory.approach import closest_approach
 from driftform.types import FloatArray
 from driftform.water import Calibration, Factors
 from driftform.water.factors import NAMES
@@ -120,7 +120,7 @@ def evolve(folder: Path, name: str, calibration: Calibration) -> list[Design]:
     """Return the best agent for each target of the default study with a calibration, by undisturbed flights."""
     study = make_study(calibration)
     run = df.evolve(study, folder / name, progress=False)
-    return [df.agent(f"{run.path}:{target}") for target in study.scenario.target_names]
+    return [df.open_agent(f"{run.path}:{target}") for target in study.scenario.target_names]
 
 
 def make_study(calibration: Calibration) -> Study:

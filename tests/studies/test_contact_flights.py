@@ -6,9 +6,9 @@ from itertools import repeat
 import numpy as np
 import pytest
 
+from driftform.motion.interpolation import interpolate_positions
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance, wall_depths
-from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import FloatArray, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
 

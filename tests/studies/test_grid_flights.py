@@ -5,9 +5,9 @@ import time
 import numpy as np
 import pytest
 
+from driftform.motion.interpolation import interpolate_positions
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
-from driftform.trajectory.interpolation import interpolate_positions
 from driftform.water import Scenario
 from driftform.water.currents import sample_current, write_current
 

@@ -7,10 +7,10 @@ from itertools import repeat
 import numpy as np
 import pytest
 
+from driftform.motion.interpolation import interpolate_positions
+from driftform.motion.way import name_outlet
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
-from driftform.trajectory.interpolation import interpolate_positions
-from driftform.trajectory.way import name_outlet
 from driftform.types import End
 
 pytestmark = pytest.mark.slow
@@ -70,6 +70,7 @@ def test_no_random_agent_passes_a_wall_and_every_end_has_a_name(workers, count_o
 def test_a_search_finds_an_agent_for_each_outlet_in_nine_of_ten_seeds(tmp_path, count_of):
     """Each leaves by its outlet in nine of ten disturbed flights, although the branch takes 30 % of the water."""
     from driftform.runs.run import Run
+    from driftform.search.advance import advance_run
     from driftform.search.local import LocalProcesses
 
     seeds, sound = count_of("SEEDS", 10), 0
@@ -79,7 +80,7 @@ def test_a_search_finds_an_agent_for_each_outlet_in_nine_of_ten_seeds(tmp_path, 
             closing(LocalProcesses(study.document, 2)) as executor,
             Run.create(tmp_path / str(seed), study) as run,
         ):
-            best = run.advance(executor)
+            best = advance_run(run, executor)
         shares = [found.robust["reached"] for found in best]
         print(
             f"seed {seed}: {', '.join(f'{share:.0%}' for share in shares)} of the fresh flights", flush=True

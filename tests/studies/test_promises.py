@@ -14,18 +14,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from driftform.motion.approach import closest_approach
 from driftform.motion.drag_coefficients import CROSSFLOW_PLATEAU
+from driftform.motion.way import find_offsets
+from driftform.runs.misses import PROMISED, estimate_quantile
 from driftform.runs.store import Store
-from driftform.search import Executor, Job, LocalProcesses
+from driftform.search import LocalProcesses
 from driftform.search.finalists import find_winner, fly_finalists
+from driftform.search.jobs import Executor, Job
 from driftform.search.loop import run_search
 from driftform.study import Study, load_study
-from driftform.trajectory.approach import closest_approach
-from driftform.trajectory.misses import PROMISED, estimate_quantile
-from driftform.trajectory.way import find_offsets
 from driftform.types import FloatArray
-from driftform.water import LogLawFlow, TurbulentFlow
+from driftform.water import TurbulentFlow
 from driftform.water.disturbances import disturb_body, draw_conditions
+from driftform.water.flow import LogLawFlow
 from driftform.water.velocity import friction_factor
 
 pytestmark = pytest.mark.slow

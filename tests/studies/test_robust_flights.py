@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 
 from driftform.agent.slices import slice_solid
+from driftform.motion.interpolation import interpolate_positions
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance, wall_depths
-from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Agent, Drag, End, Trajectory
-from driftform.water import Scenario, evaluation_seed
+from driftform.water import Scenario
+from driftform.water.scenario import evaluation_seed
 
 pytestmark = pytest.mark.slow
 

@@ -5,10 +5,10 @@ from itertools import repeat
 import numpy as np
 import pytest
 
+from driftform.motion.interpolation import interpolate_positions
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance, wall_depths
 from driftform.testing.textbook import textbook_states
-from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import End, Trajectory
 from driftform.water import Pipe
 

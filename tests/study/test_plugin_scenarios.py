@@ -9,6 +9,14 @@ from driftform.errors import InputError
 from driftform.study import load_study
 from driftform.study.sources import read_scenarios
 
+HOOK = """
+from driftform import hookimpl
+
+@hookimpl
+def driftform_scenarios():
+    return "{package}"
+"""
+
 NARROW = 'title = "A narrow pipe"\nbase = "pipe-inspection"\n[flow]\nspeed = 0.5\n'
 
 
@@ -16,15 +24,13 @@ def install(site: Path, name: str, files: dict[str, str], package: str | None = 
     """A distribution, as far as ``importlib.metadata`` can tell, with a package of scenarios."""
     folder = site / f"driftform_{name}"
     folder.mkdir(parents=True)
-    (folder / "__init__.py").write_text("")
+    (folder / "__init__.py").write_text(HOOK.format(package=package or f"driftform_{name}"))
     for file, text in files.items():
         (folder / file).write_text(text)
     info = site / f"driftform_{name}-1.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: driftform-{name}\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text(
-        f"[driftform.scenarios]\n{name} = {package or f'driftform_{name}'}\n"
-    )
+    (info / "entry_points.txt").write_text(f"[driftform]\n{name} = driftform_{name}\n")
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ from driftform.options import MAX_SEED
 from driftform.plugins.registry import registry
 from driftform.study import Document, load_study
 from driftform.study.sources import read_scenarios
-from driftform.water import evaluation_seed
+from driftform.water.scenario import evaluation_seed
 
 BASE = 'base = "pipe-inspection"\n'
 Write = Callable[..., str]

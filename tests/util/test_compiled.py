@@ -203,7 +203,7 @@ SPACED = """
 import sys
 import numpy as np
 from numba.core.runtime.nrt import rtsys
-from driftform.trajectory.resampling import select_spaced
+from driftform.motion.resampling import select_spaced
 spaced = select_spaced(np.arange(5.0), 2.0).tolist()
 print(spaced, sorted({"numba.np.arrayobj", "numpy.ma"} & set(sys.modules)), rtsys._init)
 """

@@ -9,10 +9,10 @@ from scipy.interpolate import RegularGridInterpolator
 from driftform.errors import InputError
 from driftform.motion.flight import finish_trajectory, release_state
 from driftform.motion.integrator import Accuracy, integrate
+from driftform.motion.interpolation import interpolate_positions
 from driftform.motion.model import flight_model
 from driftform.testing.agents import solid_agent, sphere_agent
 from driftform.testing.bodies import cylinder_body
-from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Coefficients
 from driftform.water import Scenario
 from driftform.water.currents import COLUMNS, MOST_NODES, sample_current, usual_spacing, write_current

@@ -10,7 +10,7 @@ from scipy.stats import qmc
 from driftform.agent import hull_mass
 from driftform.study import load_study
 from driftform.testing.bodies import hollow_body
-from driftform.water import Robustness, Scenario
+from driftform.water import Scenario
 from driftform.water.disturbances import (
     BEYOND,
     MAX_DEVIATION,
@@ -22,6 +22,7 @@ from driftform.water.disturbances import (
     draw_normals,
 )
 from driftform.water.normal import normal_quantile
+from driftform.water.scenario import Robustness
 
 CALM = Condition((0.0, 0.0), 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0, 7)
 

@@ -7,13 +7,14 @@ from pydantic import ValidationError
 from driftform.study import load_study
 from driftform.testing.bodies import hollow_body
 from driftform.types import Coefficients
-from driftform.water import Calibration, Factors, Robustness
+from driftform.water import Calibration, Factors
 from driftform.water.disturbances import disturb_scenario, draw_conditions
 from driftform.water.factors import (
     calibrate_body,
     calibrate_coefficients,
     calibrate_restitution,
 )
+from driftform.water.scenario import Robustness
 
 TABLE = Calibration.model_validate(
     {

@@ -6,11 +6,8 @@ from pydantic import ValidationError
 
 from driftform.errors import InputError
 from driftform.study import load_study
-from driftform.water import (
-    FLOWS,
-    Scenario,
-    UniformFlow,
-)
+from driftform.water import Scenario
+from driftform.water.flow import FLOWS, UniformFlow
 
 PIPE = {"segments": [{"start": [0, 0, 0], "end": [9.0, 0, 0], "radius": 1.0}]}
 

@@ -10,8 +10,8 @@ from driftform.errors import InputError
 from driftform.motion.flight import finish_trajectory, release_state
 from driftform.motion.integrator import Accuracy, integrate
 from driftform.motion.model import flight_model
+from driftform.motion.way import name_outlet
 from driftform.testing.agents import sphere_agent
-from driftform.trajectory.way import name_outlet
 from driftform.types import End
 from driftform.water import Scenario
 from driftform.water.fittings import fitting_array

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from driftform.runs.run import Run
-from driftform.search import InProcess
+from driftform.search.advance import search_run
+from driftform.search.in_process import InProcess
 from driftform.study import load_study
 from driftform.util import preparation
 from driftform.water import tee_store as store
@@ -70,5 +71,5 @@ def test_a_search_solves_the_tees_of_its_pipe_before_its_first_flight(
         return InProcess(study.make_pipeline()).evaluate(jobs)
 
     with Run.create(tmp_path / "run", study) as run:
-        run.search(SimpleNamespace(evaluate=evaluate))
+        search_run(run, SimpleNamespace(evaluate=evaluate))
     assert len(solved) == 1 and flown[0] == solved

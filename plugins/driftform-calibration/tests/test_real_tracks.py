@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 import driftform as df
+from driftform_calibration.designs import calibrate_design
 from driftform_calibration.result import CalibrationResult
 
 pytestmark = pytest.mark.long
@@ -17,9 +18,9 @@ MASSES = {SETTLING: 0.0019792, BOUNCING: 0.00011027}
 
 
 def calibrate(track: Path) -> CalibrationResult:
-    sphere = df.agent("C", scenario=str(track.with_suffix(".toml")))
+    sphere = df.open_agent("C", scenario=str(track.with_suffix(".toml")))
     assert sphere.mass.mass == pytest.approx(MASSES[track], rel=1e-3)
-    return sphere.calibrate(track, printed_mass=MASSES[track])
+    return calibrate_design(sphere, track, printed_mass=MASSES[track])
 
 
 def assert_near_1(found: CalibrationResult, but: str = "") -> None:

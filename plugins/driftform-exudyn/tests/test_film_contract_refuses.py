@@ -8,10 +8,10 @@ import pytest
 
 from driftform.figures.png import png_bytes
 from driftform.interfaces import Renderer
+from driftform.motion.interpolation import interpolate_attitudes
+from driftform.motion.resampling import even_times
 from driftform.options import Table
 from driftform.testing import RendererContract
-from driftform.trajectory.interpolation import interpolate_attitudes
-from driftform.trajectory.resampling import even_times
 from driftform.types import WrittenFile
 from driftform.util.files import write_whole
 from driftform.util.rotations import matrix_from_quaternion

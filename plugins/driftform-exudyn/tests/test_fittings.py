@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from driftform.motion.interpolation import interpolate_positions
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
-from driftform.trajectory.interpolation import interpolate_positions
 
 pytestmark = pytest.mark.long
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from driftform.motion.interpolation import interpolate_positions
 from driftform.pipeline import CLOSE_MARGIN, MARGIN
 from driftform.study import load_study
 from driftform.testing.simulator import largest_distance
-from driftform.trajectory.interpolation import interpolate_positions
 
 PIPELINE = load_study("paper", use={"simulator": "exudyn"}).make_pipeline()
 GENOMES = [PIPELINE.grammar.random(np.random.default_rng(seed)) for seed in range(8)]

@@ -7,7 +7,8 @@ from scipy.spatial.transform import Rotation
 from driftform.testing.agents import sphere_agent
 from driftform.testing.textbook import distance_from_textbook, random_case
 from driftform.types import End
-from driftform.water import Contact, FlightLimits, Fluid, Pipe, Release, Scenario, Segment
+from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.water.scenario import Contact, FlightLimits, Release
 from driftform_exudyn.simulator import ExudynOptions, ExudynSimulator
 
 HORIZON = 3.0

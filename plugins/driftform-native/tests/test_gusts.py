@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from driftform.motion.approach import closest_approach
 from driftform.pipeline import Pipeline
 from driftform.study import load_study
-from driftform.trajectory.approach import closest_approach
 from driftform.types import Agent
 from driftform.water import Scenario, TurbulentFlow
 from driftform_native.simulator import GUST_RATIO, NativeOptions, NativeSimulator

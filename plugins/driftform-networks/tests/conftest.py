@@ -178,7 +178,7 @@ def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., objec
     """Run ``driftform network`` in an empty directory, with a cache that the tests share."""
     from typer.testing import CliRunner
 
-    from driftform.cli import app
+    from driftform.cli.app import app
 
     monkeypatch.chdir(tmp_path)
 

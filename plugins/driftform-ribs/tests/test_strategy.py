@@ -11,8 +11,8 @@ from driftform.errors import InputError
 from driftform.interfaces import SearchSpace
 from driftform.options import Table
 from driftform.plugins.registry import registry
+from driftform.runs.coverage import PipeGrid
 from driftform.testing.letters import LetterGrammar
-from driftform.trajectory.coverage import PipeGrid
 from driftform.types import End, Evaluation, Genome, Trajectory
 from driftform.water import Pipe, Scenario, Segment
 from driftform_ribs.emitter import SymbolEmitter, to_solutions

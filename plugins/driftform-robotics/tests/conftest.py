@@ -19,7 +19,9 @@ from driftform.study import Document, Study, load_study
 from driftform.testing.bodies import hollow_body
 from driftform.types import Agent, Coefficients
 from driftform.util.rotations import rotation_from_quaternion
-from driftform.water import Contact, Fluid, Release, Scenario, UniformFlow
+from driftform.water import Fluid, Scenario
+from driftform.water.flow import UniformFlow
+from driftform.water.scenario import Contact, Release
 from driftform_robotics.models.exporter import ModelOptions
 from driftform_robotics.models.mjcf import MjcfExporter
 from driftform_robotics.models.sdf import SdfExporter, SdfOptions

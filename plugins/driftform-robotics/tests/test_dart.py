@@ -12,10 +12,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from driftform.interfaces import ExportJob
+from driftform.motion.interpolation import interpolate_positions
 from driftform.study import Study
-from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Coefficients
-from driftform.water import FlightLimits, Fluid, Release, Scenario, UniformFlow
+from driftform.water import Fluid, Scenario
+from driftform.water.flow import UniformFlow
+from driftform.water.scenario import FlightLimits, Release
 
 if sys.platform == "win32":
     pytest.skip("DART has no wheel for Windows", allow_module_level=True)

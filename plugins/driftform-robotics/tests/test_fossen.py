@@ -16,10 +16,11 @@ from scipy.spatial.transform import Rotation
 
 from driftform.interfaces import ExportJob
 from driftform.motion.inertia import largest_added_mass_ratio
+from driftform.motion.interpolation import interpolate_positions
 from driftform.study import Study
-from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Coefficients
-from driftform.water import FlightLimits, Fluid, Scenario
+from driftform.water import Fluid, Scenario
+from driftform.water.scenario import FlightLimits
 from driftform_robotics.models.sdf import SdfExporter, SdfOptions
 
 T = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])

@@ -13,7 +13,8 @@ from driftform.testing import FitnessContract
 from driftform.testing.agents import sphere_agent
 from driftform.testing.fitness import straight_trajectory
 from driftform.types import Trajectory
-from driftform.water import Pipe, Scenario, Segment, UniformFlow
+from driftform.water import Pipe, Scenario, Segment
+from driftform.water.flow import UniformFlow
 from driftform_robotics.leak import Leak, LeakOptions
 from driftform_robotics.plume import make_plume
 

@@ -19,10 +19,10 @@ from mcap_ros2.decoder import DecoderFactory
 from ruamel.yaml import YAML
 
 from driftform.interfaces import ExportJob
+from driftform.motion.forces import accelerations_along, net_wrench
+from driftform.motion.path import world_velocity
 from driftform.testing import RecorderContract
 from driftform.testing.renderer import drifting_trajectory
-from driftform.trajectory.forces import accelerations_along, net_wrench
-from driftform.trajectory.path import world_velocity
 from driftform.types import Trajectory
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Pipe, Scenario, Segment

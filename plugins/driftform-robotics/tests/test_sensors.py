@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from driftform.agent import mass_properties
+from driftform.motion.forces import accelerations_along
 from driftform.testing.bodies import cylinder_body, hollow_body
 from driftform.testing.renderer import drifting_trajectory
-from driftform.trajectory.forces import accelerations_along
 from driftform.types import Agent, Coefficients, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
-from driftform.water import Fluid, Pipe, Scenario, Segment, UniformFlow
+from driftform.water import Fluid, Pipe, Scenario, Segment
+from driftform.water.flow import UniformFlow
 from driftform_robotics import sensors
 
 PIPE = Pipe(segments=(Segment(start=(0.0, 0.0, 0.0), end=(9.0, 0.0, 0.0), radius=1.0),))

@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from driftform.agent import hull_moments
+from driftform.agent.mass import hull_moments
 from driftform.types import Agent, Body, MassProperties
 
 

@@ -37,7 +37,7 @@ class TableRecorder(Recorder[Table]):
 
     def write(self, job: ExportJob, trajectory: Trajectory, path: Path) -> tuple[WrittenFile, ...]:
         """Write the table."""
-        from driftform.trajectory.forces import accelerations_along, net_wrench
+        from driftform.motion.forces import accelerations_along, net_wrench
 
         check_format(self.name)
         accelerations = accelerations_along(trajectory, job.agent, job.scenario)

@@ -6,9 +6,9 @@ import io
 import os
 import sys
 
-from driftform.cli.app import app
+import lazy_loader
 
-__all__ = ["app", "main"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 BETWEEN_SEARCHES = 200_000
 """Objects that a command makes between two searches for unreachable ones.
@@ -20,6 +20,8 @@ Most objects, such as those of imported modules, live until the command ends. Wi
 
 def main() -> None:
     """Run the command line."""
+    from driftform.cli.app import app
+
     gc.set_threshold(BETWEEN_SEARCHES)
     codes: list[int] = []
     # Last of what is done at the end, because it is registered first.

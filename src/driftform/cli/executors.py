@@ -5,7 +5,7 @@ from contextlib import closing, contextmanager
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from driftform.search import Executor
+    from driftform.search.jobs import Executor
     from driftform.search.pool import PoolExecutor
     from driftform.study import Study
 

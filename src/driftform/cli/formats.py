@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from driftform.design.design import Design
-    from driftform.water import Vector
+    from driftform.water.pipe import Vector
 
 MM_PER_M = 1000.0
 

@@ -9,7 +9,7 @@ import typer
 
 if TYPE_CHECKING:
     from driftform.runs.run import Run
-    from driftform.search import Executor
+    from driftform.search.jobs import Executor
     from driftform.search.results import Best
 
 
@@ -20,8 +20,8 @@ def advance_run(run: "Run", executor: "Executor", json: bool, warnings: Sequence
     from driftform.cli.output import print_json
     from driftform.cli.progress import Progress
     from driftform.errors import WorkFailedError
-    from driftform.search import WorkersLostError
     from driftform.search.advance import advance_run as search
+    from driftform.search.jobs import WorkersLostError
 
     started = time.perf_counter()
     try:

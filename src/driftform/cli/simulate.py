@@ -175,7 +175,7 @@ def _print(design: "Design", flight: "Flight", misses: "DisturbedFlights | None"
 
 def _document(misses: "DisturbedFlights", targets: "Sequence[str]") -> dict[str, Any]:
     """Return for each target the distances of all flights, their median and 90 % quantile, and the causes of the spread."""
-    from driftform.trajectory.dependence import divide_spread
+    from driftform.runs.dependence import divide_spread
 
     return {
         name: {
@@ -191,7 +191,7 @@ def _document(misses: "DisturbedFlights", targets: "Sequence[str]") -> dict[str,
 def _print_misses(misses: "DisturbedFlights", flight: "Flight") -> None:
     """Print the misses for every target, and what the miss of the target that the agent comes closest to depends on."""
     from driftform.cli.output import format_miss, print_table
-    from driftform.trajectory.dependence import divide_spread
+    from driftform.runs.dependence import divide_spread
 
     names = flight.scenario.target_names
     failed = f", {misses.failed} of them failed" if misses.failed else ""

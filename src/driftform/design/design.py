@@ -14,13 +14,13 @@ from driftform.design.inspection import compare_added_mass, inspect_agent
 from driftform.errors import InputError, WorkFailedError
 from driftform.figures.section import section_svg
 from driftform.interfaces import ExportJob, Renderer
+from driftform.motion.resampling import check_rate, resample
+from driftform.motion.way import find_offsets, name_outlet
 from driftform.pipeline import Pipeline
 from driftform.plugins.faults import describe_fault
 from driftform.plugins.seams import require_file, require_files
 from driftform.runs.agent_file import StoredAgent, agent_document
 from driftform.study import Document, Study, load_study
-from driftform.trajectory.resampling import check_rate, resample
-from driftform.trajectory.way import find_offsets, name_outlet
 from driftform.types import (
     Agent,
     Coefficients,
@@ -114,7 +114,7 @@ class Design:
 
     @property
     def genome(self) -> str:
-        """The genome as text; :func:`driftform.agent` reads it."""
+        """The genome as text; :func:`driftform.open_agent` reads it."""
         return self.pipeline.grammar.to_text(self.stored.genome)
 
     @property

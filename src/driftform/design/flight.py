@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from driftform.figures.flight import flight_svg
+from driftform.motion.way import approach_targets, name_outlet
 from driftform.runs.columns import FLIGHT_COLUMNS
-from driftform.trajectory.misses import Misses
-from driftform.trajectory.way import approach_targets, name_outlet
+from driftform.runs.misses import Misses
 from driftform.types import Agent, End, FloatArray, Trajectory
 from driftform.util.notebook import show_picture, show_table
 from driftform.water import Scenario

@@ -5,7 +5,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from driftform.agent import radii_at
+from driftform.agent.distance import radii_at
 from driftform.figures import svg
 from driftform.figures.projection import simplify_polyline
 from driftform.figures.style import tint

@@ -17,9 +17,9 @@ from driftform.figures.plot import (
 )
 from driftform.figures.projection import PLAN, SIDE, drawing_times, resample_polyline
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, VERMILLION, tint
-from driftform.trajectory.approach import Approach
-from driftform.trajectory.interpolation import interpolate_pose, interpolate_positions
-from driftform.trajectory.way import find_target_approaches
+from driftform.motion.approach import Approach
+from driftform.motion.interpolation import interpolate_pose, interpolate_positions
+from driftform.motion.way import find_target_approaches
 from driftform.types import Body, FloatArray, Trajectory
 from driftform.water import Scenario
 

@@ -11,8 +11,8 @@ from driftform.figures.layout import WIDTH, start_page
 from driftform.figures.plot import Window, draw_cross, draw_scene, label_points, pipe_ink, pipe_points
 from driftform.figures.projection import SIDE, drawing_times, resample_polyline
 from driftform.figures.style import INK, MUTED, SERIES, tint
-from driftform.trajectory.interpolation import interpolate_positions
-from driftform.trajectory.way import find_target_approaches
+from driftform.motion.interpolation import interpolate_positions
+from driftform.motion.way import find_target_approaches
 from driftform.types import FloatArray
 from driftform.water import Scenario
 

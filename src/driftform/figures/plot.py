@@ -20,7 +20,7 @@ from driftform.figures.layout import (
 )
 from driftform.figures.projection import View, convex_hull, resample_polyline, silhouette, simplify_polyline
 from driftform.figures.style import GRID, INK, MUTED, WALL, WATER
-from driftform.trajectory.interpolation import Pose
+from driftform.motion.interpolation import Pose
 from driftform.types import Body, FloatArray
 from driftform.water import Pipe, Scenario
 from driftform.water.pipe_parts import Opening, Straight

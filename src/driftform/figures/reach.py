@@ -18,7 +18,7 @@ from driftform.figures.plot import (
 )
 from driftform.figures.projection import SIDE
 from driftform.figures.style import GRID, INK, MUTED
-from driftform.trajectory.coverage import CoverageMap, PipeGrid
+from driftform.runs.coverage import CoverageMap, PipeGrid
 from driftform.types import FloatArray
 from driftform.water import Pipe, Scenario, Segment
 
@@ -39,7 +39,7 @@ def reach_svg(reach: CoverageMap, scenario: Scenario, title: str) -> str:
     ----------
     reach
         the map, drawn to scale: along the pipe to the right, and upward as in
-        :class:`driftform.trajectory.coverage.PipeGrid`.
+        :class:`driftform.runs.coverage.PipeGrid`.
     scenario
         current, release and targets. If its pipe lies along the world's x, the axes are those of the world.
     title

@@ -5,7 +5,8 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from driftform.agent import hull_mass, radius_at
+from driftform.agent import hull_mass
+from driftform.agent.distance import radius_at
 from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading, inner_joints
 from driftform.figures.layout import MARGIN, MINUS, draw_scale_bar, format_signed, shorten, text_width, write

@@ -12,8 +12,8 @@ from driftform.figures.layout import MARGIN, WIDTH, shorten, start_page, write
 from driftform.figures.plot import Window, draw_axes, draw_cross, draw_walls, draw_water, pipe_points
 from driftform.figures.projection import SIDE
 from driftform.figures.style import INK, SERIES, tint
-from driftform.trajectory.approach import find_approaches
-from driftform.trajectory.interpolation import interpolate_positions
+from driftform.motion.approach import find_approaches
+from driftform.motion.interpolation import interpolate_positions
 from driftform.types import FloatArray, Trajectory
 from driftform.water import Scenario
 

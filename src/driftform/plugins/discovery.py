@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cache
 from importlib import metadata
 from typing import Any
 
@@ -43,13 +42,8 @@ class PluginModule:
         return found if hasattr(found, f"{GROUP}_impl") else None
 
 
-@cache
-def find_modules() -> tuple[PluginModule, ...]:
-    """Return the modules of all installed plugins, by the names of their entry points; broken ones with the reason."""
-    return tuple(_find_modules())
-
-
-def _find_modules() -> Iterator[PluginModule]:
+def find_modules() -> Iterator[PluginModule]:
+    """Yield the modules of all installed plugins, by the names of their entry points; broken ones with the reason."""
     # One distribution may be found twice on the path of a development environment.
     seen = set()
     for point in sorted(metadata.entry_points(group=GROUP), key=lambda p: p.name):

@@ -14,16 +14,16 @@ from driftform.figures.reach import reach_svg
 from driftform.figures.section import section_svg
 from driftform.figures.strip import Strip, strip_svg
 from driftform.figures.trend import Trend, trend_svg
+from driftform.motion.way import approach_targets
 from driftform.runs.agent_file import StoredAgent
+from driftform.runs.coverage import PipeGrid, map_coverage
+from driftform.runs.dependence import divide_spread
+from driftform.runs.misses import Misses
 from driftform.runs.run import Run
 from driftform.runs.store import Store
 from driftform.runs.wording import describe_worst
 from driftform.search.finalists import describe_best, find_winner
 from driftform.study import Study
-from driftform.trajectory.coverage import PipeGrid, map_coverage
-from driftform.trajectory.dependence import divide_spread
-from driftform.trajectory.misses import Misses
-from driftform.trajectory.way import approach_targets
 from driftform.types import Agent, Trajectory
 from driftform.util.progress import track_progress
 from driftform.water import Scenario

@@ -7,11 +7,12 @@ import numpy as np
 
 from driftform.figures.projection import simplify_polyline
 from driftform.figures.style import SERIES
+from driftform.motion.interpolation import interpolate_positions
 from driftform.report.contents import Contents
 from driftform.report.streams import trace_streams
-from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Agent, FloatArray, Trajectory
-from driftform.water import Pipe, Scenario, UniformFlow
+from driftform.water import Pipe, Scenario
+from driftform.water.flow import UniformFlow
 from driftform.water.pipe_parts import Straight
 
 MAX_SAMPLES = 240

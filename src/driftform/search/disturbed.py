@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Iterable, Sequence
 
+from driftform.motion.way import find_offsets
 from driftform.runs.store import DisturbedResult, Store
-from driftform.search import Executor, Job
+from driftform.search.jobs import Executor, Job
 from driftform.study import Study
-from driftform.trajectory.way import find_offsets
 from driftform.util.latest import keep_latest
-from driftform.water import evaluation_seed
 from driftform.water.disturbances import Condition, draw_conditions
+from driftform.water.scenario import evaluation_seed
 
 
 @keep_latest

@@ -13,16 +13,16 @@ from typing import Any
 import numpy as np
 
 from driftform.interfaces import Fitness
+from driftform.motion.way import find_offsets
 from driftform.runs.agent_file import StoredAgent
+from driftform.runs.misses import Misses, finite_or_none
 from driftform.runs.store import Store
-from driftform.search import Executor
 from driftform.search.disturbed import draw_rounds, fly_disturbed
+from driftform.search.jobs import Executor
 from driftform.search.survey import read_flights, read_scores
 from driftform.study import Study
-from driftform.trajectory.misses import Misses, finite_or_none
-from driftform.trajectory.way import find_offsets
 from driftform.types import BoolArray, FloatArray, Verdict
-from driftform.water import Robustness
+from driftform.water.scenario import Robustness
 
 ROUND = 5
 """Conditions of the choice between two looks at who can still win."""

@@ -13,11 +13,11 @@ from driftform.interfaces import Strategy
 from driftform.plugins.faults import report_faults
 from driftform.plugins.seams import require_candidates
 from driftform.runs.store import Record, Store
-from driftform.search import Executor, Job, Outcome
+from driftform.search.jobs import Executor, Job, Outcome
 from driftform.search.survey import count_survey, survey
 from driftform.study import Study
 from driftform.types import Candidate, Evaluation
-from driftform.water import Robustness, evaluation_seed
+from driftform.water.scenario import Robustness, evaluation_seed
 
 AHEAD = 1
 """Batches that a strategy may be asked for while the outcomes of another are missing, so that no worker waits for it."""

@@ -9,12 +9,13 @@ from driftform.errors import InputError
 from driftform.pipeline import Pipeline
 from driftform.runs.agent_file import StoredAgent, write_agent
 from driftform.runs.compression import compress_evaluation
+from driftform.runs.coverage import ClosestPass, find_passes
 from driftform.runs.run import Run
 from driftform.runs.store import Store
-from driftform.trajectory.coverage import ClosestPass, find_passes
 from driftform.util.files import make_directory
 from driftform.util.progress import track_progress
-from driftform.water import Pipe, Scenario, Vector
+from driftform.water import Pipe, Scenario
+from driftform.water.pipe import Vector
 
 
 def pick_agent(run: Run, point: Vector) -> StoredAgent:

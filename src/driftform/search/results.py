@@ -15,8 +15,8 @@ from driftform.runs.agent_file import StoredAgent, agent_document, write_agent
 from driftform.runs.directory import DATABASE
 from driftform.runs.store import Store
 from driftform.runs.wording import describe_worst
-from driftform.search import Executor, FunctionDiedError
 from driftform.search.finalists import find_best_agent
+from driftform.search.jobs import Executor, FunctionDiedError
 from driftform.study import Study
 from driftform.types import Agent, Trajectory
 from driftform.util.files import remove_parts, write_text, write_whole
@@ -252,7 +252,7 @@ def _write_overview(directory: Path, study: Study, store: Store) -> None:
 
 def _write_reach(directory: Path, study: Study, store: Store) -> None:
     from driftform.figures.reach import reach_svg
-    from driftform.trajectory.coverage import PipeGrid, map_coverage
+    from driftform.runs.coverage import PipeGrid, map_coverage
 
     reach = map_coverage(
         track_progress(store.read_trajectories(), store.count_sound(), "flights"),

@@ -14,11 +14,11 @@ from math import inf
 import numpy as np
 
 from driftform.runs.store import Store
-from driftform.search import Executor
 from driftform.search.disturbed import draw_rounds, fly_disturbed
+from driftform.search.jobs import Executor
 from driftform.study import Study
 from driftform.types import Candidate, Evaluation, FloatArray
-from driftform.water import Robustness
+from driftform.water.scenario import Robustness
 
 
 def count_survey(robustness: Robustness) -> int:

@@ -16,7 +16,7 @@ from driftform.plugins.discovery import find_modules
 from driftform.study.toml_positions import Path as KeyPath
 from driftform.study.toml_positions import check_keys, find_key_lines, find_line
 from driftform.util.files import is_directory, is_file
-from driftform.water import FLOWS
+from driftform.water.flow import FLOWS
 
 REPLACED = ("targets",)
 """Tables of a study file that replace those of its base instead of extending them; ``--set targets.name=...`` extends."""

@@ -11,7 +11,8 @@ from driftform.plugins.seams import require, require_scores
 from driftform.testing.agents import sphere_agent
 from driftform.testing.contract import Contract
 from driftform.types import Agent, End, FloatArray, Trajectory, Verdict
-from driftform.water import Pipe, Scenario, Segment, Vector
+from driftform.water import Pipe, Scenario, Segment
+from driftform.water.pipe import Vector
 
 TARGETS: dict[str, Vector] = {"near": (1.0, 0.0, -0.5), "middle": (4.0, 0.3, 0.2), "far": (8.5, 0.0, 0.4)}
 

@@ -11,6 +11,8 @@ import pytest
 
 from driftform.interfaces import Simulator
 from driftform.motion.inertia import added_mass_at, shift_origin
+from driftform.motion.interpolation import interpolate_positions
+from driftform.motion.path import evaluate_path, world_velocity
 from driftform.plugins.seams import require_flights
 from driftform.testing.agents import (
     DENSITY,
@@ -24,23 +26,12 @@ from driftform.testing.agents import (
 )
 from driftform.testing.bodies import spheroid_body
 from driftform.testing.contract import Contract
-from driftform.trajectory.interpolation import interpolate_positions
-from driftform.trajectory.path import evaluate_path, world_velocity
 from driftform.types import Agent, Coefficients, Drag, End, FloatArray, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
-from driftform.water import (
-    Contact,
-    FlightLimits,
-    Fluid,
-    Pipe,
-    PowerLawFlow,
-    Release,
-    Scenario,
-    Segment,
-    TurbulentFlow,
-    UniformFlow,
-    Vector,
-)
+from driftform.water import Fluid, Pipe, Scenario, Segment, TurbulentFlow
+from driftform.water.flow import PowerLawFlow, UniformFlow
+from driftform.water.pipe import Vector
+from driftform.water.scenario import Contact, FlightLimits, Release
 
 SPHEROID = Spheroid(0.06, 0.01)
 """A neutral spheroid, 120 mm long and 20 mm thick."""

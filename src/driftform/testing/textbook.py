@@ -18,11 +18,13 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
+from driftform.motion.interpolation import interpolate_positions
 from driftform.testing.agents import Spheroid
 from driftform.testing.simulator import largest_distance
-from driftform.trajectory.interpolation import interpolate_positions
 from driftform.types import Agent, Coefficients, Drag, FloatArray, MassProperties, Trajectory
-from driftform.water import FlightLimits, Fluid, LogLawFlow, Release, Scenario, UniformFlow
+from driftform.water import Fluid, Scenario
+from driftform.water.flow import LogLawFlow, UniformFlow
+from driftform.water.scenario import FlightLimits, Release
 
 P = ParamSpec("P")
 R = TypeVar("R")

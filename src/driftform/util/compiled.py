@@ -48,7 +48,7 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 
-KERNELS = ("util", "water", "motion", "trajectory")
+KERNELS = ("util", "water", "motion")
 """The packages of the core that contain kernels."""
 
 COMPILATION_S = 10

@@ -11,9 +11,11 @@ import numpy as np
 
 from driftform.types import Body, FloatArray
 from driftform.util.vectors import cross
-from driftform.water import Calibration, Fluid, LogLawFlow, Robustness, Scenario, TurbulentFlow
+from driftform.water import Calibration, Fluid, Scenario, TurbulentFlow
 from driftform.water.factors import DRAGS
+from driftform.water.flow import LogLawFlow
 from driftform.water.normal import normal_quantile
+from driftform.water.scenario import Robustness
 
 MAX_DEVIATION = 3.0
 """Standard deviations at which a distribution is truncated: a larger deviation would be noticed before use."""

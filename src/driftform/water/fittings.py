@@ -9,7 +9,7 @@ import numpy as np
 
 from driftform.errors import InputError
 from driftform.types import FloatArray
-from driftform.water import Flow, GridFlow, Pipe, Scenario
+from driftform.water import Pipe, Scenario
 from driftform.water.fitting_flow import (
     AMPLITUDE,
     AROUND,
@@ -56,6 +56,7 @@ from driftform.water.fitting_walls import (
     UPSTREAM,
     edge_point,
 )
+from driftform.water.flow import Flow, GridFlow
 from driftform.water.grid_flow import load_grid
 from driftform.water.layout import BEYOND, Layout, Placed
 from driftform.water.pipe_parts import (

@@ -13,8 +13,9 @@ import numpy as np
 from driftform.types import BoolArray, FloatArray
 from driftform.util.compiled import allocating, compiled
 from driftform.util.small_vectors import ZERO, Rotation, Vector, add, scale
-from driftform.water import GridFlow, Pipe
+from driftform.water import Pipe
 from driftform.water.fitting_walls import HEAD, PART, wall_gaps
+from driftform.water.flow import GridFlow
 from driftform.water.grid_files import VelocityGrid, read_grid
 from driftform.water.profiles import AT_A_POINT, Spread
 from driftform.water.tee_spline import cubic_bends, cubic_slopes, cubic_values

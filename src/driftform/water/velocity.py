@@ -12,17 +12,9 @@ from driftform.types import FloatArray
 from driftform.util.compiled import allocating, compiled
 from driftform.util.cubic import cubic_between, cubic_point, cubic_slope
 from driftform.util.small_vectors import ZERO, Rotation, Vector, add, dot, scale, subtract
-from driftform.water import (
-    DevelopingFlow,
-    Flow,
-    GridFlow,
-    LogLawFlow,
-    PowerLawFlow,
-    Scenario,
-    TurbulentFlow,
-    UniformFlow,
-)
+from driftform.water import Scenario, TurbulentFlow
 from driftform.water.fitting_flow import fitting_flow
+from driftform.water.flow import DevelopingFlow, Flow, GridFlow, LogLawFlow, PowerLawFlow, UniformFlow
 from driftform.water.grid_flow import grid_motion
 from driftform.water.profiles import (
     AT_A_POINT,

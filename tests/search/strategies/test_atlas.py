@@ -8,12 +8,12 @@ import pytest
 from driftform.errors import InputError
 from driftform.interfaces import SearchSpace
 from driftform.options import Table
+from driftform.runs.coverage import CoverageMap, PipeGrid
 from driftform.search.strategies.atlas import AtlasOptions, AtlasStrategy, breeding_probabilities
 from driftform.search.strategies.breeding import breed
 from driftform.study import load_study
 from driftform.testing import StrategyContract
 from driftform.testing.letters import LENGTH, LetterGrammar
-from driftform.trajectory.coverage import CoverageMap, PipeGrid
 from driftform.types import End, Evaluation, Genome, Trajectory
 from driftform.water import Pipe, Scenario, Segment
 

@@ -5,13 +5,14 @@ from functools import cached_property
 
 import numpy as np
 
+from driftform import Pipeline
 from driftform.agent import hull_mass, mass_properties
 from driftform.agent.mass_elements import load_ballast
-from driftform.motion.flight import find_contact, release_state
-from driftform.motion.integrator import Accuracy, integrate_once
-from driftform.motion.model import flight_model, pack
-from driftform.pipeline import Pipeline
-from driftform.trajectory.path import evaluate_path
+from driftform.motion import Accuracy, flight_model, release_state
+from driftform.motion.flight import find_contact
+from driftform.motion.integrator import integrate_once
+from driftform.motion.model import pack
+from driftform.motion.path import evaluate_path
 from driftform.types import Agent, Body, Coefficients, FloatArray, Morphology
 from driftform.water import Calibration, Factors, Scenario
 from driftform.water.factors import calibrate_body, calibrate_coefficients

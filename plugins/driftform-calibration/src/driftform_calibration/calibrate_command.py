@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from driftform.cli.options import Agent, Hydrodynamics, Json, Settings
+from driftform.cli import options
 
 if TYPE_CHECKING:
     from driftform_calibration.result import CalibrationResult
 
 
 def calibrate(
-    agent: Agent,
+    agent: options.Agent,
     tracks: Annotated[
         list[Path],
         typer.Argument(
@@ -78,21 +78,21 @@ def calibrate(
         float | None,
         typer.Option("--printed-mass", metavar="KG", help="Mass of the print with its core, by scales, kg."),
     ] = None,
-    hydrodynamics: Hydrodynamics = None,
-    settings: Settings = None,
+    hydrodynamics: options.Hydrodynamics = None,
+    settings: options.Settings = None,
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="DIR", help="Directory for the files; by default calibrations/AGENT."),
     ] = None,
-    json: Json = False,
+    json: options.Json = False,
 ) -> None:
     """Fit the model to tracks of filmed flights: drag, added mass, weight, restitution and friction.
 
     Prints a factor with its 90 % interval for each of them, and why for those that the tracks cannot tell. Writes the
     table [calibration] for any study, the calibrated agent, and pictures of the films against the flights.
     """
-    from driftform.cli.output import print_json
-    from driftform.design.opening import open_agent
+    from driftform import open_agent
+    from driftform.cli import print_json
     from driftform.util.files import check_directory
     from driftform_calibration.designs import calibrate_design
     from driftform_calibration.films import find_scenario
@@ -100,7 +100,7 @@ def calibrate(
 
     settings, use = settings or [], {"hydrodynamics": hydrodynamics}
     # An agent that does not remember how it was built, such as a word, is built as the study of its first film says.
-    design = open_agent(agent, scenario or find_scenario(tracks[0]), settings, use)
+    design = open_agent(agent, *settings, scenario=scenario or find_scenario(tracks[0]), use=use)
     directory = check_directory(out or Path("calibrations") / design.name)
     reading = Reading(unit, scale, fps, y_down, target, _read_points(point or []))
     found = calibrate_design(
@@ -142,7 +142,8 @@ def _read_points(texts: list[str]) -> dict[str, float]:
 def _print(found: "CalibrationResult", paths: list[Path]) -> None:
     from shlex import quote
 
-    from driftform.cli.output import print_table, print_text
+    from driftform.cli import print_table
+    from driftform.cli.output import print_text
     from driftform_calibration.result import describe_estimate
 
     rows = [

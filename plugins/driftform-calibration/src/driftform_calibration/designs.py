@@ -4,7 +4,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from driftform.design.design import Design
+from driftform import Design
 from driftform.errors import InputError
 from driftform_calibration.bench import Bench
 from driftform_calibration.experiment import Tank, plan_drops

@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from driftform.cli.options import Agent, Hydrodynamics, Json, Settings
+from driftform.cli import options
 
 if TYPE_CHECKING:
     from driftform_calibration.protocol import DropPlan
 
 
 def drop(
-    agent: Agent,
+    agent: options.Agent,
     tank: Annotated[
         tuple[float, float, float],
         typer.Option(
@@ -40,27 +40,27 @@ def drop(
             "--scenario", metavar="NAME|FILE", help="Scenario with the water and the contact of the floor."
         ),
     ] = "tank",
-    hydrodynamics: Hydrodynamics = None,
-    settings: Settings = None,
+    hydrodynamics: options.Hydrodynamics = None,
+    settings: options.Settings = None,
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="DIR", help="Directory for the files; by default drops/AGENT."),
     ] = None,
-    json: Json = False,
+    json: options.Json = False,
 ) -> None:
     """Plan the drops in a tank whose films show most about the model: attitude, depth and ballast of each release.
 
     Writes a page to take to the tank (what to weigh, where to put the camera, a ruler to print) and a study file for each
     drop. Save the track of a film beside the file of its drop, for 'driftform calibrate'.
     """
-    from driftform.cli.output import print_json
-    from driftform.design.opening import open_agent
+    from driftform import open_agent
+    from driftform.cli import print_json
     from driftform.util.files import check_directory
     from driftform.util.progress import count_progress
     from driftform_calibration.designs import drop_design
     from driftform_calibration.protocol import default_directory
 
-    design = open_agent(agent, scenario, settings or (), {"hydrodynamics": hydrodynamics})
+    design = open_agent(agent, *(settings or ()), scenario=scenario, use={"hydrodynamics": hydrodynamics})
     directory = check_directory(out or default_directory(design.name))
     with count_progress("releases") as progress:
         plan = drop_design(design, tank, drops=drops, fps=fps, noise=noise, progress=progress)
@@ -72,7 +72,8 @@ def drop(
 
 
 def _print(plan: "DropPlan", paths: list[Path]) -> None:
-    from driftform.cli.output import print_table, print_text
+    from driftform.cli import print_table
+    from driftform.cli.output import print_text
 
     document = plan.document()
     print_table(

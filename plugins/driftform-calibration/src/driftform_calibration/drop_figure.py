@@ -8,7 +8,7 @@ from driftform.figures import svg
 from driftform.figures.layout import Box, draw_scale_bar, write
 from driftform.figures.plot import Window, draw_silhouette
 from driftform.figures.style import BLUE, INK, MUTED, ORANGE, WALL, WATER, tint
-from driftform.trajectory.interpolation import Pose
+from driftform.motion.interpolation import Pose
 from driftform.types import Body, FloatArray
 
 WIDTH, TITLE, CAPTION = 300.0, 26.0, 20.0

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from driftform import Pipeline
 from driftform.errors import WorkFailedError
-from driftform.pipeline import Pipeline
 from driftform.types import Body, FloatArray, Morphology
 from driftform.water import Factors, Pipe, Scenario, Segment
 from driftform.water.factors import NAMES, QUANTILE

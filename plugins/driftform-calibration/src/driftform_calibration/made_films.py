@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from driftform.pipeline import Pipeline
+from driftform import Pipeline
 from driftform.types import FloatArray, Morphology
 from driftform.water import Factors
 from driftform_calibration.bench import Bench, ReleaseError

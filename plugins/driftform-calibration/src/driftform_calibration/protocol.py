@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from driftform.figures.section import section_svg
+from driftform.figures import section_svg
 from driftform.types import Agent
 from driftform.util.files import make_directory, write_text
 from driftform.util.notebook import show_table

@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from driftform import StoredAgent
 from driftform.figures.intervals import intervals_svg
-from driftform.runs.agent_file import StoredAgent, write_agent
+from driftform.runs.agent_file import write_agent
 from driftform.types import FloatArray
 from driftform.util.files import make_directory, write_text
 from driftform.util.notebook import show_picture, show_table

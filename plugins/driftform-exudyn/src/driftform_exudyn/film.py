@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from driftform.errors import WorkFailedError
-from driftform.interfaces import Renderer
-from driftform.options import Table, option
+from driftform.interfaces import Renderer, Table, option
 from driftform.types import Agent, Trajectory, WrittenFile
 from driftform.util.files import write_whole
 from driftform.water import Scenario
@@ -72,7 +71,7 @@ class ExudynRenderer(Renderer[FilmOptions]):
         progress: Callable[[int, int], None],
     ) -> WrittenFile:
         """Write the film. Facts: ``frames``, ``seconds`` of the film, ``size_px``."""
-        from driftform.trajectory.resampling import even_times
+        from driftform.motion.resampling import even_times
         from driftform_exudyn.scene import Scene
 
         self.check(path)
@@ -99,8 +98,8 @@ class ExudynRenderer(Renderer[FilmOptions]):
         self, agent: Agent, trajectory: Trajectory, scenario: Scenario, path: Path, at: float
     ) -> WrittenFile:
         """Write the still; the side view also shows the agent at equal intervals. Facts: ``t``, ``size_px``."""
-        from driftform.figures.png import png_bytes
-        from driftform.trajectory.resampling import even_times
+        from driftform.figures import png_bytes
+        from driftform.motion.resampling import even_times
         from driftform_exudyn.scene import Scene
 
         self.check_still(path)

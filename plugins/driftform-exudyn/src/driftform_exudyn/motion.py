@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from driftform.trajectory.interpolation import interpolate_attitudes, interpolate_positions
+from driftform.motion.interpolation import interpolate_attitudes, interpolate_positions
 from driftform.types import FloatArray, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
 

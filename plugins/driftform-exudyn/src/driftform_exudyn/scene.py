@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from driftform.figures.style import INK, VERMILLION
-from driftform.trajectory.interpolation import interpolate_positions
+from driftform.motion.interpolation import interpolate_positions
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform.water import Scenario
 from driftform_exudyn.motion import Pose, interpolate_poses

@@ -4,8 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Literal
 
-from driftform.interfaces import Simulator
-from driftform.options import Table, option
+from driftform.interfaces import Simulator, Table, option
 from driftform.types import Agent, FloatArray, Trajectory
 from driftform.water import Scenario
 
@@ -85,16 +84,15 @@ class ExudynSimulator(Simulator[ExudynOptions]):
     def _fly(
         self, agent: Agent, scenario: Scenario, matters: Callable[[Trajectory], bool] | None = None
     ) -> Trajectory:
-        from driftform.motion.coordinates import describe_motion
-        from driftform.motion.flight import finish_trajectory, release_state
-        from driftform.motion.integrator import (
+        from driftform.motion import (
             Accuracy,
-            greatest_distance,
-            has_failed,
+            describe_motion,
+            finish_trajectory,
+            flight_model,
             integrate,
-            integrate_once,
+            release_state,
         )
-        from driftform.motion.model import flight_model
+        from driftform.motion.integrator import greatest_distance, has_failed, integrate_once
 
         options, horizon = self.options, scenario.flight.horizon
         model = flight_model(agent, scenario)

@@ -7,8 +7,7 @@ import numpy as np
 
 from driftform.figures.style import BLUE, MUTED, WALL, tint
 from driftform.types import FloatArray
-from driftform.water import Pipe, Scenario
-from driftform.water.pipe_parts import Bend, Straight, Tee
+from driftform.water import Bend, Pipe, Scenario, Straight, Tee
 from driftform_exudyn.shapes import GLOWING, Shape, make_line, make_ribbons, make_text, place, revolve
 
 LIT = "#576670"

@@ -8,8 +8,7 @@ from typing import Any, Literal
 
 from pydantic import field_validator, model_validator
 
-from driftform.interfaces import PhenotypeBuilder
-from driftform.options import Table, option
+from driftform.interfaces import PhenotypeBuilder, Table, option
 from driftform.types import Body, Core, Fittings, Module, Morphology
 from driftform_frusta.cores import CORES, CUSTOM, DENSITIES, DIAMETERS_MM
 from driftform_frusta.kit_options import KitOptions

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform.util.compiled import compiled
+from driftform.util import compiled
 
 MITRE_LIMIT = 2.0
 """A mitre longer than this many walls is cut off, so that a sharp neck does not pinch the cavity."""

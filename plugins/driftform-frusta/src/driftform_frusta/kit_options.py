@@ -4,8 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from driftform.interfaces import Printer
-from driftform.options import Table, option
+from driftform.interfaces import Printer, Table, option
 from driftform_frusta.lettering import missing_letters
 
 LEAD = 11340.0

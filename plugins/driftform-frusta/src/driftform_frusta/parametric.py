@@ -13,7 +13,8 @@ from itertools import accumulate
 import numpy as np
 from manifold3d import CrossSection, FillRule, JoinType
 
-from driftform.agent import hull_volume, radius_at, solid_of_revolution
+from driftform.agent import hull_volume, solid_of_revolution
+from driftform.agent.distance import radius_at
 from driftform.types import Agent, Body, FloatArray, Module
 from driftform_frusta.csg import MM
 from driftform_frusta.section import DOME_STEP

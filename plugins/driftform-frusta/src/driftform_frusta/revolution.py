@@ -15,7 +15,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from driftform.agent.meshes import revolve, signed_volume
+from driftform.agent import revolve
+from driftform.agent.meshes import signed_volume
 from driftform.types import FloatArray
 from driftform_frusta.boundary import Solid
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.agent import distance_from
-from driftform.agent.mass_elements import MassElement, ball_element
+from driftform.agent import MassElement, distance_from
+from driftform.agent.mass_elements import ball_element
 from driftform.types import Body, FloatArray, MassProperties
 
 MATERIALS = {"steel": 7850.0, "lead": 11_340.0, "tungsten": 19_250.0}

@@ -7,15 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from driftform import Design, Study, load_study, open_agent
 from driftform.agent import hull_volume
-from driftform.design.design import Design
-from driftform.design.opening import open_agent
 from driftform.errors import DriftformError, InputError, WorkFailedError, describe_error
 from driftform.interfaces import Checker, ExportJob, Printer, PrintJob
 from driftform.plugins.faults import describe_fault
 from driftform.plugins.registry import registry
 from driftform.plugins.seams import require_files, require_findings
-from driftform.study import Study, load_study
 from driftform.study.exporter_settings import KIT_FILE, list_kit_settings, read_kit_settings
 from driftform.types import Finding, State, WrittenFile
 from driftform.util.files import is_file
@@ -249,7 +247,7 @@ def check_file(
                 settings = [*read_kit_settings(options, f"{path}: its {KIT_FILE}", format), *settings]
             elif kit:
                 settings = [*settings, *list_kit_settings((format,), job.printer)]
-            design = open_agent(str(known), settings=settings)
+            design = open_agent(str(known), *settings)
             study, export = design.study, design.export_job()
             volume = hull_volume(design.agent.body)
             if kit:

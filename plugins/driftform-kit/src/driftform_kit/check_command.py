@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from driftform.cli.options import AGENT_HELP, Json, Settings
+from driftform.cli import options
 
 if TYPE_CHECKING:
     from driftform.types import Finding
@@ -24,7 +24,7 @@ def check(
         typer.Argument(
             metavar="FILE|AGENT",
             help="A printable file (.stl, .3mf, .obj, .ply, .glb, .scad), or an agent, whose files are written and "
-            f"checked. {AGENT_HELP}",
+            f"checked. {options.AGENT_HELP}",
             show_default=False,
         ),
     ],
@@ -74,15 +74,15 @@ def check(
             "trust.",
         ),
     ] = False,
-    settings: Settings = None,
-    json: Json = False,
+    settings: options.Settings = None,
+    json: options.Json = False,
 ) -> None:
     """Check whether files can be printed and are what was simulated; exit code 1 if a check fails."""
     import sys
 
+    from driftform import open_agent
+    from driftform.cli import print_json
     from driftform.cli.formats import parse_bed, parse_formats
-    from driftform.cli.output import print_json
-    from driftform.design.opening import open_agent
     from driftform.errors import InputError
     from driftform.interfaces import Printer
     from driftform.types import State
@@ -118,7 +118,7 @@ def check(
         raise InputError(f"--attached: goes with a FILE, and '{subject}' is not one")
     else:
         [format] = parse_formats(format, "exporter", "stl")
-        design = open_agent(subject, settings=settings or ())
+        design = open_agent(subject, *(settings or ()))
         findings = check_design(
             design, format, printer=printer, kit=kit, programs=programs, on_program=announce
         )

@@ -8,16 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from driftform.agent.mass_elements import (
-    MassElement,
-    combine,
-    core_element,
-    printed_hull_element,
-    reweigh,
-)
-from driftform.design.design import Design
+from driftform import Design, Pipeline
+from driftform.agent import MassElement, combine
+from driftform.agent.mass_elements import core_element, printed_hull_element, reweigh
 from driftform.errors import InputError, WorkFailedError
-from driftform.pipeline import Pipeline
 from driftform.study.exporter_settings import list_exporter_settings
 from driftform.types import Agent, FloatArray
 from driftform_kit.ballast import (

@@ -7,20 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from driftform.cli.options import (
-    Agent,
-    Bed,
-    ExporterOptions,
-    Hydrodynamics,
-    Json,
-    ScenarioOption,
-    Settings,
-    Simulator,
-)
+from driftform.cli import options
 
 if TYPE_CHECKING:
-    from driftform.interfaces import Fitness
-    from driftform.options import Table
+    from driftform.interfaces import Fitness, Table
     from driftform_kit.kit import Balls
 
 
@@ -32,7 +22,7 @@ _NEAR = 5e-5
 
 
 def trim(
-    agent: Agent,
+    agent: options.Agent,
     printed_mass: Annotated[
         float | None,
         typer.Option(
@@ -61,8 +51,8 @@ def trim(
         str,
         typer.Option("--format", metavar="NAME[,NAME...]", help="Formats that the kit is exported to."),
     ] = "stl",
-    bed: Bed = None,
-    option: ExporterOptions = None,
+    bed: options.Bed = None,
+    option: options.ExporterOptions = None,
     ballast_density: Annotated[
         float | None,
         typer.Option(
@@ -71,15 +61,15 @@ def trim(
             help="Density of the ballast, kg/m3; by default that of the kit's options, or of lead, 11340.",
         ),
     ] = None,
-    scenario: ScenarioOption = None,
-    simulator: Simulator = None,
-    hydrodynamics: Hydrodynamics = None,
-    settings: Settings = None,
-    json: Json = False,
+    scenario: options.ScenarioOption = None,
+    simulator: options.Simulator = None,
+    hydrodynamics: options.Hydrodynamics = None,
+    settings: options.Settings = None,
+    json: options.Json = False,
 ) -> None:
     """Compute the ballast that makes a print fly as simulated, and show its path without it."""
-    from driftform.cli.formats import open_exported, parse_formats
-    from driftform.cli.output import print_json
+    from driftform.cli import open_exported, print_json
+    from driftform.cli.formats import parse_formats
     from driftform.design.opening import name_agent
     from driftform.errors import InputError
     from driftform_kit.trim import trim_design
@@ -142,7 +132,7 @@ class _Command:
 
 
 def _print(facts: dict[str, Any], fitness: "Fitness[Any]", command: _Command) -> None:
-    from driftform.cli.output import print_table
+    from driftform.cli import print_table
 
     aft = facts["aft_end"]
 

@@ -5,8 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from driftform.interfaces import Grammar
-from driftform.options import Table
+from driftform.interfaces import Grammar, Table
 from driftform.types import Genome, Morphology
 from driftform_lsystem import checking
 from driftform_lsystem import text as lines

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from driftform.options import Table, option
+from driftform.interfaces import Table, option
 
 MAX_TILT_DEG = 80.0
 """Largest tilt of a wall against the axis, deg: near 90 the meridian would fold back on itself."""

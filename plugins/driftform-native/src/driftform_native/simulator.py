@@ -4,13 +4,12 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
-from driftform.interfaces import Simulator
-from driftform.options import Table, option
+from driftform.interfaces import Simulator, Table, option
 from driftform.types import Agent, Trajectory
 from driftform.water import Scenario, TurbulentFlow
 
 if TYPE_CHECKING:
-    from driftform.motion.integrator import Accuracy
+    from driftform.motion import Accuracy
 
 
 GUST_RATIO = 10.0
@@ -94,9 +93,8 @@ class NativeSimulator(Simulator[NativeOptions]):
         self, agent: Agent, scenario: Scenario, matters: Callable[[Trajectory], bool] | None = None
     ) -> Trajectory:
         # Imported here, because compiled code loads the compiler, and listing the plugins must not.
-        from driftform.motion.flight import finish_trajectory, release_state
-        from driftform.motion.integrator import integrate, integrate_once
-        from driftform.motion.model import flight_model
+        from driftform.motion import finish_trajectory, flight_model, integrate, release_state
+        from driftform.motion.integrator import integrate_once
 
         horizon, accuracy = scenario.flight.horizon, self._choose_accuracy(scenario)
         model = flight_model(agent, scenario)
@@ -112,7 +110,7 @@ class NativeSimulator(Simulator[NativeOptions]):
         )
 
     def _choose_accuracy(self, scenario: Scenario) -> "Accuracy":
-        from driftform.motion.integrator import Accuracy
+        from driftform.motion import Accuracy
 
         options = self.options
         accuracy, tolerance, tightest = options.accuracy, options.tolerance, options.tightest

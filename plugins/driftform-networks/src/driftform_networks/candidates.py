@@ -13,7 +13,7 @@ from driftform_networks.bodies import SCENARIO, Traveller, open_traveller, trim_
 from driftform_networks.network import IntArray
 
 if TYPE_CHECKING:
-    from driftform.design.design import Design
+    from driftform import Design
 
 BUOYANCIES = (0.0, 0.001, -0.001)
 """Net buoyancies to which each agent is trimmed by default, N: a tenth of a gram lighter or heavier than water."""
@@ -88,9 +88,7 @@ def pick_agents(run: Path, count: int, environment: str, settings: Sequence[str]
     InputError
         if it is not a run, or all its evaluations failed.
     """
-    from driftform.design.design import Design
-    from driftform.runs.agent_file import StoredAgent
-    from driftform.runs.run import Run
+    from driftform import Design, Run, StoredAgent
 
     opened = Run.open(run)
     targets = opened.study.scenario.target_names
@@ -128,9 +126,7 @@ def draw_agents(
     WorkFailedError
         if hardly any can.
     """
-    from driftform.design.design import Design
-    from driftform.runs.agent_file import StoredAgent
-    from driftform.study import load_study
+    from driftform import Design, StoredAgent, load_study
 
     study = load_study(environment, settings, run={"seed": 0})
     pipeline, made, rng = study.make_pipeline(), study.environment(), np.random.default_rng(seed)

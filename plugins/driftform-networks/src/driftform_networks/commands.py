@@ -5,8 +5,7 @@ from typing import Annotated, TypeAlias
 
 import typer
 
-from driftform.cli.options import Json
-from driftform.cli.output import print_result
+from driftform.cli import options, print_result
 from driftform.errors import InputError
 
 Net: TypeAlias = Annotated[
@@ -109,12 +108,6 @@ Settings: TypeAlias = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Set an option of the study: KEY=VALUE."),
 ]
-Workers: TypeAlias = Annotated[
-    int | None,
-    typer.Option(
-        "--workers", metavar="N", min=1, max=1024, help="Worker processes; by default one for each processor."
-    ),
-]
 Map: TypeAlias = Annotated[
     Path | None,
     typer.Option(
@@ -145,7 +138,7 @@ def show(
     at: At = 0.0,
     map: Map = None,
     cache: Cache = None,
-    json: Json = False,
+    json: options.Json = False,
 ) -> None:
     """Show what a network is: its pipes, flows, sources, loops and reversals."""
     from driftform_networks.show import show_network
@@ -164,7 +157,7 @@ def tracers(
     tables: Tables = None,
     report: Report = None,
     cache: Cache = None,
-    json: Json = False,
+    json: options.Json = False,
 ) -> None:
     """Compute where point tracers go, which divide like the water: probability and age at each node.
 
@@ -196,12 +189,12 @@ def route(
     seed: Seed = 0,
     scenario: Scenario = None,
     settings: Settings = None,
-    workers: Workers = None,
+    workers: options.Workers = None,
     map: Map = None,
     tables: Tables = None,
     report: Report = None,
     cache: Cache = None,
-    json: Json = False,
+    json: options.Json = False,
 ) -> None:
     """Compute where an agent goes: probability and age at each node, what it sees, where it is stuck.
 
@@ -209,7 +202,7 @@ def route(
     continues.
     """
     from driftform.util.progress import count_progress
-    from driftform_networks.api import route_by_branch
+    from driftform_networks import api
     from driftform_networks.bodies import open_traveller
     from driftform_networks.page import BODIES
     from driftform_networks.reading import open_network
@@ -223,7 +216,7 @@ def route(
     network.find_node(release)
     traveller = open_traveller(agent, scenario, settings or (), buoyancy)
     with count_progress("flight tables") as progress:
-        passage, branches = route_by_branch(
+        passage = api.route(
             network,
             traveller,
             release,
@@ -238,7 +231,7 @@ def route(
             compare=True,
         )
     title = f"{network.name}: {traveller.name} from {release} at hour {at:g}"
-    print_result(present_passage(passage, title, outputs, BODIES, branches), json)
+    print_result(present_passage(passage, title, outputs, BODIES), json)
 
 
 def fleet(
@@ -280,7 +273,7 @@ def fleet(
     ] = 0,
     scenario: Scenario = None,
     settings: Settings = None,
-    workers: Workers = None,
+    workers: options.Workers = None,
     map: Map = None,
     tables: Tables = None,
     report: Report = None,
@@ -291,7 +284,7 @@ def fleet(
         ),
     ] = None,
     cache: Cache = None,
-    json: Json = False,
+    json: options.Json = False,
 ) -> None:
     """Choose a fleet: which agents, released where and when, see most of the pipes together.
 

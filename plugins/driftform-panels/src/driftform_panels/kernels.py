@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform.util.compiled import compiled, vectorized
+from driftform.util import compiled, vectorized
 
 NODES = 3
 """Values of the potential on each panel, at Gauss's points of the panel's parameter."""

@@ -9,8 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from driftform.agent import solid_of_revolution
-from driftform.interfaces import HydrodynamicsOptions
-from driftform.options import option
+from driftform.interfaces import HydrodynamicsOptions, option
 from driftform.types import FloatArray
 from driftform_panels.meridian import Panels, make_panels
 

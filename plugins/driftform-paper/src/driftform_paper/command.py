@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from driftform.cli.options import ExecutorName, Json, Scheduler, Settings, Simulator, Workers
+from driftform.cli import options
 
 
 def reproduce(
@@ -16,15 +16,15 @@ def reproduce(
         ),
     ] = 10,
     seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the first repeat.")] = 1,
-    workers: Workers = None,
-    executor: ExecutorName = None,
-    scheduler: Scheduler = None,
-    simulator: Simulator = None,
+    workers: options.Workers = None,
+    executor: options.ExecutorName = None,
+    scheduler: options.Scheduler = None,
+    simulator: options.Simulator = None,
     out: Annotated[
         Path, typer.Option("--out", metavar="DIR", help="Directory for runs, tables and figures.")
     ] = Path("reproduction"),
-    settings: Settings = None,
-    json: Json = False,
+    settings: options.Settings = None,
+    json: options.Json = False,
 ) -> None:
     """Repeat the paper's experiment beside random search, and compare its figures with ours.
 
@@ -33,8 +33,8 @@ def reproduce(
     """
     import time
 
+    from driftform.cli import print_json
     from driftform.cli.executors import open_executor
-    from driftform.cli.output import print_json
     from driftform.util.files import make_directory, write_text
     from driftform.util.progress import count_progress
     from driftform_paper.repeats import STRATEGIES, load_repeat, read_results, search_all

@@ -9,12 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from driftform.pipeline import Pipeline
-from driftform.runs.run import Run
+from driftform import Pipeline, Run, Study, load_study
 from driftform.runs.store import Record
-from driftform.search import Executor
-from driftform.search.advance import Observer, search_run
-from driftform.study import Study, load_study
+from driftform.search import Observer, search_run
+from driftform.search.jobs import Executor
 from driftform.types import FloatArray, Genome, Trajectory
 from driftform.water import Scenario, TurbulentFlow
 

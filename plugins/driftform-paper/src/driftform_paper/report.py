@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from driftform.figures.files import write_picture
+from driftform import Study
+from driftform.figures import write_picture
 from driftform.figures.gallery import GalleryEntry, gallery_svg
 from driftform.figures.spread import FlightSpread, compute_band, spread_svg
 from driftform.figures.trend import Trend, trend_svg
-from driftform.study import Study
 from driftform.types import FloatArray
 from driftform.water import Scenario
 from driftform_paper.repeats import (

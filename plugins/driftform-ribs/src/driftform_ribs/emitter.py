@@ -8,7 +8,7 @@ from ribs.archives import ArchiveBase
 from ribs.emitters import EmitterBase
 
 from driftform.interfaces import Grammar
-from driftform.search.strategies.breeding import breed
+from driftform.search import breed
 from driftform.types import Genome
 
 ObjectArray = npt.NDArray[np.object_]

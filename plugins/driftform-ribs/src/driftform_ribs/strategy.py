@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from driftform.interfaces import SearchSpace, Strategy
-from driftform.options import Table, option
-from driftform.trajectory.coverage import PipeGrid
+from driftform.interfaces import SearchSpace, Strategy, Table, option
+from driftform.runs.coverage import PipeGrid
 from driftform.types import Candidate, Evaluation, FloatArray, Trajectory
 
 if TYPE_CHECKING:

@@ -4,8 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from driftform.interfaces import Fitness
-from driftform.options import option
+from driftform.interfaces import Fitness, option
 from driftform.types import Agent, FloatArray, Trajectory, Verdict
 from driftform.water import Scenario
 from driftform_robotics.options import SensorOptions
@@ -74,7 +73,7 @@ class Leak(Fitness[LeakOptions]):
         self, trajectory: Trajectory, scenario: Scenario
     ) -> tuple[FloatArray, list[tuple["Plume", FloatArray]]]:
         """Return the times of the readings, s, and for each leak its plume and the readings, kg/m3."""
-        from driftform.trajectory.resampling import resample
+        from driftform.motion import resample
         from driftform_robotics.plume import make_plume
         from driftform_robotics.sensors import point_positions
 

@@ -21,8 +21,10 @@ from functools import lru_cache
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform.water import LogLawFlow, Scenario, Segment, TurbulentFlow, Vector
-from driftform.water.velocity import KARMAN, friction_factor
+from driftform.water import Scenario, Segment, TurbulentFlow, friction_factor
+from driftform.water.flow import LogLawFlow
+from driftform.water.pipe import Vector
+from driftform.water.velocity import KARMAN
 
 MAX_NEAR_TAU = 0.003
 """Largest tau for the formula near the leak; there it agrees with the series within 0.2 % of the peak."""

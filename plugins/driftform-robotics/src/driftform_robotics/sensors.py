@@ -5,8 +5,8 @@ The sensors are at one ``point`` of the body (m, body frame). The readings have 
 
 import numpy as np
 
+from driftform.motion.forces import acceleration_at
 from driftform.motion.surfaces import touching_rims
-from driftform.trajectory.forces import acceleration_at
 from driftform.types import Body, FloatArray, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Fluid, Pipe, Scenario, Segment
@@ -54,7 +54,7 @@ def specific_force(
     """Return the reading of an accelerometer at a point of the body, R^T (a - g), in body axes, m/s2, (k, 3).
 
     It is g upward at rest, and 0 in free fall. ``accelerations`` (k, 6) are those of the equations of motion
-    (:func:`driftform.trajectory.forces.accelerations_along`), transferred to the point with the body's rotation.
+    (:func:`driftform.motion.forces.accelerations_along`), transferred to the point with the body's rotation.
     """
     up = matrix_from_quaternion(trajectory.quaternion)[:, 2]
     return np.asarray(acceleration_at(trajectory, accelerations, point) + gravity * up, dtype=np.float64)

@@ -5,8 +5,7 @@ from typing import Literal
 import numpy as np
 
 from driftform.agent import displaced_moments
-from driftform.interfaces import Hydrodynamics, HydrodynamicsOptions
-from driftform.options import option
+from driftform.interfaces import Hydrodynamics, HydrodynamicsOptions, option
 from driftform.types import Body, Coefficients
 from driftform.water import Fluid
 from driftform_striptheory.ellipsoid import axial_coefficient

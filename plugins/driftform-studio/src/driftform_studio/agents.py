@@ -7,21 +7,20 @@ from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
 
+from driftform import Design, Run, StoredAgent
 from driftform.agent import hull_mass
-from driftform.design.design import Design
 from driftform.design.limits import list_limits
 from driftform.errors import InputError, did_you_mean
 from driftform.figures.style import SERIES
+from driftform.motion import closest_approach
 from driftform.report.viewer import agent_data
-from driftform.runs.agent_file import StoredAgent, agent_document
-from driftform.runs.run import Run
+from driftform.runs.agent_file import agent_document
+from driftform.runs.coverage import PipeGrid, UnrolledGrid, map_coverage
+from driftform.runs.dependence import divide_spread
+from driftform.runs.misses import Misses, finite_or_none
 from driftform.search.finalists import find_winner
 from driftform.search.picking import write_pick
 from driftform.study.exporter_settings import list_exporter_settings
-from driftform.trajectory.approach import closest_approach
-from driftform.trajectory.coverage import PipeGrid, UnrolledGrid, map_coverage
-from driftform.trajectory.dependence import divide_spread
-from driftform.trajectory.misses import Misses, finite_or_none
 from driftform.types import BoolArray, FloatArray, Trajectory
 from driftform.util.progress import count_progress, track_progress
 

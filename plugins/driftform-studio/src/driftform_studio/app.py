@@ -19,7 +19,7 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
 
 from driftform.errors import DriftformError, InputError, describe_error
-from driftform.water.pipe_parts import Bend, Reducer, Straight
+from driftform.water import Bend, Reducer, Straight
 from driftform_studio.draft import check_draft, load_draft, locate_errors, write_draft
 from driftform_studio.folder import RunsFolder
 from driftform_studio.searches import Searches
@@ -75,9 +75,9 @@ class Studio:
 
     def begin(self, parameters: Parameters, document: Any) -> Any:
         """Return what an empty page begins with: the built-in scenarios with every default filled in."""
-        from driftform.study import load_study
+        from driftform import load_study
         from driftform.study.sources import read_scenarios
-        from driftform.water import FLOWS
+        from driftform.water.flow import FLOWS
         from driftform.water.part_tables import PARTS
 
         presets = []
@@ -154,7 +154,8 @@ class Studio:
 
     def create(self, parameters: Parameters, document: Any) -> Any:
         """Make a run of a draft, and begin its search."""
-        from driftform.runs.run import Run, check_study
+        from driftform import Run
+        from driftform.runs.run import check_study
 
         if not isinstance(document, dict):
             raise InputError("the request is not a table")

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from driftform.cli.options import Json
+from driftform.cli import options
 
 
 def studio(
@@ -25,14 +25,14 @@ def studio(
     browser: Annotated[
         bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")
     ] = True,
-    json: Json = False,
+    json: options.Json = False,
 ) -> None:
     """Open a local page to draw a pipe, search for agents, and take their files.
 
     The page is served on this machine only, under an address with a secret token, until Ctrl-C. Searches that it began
     continue. Everything that it makes is a run directory in FOLDER, which all other commands open.
     """
-    from driftform.cli.output import print_json
+    from driftform.cli import print_json
     from driftform_studio.server import serve
 
     def announce(address: str) -> None:

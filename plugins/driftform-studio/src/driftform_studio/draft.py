@@ -8,8 +8,8 @@ from typing import Any
 
 import tomli_w
 
+from driftform import Study, load_study
 from driftform.errors import InputError, did_you_mean
-from driftform.study import Study, load_study
 from driftform.study.sources import join_path, read_scenarios
 from driftform.study.toml_positions import find_key_lines
 from driftform.water import Scenario

@@ -6,11 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from driftform import Run, StoredAgent
 from driftform.errors import InputError
-from driftform.runs.agent_file import StoredAgent
 from driftform.runs.directory import DATABASE, resume_command
 from driftform.runs.monitor import FINISHED, RUNNING, STOPPED, WRITING, RunMonitor
-from driftform.runs.run import Run
 from driftform.search.advance import find_best
 from driftform_studio.marks import PROGRESS
 from driftform_studio.searches import Searches

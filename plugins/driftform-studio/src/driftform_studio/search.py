@@ -11,11 +11,10 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
+from driftform import Run
 from driftform.errors import DriftformError
-from driftform.runs.run import Run
 from driftform.runs.store import Record
-from driftform.search import LocalProcesses
-from driftform.search.advance import Observer, advance_run
+from driftform.search import LocalProcesses, Observer, advance_run
 from driftform.util.files import write_text
 from driftform_studio.marks import HELD, PAUSE, PROGRESS
 

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform.util.compiled import allocating, compiled
+from driftform.util import allocating, compiled
 from driftform.water.tee_wall import (
     COSINE,
     INLET,

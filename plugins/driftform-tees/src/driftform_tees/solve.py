@@ -13,9 +13,9 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, diags_array
 
 from driftform.types import BoolArray, FloatArray
-from driftform.util.compiled import allocating
+from driftform.util import allocating
+from driftform.water import Junction, TeePotentials
 from driftform.water.tee_spline import HEAD, LEVEL_SIZE
-from driftform.water.tee_store import TeePotentials
 from driftform.water.tee_wall import (
     BRANCH,
     CELLS,
@@ -24,7 +24,6 @@ from driftform.water.tee_wall import (
     INLET,
     OUTLET,
     SINE,
-    Junction,
     distance_beyond_ends,
     distance_from_ball,
     wall_level,

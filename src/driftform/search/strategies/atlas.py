@@ -6,8 +6,8 @@ import numpy as np
 
 from driftform.interfaces import SearchSpace, Strategy
 from driftform.options import Table, option
+from driftform.runs.coverage import CoverageMap, IntArray, PipeGrid
 from driftform.search.strategies.breeding import breed
-from driftform.trajectory.coverage import CoverageMap, IntArray, PipeGrid
 from driftform.types import Candidate, Evaluation, FloatArray, Genome
 
 

@@ -42,7 +42,7 @@ def write_sheet(name: str, job: ExportJob, options: "PartOptions", path: Path) -
     """
     if not options.kit:
         return ()
-    from driftform.figures.files import make_pdf
+    from driftform.figures import make_pdf
     from driftform_frusta.kits import find_maker
 
     target = path.with_name(f"{path.stem}-assembly.svg")

@@ -5,8 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
-from driftform.interfaces import Exporter, ExportJob
-from driftform.options import Table
+from driftform.interfaces import Exporter, ExportJob, Table
 from driftform.types import FloatArray, WrittenFile
 from driftform_frusta.exporters.common import facts_of_all, facts_of_part, path_of_part, save, write_sheet
 from driftform_frusta.kit_options import PartOptions

@@ -3,8 +3,7 @@
 from pathlib import Path
 from typing import ClassVar
 
-from driftform.interfaces import Exporter, ExportJob
-from driftform.options import Table
+from driftform.interfaces import Exporter, ExportJob, Table
 from driftform.types import WrittenFile
 from driftform_frusta.exporters.common import facts_of_all, save, write_sheet
 from driftform_frusta.kit_options import PartOptions

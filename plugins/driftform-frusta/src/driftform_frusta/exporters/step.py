@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from driftform.errors import WorkFailedError
-from driftform.interfaces import Exporter, ExportJob
-from driftform.options import Table
+from driftform.interfaces import Exporter, ExportJob, Table
 from driftform.types import WrittenFile
 from driftform_frusta.colours import channels, colour_of
 from driftform_frusta.exporters.common import facts_of_all, save, write_sheet

@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-from driftform.interfaces import Exporter, ExportJob
-from driftform.options import Table
+from driftform.interfaces import Exporter, ExportJob, Table
 from driftform.types import WrittenFile
 from driftform_frusta.exporters.common import save
 
@@ -22,7 +21,7 @@ class SvgExporter(Exporter[Table]):
         WorkFailedError
             if the file cannot be written.
         """
-        from driftform.figures.section import section_svg
+        from driftform.figures import section_svg
 
         save(path, section_svg(job.agent, job.name, job.scenario))
         return (WrittenFile(self.name, str(path)),)

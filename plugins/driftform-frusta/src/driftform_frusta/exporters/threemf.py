@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from driftform.figures.files import ZOOM, rasterise
-from driftform.interfaces import Exporter, ExportJob
-from driftform.options import Table
+from driftform.figures import rasterise
+from driftform.figures.files import ZOOM
+from driftform.interfaces import Exporter, ExportJob, Table
 from driftform.study.exporter_settings import KIT_FILE
 from driftform.types import WrittenFile
 from driftform_frusta.colours import colour_of

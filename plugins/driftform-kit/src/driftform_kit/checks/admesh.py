@@ -7,8 +7,7 @@ from tempfile import TemporaryDirectory
 from typing import ClassVar
 
 from driftform.errors import WorkFailedError
-from driftform.interfaces import Checker, PrintJob
-from driftform.options import Table, option
+from driftform.interfaces import Checker, PrintJob, Table, option
 from driftform.types import Finding, State
 from driftform_kit.checks.programs import explain_missing, last_line, run_program
 from driftform_kit.checks.slicing import provide_stl

@@ -7,8 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from driftform.agent import hull_volume
-from driftform.interfaces import Checker, PrintJob
-from driftform.options import Table, option
+from driftform.interfaces import Checker, PrintJob, Table, option
 from driftform.types import Finding, FloatArray, State
 from driftform_kit.checks.overhangs import TURNS, Orientation, choose_orientation, list_orientations
 from driftform_kit.checks.parts import MM3_PER_M3, MM_PER_M, Part

@@ -6,8 +6,7 @@ from tempfile import TemporaryDirectory
 from typing import ClassVar
 
 from driftform.errors import InputError, WorkFailedError
-from driftform.interfaces import Checker, PrintJob
-from driftform.options import Table, option
+from driftform.interfaces import Checker, PrintJob, Table, option
 from driftform.types import Finding, State
 from driftform_kit.checks.parts import MM3_PER_M3
 from driftform_kit.checks.programs import explain_missing

@@ -9,8 +9,7 @@ from tempfile import TemporaryDirectory
 from typing import ClassVar
 
 from driftform.errors import WorkFailedError
-from driftform.interfaces import Checker, Printer, PrintJob
-from driftform.options import Table, option
+from driftform.interfaces import Checker, Printer, PrintJob, Table, option
 from driftform.types import Finding, State
 from driftform_kit.checks.parts import MM_PER_M
 from driftform_kit.checks.programs import explain_missing, last_line, run_program

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from driftform.motion.inertia import shift_origin
+from driftform.motion import shift_origin
 from driftform.types import Agent, FloatArray
 from driftform.water import Fluid
 
@@ -18,7 +18,7 @@ def linear_damping(agent: Agent) -> FloatArray:
 
 def reference_speed(agent: Agent, fluid: Fluid) -> float:
     """Return the speed, m/s, at which an agent with drag by strips rises or sinks across its axis."""
-    from driftform.motion.terminal import terminal_speeds
+    from driftform.motion import terminal_speeds
 
     drag = agent.coefficients.drag
     if drag is None:

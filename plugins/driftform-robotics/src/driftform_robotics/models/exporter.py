@@ -6,8 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from driftform.interfaces import Exporter, ExportJob, OptionsT_co
-from driftform.options import Table, option
+from driftform.interfaces import Exporter, ExportJob, OptionsT_co, Table, option
 from driftform.types import FloatArray, WrittenFile
 from driftform_robotics.models.folder import cut_hull, hull_files, model_facts, save_folder
 from driftform_robotics.models.link import Link, make_link, warn_of_damping, warn_of_flow, warn_of_folding

@@ -5,9 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from driftform.interfaces import ExportJob
-from driftform.motion.inertia import added_mass_at, largest_added_mass_ratio
+from driftform.motion import added_mass_at
+from driftform.motion.inertia import largest_added_mass_ratio
 from driftform.types import Body, FloatArray
-from driftform.water import Scenario, UniformFlow
+from driftform.water import Scenario
+from driftform.water.flow import UniformFlow
 from driftform_robotics.models.damping import linear_damping, quadratic_damping, reference_speed
 from driftform_robotics.models.meshes import folds_back
 

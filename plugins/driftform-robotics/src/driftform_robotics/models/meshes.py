@@ -10,8 +10,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from driftform.agent import solid_of_revolution
-from driftform.agent.meshes import IntArray, obj_lines, revolve
+from driftform.agent import revolve, solid_of_revolution
+from driftform.agent.meshes import IntArray, obj_lines
 from driftform.types import FloatArray
 
 SEGMENTS = 64

@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from driftform.options import Table
+from driftform.interfaces import Table
 from driftform.types import FloatArray
 from driftform.water import Scenario
 from driftform_robotics.models.ellipsoid import Ellipsoid, fit_ellipsoid

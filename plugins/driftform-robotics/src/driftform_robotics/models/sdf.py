@@ -10,10 +10,11 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from driftform.agent.slices import slice_solid
-from driftform.options import Table, option
+from driftform.agent import slice_solid
+from driftform.interfaces import Table, option
 from driftform.types import FloatArray
-from driftform.water import Scenario, UniformFlow
+from driftform.water import Scenario
+from driftform.water.flow import UniformFlow
 from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions
 from driftform_robotics.models.folder import HULL, PIPE, piece_path
 from driftform_robotics.models.gazebo_package import WORLD, gazebo_package

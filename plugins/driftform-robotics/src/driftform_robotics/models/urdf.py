@@ -6,7 +6,7 @@ Format: http://wiki.ros.org/urdf/XML.
 import xml.etree.ElementTree as ET
 from typing import ClassVar
 
-from driftform.options import Table, option
+from driftform.interfaces import Table, option
 from driftform_robotics.models.exporter import Model, ModelExporter
 from driftform_robotics.models.folder import HULL, piece_path
 from driftform_robotics.models.link import warn_of_folding

@@ -11,7 +11,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from driftform.options import Table, option
+from driftform.interfaces import Table, option
 from driftform.types import Body, FloatArray
 from driftform.water import Scenario
 from driftform_robotics.models.exporter import Model, ModelExporter, ModelOptions

@@ -7,8 +7,8 @@ import numpy as np
 
 from driftform.agent.meshes import IntArray
 from driftform.types import FloatArray
-from driftform.water.layout import Layout
-from driftform.water.pipe_parts import Bend, PipePart, Reducer, Tee
+from driftform.water import Bend, Layout, Reducer, Tee
+from driftform.water.pipe_parts import PipePart
 from driftform_robotics.models.meshes import SEGMENTS, Mesh
 
 STEP = math.pi / SEGMENTS

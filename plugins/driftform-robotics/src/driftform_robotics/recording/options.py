@@ -2,7 +2,8 @@
 
 from typing import Literal
 
-from driftform.options import MAX_SEED, option
+from driftform.interfaces import option
+from driftform.options import MAX_SEED
 from driftform_robotics.options import ATMOSPHERE, SensorOptions
 
 Release = Literal["humble", "iron", "jazzy", "kilted", "lyrical"]

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from driftform.interfaces import ExportJob
-from driftform.trajectory.forces import accelerations_along, net_wrench
+from driftform.motion import accelerations_along, net_wrench
 from driftform.types import FloatArray, Trajectory
 from driftform.util.rotations import quaternion_from_rotation_vector
 from driftform_robotics import sensors

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.trajectory.path import evaluate_path, locate_stretches, world_velocity
+from driftform.motion.path import evaluate_path, locate_stretches, world_velocity
 from driftform.types import FloatArray, Trajectory
 from driftform.util.rotations import quaternion_from_rotation_vector
 

@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from driftform.errors import InputError
-from driftform.trajectory.interpolation import interpolate_positions, interpolate_turns
-from driftform.trajectory.path import hermite_coefficients, locate_stretches, world_velocity
+from driftform.motion.interpolation import interpolate_positions, interpolate_turns
+from driftform.motion.path import hermite_coefficients, locate_stretches, world_velocity
 from driftform.types import FloatArray, Trajectory
 from driftform.util.compiled import allocating
 from driftform.util.rotations import matrix_from_quaternion

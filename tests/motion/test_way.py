@@ -5,9 +5,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from driftform.motion.approach import closest_approach
+from driftform.motion.way import approach_targets, farthest_distances, find_target_approaches, name_outlet
 from driftform.testing.fitness import straight_trajectory
-from driftform.trajectory.approach import closest_approach
-from driftform.trajectory.way import approach_targets, farthest_distances, find_target_approaches, name_outlet
 from driftform.types import End, Trajectory
 from driftform.water import Scenario
 

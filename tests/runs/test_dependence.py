@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from driftform.trajectory.dependence import MIN_FLIGHTS, REST, divide_spread
-from driftform.trajectory.misses import Misses
-from driftform.water import Robustness
+from driftform.runs.dependence import MIN_FLIGHTS, REST, divide_spread
+from driftform.runs.misses import Misses
 from driftform.water.disturbances import draw_conditions
+from driftform.water.scenario import Robustness
 
 ROBUSTNESS = Robustness()
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.trajectory.misses import Misses
+from driftform.runs.misses import Misses
 from driftform.types import FloatArray
 from driftform.water.disturbances import Condition
 

@@ -10,11 +10,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from driftform.trajectory.approach import Approach, closest_approach
-from driftform.trajectory.interpolation import interpolate_positions
+from driftform.motion.approach import Approach, closest_approach
+from driftform.motion.interpolation import interpolate_positions
 from driftform.types import End, Evaluation, FloatArray, Trajectory
 from driftform.util.latest import keep_latest
-from driftform.water import Pipe, Scenario, Vector
+from driftform.water import Pipe, Scenario
+from driftform.water.pipe import Vector
 
 _BETWEEN = 4
 """Points of the path between two samples, the first one included, that are compared first."""

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.trajectory.interpolation import interpolate_positions
-from driftform.trajectory.path import row_vector, stretch_cubic, world_velocity
+from driftform.motion.interpolation import interpolate_positions
+from driftform.motion.path import row_vector, stretch_cubic, world_velocity
 from driftform.types import FloatArray, Trajectory
 from driftform.util.compiled import allocating
 from driftform.util.cubic import cubic_point, nearest_on_cubic

@@ -6,16 +6,18 @@ import numpy as np
 import pytest
 
 from driftform.agent import mass_properties
+from driftform.motion.forces import acceleration_at, accelerations_along, net_wrench
+from driftform.motion.interpolation import interpolate_attitudes, interpolate_positions
+from driftform.motion.path import world_velocity
+from driftform.motion.resampling import even_times, resample
 from driftform.study import load_study
 from driftform.testing.bodies import hollow_body
 from driftform.testing.renderer import drifting_trajectory
-from driftform.trajectory.forces import acceleration_at, accelerations_along, net_wrench
-from driftform.trajectory.interpolation import interpolate_attitudes, interpolate_positions
-from driftform.trajectory.path import world_velocity
-from driftform.trajectory.resampling import even_times, resample
 from driftform.types import Agent, Coefficients, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
-from driftform.water import Fluid, Release, Scenario, UniformFlow
+from driftform.water import Fluid, Scenario
+from driftform.water.flow import UniformFlow
+from driftform.water.scenario import Release
 
 STILL = Scenario(flow=UniformFlow(speed=0.0), release=Release(velocity="rest"))
 

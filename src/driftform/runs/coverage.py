@@ -8,8 +8,9 @@ import numpy.typing as npt
 
 from driftform.errors import InputError
 from driftform.types import BoolArray, FloatArray, Trajectory
-from driftform.water import Pipe, Scenario, Segment, Vector
+from driftform.water import Pipe, Scenario, Segment
 from driftform.water.layout import Layout
+from driftform.water.pipe import Vector
 from driftform.water.pipe_parts import locate_on_axis, place_on_axis
 
 IntArray = npt.NDArray[np.int64]
@@ -126,8 +127,8 @@ class PipeGrid:
         The path between samples is their cubic Hermite curve. It is cut where it crosses the sides of cells; the
         distance in a cell is that of the nearest point of the parts inside it.
         """
-        from driftform.trajectory.crossing import lower_distances
-        from driftform.trajectory.path import world_velocity
+        from driftform.motion.crossing import lower_distances
+        from driftform.motion.path import world_velocity
 
         place = self._scale(trajectory.position, offset=True)
         nearest = np.full(self.cell_count, np.inf)
@@ -251,7 +252,7 @@ class UnrolledGrid(PipeGrid):
 
         The path between samples is their cubic Hermite curve, in steps of a tenth of a cell.
         """
-        from driftform.trajectory.interpolation import interpolate_positions
+        from driftform.motion.interpolation import interpolate_positions
 
         t, step = trajectory.t, _FINE * float(self.size.min())
         lengths = np.linalg.norm(np.diff(trajectory.position, axis=0), axis=1)
@@ -350,7 +351,7 @@ class ClosestPass:
 
 def find_passes(flights: Iterable[tuple[int, Trajectory]], point: Vector) -> list[ClosestPass]:
     """Return the closest pass of each flight by a point of the world, closest first, the earlier of equals first."""
-    from driftform.trajectory.approach import closest_approach
+    from driftform.motion.approach import closest_approach
 
     passes, points = [], np.array([point], dtype=np.float64)
     for evaluation, trajectory in flights:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from driftform.trajectory.path import world_velocity
+from driftform.motion.path import world_velocity
 from driftform.types import Agent, FloatArray, MassProperties, Trajectory
 from driftform.util.rotations import matrix_from_quaternion
 from driftform.water import Scenario

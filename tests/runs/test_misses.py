@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from driftform.trajectory.misses import Misses, estimate_quantile
-from driftform.water import Robustness
+from driftform.runs.misses import Misses, estimate_quantile
 from driftform.water.disturbances import draw_conditions
+from driftform.water.scenario import Robustness
 
 
 def test_a_further_draw_stays_within_the_promise_nine_times_of_ten():

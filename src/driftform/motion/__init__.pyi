@@ -1,0 +1,14 @@
+from .approach import closest_approach as closest_approach
+from .body_drag import estimate_drag as estimate_drag
+from .coordinates import describe_motion as describe_motion
+from .flight import finish_trajectory as finish_trajectory
+from .flight import release_state as release_state
+from .forces import accelerations_along as accelerations_along
+from .forces import net_wrench as net_wrench
+from .inertia import added_mass_at as added_mass_at
+from .inertia import shift_origin as shift_origin
+from .integrator import Accuracy as Accuracy
+from .integrator import integrate as integrate
+from .model import flight_model as flight_model
+from .resampling import resample as resample
+from .terminal import terminal_speeds as terminal_speeds

@@ -1,1 +1,0 @@
-"""Trajectories after the simulation: interpolation, closest approach, forces, compression and coverage."""

@@ -1,0 +1,15 @@
+from .factors import Calibration as Calibration
+from .factors import Factors as Factors
+from .flow import TurbulentFlow as TurbulentFlow
+from .layout import Layout as Layout
+from .pipe import Pipe as Pipe
+from .pipe import Segment as Segment
+from .pipe_parts import Bend as Bend
+from .pipe_parts import Reducer as Reducer
+from .pipe_parts import Straight as Straight
+from .pipe_parts import Tee as Tee
+from .scenario import Fluid as Fluid
+from .scenario import Scenario as Scenario
+from .tee_store import TeePotentials as TeePotentials
+from .tee_wall import Junction as Junction
+from .velocity import friction_factor as friction_factor

@@ -1,0 +1,73 @@
+"""The public interface: what plugins may import of the core, ours included, and how large it is."""
+
+import ast
+import importlib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PLUGINS = sorted(path.parent for path in ROOT.glob("plugins/*/src/*/__init__.py"))
+
+MODULES = (
+    "driftform",
+    "driftform.agent",
+    "driftform.cli",
+    "driftform.errors",
+    "driftform.figures",
+    "driftform.interfaces",
+    "driftform.motion",
+    "driftform.search",
+    "driftform.testing",
+    "driftform.types",
+    "driftform.util",
+    "driftform.water",
+)
+"""The public modules: what their ``__all__`` names is public."""
+
+MOST_MODULES, MOST_NAMES = 12, 120
+
+
+def list_public() -> dict[str, list[str]]:
+    """The public names of each public module."""
+    return {name: sorted(importlib.import_module(name).__all__) for name in MODULES}
+
+
+def find_private_imports(source: str, public: dict[str, list[str]]) -> Iterator[str]:
+    """What a source imports of the core beside public names, one line each."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                if alias.name.split(".")[0] == "driftform" and alias.name not in public:
+                    yield f"line {node.lineno}: {alias.name}"
+        elif isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "driftform":
+            for alias in node.names:
+                if alias.name not in public.get(node.module or "", ()):
+                    yield f"line {node.lineno}: {node.module}.{alias.name}"
+
+
+def test_the_public_interface_is_small() -> None:
+    public = list_public()
+    count = sum(len(names) for names in public.values())
+    print(f"{count} public names in {len(public)} modules")
+    assert len(public) <= MOST_MODULES and count <= MOST_NAMES
+
+
+@pytest.mark.parametrize("package", PLUGINS, ids=lambda path: path.name)
+def test_a_plugin_imports_public_names_alone(package: Path) -> None:
+    public = list_public()
+    found = [
+        f"{file.relative_to(ROOT)} {line}"
+        for file in sorted(package.rglob("*.py"))
+        for line in find_private_imports(file.read_text(encoding="utf-8"), public)
+    ]
+    assert found == []
+
+
+def test_an_import_of_a_private_module_is_found() -> None:
+    source = (
+        "from driftform.water import Scenario\ndef fly():\n    from driftform.motion.flight import SAMPLE\n"
+    )
+    found = list(find_private_imports(source, list_public()))
+    assert found == ["line 3: driftform.motion.flight.SAMPLE"]
