@@ -88,7 +88,7 @@ def potential(position, R, surfaces, pipe=PIPE):
     for k in range(len(surfaces)):
         depth, _, normal, x, r = depth_of(position, R, model, k)
         if depth > 0:
-            total += spring(float(R[:, 0] @ normal), x, r, depth, model.numbers[0].law)[1] ** 2
+            total += spring(float(R[:, 0] @ normal), x, r, depth, model.numbers[0]["law"])[1] ** 2
     return 0.5 * np.sqrt(total)
 
 

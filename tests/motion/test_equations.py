@@ -206,7 +206,7 @@ def test_gusts_that_do_not_blow_leave_uniform_water_steady(seed, velocity, omega
                 fluid=Fluid(density=DENSITY, gravity=GRAVITY, flow_force=mode),
             ),
         )
-        assert steady.numbers[0].is_steady == 1.0
+        assert steady.numbers[0]["is_steady"] == 1.0
         expected = accelerated(steady, R, [3.0, 0.5, -0.2], velocity, omega)
         assert accelerated(calm, R, [3.0, 0.5, -0.2], velocity, omega, 1.0) == pytest.approx(
             expected, rel=1e-12

@@ -7,11 +7,11 @@ import numpy as np
 import numpy.typing as npt
 
 Records: TypeAlias = npt.NDArray[np.void]
-"""An array of records with the fields of one of the types below."""
+"""An array of records with the fields of one of the types below: kernels read n.gravity, Python reads n["gravity"]."""
 
 
 def _lay_out(*fields: tuple[str, object] | tuple[str, object, Sequence[int]]) -> np.dtype[np.void]:
-    return np.dtype((np.record, np.dtype(list(fields), align=True)))
+    return np.dtype(list(fields), align=True)
 
 
 LAW = _lay_out(

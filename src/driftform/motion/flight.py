@@ -32,7 +32,7 @@ def release_state(model: FlightModel, scenario: Scenario) -> FloatArray:
 
 def _water_velocity(point: Vector, model: FlightModel) -> tuple[float, ...]:
     """Return the water's velocity (m/s, world frame) at the release."""
-    if model.numbers[0].is_steady == 0.0 or len(model.pipe) == 0:
+    if model.numbers[0]["is_steady"] == 0.0 or len(model.pipe) == 0:
         return water_motion(point, 0.0, model.pipe, model.flow, model.gusts, AT_A_POINT, model.fittings)[0]
     # The same in uniform water, whose kernel need not be compiled then. Adding zero turns -0 into 0, as the kernel does.
     return tuple((model.flow[SPEED] * model.pipe[0, 3:6] + 0.0).tolist())
@@ -260,8 +260,8 @@ def _contact_depth(row: FloatArray, model: FlightModel) -> float:
 def _conserves_energy(model: FlightModel) -> bool:
     """Return True without drag, in water that is uniform and steady and does not carry the body to or from its surface."""
     n = model.numbers[0]
-    rises = n.water_level < np.inf and n.current[2] != 0.0
-    return bool(n.is_steady != 0.0 and n.is_damped == 0.0 and len(model.strips) == 0 and not rises)
+    rises = n["water_level"] < np.inf and n["current"][2] != 0.0
+    return bool(n["is_steady"] != 0.0 and n["is_damped"] == 0.0 and len(model.strips) == 0 and not rises)
 
 
 @compiled

@@ -16,11 +16,11 @@ from driftform.motion.flight import SAMPLE, has_left_pipe, is_finite, position_o
 from driftform.motion.model import FlightModel, unpack
 from driftform.motion.plane import STATE_INDICES
 from driftform.motion.rates import PLANE_STATE, STATE, fill_rate, roll
-from driftform.motion.rosenbrock import WorkSpace, fill_jacobian, make_work_space, take_implicit_step
+from driftform.motion.rosenbrock import count_work_space, fill_jacobian, make_work_space, take_implicit_step
 from driftform.motion.runge_kutta import copy, take_step
 from driftform.motion.tableaus import DOP853, DOPRI5, ROS34PW2
 from driftform.types import FloatArray
-from driftform.util.compiled import allocating, compiled
+from driftform.util.compiled import allocating, borrow, compiled
 
 TOLERANCE_GROWTH = 0.5
 """Rate (1/s) at which the tolerance grows along a flight: about the rate at which small differences grow.
@@ -49,6 +49,9 @@ JACOBIAN_STEPS = 8
 
 EXPLICIT_STEPS = 10
 """Explicit steps after an implicit one that was rejected and became as short as they are."""
+
+_STATES = len(DOP853.b) + 3
+"""States in the room of an integration: that of the last step, that of the next one, and the slopes of all stages."""
 
 _ALL_PLACES, _PLACES_IN_PLANE = np.arange(STATE), np.array(STATE_INDICES)
 
@@ -89,8 +92,7 @@ def take_all_steps(
     """Return raw samples (k, 14) of the release and the end of every step, up to the first one past the outlet."""
     model, samples = unpack(values, fittings), np.empty((256, SAMPLE))
     size = _count_numbers(model, in_space)
-    y, new, slopes = np.zeros(size), np.empty(size), np.empty((len(DOP853.b) + 1, size))
-    work = make_work_space(size, 3 if in_space is None else 6)
+    room = np.zeros(_STATES * size + count_work_space(size, 3 if in_space is None else 6))
     progress = _Progress(0.0, min(FIRST_STEP, horizon), LOG_MIN_ERROR, 0, 0, JACOBIAN_STEPS, 0, False)
     while True:
         progress = _take_steps(
@@ -101,10 +103,7 @@ def take_all_steps(
             tolerance,
             max_step,
             step_limit,
-            y,
-            new,
-            slopes,
-            work,
+            room,
             progress,
             samples,
         )
@@ -139,20 +138,21 @@ def _take_steps(
     tolerance: float,
     max_step: float,
     step_limit: int,
-    y: FloatArray,
-    new: FloatArray,
-    slopes: FloatArray,
-    work: WorkSpace,
+    room: FloatArray,
     progress: _Progress,
     samples: FloatArray,
 ) -> _Progress:
     """Fill ``samples`` until the flight ends or there is no room for another one; return how far it is then.
 
-    ``y`` is the state, zero at the release; ``new``, ``slopes`` and ``work`` are room for the next one.
+    ``room`` begins with the state, which is zero at the release.
     """
-    places, angles = _ALL_PLACES, 1
+    places, velocities, angles = _ALL_PLACES, 6, 1
     if in_space is None:
-        places, angles = _PLACES_IN_PLANE, 0
+        places, velocities, angles = _PLACES_IN_PLANE, 3, 0
+    size = _count_numbers(model, in_space)
+    y, new = borrow(room, 0, (size,)), borrow(room, size, (size,))
+    slopes = borrow(room, 2 * size, (_STATES - 2, size))
+    work = make_work_space(room, _STATES * size, size, velocities)
     t, h, earlier, count = progress.t, progress.h, progress.earlier, progress.taken
     explicit, age, touching, ended = progress.explicit, progress.age, progress.touching, False
     longest = MOST_RADIANS / model.numbers[0].law.frequency
@@ -167,7 +167,7 @@ def _take_steps(
         for i in range(places.shape[0]):
             row[1 + places[i]] = y[i]
         if angles > 0:
-            roll(row, y[y.shape[0] - 1])
+            roll(row, y[size - 1])
         position = position_of(row)
         count += 1
         if (
@@ -185,7 +185,7 @@ def _take_steps(
             if model.gusts.shape[0] == 0:
                 sharp *= SMOOTH_SHARE
             # Bristles straighten in the water. What remains of them would only limit the steps.
-            for j in range(places.shape[0], y.shape[0] - angles):
+            for j in range(places.shape[0], size - angles):
                 y[j], slopes[0, j] = 0.0, 0.0
         h, explicit = min(h, max_step), explicit - 1
         while True:

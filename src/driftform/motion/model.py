@@ -87,29 +87,29 @@ def flight_model(agent: Agent, scenario: Scenario) -> FlightModel:
     drag = coefficients.drag or _NO_DRAG
     numbers = np.zeros(1, NUMBERS)
     n = numbers[0]
-    n.mass, n.inverse = total, inverse
-    n.linear, n.quadratic = coefficients.linear_damping, coefficients.quadratic_damping
-    n.damping_point = coefficients.origin
-    n.is_damped = n.linear.any() or n.quadratic.any()
-    n.cog, n.cob = mass.cog, mass.cob
-    n.is_axisymmetric = _is_axisymmetric(n)
-    n.body_mass, n.displaced_mass = mass.mass, fluid.density * mass.volume
-    n.gravity, n.density, n.viscosity = fluid.gravity, fluid.density, fluid.viscosity
-    n.water_level = np.inf if fluid.water_level is None else fluid.water_level
-    n.current = current
-    n.is_steady = flow[0] == UNIFORM and not len(gusts) and fittings is None
-    n.has_pressure_gradient = fluid.flow_force == "full"
-    n.axial = drag.friction_area, drag.length, drag.ahead, drag.astern
-    n.tails = *drag.wake_ahead, *drag.wake_astern
-    n.round_area, n.diameter, n.centre = drag.round_area, drag.diameter, drag.centre
-    n.spin, n.shear_volume, n.blocking = drag.spin, drag.shear_volume, drag.blocking
-    n.spread_across, n.spread_along = drag.spread
+    n["mass"], n["inverse"] = total, inverse
+    n["linear"], n["quadratic"] = coefficients.linear_damping, coefficients.quadratic_damping
+    n["damping_point"] = coefficients.origin
+    n["is_damped"] = n["linear"].any() or n["quadratic"].any()
+    n["cog"], n["cob"] = mass.cog, mass.cob
+    n["is_axisymmetric"] = _is_axisymmetric(n)
+    n["body_mass"], n["displaced_mass"] = mass.mass, fluid.density * mass.volume
+    n["gravity"], n["density"], n["viscosity"] = fluid.gravity, fluid.density, fluid.viscosity
+    n["water_level"] = np.inf if fluid.water_level is None else fluid.water_level
+    n["current"] = current
+    n["is_steady"] = flow[0] == UNIFORM and not len(gusts) and fittings is None
+    n["has_pressure_gradient"] = fluid.flow_force == "full"
+    n["axial"] = drag.friction_area, drag.length, drag.ahead, drag.astern
+    n["tails"] = *drag.wake_ahead, *drag.wake_astern
+    n["round_area"], n["diameter"], n["centre"] = drag.round_area, drag.diameter, drag.centre
+    n["spin"], n["shear_volume"], n["blocking"] = drag.spin, drag.shear_volume, drag.blocking
+    n["spread_across"], n["spread_along"] = drag.spread
     standoff = 0.0 if fittings is None else MOST_STANDOFF * surfaces[:, 5]
     reach = np.hypot(surfaces[:, 0], surfaces[:, 1]) + surfaces[:, 2] + standoff
-    n.reach, n.friction = reach.max(initial=0.0), contact.friction
+    n["reach"], n["friction"] = reach.max(initial=0.0), contact.friction
     viscosity = fluid.density * fluid.viscosity
     radius = 0.5 * agent.body.max_diameter
-    n.law = contact_law(inverse, contact.frequency, contact.restitution, viscosity, radius)[0]
+    n["law"] = contact_law(inverse, contact.frequency, contact.restitution, viscosity, radius)[0]
     return FlightModel(
         numbers,
         surfaces,

@@ -52,60 +52,62 @@ def stays_in_plane(start: FloatArray, model: FlightModel) -> bool:
     """
     n, pipe = model.numbers[0], model.pipe
     parallel = (
-        model.flow[KIND] in (POWER_LAW, LOG_LAW) and len(model.gusts) == 0 and n.has_pressure_gradient != 0.0
+        model.flow[KIND] in (POWER_LAW, LOG_LAW)
+        and len(model.gusts) == 0
+        and n["has_pressure_gradient"] != 0.0
     )
-    if n.is_steady == 0.0 and not parallel:
+    if n["is_steady"] == 0.0 and not parallel:
         return False
-    if n.water_level < np.inf or n.is_damped != 0.0:
+    if n["water_level"] < np.inf or n["is_damped"] != 0.0:
         return False
     if len(model.strips) not in (0, STRIPS) or len(pipe) > 1 or model.fittings is not None:
         return False
-    coupling = np.stack([n.mass, n.inverse])
-    across = [*start[4:13:2], n.cog[1], n.cob[1], n.current[1]]
+    across = [*start[4:13:2], n["cog"][1], n["cob"][1], n["current"][1]]
     if len(pipe) == 1:
-        if pipe[0, 7] < 2.0 * n.reach:
+        if pipe[0, 7] < 2.0 * n["reach"]:
             return False
         across += [pipe[0, 1] - start[1], pipe[0, 4]]
-    return not (any(across) or coupling[:, ::2, 1::2].any() or coupling[:, 1::2, ::2].any())
+    coupled = (m[::2, 1::2].any() or m[1::2, ::2].any() for m in (n["mass"], n["inverse"]))
+    return not (any(across) or any(coupled))
 
 
 def fill_plane(model: FlightModel) -> None:
     """Fill :data:`driftform.motion.fields.PLANE` in the numbers of a model from its other numbers."""
     n = model.numbers[0]
-    p = n.plane
-    weight, lift = n.body_mass * n.gravity, n.displaced_mass * n.gravity
+    p = n["plane"]
+    weight, lift = n["body_mass"] * n["gravity"], n["displaced_mass"] * n["gravity"]
     # The flight of an agent of infinite mass or volume fails later, as not finite.
     with np.errstate(invalid="ignore"):
-        p.net_weight = weight - lift
-        p.hanging = weight * n.cog[2] - lift * n.cob[2]
-        p.trim = weight * n.cog[0] - lift * n.cob[0]
-    p.near = p.length = math.inf
+        p["net_weight"] = weight - lift
+        p["hanging"] = weight * n["cog"][2] - lift * n["cob"][2]
+        p["trim"] = weight * n["cog"][0] - lift * n["cob"][0]
+    p["near"] = p["length"] = math.inf
     if len(model.pipe) == 1:
         pipe = model.pipe[0]
-        p.radius, p.near = pipe[7], pipe[7] - n.reach
-        p.across = -pipe[5], pipe[3]
-        p.inlet, p.length = pipe[[0, 2]], pipe[6]
-    if n.is_steady:
-        p.stream = n.current[[0, 2]]
+        p["radius"], p["near"] = pipe[7], pipe[7] - n["reach"]
+        p["across"] = -pipe[5], pipe[3]
+        p["inlet"], p["length"] = pipe[[0, 2]], pipe[6]
+    if n["is_steady"]:
+        p["stream"] = n["current"][[0, 2]]
     else:
-        p.profile, p.speed, p.parameter = model.flow[[KIND, SPEED, PARAMETER]]
+        p["profile"], p["speed"], p["parameter"] = model.flow[[KIND, SPEED, PARAMETER]]
     if len(model.strips) == STRIPS:
         _fill_drag(model)
 
 
 def _fill_drag(model: FlightModel) -> None:
     n = model.numbers[0]
-    p, viscosity, density = n.plane, n.viscosity, n.density
+    p, viscosity, density = n["plane"], n["viscosity"], n["density"]
     radius = model.pipe[0, 7] if len(model.pipe) == 1 else np.inf
-    half = 0.5 * density * blockage_factor(0.5 * n.blocking / radius)
-    area, length, ahead, astern = n.axial
-    p.is_dragged, p.shear_mass = 1.0, density * n.shear_volume
-    p.friction_area, p.friction_rate = half * area, length / viscosity
-    p.ahead, p.astern = half * ahead, half * astern
-    p.round_area, p.round_rate = half * n.round_area, n.diameter / viscosity
-    p.tails = n.tails * (1.0, density, 1.0, density)
+    half = 0.5 * density * blockage_factor(0.5 * n["blocking"] / radius)
+    area, length, ahead, astern = n["axial"]
+    p["is_dragged"], p["shear_mass"] = 1.0, density * n["shear_volume"]
+    p["friction_area"], p["friction_rate"] = half * area, length / viscosity
+    p["ahead"], p["astern"] = half * ahead, half * astern
+    p["round_area"], p["round_rate"] = half * n["round_area"], n["diameter"] / viscosity
+    p["tails"] = n["tails"] * (1.0, density, 1.0, density)
     x, diameter, width, factor = model.strips.T
-    p.strips = np.column_stack([x, half * factor * diameter * width, viscosity / diameter])
+    p["strips"] = np.column_stack([x, half * factor * diameter * width, viscosity / diameter])
 
 
 @compiled

@@ -12,14 +12,12 @@ the velocities and the bristles of the surfaces that touch. The other bristles o
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from driftform.motion.model import FlightModel
 from driftform.motion.rates import PLANE_STATE, STATE, fill_rate
 from driftform.motion.runge_kutta import copy, normalise, squared_error
 from driftform.motion.tableaus import ROS34PW2
 from driftform.types import FloatArray
-from driftform.util.compiled import allocating, compiled
+from driftform.util.compiled import borrow, borrowing, compiled
 from driftform.util.rotations import quaternion_product, quaternion_rate
 
 POSE_STEP = 1e-7
@@ -56,20 +54,39 @@ class WorkSpace(NamedTuple):
     changed: FloatArray
 
 
-@allocating
-def make_work_space(size: int, velocities: int) -> WorkSpace:
-    """Return room for steps of states of ``size`` numbers, with 3 ``velocities`` in the plane or 6 in space."""
-    u = size - velocities - 1
+_STAGES = len(ROS34PW2.b)
+
+
+@compiled
+def count_work_space(size: int, velocities: int) -> int:
+    """Return how many numbers a work space takes: see :func:`make_work_space`."""
+    unknowns = size - velocities - 1
+    return unknowns * (2 + 2 * unknowns + velocities) + velocities + (_STAGES + 3) * size
+
+
+@borrowing
+def make_work_space(room: FloatArray, first: int, size: int, velocities: int) -> WorkSpace:
+    """Return room for steps of states of ``size`` numbers, with 3 ``velocities`` in the plane or 6 in space.
+
+    It lies in ``room`` from the index ``first`` on.
+    """
+    u, v = size - velocities - 1, velocities
+    slopes = first + u
+    matrix = slopes + u * (v + u)
+    unknowns = matrix + u * u
+    pose = unknowns + u
+    stages = pose + v
+    state = stages + _STAGES * size
     return WorkSpace(
-        np.zeros(u),
-        np.zeros((u, velocities + u)),
-        np.zeros((u, u)),
-        np.zeros(u),
-        np.zeros(velocities),
-        np.zeros((len(ROS34PW2.b), size)),
-        np.zeros(size),
-        np.zeros(size),
-        np.zeros(size),
+        borrow(room, first, (u,)),
+        borrow(room, slopes, (u, v + u)),
+        borrow(room, matrix, (u, u)),
+        borrow(room, unknowns, (u,)),
+        borrow(room, pose, (v,)),
+        borrow(room, stages, (_STAGES, size)),
+        borrow(room, state, (size,)),
+        borrow(room, state + size, (size,)),
+        borrow(room, state + 2 * size, (size,)),
     )
 
 

@@ -60,17 +60,17 @@ def stable_rest(model: FlightModel) -> Rest:
     """
     still = _still_open_water(model)
     n = still.numbers[0]
-    floats = n.water_level < math.inf and n.body_mass < n.displaced_mass
+    floats = n["water_level"] < math.inf and n["body_mass"] < n["displaced_mass"]
     if not floats:
-        n.water_level = math.inf
-        lever = n.displaced_mass * n.cob[0] - n.body_mass * n.cog[0]
-        net = n.displaced_mass - n.body_mass
+        n["water_level"] = math.inf
+        lever = n["displaced_mass"] * n["cob"][0] - n["body_mass"] * n["cog"][0]
+        net = n["displaced_mass"] - n["body_mass"]
         # With the fore end up, the moment turns a small pitch back, and so does the net force through the inertia that
         # couples heave with pitch; with the fore end down, their opposites do.
-        back = n.inverse[4, 4] * lever - n.inverse[4, 2] * net
+        back = n["inverse"][4, 4] * lever - n["inverse"][4, 2] * net
         pitch = -math.copysign(math.pi / 2, back) if back else 0.0
         return Rest(pitch, None, still)
-    n.water_level = 0.0
+    n["water_level"] = 0.0
     return Rest(*_find_rest_afloat(pack(still), _PITCHES), still)
 
 
