@@ -207,7 +207,7 @@ def test_constants_of_the_contact_are_as_told(pages: dict[str, str]) -> None:
 
 
 def test_constants_of_runs_are_as_told(pages: dict[str, str]) -> None:
-    from driftform import search as execution
+    from driftform.search import jobs as execution
     from driftform.runs import compression
 
     assert f"samples at least {compression.SAMPLE_GAP:g} s apart" in " ".join(pages["dataflow.md"].split())
