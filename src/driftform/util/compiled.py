@@ -89,9 +89,9 @@ IS_PLAIN = _is_plain()
 
 
 if TYPE_CHECKING or not IS_PLAIN:
-    from driftform.util.compiler import borrow, compile_kernel
+    from driftform.util.compiler import borrow, borrow_as, compile_kernel
 else:
-    from driftform.util.plain_compiler import borrow, compile_kernel
+    from driftform.util.plain_compiler import borrow, borrow_as, compile_kernel
 
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
@@ -117,4 +117,4 @@ def vectorized(function: Callable[P, R]) -> Callable[P, R]:
     return compile_kernel(function, allocates=True, vectorizes=True)
 
 
-__all__ = ["allocating", "borrow", "borrowing", "compiled", "vectorized"]
+__all__ = ["allocating", "borrow", "borrow_as", "borrowing", "compiled", "vectorized"]

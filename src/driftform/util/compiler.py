@@ -16,6 +16,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar, cast
 
+import numpy as np
 from llvmlite.binding import (
     Linkage,
     add_symbol,
@@ -32,6 +33,7 @@ from numba.core.registry import CPUDispatcher
 from numba.core.runtime._nrt_python import c_helpers
 from numba.core.types import Dispatcher, intp, unliteral
 from numba.extending import intrinsic
+from numba.np.numpy_support import from_dtype
 
 from driftform.types import FloatArray
 from driftform.util.kernel_cache import announce, find_folder, lock, use_folder
@@ -351,35 +353,44 @@ def compile_kernel(
     return cast(Callable[P, R], _Entry(function, allocates, borrows, vectorizes))
 
 
-def _borrow(_: Any, array: Any, start: Any, shape: Any) -> Any:
-    kind = array.copy(ndim=len(shape), layout="C")
+def borrow_as(
+    dtype: "np.dtype[Any] | None" = None,
+) -> Callable[[FloatArray, int, tuple[int, ...]], Any]:
+    """Return :data:`borrow`, which returns an array of this type: of records, for example."""
 
-    def generate(context: Any, builder: Any, __: Any, arguments: Any) -> Any:
-        model, length = context.data_model_manager[kind], context.get_constant(intp, 1)
-        given = context.data_model_manager[array].get(builder, arguments[0], "data")
-        sides = [builder.extract_value(arguments[2], axis) for axis in range(kind.ndim)]
-        size = context.get_constant(intp, context.get_abi_sizeof(given.type.pointee))
-        strides = [size]
-        for side in reversed(sides):
-            strides.insert(0, builder.mul(strides[0], side))
-            length = builder.mul(length, side)
-        fields = {
-            "nitems": length,
-            "itemsize": size,
-            "data": builder.gep(given, [arguments[1]]),
-            "shape": pack_array(builder, sides),
-            "strides": pack_array(builder, strides[1:]),
-        }
-        view = model.get_value_type()(None)
-        for name, field in fields.items():
-            view = model.set(builder, view, field, name)
-        return view
+    def borrow(_: Any, array: Any, start: Any, shape: Any) -> Any:
+        number = array.dtype if dtype is None else from_dtype(dtype)
+        kind = array.copy(dtype=number, ndim=len(shape), layout="C")
 
-    return kind(array, intp, shape), generate
+        def generate(context: Any, builder: Any, __: Any, arguments: Any) -> Any:
+            model, length = context.data_model_manager[kind], context.get_constant(intp, 1)
+            given = context.data_model_manager[array].get(builder, arguments[0], "data")
+            sides = [builder.extract_value(arguments[2], axis) for axis in range(kind.ndim)]
+            item = context.get_data_type(number)
+            size = context.get_constant(intp, context.get_abi_sizeof(item))
+            strides = [size]
+            for side in reversed(sides):
+                strides.insert(0, builder.mul(strides[0], side))
+                length = builder.mul(length, side)
+            fields = {
+                "nitems": length,
+                "itemsize": size,
+                "data": builder.bitcast(builder.gep(given, [arguments[1]]), item.as_pointer()),
+                "shape": pack_array(builder, sides),
+                "strides": pack_array(builder, strides[1:]),
+            }
+            view = model.get_value_type()(None)
+            for name, field in fields.items():
+                view = model.set(builder, view, field, name)
+            return view
+
+        return kind(array, intp, shape), generate
+
+    return cast(Callable[..., Any], cast(Any, intrinsic)(borrow))
 
 
-borrow: Callable[[FloatArray, int, tuple[int, ...]], FloatArray] = cast(Any, intrinsic)(_borrow)
-"""In kernels: return the numbers from the index ``start`` on of an array as an array of this shape, in the same memory.
+borrow: Callable[[FloatArray, int, tuple[int, ...]], FloatArray] = borrow_as()
+"""In kernels: return the numbers from the index ``start`` on of an array (n,) as an array of this shape, in the same memory.
 
 No references are counted to it and to its slices. The caller of the kernel must keep the array alive.
 """

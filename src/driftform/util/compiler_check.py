@@ -6,7 +6,9 @@ from types import FunctionType
 import numpy as np
 
 from driftform.types import FloatArray
-from driftform.util.compiler import borrow, compile_kernel
+from driftform.util.compiler import borrow, borrow_as, compile_kernel
+
+PAIR = np.dtype([("first", np.float64), ("second", np.float64)])
 
 
 def _take_root(x: float) -> float:
@@ -26,15 +28,21 @@ def _mix(values: FloatArray, more: FloatArray | None) -> FloatArray:
         for j in range(-2, 0):
             out[2 * i + j] += table[i, j] * take_root(row[i - j]) / 3.0
     if more is not None:
-        out[0] += more[-1]
+        out[0] += more[-1] * borrow_pair(values, 6, (1,))[0].second
     return np.append(out, out[::2])
 
 
+borrow_pair = borrow_as(PAIR)
 take_root = compile_kernel(_take_root)
 halve = compile_kernel(_halve, borrows=True)
 _python = FunctionType(
     _mix.__code__,
-    {"np": np, "take_root": _take_root, "halve": lambda values: (values[:4].reshape(2, 2), values[4:])},
+    {
+        "np": np,
+        "take_root": _take_root,
+        "halve": lambda values: (values[:4].reshape(2, 2), values[4:]),
+        "borrow_pair": lambda values, start, _: values[start:].view(PAIR).view(np.recarray),
+    },
 )
 
 _values, _more = np.arange(8.0) / 7.0, np.array([1.0, 2.0])

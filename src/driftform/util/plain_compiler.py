@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar, cast
 
 import numba
+import numpy as np
 
 from driftform.types import FloatArray
 from driftform.util.kernel_cache import announce, find_folder, use_folder
@@ -40,10 +41,23 @@ def compile_kernel(function: Callable[P, R], **_: bool) -> Callable[P, R]:
     return cast(Callable[P, R], kernel)
 
 
-@compile_kernel
-def borrow(array: FloatArray, start: int, shape: tuple[int, ...]) -> FloatArray:
-    """In kernels: return the numbers from an index on of an array in another shape, in the same memory."""
-    size = 1
-    for side in shape:
-        size *= side
-    return array.reshape(array.size)[start : start + size].reshape(shape)
+def borrow_as(
+    dtype: "np.dtype[Any] | None" = None,
+) -> Callable[[FloatArray, int, tuple[int, ...]], Any]:
+    """Return :data:`borrow`, which returns an array of this type: of records, for example."""
+    numbers = 1 if dtype is None else dtype.itemsize // 8
+
+    @compile_kernel
+    def borrow(array: FloatArray, start: int, shape: tuple[int, ...]) -> Any:
+        size = numbers
+        for side in shape:
+            size *= side
+        part = array.reshape(array.size)[start : start + size]
+        # numba compiles no branch for what is None.
+        return part.view(dtype).reshape(shape) if dtype is not None else part.reshape(shape)
+
+    return borrow
+
+
+borrow: Callable[[FloatArray, int, tuple[int, ...]], FloatArray] = borrow_as()
+"""In kernels: return numbers of an array as an array of another shape, in the same memory."""
