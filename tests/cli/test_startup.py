@@ -93,9 +93,3 @@ def test_commands_that_open_agents_and_runs_import_no_package_of_scipy() -> None
         "draw_rounds(load_study('pipe-inspection', run={'seed': 0}))"
     )
     assert loaded & {"scipy.stats", "scipy.optimize", "scipy.special", "scipy.linalg"} == set()
-
-
-def test_numba_is_imported_without_coverage_which_can_be_imported_after_it() -> None:
-    loaded = modules_after("import driftform.util.compiled")
-    assert "numba" in loaded and "coverage" not in loaded
-    assert "coverage" in modules_after("import driftform.util.compiled, coverage")

@@ -3,6 +3,7 @@
 import os
 import secrets
 import shutil
+import sys
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,6 +11,18 @@ from pathlib import Path
 from driftform.errors import InputError
 
 _MAX_STEM_LENGTH = 60
+
+CACHE_VARIABLE = "DRIFTFORM_CACHE"
+"""Environment variable that names the folder of the cache."""
+
+
+def cache_folder() -> Path:
+    """Return the folder of the user's cache: that of the variable DRIFTFORM_CACHE, or the system's."""
+    if CACHE_VARIABLE in os.environ:
+        return Path(os.environ[CACHE_VARIABLE])
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home())) / "driftform" / "cache"
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "driftform"
 
 
 def is_file(path: Path) -> bool:

@@ -1,7 +1,6 @@
 """Solved tees on disk: those in the package, and the user's cache for other shapes."""
 
 import math
-import os
 import sys
 from contextlib import suppress
 from dataclasses import dataclass
@@ -14,7 +13,7 @@ from filelock import FileLock
 
 from driftform.errors import InputError
 from driftform.types import FloatArray
-from driftform.util.files import write_whole
+from driftform.util.files import cache_folder, write_whole
 from driftform.util.preparation import preparing
 from driftform.water.tee_spline import HEAD, LEVEL_SIZE
 from driftform.water.tee_wall import Junction
@@ -34,9 +33,6 @@ JUNCTIONS = tuple(
 
 STEP = 5e-7
 """Step of the stored coefficients: it changes velocities by less than 1e-4 of the mean speed."""
-
-CACHE_VARIABLE = "DRIFTFORM_CACHE"
-"""Environment variable that names the folder of the cache."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,15 +135,6 @@ def _compute(junction: Junction) -> TeePotentials:
     )
     solved: TeePotentials = solvers[0].load()(junction)
     return solved
-
-
-def cache_folder() -> Path:
-    """Return the folder of the user's cache: that of the variable DRIFTFORM_CACHE, or the system's."""
-    if CACHE_VARIABLE in os.environ:
-        return Path(os.environ[CACHE_VARIABLE])
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", Path.home())) / "driftform" / "cache"
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "driftform"
 
 
 def file_name(junction: Junction) -> str:
