@@ -17,19 +17,13 @@ from driftform.figures.plot import (
     pipe_points,
 )
 from driftform.figures.projection import SIDE
-from driftform.figures.style import GRID, INK, MUTED
-from driftform.runs.coverage import CoverageMap, PipeGrid
+from driftform.figures.style import GRID, INK, MUTED, RAMP
+from driftform.runs.coverage import BOUNDS, CoverageMap, PipeGrid
 from driftform.types import FloatArray
 from driftform.water import Pipe, Scenario, Segment
 
 _LEFT, _RIGHT = 58.0, 22.0
 _SWATCH, _STEP = (34.0, 14.0), 74.0
-
-BOUNDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05)
-"""Distances at which the colour changes, m."""
-
-RAMP = ("#440154", "#443983", "#31688e", "#21918c", "#35b779", "#90d743", "#fde725")
-"""Viridis, whose steps differ in lightness for any colour vision; closer is darker."""
 
 
 def reach_svg(reach: CoverageMap, scenario: Scenario, title: str) -> str:
@@ -88,8 +82,7 @@ def _describe(reach: CoverageMap) -> str:
 
 def _draw_cells(root: ET.Element, window: Window, reach: CoverageMap, shift: FloatArray) -> None:
     columns, rows = reach.cells.shape
-    classes = np.searchsorted(BOUNDS, reach.distance, side="right").reshape(columns, rows)
-    classes[~reach.reached.reshape(columns, rows)] = -1
+    classes = reach.classes.reshape(columns, rows)
     low = reach.cells.centres().reshape(columns, rows, 2) - reach.cells.size[:2] / 2 + shift
     width, height = reach.cells.size[:2]
     # Equal neighbours along the pipe are drawn as one rectangle.

@@ -17,7 +17,6 @@ from driftform.figures.trend import Trend, trend_svg
 from driftform.motion.way import approach_targets
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.coverage import PipeGrid, map_coverage
-from driftform.runs.dependence import divide_spread
 from driftform.runs.misses import Misses
 from driftform.runs.run import Run
 from driftform.runs.store import Store
@@ -183,7 +182,7 @@ def _draw_causes(promises: Mapping[str, Misses]) -> dict[str, str]:
     return {
         target: dependence_svg(effects, f"What the miss of {target} depends on")
         for target, misses in promises.items()
-        if (effects := divide_spread(misses, 0)) is not None
+        if (effects := misses.list_effects(0)) is not None
     }
 
 

@@ -10,9 +10,9 @@ from typing import Any
 
 from driftform.agent import hull_mass
 from driftform.design.limits import list_limits
+from driftform.figures import scene, style
 from driftform.interfaces import Fitness
 from driftform.report.contents import Contents
-from driftform.report.viewer import viewer_data
 from driftform.runs.wording import summarise
 from driftform.types import Verdict
 
@@ -39,7 +39,7 @@ def page_html(contents: Contents) -> str:
         contents=contents,
         title=str(study.get("title", "")) or contents.name,
         style=_read("page.css"),
-        script=_read("viewer.js"),
+        script=scene.read_viewer(),
         data=viewer_data(contents),
         lead=_summarise(contents, fitness),
         fitness=fitness,
@@ -55,6 +55,30 @@ def page_html(contents: Contents) -> str:
         ],
         hull_mass=hull_mass,
     )
+
+
+def viewer_data(contents: Contents) -> dict[str, Any]:
+    """Return the data of the page's viewer: agents, flights, pipe and targets; SI units, rounded to what is visible."""
+    around = scene.scene_data(contents.scenario, [entry.trajectory.position for entry in contents.entries])
+    longest = max(entry.agent.body.length for entry in contents.entries)
+    return {
+        "agents": [
+            {
+                "targets": [entry.target for entry in group],
+                **scene.agent_data(
+                    group[0].agent,
+                    group[0].trajectory,
+                    [entry.t for entry in group],
+                    style.SERIES[i % len(style.SERIES)],
+                ),
+            }
+            for i, group in enumerate(contents.agents)
+        ],
+        **around,
+        "longest": round(longest, 4),
+        # Agents are many times smaller than their pipe, so the longest is drawn as long as its radius.
+        "magnification": max(1.0, round(around["size"] / longest, 1)),
+    }
 
 
 def _read(name: str) -> str:

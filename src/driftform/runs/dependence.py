@@ -1,11 +1,10 @@
 """What a miss depends on: the spread of disturbed flights, divided among the quantities that were disturbed."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from driftform.runs.misses import Misses
 from driftform.types import FloatArray
 from driftform.water.disturbances import Condition
 
@@ -82,7 +81,7 @@ class Effect:
     advice: str
 
 
-def divide_spread(misses: Misses, target: int) -> list[Effect] | None:
+def divide_spread(conditions: Sequence[Condition], offsets: FloatArray) -> list[Effect] | None:
     """Return the effect of each disturbed quantity on the closest approach to a target, the largest first.
 
     The offsets of the flights are fitted as linear functions of the deviations (least squares). The effect of a
@@ -94,21 +93,19 @@ def divide_spread(misses: Misses, target: int) -> list[Effect] | None:
 
     Parameters
     ----------
-    misses
-        the disturbed flights.
-    target
-        number of the target.
+    conditions
+        of each flight.
+    offsets
+        vector from the target to the closest approach of each flight, m, (flights, 3); NaN for a failed flight.
     """
-    sound = ~np.isnan(misses.offsets[:, target, 0])
+    sound = ~np.isnan(offsets[:, 0])
     if sound.sum() < MIN_FLIGHTS:
         return None
-    count = len(misses.conditions)
     columns = [
-        np.array([quantity.read(c) for c in misses.conditions]).reshape(count, -1)[sound]
+        np.array([quantity.read(c) for c in conditions]).reshape(len(conditions), -1)[sound]
         for quantity in QUANTITIES
     ]
-    offsets = misses.offsets[sound, target]
-    offsets = offsets - offsets.mean(axis=0)
+    offsets = offsets[sound] - offsets[sound].mean(axis=0)
     deviations = np.hstack(columns)
     deviations -= deviations.mean(axis=0)
     scale = deviations.std(axis=0)
@@ -117,7 +114,7 @@ def divide_spread(misses: Misses, target: int) -> list[Effect] | None:
     slopes, *_ = np.linalg.lstsq(design, offsets, rcond=None)
     residual = offsets - design @ slopes
     freedom = max(1, len(offsets) - 1 - int(used.sum()))
-    rest = (residual**2).sum(axis=0) / freedom
+    rest: FloatArray = (residual**2).sum(axis=0) / freedom
     effects, first = [], 0
     for quantity, column in zip(QUANTITIES, columns, strict=True):
         rows = slice(first, first + column.shape[1])

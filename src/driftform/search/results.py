@@ -11,7 +11,8 @@ from driftform.errors import DriftformError, InputError, WorkFailedError
 from driftform.interfaces import ExportJob
 from driftform.plugins.faults import report_faults
 from driftform.plugins.seams import require_files
-from driftform.runs.agent_file import StoredAgent, agent_document, write_agent
+from driftform.runs.agent_file import StoredAgent
+from driftform.runs.coverage import CoverageMap, PipeGrid, map_coverage
 from driftform.runs.directory import DATABASE
 from driftform.runs.store import Store
 from driftform.runs.wording import describe_worst
@@ -147,7 +148,7 @@ def _write_agents(
     for best in stored:
         target, result = best.result["target"], best.result
         document, samples, picture = files = [directory / "best" / target / name for name in names]
-        write_agent(document, best)
+        best.write(document)
         if found:
             write_whole(samples, partial(shutil.copyfile, found[0].files[1]))
         else:
@@ -212,7 +213,7 @@ def _export_agent(directory: Path, study: Study, agent: Agent, stored: Sequence[
     exporters = [study.make_exporter(name) for name in study.run.formats]
     exported: Exports = {}
     for best in stored:
-        job = ExportJob("agent", agent, study.scenario, agent_document(best))
+        job = ExportJob("agent", agent, study.scenario, best.document())
         files, problems = exported.setdefault(best.result["target"], ([], []))
         for exporter in exporters:
             path = directory / "best" / best.result["target"] / f"agent{exporter.suffix}"
@@ -252,11 +253,18 @@ def _write_overview(directory: Path, study: Study, store: Store) -> None:
 
 def _write_reach(directory: Path, study: Study, store: Store) -> None:
     from driftform.figures.reach import reach_svg
-    from driftform.runs.coverage import PipeGrid, map_coverage
 
-    reach = map_coverage(
-        track_progress(store.read_trajectories(), store.count_sound(), "flights"),
-        PipeGrid.of_scenario(study.scenario),
-    )
-    title = str(study.document.get("title", ""))
-    write_text(directory / "figures" / "reach.svg", reach_svg(reach, study.scenario, title))
+    picture = reach_svg(map_run(study, store), study.scenario, study.title)
+    write_text(directory / "figures" / "reach.svg", picture)
+
+
+def map_run(study: Study, store: Store) -> CoverageMap:
+    """Return the coverage of all flights of a run that did not fail.
+
+    Raises
+    ------
+    InputError
+        in open water.
+    """
+    flights = track_progress(store.read_trajectories(), store.count_sound(), "flights")
+    return map_coverage(flights, PipeGrid.of_scenario(study.scenario))

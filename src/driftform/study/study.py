@@ -24,12 +24,15 @@ from driftform.plugins.seams import check_grammar, check_wording
 from driftform.study.error_lines import format_errors
 from driftform.study.sources import (
     Source,
+    join_path,
     locate_key,
     merge_source,
     parse_setting,
     read_calibration,
+    read_scenarios,
     read_sources,
 )
+from driftform.study.toml_positions import find_key_lines
 from driftform.water import Scenario
 
 DEFAULT = "pipe-inspection"
@@ -101,6 +104,11 @@ class Study:
     given: str = ""
 
     @property
+    def title(self) -> str:
+        """The title that its file gives it, or nothing."""
+        return str(self.document.get("title", ""))
+
+    @property
     def seed(self) -> int:
         """The seed of all randomness."""
         assert self.run.seed is not None
@@ -141,6 +149,42 @@ class Study:
             if there is no exporter for one.
         """
         _check_formats(self.run.formats, [Source(self.name, self.document)])
+
+    def check_search(self) -> None:
+        """Refuse a study that cannot be searched, before anything is written.
+
+        Raises
+        ------
+        InputError
+            if it has no targets, with the line to add, or if its strategy does not accept it.
+        """
+        if not self.scenario.targets:
+            raise InputError(
+                f"{self.name}: has no [targets]; add at least one, such as leak = [4.0, 0.0, -0.9]"
+            )
+        self.make_strategy()
+
+    def list_warnings(self) -> list[str]:
+        """Return what is likely to be wrong with it, one line each; nothing flies.
+
+        Raises
+        ------
+        InputError
+            if not even the smallest body of the builder can be released.
+        """
+        from driftform.study.advice import list_warnings
+
+        return list_warnings(self.name, self.make_pipeline())
+
+    @staticmethod
+    def list_scenarios() -> Mapping[str, str]:
+        """Return the text of each built-in scenario, by the name that :func:`load_study` takes."""
+        return read_scenarios()
+
+    @staticmethod
+    def find_lines(text: str) -> dict[str, int]:
+        """Return the line of each key in the text of a study file, such as ``{"pipe.segments[0].radius": 4}``."""
+        return {join_path(path): line for path, line in find_key_lines(text).items()}
 
     def make_exporter(self, name: str) -> Exporter[Any]:
         """Create an exporter with the options of its table ``[exporter.<name>]``, if there is one."""

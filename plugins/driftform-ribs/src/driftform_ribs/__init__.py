@@ -11,8 +11,10 @@ if TYPE_CHECKING:
 @hookimpl
 def driftform_strategy() -> "type[Strategy[Any]]":
     """Return MAP-Elites with an archive of pyribs. Check here that it is installed; import it only to search."""
-    from driftform.plugins.registry import require_module
+    from importlib.util import find_spec
+
     from driftform_ribs.strategy import RibsStrategy
 
-    require_module("ribs")
+    if find_spec("ribs") is None:
+        raise ModuleNotFoundError("No module named 'ribs'", name="ribs")
     return RibsStrategy
