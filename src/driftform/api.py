@@ -18,7 +18,7 @@ from driftform.design.design import Design
 from driftform.design.flight import Flight
 from driftform.design.opening import open_best
 from driftform.errors import InputError, did_you_mean
-from driftform.report.writing import write_report
+from driftform.report.page import write_report
 from driftform.runs.agent_file import StoredAgent
 from driftform.runs.coverage import CoverageMap
 from driftform.runs.misses import Misses

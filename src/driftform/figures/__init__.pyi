@@ -8,5 +8,4 @@ from . import trend as trend
 from .files import make_pdf as make_pdf
 from .files import rasterise as rasterise
 from .files import write_picture as write_picture
-from .png import png_bytes as png_bytes
 from .section import section_svg as section_svg

@@ -162,7 +162,7 @@ def _draw_view(
             )
             ink.append(resample_polyline(corners, 4))
     x, y = seen[0]
-    svg.add(root, "circle", class_="start", cx=x, cy=y, r=4.5, fill="#ffffff", stroke=BLUE, stroke_width=2)
+    svg.add_circle(root, x, y, 4.5, "#ffffff", BLUE, 2, class_="start")
 
     anchors = np.vstack([seen[:1], window.to_page(scenario.target_array())])
     for i, (x, y) in enumerate(anchors[1:]):
@@ -178,17 +178,7 @@ def _draw_view(
             stroke_width=1.2,
             stroke_dasharray="3 2",
         )
-        svg.add(
-            root,
-            "circle",
-            class_="closest",
-            cx=foot[0],
-            cy=foot[1],
-            r=3.5,
-            fill="#ffffff",
-            stroke=VERMILLION,
-            stroke_width=1.8,
-        )
+        svg.add_circle(root, foot[0], foot[1], 3.5, "#ffffff", VERMILLION, 1.8, class_="closest")
         ink.append(resample_polyline(np.array([foot, target]), 3))
     names = [("start", MUTED, False)]
     names += [

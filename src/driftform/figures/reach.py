@@ -125,7 +125,7 @@ def _draw_points(
     """Draw the release point, and the targets with their names."""
     release = cells.to_map(scenario.release_position()[None])[:, :2] + shift
     [(x, y)] = window.to_page(release)
-    svg.add(root, "circle", cx=x, cy=y, r=4.5, fill="#ffffff", stroke=INK, stroke_width=1.6)
+    svg.add_circle(root, x, y, 4.5, "#ffffff", INK, 1.6)
     anchors = window.to_page(cells.to_map(scenario.target_array())[:, :2] + shift)
     for x, y in anchors:
         draw_cross(root, x, y, 5.5, INK, 2.4)
@@ -136,7 +136,7 @@ def _draw_points(
 def _draw_legend(root: ET.Element, top: float) -> None:
     """Draw the colours with the distances between them, and the hatching of cells that no flight crosses."""
     width, height = _SWATCH
-    svg.add(root, "line", x1=MARGIN, y1=top - 16, x2=WIDTH - MARGIN, y2=top - 16, stroke=GRID)
+    svg.add_segment(root, MARGIN, top - 16, WIDTH - MARGIN, top - 16, GRID)
     write(root, MARGIN, top + 11, "Closest approach to the middle of the cell (mm)", 12, MUTED)
     x = WIDTH - MARGIN - len(RAMP) * width - 150
     for number, colour in enumerate(RAMP):

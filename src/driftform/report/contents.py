@@ -7,24 +7,19 @@ import numpy as np
 
 from driftform.errors import WorkFailedError
 from driftform.figures.dependence import dependence_svg
-from driftform.figures.gallery import GalleryEntry
 from driftform.figures.intervals import intervals_svg
-from driftform.figures.overview import overview_svg
 from driftform.figures.reach import reach_svg
 from driftform.figures.section import section_svg
 from driftform.figures.strip import Strip, strip_svg
 from driftform.figures.trend import Trend, trend_svg
 from driftform.motion.way import approach_targets
 from driftform.runs.agent_file import StoredAgent
-from driftform.runs.coverage import PipeGrid, map_coverage
 from driftform.runs.misses import Misses
 from driftform.runs.run import Run
 from driftform.runs.store import Store
-from driftform.runs.wording import describe_worst
-from driftform.search.finalists import describe_best, find_winner
+from driftform.search.results import draw_overview, map_run, read_best
 from driftform.study import Study
 from driftform.types import Agent, Trajectory
-from driftform.util.progress import track_progress
 from driftform.water import Scenario
 
 TREND_POINTS = 60
@@ -93,55 +88,34 @@ def collect_contents(run: Run) -> Contents:
     WorkFailedError
         if no evaluation succeeded yet.
     """
-    study = run.study
+    study, scenario = run.study, run.study.scenario
+    grammar, targets = study.make_plugin("grammar"), scenario.target_names
     with run.read() as store:
-        targets = study.scenario.target_names
-        pipeline = study.make_pipeline()
-        entries: list[Entry] = []
-        flown: dict[int, tuple[Agent, Trajectory]] = {}
-        promises: dict[str, Misses] = {}
-        for target in targets:
-            winner = find_winner(study, store, target)
-            if winner is not None and winner.misses is not None:
-                promises[target] = winner.misses
-            stored = describe_best(study, store, target, winner)
-            if stored is None:
-                raise WorkFailedError(f"{run.path}: has no successful evaluation to report")
-            index = stored.result["evaluation"]
-            if index not in flown:
-                trajectory = store.read_record(index, targets).evaluation.trajectory
-                assert trajectory is not None
-                flown[index] = pipeline.make_agent(stored.genome), trajectory
-            agent, flight = flown[index]
-            distances, times = approach_targets(flight, study.scenario)
-            place = study.scenario.target_names.index(target)
+        if not store.count_sound():
+            raise WorkFailedError(f"{run.path}: has no successful evaluation to report")
+        best, entries = read_best(run, store), []
+        for number, (target, one) in enumerate(zip(targets, best, strict=True)):
+            distances, times = approach_targets(one.trajectory, scenario)
             entries.append(
                 Entry(
                     target,
-                    index,
-                    stored.result["fitness"],
-                    float(distances[place]),
-                    float(times[place]),
-                    stored,
-                    pipeline.grammar.to_text(stored.genome),
-                    agent,
-                    flight,
+                    one.stored.result["evaluation"],
+                    one.stored.result["fitness"],
+                    float(distances[number]),
+                    float(times[number]),
+                    one.stored,
+                    grammar.to_text(one.stored.genome),
+                    one.agent,
+                    one.trajectory,
                 )
             )
-        title = str(study.document.get("title", ""))
-        fitness = pipeline.fitness
-        flights = [
-            GalleryEntry(e.target, e.agent, e.trajectory, fitness.measure(e.fitness), fitness.unit)
-            for e in entries
-        ]
-        worst = describe_worst(fitness, {entry.target: entry.fitness for entry in entries})
-        seen = track_progress(store.read_trajectories(), store.count_sound(), "flights")
+        promises = {
+            target: one.misses for target, one in zip(targets, best, strict=True) if one.misses is not None
+        }
         figures = {
-            "Flights and bodies": overview_svg(flights, study.scenario, title, worst),
+            "Flights and bodies": draw_overview(study, best),
             "Search": trend_svg(_read_trends(store, targets), "Best fitness so far", _strategy_name(study)),
-            "Reach": reach_svg(
-                map_coverage(seen, PipeGrid.of_scenario(study.scenario)), study.scenario, title
-            ),
+            "Reach": reach_svg(map_run(study, store), scenario, study.title),
         }
         if intervals := study.scenario.calibration.intervals:
             count = study.scenario.calibration.tracks

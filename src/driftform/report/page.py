@@ -6,21 +6,41 @@ strangers, and no line of Python has to remember to escape one. It is imported o
 """
 
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from driftform.agent import hull_mass
 from driftform.design.limits import list_limits
 from driftform.figures import scene, style
 from driftform.interfaces import Fitness
-from driftform.report.contents import Contents
+from driftform.report.contents import Contents, collect_contents
+from driftform.runs.run import Run
 from driftform.runs.wording import summarise
 from driftform.types import Verdict
+from driftform.util.files import make_directory, write_text
 
 STYLES = {Verdict.REACHED: "good", Verdict.NEAR: "fair", Verdict.MISSED: "poor"}
 """The style class of each verdict of the fitness."""
 
 SEAMS = ("grammar", "builder", "hydrodynamics", "simulator", "fitness", "strategy")
 """Tables of a study whose plugins the page lists."""
+
+
+def write_report(run: Run, path: Path | None = None) -> tuple[Contents, Path]:
+    """Write the page of a run, by default ``report.html`` in it; return what it holds, and its path.
+
+    Raises
+    ------
+    InputError
+        if the run is damaged.
+    WorkFailedError
+        if no evaluation succeeded yet.
+    """
+    contents = collect_contents(run)
+    path = path or run.path / "report.html"
+    make_directory(path.parent)
+    write_text(path, page_html(contents))
+    return contents, path
 
 
 def page_html(contents: Contents) -> str:

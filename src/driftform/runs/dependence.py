@@ -111,19 +111,18 @@ def divide_spread(conditions: Sequence[Condition], offsets: FloatArray) -> list[
     scale = deviations.std(axis=0)
     used = scale > 0
     design = np.where(used, deviations / np.where(used, scale, 1.0), 0.0)
-    slopes, *_ = np.linalg.lstsq(design, offsets, rcond=None)
+    slopes = np.asarray(np.linalg.lstsq(design, offsets, rcond=None)[0], dtype=np.float64)
     residual = offsets - design @ slopes
     freedom = max(1, len(offsets) - 1 - int(used.sum()))
-    rest: FloatArray = (residual**2).sum(axis=0) / freedom
+    rest = (residual**2).sum(axis=0) / freedom
     effects, first = [], 0
     for quantity, column in zip(QUANTITIES, columns, strict=True):
         rows = slice(first, first + column.shape[1])
         first = rows.stop
         if not column.shape[1]:
             continue
-        effects.append(
-            Effect(quantity.name, _sum_effect(slopes[rows], rest / len(offsets), used[rows]), quantity.advice)
-        )
+        deviation = _sum_effect(slopes[rows], rest / len(offsets), used[rows])
+        effects.append(Effect(quantity.name, deviation, quantity.advice))
     effects.sort(key=lambda effect: -effect.deviation)
     return [*effects, Effect(REST, float(np.sqrt(rest.sum())), "nothing: these are the water's own")]
 
