@@ -6,7 +6,7 @@ from xml.etree import ElementTree as ET
 
 from driftform.figures import svg
 from driftform.figures.bodies import Placement, closed_outline, draw_rims, draw_shading
-from driftform.figures.layout import MARGIN, WIDTH, draw_scale_bar, shorten, start_page, text_width, write
+from driftform.figures.layout import MARGIN, WIDTH, draw_scale_bar, shorten, text_width, write
 from driftform.figures.style import GRID, INK, MUTED, SERIES, tint
 from driftform.types import Agent, Body, Trajectory
 
@@ -24,21 +24,6 @@ class GalleryEntry:
     trajectory: Trajectory
     value: float
     unit: str = "%"
-
-
-def gallery_svg(flights: Sequence[GalleryEntry], title: str, subtitle: str) -> str:
-    """Return the bodies of flights as SVG, at one scale, fore end to the right."""
-    rows, px_per_m = arrange_rows(flights)
-    top = 130.0
-    names = ", ".join(flight.name for flight in flights) or "none"
-    root = start_page(
-        top + sum(row.height for row in rows) + 2,
-        title,
-        subtitle,
-        f"Bodies of revolution at one scale: {names}. {subtitle}",
-    )
-    draw_gallery(root, rows, px_per_m, top)
-    return svg.render(root)
 
 
 def group_shared(flights: Sequence[GalleryEntry]) -> list[list[GalleryEntry]]:

@@ -1,7 +1,7 @@
 """A run -> the contents of its page: the best agents, their flights, and the pictures."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -9,7 +9,6 @@ from driftform.errors import WorkFailedError
 from driftform.figures.dependence import dependence_svg
 from driftform.figures.intervals import intervals_svg
 from driftform.figures.reach import reach_svg
-from driftform.figures.section import section_svg
 from driftform.figures.strip import Strip, strip_svg
 from driftform.figures.trend import Trend, trend_svg
 from driftform.motion.way import approach_targets
@@ -49,8 +48,8 @@ class Contents:
     """Contents of the page of a run.
 
     ``commonest_failure`` is the first of the commonest kind of failure, and how many there are. ``seconds`` is the total
-    time of all evaluations on the machines that made them. There is one of the ``sections`` for each of the
-    :attr:`agents`; ``causes`` has a picture for each target of what the miss depends on.
+    time of all evaluations on the machines that made them. ``causes`` has a picture for each target of
+    what the miss depends on.
     """
 
     name: str
@@ -61,7 +60,6 @@ class Contents:
     seconds: float
     entries: tuple[Entry, ...]
     figures: Mapping[str, str]
-    sections: Sequence[str]
     causes: Mapping[str, str]
 
     @property
@@ -132,7 +130,7 @@ def collect_contents(run: Run) -> Contents:
                 f"{count} flights of each best agent under disturbed conditions that the choice never saw."
             )
             figures["Robustness"] = strip_svg(strips, "Misses under disturbed conditions", subtitle)
-        contents = Contents(
+        return Contents(
             run.name,
             study,
             store.count(),
@@ -141,14 +139,8 @@ def collect_contents(run: Run) -> Contents:
             store.total_seconds(),
             tuple(entries),
             figures,
-            (),
             _draw_causes(promises),
         )
-        sections = [
-            section_svg(group[0].agent, ", ".join(entry.target for entry in group), study.scenario)
-            for group in contents.agents
-        ]
-        return replace(contents, sections=sections)
 
 
 def _draw_causes(promises: Mapping[str, Misses]) -> dict[str, str]:

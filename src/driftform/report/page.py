@@ -12,6 +12,7 @@ from typing import Any
 from driftform.agent import hull_mass
 from driftform.design.limits import list_limits
 from driftform.figures import scene, style
+from driftform.figures.section import section_svg
 from driftform.interfaces import Fitness
 from driftform.report.contents import Contents, collect_contents
 from driftform.runs.run import Run
@@ -68,6 +69,10 @@ def page_html(contents: Contents) -> str:
         has_spread=any("robust" in entry.stored.result for entry in contents.entries),
         plugins={seam: study[seam]["use"] for seam in SEAMS if seam in study},
         study=tomli_w.dumps(dict(study)),
+        sections=[
+            section_svg(group[0].agent, ", ".join(entry.target for entry in group), contents.scenario)
+            for group in contents.agents
+        ],
         limits=[
             (", ".join(entry.target for entry in group), line)
             for group in contents.agents

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from driftform import Study
-from driftform.figures import gallery, trend, write_picture
+from driftform.figures import gallery, layout, svg, trend, write_picture
 from driftform.types import FloatArray
 from driftform.water import Scenario
 from driftform_paper.repeats import (
@@ -23,6 +23,9 @@ from driftform_paper.spread import FlightSpread, compute_band, spread_svg
 
 TIMES = 10
 """How often each of the best agents is flown again."""
+
+TOP = 130.0
+"""Upper edge of the bodies in their picture, px."""
 
 COMPARABLE = """\
 The paper's percentages and these are of the same quantity (distance of closest approach over the farthest distance
@@ -193,8 +196,10 @@ def _shapes(study: Study, search: Search, again: Resimulation) -> str:
             study.scenario.target_names, search.best, again.same.flights, again.same.fitness, strict=True
         )
     ]
-    return gallery.gallery_svg(
-        flights,
-        "The best shapes",
-        f"The best agent for each target over {len(search.error)} repeats, with its error",
-    )
+    rows, px_per_m = gallery.arrange_rows(flights)
+    subtitle = f"The best agent for each target over {len(search.error)} repeats, with its error"
+    description = f"Bodies of revolution at one scale: {', '.join(study.scenario.target_names)}. {subtitle}"
+    height = TOP + sum(row.height for row in rows) + 2
+    root = layout.start_page(height, "The best shapes", subtitle, description)
+    gallery.draw_gallery(root, rows, px_per_m, TOP)
+    return svg.render(root)
