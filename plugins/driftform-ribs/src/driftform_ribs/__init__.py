@@ -11,10 +11,8 @@ if TYPE_CHECKING:
 @hookimpl
 def driftform_strategy() -> "type[Strategy[Any]]":
     """Return MAP-Elites with an archive of pyribs. Check here that it is installed; import it only to search."""
-    from importlib.util import find_spec
-
+    from driftform.plugins.registry import require_module
     from driftform_ribs.strategy import RibsStrategy
 
-    if find_spec("ribs") is None:
-        raise ModuleNotFoundError("No module named 'ribs'", name="ribs")
+    require_module("ribs")
     return RibsStrategy
